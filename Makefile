@@ -1,0 +1,71 @@
+# Every target sets up what it needs in .venv: with uv where it is on PATH, with venv and pip elsewhere.
+#   PYTHON=python3.12 make test    with another Python (3.11 or newer)
+#   UV= make test                  with pip although uv is there
+
+PYTHON ?= python3
+UV ?= $(shell command -v uv 2>/dev/null)
+VENV ?= .venv
+
+RUN := $(VENV)/bin/python
+READY := $(VENV)/.ready
+LOCKS := uv.lock requirements.lock
+# uv finds a Python by itself, unless the user names one.
+UV_PYTHON_OPTION = $(if $(filter environment command,$(origin PYTHON)),--python '$(PYTHON)')
+# The locks speak of the standard index only, whatever this machine is set up to use.
+NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_EXTRA_INDEX_URL -u UV_FIND_LINKS
+
+.DELETE_ON_ERROR:
+.PHONY: help demo test lint bench lock clean
+
+help:  ## this list
+	@sed -n 's/^\([a-z]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 12
+
+demo: $(READY)  ## register the packaged real data and prove the answers
+	@$(VENV)/bin/certreg demo
+
+test: $(READY)  ## run the tests and the examples in the docstrings
+	@$(RUN) -m pytest
+
+lint: $(READY)  ## ruff with all rules, formatting, strict types
+	@$(RUN) -m ruff check .
+	@$(RUN) -m ruff format --check .
+	@PYRIGHT_PYTHON_IGNORE_WARNINGS=1 $(RUN) -m pyright --pythonpath $(RUN)
+
+bench: $(READY)  ## measure speed
+	@$(RUN) -m benchmarks
+
+lock:  ## make both lock files anew from pyproject.toml (needs uv; LOCK_OPTIONS=--upgrade for newer versions)
+	@test -n '$(UV)' || { echo "make lock needs uv: https://docs.astral.sh/uv/ or 'pip install uv'" >&2; exit 1; }
+	@$(NO_INDEX_SETTINGS) $(UV) lock --no-config $(LOCK_OPTIONS)
+	@{ echo "# Exported from uv.lock by 'make lock': edit pyproject.toml instead." && \
+	   $(NO_INDEX_SETTINGS) $(UV) export --no-config --locked --quiet --no-header \
+	     --no-emit-project --all-groups --format requirements.txt; } > requirements.lock.new
+	@mv requirements.lock.new requirements.lock
+
+clean:  ## remove the environment, caches, builds and the demo's folder
+	rm -rf $(VENV) build dist certreg-demo .hypothesis .pytest_cache .ruff_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# The stamp goes first and comes back last: a set-up that was cut short is done again.
+ifneq ($(strip $(UV)),)
+
+$(READY): pyproject.toml $(LOCKS)
+	@rm -f $(READY)
+	@echo "Setting up $(VENV) with uv ..."
+	@UV_PROJECT_ENVIRONMENT='$(VENV)' $(UV) sync --locked --all-groups --quiet $(UV_PYTHON_OPTION)
+	@touch $(READY)
+
+else
+
+$(READY): pyproject.toml $(LOCKS)
+	@rm -f $(READY)
+	@command -v '$(PYTHON)' >/dev/null || { echo "certreg needs Python 3.11 or newer, and '$(PYTHON)' was not found: install it (Debian, Ubuntu: apt-get install python3 python3-venv) or name one (PYTHON=python3.12 make ...)." >&2; exit 1; }
+	@'$(PYTHON)' -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "certreg needs Python 3.11 or newer, and '$(PYTHON)' is older: name a newer one (PYTHON=python3.12 make ...) or install uv, which fetches one ('pip install uv')." >&2; exit 1; }
+	@'$(PYTHON)' -c 'import ensurepip, venv' 2>/dev/null || { echo "'$(PYTHON)' lacks the venv module: install it (Debian, Ubuntu: apt-get install python3-venv) or install uv, which does without." >&2; exit 1; }
+	@echo "Setting up $(VENV) with venv and pip (about a minute) ..."
+	@'$(PYTHON)' -m venv --clear '$(VENV)'
+	@$(RUN) -m pip --disable-pip-version-check install --quiet --require-hashes -r requirements.lock
+	@$(RUN) -m pip --disable-pip-version-check install --quiet --no-deps --no-build-isolation -e .
+	@touch $(READY)
+
+endif

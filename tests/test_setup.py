@@ -1,0 +1,166 @@
+"""The lock files, the metadata and the Makefile tell the same story."""
+
+import os
+import re
+import subprocess
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import certreg
+
+ROOT = Path(__file__).parents[1]
+PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
+UV_LOCK = (ROOT / "uv.lock").read_text("utf-8")
+REQUIREMENTS = (ROOT / "requirements.lock").read_text("utf-8")
+RESOLVED: list[dict[str, Any]] = [
+    package for package in tomllib.loads(UV_LOCK)["package"] if package["name"] != "certreg"
+]
+INDEX_HOSTS = {"pypi.org", "files.pythonhosted.org"}
+
+Pins = dict[tuple[str, str], frozenset[str]]
+
+
+def normalized(requirement: str) -> str:
+    """Name of a requirement, as the index spells it (PEP 503)."""
+    match = re.match(r"[A-Za-z0-9._-]+", requirement)
+    assert match is not None
+    return re.sub(r"[-_.]+", "-", match.group()).lower()
+
+
+def pins_of_uv() -> Pins:
+    """Hashes of every (name, version) that uv.lock resolves."""
+    return {
+        (package["name"], package["version"]): frozenset(
+            file["hash"] for file in [package.get("sdist"), *package.get("wheels", [])] if file
+        )
+        for package in RESOLVED
+    }
+
+
+def pins_of_pip() -> Pins:
+    """Hashes of every (name, version) in requirements.lock."""
+    logical_lines = REQUIREMENTS.replace("\\\n", " ").splitlines()
+    pins: Pins = {}
+    for line in logical_lines:
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        pin = re.match(r"([a-z0-9-]+)==([^\s;]+)", line)
+        assert pin is not None, f"not an exact pin: {line[:80]}"
+        pins[pin[1], pin[2]] = frozenset(re.findall(r"--hash=(sha256:[0-9a-f]{64})", line))
+    return pins
+
+
+def test_both_lock_files_name_the_same_versions_with_the_same_hashes():
+    assert pins_of_pip() == pins_of_uv()
+
+
+def test_every_pin_has_a_hash():
+    assert RESOLVED
+    assert all(pins_of_uv().values())
+
+
+def test_a_version_that_depends_on_the_python_is_chosen_by_a_marker():
+    names = [name for name, _ in pins_of_pip()]
+    twice = {name for name in names if names.count(name) > 1}
+
+    for line in REQUIREMENTS.splitlines():
+        if re.match(r"[a-z0-9-]+==", line) and normalized(line) in twice:
+            assert "python_full_version" in line, line
+
+
+@pytest.mark.parametrize("lock", [UV_LOCK, REQUIREMENTS], ids=["uv.lock", "requirements.lock"])
+def test_a_lock_file_knows_no_place_but_the_standard_index(lock: str):
+    hosts = {match.lower() for match in re.findall(r"[a-z+]+://([^/\s\"]*)", lock)}
+
+    assert hosts <= INDEX_HOSTS
+    assert "file:" not in lock
+    assert "find-links" not in lock
+
+
+def test_every_locked_package_comes_from_the_standard_index():
+    sources = [package["source"] for package in RESOLVED]
+
+    assert all(source == {"registry": "https://pypi.org/simple"} for source in sources)
+
+
+def test_every_declared_requirement_is_pinned():
+    groups = [PYPROJECT["project"]["dependencies"], *PYPROJECT["dependency-groups"].values()]
+    declared = [requirement for group in groups for requirement in group]
+    pinned = {name for name, _ in pins_of_pip()}
+
+    assert {normalized(requirement) for requirement in declared} <= pinned
+
+
+def test_what_builds_the_package_is_pinned_for_the_pip_way():
+    build_tools = PYPROJECT["build-system"]["requires"]
+    pinned = {name for name, _ in pins_of_pip()}
+
+    # pip builds without isolation; hatchling needs `editables` for an editable wheel.
+    assert {normalized(tool) for tool in [*build_tools, "editables"]} <= pinned
+
+
+def test_the_version_is_one_everywhere():
+    citation = (ROOT / "CITATION.cff").read_text("utf-8")
+    cited = re.findall(r"^version: (\S+)$", citation, flags=re.MULTILINE)
+
+    assert cited == [PYPROJECT["project"]["version"]]
+    assert certreg.__version__ == PYPROJECT["project"]["version"]
+
+
+def make(*arguments: str, path: str | None = None) -> subprocess.CompletedProcess[str]:
+    """Runs make on the checkout, in an environment that no outer make or uv has touched."""
+    outer = {"UV", "PYTHON", "VENV", "MAKEFLAGS", "MFLAGS", "MAKELEVEL", "MAKEOVERRIDES"}
+    environment = {name: value for name, value in os.environ.items() if name not in outer}
+    if path is not None:
+        environment["PATH"] = path
+    command = ["make", *arguments]
+    return subprocess.run(
+        command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False
+    )
+
+
+def dry_run(folder: Path, *arguments: str, path: str | None = None) -> str:
+    """What `make test` would do where nothing is set up, whatever the checkout's .venv is."""
+    done = make("-n", "test", f"VENV={folder / 'absent'}", *arguments, path=path)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_make_sets_up_with_venv_and_pip_where_uv_is_unwanted(tmp_path: Path):
+    plan = dry_run(tmp_path, "UV=")
+
+    assert "-m venv" in plan
+    assert "--require-hashes -r requirements.lock" in plan
+    assert "--no-deps --no-build-isolation -e ." in plan
+    assert "uv sync" not in plan
+
+
+def test_make_sets_up_with_uv_where_it_is_on_path(tmp_path: Path):
+    uv = tmp_path / "uv"
+    uv.write_text("#!/bin/sh\nexit 1\n", "utf-8")
+    uv.chmod(0o755)
+
+    plan = dry_run(tmp_path, path=f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
+
+    assert f"{uv} sync --locked --all-groups" in plan
+    assert "-m pip" not in plan
+
+
+@pytest.mark.parametrize("arguments", [["UV="], ["UV=uv"]], ids=["pip", "uv"])
+def test_a_set_up_that_was_cut_short_leaves_no_stamp(tmp_path: Path, arguments: list[str]):
+    steps = dry_run(tmp_path, *arguments).splitlines()
+    stamp = tmp_path / "absent" / ".ready"
+
+    assert steps[0] == f"rm -f {stamp}"
+    assert steps[-2:] == [f"touch {stamp}", f"{tmp_path / 'absent'}/bin/python -m pytest"]
+
+
+def test_a_set_up_that_cannot_start_says_what_to_install(tmp_path: Path):
+    done = make("test", f"VENV={tmp_path / 'absent'}", "UV=", "PYTHON=python3.no-such")
+
+    assert done.returncode != 0
+    assert "apt-get install python3" in done.stderr
+    assert not (tmp_path / "absent").exists()
