@@ -1,0 +1,5 @@
+"""`python -m certreg`."""
+
+from certreg.cli import main
+
+main()

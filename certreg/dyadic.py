@@ -1,0 +1,106 @@
+"""Dyadic numbers, and the ways from exact numbers to doubles, in a stated direction."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+
+ASIN_SLACK = 1.0 + 1e-12  # asin and sqrt of the C library err by an ulp or two: 1e-15
+
+
+def power_of_two(exponent: int) -> Fraction:
+    """2**exponent, exactly."""
+    return Fraction(1 << exponent) if exponent >= 0 else Fraction(1, 1 << -exponent)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Dyadic:
+    """mantissa * 2**exponent, exactly; the only kind of number that carries proof in a file."""
+
+    mantissa: int
+    exponent: int
+
+    @property
+    def value(self) -> Fraction:
+        """The same number as a fraction."""
+        return self.mantissa * power_of_two(self.exponent)
+
+    def scaled(self, exponent: int) -> Dyadic:
+        """This number times 2**exponent."""
+        return Dyadic(mantissa=self.mantissa, exponent=self.exponent + exponent)
+
+
+def dyadic_above(value: Fraction, bits: int) -> Dyadic:
+    """The least dyadic number >= value (>= 0) with at most `bits` bits of mantissa."""
+    if value == 0:
+        return Dyadic(mantissa=0, exponent=0)
+    exponent = _exponent(value, bits)
+    return Dyadic(mantissa=math.ceil(value / power_of_two(exponent)), exponent=exponent)
+
+
+def dyadic_below(value: Fraction, bits: int) -> Dyadic:
+    """The greatest dyadic number <= value (>= 0) with about `bits` bits of mantissa."""
+    if value == 0:
+        return Dyadic(mantissa=0, exponent=0)
+    exponent = _exponent(value, bits)
+    return Dyadic(mantissa=math.floor(value / power_of_two(exponent)), exponent=exponent)
+
+
+def _exponent(value: Fraction, bits: int) -> int:
+    return value.numerator.bit_length() - value.denominator.bit_length() - bits + 1
+
+
+def nearest_double(value: Fraction) -> float | None:
+    """The double nearest to the value; None where it overflows, or vanishes without being 0."""
+    try:
+        nearest = value.numerator / value.denominator
+    except OverflowError:
+        return None
+    return None if nearest == 0.0 and value != 0 else nearest
+
+
+def nearest_or_zero(value: Fraction) -> float:
+    """The double nearest to the value, infinite beyond the doubles: for coordinates."""
+    try:
+        return value.numerator / value.denominator
+    except OverflowError:
+        return math.copysign(math.inf, value)
+
+
+def double_above(value: Fraction) -> float:
+    """The least double >= value (>= 0): an upper bound stays one. Infinity beyond the doubles."""
+    try:
+        nearest = value.numerator / value.denominator
+    except OverflowError:
+        return math.inf
+    return nearest if Fraction(nearest) >= value else math.nextafter(nearest, math.inf)
+
+
+def double_below(value: Fraction) -> float:
+    """The greatest double <= value (>= 0)."""
+    try:
+        nearest = value.numerator / value.denominator
+    except OverflowError:
+        return math.nextafter(math.inf, 0.0)
+    return nearest if Fraction(nearest) <= value else math.nextafter(nearest, 0.0)
+
+
+def nearest_root(value: Fraction) -> float | None:
+    """The square root of value (>= 0) as a double; None where no double can hold it.
+
+    Taken over the integers, so that a square far outside the doubles costs nothing.
+    """
+    if value == 0:
+        return 0.0
+    places = 64 - (value.numerator.bit_length() - value.denominator.bit_length()) // 2
+    root = math.isqrt(math.floor(value * power_of_two(2 * places)))
+    return nearest_double(root * power_of_two(-places))
+
+
+def half_angle_bound(sin2_half_angle: Fraction) -> float:
+    """An upper bound on theta in radians, given an upper bound on sin^2(theta/2); at most pi."""
+    if sin2_half_angle >= 1:
+        return math.pi
+    root = math.sqrt(double_above(sin2_half_angle))
+    return min(math.pi, 2.0 * math.asin(min(1.0, root)) * ASIN_SLACK)

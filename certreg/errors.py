@@ -1,0 +1,36 @@
+"""What certreg raises: what is wrong, where, the remedy, and the evidence."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from certreg.results import Verdict
+
+
+class CertregError(Exception):
+    """Anything certreg refuses to do. The message is one line, written for the user."""
+
+
+class InvalidProblemError(CertregError):
+    """The arrays given do not state a registration problem."""
+
+
+class InvalidFileError(CertregError):
+    """A file cannot be read, or does not hold what its name promises."""
+
+
+class OutOfRangeError(CertregError):
+    """A result exists, but no double can hold it."""
+
+
+class ContradictionError(CertregError):
+    """Two independent roads to the same answer disagree: a defect, never to be ignored."""
+
+
+class RefusedCertificateError(CertregError):
+    """The checker refused certreg's own certificate: a defect, never to be ignored."""
+
+    def __init__(self, message: str, *, verdict: Verdict) -> None:
+        super().__init__(message)
+        self.verdict = verdict

@@ -1,0 +1,35 @@
+"""Writing files so that none is ever half-written."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tempfile
+from pathlib import Path
+
+from certreg.errors import InvalidFileError
+
+TEXT_FORMATS = (".csv", ".txt")  # what the checker reads, with the standard library alone
+
+
+def write_atomically(path: str | os.PathLike[str], content: bytes) -> None:
+    """Write a file under a temporary name beside it, then rename. Raises InvalidFileError."""
+    target = Path(path)
+    try:
+        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+    except OSError as error:
+        message = f"{target}: cannot be written ({error.strerror}): choose another place"
+        raise InvalidFileError(message) from error
+    try:
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(content)
+        umask = os.umask(0)
+        os.umask(umask)
+        Path(temporary).chmod(0o666 & ~umask)
+        Path(temporary).replace(target)
+    except OSError as error:
+        message = f"{target}: cannot be written ({error.strerror}): choose another place"
+        raise InvalidFileError(message) from error
+    finally:
+        with contextlib.suppress(FileNotFoundError):
+            Path(temporary).unlink()

@@ -1,0 +1,96 @@
+"""How a result says what it is worth: guarantees, verdicts, statuses."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from typing import NoReturn
+
+
+class Guarantee(enum.IntEnum):
+    """How a result is known. The guarantee of a combination is the `min` of its parts.
+
+    >>> min(Guarantee.EXACT, Guarantee.NUMERICAL).label
+    'numerical'
+    """
+
+    NUMERICAL = 0  # floating point: right up to rounding nobody has bounded
+    ENCLOSED = 1  # a rigorous enclosure
+    EXACT = 2  # integer arithmetic and a theorem
+
+    @property
+    def label(self) -> str:
+        """The lower-case word used in files."""
+        return self.name.lower()
+
+
+class Ruling(enum.Enum):
+    """The three answers that a check can give."""
+
+    PROVED = "proved"
+    REFUTED = "refuted"
+    INCONCLUSIVE = "inconclusive"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Verdict:
+    """The answer of a check, in words; never a bare bool.
+
+    `theorems` are the sentences that were established; empty unless `ruling` is PROVED.
+
+    >>> Verdict(ruling=Ruling.REFUTED, words="the digest is not that of the data")
+    <Verdict.REFUTED: 'the digest is not that of the data'>
+    """
+
+    ruling: Ruling
+    words: str
+    theorems: tuple[str, ...] = ()
+
+    @property
+    def proved(self) -> bool:
+        """True if the claims were proved. False means not proved, not disproved."""
+        return self.ruling is Ruling.PROVED
+
+    def __bool__(self) -> NoReturn:
+        message = "a verdict has three values: compare `verdict.ruling`, or ask `verdict.proved`"
+        raise TypeError(message)
+
+    def __repr__(self) -> str:
+        return f"<Verdict.{self.ruling.name}: {self.words!r}>"
+
+
+class Optimality(enum.Enum):
+    """What is proved of the pose; the value is the word used in files."""
+
+    CERTIFIED = "certified"
+    CERTIFIED_NOT_UNIQUE = "certified-not-unique"
+    NOT_CERTIFIED = "not-certified"
+
+
+class ComponentKind(enum.Enum):
+    """What a connected component of the equilibrium set looks like."""
+
+    POINT = "point"  # one rotation
+    CIRCLE = "circle"  # RP^1
+    PROJECTIVE_PLANE = "projective-plane"  # RP^2
+    ROTATION_GROUP = "rotation-group"  # RP^3 = SO(3)
+
+    @property
+    def dimension(self) -> int:
+        """Dimension of the component as a manifold, 0 to 3."""
+        return list(ComponentKind).index(self)
+
+    @classmethod
+    def of_multiplicity(cls, multiplicity: int) -> ComponentKind:
+        """Kind of the projective space of an eigenspace of that dimension, 1 to 4."""
+        return list(cls)[multiplicity - 1]
+
+
+class PoseVerdict(enum.Enum):
+    """What `assess` says of a pose; the value is the word used in files."""
+
+    OPTIMAL = "optimal"
+    NEAR_OPTIMAL = "near-optimal"
+    SPURIOUS_EQUILIBRIUM = "spurious-equilibrium"
+    NOT_AN_EQUILIBRIUM = "not-an-equilibrium"
+    NOT_A_ROTATION = "not-a-rotation"

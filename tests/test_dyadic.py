@@ -1,0 +1,80 @@
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from certreg.dyadic import (
+    double_above,
+    double_below,
+    dyadic_above,
+    dyadic_below,
+    half_angle_bound,
+    nearest_double,
+    nearest_root,
+)
+
+positive = st.builds(
+    lambda n, d, e: Fraction(n, d) * Fraction(2) ** e,
+    st.integers(1, 10**40),
+    st.integers(1, 10**40),
+    st.integers(-1500, 1500),
+)
+
+
+@given(positive, st.integers(2, 80))
+def test_dyadic_bounds_enclose_the_value_within_their_precision(value, bits):
+    above, below = dyadic_above(value, bits), dyadic_below(value, bits)
+
+    assert below.value <= value <= above.value
+    assert above.value - below.value <= value * Fraction(4, 2**bits)
+    assert above.mantissa.bit_length() <= bits + 1
+
+
+@given(positive)
+def test_doubles_above_and_below_enclose_the_value(value):
+    above, below = double_above(value), double_below(value)
+
+    assert above == math.inf or Fraction(above) >= value
+    assert Fraction(below) <= value
+    assert math.nextafter(below, math.inf) >= above or above == below
+
+
+@given(positive)
+def test_the_nearest_double_is_none_only_outside_the_doubles(value):
+    nearest = nearest_double(value)
+
+    if nearest is None:
+        assert value > Fraction(1.7e308) or value < Fraction(5e-324)
+    else:
+        assert abs(Fraction(nearest) - value) <= value / 2**52 + Fraction(5e-324)
+
+
+@given(positive)
+def test_roots_are_right_where_the_square_is_far_outside_the_doubles(value):
+    root = nearest_root(value)
+
+    assert root is not None
+    if root > 1e-300:
+        assert abs(Fraction(root) ** 2 - value) <= value / 2**51
+
+
+def test_zero_stays_zero():
+    zero = Fraction(0)
+
+    assert (nearest_double(zero), nearest_root(zero), double_above(zero)) == (0.0, 0.0, 0.0)
+    assert dyadic_above(zero, 8).mantissa == dyadic_below(zero, 8).mantissa == 0
+
+
+@given(st.fractions(0, 1))
+def test_the_angle_bound_is_an_upper_bound_and_close(sin2):
+    bound = half_angle_bound(sin2)
+
+    assert math.sin(min(bound, math.pi) / 2) ** 2 >= float(sin2) * (1 - 1e-11)
+    assert bound <= 2 * math.asin(math.sqrt(float(sin2))) * (1 + 1e-11) + 1e-300
+
+
+def test_the_angle_bound_never_exceeds_half_a_turn():
+    assert half_angle_bound(Fraction(10**400)) == math.pi
