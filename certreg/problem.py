@@ -1,0 +1,245 @@
+"""The registration problem: points, weights, damping; exact lift and digest.
+
+Floating point becomes exact here and nowhere else: every finite double is a dyadic rational, so a
+problem stated in doubles is an exact rational problem.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from certreg.errors import InvalidProblemError
+from certreg.settings import DEFAULT_DAMPING
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+DIGEST_PREFIX = b"certreg-problem/1\0"
+MANTISSA_BITS = 53
+
+
+@dataclass(frozen=True, slots=True, eq=False, init=False)
+class RegistrationProblem:
+    """Find the rigid motion that takes `source` to `target`, row i to row i.
+
+    source, target: (N, 3) arrays of numbers, N >= 1, in one unit of length; or any object with
+        `.points` (Open3D) or `.vertices` (trimesh).
+    sigma: standard deviation of the noise per coordinate, a scalar or (N,), > 0, same unit; the
+        weight is the double nearest to 1/sigma^2.
+    weights: instead of sigma, (N,) or a scalar, >= 0, not all zero.
+    damping: viscous damping per mass, mu > 0, per time unit of the virtual springs.
+
+    The arrays are copied and read-only. Raises InvalidProblemError.
+
+    >>> RegistrationProblem([[0, 0, 0], [1, 0, 0], [0, 2, 0]], [[0, 0, 0], [1, 0, 0], [0, 2, 0]]).n
+    3
+    """
+
+    source: NDArray[np.float64]
+    target: NDArray[np.float64]
+    weights: NDArray[np.float64]
+    damping: float
+    noise_given: bool  # whether the weights are absolute (1/sigma^2) or only relative
+
+    def __init__(
+        self,
+        source: Any,
+        target: Any,
+        *,
+        sigma: ArrayLike | None = None,
+        weights: ArrayLike | None = None,
+        damping: float = DEFAULT_DAMPING,
+    ) -> None:
+        if sigma is not None and weights is not None:
+            message = "both sigma and weights were given: give one (weights = 1/sigma^2)"
+            raise InvalidProblemError(message)
+        source_points = _points(source, "source")
+        target_points = _points(target, "target")
+        n = len(source_points)
+        if n != len(target_points):
+            message = (
+                f"source has {n} points, target has {len(target_points)}: correspondences pair "
+                "row i with row i, so both need the same number"
+            )
+            raise InvalidProblemError(message)
+        masses = _weights_from_sigma(sigma, n) if sigma is not None else _given_weights(weights, n)
+        for name, value in (
+            ("source", source_points),
+            ("target", target_points),
+            ("weights", masses),
+        ):
+            value.flags.writeable = False
+            object.__setattr__(self, name, value)
+        object.__setattr__(self, "damping", _positive(damping))
+        object.__setattr__(self, "noise_given", sigma is not None or weights is not None)
+
+    @property
+    def n(self) -> int:
+        """Number of correspondences."""
+        return len(self.source)
+
+    def data_bytes(self) -> bytes:
+        """The bytes that state the problem: prefix, n (u64), then all doubles, little-endian."""
+        arrays = (self.source, self.target, self.weights)
+        body = b"".join(np.ascontiguousarray(a, dtype="<f8").tobytes() for a in arrays)
+        return DIGEST_PREFIX + self.n.to_bytes(8, "little") + body
+
+    def digest(self) -> str:
+        """SHA-256 of `data_bytes()`, 64 hexadecimal digits: the identity of the problem."""
+        return hashlib.sha256(self.data_bytes()).hexdigest()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lifted:
+    """Doubles as exact numbers: entry i is `integers[i] * 2**exponent`."""
+
+    integers: list[int]
+    exponent: int
+
+
+def lift(values: NDArray[np.float64]) -> Lifted:
+    """The exact values of finite doubles (flat), over one common power of two."""
+    mantissas, exponents = np.frexp(values)
+    integers = np.ldexp(mantissas, MANTISSA_BITS).astype(np.int64)
+    exponents = exponents.astype(np.int64) - MANTISSA_BITS
+    present = integers != 0
+    if not present.any():
+        return Lifted(integers=[0] * len(integers), exponent=0)
+    lowest_bit = np.where(present, integers & -integers, 1)
+    zeros = np.frexp(lowest_bit.astype(np.float64))[1].astype(np.int64) - 1
+    integers >>= zeros
+    exponents += zeros
+    common = int(exponents[present].min())
+    shifts = np.where(present, exponents - common, 0)
+    widest = int(np.frexp(np.abs(integers).astype(np.float64))[1].max()) + int(shifts.max())
+    if widest < 62:  # every shifted integer fits 63 bits
+        return Lifted(integers=(integers << shifts).tolist(), exponent=common)
+    pairs = zip(integers.tolist(), shifts.tolist(), strict=True)
+    return Lifted(integers=[m << s for m, s in pairs], exponent=common)
+
+
+def weight_of_sigma(sigma: float) -> float:
+    """The double nearest to 1/sigma^2; `1/(s*s)` in floating point misses it one time in four.
+
+    Python's division of integers is correctly rounded. Raises OverflowError beyond the doubles.
+    """
+    numerator, denominator = sigma.as_integer_ratio()
+    return (denominator * denominator) / (numerator * numerator)
+
+
+def _points(cloud: Any, name: str) -> NDArray[np.float64]:
+    """A fresh, contiguous, finite (N, 3) array of doubles, -0.0 as 0.0."""
+    for attribute in ("points", "vertices"):
+        if not isinstance(cloud, np.ndarray) and hasattr(cloud, attribute):
+            cloud = getattr(cloud, attribute)
+            break
+    array = _doubles(cloud, name)
+    if array.ndim != 2 or array.shape[1] != 3:
+        hint = "; transpose it" if array.ndim == 2 and array.shape[0] == 3 else ""
+        message = f"{name} has shape {array.shape}: expected (N, 3), one point per row{hint}"
+        raise InvalidProblemError(message)
+    if len(array) == 0:
+        message = f"{name} has no points: at least one correspondence is needed"
+        raise InvalidProblemError(message)
+    _require_finite(array, name)
+    return array
+
+
+def _doubles(values: Any, name: str) -> NDArray[np.float64]:
+    """The values as doubles, refused where a conversion would lose or invent something."""
+    if np.ma.isMaskedArray(values):
+        message = f"{name} is a masked array: drop the masked rows from both clouds first"
+        raise InvalidProblemError(message)
+    try:
+        array = np.asarray(values)
+    except (ValueError, TypeError) as error:
+        message = f"{name} is not an array of numbers: {error}"
+        raise InvalidProblemError(message) from error
+    if array.dtype.kind not in "fiu":
+        message = f"{name} has entries of type {array.dtype}: expected real numbers"
+        raise InvalidProblemError(message)
+    with np.errstate(over="ignore"):
+        doubles = array.astype(np.float64, order="C")  # astype always copies
+    if doubles.dtype != array.dtype and not np.array_equal(
+        doubles.astype(array.dtype), array, equal_nan=array.dtype.kind == "f"
+    ):
+        message = (
+            f"{name} has entries of type {array.dtype} that no double holds exactly: "
+            "round them yourself with .astype(float) if that is what you mean"
+        )
+        raise InvalidProblemError(message)
+    return doubles + 0.0  # -0.0 + 0.0 is 0.0: one point, one digest
+
+
+def _positive(damping: Any) -> float:
+    try:
+        value = float(damping)
+    except (TypeError, ValueError, OverflowError):
+        value = math.nan
+    if isinstance(damping, str) or not (math.isfinite(value) and value > 0):
+        message = f"damping is {damping!r}: it must be a positive finite number"
+        raise InvalidProblemError(message)
+    return value
+
+
+def _require_finite(array: NDArray[np.float64], name: str) -> None:
+    finite = np.isfinite(array).reshape(len(array), -1).all(axis=1)
+    if not finite.all():
+        row = int(np.argmin(finite))
+        message = (
+            f"{name} row {row} (counting from 0) is {array[row].tolist()}: "
+            "every value must be finite; remove the correspondence from both clouds"
+        )
+        raise InvalidProblemError(message)
+
+
+def _per_point(values: ArrayLike, name: str, n: int) -> NDArray[np.float64]:
+    array = _doubles(values, name)
+    if array.ndim == 0:
+        array = np.full(n, float(array))
+    if array.shape != (n,):
+        message = f"{name} has shape {array.shape}: expected one number, or ({n},), one per point"
+        raise InvalidProblemError(message)
+    _require_finite(array, name)
+    return array
+
+
+def _given_weights(weights: ArrayLike | None, n: int) -> NDArray[np.float64]:
+    if weights is None:
+        return np.ones(n)
+    array = _per_point(weights, "weights", n)
+    if (array < 0).any():
+        row = int(np.argmax(array < 0))
+        message = f"weights[{row}] is {array[row]}: weights must be >= 0"
+        raise InvalidProblemError(message)
+    if not array.any():
+        message = "all weights are zero: no correspondence counts, so every pose is as good"
+        raise InvalidProblemError(message)
+    return array
+
+
+def _weights_from_sigma(sigma: ArrayLike, n: int) -> NDArray[np.float64]:
+    array = _per_point(sigma, "sigma", n)
+    if (array <= 0).any():
+        row = int(np.argmax(array <= 0))
+        message = f"sigma[{row}] is {array[row]}: a standard deviation must be > 0"
+        raise InvalidProblemError(message)
+    distinct, inverse = np.unique(array, return_inverse=True)
+    weights = np.empty(len(distinct))
+    for i, value in enumerate(distinct.tolist()):
+        try:
+            weights[i] = weight_of_sigma(value)
+        except OverflowError:
+            weights[i] = math.inf
+        if not 0.0 < weights[i] < math.inf:
+            message = (
+                f"sigma = {value!r} gives the weight 1/sigma^2 = {weights[i]}, outside the "
+                "doubles: change the unit of length, of clouds and sigma alike"
+            )
+            raise InvalidProblemError(message)
+    return weights[inverse]

@@ -1,0 +1,136 @@
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from certreg.errors import InvalidProblemError
+from certreg.problem import DIGEST_PREFIX, RegistrationProblem, lift, weight_of_sigma
+
+CLOUD = [[0.0, 0, 0], [1, 0, 0], [0, 2, 0]]
+finite = st.floats(allow_nan=False, allow_infinity=False)
+
+
+@given(arrays(np.float64, st.integers(1, 6), elements=finite))
+def test_lifting_keeps_every_double_exactly(values):
+    lifted = lift(values)
+
+    exact = [Fraction(2) ** lifted.exponent * m for m in lifted.integers]
+    assert exact == [Fraction(v) for v in values.tolist()]
+
+
+@given(arrays(np.float64, 4, elements=st.integers(-1000, 1000).map(float)))
+def test_lifting_finds_the_shortest_integers(values):
+    lifted = lift(values)
+
+    assert not any(lifted.integers) or any(m % 2 for m in lifted.integers)
+
+
+@given(st.floats(1e-150, 1e150))
+def test_the_weight_is_the_double_nearest_to_the_inverse_square(sigma):
+    exact = 1 / Fraction(sigma) ** 2
+    weight = weight_of_sigma(sigma)
+
+    neighbours = (np.nextafter(weight, 0.0), np.nextafter(weight, np.inf))
+    assert all(abs(Fraction(weight) - exact) <= abs(Fraction(float(n)) - exact) for n in neighbours)
+
+
+def test_the_naive_weight_would_miss_it():
+    sigmas = np.random.default_rng(0).uniform(0.001, 10, size=400).tolist()
+
+    assert sum(weight_of_sigma(s) != 1 / (s * s) for s in sigmas) > 40
+
+
+def test_the_digest_is_that_of_the_documented_bytes():
+    problem = RegistrationProblem([[1.0, 2, 3]], [[4.0, 5, -0.0]])
+
+    doubles = np.array([1, 2, 3, 4, 5, 0, 1], dtype="<f8").tobytes()
+    expected = DIGEST_PREFIX + (1).to_bytes(8, "little") + doubles
+    assert problem.data_bytes() == expected
+
+
+def test_the_digest_does_not_see_the_sign_of_zero_but_every_other_bit():
+    plain = RegistrationProblem(CLOUD, CLOUD)
+    signed = RegistrationProblem(np.array(CLOUD) * np.array([1, 1, -1.0]), CLOUD)
+    other = np.array(CLOUD)
+    other[2, 1] = np.nextafter(2.0, 3.0)
+
+    assert plain.digest() == signed.digest()
+    assert plain.digest() != RegistrationProblem(other, CLOUD).digest()
+    assert plain.digest() != RegistrationProblem(CLOUD, CLOUD, weights=[1, 1, 2]).digest()
+
+
+def test_a_problem_is_a_copy_that_nobody_can_change():
+    source = np.array(CLOUD)
+    problem = RegistrationProblem(source, source)
+    source[0, 0] = 7.0
+
+    assert problem.source[0, 0] == 0.0
+    with pytest.raises(ValueError, match="read-only"):
+        problem.source[0, 0] = 1.0
+    with pytest.raises(AttributeError):
+        problem.damping = 3.0  # type: ignore[misc]
+
+
+def test_clouds_of_other_libraries_are_taken_by_their_points_or_vertices():
+    class PointCloud:
+        points = CLOUD
+
+    class Mesh:
+        vertices = CLOUD
+
+    expected = RegistrationProblem(CLOUD, CLOUD).digest()
+    assert RegistrationProblem(PointCloud(), Mesh()).digest() == expected
+
+
+def test_sigma_per_point_gives_a_weight_per_point():
+    problem = RegistrationProblem(CLOUD, CLOUD, sigma=[0.5, 1.0, 2.0])
+
+    assert problem.weights.tolist() == [4.0, 1.0, 0.25]
+    assert problem.noise_given
+
+
+def test_a_weight_of_zero_takes_a_point_out():
+    a = RegistrationProblem([*CLOUD, [9.0, 9, 9]], [*CLOUD, [5.0, 1, 2]], weights=[1, 1, 1, 0])
+    from certreg.moments import exact_moments
+
+    with_zero, without = exact_moments(a), exact_moments(RegistrationProblem(CLOUD, CLOUD))
+    assert with_zero.cross_unit * with_zero.cross[0][0] == without.cross_unit * without.cross[0][0]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"source": [], "target": []}, r"shape \(0,\)"),
+        ({"source": np.empty((0, 3)), "target": np.empty((0, 3))}, "no points"),
+        ({"source": [[0.0, 1]], "target": CLOUD}, r"\(N, 3\)"),
+        ({"source": np.zeros((3, 5)), "target": CLOUD}, "transpose"),
+        ({"source": CLOUD[:2], "target": CLOUD}, "source has 2 points, target has 3"),
+        ({"source": [[0.0, np.nan, 0], *CLOUD[1:]], "target": CLOUD}, "row 0"),
+        ({"source": CLOUD, "target": [*CLOUD[:2], [0.0, np.inf, 0]]}, "target row 2"),
+        ({"source": [["1", "2", "3"]] * 3, "target": CLOUD}, "real numbers"),
+        ({"source": np.array(CLOUD) * 1j, "target": CLOUD}, "real numbers"),
+        ({"source": [[True, False, True]] * 3, "target": CLOUD}, "real numbers"),
+        ({"source": [[2**60 + 1, 0, 0]] * 3, "target": CLOUD}, "no double holds"),
+        ({"source": np.ma.array(CLOUD, mask=np.eye(3)), "target": CLOUD}, "masked"),
+        ({"sigma": 1.0, "weights": [1, 1, 1]}, "give one"),
+        ({"weights": [0.0, 0, 0]}, "all weights are zero"),
+        ({"weights": [1.0, -1, 1]}, r"weights\[1\] is -1.0"),
+        ({"weights": [1.0, 1]}, "one per point"),
+        ({"weights": [1.0, np.nan, 1]}, "row 1"),
+        ({"sigma": 0.0}, "must be > 0"),
+        ({"sigma": [1.0, -2, 1]}, r"sigma\[1\]"),
+        ({"sigma": 1e-170}, "outside the doubles"),
+        ({"sigma": 1e200}, "outside the doubles"),
+        ({"damping": 0.0}, "positive finite"),
+        ({"damping": float("nan")}, "positive finite"),
+    ],
+)
+def test_bad_input_is_refused_with_what_where_and_remedy(arguments, words):
+    with pytest.raises(InvalidProblemError, match=words) as refusal:
+        RegistrationProblem(**({"source": CLOUD, "target": CLOUD} | arguments))
+    assert "\n" not in str(refusal.value)
