@@ -1,0 +1,1 @@
+"""Equilibria of the registration dynamics: closed forms, the complete set, stability."""

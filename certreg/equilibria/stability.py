@@ -1,0 +1,93 @@
+"""Stability of an equilibrium: Hessian, linearised dynamics, direction of escape.
+
+At an eigenvector q_j of K the Hessian of the energy in the body frame is
+G = 2 tr(R^T C) I - R^T C - C^T R, with eigenvalues l_j - l_k and eigenvectors L(q_j)^T q_k, k != j.
+Translation decouples: each axis obeys s^2 + mu s + 2 = 0. Rotation obeys
+det(s (s + mu) J + G) = 0, so with the eigenvalues g of the pencil (G, J), s^2 + mu s + g = 0.
+Signs are never left to rounding: Sylvester's law of inertia (J > 0) gives the number of g that are
+negative and zero, exactly, from the classification.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from certreg.so3 import body_frame
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+TRANSLATION_STIFFNESS = 2.0  # springs 2 w over masses w
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Curvature:
+    """The Hessian G at an equilibrium, by its eigen-decomposition, in some unit of energy.
+
+    values: (3,), l_j - l_k for k != j, exact zeros within the component.
+    directions: (3, 3), unit columns in the body frame.
+    """
+
+    values: NDArray[np.float64]
+    directions: NDArray[np.float64]
+
+    @property
+    def matrix(self) -> NDArray[np.float64]:
+        """G, (3, 3)."""
+        return (self.directions * self.values) @ self.directions.T
+
+    @property
+    def witness(self) -> NDArray[np.float64] | None:
+        """The unit direction in which the energy falls fastest, None if it falls nowhere."""
+        lowest = int(np.argmin(self.values))
+        return self.directions[:, lowest] if self.values[lowest] < 0 else None
+
+
+def curvature(q: NDArray[np.float64], others: NDArray[np.float64], gaps: list[float]) -> Curvature:
+    """The curvature at unit quaternion q, `others` (3, 4) completing it to an eigenbasis.
+
+    gaps: l(q) - l(other), one for each row of `others`.
+    """
+    frame = np.array(body_frame(tuple(q.tolist())))
+    return Curvature(values=np.array(gaps), directions=(others @ frame).T)
+
+
+def spring_ratios(bend: Curvature, inertia: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    """Eigenvalues g of the pencil (G, J), ascending (3,), each with its exact sign.
+
+    None where double precision cannot tell: J is too close to singular.
+    """
+    try:
+        factor = np.linalg.cholesky(inertia)
+    except np.linalg.LinAlgError:
+        return None
+    half = np.linalg.solve(factor, bend.matrix)
+    ratios = np.linalg.eigvalsh(np.linalg.solve(factor, half.T)).astype(np.float64)
+    negative = int((bend.values < 0).sum())
+    zero = int((bend.values == 0).sum())
+    ratios[negative : negative + zero] = 0.0
+    if (ratios[:negative] >= 0).any() or (ratios[negative + zero :] <= 0).any():
+        return None
+    return ratios
+
+
+def linearised_spectrum(ratios: NDArray[np.float64], damping: float) -> NDArray[np.complex128]:
+    """The 12 eigenvalues of the linearised dynamics, largest real part first, in 1/time."""
+    stiffness = [*ratios.tolist(), *([TRANSLATION_STIFFNESS] * 3)]
+    roots = [root for g in stiffness for root in _oscillator(g, damping)]
+    return np.array(sorted(roots, key=lambda s: (-s.real, s.imag)), dtype=np.complex128)
+
+
+def _oscillator(g: float, damping: float) -> tuple[complex, complex]:
+    """The roots of s^2 + damping s + g; the small one as g / large, free of cancellation."""
+    half = damping / 2.0
+    discriminant = half * half - g
+    if discriminant < 0.0:
+        height = math.sqrt(-discriminant)
+        return complex(-half, -height), complex(-half, height)
+    large = -half - math.sqrt(discriminant)
+    return complex(large), complex(g / large)

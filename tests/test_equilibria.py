@@ -1,0 +1,275 @@
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+import strategies
+from hypothesis import given
+from hypothesis import strategies as st
+
+import certreg
+from certreg import RegistrationProblem
+from certreg.equilibria.closed_form import arun, horn
+from certreg.equilibria.eigenbasis import eigenbasis
+from certreg.equilibria.spectral import spectrum
+from certreg.moments import exact_moments, floating_moments
+from certreg.so3 import angle_between, davenport_matrix, dot, quaternion_from_matrix
+
+PATTERNS = sorted({s.pattern for s in strategies.ZOO})
+
+
+def centred(problem):
+    w = problem.weights[:, None]
+    x = problem.source - (w * problem.source).sum(0) / w.sum()
+    y = problem.target - (w * problem.target).sum(0) / w.sum()
+    return w, x, y
+
+
+def hat(v):
+    return np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
+
+
+def turned(R, phi):
+    """R exp([phi]) by the series, for small phi."""
+    A = hat(phi)
+    return R @ (np.eye(3) + A + A @ A / 2 + A @ A @ A / 6)
+
+
+@given(strategies.problems())
+def test_forces_and_torques_balance_point_by_point_at_every_component(problem):
+    w, x, y = centred(problem)
+    # the rounding of the centring is relative to the coordinates as they were given
+    scale = w.sum() * np.abs(problem.source).max() * np.abs(problem.target).max()
+
+    for component in certreg.equilibria(problem).components:
+        torque = np.cross(x, w * (y @ component.rotation)).sum(axis=0)
+        assert np.abs(torque).max() <= 1e-12 * scale
+
+
+@given(strategies.problems())
+def test_components_are_mutually_orthogonal_eigenspaces_that_fill_the_space(problem):
+    basis = np.hstack([c.basis for c in certreg.equilibria(problem).components])
+
+    assert np.abs(basis.T @ basis - np.eye(4)).max() < 1e-14
+
+
+@given(strategies.problems())
+def test_energy_rises_with_the_index_and_the_optimum_comes_first(problem):
+    found = certreg.equilibria(problem)
+    rmse = [c.rmse for c in found.components]
+    indices = [c.morse_index for c in found.components]
+
+    assert rmse == sorted(rmse)
+    assert indices == sorted(set(indices))
+    assert [c.optimal for c in found.components] == [True] + [False] * (len(indices) - 1)
+
+
+@given(strategies.problems())
+def test_spurious_components_are_half_a_turn_from_the_optimum(problem):
+    angles = [np.degrees(c.angle_to_optimum) for c in certreg.equilibria(problem).components]
+
+    assert angles[0] == 0.0
+    assert np.allclose(angles[1:], 180.0, rtol=0, atol=1e-12)
+
+
+def test_every_pair_of_the_four_equilibria_is_half_a_turn_apart():
+    problem = strategies.random_problem(np.random.default_rng(8), noise=0.5)
+    quaternions = [c.quaternion_wxyz for c in certreg.equilibria(problem).components]
+
+    for p, q in itertools.combinations(quaternions, 2):
+        assert abs(np.degrees(angle_between(p, q)) - 180) < 1e-13
+
+
+@given(strategies.problems(), st.integers(0, 2**32 - 1))
+def test_energies_do_not_change_under_a_common_rigid_motion(problem, seed):
+    """A rotation by quarter turns and a swap of signs: exact in doubles."""
+    rng = np.random.default_rng(seed)
+    signs = rng.choice([-1.0, 1.0], size=3)
+    permutation = np.eye(3)[rng.permutation(3)] * signs
+    permutation *= np.round(np.linalg.det(permutation))
+    moved = RegistrationProblem(
+        problem.source @ permutation.T, problem.target @ permutation.T, weights=problem.weights
+    )
+
+    for a, b in zip(
+        certreg.equilibria(problem).components, certreg.equilibria(moved).components, strict=True
+    ):
+        assert (a.energy, a.rmse, a.kind, a.morse_index) == (
+            b.energy,
+            b.rmse,
+            b.kind,
+            b.morse_index,
+        )
+
+
+@pytest.mark.parametrize("pattern", PATTERNS, ids=str)
+def test_energy_is_the_sum_of_weighted_squared_distances_at_the_pose(pattern):
+    problem = next(s for s in strategies.ZOO if s.pattern == pattern).problem
+    w, x, y = centred(problem)
+
+    for component in certreg.equilibria(problem).components:
+        direct = (w * (y - x @ component.rotation.T) ** 2).sum()
+        assert component.energy == pytest.approx(direct, rel=1e-13, abs=1e-13)
+        assert component.rmse == pytest.approx(np.sqrt(direct / w.sum()), rel=1e-13, abs=1e-13)
+
+
+@pytest.mark.parametrize("pattern", PATTERNS, ids=str)
+def test_the_whole_component_has_the_same_energy(pattern):
+    problem = next(s for s in strategies.ZOO if s.pattern == pattern).problem
+    w, x, y = centred(problem)
+    rng = np.random.default_rng(1)
+
+    for component in certreg.equilibria(problem).components:
+        coefficients = rng.normal(size=component.basis.shape[1])
+        q = component.basis @ (coefficients / np.linalg.norm(coefficients))
+        from certreg.so3 import rotation_matrix
+
+        R = np.array(rotation_matrix(q.tolist()))
+        assert (w * (y - x @ R.T) ** 2).sum() == pytest.approx(component.energy, abs=1e-12)
+
+
+def linearisation(problem, R, damping):
+    """The 12x12 Jacobian by differences of forces summed point by point: no moments, no K."""
+    w, x, y = centred(problem)
+    J = sum(m * (v @ v * np.eye(3) - np.outer(v, v)) for m, v in zip(w[:, 0], x, strict=True))
+    mass = w.sum()
+
+    def motion(state):
+        c, phi, v, omega = state[:3], state[3:6], state[6:9], state[9:]
+        Q = turned(R, phi)
+        force = 2 * w * (y - x @ Q.T - c) - damping * w * (np.cross(omega, x) @ Q.T + v)
+        torque = np.cross(x, force @ Q).sum(axis=0)
+        return np.concatenate(
+            [
+                v,
+                omega,
+                force.sum(axis=0) / mass,
+                np.linalg.solve(J, torque - np.cross(omega, J @ omega)),
+            ]
+        )
+
+    step = 1e-5
+    columns = [(motion(step * e) - motion(-step * e)) / (2 * step) for e in np.eye(12)]
+    return np.array(columns).T
+
+
+@pytest.mark.parametrize("damping", [0.3, 2.0, np.sqrt(8)])
+def test_the_twelve_eigenvalues_are_those_of_the_point_wise_dynamics(damping):
+    problem = strategies.random_problem(np.random.default_rng(4), n=7, noise=0.3)
+    problem = RegistrationProblem(problem.source, problem.target, damping=damping)
+
+    for component in certreg.equilibria(problem).components:
+        expected = np.linalg.eigvals(linearisation(problem, component.rotation, damping))
+        found = component.eigenvalues
+        assert found is not None
+        assert (found.real > 1e-9).sum() == component.unstable_eigenvalues == component.morse_index
+        distance = np.abs(expected[:, None] - found[None, :])
+        # each has a partner; defective double eigenvalues move by the root of the difference error
+        assert distance.min(axis=0).max() < 1e-4
+        assert distance.min(axis=1).max() < 1e-4
+
+
+@pytest.mark.parametrize("specimen", strategies.ZOO, ids=lambda s: s.name)
+def test_unstable_eigenvalues_are_as_many_as_the_index_in_every_row(specimen):
+    for component in certreg.equilibria(specimen.problem).components:
+        if component.eigenvalues is not None:
+            zeros = (component.eigenvalues == 0).sum()
+            assert (component.eigenvalues.real > 0).sum() == component.unstable_eigenvalues
+            assert zeros == component.kind.dimension
+
+
+@given(strategies.problems())
+def test_turning_about_the_witness_lowers_the_energy(problem):
+    w, x, y = centred(problem)
+    scale = float(np.abs(x).max() * np.abs(y).max())
+    if not 1e-200 < scale < 1e200:
+        return
+    C = (y * (w / w.max())).T @ x / scale
+
+    for component in certreg.equilibria(problem).components:
+        assert (component.witness is None) == component.optimal
+        if component.witness is None or certreg.equilibria(problem).margin.relative < 1e-6:
+            continue
+        assert np.linalg.norm(component.witness) == pytest.approx(1.0)
+        before = np.trace(component.rotation.T @ C)
+        after = np.trace(turned(component.rotation, 1e-2 * component.witness).T @ C)
+        assert after > before
+
+
+@given(st.lists(st.integers(-(10**9), 10**9), min_size=9, max_size=9), st.sampled_from([128, 400]))
+def test_the_eigenbasis_satisfies_its_equation_to_its_last_bits(entries, bits):
+    K = davenport_matrix([entries[:3], entries[3:6], entries[6:]])
+    basis = eigenbasis(K, bits)
+
+    for k, (value, vector) in enumerate(zip(basis.values, basis.vectors, strict=True)):
+        for row, entry in zip(K, vector, strict=True):
+            residual = (dot(row, vector) << bits) - (value * entry << basis.shift)
+            assert abs(residual) < 1 << (bits + basis.shift + 10)
+        for other in basis.vectors[:k]:
+            assert abs(dot(vector, other)) < 1 << (bits + 8)
+
+
+@pytest.mark.parametrize("exponent", [20, 60, 150, 400])
+def test_nearly_equal_eigenvalues_are_told_apart_however_close(exponent):
+    """d2 + d3 = 2^-exponent relative: double precision sees one eigenvalue beyond 2^-52."""
+    tiny = 2.0**-exponent
+    axes = np.array(strategies.AXES)
+    mirrored = axes * [1, 1, -1]
+    source = np.vstack([axes, [[0, tiny, 0], [0, -tiny, 0]]])
+    target = np.vstack([mirrored, [[0, 1, 0], [0, -1, 0]]])
+    source[2:4, 1], target[2:4, 1] = [1.0, -1.0], [1.0, -1.0]  # C = diag(18, 2 + 2 tiny, -2)
+    problem = RegistrationProblem(source, target)
+
+    found = certreg.equilibria(problem)
+    assert found.classification.pattern == (1, 1, 1, 1)
+    assert found.margin.relative == pytest.approx(2 * tiny / 20, rel=1e-6)
+    assert certreg.certify(problem).status.value == "certified"
+
+
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_horn_and_arun_agree_with_each_other_and_with_the_spectrum(seed, mirrored):
+    rng = np.random.default_rng(seed)
+    problem = strategies.random_problem(rng, noise=0.1)
+    if mirrored:
+        problem = RegistrationProblem(problem.source * [1, 1, -1], problem.target)
+    moments = floating_moments(problem)
+    optimum = certreg.equilibria(problem).components[0].quaternion_wxyz
+    margin = certreg.equilibria(problem).margin.relative
+
+    assert angle_between(horn(moments), optimum) < 1e-14 / margin
+    assert angle_between(arun(moments), optimum) < 1e-14 / margin
+
+
+def test_without_the_determinant_rule_a_mirrored_cloud_would_give_a_reflection():
+    specimen = next(s for s in strategies.ZOO if s.name == "mirrored axes")
+    C = floating_moments(specimen.problem).cross_covariance
+    u, _, vt = np.linalg.svd(C)
+
+    assert np.linalg.det(u @ vt) == pytest.approx(-1.0)
+    assert arun(floating_moments(specimen.problem)).shape == (4,)
+
+
+def test_the_representative_of_a_continuum_is_the_least_rotation():
+    """Collinear source along x, target along x: every turn about x fits, the identity is least."""
+    line = [[0.0, 0, 0], [1, 0, 0], [3, 0, 0]]
+    component = certreg.equilibria(RegistrationProblem(line, line)).components[0]
+
+    assert np.array_equal(component.rotation, np.eye(3))
+
+
+def test_quaternions_and_matrices_go_back_and_forth():
+    rng = np.random.default_rng(2)
+    for _ in range(50):
+        R = strategies.random_rotation(rng)
+        q = quaternion_from_matrix(R)
+        from certreg.so3 import rotation_matrix
+
+        assert np.abs(np.array(rotation_matrix(q.tolist())) - R).max() < 1e-14
+
+
+def test_the_working_precision_grows_only_where_it_must():
+    generic = exact_moments(strategies.random_problem(np.random.default_rng(0)))
+
+    assert spectrum(generic).basis.bits == 224
