@@ -31,6 +31,18 @@ class Dyadic:
         return Dyadic(mantissa=self.mantissa, exponent=self.exponent + exponent)
 
 
+def weight_of_sigma(sigma: float) -> float:
+    """The double nearest to 1/sigma^2; `1/(s*s)` in floating point misses it one time in four.
+
+    Python's division of integers is correctly rounded. 0 or infinity where no double holds it.
+    """
+    numerator, denominator = sigma.as_integer_ratio()
+    try:
+        return (denominator * denominator) / (numerator * numerator)
+    except OverflowError:
+        return math.inf
+
+
 def dyadic_above(value: Fraction, bits: int) -> Dyadic:
     """The least dyadic number >= value (>= 0) with at most `bits` bits of mantissa."""
     if value == 0:
@@ -65,7 +77,7 @@ def nearest_or_zero(value: Fraction) -> float:
     try:
         return value.numerator / value.denominator
     except OverflowError:
-        return math.copysign(math.inf, value)
+        return math.inf if value > 0 else -math.inf
 
 
 def double_above(value: Fraction) -> float:
@@ -93,8 +105,9 @@ def nearest_root(value: Fraction) -> float | None:
     """
     if value == 0:
         return 0.0
-    places = 64 - (value.numerator.bit_length() - value.denominator.bit_length()) // 2
-    root = math.isqrt(math.floor(value * power_of_two(2 * places)))
+    n, d = value.numerator, value.denominator
+    places = 64 - (n.bit_length() - d.bit_length()) // 2
+    root = math.isqrt((n << 2 * places) // d if places >= 0 else n // (d << -2 * places))
     return nearest_double(root * power_of_two(-places))
 
 

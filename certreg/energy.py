@@ -9,7 +9,8 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.so3 import davenport_matrix, quadratic_form, rotation_matrix, squared_norm
+from certreg.dyadic import power_of_two
+from certreg.so3 import davenport_matrix, dot, quadratic_form, rotation_matrix, squared_norm
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,7 +22,10 @@ if TYPE_CHECKING:
 def alignment(moments: ExactMoments, q: Sequence[int]) -> Fraction:
     """q^T K q / |q|^2 = tr(R(q)^T C), for an integer quaternion q other than zero."""
     davenport = davenport_matrix(moments.cross)
-    return Fraction(quadratic_form(davenport, q), squared_norm(q)) * moments.cross_unit
+    unit = moments.cross_unit
+    return Fraction(
+        quadratic_form(davenport, q) * unit.numerator, squared_norm(q) * unit.denominator
+    )
 
 
 def potential_energy(moments: ExactMoments, q: Sequence[int]) -> Fraction:
@@ -32,12 +36,15 @@ def potential_energy(moments: ExactMoments, q: Sequence[int]) -> Fraction:
 def best_translation(moments: ExactMoments, q: Sequence[int]) -> Vector3[Fraction]:
     """The translation mean(y) - R(q) mean(x): the minimiser of the objective at fixed rotation."""
     norm = squared_norm(q)
-    x, y = moments.source_centroid, moments.target_centroid
-    rotated = [
-        sum((a * b for a, b in zip(row, x, strict=True)), start=Fraction(0))
-        for row in rotation_matrix(q)
-    ]
-    return (y[0] - rotated[0] / norm, y[1] - rotated[1] / norm, y[2] - rotated[2] / norm)
+    rotated = [dot(row, moments.source_sum) for row in rotation_matrix(q)]
+    a, b = moments.source_exponent, moments.target_exponent
+    common = min(a, b)
+    unit = power_of_two(common) / (moments.mass * norm)
+    x, y, z = (
+        ((end * norm << (b - common)) - (moved << (a - common))) * unit
+        for end, moved in zip(moments.target_sum, rotated, strict=True)
+    )
+    return (x, y, z)
 
 
 def translation_energy(

@@ -9,8 +9,6 @@ from pathlib import Path
 
 from certreg.errors import InvalidFileError
 
-TEXT_FORMATS = (".csv", ".txt")  # what the checker reads, with the standard library alone
-
 
 def write_atomically(path: str | os.PathLike[str], content: bytes) -> None:
     """Write a file under a temporary name beside it, then rename. Raises InvalidFileError."""

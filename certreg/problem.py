@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg.dyadic import weight_of_sigma
 from certreg.errors import InvalidProblemError
 from certreg.settings import DEFAULT_DAMPING
 
@@ -116,20 +117,10 @@ def lift(values: NDArray[np.float64]) -> Lifted:
     exponents += zeros
     common = int(exponents[present].min())
     shifts = np.where(present, exponents - common, 0)
-    widest = int(np.frexp(np.abs(integers).astype(np.float64))[1].max()) + int(shifts.max())
-    if widest < 62:  # every shifted integer fits 63 bits
+    if int((MANTISSA_BITS - zeros + shifts).max()) <= 63:  # bits of the longest, without its sign
         return Lifted(integers=(integers << shifts).tolist(), exponent=common)
     pairs = zip(integers.tolist(), shifts.tolist(), strict=True)
     return Lifted(integers=[m << s for m, s in pairs], exponent=common)
-
-
-def weight_of_sigma(sigma: float) -> float:
-    """The double nearest to 1/sigma^2; `1/(s*s)` in floating point misses it one time in four.
-
-    Python's division of integers is correctly rounded. Raises OverflowError beyond the doubles.
-    """
-    numerator, denominator = sigma.as_integer_ratio()
-    return (denominator * denominator) / (numerator * numerator)
 
 
 def _points(cloud: Any, name: str) -> NDArray[np.float64]:
@@ -163,11 +154,8 @@ def _doubles(values: Any, name: str) -> NDArray[np.float64]:
     if array.dtype.kind not in "fiu":
         message = f"{name} has entries of type {array.dtype}: expected real numbers"
         raise InvalidProblemError(message)
-    with np.errstate(over="ignore"):
-        doubles = array.astype(np.float64, order="C")  # astype always copies
-    if doubles.dtype != array.dtype and not np.array_equal(
-        doubles.astype(array.dtype), array, equal_nan=array.dtype.kind == "f"
-    ):
+    doubles, kept = as_doubles(array)
+    if not kept.all():
         message = (
             f"{name} has entries of type {array.dtype} that no double holds exactly: "
             "round them yourself with .astype(float) if that is what you mean"
@@ -185,6 +173,18 @@ def _positive(damping: Any) -> float:
         message = f"damping is {damping!r}: it must be a positive finite number"
         raise InvalidProblemError(message)
     return value
+
+
+def as_doubles(array: NDArray[Any]) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """A copy of real numbers as doubles, and where it holds the same value (or the same NaN)."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        doubles = array.astype(np.float64, order="C")  # astype always copies
+        back = doubles.astype(array.dtype)
+    kept = (back == array) | (np.isnan(doubles) & np.isnan(array))
+    if array.dtype.kind in "iu":  # beyond these bounds the cast back is undefined
+        info = np.iinfo(array.dtype)
+        kept &= doubles < 2.0 ** (info.bits - (info.min < 0))
+    return doubles, kept
 
 
 def _require_finite(array: NDArray[np.float64], name: str) -> None:
@@ -232,10 +232,7 @@ def _weights_from_sigma(sigma: ArrayLike, n: int) -> NDArray[np.float64]:
     distinct, inverse = np.unique(array, return_inverse=True)
     weights = np.empty(len(distinct))
     for i, value in enumerate(distinct.tolist()):
-        try:
-            weights[i] = weight_of_sigma(value)
-        except OverflowError:
-            weights[i] = math.inf
+        weights[i] = weight_of_sigma(value)
         if not 0.0 < weights[i] < math.inf:
             message = (
                 f"sigma = {value!r} gives the weight 1/sigma^2 = {weights[i]}, outside the "

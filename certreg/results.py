@@ -83,7 +83,10 @@ class ComponentKind(enum.Enum):
     @classmethod
     def of_multiplicity(cls, multiplicity: int) -> ComponentKind:
         """Kind of the projective space of an eigenspace of that dimension, 1 to 4."""
-        return list(cls)[multiplicity - 1]
+        return _KINDS[multiplicity - 1]
+
+
+_KINDS = tuple(ComponentKind)  # listing an enumeration anew costs a microsecond
 
 
 class PoseVerdict(enum.Enum):

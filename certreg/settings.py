@@ -12,7 +12,7 @@ DEFAULT_DAMPING = math.sqrt(8.0)  # critical damping of every mode of noise-free
 class SpectrumSettings:
     """Working precision of the eigenbasis, in bits."""
 
-    start_bits: int = 224  # enough for relative gaps down to 2^-40 without a second pass
+    start_bits: int = 192  # two sweeps from doubles; a second pass for relative gaps below 2^-32
     pose_bits: int = 96  # proved angle about 2^-94 where the gap is of the order of the spectrum
     guard_bits: int = 32  # more than the rounding of all the rotations of a run
     max_bits: int = 16384  # the checker takes no longer integers
@@ -50,4 +50,6 @@ class AgreementSettings:
 class FileSettings:
     """Bounds on what is read."""
 
+    max_text_bytes: int = 1 << 30  # ten million points
+    max_line_bytes: int = 1 << 16  # a row of a cloud with many extra columns
     max_pose_bytes: int = 1 << 20  # a result without its points is a few kilobytes

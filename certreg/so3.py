@@ -7,6 +7,7 @@ fractions, floats and symbols alike. Source: [Horn1987].
 from __future__ import annotations
 
 import math
+from operator import mul
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
@@ -83,9 +84,7 @@ def quadratic_form(K: Sequence[Sequence[T]], q: Sequence[T]) -> T:
 
 def dot(a: Sequence[T], b: Sequence[T]) -> T:
     """The sum of products of the entries of two vectors of equal length."""
-    total: Any = a[0] * b[0]
-    for x, y in zip(a[1:], b[1:], strict=True):
-        total = total + x * y
+    total: Any = sum(map(mul, a, b))
     return total
 
 

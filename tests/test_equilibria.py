@@ -57,10 +57,11 @@ def test_components_are_mutually_orthogonal_eigenspaces_that_fill_the_space(prob
 @given(strategies.problems())
 def test_energy_rises_with_the_index_and_the_optimum_comes_first(problem):
     found = certreg.equilibria(problem)
-    rmse = [c.rmse for c in found.components]
+    rmse = [c.rmse for c in found.components if c.rmse is not None]
     indices = [c.morse_index for c in found.components]
 
     assert rmse == sorted(rmse)
+    assert len(rmse) == len(indices)
     assert indices == sorted(set(indices))
     assert [c.optimal for c in found.components] == [True] + [False] * (len(indices) - 1)
 
@@ -272,4 +273,4 @@ def test_quaternions_and_matrices_go_back_and_forth():
 def test_the_working_precision_grows_only_where_it_must():
     generic = exact_moments(strategies.random_problem(np.random.default_rng(0)))
 
-    assert spectrum(generic).basis.bits == 224
+    assert spectrum(generic).basis.bits == 192

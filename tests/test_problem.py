@@ -116,7 +116,7 @@ def test_a_weight_of_zero_takes_a_point_out():
         ({"source": np.array(CLOUD) * 1j, "target": CLOUD}, "real numbers"),
         ({"source": [[True, False, True]] * 3, "target": CLOUD}, "real numbers"),
         ({"source": [[2**60 + 1, 0, 0]] * 3, "target": CLOUD}, "no double holds"),
-        ({"source": np.ma.array(CLOUD, mask=np.eye(3)), "target": CLOUD}, "masked"),
+        ({"source": np.ma.array(CLOUD, mask=np.eye(3, dtype=bool)), "target": CLOUD}, "masked"),
         ({"sigma": 1.0, "weights": [1, 1, 1]}, "give one"),
         ({"weights": [0.0, 0, 0]}, "all weights are zero"),
         ({"weights": [1.0, -1, 1]}, r"weights\[1\] is -1.0"),

@@ -95,11 +95,14 @@ def _rotate(matrix: FixedMatrix, basis: FixedMatrix, p: int, q: int, bits: int) 
     secant = isqrt((1 << (2 * bits)) + tangent * tangent)
     cosine = (1 << (2 * bits)) // secant
     sine = (tangent << bits) // secant
-    for rows in (matrix, basis):
-        first, second = rows[p], rows[q]
-        rows[p] = [(cosine * a - sine * b) >> bits for a, b in zip(first, second, strict=True)]
-        rows[q] = [(sine * a + cosine * b) >> bits for a, b in zip(first, second, strict=True)]
-    for row in matrix:
-        a, b = row[p], row[q]
-        row[p] = (cosine * a - sine * b) >> bits
-        row[q] = (sine * a + cosine * b) >> bits
+    exchanged = (tangent * matrix[p][q]) >> bits
+    matrix[p][p] -= exchanged
+    matrix[q][q] += exchanged
+    matrix[p][q] = matrix[q][p] = 0
+    for k in (k for k in range(len(matrix)) if k not in {p, q}):
+        a, b = matrix[k][p], matrix[k][q]
+        matrix[k][p] = matrix[p][k] = (cosine * a - sine * b) >> bits
+        matrix[k][q] = matrix[q][k] = (sine * a + cosine * b) >> bits
+    first, second = basis[p], basis[q]
+    basis[p] = [(cosine * a - sine * b) >> bits for a, b in zip(first, second, strict=True)]
+    basis[q] = [(sine * a + cosine * b) >> bits for a, b in zip(first, second, strict=True)]

@@ -21,7 +21,12 @@ from certreg.energy import potential_energy
 from certreg.equilibria.classification import Classification, classify
 from certreg.equilibria.components import Component, EquilibriumSet, Margin
 from certreg.equilibria.eigenbasis import Eigenbasis, eigenbasis
-from certreg.equilibria.stability import curvature, linearised_spectrum, spring_ratios
+from certreg.equilibria.stability import (
+    Curvature,
+    curvature,
+    linearised_spectrum,
+    spring_ratios,
+)
 from certreg.moments import trace
 from certreg.results import Guarantee
 from certreg.settings import SpectrumSettings
@@ -87,6 +92,16 @@ class Spectrum:
         """The angle in radians from R(q) to the nearest optimum."""
         return self.angle_to(0, q)
 
+    def relative_loss(self, q: Sequence[int]) -> float:
+        """How far R(q) is from the best alignment, 0, to the worst, 1; 0 if all are as good.
+
+        The mean of the eigenvalues with the squares of the projections of q as weights.
+        """
+        levels, basis = self.levels, self.basis
+        weights = [dot(v, q) ** 2 for v in basis.vectors]
+        lost = sum(w * (levels[0] - value) for w, value in zip(weights, basis.values, strict=True))
+        return max(0, lost) / (sum(weights) * (levels[0] - levels[-1]) or 1)
+
     def _representative(self, group: range) -> IntegerQuaternion:
         """The member of an eigenspace nearest to the identity rotation, else to a half turn."""
         bits = self.basis.bits
@@ -130,9 +145,12 @@ def spectrum(moments: ExactMoments, settings: SpectrumSettings | None = None) ->
 def equilibrium_set(found: Spectrum, damping: float) -> EquilibriumSet:
     """The equilibrium set that belongs to a spectrum."""
     vectors = np.array([unit_double(v) for v in found.basis.vectors])
+    bends = [_curvature(found, i, vectors) for i in range(len(found.groups))]
+    spectra = _linearised_spectra(found, bends, damping)
+    parts = enumerate(zip(bends, spectra, strict=True))
     return EquilibriumSet(
         classification=found.classification,
-        components=tuple(_component(found, i, vectors, damping) for i in range(len(found.groups))),
+        components=tuple(_component(found, i, vectors, *part) for i, part in parts),
         margin=margin(found),
         guarantee=Guarantee.EXACT,
         complete=True,
@@ -170,12 +188,15 @@ def _narrowest_gap(found: Spectrum) -> int:
 
 
 def _component(
-    found: Spectrum, index: int, vectors: NDArray[np.float64], damping: float
+    found: Spectrum,
+    index: int,
+    vectors: NDArray[np.float64],
+    bend: Curvature,
+    eigenvalues: NDArray[np.complex128] | None,
 ) -> Component:
     moments, classification = found.moments, found.classification
     q = found.quaternions[index]
     energy = potential_energy(moments, q)
-    eigenvalues, witness = _motion(found, index, vectors, damping)
     unstable = classification.unstable
     return Component(
         kind=classification.kinds[index],
@@ -183,7 +204,7 @@ def _component(
         morse_index=classification.indices[index],
         unstable_eigenvalues=None if unstable is None else unstable[index],
         eigenvalues=eigenvalues,
-        witness=witness,
+        witness=bend.witness,
         energy=nearest_double(energy),
         rmse=nearest_root(energy / moments.total_weight),
         rotation=rotation_double(q),
@@ -192,29 +213,35 @@ def _component(
     )
 
 
-def _motion(
-    found: Spectrum, index: int, vectors: NDArray[np.float64], damping: float
-) -> tuple[NDArray[np.complex128] | None, NDArray[np.float64] | None]:
-    """The 12 eigenvalues of the linearised dynamics and the direction of escape."""
+def _curvature(found: Spectrum, index: int, vectors: NDArray[np.float64]) -> Curvature:
+    """The curvature at a component, in units of 2^shift of `cross`."""
     group, values = found.groups[index], found.basis.values
     q = unit_double(found.quaternions[index])
     partners = _completion(q, vectors[list(group)])
     others = [k for k in range(len(values)) if k not in group]
     scale = 1 << found.basis.bits
     gaps = [0.0] * len(partners) + [(found.levels[index] - values[k]) / scale for k in others]
-    bend = curvature(q, np.vstack([partners, vectors[others]]), gaps)
-    if not found.classification.inertia_definite:
-        return None, bend.witness
+    return curvature(q, np.concatenate([partners, vectors[others]]), gaps)
+
+
+def _linearised_spectra(
+    found: Spectrum, bends: list[Curvature], damping: float
+) -> list[NDArray[np.complex128] | None]:
+    """The 12 eigenvalues of the linearised dynamics at each component."""
     moments = found.moments
+    if not found.classification.inertia_definite:
+        return [None] * len(bends)
     inertia_scale = trace(moments.source_scatter)
     inertia = np.array([[entry / inertia_scale for entry in row] for row in moments.inertia])
-    ratios = spring_ratios(bend, inertia)
     # G is in units of 2^shift of `cross`, J in units of the trace of the scatter
     length_ratio = power_of_two(moments.target_exponent - moments.source_exponent)
     unit = nearest_double(Fraction(1 << found.basis.shift, inertia_scale) * length_ratio)
-    if ratios is None or unit is None:
-        return None, bend.witness
-    return linearised_spectrum(ratios * unit, damping), bend.witness
+    if unit is None:
+        return [None] * len(bends)
+    return [
+        None if ratios is None else linearised_spectrum([unit * g for g in ratios], damping)
+        for ratios in spring_ratios(bends, inertia)
+    ]
 
 
 def _completion(q: NDArray[np.float64], members: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -19,6 +19,8 @@ import numpy as np
 from certreg.so3 import body_frame
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
 TRANSLATION_STIFFNESS = 2.0  # springs 2 w over masses w
@@ -56,28 +58,35 @@ def curvature(q: NDArray[np.float64], others: NDArray[np.float64], gaps: list[fl
     return Curvature(values=np.array(gaps), directions=(others @ frame).T)
 
 
-def spring_ratios(bend: Curvature, inertia: NDArray[np.float64]) -> NDArray[np.float64] | None:
-    """Eigenvalues g of the pencil (G, J), ascending (3,), each with its exact sign.
+def spring_ratios(
+    bends: Sequence[Curvature], inertia: NDArray[np.float64]
+) -> list[list[float] | None]:
+    """For each equilibrium the eigenvalues g of the pencil (G, J), ascending, signs exact.
 
     None where double precision cannot tell: J is too close to singular.
     """
     try:
         factor = np.linalg.cholesky(inertia)
     except np.linalg.LinAlgError:
-        return None
-    half = np.linalg.solve(factor, bend.matrix)
-    ratios = np.linalg.eigvalsh(np.linalg.solve(factor, half.T)).astype(np.float64)
-    negative = int((bend.values < 0).sum())
-    zero = int((bend.values == 0).sum())
-    ratios[negative : negative + zero] = 0.0
-    if (ratios[:negative] >= 0).any() or (ratios[negative + zero :] <= 0).any():
-        return None
-    return ratios
+        return [None] * len(bends)
+    halves = np.linalg.solve(factor, np.array([bend.matrix for bend in bends]))
+    pencils = np.linalg.eigvalsh(np.linalg.solve(factor, halves.transpose(0, 2, 1)))
+    return [_signed(row, bend) for row, bend in zip(pencils.tolist(), bends, strict=True)]
 
 
-def linearised_spectrum(ratios: NDArray[np.float64], damping: float) -> NDArray[np.complex128]:
+def _signed(ratios: list[float], bend: Curvature) -> list[float] | None:
+    """The ratios with the signs that Sylvester's law gives them; None where they deny it."""
+    gaps = bend.values.tolist()
+    negative, zero = sum(gap < 0.0 for gap in gaps), gaps.count(0.0)
+    below, above = ratios[:negative], ratios[negative + zero :]
+    if max(below, default=-1.0) >= 0.0 or min(above, default=1.0) <= 0.0:
+        return None
+    return [*below, *([0.0] * zero), *above]
+
+
+def linearised_spectrum(ratios: Sequence[float], damping: float) -> NDArray[np.complex128]:
     """The 12 eigenvalues of the linearised dynamics, largest real part first, in 1/time."""
-    stiffness = [*ratios.tolist(), *([TRANSLATION_STIFFNESS] * 3)]
+    stiffness = [*ratios, *([TRANSLATION_STIFFNESS] * 3)]
     roots = [root for g in stiffness for root in _oscillator(g, damping)]
     return np.array(sorted(roots, key=lambda s: (-s.real, s.imag)), dtype=np.complex128)
 
