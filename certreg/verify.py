@@ -1,0 +1,374 @@
+"""The trusted checker of certreg: one file, standard library only, exact integer arithmetic.
+
+    python3 -I -S verify.py certificate.json
+
+prints each theorem that it established about the data, then VERIFIED or REFUSED and the reason
+(exit code 0 or 1; 2: unreadable file, wrong usage). It recomputes everything from the points: what
+a certificate holds makes the proof short and is never believed. No floating point decides.
+
+Pairs x_i (source), y_i (target), weights w_i >= 0, M = sum w_i > 0; C = sum w_i y_i x_i^T and
+S2 = sum w_i x_i x_i^T, both after subtracting the weighted means; J = tr(S2) I - S2. The objective
+of a rotation R is min over t of sum w_i |y_i - R x_i - t|^2 = constant - 2 tr(R^T C). Quaternions
+are (w, x, y, z). K is the symmetric matrix with q^T K q = tr(R(q)^T C) for unit q.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import struct
+import sys
+from array import array
+from collections import Counter
+from dataclasses import dataclass
+from decimal import ROUND_CEILING, Context, Decimal
+from fractions import Fraction
+from itertools import accumulate, chain
+from math import frexp, gcd, isfinite, isqrt
+from operator import add, mul
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+Matrix = list[list[int]]
+
+PREFIX, FORMAT = b"certreg-problem/1\0", "certreg-certificate/1"
+KEYS = {  # of the file and of its parts; any others are refused
+    "": "about basin claims format kind optimality pose problem sdp",
+    "claims": "basin gap pattern sdp_gap sin2_half_angle unique unstable",
+    "optimality": "delta mu",
+    "problem": "data digest n",
+}
+DYADICS = ("delta", "gap", "mu", "sin2_half_angle")  # lists [m, e] that mean m 2^e
+LENGTHS = {"pattern": (1, 2, 3, 4), "unstable": (1, 2, 3, 4), "pose": (4,)}  # lists of integers
+OPTIONAL = ("data", "sin2_half_angle", "unstable")  # may be null
+INLINE_MAX, FILE_MAX = 10**6, 10**8  # points in a certificate, 75 MB in base64; its bytes
+NODES_MAX = 500_000  # commas and brackets; each costs less than 250 bytes of memory: < 125 MB
+DIGITS_MAX = 4300  # of an integer: what every Python converts by default, and quickly
+EXPONENT_MAX = 32768  # of a dyadic: keeps all integers within some 10^5 bits
+BLOCK = 8192  # points lifted at a time: bounds the memory
+UNIT = 3 * (1073 + 53)  # each double is an integer times 2^-1126, a product of three 2^-UNIT
+UPPER = [(i, j) for i in range(4) for j in range(i, 7)]  # of the table of moments
+KINDS = ("", "one rotation", "a circle", "a projective plane", "all rotations")
+
+
+class RefusalError(Exception):
+    """The certificate does not prove what it claims; the message says what is wrong."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What `check` found: theorems in words with numbers, or else the reason for refusing."""
+
+    verified: bool
+    theorems: tuple[str, ...]
+    reason: str
+
+
+@dataclass(frozen=True)
+class Clouds:
+    """Points that a certificate must be about: 3n, 3n and n numbers; row i pairs with row i."""
+
+    source: tuple[float, ...] | array[float]
+    target: tuple[float, ...] | array[float]
+    weights: array[float] | None = None  # None: those in the certificate, or ones if it has none
+
+
+def require(condition: object, reason: str) -> None:
+    """Nothing if the condition holds; otherwise RefusalError."""
+    if not condition:
+        raise RefusalError(reason)
+
+
+def parse(text: bytes) -> dict[str, Any]:
+    """All fields of a well-formed certificate, of checked types and sizes, in one dictionary."""
+    nodes = sum(map(text.count, (b",", b"[", b"{")))
+    require(len(text) <= FILE_MAX and nodes <= NODES_MAX, "the certificate is too large")
+    hooks: dict[str, Any] = {"parse_int": _bounded, "parse_constant": _bounded}
+    try:
+        document = json.loads(text.decode(), object_pairs_hook=_unique, **hooks)
+    except (ValueError, RecursionError) as error:
+        raise RefusalError("the certificate is not JSON in UTF-8 of a sane depth") from error
+    fields: dict[str, Any] = {"": document}
+    for name, keys in KEYS.items():
+        part = fields[name]
+        good = _is(dict, part) and sorted(part) == keys.split()
+        require(good, f"{name or 'the certificate'} must have exactly the keys {keys}")
+        future = [part.get(key) for key in ("basin", "sdp", "sdp_gap")]
+        require(future == [None] * 3, "basin, sdp and sdp_gap are not known to this checker")
+        fields.update(part)
+    known = fields["format"] == FORMAT and fields["kind"] == "isotropic"
+    require(known, f"this checker knows {FORMAT} of kind isotropic only")
+    scalars = {"about": dict, "data": str, "digest": str, "n": int, "unique": bool}
+    for name in (*scalars, *LENGTHS, *DYADICS):
+        if fields[name] is None and name in OPTIONAL:
+            continue
+        value, lengths = fields[name], LENGTHS.get(name, (2,))
+        good = _is(scalars.get(name, list), value)
+        require(good, f"{name} is of a wrong type")
+        if name not in scalars:
+            good = len(value) in lengths and all(_is(int, entry) for entry in value)
+            require(good, f"{name} is not a list of integers of the right length")
+        if name in DYADICS:
+            require(abs(value[1]) <= EXPONENT_MAX, f"{name} has too large an exponent")
+            fields[name] = value[0] * Fraction(2) ** value[1]
+    return fields
+
+
+def _is(kind: type, value: object) -> bool:
+    return type(value) is kind  # not isinstance: a bool is no int here
+
+
+def _unique(pairs: list[tuple[str, object]]) -> dict[str, object]:
+    require(len(pairs) == len(dict(pairs)), "a key appears twice")
+    return dict(pairs)
+
+
+def _bounded(digits: str) -> int:
+    require(len(digits) <= DIGITS_MAX, f"an integer has more than {DIGITS_MAX} digits")
+    return int(digits)  # ValueError for NaN and Infinity
+
+
+def bound_doubles(fields: dict[str, Any], clouds: Clouds | None) -> bytes:
+    """Little-endian doubles source, target, weights (7n) that the digest, SHA-256, binds.
+
+    From the certificate, or from `clouds` where it holds none; where both are given, they agree.
+    """
+    n, text, content = fields["n"], fields["data"], b""
+    require(1 <= n < 2**40, "n is out of range")
+    head, size = PREFIX + struct.pack("<Q", n), len(PREFIX) + 8 + 56 * n
+    if text is not None:
+        good = n <= INLINE_MAX and len(text) == (size + 2) // 3 * 4
+        require(good, "data has not the length that n demands")
+        try:
+            content = base64.b64decode(text, validate=True)
+        except ValueError as error:
+            raise RefusalError("data is not base64") from error
+        good = len(content) == size and base64.b64encode(content).decode() == text
+        require(good and content.startswith(head), "data is not canonical, or not of n points")
+    require(content or clouds, "the certificate holds no points: give SOURCE and TARGET")
+    if clouds:
+        parts = [
+            clouds.source,
+            clouds.target,
+            *([] if clouds.weights is None else [clouds.weights]),
+        ]
+        same = [len(part) for part in parts] == [3 * n, 3 * n, n][: len(parts)]
+        require(same, "the certificate is about another number of points or weights")
+        given = array("d", map((0.0).__add__, chain(*parts)))  # 0.0 + -0.0 = 0.0
+        if sys.byteorder == "big":
+            given.byteswap()
+        given = head + given.tobytes()
+        content = content or given + struct.pack("<d", 1.0) * ((size - len(given)) // 8)
+        require(content.startswith(given), "the certificate is about other points or weights")
+    match = hashlib.sha256(content).hexdigest() == fields["digest"]
+    require(match, "the digest is not that of the points and weights")
+    return content[len(head) :]
+
+
+def moments(doubles: bytes, n: int) -> Matrix:
+    """4x7 table m with sum w a_i a_j = m[i][j] 2^-UNIT for i <= j; a = (1, x1, x2, x3, y1, y2, y3).
+
+    Exact: a double is k 2^(e - 53), |k| <= 2^53 and e >= -1073 integers. Products are summed apart
+    for each sum of exponents: short integers, however far apart the magnitudes are.
+    """
+    sums = [[Counter[int]() for _ in range(7)] for _ in range(4)]
+    for start in range(0, n, BLOCK):
+        count = min(BLOCK, n - start)
+        x = _lifted(doubles, 3 * start, 3 * count)
+        y = _lifted(doubles, 3 * (n + start), 3 * count)
+        w, f = _lifted(doubles, 6 * n + start, count)
+        require(min(w) >= 0, "a weight is negative")
+        a = [([1] * count, [53] * count)]
+        a += [(k[i::3], e[i::3]) for k, e in (x, y) for i in range(3)]
+        weighted = [(list(map(mul, w, k)), list(map(add, f, e))) for k, e in a[:4]]
+        for i, j in UPPER:
+            (k, e), (l, g), total = weighted[i], a[j], sums[i][j]
+            for product, exponent in zip(map(mul, k, l), map(add, e, g)):  # noqa: B905 (3.9)
+                total[exponent] += product
+    return [[sum(k << (e + 3 * 1073) for e, k in s.items()) for s in row] for row in sums]
+
+
+def _lifted(doubles: bytes, first: int, count: int) -> tuple[list[int], list[int]]:
+    values = struct.unpack_from(f"<{count}d", doubles, 8 * first)
+    require(all(map(isfinite, values)), "the data hold a number that is not finite")
+    minus_zero = 1 << 63 in struct.unpack_from(f"<{count}Q", doubles, 8 * first)
+    require(not minus_zero, "the data hold -0.0, which is not canonical")
+    split = [frexp(value) for value in values]
+    return [int(k * 2**53) for k, _ in split], [e for _, e in split]
+
+
+def davenport(C: Matrix) -> Matrix:
+    """4x4 matrix K of the 3x3 matrix C: symmetric, q^T K q = tr(R(q)^T C) for unit q."""
+    trace = C[0][0] + C[1][1] + C[2][2]
+    z = [C[2][1] - C[1][2], C[0][2] - C[2][0], C[1][0] - C[0][1]]
+    block = [[C[i][j] + C[j][i] - trace * (i == j) for j in range(3)] for i in range(3)]
+    return [[trace, *z], *([z[i], *block[i]] for i in range(3))]
+
+
+def positive_definite(A: Matrix) -> bool:
+    """Whether the symmetric matrix A is positive definite: all leading minors > 0 (Sylvester).
+
+    They are the pivots of Bareiss' elimination, whose divisions leave no remainder.
+    """
+    divisor = gcd(*chain(*A)) or 1
+    rows, previous = [[entry // divisor for entry in row] for row in A], 1
+    for k, row in enumerate(rows):
+        if row[k] <= 0:
+            return False
+        for below in rows[k + 1 :]:
+            for j in range(len(row) - 1, k - 1, -1):
+                below[j] = (below[j] * row[k] - below[k] * row[j]) // previous
+        previous = row[k]
+    return True
+
+
+def proves_optimality(K: Matrix, mass: int, q: list[int], delta: Fraction, mu: Fraction) -> bool:
+    """Whether A = (v + delta - mu) I - K + mu u u^T is positive definite; u = q/|q|, v = u^T K u.
+
+    Given are M K and M, in units 4^-UNIT and 2^-UNIT; A is multiplied by M |q|^2 > 0. Where A is
+    positive definite and mu >= 0, every unit quaternion p satisfies
+        p^T K p - v < delta - mu (1 - (u.p)^2).                                              (*)
+    Gap: objective(R(u)) - objective(R(p)) = 2 (p^T K p - v) < 2 delta.
+    Angle: let p be optimal, 0 <= p^T K p - v, and R(u), R(p) be an angle a apart, so that
+    1 - (u.p)^2 = sin^2(a/2): sin^2(a/2) < delta/mu if mu > 0.
+    Unique if delta <= mu: were the largest eigenvalue of K double, its eigenspace would hold a
+    unit p orthogonal to u, for which (*) says p^T K p < v + delta - mu <= v: not the largest.
+    """
+    scale = max(delta.denominator, mu.denominator)  # powers of two
+    d, m = (int(x * scale) * mass << UNIT for x in (delta, mu))
+    four, square = range(4), sum(c * c for c in q)
+    value = scale * sum(K[i][j] * q[i] * q[j] for i in four for j in four)
+    A = [[m * q[i] * q[j] - scale * square * K[i][j] for j in four] for i in four]
+    for i in four:
+        A[i][i] += value + (d - m) * square
+    return positive_definite(A)
+
+
+def multiplicities(C: Matrix) -> list[int]:
+    """Multiplicities of the eigenvalues of K, from the largest on; a factor > 0 of C is no matter.
+
+    Let d1 >= d2 >= |d3| be the singular values of C, d3 with the sign of D = det C. K has the
+    eigenvalues d1+d2+d3, d1-d2-d3, -d1+d2-d3, -d1-d2+d3: neighbours coincide where d2 = -d3,
+    d1 = d2, d2 = d3. e1, e2, e3 are the symmetric functions of the d_i^2, eigenvalues of C^T C;
+    two of these coincide where the discriminant is 0, and s = 2 (b - a)^3 for (a, a, b).
+    """
+    divisor = gcd(*chain(*C)) or 1
+    (a, b, c), (d, e, f), (g, h, i) = rows = [[entry // divisor for entry in row] for row in C]
+    P = [sum(row[j] * row[k] for row in rows) for j in range(3) for k in range(3)]  # C^T C
+    D = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
+    e1 = P[0] + P[4] + P[8]
+    e2, e3 = (e1 * e1 - sum(map(mul, P, P))) // 2, D * D
+    s = 2 * e1**3 - 9 * e1 * e2 + 27 * e3
+    if e1**2 * e2**2 - 4 * e2**3 - 4 * e1**3 * e3 + 18 * e1 * e2 * e3 - 27 * e3**2 != 0:
+        return [1, 1, 1, 1]
+    if e2 == 0:
+        return [2, 2] if e1 else [4]
+    if s == 0:
+        return [1, 3] if D > 0 else [3, 1]
+    if s < 0:
+        return [1, 2, 1]
+    return [1, 1, 2] if D > 0 else [2, 1, 1]
+
+
+def check(certificate: bytes, clouds: Clouds | None = None) -> Outcome:
+    """Theorems that the certificate proves of its points, or why it is refused; never raises.
+
+    A claim weaker than what is proved passes, a stronger one does not.
+    """
+    try:
+        return Outcome(verified=True, theorems=_prove(parse(certificate), clouds), reason="")
+    except (RefusalError, MemoryError) as error:
+        return Outcome(verified=False, theorems=(), reason=str(error) or "not enough memory")
+
+
+def _prove(fields: dict[str, Any], clouds: Clouds | None) -> tuple[str, ...]:
+    q, delta, mu, sin2 = (fields[name] for name in ("pose", "delta", "mu", "sin2_half_angle"))
+    require(delta > 0 and mu >= 0 and any(q), "delta > 0, mu >= 0 and a pose other than 0 needed")
+    m = moments(bound_doubles(fields, clouds), fields["n"])
+    mass, xyz = m[0][0], (1, 2, 3)
+    require(mass > 0, "no weight is positive")
+    C = [[mass * m[k][j] - m[0][k] * m[0][j] for k in xyz] for j in (4, 5, 6)]  # M C
+    S = [[mass * m[min(j, k)][max(j, k)] - m[0][k] * m[0][j] for k in xyz] for j in xyz]  # M S2
+    trace = S[0][0] + S[1][1] + S[2][2]
+    J = [[trace * (i == j) - S[i][j] for j in range(3)] for i in range(3)]
+    solid, pattern = positive_definite(J), multiplicities(C)
+    optimal = proves_optimality(davenport(C), mass, q, delta, mu)
+    require(optimal, "delta and mu do not prove that the pose is optimal")
+    require(fields["gap"] >= 2 * delta, "claims.gap is below the proved bound 2 delta")
+    angle = sin2 is None or (mu > 0 and sin2 * mu >= delta)
+    require(angle, "claims.sin2_half_angle is below the proved bound delta/mu")
+    require(fields["pattern"] == pattern, f"claims.pattern is wrong, the true one is {pattern}")
+    unique, unstable = pattern[0] == 1, [0, *accumulate(pattern[:-1])]
+    require(unique or not fields["unique"], "claims.unique is wrong: the optimum is not unique")
+    if fields["unstable"] is not None:
+        require(solid, "claims.unstable is unproved: the moving points are collinear")
+        require(fields["unstable"] == unstable, f"claims.unstable is wrong, true is {unstable}")
+    return tuple(_sentences(fields, pattern, unstable, solid=solid))
+
+
+def _sentences(
+    fields: dict[str, Any], pattern: list[int], unstable: list[int], *, solid: bool
+) -> Iterator[str]:
+    q, delta, mu = fields["pose"], fields["delta"], fields["mu"]
+    where = "outside" if fields["data"] is None else "inside"
+    yield f"The data are n = {fields['n']} weighted pairs of points, kept {where} the certificate."
+    yield f"SHA-256 of their doubles is {fields['digest']}."
+    length = isqrt(sum(c * c for c in q) << 128)
+    unit = ", ".join(f"{(c << 64) / length:.12f}" for c in q)
+    yield f"The certified rotation R is that of the quaternion ({unit}), rounded here; w first."
+    yield (
+        "The objective at R, with the best translation, exceeds the global minimum by less than "
+        f"{rounded_up(2 * delta, 2):.1e} (sum of weight x squared distance)."
+    )
+    if 2 * delta <= mu:  # a/2 < tan(a/2) < sqrt(s/(1 - s)) if sin^2(a/2) < s = delta/mu
+        context = Context(prec=20)
+        root = context.next_plus(context.sqrt(rounded_up(delta / (mu - delta), 20)))
+        degrees = rounded_up(Fraction(root) * Fraction("114.591559027"), 2)  # 360/pi = ...026...
+        yield f"Every global optimum is within {degrees:.1e} degrees of R."
+    if pattern[0] == 1:
+        yield "The global optimum is unique: every other rotation has a larger objective."
+    else:
+        yield f"The global optimum is NOT unique: the optima form {KINDS[pattern[0]]}."
+    kinds, counts = ", ".join(KINDS[k] for k in pattern), ", ".join(map(str, unstable))
+    if solid:
+        yield "The moving cloud has three noncollinear points of positive weight (J > 0)."
+        yield f"The equilibria of the dynamics: {kinds}; unstable directions: {counts}."
+    else:
+        yield "The moving points are collinear (J is singular): the dynamics is not defined."
+        yield f"The critical rotations: {kinds}; directions of descent: {counts}."
+    yield "Not proved: anything under `about`, and where the points come from."
+
+
+def rounded_up(value: Fraction, digits: int) -> Decimal:
+    """Least decimal number of so many digits that is at least the value > 0."""
+    context = Context(prec=digits, rounding=ROUND_CEILING)
+    return context.divide(Decimal(value.numerator), Decimal(value.denominator))
+
+
+def shown(text: object) -> str:
+    """Text from outside made printable: ASCII, escaped, of bounded length."""
+    return ascii(str(text)[:200])[1:-1]
+
+
+def main(argv: list[str]) -> int:
+    """Exit code: 0 verified, 1 refused, 2 unreadable file or wrong usage."""
+    if len(argv) != 1 or argv[0].startswith("-"):
+        sys.stderr.write("usage: verify.py CERTIFICATE (a JSON file; its points must be inside)\n")
+        return 0 if argv in (["-h"], ["--help"]) else 2
+    try:
+        with Path(argv[0]).open("rb") as file:
+            outcome = check(file.read(FILE_MAX + 1))
+    except (OSError, ValueError) as error:
+        sys.stderr.write(f"{shown(argv[0])}: {shown(error)}: give a readable file\n")
+        return 2
+    verdict = "VERIFIED" if outcome.verified else f"REFUSED: {outcome.reason}"
+    print(*outcome.theorems, verdict, sep="\n")
+    return 0 if outcome.verified else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
