@@ -1,0 +1,1 @@
+"""Certificates: what is proved about a pose, in a file that anyone can check."""

@@ -1,0 +1,61 @@
+"""The checker's answer as a Verdict: the only word on whether a certificate proves its claims."""
+
+from __future__ import annotations
+
+from array import array
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from certreg.errors import InvalidFileError
+from certreg.results import Ruling, Verdict
+from certreg.verify import FILE_MAX, Clouds, Outcome, check
+
+if TYPE_CHECKING:
+    import os
+
+    from certreg.certificate.types import Certificate
+    from certreg.problem import RegistrationProblem
+
+
+def verify(
+    certificate: str | os.PathLike[str] | bytes, problem: RegistrationProblem | Clouds | None = None
+) -> Verdict:
+    """Re-check a certificate, a path or the bytes of the file, in exact arithmetic.
+
+    problem: if given, the certificate must be about exactly these points and weights; needed where
+        the certificate is too large to carry its points.
+    PROVED carries the theorems; REFUTED means that the certificate does not prove its claims, which
+    is not a proof that they are false. Raises InvalidFileError if the file cannot be read.
+    """
+    if isinstance(certificate, bytes):
+        content = certificate
+    else:
+        try:
+            with Path(certificate).open("rb") as stream:
+                content = stream.read(FILE_MAX + 1)
+        except OSError as error:
+            message = f"{certificate}: cannot be read ({error.strerror})"
+            raise InvalidFileError(message) from error
+    clouds = problem if problem is None or isinstance(problem, Clouds) else _clouds(problem)
+    return as_verdict(check(content, clouds))
+
+
+def check_own(certificate: Certificate, problem: RegistrationProblem) -> Verdict:
+    """The checker's answer on a certificate just made, from its bytes, as a stranger would."""
+    return verify(certificate.to_json(), problem)
+
+
+def as_verdict(outcome: Outcome) -> Verdict:
+    """The checker's outcome, three-valued."""
+    if outcome.verified:
+        words = "every claim of the certificate is proved"
+        return Verdict(ruling=Ruling.PROVED, words=words, theorems=outcome.theorems)
+    return Verdict(ruling=Ruling.REFUTED, words=outcome.reason)
+
+
+def _clouds(problem: RegistrationProblem) -> Clouds:
+    return Clouds(
+        source=array("d", problem.source.tobytes()),
+        target=array("d", problem.target.tobytes()),
+        weights=array("d", problem.weights.tobytes()),
+    )

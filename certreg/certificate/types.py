@@ -1,0 +1,97 @@
+"""The certificate: data, an integer quaternion, two dyadic numbers, and what follows from them.
+
+File format `certreg-certificate/1`: JSON, UTF-8, sorted keys; every number that carries proof is an
+integer or a dyadic pair [mantissa, exponent].
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from certreg.files import write_atomically
+
+if TYPE_CHECKING:
+    import os
+    from fractions import Fraction
+
+    from certreg.dyadic import Dyadic
+
+FORMAT = "certreg-certificate/1"
+ISOTROPIC = "isotropic"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Claims:
+    """What the certificate claims; the checker proves each from the data or refuses.
+
+    gap: the objective at the pose (over the best translation) exceeds the minimum by less.
+    sin2_half_angle: sin^2(theta/2) is less, for the angle theta to every optimum; None: no claim.
+    unique: True claims that the optimum is one single pose; False claims nothing.
+    pattern: multiplicities of the eigenvalues of K, largest first.
+    unstable: unstable eigenvalues of the dynamics at each component; None: no claim.
+    """
+
+    gap: Dyadic
+    sin2_half_angle: Dyadic | None
+    unique: bool
+    pattern: tuple[int, ...]
+    unstable: tuple[int, ...] | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Certificate:
+    """A proof object for one registration problem with isotropic springs.
+
+    quaternion: integers (w, x, y, z), the certified rotation is R(q) of the unit vector along it.
+    mu, delta: (v + delta - mu) I - K + mu q q^T / |q|^2 > 0 with v = q^T K q / |q|^2.
+    data: the bytes that are hashed into the digest; None where the problem is too large to inline.
+    """
+
+    n: int
+    digest: str
+    data: bytes | None
+    quaternion: tuple[int, int, int, int]
+    mu: Dyadic
+    delta: Dyadic
+    claims: Claims
+    about: dict[str, Any] = field(default_factory=dict[str, Any])
+
+    @property
+    def gap(self) -> Fraction:
+        """The claimed bound on objective(R(q)) - minimum."""
+        return self.claims.gap.value
+
+    def to_json(self) -> bytes:
+        """The file's content."""
+        data = None if self.data is None else base64.b64encode(self.data).decode("ascii")
+        document = {
+            "about": self.about,
+            "basin": None,
+            "claims": {
+                "basin": None,
+                "gap": _pair(self.claims.gap),
+                "pattern": list(self.claims.pattern),
+                "sdp_gap": None,
+                "sin2_half_angle": _pair(self.claims.sin2_half_angle),
+                "unique": self.claims.unique,
+                "unstable": None if self.claims.unstable is None else list(self.claims.unstable),
+            },
+            "format": FORMAT,
+            "kind": ISOTROPIC,
+            "optimality": {"delta": _pair(self.delta), "mu": _pair(self.mu)},
+            "pose": list(self.quaternion),
+            "problem": {"data": data, "digest": self.digest, "n": self.n},
+            "sdp": None,
+        }
+        return json.dumps(document, sort_keys=True, indent=1, allow_nan=False).encode() + b"\n"
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the file; under a temporary name first, so that it is never half there."""
+        write_atomically(path, self.to_json())
+
+
+def _pair(number: Dyadic | None) -> list[int] | None:
+    return None if number is None else [number.mantissa, number.exponent]

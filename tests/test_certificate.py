@@ -1,0 +1,262 @@
+from __future__ import annotations
+
+import json
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+import strategies
+from hypothesis import given
+
+import certreg
+from certreg import RegistrationProblem
+from certreg.certificate.bounds import pose_bounds, pose_energy, sin2_half_angle_between
+from certreg.certificate.producing import produce, proves_optimality
+from certreg.equilibria.spectral import spectrum
+from certreg.errors import InvalidFileError
+from certreg.moments import exact_moments
+from certreg.results import Guarantee, Optimality, Ruling, Verdict
+from certreg.verify import check
+
+
+def certificate_of(problem):
+    return produce(problem, spectrum(exact_moments(problem)))
+
+
+def squared_distances(problem, pose):
+    w = problem.weights[:, None]
+    return float((w * (problem.target - pose.apply(problem.source)) ** 2).sum())
+
+
+@given(strategies.problems())
+def test_every_problem_is_certified_with_the_claims_of_its_row(problem):
+    registration = certreg.certify(problem)
+    certificate, classification = registration.certificate, registration.equilibria.classification
+
+    assert certificate is not None
+    assert registration.verdict is not None
+    assert registration.verdict.ruling is Ruling.PROVED
+    assert certificate.claims.pattern == classification.pattern
+    assert certificate.claims.unstable == classification.unstable
+    assert certificate.claims.unique == (classification.pattern[0] == 1)
+    assert (certificate.claims.sin2_half_angle is None) == (not classification.unique)
+    unique = registration.status is Optimality.CERTIFIED
+    assert unique == classification.unique
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("part", range(8))
+def test_two_thousand_random_problems_are_verified_with_small_proven_angles(part):
+    rng = np.random.default_rng(1000 + part)
+    for _ in range(256):
+        problem = strategies.random_problem(
+            rng,
+            n=round(10 ** rng.uniform(math.log10(3), 4 if rng.random() < 0.1 else 2.5)),
+            noise=float(rng.choice([0.0, 1e-6, 0.01, 0.1, 1.0, 10.0])),
+            offset=float(rng.choice([0.0, 1.0, 1e4, 1e8])),
+            scale=10.0 ** float(rng.choice([-100, -50, -3, 0, 3, 50, 100])),
+            decades=float(rng.choice([0, 4, 16])),
+        )
+        registration = certreg.certify(problem)
+        assert registration.status is Optimality.CERTIFIED
+        assert registration.verdict is not None
+        assert registration.verdict.proved
+        assert registration.bounds is not None
+        angle, margin = registration.bounds.angle_upper, registration.equilibria.margin.relative
+        assert angle is not None
+        if margin >= 1e-6:
+            assert angle <= 1e-10
+
+
+@pytest.mark.parametrize("margin", [1e-6, 1e-8, 1e-12, 1e-15, 1e-40])
+def test_the_proven_angle_is_honest_at_every_margin(margin):
+    """C = diag(18, 2 + 2 margin, -2) in a turned frame, so that rounding is at work."""
+    source = np.vstack([strategies.AXES, [[0.0, 0, 0]]])
+    target = source * [1, 1, -1]
+    target[2:4, 1] *= 0.25 * (1 + margin)
+    target[2:4, 1] += np.array([1, -1]) * 0.0
+    problem = RegistrationProblem(source, target)
+    registration = certreg.certify(problem)
+    bounds = registration.bounds
+
+    assert bounds is not None
+    if registration.equilibria.classification.unique:
+        assert bounds.angle_upper is not None
+        assert bounds.angle_upper < 1e-10
+    else:
+        assert registration.status is Optimality.CERTIFIED_NOT_UNIQUE
+        assert bounds.angle_upper is None
+
+
+def test_no_random_rotation_does_better_than_the_certified_minimum():
+    rng = np.random.default_rng(6)
+    problem = strategies.random_problem(rng, noise=1.0)
+    registration = certreg.certify(problem)
+    w = problem.weights[:, None]
+    x = problem.source - (w * problem.source).sum(0) / w.sum()
+    y = problem.target - (w * problem.target).sum(0) / w.sum()
+    optimum = registration.pose.rotation
+    assert registration.objective is not None
+    for k in range(2000):
+        R = strategies.random_rotation(rng)
+        if k % 2:  # near the optimum
+            from test_equilibria import turned
+
+            R = turned(optimum, rng.normal(size=3) * 10.0 ** rng.uniform(-4, -1))
+        assert (w * (y - x @ R.T) ** 2).sum() > registration.objective * (1 - 1e-9)
+
+
+def test_a_quaternion_beside_the_optimum_is_not_proved_optimal():
+    problem = strategies.random_problem(np.random.default_rng(0))
+    moments = exact_moments(problem)
+    certificate = certificate_of(problem)
+    assert certificate is not None
+    q, mu, delta = certificate.quaternion, certificate.mu.value, certificate.delta.value
+    beside = (q[0] + (q[0] >> 40), *q[1:])
+
+    assert proves_optimality(moments, q, mu, delta)
+    assert not proves_optimality(moments, beside, mu, delta)
+    assert not proves_optimality(moments, q, mu, delta / 2**40)
+    assert not proves_optimality(moments, q, 3 * mu, delta)
+
+
+@pytest.mark.parametrize("index", [1, 2, 3])
+def test_a_spurious_equilibrium_is_never_proved_optimal(index):
+    problem = strategies.random_problem(np.random.default_rng(1))
+    found = spectrum(exact_moments(problem))
+    certificate = certificate_of(problem)
+    assert certificate is not None
+
+    q = found.quaternions[index]
+    for mu in (certificate.mu.value, Fraction(0)):
+        assert not proves_optimality(found.moments, q, mu, certificate.delta.value)
+
+
+@given(strategies.problems())
+def test_bounds_on_the_reported_pose_hold_for_its_exact_energy(problem):
+    registration = certreg.certify(problem)
+    certificate, bounds = registration.certificate, registration.bounds
+    assert certificate is not None
+    assert bounds is not None
+    pose, moments = registration.pose, registration.solution.moments
+    energy = pose_energy(moments, pose.quaternion_wxyz, pose.translation)
+
+    assert bounds.gap_lower <= bounds.gap_upper
+    if registration.objective is not None and registration.objective > 1e-290:
+        assert registration.objective == pytest.approx(float(energy), rel=1e-15)
+
+
+def test_bounds_bracket_the_energy_of_any_pose_above_the_minimum():
+    rng = np.random.default_rng(3)
+    problem = strategies.random_problem(rng, noise=0.5)
+    registration = certreg.certify(problem)
+    assert registration.certificate is not None
+    minimum = squared_distances(problem, registration.pose)
+    for component in registration.equilibria.components[1:]:
+        bounds = pose_bounds(
+            registration.solution.moments,
+            registration.certificate,
+            component.quaternion_wxyz,
+            registration.pose.translation,
+        )
+        shift = registration.pose.translation
+        moved = problem.source @ component.rotation.T + shift
+        direct = float((problem.weights[:, None] * (problem.target - moved) ** 2).sum())
+        assert bounds.gap_lower == pytest.approx(direct - minimum, rel=1e-10)
+        assert bounds.gap_lower <= bounds.gap_upper
+        assert bounds.angle_upper == pytest.approx(math.pi)
+
+
+def test_the_sine_between_quaternions_is_exact():
+    assert sin2_half_angle_between((1, 0, 0, 0), (0, 0, 5, 0)) == 1
+    assert sin2_half_angle_between((1, 0, 0, 0), (3, 0, 0, 0)) == 0
+    assert sin2_half_angle_between((1, 0, 0, 0), (1, 1, 0, 0)) == Fraction(1, 2)
+
+
+def test_a_certificate_is_saved_and_verified_from_its_file(tmp_path):
+    problem = strategies.random_problem(np.random.default_rng(0))
+    certificate = certreg.certify(problem).certificate
+    assert certificate is not None
+    path = tmp_path / "certificate.json"
+    certificate.save(path)
+
+    assert certreg.verify(path).proved
+    assert certreg.verify(path, problem).proved
+    assert certreg.verify(path.read_bytes()).proved
+    assert [p.name for p in tmp_path.iterdir()] == ["certificate.json"]
+    assert json.loads(path.read_bytes())["format"] == "certreg-certificate/1"
+
+
+def test_a_certificate_of_another_problem_is_refused():
+    a = strategies.random_problem(np.random.default_rng(0))
+    b = strategies.random_problem(np.random.default_rng(1))
+    certificate = certificate_of(a)
+    assert certificate is not None
+
+    verdict = certreg.verify(certificate.to_json(), b)
+    assert verdict.ruling is Ruling.REFUTED
+    assert not check(
+        certificate.to_json().replace(a.digest().encode(), b.digest().encode())
+    ).verified
+
+
+def test_a_certificate_without_its_points_needs_them():
+    problem = strategies.random_problem(np.random.default_rng(0))
+    from certreg.settings import CertificateSettings
+
+    certificate = produce(
+        problem,
+        spectrum(exact_moments(problem)),
+        settings=CertificateSettings(inline_points=5),
+    )
+    assert certificate is not None
+    assert certificate.data is None
+    assert not certreg.verify(certificate.to_json()).proved
+    assert certreg.verify(certificate.to_json(), problem).proved
+
+
+def test_a_missing_file_is_an_error_not_a_verdict(tmp_path):
+    with pytest.raises(InvalidFileError, match=r"nowhere\.json"):
+        certreg.verify(tmp_path / "nowhere.json")
+
+
+def test_a_verdict_has_no_truth_value():
+    with pytest.raises(TypeError, match="three values"):
+        bool(Verdict(ruling=Ruling.PROVED, words=""))
+
+
+def test_guarantees_combine_by_their_minimum():
+    assert min(Guarantee.EXACT, Guarantee.ENCLOSED, Guarantee.NUMERICAL) is Guarantee.NUMERICAL
+
+
+def test_certify_refuses_to_say_certified_if_the_checker_refuses(monkeypatch):
+    from certreg import pipeline
+    from certreg.errors import RefusedCertificateError
+
+    refusal = Verdict(ruling=Ruling.REFUTED, words="planted")
+    monkeypatch.setattr(pipeline, "check_own", lambda *_: refusal)
+
+    with pytest.raises(RefusedCertificateError, match="planted"):
+        certreg.certify(strategies.random_problem(np.random.default_rng(0)))
+
+
+def test_a_closed_form_that_contradicts_the_certificate_is_not_ignored(monkeypatch):
+    from certreg import pipeline
+    from certreg.errors import ContradictionError
+
+    monkeypatch.setattr(pipeline, "arun", lambda _: np.array([0.6, 0.0, 0.8, 0.0]))
+
+    with pytest.raises(ContradictionError, match="Arun"):
+        certreg.certify(strategies.random_problem(np.random.default_rng(0)))
+
+
+def test_without_a_certificate_nothing_is_called_certified(monkeypatch):
+    from certreg import pipeline
+
+    monkeypatch.setattr(pipeline, "produce", lambda *_, **__: None)
+    registration = certreg.certify(strategies.random_problem(np.random.default_rng(0)))
+
+    assert registration.status is Optimality.NOT_CERTIFIED
+    assert registration.bounds is None
+    assert registration.verdict is None
