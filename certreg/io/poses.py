@@ -1,0 +1,135 @@
+"""Poses from files, as other tools write them. They are read here and judged elsewhere."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from certreg.errors import InvalidFileError
+from certreg.settings import AssessmentSettings, FileSettings
+from certreg.so3 import rotation_matrix
+from certreg.verify import shown
+
+if TYPE_CHECKING:
+    import os
+
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class GivenPose:
+    """A pose as some tool wrote it: rotation (3, 3), unchecked, and translation (3,)."""
+
+    rotation: NDArray[np.float64]
+    translation: NDArray[np.float64]
+
+    def apply(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The moved points (N, 3); infinite or NaN where they leave the doubles."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            return points @ self.rotation.T + self.translation
+
+
+def read_pose(path: str | os.PathLike[str]) -> GivenPose:
+    """A pose from text (4x4 or 3x4 matrix, or w x y z tx ty tz) or JSON.
+
+    JSON: a result of certreg, {"rotation": 3x3, "translation": 3}, {"quaternion_wxyz": 4,
+    "translation": 3}, {"T_target_source": 4x4} or a 4x4 list. Raises InvalidFileError.
+    """
+    file = Path(path)
+    text = _read_bounded(file).decode("utf-8-sig", errors="replace").strip()
+    if text.startswith(("{", "[")):
+        return _pose_from_json(file, text)
+    lines = [line for line in text.splitlines() if not line.lstrip().startswith("#")]
+    rows = [line.replace(",", " ").split() for line in lines]
+    try:
+        numbers = [[float(entry) for entry in row] for row in rows if row]
+    except ValueError as error:
+        message = f"{file}: {shown(error)}: write a 4x4 matrix, or w x y z tx ty tz"
+        raise InvalidFileError(message) from error
+    if [len(row) for row in numbers] == [7]:
+        return _from_quaternion(file, np.array(numbers[0][:4]), np.array(numbers[0][4:]))
+    return _from_matrix(file, numbers)
+
+
+def read_result_pose(path: str | os.PathLike[str]) -> GivenPose:
+    """The pose in a result of certreg (the file or its folder), or in a pose file."""
+    file = Path(path)
+    return read_pose(file / "result.json" if file.is_dir() else file)
+
+
+def _read_bounded(file: Path) -> bytes:
+    limit = FileSettings().max_pose_bytes
+    try:
+        with file.open("rb") as stream:
+            content = stream.read(limit + 1)
+    except OSError as error:
+        message = f"{file}: cannot be read ({error.strerror}): give a readable file"
+        raise InvalidFileError(message) from error
+    if len(content) > limit:
+        message = f"{file}: larger than {limit} bytes: this is not a pose file"
+        raise InvalidFileError(message)
+    return content
+
+
+def _pose_from_json(file: Path, text: str) -> GivenPose:
+    try:
+        document: Any = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        message = f"{file}: is not JSON ({shown(error)}): give a pose file or a certreg result"
+        raise InvalidFileError(message) from error
+    if isinstance(document, list):
+        return _from_matrix(file, document)
+    fields = cast("dict[str, Any]", document)
+    if isinstance(fields.get("pose"), dict):
+        fields = fields["pose"]
+    if "T_target_source" in fields:
+        return _from_matrix(file, fields["T_target_source"])
+    translation = _array(file, fields.get("translation"), (3,), "translation")
+    if "rotation" in fields:
+        rotation = _array(file, fields["rotation"], (3, 3), "rotation")
+        return GivenPose(rotation=rotation, translation=translation)
+    if "quaternion_wxyz" in fields:
+        quaternion = _array(file, fields["quaternion_wxyz"], (4,), "quaternion_wxyz")
+        return _from_quaternion(file, quaternion, translation)
+    message = f"{file}: has no rotation, quaternion_wxyz or T_target_source: is it a pose?"
+    raise InvalidFileError(message)
+
+
+def _array(file: Path, values: Any, shape: tuple[int, ...], name: str) -> NDArray[np.float64]:
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (ValueError, TypeError, OverflowError) as error:
+        message = f"{file}: {name} is not an array of numbers"
+        raise InvalidFileError(message) from error
+    if array.shape != shape or not np.isfinite(array).all():
+        message = f"{file}: {name} must be {shape} finite numbers, found shape {array.shape}"
+        raise InvalidFileError(message)
+    return array
+
+
+def _from_quaternion(
+    file: Path, quaternion: NDArray[np.float64], translation: NDArray[np.float64]
+) -> GivenPose:
+    norm = float(np.linalg.norm(quaternion))
+    if not abs(norm - 1.0) <= AssessmentSettings().rotation_tolerance:
+        message = (
+            f"{file}: the quaternion has norm {norm:.6g}, not 1: write unit w x y z, scalar first"
+        )
+        raise InvalidFileError(message)
+    rotation = np.array(rotation_matrix((quaternion / norm).tolist()))
+    return GivenPose(rotation=rotation, translation=_array(file, translation, (3,), "translation"))
+
+
+def _from_matrix(file: Path, rows: Any) -> GivenPose:
+    if isinstance(rows, list) and len(cast("list[Any]", rows)) == 3:
+        rows = [*rows, [0.0, 0.0, 0.0, 1.0]]
+    matrix = _array(file, rows, (4, 4), "the pose matrix")
+    if not np.array_equal(matrix[3], [0.0, 0.0, 0.0, 1.0]):
+        hint = "; transpose it" if np.array_equal(matrix[:, 3], [0.0, 0.0, 0.0, 1.0]) else ""
+        message = f"{file}: the last row of the pose matrix must be 0 0 0 1{hint}"
+        raise InvalidFileError(message)
+    return GivenPose(rotation=matrix[:3, :3], translation=matrix[:3, 3])
