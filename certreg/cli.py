@@ -1,0 +1,316 @@
+"""The command line: `certreg COMMAND`. Thin: it reads, calls, prints, and sets the exit code.
+
+Only click and the standard library are imported here, so that `--help` and `verify` load no
+numerical library; everything else is imported by the command that needs it.
+"""
+
+from __future__ import annotations
+
+import functools
+import sys
+import threading
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+import click
+
+from certreg import __version__
+from certreg.errors import CertregError, ContradictionError, RefusedCertificateError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Generator
+
+    from certreg.problem import RegistrationProblem
+
+DONE, REFUSED, MISUSED, NOT_UNIQUE, NOT_CERTIFIED = 0, 1, 2, 3, 4
+EXIT_CODES = """
+\b
+Exit codes: 0 done and proved
+            1 refused, or two roads disagree
+            2 bad usage or input
+            3 certified, but the optimum is not unique
+            4 solved, but not certified
+"""
+PATIENCE = 1.0  # seconds before a long run says that it is at work
+
+
+@click.group(
+    context_settings={"help_option_names": ["-h", "--help"]},
+    epilog=EXIT_CODES,
+)
+@click.version_option(__version__, prog_name="certreg")
+def cli() -> None:
+    """Certified registration of corresponding 3D point clouds.
+
+    Finds the rigid motion that takes SOURCE to TARGET, all other equilibria of the registration
+    dynamics, and a certificate of global optimality that anyone can check.
+    """
+
+
+def main() -> NoReturn:
+    """Run the command line; bad input is one line on stderr, never a traceback."""
+    try:
+        code = cli.main(prog_name="certreg", standalone_mode=False)
+    except click.exceptions.Abort:
+        click.echo("interrupted", err=True)
+        sys.exit(130)
+    except click.ClickException as error:
+        error.show()
+        sys.exit(error.exit_code)
+    except (ContradictionError, RefusedCertificateError) as error:
+        click.echo(f"certreg: {error}", err=True)
+        sys.exit(REFUSED)
+    except CertregError as error:
+        click.echo(f"certreg: {error}", err=True)
+        sys.exit(MISUSED)
+    except MemoryError:
+        click.echo("certreg: not enough memory for this input: use fewer points", err=True)
+        sys.exit(MISUSED)
+    sys.exit(code if isinstance(code, int) else DONE)
+
+
+CLOUD = click.Path(dir_okay=False, path_type=Path)
+
+
+def _cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """SOURCE TARGET [--sigma S | --weights FILE] [--damping MU], read into a problem."""
+
+    @click.argument("source", type=CLOUD)
+    @click.argument("target", type=CLOUD)
+    @click.option(
+        "--sigma", type=float, help="Standard deviation of the noise, in the clouds' unit."
+    )
+    @click.option("--weights", type=CLOUD, help="File of weights, one per row of SOURCE.")
+    @click.option("--damping", type=float, help="Viscous damping per mass; default sqrt(8).")
+    @functools.wraps(command)
+    def wrapped(
+        *args: Any,
+        source: Path,
+        target: Path,
+        sigma: float | None,
+        weights: Path | None,
+        damping: float | None,
+        **options: Any,
+    ) -> Any:
+        from certreg.io.clouds import read_problem
+        from certreg.settings import DEFAULT_DAMPING
+
+        if sigma is not None and weights is not None:
+            message = "--sigma and --weights exclude each other: give one"
+            raise click.UsageError(message)
+        problem, pair = read_problem(
+            source,
+            target,
+            sigma=sigma,
+            weights=weights,
+            damping=DEFAULT_DAMPING if damping is None else damping,
+        )
+        for note in pair.notes:
+            click.echo(f"note: {note}", err=True)
+        with _patience(f"working on {problem.n} correspondences"):
+            return command(*args, problem=problem, source=source, target=target, **options)
+
+    return wrapped
+
+
+@cli.command(epilog=EXIT_CODES)
+@_cloud_options
+@click.option("--no-relaxation", is_flag=True, help="Leave the semidefinite relaxation out.")
+@click.option("--no-simulation", is_flag=True, help="Leave the simulation out.")
+@click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="Folder to write to.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def certify(
+    problem: RegistrationProblem,
+    source: Path,
+    target: Path,
+    *,
+    no_relaxation: bool,
+    no_simulation: bool,
+    out: Path | None,
+    as_json: bool,
+) -> int:
+    """Register SOURCE to TARGET and certify the result."""
+    from certreg.pipeline import certify as run
+    from certreg.report.document import dumps, result_document
+    from certreg.report.folder import write_folder
+    from certreg.report.summary import registration_summary
+    from certreg.results import Optimality
+
+    del no_relaxation, no_simulation  # both are null in this version, with the reason
+    about = {"certreg": __version__, "source": source.name, "target": target.name}
+    registration = run(problem, about=about)
+    path = None if out is None else write_folder(registration, out)
+    if as_json:
+        document = result_document(registration, None if path is None else str(path))
+        click.echo(dumps(document))
+    else:
+        click.echo(registration_summary(registration))
+        if path is not None:
+            click.echo(f"\nCertificate: {path}  (re-check it: certreg verify {path})")
+    return {
+        Optimality.CERTIFIED: DONE,
+        Optimality.CERTIFIED_NOT_UNIQUE: NOT_UNIQUE,
+        Optimality.NOT_CERTIFIED: NOT_CERTIFIED,
+    }[registration.status]
+
+
+@cli.command()
+@_cloud_options
+@click.option(
+    "--pose",
+    "pose_file",
+    required=True,
+    type=CLOUD,
+    help="4x4 text matrix, JSON, or 'w x y z tx ty tz'.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def assess(
+    problem: RegistrationProblem, source: Path, target: Path, *, pose_file: Path, as_json: bool
+) -> int:
+    """Judge a pose that any other tool returned. Exit code 0 if it is optimal, else 1."""
+    from certreg.assessment import assess as run
+    from certreg.io.poses import read_pose
+    from certreg.report.document import assessment_document, dumps
+    from certreg.report.summary import assessment_summary
+    from certreg.results import PoseVerdict
+
+    del source, target
+    pose = read_pose(pose_file)
+    assessment = run(problem, pose.rotation, pose.translation)
+    click.echo(
+        dumps(assessment_document(assessment)) if as_json else assessment_summary(assessment)
+    )
+    return DONE if assessment.verdict is PoseVerdict.OPTIMAL else REFUSED
+
+
+@cli.command()
+@_cloud_options
+@click.option("--method", type=click.Choice(["spectral"]), default="spectral", show_default=True)
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def equilibria(
+    problem: RegistrationProblem, source: Path, target: Path, *, method: str, as_json: bool
+) -> int:
+    """All equilibria of the registration dynamics, with their stability."""
+    from certreg.pipeline import equilibria as run
+    from certreg.report.document import dumps, equilibria_document
+    from certreg.report.summary import equilibria_summary, margin_words
+
+    del source, target
+    found = run(problem, method)
+    if as_json:
+        click.echo(dumps(equilibria_document(found)))
+    else:
+        click.echo(equilibria_summary(found))
+        click.echo(f"Ambiguity margin: {margin_words(found)}.")
+        if found.classification.ambiguity is not None:
+            click.echo(f"Not unique: {found.classification.ambiguity.value}.")
+    return DONE if found.classification.unique else NOT_UNIQUE
+
+
+@cli.command()
+@click.argument("certificate", type=CLOUD)
+@click.argument("clouds", type=CLOUD, nargs=-1, metavar="[SOURCE TARGET]")
+@click.option("--sigma", type=float, help="With SOURCE TARGET: the noise that was certified.")
+@click.option("--weights", type=CLOUD, help="With SOURCE TARGET: the weights that were certified.")
+def verify(
+    certificate: Path, clouds: tuple[Path, ...], sigma: float | None, weights: Path | None
+) -> int:
+    """Re-check a certificate in exact arithmetic: VERIFIED, or REFUSED with the reason.
+
+    With SOURCE and TARGET it must also be about exactly those points.
+    """
+    from certreg.certificate.checking import verify as check
+    from certreg.io.text import TEXT_FORMATS, read_clouds
+
+    if len(clouds) not in {0, 2} or (not clouds and (sigma is not None or weights is not None)):
+        message = "give SOURCE and TARGET, or neither; --sigma and --weights go with them"
+        raise click.UsageError(message)
+    given, notes = None, list[str]()
+    files = clouds if weights is None else (*clouds, weights)
+    if clouds and all(file.suffix.lower() in TEXT_FORMATS for file in files):
+        given, notes = read_clouds(clouds[0], clouds[1], sigma=sigma, weights=weights)
+    elif clouds:
+        from certreg.io.clouds import read_problem
+
+        given, pair = read_problem(clouds[0], clouds[1], sigma=sigma, weights=weights)
+        notes = pair.notes
+    for note in notes:
+        click.echo(f"note: {note}", err=True)
+    verdict = check(certificate, given)
+    for theorem in verdict.theorems:
+        click.echo(theorem)
+    click.echo("VERIFIED" if verdict.proved else f"REFUSED: {verdict.words}")
+    return DONE if verdict.proved else REFUSED
+
+
+@cli.command()
+@click.argument("result", type=click.Path(path_type=Path))
+@click.argument("cloud", type=CLOUD)
+@click.option("--out", required=True, type=CLOUD, help="File to write: .csv, .txt or .npy.")
+def apply(result: Path, cloud: Path, *, out: Path) -> int:
+    """Move CLOUD by the pose in RESULT: a result file or folder, or any pose file."""
+    from certreg.io.clouds import read_cloud, write_cloud
+    from certreg.io.poses import read_result_pose
+
+    pose, points = read_result_pose(result), read_cloud(cloud)
+    write_cloud(out, pose.apply(points.points), points.labels)
+    click.echo(f"{len(points.points)} points written to {out}")
+    return DONE
+
+
+@cli.command(epilog="Exit code 0 when every problem came out as told, else 1.")
+@click.option(
+    "--out",
+    type=click.Path(file_okay=False, path_type=Path),
+    default=Path("certreg-demo"),
+    show_default=True,
+    help="Folder to write to.",
+)
+def demo(out: Path) -> int:
+    """The main job on packaged real data: survey, electrodes, protein."""
+    from certreg.demo import STORIES, differences, tell
+    from certreg.report.folder import write_folder
+    from certreg.report.summary import registration_summary
+
+    code = DONE
+    for story in STORIES:
+        registration = tell(story)
+        path = write_folder(registration, out / story.name)
+        click.echo(f"=== {story.title}\n\n{story.told}\n\n{registration_summary(registration)}\n")
+        for difference in differences(story, registration):
+            click.echo(f"NOT AS TOLD: {difference}", err=True)
+            code = REFUSED
+        click.echo(f"  certificate: {path}\n")
+    click.echo("Every certificate above was accepted by the checker. Check them yourself:")
+    click.echo(f"  certreg verify {out / STORIES[0].name / 'certificate.json'}")
+    click.echo("or, with nothing installed but Python, run certreg's one file verify.py on it.")
+    return code
+
+
+@cli.command()
+def info() -> int:
+    """Versions of what certreg runs on."""
+    import platform
+    from importlib.metadata import version
+
+    click.echo(f"certreg  {__version__}")
+    click.echo(f"Python   {platform.python_version()} ({platform.python_implementation()})")
+    click.echo(f"system   {platform.system()} {platform.machine()}")
+    for package in ("numpy", "click"):
+        click.echo(f"{package:8} {version(package)}")
+    click.echo("solvers  none in this version; exact arithmetic is Python's own")
+    return DONE
+
+
+@contextmanager
+def _patience(doing: str) -> Generator[None]:
+    """Says on stderr what is going on if it takes longer than a second and someone is watching."""
+    timer = threading.Timer(PATIENCE, lambda: click.echo(f"{doing} ...", err=True))
+    if sys.stderr.isatty():
+        timer.daemon = True
+        timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()

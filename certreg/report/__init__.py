@@ -1,0 +1,1 @@
+"""Results for readers: JSON documents for programs, plain sentences for people."""

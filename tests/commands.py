@@ -1,0 +1,64 @@
+"""Commands as a user runs them, in this process, and clouds to run them on."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import sys
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NoReturn
+from unittest import mock
+
+from certreg.cli import main
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Run:
+    code: int
+    out: str
+    err: str
+
+    @property
+    def document(self) -> Any:
+        """What `--json` printed; NaN and Infinity are not JSON."""
+        return strict_json(self.out)
+
+
+def certreg(*arguments: object) -> Run:
+    """`certreg ARGUMENTS`; an exception that would be a traceback is raised here."""
+    out, err = io.StringIO(), io.StringIO()
+    code: Any = None
+    with (
+        mock.patch.object(sys, "argv", ["certreg", *map(str, arguments)]),
+        contextlib.redirect_stdout(out),
+        contextlib.redirect_stderr(err),
+    ):
+        try:
+            main()
+        except SystemExit as stop:
+            code = stop.code
+    return Run(code, out.getvalue(), err.getvalue())
+
+
+def strict_json(text: str | bytes) -> Any:
+    def refuse(constant: str) -> NoReturn:
+        message = f"{constant} is not JSON"
+        raise ValueError(message)
+
+    return json.loads(text, parse_constant=refuse)
+
+
+def write_csv(
+    path: Path, points: Sequence[Sequence[float]], labels: Sequence[str] | None = None
+) -> Path:
+    """A cloud as another program would write it."""
+    rows = [",".join(map(repr, map(float, point))) for point in points]
+    if labels is not None:
+        rows = ["label,x,y,z", *(f"{n},{row}" for n, row in zip(labels, rows, strict=True))]
+    path.write_text("\n".join(rows) + "\n")
+    return path

@@ -1,0 +1,148 @@
+"""`import certreg` is light, and its names mean the same in whatever order they are imported."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+import certreg
+from certreg.certificate import checking
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+ROOT = Path(certreg.__file__).parents[1]
+DATA = ROOT / "certreg" / "data"
+PAIR = (DATA / "survey_source.csv", DATA / "survey_target.csv")
+HEAVY = {"scipy", "sympy", "casadi", "cvxpy", "matplotlib"}
+
+# Imports that could leave a submodule where the function of the same name should be.
+IMPORTS = (
+    "import certreg.verify",
+    "import certreg.equilibria.spectral",
+    "from certreg.verify import check",
+    "from certreg import verify, equilibria",
+)
+
+
+def top_level_modules(code: str) -> set[str]:
+    """What a new process has loaded after running the code."""
+    told = (
+        "import json, sys\nprint(); print(json.dumps([name.split('.')[0] for name in sys.modules]))"
+    )
+    run = subprocess.run(
+        [sys.executable, "-W", "error", "-c", f"{code}\n{told}"],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=ROOT,
+    )
+    assert (run.returncode, run.stderr) == (0, "")
+    return set(json.loads(run.stdout.splitlines()[-1]))
+
+
+def command(*arguments: object) -> str:
+    """Code that runs a command to its end, where its exit code is 0."""
+    return "\n".join(
+        (
+            "import sys",
+            f"sys.argv = {['certreg', *map(str, arguments)]!r}",
+            "from certreg.cli import main",
+            "try:",
+            "    main()",
+            "except SystemExit as stop:",
+            "    assert stop.code == 0, stop.code",
+        )
+    )
+
+
+def test_import_certreg_loads_nothing_heavy():
+    code = "import certreg\nassert certreg.__version__ and certreg.CertregError"
+    use = "certreg.certify(certreg.RegistrationProblem([[0, 0, 1]], [[1, 0, 0]]))"
+
+    assert not top_level_modules(code) & {*HEAVY, "numpy", "click"}
+    assert not top_level_modules(f"{code}\n{use}") & HEAVY
+    assert "numpy" in top_level_modules("import certreg.problem")  # the question finds something
+
+
+def test_help_and_verify_load_no_numerical_library(tmp_path: Path):
+    certificate = tmp_path / "certificate.json"
+    problem = certreg.RegistrationProblem([[0, 0, 1], [2, 0, 0]], [[1, 0, 0], [0, 1, 0]])
+    made = certreg.certify(problem).certificate
+    assert made is not None
+    made.save(certificate)
+    for name, points in (("a.csv", problem.source), ("b.csv", problem.target)):
+        (tmp_path / name).write_text("\n".join(",".join(map(str, p)) for p in points) + "\n")
+
+    for arguments in (
+        ("--help",),
+        ("verify", "--help"),
+        ("verify", certificate, tmp_path / "a.csv", tmp_path / "b.csv"),
+    ):
+        assert not top_level_modules(command(*arguments)) & {*HEAVY, "numpy"}
+    assert not top_level_modules(command("certify", *PAIR)) & HEAVY
+
+
+@pytest.fixture
+def forget() -> Iterator[Callable[[], None]]:
+    """Takes certreg out of the loaded modules, so that it is imported anew; undone at the end."""
+    saved = {name: sys.modules[name] for name in sys.modules if name.split(".")[0] == "certreg"}
+
+    def forget_all() -> None:
+        for name in [name for name in sys.modules if name.split(".")[0] == "certreg"]:
+            del sys.modules[name]
+
+    yield forget_all
+    forget_all()
+    sys.modules.update(saved)
+
+
+@pytest.mark.parametrize("order", [*itertools.permutations(range(4))], ids=str)
+def test_functions_win_over_submodules_of_the_same_name_in_any_order(order, forget):
+    forget()
+    names: dict[str, Any] = {}
+    for k in order:
+        exec(IMPORTS[k], names)  # noqa: S102 (the import statements above)
+    again = sys.modules["certreg"]
+    problem = again.RegistrationProblem([[0, 0, 1]], [[1, 0, 0]])
+
+    assert again is not certreg
+    assert names["verify"] is again.verify is sys.modules["certreg.certificate.checking"].verify
+    assert names["equilibria"] is again.equilibria is sys.modules["certreg.pipeline"].equilibria
+    assert names["check"] is sys.modules["certreg.verify"].check
+    assert again.equilibria(problem).classification.pattern == (4,)
+    assert not again.verify(b"{}").proved
+
+
+def test_every_public_name_is_listed_and_found():
+    assert set(certreg.__all__) <= set(dir(certreg))
+    assert dir(certreg) == sorted(set(dir(certreg)))
+    for name in certreg.__all__:
+        assert getattr(certreg, name) is getattr(certreg, name)
+    assert certreg.verify is checking.verify
+    assert {"verify", "equilibria", "certify", "assess"} <= {
+        name for name in certreg.__all__ if callable(getattr(certreg, name))
+    }
+
+
+def test_an_unknown_name_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="module 'certreg' has no attribute 'nonsense'"):
+        certreg.nonsense  # noqa: B018 # pyright: ignore[reportAttributeAccessIssue]
+    assert not hasattr(certreg, "__wrapped__")
+    with pytest.raises(ImportError, match="nonsense"):
+        exec("from certreg import nonsense", {})  # noqa: S102
+
+
+def test_the_face_can_be_patched_as_any_module(monkeypatch):
+    def stub() -> None: ...
+
+    monkeypatch.setattr(certreg, "certify", stub)
+    assert certreg.certify is stub
+    monkeypatch.undo()
+    assert certreg.certify is not stub
