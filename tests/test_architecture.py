@@ -1,0 +1,124 @@
+"""The map is what the imports say: data flows one way."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import certreg
+
+PACKAGE = Path(certreg.__file__).parent
+
+# A module imports only from lines above its own, or from its left on the same line.
+MAP = """
+results errors settings
+files dyadic
+verify
+so3 definite
+problem
+moments energy pose
+equilibria.classification equilibria.components equilibria.eigenbasis equilibria.stability
+equilibria.spectral equilibria.closed_form
+certificate.types certificate.bounds certificate.producing certificate.checking
+pipeline assessment
+io.text io.npy io.clouds io.poses demo
+report.document report.folder report.summary
+cli __main__
+"""
+PROVERS = ("certificate", "verify")  # the only places that speak of proof
+ORDER = [f"certreg.{name}" for line in MAP.split("\n") for name in line.split()]
+
+
+def module_name(path: Path) -> str:
+    parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def imported(source: str, modules: set[str], *, runtime_only: bool = True) -> set[str]:
+    """The certreg modules that a source imports, `from certreg import x` resolved to certreg.x."""
+    found: set[str] = set()
+    tree = ast.parse(source)
+    typing_only = {
+        id(node)
+        for block in ast.walk(tree)
+        if isinstance(block, ast.If) and "TYPE_CHECKING" in ast.dump(block.test)
+        for node in ast.walk(block)
+    }
+    for node in ast.walk(tree):
+        if runtime_only and id(node) in typing_only:
+            continue
+        names: list[str] = []
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, "imports are absolute"
+            names = [f"{node.module}.{alias.name}" for alias in node.names]
+            names = [n if n in modules else str(node.module) for n in names]
+        found |= {name for name in names if name.split(".")[0] == "certreg"}
+    return found
+
+
+def upward_imports(sources: dict[str, str]) -> list[str]:
+    """Every import that goes against the map, as 'module imports module'."""
+    modules = set(sources)
+    faults: list[str] = []
+    for module, source in sources.items():
+        if module not in ORDER:
+            continue
+        for other in imported(source, modules):
+            if other == "certreg":
+                continue  # the face: `__version__`
+            if other not in ORDER or ORDER.index(other) >= ORDER.index(module):
+                faults.append(f"{module} imports {other}")
+    return faults
+
+
+def sources() -> dict[str, str]:
+    return {module_name(path): path.read_text() for path in sorted(PACKAGE.rglob("*.py"))}
+
+
+def test_every_module_stands_on_the_map():
+    folders = {
+        "certreg",
+        "certreg.equilibria",
+        "certreg.certificate",
+        "certreg.io",
+        "certreg.report",
+    }
+
+    assert set(sources()) - folders == set(ORDER)
+
+
+def test_imports_only_go_down_the_map():
+    assert upward_imports(sources()) == []
+
+
+def test_a_planted_upward_import_is_seen():
+    planted = sources()
+    planted["certreg.moments"] += "\nfrom certreg import pipeline\n"
+    planted["certreg.so3"] += "\ndef f():\n    import certreg.moments\n"
+
+    assert upward_imports(planted) == [
+        "certreg.moments imports certreg.pipeline",
+        "certreg.so3 imports certreg.moments",
+    ]
+
+
+def test_the_checker_stays_short():
+    assert len((PACKAGE / "verify.py").read_text().splitlines()) <= 400
+
+
+def test_finding_does_not_know_proving():
+    for module, source in sources().items():
+        if module.startswith("certreg.equilibria"):
+            others = imported(source, set(sources()))
+            assert not {o for o in others if o.split(".")[1] in PROVERS}, module
+
+
+def test_functions_and_modules_keep_to_the_sizes_of_the_house():
+    for module, source in sources().items():
+        assert len(source.splitlines()) <= 400, module
+        for node in ast.walk(ast.parse(source)):
+            if isinstance(node, ast.FunctionDef):
+                lines = (node.end_lineno or 0) - node.lineno + 1
+                assert lines <= 60, f"{module}.{node.name}"
