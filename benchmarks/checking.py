@@ -1,0 +1,53 @@
+"""The checker on the bytes of a certificate, beside adding up the same numbers in Python."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from benchmarks.clouds import random_problem
+from benchmarks.measuring import Figure, Quantity, fastest
+from certreg.pipeline import solve
+from certreg.verify import check
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from certreg.problem import RegistrationProblem
+
+BOUNDS = {20: None, 338: None, 100_000: 3.0}  # points: seconds
+ROUNDS = 5
+
+
+def measure() -> Iterator[Figure]:
+    for n, bound in BOUNDS.items():
+        problem = random_problem(n)
+        certificate = solve(problem).certificate
+        assert certificate is not None
+        content, numbers = certificate.to_json(), _numbers(problem)
+        assert check(content).verified
+        ours, baseline = fastest(
+            lambda content=content: check(content),
+            lambda numbers=numbers: _added(numbers),
+            rounds=ROUNDS,
+        )
+        yield Figure(
+            what=f"check, N = {n}",
+            value=Quantity(ours, "s"),
+            bound=bound,
+            beside={
+                "adding": Quantity(baseline, "s"),
+                "check / adding": Quantity(ours / baseline, "x"),
+            },
+        )
+
+
+def _numbers(problem: RegistrationProblem) -> list[float]:
+    arrays = (problem.source, problem.target, problem.weights)
+    return [number for array in arrays for number in array.ravel().tolist()]
+
+
+def _added(numbers: list[float]) -> float:
+    total = 0.0
+    for number in numbers:
+        total += number
+    return total

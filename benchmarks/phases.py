@@ -1,0 +1,60 @@
+"""Where the time goes: each phase of `solve`, and the check, for several numbers of points."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from benchmarks.clouds import random_problem
+from benchmarks.measuring import Figure, Quantity, fastest
+from certreg.certificate.producing import produce
+from certreg.equilibria.classification import classify
+from certreg.equilibria.eigenbasis import eigenbasis
+from certreg.equilibria.spectral import equilibrium_set, spectrum
+from certreg.moments import exact_moments, floating_moments
+from certreg.pipeline import solve
+from certreg.problem import RegistrationProblem
+from certreg.so3 import davenport_matrix
+from certreg.verify import check
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from certreg.equilibria.spectral import Spectrum
+
+SIZES = (10, 100, 1000, 100_000)
+ROUNDS = 3
+
+
+def measure() -> Iterator[Figure]:
+    phases = [_phases(random_problem(n)) for n in SIZES]
+    times = [fastest(*each.values(), rounds=ROUNDS) for each in phases]
+    for name, row in zip(phases[0], zip(*times, strict=True), strict=True):
+        entries = zip(SIZES, row, strict=True)
+        yield Figure(what=name, beside={f"N = {n}:": Quantity(t, "s") for n, t in entries})
+
+
+def _phases(problem: RegistrationProblem) -> dict[str, Callable[[], object]]:
+    moments = exact_moments(problem)
+    found = spectrum(moments)
+    davenport = davenport_matrix(moments.cross)
+    certificate = produce(problem, found)
+    assert certificate is not None
+    content = certificate.to_json()
+
+    def fresh() -> Spectrum:
+        """Without what a spectrum and its moments remember once it was computed."""
+        return replace(found, moments=replace(moments))
+
+    x, y, w = problem.source, problem.target, problem.weights
+    return {
+        "problem": lambda: RegistrationProblem(x, y, weights=w),
+        "exact moments": lambda: exact_moments(problem),
+        "floating moments": lambda: floating_moments(problem),
+        "classification": lambda: classify(moments),
+        "eigenbasis": lambda: eigenbasis(davenport, found.basis.bits),
+        "equilibria, stability": lambda: equilibrium_set(fresh(), problem.damping),
+        "certificate": lambda: produce(problem, fresh()),
+        "solve, all of these": lambda: solve(problem),
+        "check": lambda: check(content),
+    }
