@@ -231,10 +231,16 @@ def verify(
     if clouds and all(file.suffix.lower() in TEXT_FORMATS for file in files):
         given, notes = read_clouds(clouds[0], clouds[1], sigma=sigma, weights=weights)
     elif clouds:
+        from array import array
+
         from certreg.io.clouds import read_problem
+        from certreg.verify import Clouds
 
         given, pair = read_problem(clouds[0], clouds[1], sigma=sigma, weights=weights)
         notes = pair.notes
+        if not given.noise_given:  # as with text clouds: the weights are the certificate's own
+            points = (array("d", side.tobytes()) for side in (given.source, given.target))
+            given = Clouds(*points)
     for note in notes:
         click.echo(f"note: {note}", err=True)
     verdict = check(certificate, given)

@@ -20,13 +20,12 @@ import json
 import struct
 import sys
 from array import array
-from collections import Counter
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context, Decimal
 from fractions import Fraction
 from itertools import accumulate, chain
 from math import frexp, gcd, isfinite, isqrt
-from operator import add, mul
+from operator import mul
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -51,7 +50,6 @@ DIGITS_MAX = 4300  # of an integer: what every Python converts by default, and q
 EXPONENT_MAX = 32768  # of a dyadic: keeps all integers within some 10^5 bits
 BLOCK = 8192  # points lifted at a time: bounds the memory
 UNIT = 3 * (1073 + 53)  # each double is an integer times 2^-1126, a product of three 2^-UNIT
-UPPER = [(i, j) for i in range(4) for j in range(i, 7)]  # of the table of moments
 KINDS = ("", "one rotation", "a circle", "a projective plane", "all rotations")
 
 
@@ -172,33 +170,34 @@ def bound_doubles(fields: dict[str, Any], clouds: Clouds | None) -> bytes:
 def moments(doubles: bytes, n: int) -> Matrix:
     """4x7 table m with sum w a_i a_j = m[i][j] 2^-UNIT for i <= j; a = (1, x1, x2, x3, y1, y2, y3).
 
-    Exact: a double is k 2^(e - 53), |k| <= 2^53 and e >= -1073 integers. Products are summed apart
-    for each sum of exponents: short integers, however far apart the magnitudes are.
+    Exact: the doubles of a block are integers times one power of two, at least 2^-1126.
     """
-    sums = [[Counter[int]() for _ in range(7)] for _ in range(4)]
+    table = [[0] * 7 for _ in range(4)]
     for start in range(0, n, BLOCK):
         count = min(BLOCK, n - start)
-        x = _lifted(doubles, 3 * start, 3 * count)
-        y = _lifted(doubles, 3 * (n + start), 3 * count)
-        w, f = _lifted(doubles, 6 * n + start, count)
+        x, e = _lifted(doubles, 3 * start, 3 * count)
+        y, f = _lifted(doubles, 3 * (n + start), 3 * count)
+        w, g = _lifted(doubles, 6 * n + start, count)
         require(min(w) >= 0, "a weight is negative")
-        a = [([1] * count, [53] * count)]
-        a += [(k[i::3], e[i::3]) for k, e in (x, y) for i in range(3)]
-        weighted = [(list(map(mul, w, k)), list(map(add, f, e))) for k, e in a[:4]]
-        for i, j in UPPER:
-            (k, e), (l, g), total = weighted[i], a[j], sums[i][j]
-            for product, exponent in zip(map(mul, k, l), map(add, e, g)):  # noqa: B905 (3.9)
-                total[exponent] += product
-    return [[sum(k << (e + 3 * 1073) for e, k in s.items()) for s in row] for row in sums]
+        a = [[1] * count, *(k[i::3] for k in (x, y) for i in range(3))]
+        places = [0, e, e, e, f, f, f]
+        for i, left in enumerate(a[:4]):
+            weighted = list(map(mul, w, left))
+            for j in range(i, 7):
+                place = UNIT + g + places[i] + places[j]
+                table[i][j] += sum(map(mul, weighted, a[j])) << place
+    return table
 
 
-def _lifted(doubles: bytes, first: int, count: int) -> tuple[list[int], list[int]]:
+def _lifted(doubles: bytes, first: int, count: int) -> tuple[list[int], int]:
+    """Integers k and one exponent e such that the doubles are k 2^e."""
     values = struct.unpack_from(f"<{count}d", doubles, 8 * first)
     require(all(map(isfinite, values)), "the data hold a number that is not finite")
     minus_zero = 1 << 63 in struct.unpack_from(f"<{count}Q", doubles, 8 * first)
     require(not minus_zero, "the data hold -0.0, which is not canonical")
-    split = [frexp(value) for value in values]
-    return [int(k * 2**53) for k, _ in split], [e for _, e in split]
+    split = [frexp(value) for value in values]  # value = k 2^e, k 2^53 an integer
+    low = min((e for k, e in split if k), default=0)
+    return [int(k * 2**53) << (e - low) if k else 0 for k, e in split], low - 53
 
 
 def davenport(C: Matrix) -> Matrix:

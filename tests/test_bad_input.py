@@ -155,6 +155,7 @@ BAD = {
     "no x": Bad({"source.csv": b"a,y,z\n1,2,3\n"}, ("source.csv", "line 1", "x, y")),
     "x twice": Bad({"source.csv": b"x,x,y,z\n1,1,2,3\n"}, ("source.csv", "line 1", "x, y")),
     "an open quote": Bad({"source.csv": CSV + b'1,"2,3\n'}, ("source.csv", "line 5")),
+    "text behind a quote": Bad({"source.csv": CSV + b'1,"2"5,3\n'}, ("source.csv", "line 5")),
     # correspondence
     "another number of rows": Bad(
         {"target.csv": CSV + b"1,1,1\n"}, ("source.csv has 4", "target.csv has 5", "same number")

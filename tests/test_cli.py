@@ -713,8 +713,7 @@ def test_verify_takes_the_noise_or_the_weights_that_were_certified(tmp_path: Pat
             certificate = tmp_path / "certificate.json"
             assert certreg("verify", certificate, *clouds, *right).code == 0
             assert certreg("verify", certificate, *clouds, *wrong).code == 1
-            if suffix == ".csv":  # the points alone, then: the weights are those of the certificate
-                assert certreg("verify", certificate, *clouds).code == 0
+            assert certreg("verify", certificate, *clouds).code == 0  # with its own weights
 
 
 def test_verify_refuses_what_is_no_certificate_and_misses_what_is_not_there(
