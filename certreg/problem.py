@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 DIGEST_PREFIX = b"certreg-problem/1\0"
 MANTISSA_BITS = 53
+MIN_DAMPING, MAX_DAMPING = 1e-150, 1e150  # their squares, in the spectrum, are doubles
 
 
 @dataclass(frozen=True, slots=True, eq=False, init=False)
@@ -169,8 +170,8 @@ def _positive(damping: Any) -> float:
         value = float(damping)
     except (TypeError, ValueError, OverflowError):
         value = math.nan
-    if isinstance(damping, str) or not (math.isfinite(value) and value > 0):
-        message = f"damping is {damping!r}: it must be a positive finite number"
+    if isinstance(damping, str) or not MIN_DAMPING <= value <= MAX_DAMPING:
+        message = f"damping is {damping!r}: it must be a positive finite number, 1e-150 to 1e150"
         raise InvalidProblemError(message)
     return value
 
@@ -227,7 +228,8 @@ def _weights_from_sigma(sigma: ArrayLike, n: int) -> NDArray[np.float64]:
     array = _per_point(sigma, "sigma", n)
     if (array <= 0).any():
         row = int(np.argmax(array <= 0))
-        message = f"sigma[{row}] is {array[row]}: a standard deviation must be > 0"
+        place = "sigma" if np.ndim(sigma) == 0 else f"sigma[{row}]"
+        message = f"{place} is {array[row]}: a standard deviation must be > 0"
         raise InvalidProblemError(message)
     distinct, inverse = np.unique(array, return_inverse=True)
     weights = np.empty(len(distinct))

@@ -128,6 +128,9 @@ def test_a_weight_of_zero_takes_a_point_out():
         ({"sigma": 1e200}, "outside the doubles"),
         ({"damping": 0.0}, "positive finite"),
         ({"damping": float("nan")}, "positive finite"),
+        ({"damping": 1e200}, "1e-150 to 1e150"),
+        ({"damping": "2"}, "positive finite"),
+        ({"sigma": -1}, "sigma is -1.0"),
     ],
 )
 def test_bad_input_is_refused_with_what_where_and_remedy(arguments, words):

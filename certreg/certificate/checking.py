@@ -34,7 +34,7 @@ def verify(
             with Path(certificate).open("rb") as stream:
                 content = stream.read(FILE_MAX + 1)
         except OSError as error:
-            message = f"{certificate}: cannot be read ({error.strerror})"
+            message = f"{certificate}: cannot be read ({error.strerror}): give a readable file"
             raise InvalidFileError(message) from error
     clouds = problem if problem is None or isinstance(problem, Clouds) else _clouds(problem)
     return as_verdict(check(content, clouds))

@@ -122,6 +122,8 @@ def assessment_document(assessment: Assessment) -> Document:
     }
     reason = assessment.words if nearest is None else OUT_OF_RANGE
     document["reasons"] = {key: reason for key, value in document.items() if value is None}
+    if nearest is not None and assessment.gap_lower is None:
+        document["reasons"] |= dict.fromkeys(("gap_lower", "gap_upper"), "not certified")
     return document
 
 

@@ -32,6 +32,8 @@ def write_folder(registration: Registration, folder: str | os.PathLike[str]) -> 
     if registration.certificate is not None:
         path = place / CERTIFICATE
         registration.certificate.save(path)
+    else:  # one of an earlier run must not stand beside a result that it does not prove
+        (place / CERTIFICATE).unlink(missing_ok=True)
     document = result_document(registration, None if path is None else str(path))
     write_atomically(place / RESULT, (dumps(document) + "\n").encode())
     rows = registration.pose.T_target_source.tolist()
