@@ -24,30 +24,32 @@ from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context, Decimal
 from fractions import Fraction
 from itertools import accumulate, chain
-from math import frexp, gcd, isfinite, isqrt
+from math import frexp, gcd, isfinite, isqrt, lcm
 from operator import mul
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
 Matrix = list[list[int]]
 
 PREFIX, FORMAT = b"certreg-problem/1\0", "certreg-certificate/1"
-KEYS = {  # of the file and of its parts; any others are refused
+KEYS = {  # of the file and of its parts; any others are refused; basin and sdp may be null
     "": "about basin claims format kind optimality pose problem sdp",
+    "basin": "angular_velocity quaternion",
+    "sdp": "nu",
     "claims": "basin gap pattern sdp_gap sin2_half_angle unique unstable",
     "optimality": "delta mu",
     "problem": "data digest n",
 }
-DYADICS = ("delta", "gap", "mu", "sin2_half_angle")  # lists [m, e] that mean m 2^e
-LENGTHS = {"pattern": (1, 2, 3, 4), "unstable": (1, 2, 3, 4), "pose": (4,)}  # lists of integers
-OPTIONAL = ("data", "sin2_half_angle", "unstable")  # may be null
+DYADICS = ("delta", "gap", "mu", "nu", "sdp_gap", "sin2_half_angle")  # [m, e] means m 2^e
+LISTS = ("angular_velocity", "pattern", "pose", "quaternion", "unstable", *DYADICS)  # of integers
+OPTIONAL = ("data", "sin2_half_angle", "sdp_gap", "unstable", "basin")  # may be null, with these:
+PARTS = ("nu", "angular_velocity", "quaternion")  # null where `sdp` or `basin` is null as a whole
 INLINE_MAX, FILE_MAX = 10**6, 10**8  # points in a certificate, 75 MB in base64; its bytes
 NODES_MAX = 500_000  # commas and brackets; each costs less than 250 bytes of memory: < 125 MB
-DIGITS_MAX = 4300  # of an integer: what every Python converts by default, and quickly
-EXPONENT_MAX = 32768  # of a dyadic: keeps all integers within some 10^5 bits
+DIGITS_MAX, EXPONENT_MAX = 4300, 32768  # of an integer, as Python's own limit; of a dyadic
 BLOCK = 8192  # points lifted at a time: bounds the memory
 UNIT = 3 * (1073 + 53)  # each double is an integer times 2^-1126, a product of three 2^-UNIT
 KINDS = ("", "one rotation", "a circle", "a projective plane", "all rotations")
@@ -92,28 +94,33 @@ def parse(text: bytes) -> dict[str, Any]:
         raise RefusalError("the certificate is not JSON in UTF-8 of a sane depth") from error
     fields: dict[str, Any] = {"": document}
     for name, keys in KEYS.items():
-        part = fields[name]
+        absent = name in {"basin", "sdp"} and fields[name] is None
+        part = dict.fromkeys(keys.split()) if absent else fields[name]
         good = _is(dict, part) and sorted(part) == keys.split()
         require(good, f"{name or 'the certificate'} must have exactly the keys {keys}")
-        future = [part.get(key) for key in ("basin", "sdp", "sdp_gap")]
-        require(future == [None] * 3, "basin, sdp and sdp_gap are not known to this checker")
-        fields.update(part)
-    known = fields["format"] == FORMAT and fields["kind"] == "isotropic"
-    require(known, f"this checker knows {FORMAT} of kind isotropic only")
-    scalars = {"about": dict, "data": str, "digest": str, "n": int, "unique": bool}
-    for name in (*scalars, *LENGTHS, *DYADICS):
-        if fields[name] is None and name in OPTIONAL:
+        fields.update(part)  # in this order: `basin` ends as the claim of that name
+    what = fields["format"], fields["kind"], type(fields["about"])
+    require(what == (FORMAT, "isotropic", dict), f"not a {FORMAT} of kind isotropic")
+    scalars: Any = {"data": str, "digest": str, "n": int, "unique": bool, "basin": bool}
+    for name in (*scalars, *LISTS):
+        if fields[name] is None and name in OPTIONAL + PARTS:
             continue
-        value, lengths = fields[name], LENGTHS.get(name, (2,))
-        good = _is(scalars.get(name, list), value)
-        require(good, f"{name} is of a wrong type")
-        if name not in scalars:
-            good = len(value) in lengths and all(_is(int, entry) for entry in value)
+        value = fields[name]
+        require(_is(scalars.get(name, list), value), f"{name} is of a wrong type")
+        if name in LISTS:
+            good = len(value) == 2 if name in DYADICS else 1 <= len(value) <= 4
+            good = good and all(_is(int, entry) for entry in value)
             require(good, f"{name} is not a list of integers of the right length")
         if name in DYADICS:
-            require(abs(value[1]) <= EXPONENT_MAX, f"{name} has too large an exponent")
-            fields[name] = value[0] * Fraction(2) ** value[1]
+            fields[name] = value[0] * _power(value[1])
+    four = [fields[name] for name in ("pose", "quaternion", "angular_velocity") if fields[name]]
+    require(all(len(value) == 4 for value in four), "a quaternion or state has not four numbers")
     return fields
+
+
+def _power(exponent: int) -> Fraction:
+    require(abs(exponent) <= EXPONENT_MAX, "an exponent is too large")
+    return Fraction(2) ** exponent
 
 
 def _is(kind: type, value: object) -> bool:
@@ -139,8 +146,7 @@ def bound_doubles(fields: dict[str, Any], clouds: Clouds | None) -> bytes:
     require(1 <= n < 2**40, "n is out of range")
     head, size = PREFIX + struct.pack("<Q", n), len(PREFIX) + 8 + 56 * n
     if text is not None:
-        good = n <= INLINE_MAX and len(text) == (size + 2) // 3 * 4
-        require(good, "data has not the length that n demands")
+        require(n <= INLINE_MAX and len(text) == (size + 2) // 3 * 4, "data is not of n points")
         try:
             content = base64.b64decode(text, validate=True)
         except ValueError as error:
@@ -149,11 +155,7 @@ def bound_doubles(fields: dict[str, Any], clouds: Clouds | None) -> bytes:
         require(good and content.startswith(head), "data is not canonical, or not of n points")
     require(content or clouds, "the certificate holds no points: give SOURCE and TARGET")
     if clouds:
-        parts = [
-            clouds.source,
-            clouds.target,
-            *([] if clouds.weights is None else [clouds.weights]),
-        ]
+        parts = [p for p in (clouds.source, clouds.target, clouds.weights) if p is not None]
         same = [len(part) for part in parts] == [3 * n, 3 * n, n][: len(parts)]
         require(same, "the certificate is about another number of points or weights")
         given = array("d", map((0.0).__add__, chain(*parts)))  # 0.0 + -0.0 = 0.0
@@ -162,13 +164,13 @@ def bound_doubles(fields: dict[str, Any], clouds: Clouds | None) -> bytes:
         given = head + given.tobytes()
         content = content or given + struct.pack("<d", 1.0) * ((size - len(given)) // 8)
         require(content.startswith(given), "the certificate is about other points or weights")
-    match = hashlib.sha256(content).hexdigest() == fields["digest"]
-    require(match, "the digest is not that of the points and weights")
+    digest = hashlib.sha256(content).hexdigest()
+    require(digest == fields["digest"], "the digest is not that of the points and weights")
     return content[len(head) :]
 
 
-def moments(doubles: bytes, n: int) -> Matrix:
-    """4x7 table m with sum w a_i a_j = m[i][j] 2^-UNIT for i <= j; a = (1, x1, x2, x3, y1, y2, y3).
+def moments(doubles: bytes, n: int) -> tuple[Matrix, int]:
+    """4x7 table m and e: sum w a_i a_j = m[i][j] 2^e for i <= j; a = (1, x1, x2, x3, y1, y2, y3).
 
     Exact: the doubles of a block are integers times one power of two, at least 2^-1126.
     """
@@ -184,17 +186,18 @@ def moments(doubles: bytes, n: int) -> Matrix:
         for i, left in enumerate(a[:4]):
             weighted = list(map(mul, w, left))
             for j in range(i, 7):
-                place = UNIT + g + places[i] + places[j]
-                table[i][j] += sum(map(mul, weighted, a[j])) << place
-    return table
+                table[i][j] += sum(map(mul, weighted, a[j])) << UNIT + g + places[i] + places[j]
+    common = gcd(*chain(*table)) or 1
+    shift = (common & -common).bit_length() - 1
+    return [[entry >> shift for entry in row] for row in table], shift - UNIT
 
 
 def _lifted(doubles: bytes, first: int, count: int) -> tuple[list[int], int]:
     """Integers k and one exponent e such that the doubles are k 2^e."""
     values = struct.unpack_from(f"<{count}d", doubles, 8 * first)
     require(all(map(isfinite, values)), "the data hold a number that is not finite")
-    minus_zero = 1 << 63 in struct.unpack_from(f"<{count}Q", doubles, 8 * first)
-    require(not minus_zero, "the data hold -0.0, which is not canonical")
+    bits = struct.unpack_from(f"<{count}Q", doubles, 8 * first)
+    require(1 << 63 not in bits, "the data hold -0.0, which is not canonical")
     split = [frexp(value) for value in values]  # value = k 2^e, k 2^53 an integer
     low = min((e for k, e in split if k), default=0)
     return [int(k * 2**53) << (e - low) if k else 0 for k, e in split], low - 53
@@ -208,13 +211,13 @@ def davenport(C: Matrix) -> Matrix:
     return [[trace, *z], *([z[i], *block[i]] for i in range(3))]
 
 
-def positive_definite(A: Matrix) -> bool:
+def positive_definite(A: Sequence[Sequence[int | Fraction]]) -> bool:
     """Whether the symmetric matrix A is positive definite: all leading minors > 0 (Sylvester).
 
     They are the pivots of Bareiss' elimination, whose divisions leave no remainder.
     """
-    divisor = gcd(*chain(*A)) or 1
-    rows, previous = [[entry // divisor for entry in row] for row in A], 1
+    common = lcm(*(entry.denominator for entry in chain(*A)))
+    rows, previous = [[int(entry * common) for entry in row] for row in A], 1
     for k, row in enumerate(rows):
         if row[k] <= 0:
             return False
@@ -225,26 +228,41 @@ def positive_definite(A: Matrix) -> bool:
     return True
 
 
-def proves_optimality(K: Matrix, mass: int, q: list[int], delta: Fraction, mu: Fraction) -> bool:
-    """Whether A = (v + delta - mu) I - K + mu u u^T is positive definite; u = q/|q|, v = u^T K u.
+def _form(A: Matrix, v: list[int]) -> int:  # v^T A v
+    return sum(entry * sum(map(mul, row, v)) for entry, row in zip(v, A))  # noqa: B905 (3.9)
 
-    Given are M K and M, in units 4^-UNIT and 2^-UNIT; A is multiplied by M |q|^2 > 0. Where A is
-    positive definite and mu >= 0, every unit quaternion p satisfies
+
+def proves_level(K: Matrix, unit: Fraction, q: list[int], level: Fraction, mu: Fraction) -> bool:
+    """Whether A = level I - K + mu u u^T is positive definite; u = q/|q|, K given over unit.
+
+    Where it is, mu >= 0 and level = v + delta - mu, v = u^T K u, every unit quaternion p satisfies
         p^T K p - v < delta - mu (1 - (u.p)^2).                                              (*)
     Gap: objective(R(u)) - objective(R(p)) = 2 (p^T K p - v) < 2 delta.
     Angle: let p be optimal, 0 <= p^T K p - v, and R(u), R(p) be an angle a apart, so that
     1 - (u.p)^2 = sin^2(a/2): sin^2(a/2) < delta/mu if mu > 0.
     Unique if delta <= mu: were the largest eigenvalue of K double, its eigenspace would hold a
     unit p orthogonal to u, for which (*) says p^T K p < v + delta - mu <= v: not the largest.
+    With mu = 0 every p^T K p < level: the gap is below 2 (level - v), the dual's own bound.
     """
-    scale = max(delta.denominator, mu.denominator)  # powers of two
-    d, m = (int(x * scale) * mass << UNIT for x in (delta, mu))
-    four, square = range(4), sum(c * c for c in q)
-    value = scale * sum(K[i][j] * q[i] * q[j] for i in four for j in four)
-    A = [[m * q[i] * q[j] - scale * square * K[i][j] for j in four] for i in four]
-    for i in four:
-        A[i][i] += value + (d - m) * square
-    return positive_definite(A)
+    square = sum(c * c for c in q)
+    rows = [[Fraction(mu * a * b, square) / unit for b in q] for a in q]
+    diagonal = level / unit
+    return positive_definite(
+        [[rows[i][j] - K[i][j] + diagonal * (i == j) for j in range(4)] for i in range(4)]
+    )
+
+
+def proves_basin(fields: dict[str, Any], K: Matrix, J: Matrix, level: Fraction) -> bool:
+    """Whether a body in the state (p, w), w its angular velocity, must end at the optimum; J > 0.
+
+    E = w^T J w / 2 - 2 p^T K p, p a unit quaternion, never rises along the damped motion, which
+    ends at an equilibrium (LaSalle). One that is not optimal has p^T K p at most the second
+    eigenvalue of K, and by (*) that is < level = v + delta - mu, the bound across u. So
+    p^T K p - w^T J w / 4 > level leaves only the optimum. K, J and level are over one unit.
+    """
+    p, (*w, exponent) = fields["quaternion"], fields["angular_velocity"]
+    spin = Fraction(_form(J, w), 4) * _power(exponent) ** 2
+    return any(p) and Fraction(_form(K, p), sum(c * c for c in p)) - spin > level
 
 
 def multiplicities(C: Matrix) -> list[int]:
@@ -268,9 +286,7 @@ def multiplicities(C: Matrix) -> list[int]:
         return [2, 2] if e1 else [4]
     if s == 0:
         return [1, 3] if D > 0 else [3, 1]
-    if s < 0:
-        return [1, 2, 1]
-    return [1, 1, 2] if D > 0 else [2, 1, 1]
+    return [1, 2, 1] if s < 0 else [1, 1, 2] if D > 0 else [2, 1, 1]
 
 
 def check(certificate: bytes, clouds: Clouds | None = None) -> Outcome:
@@ -287,42 +303,47 @@ def check(certificate: bytes, clouds: Clouds | None = None) -> Outcome:
 def _prove(fields: dict[str, Any], clouds: Clouds | None) -> tuple[str, ...]:
     q, delta, mu, sin2 = (fields[name] for name in ("pose", "delta", "mu", "sin2_half_angle"))
     require(delta > 0 and mu >= 0 and any(q), "delta > 0, mu >= 0 and a pose other than 0 needed")
-    m = moments(bound_doubles(fields, clouds), fields["n"])
+    m, e = moments(bound_doubles(fields, clouds), fields["n"])
     mass, xyz = m[0][0], (1, 2, 3)
     require(mass > 0, "no weight is positive")
-    C = [[mass * m[k][j] - m[0][k] * m[0][j] for k in xyz] for j in (4, 5, 6)]  # M C
-    S = [[mass * m[min(j, k)][max(j, k)] - m[0][k] * m[0][j] for k in xyz] for j in xyz]  # M S2
+    unit = Fraction(2) ** e / mass  # of K and J below, which are M K and M J
+    C = [[mass * m[k][j] - m[0][k] * m[0][j] for k in xyz] for j in (4, 5, 6)]
+    S = [[mass * m[min(j, k)][max(j, k)] - m[0][k] * m[0][j] for k in xyz] for j in xyz]
     trace = S[0][0] + S[1][1] + S[2][2]
     J = [[trace * (i == j) - S[i][j] for j in range(3)] for i in range(3)]
-    solid, pattern = positive_definite(J), multiplicities(C)
-    optimal = proves_optimality(davenport(C), mass, q, delta, mu)
-    require(optimal, "delta and mu do not prove that the pose is optimal")
+    solid, pattern, K = positive_definite(J), multiplicities(C), davenport(C)
+    v = Fraction(_form(K, q), sum(c * c for c in q)) * unit
+    level = v + delta - mu
+    require(proves_level(K, unit, q, level, mu), "delta and mu do not prove the pose optimal")
     require(fields["gap"] >= 2 * delta, "claims.gap is below the proved bound 2 delta")
     angle = sin2 is None or (mu > 0 and sin2 * mu >= delta)
     require(angle, "claims.sin2_half_angle is below the proved bound delta/mu")
     require(fields["pattern"] == pattern, f"claims.pattern is wrong, the true one is {pattern}")
-    unique, unstable = pattern[0] == 1, [0, *accumulate(pattern[:-1])]
-    require(unique or not fields["unique"], "claims.unique is wrong: the optimum is not unique")
-    if fields["unstable"] is not None:
-        require(solid, "claims.unstable is unproved: the moving points are collinear")
-        require(fields["unstable"] == unstable, f"claims.unstable is wrong, true is {unstable}")
-    return tuple(_sentences(fields, pattern, unstable, solid=solid))
+    unique = pattern[0] == 1 or not fields["unique"]
+    require(unique, "claims.unique is wrong: the optimum is not unique")
+    unstable = [0, *accumulate(pattern[:-1])] if solid else None  # collinear: no dynamics
+    good = fields["unstable"] in (None, unstable)
+    require(good, f"claims.unstable is wrong or unproved: proved is {unstable}")
+    nu, sdp_gap = fields["nu"], fields["sdp_gap"]
+    require(nu is None or proves_level(K, unit, q, nu, Fraction(0)), "sdp.nu bounds nothing")
+    bounded = sdp_gap is None or (nu is not None and sdp_gap >= 2 * (nu - v))
+    require(bounded, "claims.sdp_gap is below the proved bound 2 (nu - v)")
+    if fields["basin"]:
+        stated = solid and fields["quaternion"] and fields["angular_velocity"]
+        inside = stated and proves_basin(fields, K, J, level / unit)
+        require(inside, "claims.basin is not proved of the state in basin")
+    return tuple(_sentences(fields, pattern, solid=solid))
 
 
-def _sentences(
-    fields: dict[str, Any], pattern: list[int], unstable: list[int], *, solid: bool
-) -> Iterator[str]:
+def _sentences(fields: dict[str, Any], pattern: list[int], *, solid: bool) -> Iterator[str]:
     q, delta, mu = fields["pose"], fields["delta"], fields["mu"]
-    where = "outside" if fields["data"] is None else "inside"
-    yield f"The data are n = {fields['n']} weighted pairs of points, kept {where} the certificate."
+    yield f"The data are n = {fields['n']} weighted pairs of points."
     yield f"SHA-256 of their doubles is {fields['digest']}."
     length = isqrt(sum(c * c for c in q) << 128)
     unit = ", ".join(f"{(c << 64) / length:.12f}" for c in q)
     yield f"The certified rotation R is that of the quaternion ({unit}), rounded here; w first."
-    yield (
-        "The objective at R, with the best translation, exceeds the global minimum by less than "
-        f"{rounded_up(2 * delta, 2):.1e} (sum of weight x squared distance)."
-    )
+    gap = f"{rounded_up(2 * delta, 2):.1e} (sum of weight x squared distance)"
+    yield f"The objective at R, best translation, exceeds the global minimum by less than {gap}."
     if 2 * delta <= mu:  # a/2 < tan(a/2) < sqrt(s/(1 - s)) if sin^2(a/2) < s = delta/mu
         context = Context(prec=20)
         root = context.next_plus(context.sqrt(rounded_up(delta / (mu - delta), 20)))
@@ -332,13 +353,19 @@ def _sentences(
         yield "The global optimum is unique: every other rotation has a larger objective."
     else:
         yield f"The global optimum is NOT unique: the optima form {KINDS[pattern[0]]}."
-    kinds, counts = ", ".join(KINDS[k] for k in pattern), ", ".join(map(str, unstable))
+    kinds = ", ".join(KINDS[k] for k in pattern)
+    counts = ", ".join(map(str, [0, *accumulate(pattern[:-1])]))
     if solid:
         yield "The moving cloud has three noncollinear points of positive weight (J > 0)."
         yield f"The equilibria of the dynamics: {kinds}; unstable directions: {counts}."
     else:
         yield "The moving points are collinear (J is singular): the dynamics is not defined."
         yield f"The critical rotations: {kinds}; directions of descent: {counts}."
+    if fields["sdp_gap"] is not None:
+        gap = f"{rounded_up(fields['sdp_gap'], 2):.1e}"
+        yield f"The dual of the semidefinite relaxation alone bounds the same gap by {gap}."
+    if fields["basin"]:
+        yield "A body moving from the state `basin` ends at the optimum, whatever the damping > 0."
     yield "Not proved: anything under `about`, and where the points come from."
 
 
@@ -356,8 +383,8 @@ def shown(text: object) -> str:
 def main(argv: list[str]) -> int:
     """Exit code: 0 verified, 1 refused, 2 unreadable file or wrong usage."""
     if len(argv) != 1 or argv[0].startswith("-"):
-        sys.stderr.write("usage: verify.py CERTIFICATE (a JSON file; its points must be inside)\n")
-        return 0 if argv in (["-h"], ["--help"]) else 2
+        sys.stderr.write("usage: verify.py CERTIFICATE (a JSON file that holds its points)\n")
+        return 0 if argv == ["--help"] else 2
     try:
         with Path(argv[0]).open("rb") as file:
             outcome = check(file.read(FILE_MAX + 1))

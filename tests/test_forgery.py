@@ -338,6 +338,49 @@ def test_what_stands_under_about_and_white_space_are_no_matter():
     assert not is_refused(json.dumps(GENERIC, separators=(",", ":")).encode())
 
 
+def test_a_boolean_is_no_integer():
+    """Python takes True for 1; these would be true certificates, were they well formed."""
+    for path in (("claims", "pattern", 0), ("claims", "unstable", 1), ("optimality", "delta", 0)):
+        assert at(GENERIC, path) == 1
+        assert is_refused(oracle.dump(replaced(GENERIC, path, True)))
+    assert is_refused(oracle.dump(replaced(GENERIC, ("claims", "unstable", 0), False)))
+    assert is_refused(oracle.dump(replaced(GENERIC, ("claims", "unique"), 1)))
+    pattern, source, target = oracle.PATTERNS["one point"]
+    single = oracle.produce(source, target, pattern=pattern)
+    assert not is_refused(oracle.dump(single))
+    assert is_refused(oracle.dump(replaced(single, ("problem", "n"), True)))
+
+
+def test_numbers_that_json_does_not_know_are_refused_even_in_about():
+    text = oracle.dump(GENERIC)
+    for name in (b"NaN", b"Infinity", b"-Infinity"):
+        assert is_refused(text.replace(b'"the tests"', name))
+
+
+def test_long_integers_are_refused_although_the_interpreter_would_convert_them():
+    allowed = sys.get_int_max_str_digits()
+    sys.set_int_max_str_digits(0)  # as Python before 3.11
+    try:
+        text = oracle.dump(GENERIC).replace(b'"the tests"', b"%s")
+        assert not is_refused(text.replace(b"%s", b"9" * 4300))
+        assert is_refused(text.replace(b"%s", b"9" * 4301))
+        assert is_refused(text.replace(b"%s", b"9" * 10**7))
+    finally:
+        sys.set_int_max_str_digits(allowed)
+
+
+def test_files_of_more_bytes_or_points_than_allowed_are_refused(monkeypatch, tmp_path):
+    text, path = oracle.dump(GENERIC), tmp_path / "certificate.json"
+    path.write_bytes(text + b" ")
+    for name, enough in (("FILE_MAX", len(text)), ("INLINE_MAX", 6)):
+        with monkeypatch.context() as limits:
+            limits.setattr(checker, name, enough)
+            assert not is_refused(text)
+            assert checker.main([str(path)]) == (name == "FILE_MAX")
+            limits.setattr(checker, name, enough - 1)
+            assert is_refused(text)
+
+
 @given(st.binary(max_size=300))
 @settings(max_examples=300, deadline=None, derandomize=True)
 def test_random_bytes_are_refused(content):
