@@ -60,8 +60,8 @@ def _errors(problem: RegistrationProblem) -> dict[str, float]:
     moments = floating_moments(problem)
     answers = {
         "certreg": solve(problem).pose.quaternion_wxyz,
-        "Horn": horn(moments),
-        "Arun": arun(moments),
+        "Horn": horn(moments.cross_covariance),
+        "Arun": arun(moments.cross_covariance),
     }
     errors = {road: angle(answer.tolist(), reference) for road, answer in answers.items()}
     return errors | {"SciPy": _scipy_error(problem, reference)}

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.certificate.bounds import pose_bounds, pose_energy
+from certreg.certificate.bounds import ExactPose, pose_bounds, pose_energy
 from certreg.dyadic import nearest_double, nearest_root
 from certreg.energy import translation_energy
 from certreg.errors import InvalidProblemError
@@ -17,15 +17,20 @@ from certreg.pipeline import certify
 from certreg.problem import lift
 from certreg.results import ComponentKind, PoseVerdict
 from certreg.settings import AssessmentSettings
-from certreg.so3 import quaternion_from_matrix
+from certreg.so3 import quaternion_from_matrix, rotation_matrix, squared_norm
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from certreg.certificate.bounds import PoseBounds
     from certreg.equilibria.components import EquilibriumSet
+    from certreg.moments import ExactMoments
     from certreg.pipeline import Registration, Solution
     from certreg.problem import RegistrationProblem
+
+
+UNNOTED_DEFECT = 1e-12  # |R^T R - I| of a matrix of doubles: its own rounding
+UNNOTED_SHIFT = Fraction(1, 10**9)  # of the clouds' size
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,19 +62,56 @@ def assess(
     *,
     settings: AssessmentSettings | None = None,
 ) -> Assessment:
-    """The assessment of the pose y = rotation @ x + translation; rotation (3, 3), translation (3,).
+    """The assessment of the pose y = R x + translation; translation (3,).
 
-    A matrix that is a rotation up to its printed digits is judged as the nearest rotation, exactly.
+    rotation: a matrix (3, 3), or a quaternion (4,), scalar first, which is judged exactly. A matrix
+        that is a rotation up to its printed digits is judged as the nearest rotation, turned about
+        the source's centroid, so that its rounding does not move the cloud.
     Raises InvalidProblemError for arrays of other shapes or with values that are not finite.
     """
     settings = settings or AssessmentSettings()
-    matrix = _finite(rotation, (3, 3), "rotation")
+    shape = (4,) if np.shape(rotation) == (4,) else (3, 3)
+    turn = _finite(rotation, shape, "rotation")
     shift = _finite(translation, (3,), "translation")
-    fault = _why_no_rotation(matrix, settings.rotation_tolerance)
+    fault = _why_no_rotation(turn, settings.rotation_tolerance)
     if fault is not None:
         return Assessment(verdict=PoseVerdict.NOT_A_ROTATION, words=fault)
-    facts = _findings(certify(problem), quaternion_from_matrix(matrix), shift)
-    return _described(facts, _verdict(facts, settings))
+    registration = certify(problem, relaxation=False, simulation=False)
+    if shape == (4,):
+        facts = _findings(registration, ExactPose.of_doubles(turn, shift))
+    else:
+        facts = _findings(registration, _nearest_pose(registration.solution.moments, turn, shift))
+    found = _described(facts, _verdict(facts, settings))
+    note = _projection_note(turn) if shape == (3, 3) else ""
+    return replace(found, words=found.words + note)
+
+
+def _nearest_pose(
+    moments: ExactMoments, matrix: NDArray[np.float64], shift: NDArray[np.float64]
+) -> ExactPose:
+    """The nearest rotation to a matrix, with the translation that moves the centroid as it did."""
+    q = lift(quaternion_from_matrix(matrix)).integers
+    norm, x = squared_norm(q), moments.source_centroid
+    rows = zip(matrix.tolist(), rotation_matrix(q), shift.tolist(), strict=True)
+    translation = [
+        Fraction(t)
+        + sum(
+            (Fraction(a) - Fraction(b, norm)) * c for a, b, c in zip(given, nearest, x, strict=True)
+        )
+        for given, nearest, t in rows
+    ]
+    return ExactPose(quaternion=tuple(q), translation=tuple(translation))
+
+
+def _projection_note(matrix: NDArray[np.float64]) -> str:
+    """What the user should know where a matrix was not quite a rotation."""
+    defect = float(np.abs(matrix.T @ matrix - np.eye(3)).max())
+    if defect <= UNNOTED_DEFECT:
+        return ""
+    return (
+        f" (The matrix is off a rotation by {defect:.1e} and was judged as the nearest one about "
+        "the source's centroid.)"
+    )
 
 
 def _finite(values: ArrayLike, shape: tuple[int, ...], name: str) -> NDArray[np.float64]:
@@ -82,6 +124,11 @@ def _finite(values: ArrayLike, shape: tuple[int, ...], name: str) -> NDArray[np.
 
 def _why_no_rotation(matrix: NDArray[np.float64], tolerance: float) -> str | None:
     """Why a matrix is no rotation, in words; None if it is one up to its printed digits."""
+    if matrix.shape == (4,):
+        norm = math.hypot(*matrix.tolist())
+        if abs(norm - 1.0) <= tolerance:
+            return None
+        return f"The quaternion has norm {norm:.6g}, not 1: it is not a rotation."
     with np.errstate(over="ignore", invalid="ignore"):
         defect = float(np.abs(matrix.T @ matrix - np.eye(3)).max())
     stretch = np.linalg.svd(matrix, compute_uv=False)
@@ -118,28 +165,19 @@ class _Findings:
     angles: list[float]  # to each component of equilibria
     nearest: int  # the component of the least angle
 
-    @property
-    def gap_upper(self) -> Fraction | None:
-        if self.bounds is None or math.isinf(self.bounds.gap_upper):
-            return None
-        return Fraction(self.bounds.gap_upper)
 
-
-def _findings(
-    registration: Registration, quaternion: NDArray[np.float64], translation: NDArray[np.float64]
-) -> _Findings:
+def _findings(registration: Registration, pose: ExactPose) -> _Findings:
     solution = registration.solution
-    q = lift(quaternion).integers
-    angles = [solution.spectrum.angle_to(i, q) for i in range(len(solution.spectrum.groups))]
+    found, moments, q = solution.spectrum, solution.moments, pose.quaternion
+    angles = [found.angle_to(i, q) for i in range(len(found.groups))]
     bounds = None
     if solution.certificate is not None:
-        bounds = pose_bounds(solution.moments, solution.certificate, quaternion, translation)
-    exact = [Fraction(entry) for entry in translation.tolist()]
+        bounds = pose_bounds(moments, solution.certificate, pose)
     return _Findings(
         registration=registration,
         bounds=bounds,
-        energy=pose_energy(solution.moments, quaternion, translation),
-        translation_energy=translation_energy(solution.moments, q, exact),
+        energy=pose_energy(moments, pose),
+        translation_energy=translation_energy(moments, q, pose.translation),
         energy_range=_energy_range(solution),
         angles=angles,
         nearest=min(range(len(angles)), key=angles.__getitem__),
@@ -157,14 +195,19 @@ def _energy_range(solution: Solution) -> Fraction:
 
 
 def _verdict(facts: _Findings, settings: AssessmentSettings) -> PoseVerdict:
-    scale, gap = facts.energy_range, facts.gap_upper
-    if gap is not None and gap <= Fraction(settings.optimal_gap) * scale:
+    """The verdict: by the angle first, as a small gap may only mean that little is at stake."""
+    scale = facts.energy_range
+    settled = facts.angles[facts.nearest] <= settings.equilibrium_angle
+    if facts.translation_energy > Fraction(settings.equilibrium_shift) ** 2 * scale:
+        settled = False
+    if facts.nearest > 0:
+        return PoseVerdict.SPURIOUS_EQUILIBRIUM if settled else PoseVerdict.NOT_AN_EQUILIBRIUM
+    if facts.bounds is None:
+        return PoseVerdict.NOT_AN_EQUILIBRIUM
+    gap, away = facts.bounds.greatest_gap, facts.angles[0]
+    if gap <= Fraction(settings.optimal_gap) * scale and away <= settings.optimal_angle:
         return PoseVerdict.OPTIMAL
-    turned = facts.angles[facts.nearest] > settings.equilibrium_angle
-    shifted = facts.translation_energy > Fraction(settings.equilibrium_shift) ** 2 * scale
-    if facts.nearest > 0 and not turned and not shifted:
-        return PoseVerdict.SPURIOUS_EQUILIBRIUM
-    if gap is not None and gap <= Fraction(settings.near_optimal_gap) * scale:
+    if gap <= Fraction(settings.near_optimal_gap) * scale and away <= settings.near_optimal_angle:
         return PoseVerdict.NEAR_OPTIMAL
     return PoseVerdict.NOT_AN_EQUILIBRIUM
 
@@ -187,31 +230,40 @@ def _described(facts: _Findings, verdict: PoseVerdict) -> Assessment:
 
 def _words(facts: _Findings, verdict: PoseVerdict) -> str:
     equilibria = facts.registration.equilibria
-    component = equilibria.components[facts.nearest]
-    degrees = math.degrees(facts.angles[facts.nearest])
     away = math.degrees(facts.angles[0])
     if verdict is PoseVerdict.OPTIMAL:
         return _optimal_words(equilibria)
     if verdict is PoseVerdict.NEAR_OPTIMAL:
         return (
-            f"This is near the global optimum, {away:.3g} degrees from it, but not at it: "
-            "it fits measurably worse."
+            f"This is near the global optimum, {away:.3g} degrees from it{_shift_words(facts)}, "
+            "but not at it."
         )
     if verdict is PoseVerdict.SPURIOUS_EQUILIBRIUM:
-        name = f"the index-{component.morse_index} equilibrium"
-        if component.kind is not ComponentKind.POINT:
-            name = f"one of a {component.kind.value} of index-{component.morse_index} equilibria"
-        worst = facts.nearest == len(equilibria.components) - 1
-        end = ": the worst rotation there is" if worst else ""
-        return (
-            f"This is {name}{end}. Forces and torques balance here, but it is unstable in "
-            f"{component.morse_index} direction{'s' * (component.morse_index > 1)} and "
-            f"{away:.6g} degrees from the global optimum."
-        )
+        return _spurious_words(facts)
+    nearest = equilibria.components[facts.nearest]
+    words = "This is no equilibrium: a body released here would move. "
+    if facts.nearest > 0:
+        degrees = math.degrees(facts.angles[facts.nearest])
+        words += f"The nearest one has index {nearest.morse_index}, {degrees:.3g} degrees away; "
+    else:
+        words += "The nearest one is the optimum; "
+    return f"{words}the global optimum is {away:.3g} degrees away{_shift_words(facts)}."
+
+
+def _spurious_words(facts: _Findings) -> str:
+    components = facts.registration.equilibria.components
+    component = components[facts.nearest]
+    name = f"the index-{component.morse_index} equilibrium"
+    if component.kind is not ComponentKind.POINT:
+        name = f"one of a {component.kind.value} of index-{component.morse_index} equilibria"
+    end = ": the worst rotation there is" if facts.nearest == len(components) - 1 else ""
+    many = f"{component.morse_index} direction{'s' * (component.morse_index > 1)}"
+    how = f"it is unstable in {many}"
+    if component.unstable_eigenvalues is None:
+        how = f"the energy falls in {many}"
     return (
-        f"This is no equilibrium: a body released here would move. The nearest one has index "
-        f"{component.morse_index} and is {degrees:.3g} degrees away; the global optimum is "
-        f"{away:.3g} degrees away{_shift_words(facts)}."
+        f"This is {name}{end}. Forces and torques balance here, but {how}, and it is "
+        f"{math.degrees(facts.angles[0]):.6g} degrees from the global optimum."
     )
 
 
@@ -226,8 +278,9 @@ def _optimal_words(equilibria: EquilibriumSet) -> str:
 
 
 def _shift_words(facts: _Findings) -> str:
-    weight = facts.registration.solution.moments.total_weight
-    shift = nearest_root(facts.translation_energy / weight)
-    if not shift:
+    """How far the centroids are apart, where that is more than rounding."""
+    moments = facts.registration.solution.moments
+    if facts.translation_energy <= UNNOTED_SHIFT**2 * facts.energy_range:
         return ""
-    return f", and the centroids are {shift:.6g} apart"
+    shift = nearest_root(facts.translation_energy / moments.total_weight)
+    return "" if shift is None else f" and the centroids {shift:.6g} apart"

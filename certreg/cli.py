@@ -30,7 +30,7 @@ Exit codes: 0 done and proved
             1 refused, or two roads disagree
             2 bad usage or input
             3 certified, but the optimum is not unique
-            4 solved, but not certified
+            4 solved, but not certified, or the simulation did not converge
 """
 PATIENCE = 1.0  # seconds before a long run says that it is at work
 
@@ -63,6 +63,11 @@ def main() -> NoReturn:
         sys.exit(REFUSED)
     except CertregError as error:
         click.echo(f"certreg: {error}", err=True)
+        sys.exit(MISUSED)
+    except BrokenPipeError:
+        sys.exit(DONE)
+    except OSError as error:
+        click.echo(f"certreg: the output cannot be written ({error.strerror})", err=True)
         sys.exit(MISUSED)
     except MemoryError:
         click.echo("certreg: not enough memory for this input: use fewer points", err=True)
@@ -137,9 +142,10 @@ def certify(
     from certreg.report.summary import registration_summary
     from certreg.results import Optimality
 
-    del no_relaxation, no_simulation  # both are null in this version, with the reason
     about = {"certreg": __version__, "source": source.name, "target": target.name}
-    registration = run(problem, about=about)
+    registration = run(
+        problem, relaxation=not no_relaxation, simulation=not no_simulation, about=about
+    )
     path = None if out is None else write_folder(registration, out)
     if as_json:
         document = result_document(registration, None if path is None else str(path))
@@ -148,6 +154,9 @@ def certify(
         click.echo(registration_summary(registration))
         if path is not None:
             click.echo(f"\nCertificate: {path}  (re-check it: certreg verify {path})")
+    trajectory = registration.solution.trajectory
+    if trajectory is not None and not trajectory.converged:
+        return NOT_CERTIFIED
     return {
         Optimality.CERTIFIED: DONE,
         Optimality.CERTIFIED_NOT_UNIQUE: NOT_UNIQUE,
@@ -177,7 +186,7 @@ def assess(
 
     del source, target
     pose = read_pose(pose_file)
-    assessment = run(problem, pose.rotation, pose.translation)
+    assessment = run(problem, pose.turn, pose.translation)
     click.echo(
         dumps(assessment_document(assessment)) if as_json else assessment_summary(assessment)
     )

@@ -16,6 +16,10 @@ class InvalidProblemError(CertregError):
     """The arrays given do not state a registration problem."""
 
 
+class DegenerateProblemError(CertregError):
+    """The problem is well posed, but what was asked of it is not defined."""
+
+
 class InvalidFileError(CertregError):
     """A file cannot be read, or does not hold what its name promises."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -10,46 +9,77 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.certificate.bounds import PoseBounds, pose_bounds, pose_energy
+from certreg.agreement import Agreement, agreement, require_sound_trajectory
+from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds, pose_energy
 from certreg.certificate.checking import check_own
 from certreg.certificate.producing import produce
-from certreg.dyadic import nearest_double, nearest_or_zero, nearest_root
+from certreg.certificate.types import RotationState
+from certreg.covariance import PoseCovariance, pose_covariance
+from certreg.dyadic import nearest_double, nearest_or_zero, nearest_root, power_of_two
 from certreg.energy import best_translation
-from certreg.equilibria.closed_form import arun, horn
 from certreg.equilibria.spectral import (
     equilibrium_set,
     rotation_double,
     spectrum,
     unit_double,
 )
-from certreg.errors import ContradictionError, OutOfRangeError, RefusedCertificateError
-from certreg.moments import exact_moments, floating_moments
+from certreg.errors import (
+    DegenerateProblemError,
+    OutOfRangeError,
+    RefusedCertificateError,
+)
+from certreg.moments import exact_moments
 from certreg.pose import Pose
 from certreg.problem import lift
 from certreg.results import Optimality
-from certreg.settings import AgreementSettings
 
 if TYPE_CHECKING:
     from collections.abc import Generator
+    from fractions import Fraction
 
     from certreg.certificate.types import Certificate
     from certreg.equilibria.components import EquilibriumSet
     from certreg.equilibria.spectral import Spectrum
     from certreg.moments import ExactMoments
     from certreg.problem import RegistrationProblem
+    from certreg.relaxation.shor import Relaxation
     from certreg.results import Verdict
+    from certreg.simulation import Trajectory
+
+NOT_ASKED = "not asked for"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Solution:
-    """What is computed before anything is checked."""
+    """What is computed before anything is checked.
+
+    relaxation, trajectory, covariance: None where `absences` says why.
+    """
 
     moments: ExactMoments
     spectrum: Spectrum
     equilibria: EquilibriumSet
     pose: Pose
+    covariance: PoseCovariance | None
+    relaxation: Relaxation | None
+    trajectory: Trajectory | None
+    agreement: Agreement
     certificate: Certificate | None
-    closed_form_angle: float  # radians, the larger of Horn's and Arun's to the nearest optimum
+    absences: Absences
+
+    @property
+    def energy_unit(self) -> Fraction:
+        """What the trajectory's energies are worth in objective units."""
+        exponent = 0 if self.trajectory is None else 2 * self.trajectory.length_exponent
+        return self.moments.total_weight * power_of_two(exponent)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Absences:
+    """Why a part of a solution is missing, in words; None where it is there."""
+
+    relaxation: str | None
+    trajectory: str | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -96,15 +126,22 @@ class Registration:
         return Optimality.CERTIFIED_NOT_UNIQUE
 
 
-def certify(problem: RegistrationProblem, *, about: dict[str, Any] | None = None) -> Registration:
-    """Register, enumerate all equilibria, certify, and run the checker on the certificate.
+def certify(
+    problem: RegistrationProblem,
+    *,
+    relaxation: bool = True,
+    simulation: bool = True,
+    about: dict[str, Any] | None = None,
+) -> Registration:
+    """Register, enumerate all equilibria, cross-check, certify, and run the checker.
 
+    relaxation, simulation: whether to take these two roads, too; all else is the same.
     Raises ContradictionError or RefusedCertificateError where certreg contradicts itself, and
     OutOfRangeError where no double can hold the pose.
     """
     timings: dict[str, float] = {}
     with _timed(timings, "compute"):
-        solution = solve(problem, about=about)
+        solution = solve(problem, relaxation=relaxation, simulation=simulation, about=about)
     certificate = solution.certificate
     verdict = None
     if certificate is not None:
@@ -113,6 +150,8 @@ def certify(problem: RegistrationProblem, *, about: dict[str, Any] | None = None
         if not verdict.proved:
             message = f"the checker refused certreg's own certificate: {verdict.words}"
             raise RefusedCertificateError(message, verdict=verdict)
+        if solution.trajectory is not None:
+            require_sound_trajectory(solution.spectrum, certificate, solution.trajectory)
     return _registration(problem, solution, verdict, timings)
 
 
@@ -127,17 +166,67 @@ def equilibria(problem: RegistrationProblem, method: str = "spectral") -> Equili
     return equilibrium_set(spectrum(exact_moments(problem)), problem.damping)
 
 
-def solve(problem: RegistrationProblem, *, about: dict[str, Any] | None = None) -> Solution:
+def solve(
+    problem: RegistrationProblem,
+    *,
+    relaxation: bool = False,
+    simulation: bool = False,
+    about: dict[str, Any] | None = None,
+) -> Solution:
     """Everything that is computed, nothing yet checked."""
     moments = exact_moments(problem)
     found = spectrum(moments)
+    relaxed, no_relaxation = _relaxation(moments) if relaxation else (None, NOT_ASKED)
+    trajectory, no_trajectory = _simulation(found, problem) if simulation else (None, NOT_ASKED)
+    certificate = produce(
+        problem,
+        found,
+        proposal=None if relaxed is None else relaxed.proposal,
+        state=None if trajectory is None else _final_state(trajectory),
+        about=about,
+    )
     return Solution(
         moments=moments,
         spectrum=found,
         equilibria=equilibrium_set(found, problem.damping),
         pose=_optimal_pose(moments, found),
-        certificate=produce(problem, found, about=about),
-        closed_form_angle=_closed_form_angle(problem, found),
+        covariance=pose_covariance(problem, found),
+        relaxation=relaxed,
+        trajectory=trajectory,
+        agreement=agreement(problem, found, relaxation=relaxed, trajectory=trajectory),
+        certificate=certificate,
+        absences=Absences(relaxation=no_relaxation, trajectory=no_trajectory),
+    )
+
+
+def _relaxation(moments: ExactMoments) -> tuple[Relaxation | None, str | None]:
+    """The relaxation, or why there is none."""
+    from certreg.relaxation.shor import relax
+
+    relaxed = relax(moments)
+    if relaxed.value is None:
+        return None, relaxed.status.value
+    return relaxed, None
+
+
+def _simulation(
+    found: Spectrum, problem: RegistrationProblem
+) -> tuple[Trajectory | None, str | None]:
+    """The simulated registration, or why there is none."""
+    from certreg.simulation import simulate
+
+    try:
+        return simulate(found, problem.damping), None
+    except DegenerateProblemError as error:
+        return None, str(error)
+
+
+def _final_state(trajectory: Trajectory) -> RotationState:
+    velocity = lift(trajectory.angular_velocity)
+    return RotationState(
+        quaternion=tuple(lift(trajectory.quaternion).integers),
+        angular_velocity=tuple(velocity.integers),
+        exponent=velocity.exponent,
     )
 
 
@@ -148,14 +237,14 @@ def _registration(
     timings: dict[str, float],
 ) -> Registration:
     pose, moments, certificate = solution.pose, solution.moments, solution.certificate
-    place = (pose.quaternion_wxyz, pose.translation)
-    energy = pose_energy(moments, *place)
+    place = ExactPose.of_doubles(pose.quaternion_wxyz, pose.translation)
+    energy = pose_energy(moments, place)
     return Registration(
         problem=problem,
         solution=solution,
         objective=nearest_double(energy),
         rmse=nearest_root(energy / moments.total_weight),
-        bounds=None if certificate is None else pose_bounds(moments, certificate, *place),
+        bounds=None if certificate is None else pose_bounds(moments, certificate, place),
         verdict=verdict,
         timings=timings,
     )
@@ -176,25 +265,6 @@ def _optimal_pose(moments: ExactMoments, found: Spectrum) -> Pose:
         translation=np.array(translation),
         quaternion_wxyz=unit_double(q),
     )
-
-
-def _closed_form_angle(problem: RegistrationProblem, found: Spectrum) -> float:
-    """The larger angle, in radians, from Horn's and Arun's rotation to the nearest optimum.
-
-    Raises ContradictionError if one of them fits worse than rounding explains.
-    """
-    moments = floating_moments(problem)
-    angles: list[float] = []
-    for name, quaternion in (("Horn", horn(moments)), ("Arun", arun(moments))):
-        q = lift(quaternion).integers
-        angles.append(found.angle_to_optimum(q))
-        if found.relative_loss(q) > AgreementSettings().relative_gap:
-            message = (
-                f"{name}'s closed form contradicts the certified pose: it is "
-                f"{math.degrees(angles[-1]):.3g} degrees away; please report this problem"
-            )
-            raise ContradictionError(message)
-    return max(angles)
 
 
 @contextmanager

@@ -15,7 +15,7 @@ class SpectrumSettings:
     start_bits: int = 192  # two sweeps from doubles; a second pass for relative gaps below 2^-32
     pose_bits: int = 96  # proved angle about 2^-94 where the gap is of the order of the spectrum
     guard_bits: int = 32  # more than the rounding of all the rotations of a run
-    max_bits: int = 16384  # the checker takes no longer integers
+    max_bits: int = 12288  # 3,700 digits: the checker takes integers of up to 4,300
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,6 +25,7 @@ class CertificateSettings:
     inline_points: int = 1_000_000  # the contract: beyond, the file carries the digest only
     bound_bits: int = 32  # mantissa of mu and delta: short numbers, at most 2^-31 wasted
     growth_bits: int = 16  # delta grows by 2^16 after a refused attempt
+    least_bits: int = 8192  # delta is at least 2^-8192 of the spread: exponents stay in bounds
     attempts: int = 8  # 8 * 16 bits: far beyond any rounding of the first guess
 
 
@@ -34,16 +35,24 @@ class AssessmentSettings:
 
     rotation_tolerance: float = 1e-4  # |R^T R - I|: admits 4x4 matrices printed with five decimals
     optimal_gap: float = 1e-12  # a pose off by one part in a million
+    optimal_angle: float = 1e-5  # radians: where little is at stake, a small gap says little
     near_optimal_gap: float = 1e-4  # a pose off by one part in a hundred
+    near_optimal_angle: float = 0.1  # radians
     equilibrium_angle: float = 1e-3  # radians: a pose printed with few digits still counts
     equilibrium_shift: float = 1e-3  # distance of the centroids, relative to the clouds' radius
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AgreementSettings:
-    """When a floating-point road contradicts the certificate."""
+    """When a floating-point road contradicts the certificate.
 
-    relative_gap: float = 1e-11  # of the spread: a thousand times the rounding of an O(N) sum
+    Losses are relative to the alignment between the best and the worst rotation.
+    """
+
+    closed_form_loss: float = 1e-11  # a thousand times the rounding of an O(N) sum
+    relaxation_loss: float = 1e-5  # a thousand times the solver's tolerance
+    simulation_loss: float = 1e-2  # a run stops at |s'| < 1e-4, near the optimum, not at it
+    energy_ulps: float = 64.0  # of rounding in a logged energy: a sum of twelve products
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,3 +62,40 @@ class FileSettings:
     max_text_bytes: int = 1 << 30  # ten million points
     max_line_bytes: int = 1 << 16  # a row of a cloud with many extra columns
     max_pose_bytes: int = 1 << 20  # a result without its points is a few kilobytes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SimulationSettings:
+    """The paper's integrator, and what ends and restarts a run."""
+
+    step: float = 0.01  # [Yang2020]
+    speed_tolerance: float = 1e-4  # [Yang2020]: norm of the 18 rates of change
+    max_steps: int = 1_000_000
+    stability_share: float = 0.25  # of the largest stable step of explicit Euler
+    least_step: float = 1e-5  # below, a run would outlast anyone's patience
+    basin_share: float = 0.4  # of the barrier: below the 1/2 that the certificate's mu proves
+    rest_height: float = 1e-6  # of the energy range: near enough to a continuum of optima
+    first_kick: float = 1e-3  # radians, off a saddle
+    kick_growth: float = 10.0  # slow saddles need larger ones
+    largest_kick: float = 1.0  # radians
+    log_capacity: int = 2048  # samples of a trajectory that are kept
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RelaxationSettings:
+    """How far the semidefinite solver goes. Data are scaled so that the largest entry is near 1."""
+
+    gap_tolerance: float = 1e-8  # Clarabel's own default
+    feasibility_tolerance: float = 1e-8  # as above
+    max_iterations: int = 100  # seven are usual
+    rank_threshold: float = 1e-4  # of the largest eigenvalue of Z
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MultiplierSettings:
+    """How a proposed multiplier is rounded outwards. Steps are relative to the size of K."""
+
+    bound_bits: int = 40  # mantissa of nu: a short number, at most 2^-39 of it wasted
+    first_step_bits: int = 36  # 2^-36 = 1.5e-11, below what a solver promises
+    growth_bits: int = 2  # each step four times the last: at most four times too far
+    attempts: int = 16  # up to 2^-6: whatever is still refused was no solution

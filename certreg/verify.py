@@ -74,7 +74,7 @@ class Clouds:
 
     source: tuple[float, ...] | array[float]
     target: tuple[float, ...] | array[float]
-    weights: array[float] | None = None  # None: those in the certificate, or ones if it has none
+    weights: array[float] | None = None  # None: all equal, those of the certificate if it has any
 
 
 def require(condition: object, reason: str) -> None:
@@ -99,8 +99,8 @@ def parse(text: bytes) -> dict[str, Any]:
         good = _is(dict, part) and sorted(part) == keys.split()
         require(good, f"{name or 'the certificate'} must have exactly the keys {keys}")
         fields.update(part)  # in this order: `basin` ends as the claim of that name
-    what = fields["format"], fields["kind"], type(fields["about"])
-    require(what == (FORMAT, "isotropic", dict), f"not a {FORMAT} of kind isotropic")
+    known = _is(dict, fields["about"]) and fields["kind"] == "isotropic"
+    require(known and fields["format"] == FORMAT, f"not a {FORMAT} of kind isotropic")
     scalars: Any = {"data": str, "digest": str, "n": int, "unique": bool, "basin": bool}
     for name in (*scalars, *LISTS):
         if fields[name] is None and name in OPTIONAL + PARTS:
@@ -164,6 +164,8 @@ def bound_doubles(fields: dict[str, Any], clouds: Clouds | None) -> bytes:
         given = head + given.tobytes()
         content = content or given + struct.pack("<d", 1.0) * ((size - len(given)) // 8)
         require(content.startswith(given), "the certificate is about other points or weights")
+        equal = len(parts) == 3 or content[-8:] * n == content[-8 * n :]
+        require(equal, "the certificate weights its points unequally: give the weights, too")
     digest = hashlib.sha256(content).hexdigest()
     require(digest == fields["digest"], "the digest is not that of the points and weights")
     return content[len(head) :]
@@ -303,7 +305,11 @@ def check(certificate: bytes, clouds: Clouds | None = None) -> Outcome:
 def _prove(fields: dict[str, Any], clouds: Clouds | None) -> tuple[str, ...]:
     q, delta, mu, sin2 = (fields[name] for name in ("pose", "delta", "mu", "sin2_half_angle"))
     require(delta > 0 and mu >= 0 and any(q), "delta > 0, mu >= 0 and a pose other than 0 needed")
-    m, e = moments(bound_doubles(fields, clouds), fields["n"])
+    content, n = bound_doubles(fields, clouds), fields["n"]
+    m, e = moments(content, n)
+    positive = n - sum(map((0.0).__eq__, struct.unpack_from(f"<{n}d", content, 48 * n)))
+    equal = positive == n and content[-8:] * n == content[-8 * n :]
+    fields["weighting"] = "all of one weight" if equal else f"{positive} of them of weight > 0"
     mass, xyz = m[0][0], (1, 2, 3)
     require(mass > 0, "no weight is positive")
     unit = Fraction(2) ** e / mass  # of K and J below, which are M K and M J
@@ -337,7 +343,7 @@ def _prove(fields: dict[str, Any], clouds: Clouds | None) -> tuple[str, ...]:
 
 def _sentences(fields: dict[str, Any], pattern: list[int], *, solid: bool) -> Iterator[str]:
     q, delta, mu = fields["pose"], fields["delta"], fields["mu"]
-    yield f"The data are n = {fields['n']} weighted pairs of points."
+    yield f"The data are n = {fields['n']} pairs of points, {fields['weighting']}."
     yield f"SHA-256 of their doubles is {fields['digest']}."
     length = isqrt(sum(c * c for c in q) << 128)
     unit = ", ".join(f"{(c << 64) / length:.12f}" for c in q)

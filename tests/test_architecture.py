@@ -19,7 +19,11 @@ problem
 moments energy pose
 equilibria.classification equilibria.components equilibria.eigenbasis equilibria.stability
 equilibria.spectral equilibria.closed_form
-certificate.types certificate.bounds certificate.producing certificate.checking
+relaxation.qcqp relaxation.conic relaxation.shor
+dynamics simulation covariance
+certificate.types certificate.bounds
+certificate.multiplier certificate.producing certificate.checking
+agreement
 pipeline assessment
 io.text io.npy io.clouds io.poses demo
 report.document report.folder report.summary
@@ -83,6 +87,7 @@ def test_every_module_stands_on_the_map():
         "certreg.equilibria",
         "certreg.certificate",
         "certreg.io",
+        "certreg.relaxation",
         "certreg.report",
     }
 

@@ -29,44 +29,59 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PoseBounds:
-    """What is proved of one pose: doubles rounded outwards.
+    """What is proved of one pose.
 
-    gap_lower, gap_upper: bounds on objective - minimum.
+    least_gap, greatest_gap: exact bounds on objective - minimum, in objective units.
     angle_upper: radians, to every optimum; None where the certificate bounds no angle.
     """
 
-    gap_lower: float
-    gap_upper: float
+    least_gap: Fraction
+    greatest_gap: Fraction
     angle_upper: float | None
 
+    @property
+    def gap_lower(self) -> float:
+        """`least_gap` as a double, rounded down."""
+        return double_below(self.least_gap)
 
-def pose_bounds(
-    moments: ExactMoments,
-    certificate: Certificate,
-    quaternion: NDArray[np.float64],
-    translation: NDArray[np.float64],
-) -> PoseBounds:
-    """Bounds on the pose with exactly this quaternion (normalised) and translation.
+    @property
+    def gap_upper(self) -> float:
+        """`greatest_gap` as a double, rounded up; infinite beyond the doubles."""
+        return double_above(self.greatest_gap)
 
-    They hold if the checker accepts the certificate for the data of these moments.
-    """
-    q = lift(quaternion).integers
-    above = pose_energy(moments, quaternion, translation)
-    above -= potential_energy(moments, certificate.quaternion)
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExactPose:
+    """A rational pose: the rotation of an integer quaternion, normalised, and a translation."""
+
+    quaternion: tuple[int, ...]
+    translation: tuple[Fraction, ...]
+
+    @classmethod
+    def of_doubles(
+        cls, quaternion: NDArray[np.float64], translation: NDArray[np.float64]
+    ) -> ExactPose:
+        """The pose with exactly these doubles, the quaternion normalised."""
+        return cls(
+            quaternion=tuple(lift(quaternion).integers),
+            translation=tuple(Fraction(entry) for entry in translation.tolist()),
+        )
+
+
+def pose_bounds(moments: ExactMoments, certificate: Certificate, pose: ExactPose) -> PoseBounds:
+    """Bounds on a pose; they hold if the checker accepts the certificate for these data."""
+    above = pose_energy(moments, pose) - potential_energy(moments, certificate.quaternion)
     return PoseBounds(
-        gap_lower=double_below(max(Fraction(0), above)),
-        gap_upper=double_above(max(Fraction(0), above + certificate.gap)),
-        angle_upper=_angle_upper(certificate, q),
+        least_gap=max(Fraction(0), above),
+        greatest_gap=max(Fraction(0), above + certificate.gap),
+        angle_upper=_angle_upper(certificate, pose.quaternion),
     )
 
 
-def pose_energy(
-    moments: ExactMoments, quaternion: NDArray[np.float64], translation: NDArray[np.float64]
-) -> Fraction:
-    """The objective sum w |y - R x - t|^2 at exactly this quaternion, normalised, and t."""
-    q = lift(quaternion).integers
-    shift = [Fraction(entry) for entry in translation.tolist()]
-    return potential_energy(moments, q) + translation_energy(moments, q, shift)
+def pose_energy(moments: ExactMoments, pose: ExactPose) -> Fraction:
+    """The objective sum w |y - R x - t|^2 at exactly this pose."""
+    q = pose.quaternion
+    return potential_energy(moments, q) + translation_energy(moments, q, pose.translation)
 
 
 def sin2_half_angle_between(p: Sequence[int], q: Sequence[int]) -> Fraction:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError
 from certreg.results import Ruling, Verdict
-from certreg.verify import FILE_MAX, Clouds, Outcome, check
+from certreg.verify import FILE_MAX, Clouds, Outcome, check, shown
 
 if TYPE_CHECKING:
     import os
@@ -33,8 +33,9 @@ def verify(
         try:
             with Path(certificate).open("rb") as stream:
                 content = stream.read(FILE_MAX + 1)
-        except OSError as error:
-            message = f"{certificate}: cannot be read ({error.strerror}): give a readable file"
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or "not a file name"
+            message = f"{shown(certificate)}: cannot be read ({reason}): give a readable file"
             raise InvalidFileError(message) from error
     clouds = problem if problem is None or isinstance(problem, Clouds) else _clouds(problem)
     return as_verdict(check(content, clouds))

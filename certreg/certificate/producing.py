@@ -12,9 +12,11 @@ import math
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.certificate.types import Certificate, Claims
+from certreg.certificate.multiplier import multiplier_gap, proved_multiplier
+from certreg.certificate.types import Certificate, Claims, RotationState
 from certreg.definite import is_positive_definite
 from certreg.dyadic import Dyadic, dyadic_above, dyadic_below, power_of_two
+from certreg.energy import alignment
 from certreg.settings import CertificateSettings
 from certreg.so3 import davenport_matrix, dot, quadratic_form, squared_norm
 
@@ -31,11 +33,15 @@ def produce(
     problem: RegistrationProblem,
     found: Spectrum,
     *,
+    proposal: Fraction | None = None,
+    state: RotationState | None = None,
     about: dict[str, Any] | None = None,
     settings: CertificateSettings | None = None,
 ) -> Certificate | None:
     """A certificate of the optimum of a spectrum; None where no attempt passed the exact test.
 
+    proposal: a multiplier of the semidefinite relaxation, made a proved bound if it can be.
+    state: where a simulation ended, included if it is proved to lie in the certified basin.
     None means not proved, not disproved.
     """
     settings = settings or CertificateSettings()
@@ -46,12 +52,15 @@ def produce(
     angle = None
     if mu.mantissa:
         angle = dyadic_above(delta.value / mu.value, settings.bound_bits)
-    classification = found.classification
+    classification, q = found.classification, found.quaternions[0]
+    multiplier = None if proposal is None else proved_multiplier(found.moments, proposal)
+    level = alignment(found.moments, q) + delta.value - mu.value
+    inside = state is not None and proves_basin(found, state, level)
     return Certificate(
         n=problem.n,
         digest=problem.digest(),
         data=problem.data_bytes() if problem.n <= settings.inline_points else None,
-        quaternion=found.quaternions[0],
+        quaternion=q,
         mu=mu,
         delta=delta,
         claims=Claims(
@@ -60,7 +69,11 @@ def produce(
             unique=classification.unique,
             pattern=classification.pattern,
             unstable=classification.unstable,
+            basin=True if inside else None,
+            sdp_gap=None if multiplier is None else _sdp_gap(found, multiplier, settings),
         ),
+        multiplier=multiplier,
+        basin=state if inside else None,
         about=about or {},
     )
 
@@ -90,13 +103,34 @@ def proves_optimality(
     )
 
 
+def proves_basin(found: Spectrum, state: RotationState, level: Fraction) -> bool:
+    """Whether q^T K q / |q|^2 - omega^T J omega / 4 > level, exactly, and J is positive definite.
+
+    With level = v + delta - mu above the second eigenvalue of K the state then has less energy
+    than any spurious equilibrium, so that by LaSalle's theorem the damped body ends at the optimum.
+    False means not proved, not disproved.
+    """
+    moments, omega = found.moments, state.angular_velocity
+    if not found.classification.inertia_definite:
+        return False
+    spin = sum(a * dot(row, omega) for a, row in zip(omega, moments.inertia, strict=True))
+    unit = power_of_two(moments.weight_exponent + 2 * (moments.source_exponent + state.exponent))
+    return alignment(moments, state.quaternion) - spin * unit / (4 * moments.mass) > level
+
+
+def _sdp_gap(found: Spectrum, nu: Dyadic, settings: CertificateSettings) -> Dyadic:
+    return dyadic_above(
+        multiplier_gap(found.moments, found.quaternions[0], nu), settings.bound_bits
+    )
+
+
 def _optimality(found: Spectrum, settings: CertificateSettings) -> tuple[Dyadic, Dyadic] | None:
     """The mu and delta that pass, delta as small as the residual of the quaternion allows."""
     q = found.quaternions[0]
     gap = found.level_difference(0, 1) if len(found.groups) > 1 else Fraction(0)
     unique = found.classification.unique
     mu = dyadic_below(gap / 2, settings.bound_bits) if unique else Dyadic(mantissa=0, exponent=0)
-    smallest = _scale(found.moments) * power_of_two(-4 * found.pose_bits)
+    smallest = _scale(found.moments) * power_of_two(-min(4 * found.pose_bits, settings.least_bits))
     residual = _squared_residual(found.moments, q)
     first = max(4 * residual / gap if gap else Fraction(0), smallest)
     for attempt in range(settings.attempts):

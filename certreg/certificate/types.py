@@ -32,6 +32,8 @@ class Claims:
     unique: True claims that the optimum is one single pose; False claims nothing.
     pattern: multiplicities of the eigenvalues of K, largest first.
     unstable: unstable eigenvalues of the dynamics at each component; None: no claim.
+    basin: True claims that a body in the certificate's `basin` state ends at the optimum.
+    sdp_gap: the gap as the dual of the semidefinite relaxation alone bounds it; None: no claim.
     """
 
     gap: Dyadic
@@ -39,6 +41,20 @@ class Claims:
     unique: bool
     pattern: tuple[int, ...]
     unstable: tuple[int, ...] | None
+    basin: bool | None = None
+    sdp_gap: Dyadic | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RotationState:
+    """A rotation and an angular velocity (body frame, in the time unit of the springs), exactly.
+
+    quaternion: integers (w, x, y, z). angular_velocity: three integers times 2^exponent.
+    """
+
+    quaternion: tuple[int, ...]
+    angular_velocity: tuple[int, ...]
+    exponent: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,6 +62,8 @@ class Certificate:
     """A proof object for one registration problem with isotropic springs.
 
     quaternion: integers (w, x, y, z), the certified rotation is R(q) of the unit vector along it.
+    multiplier: nu with nu I - K > 0, the dual of the semidefinite relaxation rounded outwards.
+    basin: a state of the moving body from which it must end at the optimum.
     mu, delta: (v + delta - mu) I - K + mu q q^T / |q|^2 > 0 with v = q^T K q / |q|^2.
     data: the bytes that are hashed into the digest; None where the problem is too large to inline.
     """
@@ -57,6 +75,8 @@ class Certificate:
     mu: Dyadic
     delta: Dyadic
     claims: Claims
+    multiplier: Dyadic | None = None
+    basin: RotationState | None = None
     about: dict[str, Any] = field(default_factory=dict[str, Any])
 
     @property
@@ -69,12 +89,12 @@ class Certificate:
         data = None if self.data is None else base64.b64encode(self.data).decode("ascii")
         document = {
             "about": self.about,
-            "basin": None,
+            "basin": _state(self.basin),
             "claims": {
-                "basin": None,
+                "basin": self.claims.basin,
                 "gap": _pair(self.claims.gap),
                 "pattern": list(self.claims.pattern),
-                "sdp_gap": None,
+                "sdp_gap": _pair(self.claims.sdp_gap),
                 "sin2_half_angle": _pair(self.claims.sin2_half_angle),
                 "unique": self.claims.unique,
                 "unstable": None if self.claims.unstable is None else list(self.claims.unstable),
@@ -84,13 +104,20 @@ class Certificate:
             "optimality": {"delta": _pair(self.delta), "mu": _pair(self.mu)},
             "pose": list(self.quaternion),
             "problem": {"data": data, "digest": self.digest, "n": self.n},
-            "sdp": None,
+            "sdp": None if self.multiplier is None else {"nu": _pair(self.multiplier)},
         }
         return json.dumps(document, sort_keys=True, indent=1, allow_nan=False).encode() + b"\n"
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the file; under a temporary name first, so that it is never half there."""
         write_atomically(path, self.to_json())
+
+
+def _state(state: RotationState | None) -> dict[str, list[int]] | None:
+    if state is None:
+        return None
+    velocity = [*state.angular_velocity, state.exponent]
+    return {"angular_velocity": velocity, "quaternion": list(state.quaternion)}
 
 
 def _pair(number: Dyadic | None) -> list[int] | None:

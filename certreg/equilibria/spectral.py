@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from certreg.moments import ExactMoments
 
 IntegerQuaternion = tuple[int, int, int, int]
+LEAST = 5e-324  # the least positive double
 DOUBLE_BITS = 60  # more than a double holds: integers of that size convert without double rounding
 
 
@@ -72,10 +73,14 @@ class Spectrum:
         """The eigenvalue of each component, in the fixed point of `basis`."""
         return tuple(sum(self.basis.values[k] for k in g) // len(g) for g in self.groups)
 
+    @cached_property
+    def unit(self) -> Fraction:
+        """What one unit of `basis.values` is worth, in objective units."""
+        return power_of_two(self.basis.shift - self.basis.bits) * self.moments.cross_unit
+
     def level_difference(self, upper: int, lower: int) -> Fraction:
         """Eigenvalue of one component minus that of another, in objective units; a proposal."""
-        unit = power_of_two(self.basis.shift - self.basis.bits) * self.moments.cross_unit
-        return (self.levels[upper] - self.levels[lower]) * unit
+        return (self.levels[upper] - self.levels[lower]) * self.unit
 
     def angle_to(self, component: int, q: Sequence[int]) -> float:
         """The angle in radians from R(q) to the nearest rotation of a component.
@@ -164,8 +169,13 @@ def margin(found: Spectrum) -> Margin:
     values = found.basis.values
     return Margin(
         eigenvalue_gap=nearest_double(found.level_difference(0, 1)),
-        relative=(values[0] - values[1]) / (values[0] - values[3]),
+        relative=_quotient(values[0] - values[1], values[0] - values[3]),
     )
+
+
+def _quotient(difference: int, scale: int) -> float:
+    """The double nearest to a quotient, never 0 unless it is: a sign is not left to underflow."""
+    return difference / scale or math.copysign(LEAST, difference) * (difference != 0)
 
 
 def unit_double(q: Sequence[int]) -> NDArray[np.float64]:
@@ -220,7 +230,8 @@ def _curvature(found: Spectrum, index: int, vectors: NDArray[np.float64]) -> Cur
     partners = _completion(q, vectors[list(group)])
     others = [k for k in range(len(values)) if k not in group]
     scale = 1 << found.basis.bits
-    gaps = [0.0] * len(partners) + [(found.levels[index] - values[k]) / scale for k in others]
+    gaps = [_quotient(found.levels[index] - values[k], scale) for k in others]
+    gaps = [0.0] * len(partners) + gaps
     return curvature(q, np.concatenate([partners, vectors[others]]), gaps)
 
 
@@ -239,7 +250,7 @@ def _linearised_spectra(
     if unit is None:
         return [None] * len(bends)
     return [
-        None if ratios is None else linearised_spectrum([unit * g for g in ratios], damping)
+        None if ratios is None else linearised_spectrum(ratios, unit, damping)
         for ratios in spring_ratios(bends, inertia)
     ]
 

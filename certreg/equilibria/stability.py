@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+DIGITS = 1e5  # an eigenvalue must exceed the rounding, cond(J) times an ulp, by that factor
+WORST_CONDITION = 1e10  # of J: with it no eigenvalue would keep five digits
 TRANSLATION_STIFFNESS = 2.0  # springs 2 w over masses w
 
 
@@ -63,31 +65,42 @@ def spring_ratios(
 ) -> list[list[float] | None]:
     """For each equilibrium the eigenvalues g of the pencil (G, J), ascending, signs exact.
 
-    None where double precision cannot tell: J is too close to singular.
+    None where double precision does not give five digits of each: J is too close to singular, or
+    an eigenvalue too small beside the others.
     """
-    try:
-        factor = np.linalg.cholesky(inertia)
-    except np.linalg.LinAlgError:
+    values = np.linalg.eigvalsh(inertia)
+    if not values[0] * WORST_CONDITION > values[-1]:
         return [None] * len(bends)
+    factor = np.linalg.cholesky(inertia)
     halves = np.linalg.solve(factor, np.array([bend.matrix for bend in bends]))
     pencils = np.linalg.eigvalsh(np.linalg.solve(factor, halves.transpose(0, 2, 1)))
-    return [_signed(row, bend) for row, bend in zip(pencils.tolist(), bends, strict=True)]
+    rounding = float(np.finfo(float).eps * values[-1] / values[0])
+    return [_signed(row, bend, rounding) for row, bend in zip(pencils.tolist(), bends, strict=True)]
 
 
-def _signed(ratios: list[float], bend: Curvature) -> list[float] | None:
-    """The ratios with the signs that Sylvester's law gives them; None where they deny it."""
+def _signed(ratios: list[float], bend: Curvature, rounding: float) -> list[float] | None:
+    """The ratios with the signs that Sylvester's law gives them; None where rounding drowns one."""
     gaps = bend.values.tolist()
     negative, zero = sum(gap < 0.0 for gap in gaps), gaps.count(0.0)
     below, above = ratios[:negative], ratios[negative + zero :]
-    if max(below, default=-1.0) >= 0.0 or min(above, default=1.0) <= 0.0:
+    least = max(map(abs, ratios)) * rounding * DIGITS
+    if max(below, default=-math.inf) >= -least or min(above, default=math.inf) <= least:
         return None
     return [*below, *([0.0] * zero), *above]
 
 
-def linearised_spectrum(ratios: Sequence[float], damping: float) -> NDArray[np.complex128]:
-    """The 12 eigenvalues of the linearised dynamics, largest real part first, in 1/time."""
-    stiffness = [*ratios, *([TRANSLATION_STIFFNESS] * 3)]
-    roots = [root for g in stiffness for root in _oscillator(g, damping)]
+def linearised_spectrum(
+    ratios: Sequence[float], unit: float, damping: float
+) -> NDArray[np.complex128] | None:
+    """The 12 eigenvalues of the linearised dynamics, largest real part first, in 1/time.
+
+    ratios: eigenvalues of the pencil in some unit. None where one does not fit the doubles.
+    """
+    springs = [unit * g for g in ratios]
+    roots = [r for g in (*springs, *[TRANSLATION_STIFFNESS] * 3) for r in _oscillator(g, damping)]
+    lost = sum(root == 0.0 for root in roots) != list(ratios).count(0.0)
+    if lost or not np.isfinite(roots).all():
+        return None
     return np.array(sorted(roots, key=lambda s: (-s.real, s.imag)), dtype=np.complex128)
 
 

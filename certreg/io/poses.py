@@ -22,10 +22,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GivenPose:
-    """A pose as some tool wrote it: rotation (3, 3), unchecked, and translation (3,)."""
+    """A pose as some tool wrote it: rotation (3, 3), unchecked, and translation (3,).
+
+    quaternion: (4,), where the file has one; then `rotation` is made from it.
+    """
 
     rotation: NDArray[np.float64]
     translation: NDArray[np.float64]
+    quaternion: NDArray[np.float64] | None = None
+
+    @property
+    def turn(self) -> NDArray[np.float64]:
+        """What to judge: the quaternion where there is one, as no digit of it is lost, else R."""
+        return self.rotation if self.quaternion is None else self.quaternion
 
     def apply(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """The moved points (N, 3); infinite or NaN where they leave the doubles."""
@@ -50,6 +59,9 @@ def read_pose(path: str | os.PathLike[str]) -> GivenPose:
     except ValueError as error:
         message = f"{file}: {shown(error)}: write a 4x4 matrix, or w x y z tx ty tz"
         raise InvalidFileError(message) from error
+    if [len(row) for row in numbers] == [3, 3, 3]:
+        message = f"{file}: holds a 3x3 matrix: give 3x4 or 4x4, with the translation"
+        raise InvalidFileError(message)
     if [len(row) for row in numbers] == [7]:
         return _from_quaternion(file, np.array(numbers[0][:4]), np.array(numbers[0][4:]))
     return _from_matrix(file, numbers)
@@ -88,15 +100,23 @@ def _pose_from_json(file: Path, text: str) -> GivenPose:
         fields = fields["pose"]
     if "T_target_source" in fields:
         return _from_matrix(file, fields["T_target_source"])
-    translation = _array(file, fields.get("translation"), (3,), "translation")
+    if not {"rotation", "quaternion_wxyz"} & set(fields) or "translation" not in fields:
+        message = f"{file}: holds no pose (T_target_source, or rotation and translation)"
+        raise InvalidFileError(message)
+    translation = _array(file, fields["translation"], (3,), "translation")
+    given = None
     if "rotation" in fields:
         rotation = _array(file, fields["rotation"], (3, 3), "rotation")
-        return GivenPose(rotation=rotation, translation=translation)
-    if "quaternion_wxyz" in fields:
-        quaternion = _array(file, fields["quaternion_wxyz"], (4,), "quaternion_wxyz")
-        return _from_quaternion(file, quaternion, translation)
-    message = f"{file}: has no rotation, quaternion_wxyz or T_target_source: is it a pose?"
-    raise InvalidFileError(message)
+        given = GivenPose(rotation=rotation, translation=translation)
+    if "quaternion_wxyz" not in fields:
+        return cast("GivenPose", given)
+    quaternion = _array(file, fields["quaternion_wxyz"], (4,), "quaternion_wxyz")
+    pose = _from_quaternion(file, quaternion, translation)
+    tolerance = AssessmentSettings().rotation_tolerance
+    if given is not None and np.abs(given.rotation - pose.rotation).max() > tolerance:
+        message = f"{file}: rotation and quaternion_wxyz are two different rotations: keep one"
+        raise InvalidFileError(message)
+    return pose
 
 
 def _array(file: Path, values: Any, shape: tuple[int, ...], name: str) -> NDArray[np.float64]:
@@ -121,7 +141,8 @@ def _from_quaternion(
         )
         raise InvalidFileError(message)
     rotation = np.array(rotation_matrix((quaternion / norm).tolist()))
-    return GivenPose(rotation=rotation, translation=_array(file, translation, (3,), "translation"))
+    shift = _array(file, translation, (3,), "translation")
+    return GivenPose(rotation=rotation, translation=shift, quaternion=quaternion)
 
 
 def _from_matrix(file: Path, rows: Any) -> GivenPose:

@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import json
 import math
+from fractions import Fraction
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from certreg.covariance import residual_distances
+from certreg.dyadic import double_above, nearest_double
 from certreg.results import Optimality
 
 if TYPE_CHECKING:
@@ -30,35 +35,26 @@ ILL_CONDITIONED = (
     "precision cannot give the eigenvalues with their proven signs; the counts are exact"
 )
 NOT_UNIQUE_ANGLE = "the optimum is not unique: no angle to 'the' optimum exists"
-NOT_BUILT = {
-    "pose.covariance": "not computed by this version",
-    "pose.covariance_scale": "not computed by this version",
-    "relaxation": "the semidefinite relaxation is not part of this version",
-    "simulation": "the simulation is not part of this version",
-    "agreement.relaxation_deg": "the semidefinite relaxation is not part of this version",
-    "agreement.simulation_deg": "the simulation is not part of this version",
-}
+WORST = 10  # residuals in a result: the whole list is one call away
+NO_DEGREES = "fewer than three points with weight leave no degree of freedom for the noise"
 
 
 def dumps(document: Document) -> str:
     """The document as JSON text, strictly: no NaN, no infinity."""
-    return json.dumps(document, indent=1, allow_nan=False, ensure_ascii=False)
+    return json.dumps(document, indent=1, allow_nan=False)
 
 
 def result_document(registration: Registration, certificate_path: str | None = None) -> Document:
     """A registration as `certreg-result/1`; the path is where the certificate was saved."""
-    reasons = dict(NOT_BUILT)
-    pose = registration.pose
+    reasons: dict[str, str] = {}
+    pose, agreement = registration.pose, registration.solution.agreement
     if registration.objective is None:
         reasons["objective"] = OUT_OF_RANGE
     if registration.rmse is None:
         reasons["rmse"] = OUT_OF_RANGE
     if certificate_path is None:
-        reasons["certificate"] = (
-            "not certified"
-            if registration.certificate is None
-            else "nothing is written without --out"
-        )
+        written = registration.certificate is not None
+        reasons["certificate"] = "nothing is written without --out" if written else "not certified"
     return {
         "schema": RESULT_SCHEMA,
         "n": registration.problem.n,
@@ -66,21 +62,21 @@ def result_document(registration: Registration, certificate_path: str | None = N
             "rotation": pose.rotation.tolist(),
             "translation": pose.translation.tolist(),
             "quaternion_wxyz": pose.quaternion_wxyz.tolist(),
-            "covariance": None,
-            "covariance_scale": None,
+            **_covariance(registration, reasons),
         },
         "objective": registration.objective,
         "rmse": registration.rmse,
         "optimality": _optimality(registration, reasons),
         "equilibria": equilibria_fields(registration.equilibria, reasons),
         "margin": _margin(registration.equilibria, reasons),
-        "relaxation": None,
-        "simulation": None,
+        "relaxation": _relaxation(registration, reasons),
+        "simulation": _simulation(registration, reasons),
         "agreement": {
-            "closed_form_deg": math.degrees(registration.solution.closed_form_angle),
-            "relaxation_deg": None,
-            "simulation_deg": None,
+            "closed_form_deg": math.degrees(agreement.closed_form),
+            "relaxation_deg": _degrees(agreement.relaxation),
+            "simulation_deg": _degrees(agreement.simulation),
         },
+        "residuals": _residuals(registration),
         "certificate": certificate_path,
         "digest": registration.problem.digest(),
         "theorems": [] if registration.verdict is None else list(registration.verdict.theorems),
@@ -198,6 +194,91 @@ def _optimality(registration: Registration, reasons: dict[str, str]) -> Document
     if classification.ambiguity is not None:
         document["ambiguity"] = classification.ambiguity.value
     return document
+
+
+def _covariance(registration: Registration, reasons: dict[str, str]) -> Document:
+    """Covariance in the order (translation in the target's frame, rotation in the source's)."""
+    covariance = registration.solution.covariance
+    if covariance is None:
+        why = "the optimum is not unique"
+        if registration.equilibria.classification.unique:
+            why = (
+                OUT_OF_RANGE
+                if registration.problem.noise_given
+                else f"{OUT_OF_RANGE}, or {NO_DEGREES}"
+            )
+        reasons |= dict.fromkeys(("pose.covariance", "pose.covariance_scale"), why)
+        reasons["pose.variance_factor"] = why
+        return {"covariance": None, "covariance_scale": None, "variance_factor": None}
+    if covariance.variance_factor is None:
+        reasons["pose.variance_factor"] = f"{OUT_OF_RANGE}, or {NO_DEGREES}"
+    return {
+        "covariance": covariance.matrix.tolist(),
+        "covariance_scale": "estimated" if covariance.estimated else "given",
+        "variance_factor": covariance.variance_factor,
+    }
+
+
+def _relaxation(registration: Registration, reasons: dict[str, str]) -> Document | None:
+    solution = registration.solution
+    relaxation, certificate = solution.relaxation, solution.certificate
+    if relaxation is None or relaxation.value is None:
+        why = solution.absences.relaxation or "it gave no value"
+        reasons |= dict.fromkeys(("relaxation", "agreement.relaxation_deg"), why)
+        return None
+    value = nearest_double(Fraction(relaxation.value) * relaxation.unit)
+    gap = None if certificate is None else certificate.claims.sdp_gap
+    proved = None if gap is None else _finite(double_above(gap.value))
+    if value is None:
+        reasons["relaxation.value"] = OUT_OF_RANGE
+    if proved is None:
+        reasons["relaxation.proved_gap"] = (
+            "its multiplier could not be made a proved bound" if gap is None else OUT_OF_RANGE
+        )
+    return {
+        "solver": relaxation.solver.split()[0].upper(),
+        "form": relaxation.form.value,
+        "status": relaxation.solver_word,
+        "value": value,
+        "proved_gap": proved,
+        "rank": relaxation.rank,
+        "angle_to_pose_deg": _degrees(solution.agreement.relaxation),
+    }
+
+
+def _simulation(registration: Registration, reasons: dict[str, str]) -> Document | None:
+    solution = registration.solution
+    trajectory = solution.trajectory
+    if trajectory is None:
+        why = solution.absences.trajectory or "it was not run"
+        reasons |= dict.fromkeys(("simulation", "agreement.simulation_deg"), why)
+        return None
+    energies = [
+        nearest_double(Fraction(value) * solution.energy_unit)
+        for value in (trajectory.potential + trajectory.kinetic)[[0, -1]].tolist()
+    ]
+    for name, value in zip(("initial", "final"), energies, strict=True):
+        if value is None:
+            reasons[f"simulation.energy.{name}"] = OUT_OF_RANGE
+    certificate = solution.certificate
+    return {
+        "integrator": "euler",
+        "status": trajectory.status.value,
+        "step": trajectory.step,
+        "steps": trajectory.steps,
+        "converged": trajectory.converged,
+        "in_certified_basin": certificate is not None and bool(certificate.claims.basin),
+        "escapes": trajectory.escapes,
+        "angle_to_pose_deg": _degrees(solution.agreement.simulation),
+        "energy": {"initial": energies[0], "final": energies[1]},
+    }
+
+
+def _residuals(registration: Registration) -> list[Document]:
+    """The worst correspondences, largest distance first."""
+    distances = residual_distances(registration.problem, registration.pose)
+    worst = sorted(range(len(distances)), key=lambda i: (-distances[i], i))[:WORST]
+    return [{"row": i, "distance": float(distances[i])} for i in worst if np.isfinite(distances[i])]
 
 
 def _margin(equilibria: EquilibriumSet, reasons: dict[str, str]) -> Document:

@@ -1,4 +1,4 @@
-"""The folder that `certify --out` and `demo` write: certificate, result, pose."""
+"""The folder that `certify --out` and `demo` write: certificate, result, pose, trajectory."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError
 from certreg.files import write_atomically
+from certreg.io.npy import trajectory_bytes
 from certreg.report.document import dumps, result_document
 
 if TYPE_CHECKING:
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from certreg.pipeline import Registration
 
 CERTIFICATE, RESULT, POSE = "certificate.json", "result.json", "pose.txt"
+TRAJECTORY = "trajectory.npz"
 
 
 def write_folder(registration: Registration, folder: str | os.PathLike[str]) -> Path | None:
@@ -28,15 +30,21 @@ def write_folder(registration: Registration, folder: str | os.PathLike[str]) -> 
     except OSError as error:
         message = f"{place}: cannot be made a folder ({error.strerror}): choose another place"
         raise InvalidFileError(message) from error
-    path = None
-    if registration.certificate is not None:
-        path = place / CERTIFICATE
-        registration.certificate.save(path)
-    else:  # one of an earlier run must not stand beside a result that it does not prove
-        (place / CERTIFICATE).unlink(missing_ok=True)
+    path = place / CERTIFICATE if registration.certificate is not None else None
     document = result_document(registration, None if path is None else str(path))
-    write_atomically(place / RESULT, (dumps(document) + "\n").encode())
     rows = registration.pose.T_target_source.tolist()
-    text = "\n".join(" ".join(map(repr, row)) for row in rows) + "\n"
-    write_atomically(place / POSE, text.encode())
+    contents = {
+        RESULT: (dumps(document) + "\n").encode(),
+        POSE: ("\n".join(" ".join(map(repr, row)) for row in rows) + "\n").encode(),
+    }
+    trajectory = registration.solution.trajectory
+    if trajectory is not None:
+        contents[TRAJECTORY] = trajectory_bytes(trajectory)
+    if registration.certificate is not None:
+        contents[CERTIFICATE] = registration.certificate.to_json()
+    for name in (CERTIFICATE, RESULT, POSE, TRAJECTORY):
+        if name in contents:
+            write_atomically(place / name, contents[name])
+        else:  # one of an earlier run must not stand beside results that it does not belong to
+            (place / name).unlink(missing_ok=True)
     return path

@@ -1,0 +1,106 @@
+"""Independent roads to one pose: they must agree with the certified one, or something is broken."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from certreg.dyadic import power_of_two
+from certreg.energy import potential_energy
+from certreg.equilibria.closed_form import arun, horn
+from certreg.errors import ContradictionError
+from certreg.moments import floating_moments
+from certreg.problem import lift
+from certreg.settings import AgreementSettings
+from certreg.simulation import SimulationStatus
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from certreg.certificate.types import Certificate
+    from certreg.equilibria.spectral import Spectrum
+    from certreg.problem import RegistrationProblem
+    from certreg.relaxation.shor import Relaxation
+    from certreg.simulation import Trajectory
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Agreement:
+    """Angles in radians from the pose of each road to the nearest optimum; None: not taken.
+
+    closed_form: the larger of Horn's and Arun's.
+    """
+
+    closed_form: float
+    relaxation: float | None
+    simulation: float | None
+
+
+def agreement(
+    problem: RegistrationProblem,
+    found: Spectrum,
+    *,
+    relaxation: Relaxation | None,
+    trajectory: Trajectory | None,
+) -> Agreement:
+    """How well the roads agree. Raises ContradictionError if one ends where it must not."""
+    settings, closed = AgreementSettings(), list[float]()
+    moments = floating_moments(problem)
+    for name, form in (("Horn's closed form", horn), ("Arun's closed form", arun)):
+        quaternion = form(moments.cross_covariance)
+        if found.relative_loss(lift(quaternion).integers) > settings.closed_form_loss:
+            # weights or lengths more than 300 decades apart vanish from sums of doubles
+            quaternion = form(_rounded_covariance(found))
+        closed.append(_angle(found, name, quaternion, settings.closed_form_loss))
+    relaxed = None
+    if relaxation is not None and relaxation.quaternion_wxyz is not None:
+        name, place = "the semidefinite relaxation", relaxation.quaternion_wxyz
+        relaxed = _angle(found, name, place, settings.relaxation_loss)
+    simulated = None
+    if trajectory is not None:
+        allowed = settings.simulation_loss if trajectory.converged else math.inf
+        simulated = _angle(found, "the simulation", trajectory.quaternion, allowed)
+    return Agreement(closed_form=max(closed), relaxation=relaxed, simulation=simulated)
+
+
+def require_sound_trajectory(
+    found: Spectrum, certificate: Certificate, trajectory: Trajectory
+) -> None:
+    """Nothing, if a trajectory respects what is proved; ContradictionError if not.
+
+    A run that came to rest inside the basin must be proved to lie there, and no logged V_p may be
+    below the certified minimum by more than rounding: 64 ulps of the terms of its sum.
+    """
+    if trajectory.status is SimulationStatus.CONVERGED and not certificate.claims.basin:
+        message = "the simulation ended where the basin could not be proved: please report this"
+        raise ContradictionError(message)
+    moments = found.moments
+    unit = moments.total_weight * power_of_two(2 * trajectory.length_exponent)
+    minimum = potential_energy(moments, certificate.quaternion) - certificate.gap
+    centres = np.square(trajectory.states[:, :3]).sum(axis=1)
+    terms = 3.0 * float(moments.spread / unit) + centres
+    slack = AgreementSettings().energy_ulps * np.finfo(float).eps * terms
+    if (trajectory.potential < float(minimum / unit) - slack).any():
+        message = "the simulation went below the certified minimum: please report this"
+        raise ContradictionError(message)
+
+
+def _rounded_covariance(found: Spectrum) -> NDArray[np.float64]:
+    """The exact cross-covariance, each entry rounded once, in some unit."""
+    shift = found.basis.shift
+    return np.array([[entry / (1 << shift) for entry in row] for row in found.moments.cross])
+
+
+def _angle(found: Spectrum, road: str, quaternion: NDArray[np.float64], allowed: float) -> float:
+    q = lift(quaternion).integers
+    angle = found.angle_to_optimum(q)
+    if found.relative_loss(q) > allowed:
+        message = (
+            f"{road} contradicts the certified pose: it is {math.degrees(angle):.3g} degrees away; "
+            "please report this problem"
+        )
+        raise ContradictionError(message)
+    return angle

@@ -1,0 +1,127 @@
+"""Uncertainty of the optimal pose: a 6x6 covariance to first order, and residuals per point.
+
+The objective is twice the negative log-likelihood of Gaussian noise on the target, but a constant.
+With the error model R_true = R exp([phi]), phi in the source's (body) frame, and t_true = t + dt in
+the target's frame, P = 2 G^-1 (G the Hessian at the optimum) and mean source point m:
+
+    cov(phi) = P,    cov(dt, phi) = R [m] P,    cov(dt) = I / M + R [m] P [m]^T R^T.
+
+Source: Gauss-Markov theory for the linearised problem; G as in certreg.equilibria.stability.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from certreg.dyadic import nearest_double
+from certreg.energy import potential_energy
+from certreg.equilibria.spectral import rotation_double, unit_double
+from certreg.so3 import body_frame
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from certreg.equilibria.spectral import Spectrum
+    from certreg.pose import Pose
+    from certreg.problem import RegistrationProblem
+
+PARAMETERS = 6  # of a pose
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PoseCovariance:
+    """Covariance of a pose, in three conventions.
+
+    matrix: (6, 6), order (dt, phi): translation in the target's frame and unit squared, then the
+        rotation vector phi in the source's frame, radians; R_true = R exp([phi]), t_true = t + dt.
+    variance_factor: objective / (3 N - 6), near 1 if the given sigma is right; None if N < 3.
+    estimated: whether `matrix` was scaled by the variance factor, because no noise was given.
+    rotation: (3, 3), the R of the pose.
+    """
+
+    matrix: NDArray[np.float64]
+    variance_factor: float | None
+    estimated: bool
+    rotation: NDArray[np.float64]
+
+    @property
+    def ros(self) -> NDArray[np.float64]:
+        """The (6, 6) of ROS PoseWithCovariance: (x, y, z, about X, Y, Z).
+
+        All in the target's (fixed) frame: R_true = exp([theta]) R, theta = R phi.
+        """
+        change = np.zeros((6, 6))
+        change[:3, :3] = np.eye(3)
+        change[3:, 3:] = self.rotation
+        return change @ self.matrix @ change.T
+
+    @property
+    def gtsam(self) -> NDArray[np.float64]:
+        """The (6, 6) of gtsam.Pose3: (phi, v), rotation first, both in the body frame.
+
+        T_true = T Exp((phi, v)), to first order t_true = t + R v.
+        """
+        change = np.zeros((6, 6))
+        change[:3, 3:] = np.eye(3)
+        change[3:, :3] = self.rotation.T
+        return change @ self.matrix @ change.T
+
+
+def pose_covariance(problem: RegistrationProblem, found: Spectrum) -> PoseCovariance | None:
+    """The covariance of the optimal pose; None where the optimum is not unique or doubles overflow.
+
+    Where no noise was given the variance is estimated, which takes N >= 3 points with weight.
+    """
+    if not found.classification.unique:
+        return None
+    moments, q = found.moments, found.quaternions[0]
+    degrees = 3 * int(np.count_nonzero(problem.weights)) - PARAMETERS
+    factor = None
+    if degrees > 0:
+        factor = nearest_double(potential_energy(moments, q) / degrees)
+    scale = 1.0 if problem.noise_given else factor
+    inverse = _inverse_hessian(found)
+    weight = nearest_double(1 / moments.total_weight)
+    if scale is None or inverse is None or weight is None:
+        return None
+    R = rotation_double(q)
+    x, y, z = (float(entry) for entry in moments.source_centroid)
+    lever = R @ np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    blocks = np.block(
+        [
+            [weight * np.eye(3) + 2.0 * lever @ inverse @ lever.T, 2.0 * lever @ inverse],
+            [2.0 * inverse @ lever.T, 2.0 * inverse],
+        ]
+    )
+    if not np.isfinite(blocks).all():
+        return None
+    return PoseCovariance(
+        matrix=scale * (blocks + blocks.T) / 2.0,
+        variance_factor=factor,
+        estimated=not problem.noise_given,
+        rotation=R,
+    )
+
+
+def residual_distances(problem: RegistrationProblem, pose: Pose) -> NDArray[np.float64]:
+    """(N,), |y_i - R x_i - t|, in the unit of length; no square of a length is formed."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        x, y, z = (problem.target - pose.apply(problem.source)).T
+        return np.hypot(np.hypot(x, y), z)
+
+
+def _inverse_hessian(found: Spectrum) -> NDArray[np.float64] | None:
+    """G^-1 from the eigenvectors: sum of u u^T / (l1 - lk), u = L(q)^T q_k; no cancellation."""
+    values, vectors = found.basis.values, found.basis.vectors
+    frame = np.array(body_frame(tuple(unit_double(found.quaternions[0]).tolist())))
+    total = np.zeros((3, 3))
+    for k in (1, 2, 3):
+        inverse = nearest_double(1 / ((values[0] - values[k]) * found.unit))
+        if inverse is None:
+            return None
+        u = frame.T @ unit_double(vectors[k])
+        total += inverse * np.outer(u, u)
+    return total

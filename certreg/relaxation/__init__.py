@@ -1,0 +1,1 @@
+"""The semidefinite relaxation of the rotation problem: what other methods of registration solve."""

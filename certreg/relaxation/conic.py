@@ -1,0 +1,200 @@
+"""The semidefinite programs: stated in CVXPY once per process, solved by Clarabel every time.
+
+The only module that imports them, where they are used: the import takes about a second. A program
+depends on C through its cost alone, and linearly. So CVXPY compiles it once, the cost is read off
+at the nine unit matrices, and a solve is a matrix product and one call of Clarabel, with no state
+from solve to solve. What the libraries complain of becomes a status here and goes no further.
+"""
+
+from __future__ import annotations
+
+import enum
+import warnings
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from certreg.relaxation.qcqp import Form, quadratic_program
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from certreg.settings import RelaxationSettings
+
+SOLVER = "Clarabel"
+
+
+class RelaxationStatus(enum.Enum):
+    """Outcome of a relaxation; the value is the message shown to the user."""
+
+    SOLVED = "The relaxation was solved to the solver's tolerance."
+    DEGENERATE = (
+        "The cross-covariance is zero: every rotation is optimal, "
+        "and the relaxation cannot prefer one."
+    )
+    INACCURATE = (
+        "The solver stopped short of its tolerance: the numbers of the relaxation are rough."
+    )
+    FAILED = "The solver did not solve the relaxation: there are no numbers to report."
+    UNAVAILABLE = (
+        "The relaxation needs the packages cvxpy-base and clarabel, which cannot be imported."
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ConicSolution:
+    """What the solver returned; the numbers are None unless it solved the program, at least nearly.
+
+    said: the solver's own word.
+    value: of the relaxation, in units of tr(R^T C).
+    multiplier: of the normalisation, in the same units.
+    matrix: (n, n), the optimal Z, positive semidefinite.
+    """
+
+    status: RelaxationStatus
+    said: str
+    value: float | None = None
+    multiplier: float | None = None
+    matrix: NDArray[np.float64] | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Statement:
+    """A program in CVXPY's words.
+
+    cross_covariance: the parameter C, (3, 3). solution: the variable Z, (n, n).
+    """
+
+    problem: Any
+    cross_covariance: Any
+    solution: Any
+
+
+def solver_name() -> str:
+    """The solver with its version; the bare name where it is not installed."""
+    return _named(SOLVER)
+
+
+@cache
+def _named(solver: str) -> str:
+    try:
+        return f"{solver} {version(solver.lower())}"
+    except ImportError:  # PackageNotFoundError is one
+        return solver
+
+
+def statement(form: Form) -> Statement:
+    """Maximise <F, Z> / multiple, <N, Z> = 1, <A, Z> = 0 for every quadratic A, Z >= 0, over Z.
+
+    With Z = v v^T this is the quadratic program; what is relaxed is that Z has rank one.
+    """
+    import cvxpy as cp  # pyright: ignore[reportMissingTypeStubs]
+
+    modelling: Any = cp
+    C = modelling.Parameter((3, 3))
+    program = quadratic_program(form, [[C[i, j] for j in range(3)] for i in range(3)])
+    Z = modelling.Variable((program.size, program.size), symmetric=True)
+
+    def product(matrix: Any) -> Any:
+        return modelling.trace(matrix @ Z)
+
+    objective = product(modelling.bmat([list(row) for row in program.objective]))
+    constraints = [
+        product(np.array(program.normalisation)) == 1,  # first: so is its multiplier
+        *(product(np.array(quadratic)) == 0 for quadratic in program.quadratics),
+        Z >> 0,
+    ]
+    problem = modelling.Problem(modelling.Maximize(objective / program.multiple), constraints)
+    return Statement(problem=problem, cross_covariance=C, solution=Z)
+
+
+def solve(form: Form, C: NDArray[np.float64], settings: RelaxationSettings) -> ConicSolution:
+    """The solution of a relaxation for a finite C (3, 3) with its largest entry near 1, or zero.
+
+    The tolerances of a solver are absolute as much as relative: far from 1 they mean little.
+    """
+    try:
+        compiled = _compiled(form)
+        found = _call(compiled, compiled.cost @ C.ravel(), settings)
+    except ImportError as error:
+        return ConicSolution(status=RelaxationStatus.UNAVAILABLE, said=str(error))
+    said = str(found.status)
+    status = {
+        "Solved": RelaxationStatus.SOLVED,
+        "AlmostSolved": RelaxationStatus.INACCURATE,
+    }.get(said, RelaxationStatus.FAILED)
+    if status is RelaxationStatus.FAILED:
+        return ConicSolution(status=status, said=said)
+    return ConicSolution(
+        status=status,
+        said=said,
+        value=-found.obj_val,
+        multiplier=found.z[0],
+        matrix=_matrix(np.array(found.s[compiled.equalities :]), compiled.size),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Compiled:
+    """Minimise (cost C) x subject to rows x + s = right, s = 0 first, then s a matrix >= 0."""
+
+    size: int
+    equalities: int
+    rows: Any
+    right: NDArray[np.float64]
+    cost: NDArray[np.float64]  # (variables, 9)
+    curvature: Any  # the program is linear: a sparse zero
+
+
+@cache
+def _compiled(form: Form) -> _Compiled:
+    from scipy.sparse import csc_matrix  # pyright: ignore[reportMissingTypeStubs]
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of CVXPY's import and compilation: none is the user's
+        stated = statement(form)
+        compiled = [_conic_data(stated, unit.reshape(3, 3)) for unit in np.eye(9)]
+    cost = np.array([data["c"] for data in compiled]).T
+    return _Compiled(
+        size=stated.solution.shape[0],
+        equalities=compiled[0]["dims"].zero,
+        rows=csc_matrix(compiled[0]["A"]),
+        right=compiled[0]["b"],
+        cost=cost,
+        curvature=csc_matrix((len(cost), len(cost))),
+    )
+
+
+def _conic_data(stated: Statement, C: NDArray[np.float64]) -> dict[str, Any]:
+    """What CVXPY would hand to the solver; ImportError if it does not find the solver."""
+    from cvxpy.error import SolverError  # pyright: ignore[reportMissingTypeStubs]
+
+    stated.cross_covariance.value = C
+    try:
+        return stated.problem.get_problem_data(SOLVER.upper())[0]
+    except SolverError as error:
+        raise ImportError(str(error)) from error
+
+
+def _call(compiled: _Compiled, cost: NDArray[np.float64], settings: RelaxationSettings) -> Any:
+    import clarabel  # pyright: ignore[reportMissingTypeStubs, reportMissingModuleSource]
+
+    solver: Any = clarabel
+    options = solver.DefaultSettings()
+    options.verbose = False
+    options.max_iter = settings.max_iterations
+    options.tol_gap_abs = options.tol_gap_rel = settings.gap_tolerance
+    options.tol_feas = settings.feasibility_tolerance
+    cones = [solver.ZeroConeT(compiled.equalities), solver.PSDTriangleConeT(compiled.size)]
+    data = (compiled.curvature, cost, compiled.rows, compiled.right, cones, options)
+    return solver.DefaultSolver(*data).solve()
+
+
+def _matrix(triangle: NDArray[np.float64], size: int) -> NDArray[np.float64]:
+    """The symmetric matrix of Clarabel's upper triangle by columns, sqrt(2) off the diagonal."""
+    matrix = np.zeros((size, size))
+    matrix[np.tril_indices(size)] = triangle / np.sqrt(2.0)
+    return matrix + matrix.T + (np.sqrt(2.0) - 2.0) * np.diag(matrix.diagonal())

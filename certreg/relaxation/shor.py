@@ -1,0 +1,118 @@
+"""The semidefinite (Shor) relaxation of the rotation problem max tr(R^T C), solved in doubles.
+
+A relaxation proposes. Its value is right up to the solver's tolerance and on either side of the
+truth, so it bounds nothing; certificate/multiplier.py makes a proved bound of its multiplier.
+Source: [Briales2017]; tight for this problem, as the quaternion form is an eigenvalue problem.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from certreg.dyadic import power_of_two
+from certreg.relaxation.conic import ConicSolution, RelaxationStatus, solve, solver_name
+from certreg.relaxation.qcqp import Form
+from certreg.settings import RelaxationSettings
+from certreg.so3 import canonical, quaternion_from_matrix
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from certreg.moments import ExactMoments
+    from certreg.so3 import Matrix3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Relaxation:
+    """A solved relaxation. The numbers are None where the status says that there are none.
+
+    solver: name and version. solver_word: its own status.
+    unit: what 1 is worth, in units of tr(R^T C): exact, so that no scale is out of range. Where C
+        is zero, the spread of the clouds: the solver's rounding must be small beside something.
+    value: of the relaxation, times unit; not a bound.
+    multiplier: the least nu with nu I - K >= 0 as the solver sees it, times unit; not a bound
+        either. None in the rotation form.
+    rank: number of eigenvalues of the optimal Z above the threshold of the settings. With m the
+        multiplicity of the largest eigenvalue of K, the optima span m dimensions in the quaternion
+        form and m (m + 1) / 2 in the rotation form, and that is the rank of Z: 1 iff the optimum is
+        unique, as far as the solver can tell.
+    quaternion_wxyz: (4,), unit, first nonzero entry positive: the rotation read off Z.
+    """
+
+    form: Form
+    solver: str
+    solver_word: str
+    status: RelaxationStatus
+    unit: Fraction
+    value: float | None
+    multiplier: float | None
+    rank: int | None
+    quaternion_wxyz: NDArray[np.float64] | None
+
+    @property
+    def proposal(self) -> Fraction | None:
+        """The multiplier in units of tr(R^T C): what `proved_multiplier` asks for."""
+        return None if self.multiplier is None else Fraction(self.multiplier) * self.unit
+
+
+def relax(
+    moments: ExactMoments,
+    form: str = Form.QUATERNION,
+    *,
+    settings: RelaxationSettings | None = None,
+) -> Relaxation:
+    """The relaxation of a problem, in one of the two forms of `Form`.
+
+    Solved for C over a power of two, each entry rounded once, so at any scale. Raises ValueError
+    for a form that does not exist; whatever befalls the solver is a status.
+    """
+    settings, form = settings or RelaxationSettings(), _known(form)
+    shift = max(abs(entry) for row in moments.cross for entry in row).bit_length()
+    found = solve(form, _normalised(moments.cross, shift), settings)
+    unit, status = power_of_two(shift) * moments.cross_unit, found.status
+    if shift == 0:
+        unit = moments.spread or unit
+        status = RelaxationStatus.DEGENERATE if status is RelaxationStatus.SOLVED else status
+    return Relaxation(
+        form=form,
+        solver=solver_name(),
+        solver_word=found.said,
+        status=status,
+        unit=unit,
+        value=found.value,
+        multiplier=found.multiplier if form is Form.QUATERNION else None,
+        rank=_rank(found, settings),
+        quaternion_wxyz=_quaternion(found, form),
+    )
+
+
+def _known(form: str) -> Form:
+    if form not in set(Form):
+        message = f"form is {form!r}: this version knows {', '.join(Form)}"
+        raise ValueError(message)
+    return Form(form)
+
+
+def _normalised(cross: Matrix3[int], shift: int) -> NDArray[np.float64]:
+    """The matrix over 2^shift: division of integers rounds once, however long they are."""
+    return np.array([[entry / (1 << shift) for entry in row] for row in cross])
+
+
+def _rank(found: ConicSolution, settings: RelaxationSettings) -> int | None:
+    if found.matrix is None:
+        return None
+    values = np.linalg.eigvalsh(found.matrix)
+    return int((values > settings.rank_threshold * values[-1]).sum())
+
+
+def _quaternion(found: ConicSolution, form: Form) -> NDArray[np.float64] | None:
+    """The top eigenvector of Z; or the rotation nearest to the R in its first column."""
+    if found.matrix is None:
+        return None
+    if form is Form.QUATERNION:
+        return canonical(np.linalg.eigh(found.matrix)[1][:, -1])
+    return quaternion_from_matrix(found.matrix[1:, 0].reshape(3, 3).T)
