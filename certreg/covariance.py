@@ -83,23 +83,25 @@ def pose_covariance(problem: RegistrationProblem, found: Spectrum) -> PoseCovari
     if degrees > 0:
         factor = nearest_double(potential_energy(moments, q) / degrees)
     scale = 1.0 if problem.noise_given else factor
-    inverse = _inverse_hessian(found)
-    weight = nearest_double(1 / moments.total_weight)
-    if scale is None or inverse is None or weight is None:
-        return None
-    R = rotation_double(q)
-    x, y, z = (float(entry) for entry in moments.source_centroid)
-    lever = R @ np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    blocks = np.block(
-        [
-            [weight * np.eye(3) + 2.0 * lever @ inverse @ lever.T, 2.0 * lever @ inverse],
-            [2.0 * inverse @ lever.T, 2.0 * inverse],
-        ]
-    )
-    if not np.isfinite(blocks).all():
+    with np.errstate(over="ignore", invalid="ignore"):
+        inverse = _inverse_hessian(found)
+        weight = nearest_double(1 / moments.total_weight)
+        if scale is None or inverse is None or weight is None:
+            return None
+        R = rotation_double(q)
+        x, y, z = (float(entry) for entry in moments.source_centroid)
+        lever = R @ np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+        blocks = np.block(
+            [
+                [weight * np.eye(3) + 2.0 * lever @ inverse @ lever.T, 2.0 * lever @ inverse],
+                [2.0 * inverse @ lever.T, 2.0 * inverse],
+            ]
+        )
+        matrix = scale * (blocks + blocks.T) / 2.0
+    if not np.isfinite(matrix).all():
         return None
     return PoseCovariance(
-        matrix=scale * (blocks + blocks.T) / 2.0,
+        matrix=matrix,
         variance_factor=factor,
         estimated=not problem.noise_given,
         rotation=R,

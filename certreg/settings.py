@@ -70,7 +70,7 @@ class SimulationSettings:
 
     step: float = 0.01  # [Yang2020]
     speed_tolerance: float = 1e-4  # [Yang2020]: norm of the 18 rates of change
-    max_steps: int = 1_000_000
+    max_steps: int = 200_000  # some five seconds; a generic problem takes a thousand
     stability_share: float = 0.25  # of the largest stable step of explicit Euler
     least_step: float = 1e-5  # below, a run would outlast anyone's patience
     basin_share: float = 0.4  # of the barrier: below the 1/2 that the certificate's mu proves

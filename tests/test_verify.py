@@ -340,8 +340,10 @@ def test_a_certificate_holding_its_points_is_about_these_points_only(generic):
     moved = source.copy()
     moved[7, 2] = np.nextafter(moved[7, 2], 9)
 
-    assert verdict(generic, clouds_of(source, target)).verified
     assert verdict(generic, clouds_of(source, target, weights)).verified
+    untold = verdict(generic, clouds_of(source, target))  # weights that nobody told
+    assert "weights its points unequally" in untold.reason
+    assert verdict(oracle.produce(source, target), clouds_of(source, target)).verified
     for other in (
         clouds_of(moved, target),
         clouds_of(target, source),
@@ -419,7 +421,7 @@ def test_each_theorem_is_told_in_words_with_its_numbers(generic):
     words = "\n".join(verdict(generic).theorems)
 
     for part in (
-        "n = 20 weighted pairs of points",
+        "n = 20 pairs, NOT all of one weight",
         generic["problem"]["digest"],
         "exceeds the global minimum by less than",
         "degrees of R",
@@ -462,7 +464,8 @@ def test_bounds_are_rounded_up_to_the_next_decimal(numerator, denominator, digit
 def test_the_printed_gap_and_angle_are_upper_bounds_of_any_size(generic):
     for exponent in (-19000, -2000, -100, -20, -5, -2, -1):
         delta, mu = Fraction(2) ** exponent, Fraction(1)
-        fields = {**generic, **generic["problem"], "delta": delta, "mu": mu, "sdp_gap": None}
+        fields = {**generic, **generic["problem"], "delta": delta, "mu": mu}
+        fields |= {"sdp_gap": None, "equal": True}
         words = list(checker._sentences(fields, [1, 1, 1, 1], solid=True))
         gap, angle = (next(w for w in words if key in w) for key in ("exceeds", "degrees"))
         printed = Fraction(gap.split("less than ")[1].split()[0])
