@@ -287,6 +287,7 @@ def demo(out: Path) -> int:
     from certreg.demo import STORIES, differences, tell
     from certreg.report.folder import write_folder
     from certreg.report.summary import registration_summary
+    from certreg.verify import shown
 
     code = DONE
     for story in STORIES:
@@ -298,8 +299,10 @@ def demo(out: Path) -> int:
             code = REFUSED
         click.echo(f"  certificate: {path}\n")
     click.echo("Every certificate above was accepted by the checker. Check them yourself:")
-    click.echo(f"  certreg verify {out / STORIES[0].name / 'certificate.json'}")
-    click.echo("or, with nothing installed but Python, run certreg's one file verify.py on it.")
+    certificate = shown(out / STORIES[0].name / "certificate.json")
+    click.echo(f"  {shown(sys.argv[0])} verify {certificate}")
+    click.echo("or, with nothing but Python, anywhere:")
+    click.echo(f"  python3 -I -S {shown(Path(__file__).with_name('verify.py'))} {certificate}")
     return code
 
 

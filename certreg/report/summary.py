@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import TYPE_CHECKING
 
+from certreg.dyadic import double_above
 from certreg.results import ComponentKind, Optimality
 
 if TYPE_CHECKING:
@@ -20,22 +22,26 @@ KINDS = {
     ComponentKind.ROTATION_GROUP: "every rotation",
 }
 WEAK_MARGIN = 1e-3  # below: wording only; a thousandth of the range separates right from wrong
+DISTINGUISHABLE = 25.0  # twice the log-likelihood ratio of five standard deviations
+ROUNDING_SHARE = 1e6  # a gap above a millionth of the minimum is worth a word
+MIRRORED_SHARE = -0.3  # d3 / d2: planar clouds with noise are near 0, mirrored ones near -1
+DEGREE_SLACK = 1.0 + 1e-15  # radians to degrees rounds twice
 
 
 def registration_summary(registration: Registration) -> str:
     """The result of `certify`, readable."""
     pose = registration.pose
-    quaternion = " ".join(f"{entry:+.9f}" for entry in pose.quaternion_wxyz)
-    translation = " ".join(f"{entry:.9g}" for entry in pose.translation)
     return "\n".join(
         (
             *_status_lines(registration),
             "",
             f"  correspondences   {registration.problem.n}",
-            f"  rotation (wxyz)   {quaternion}",
-            f"  translation       {translation}",
-            f"  RMSE              {_number(registration.rmse)}",
+            f"  rotation (wxyz)   {' '.join(map(repr, pose.quaternion_wxyz.tolist()))}",
+            f"  translation       {' '.join(map(repr, pose.translation.tolist()))}",
+            f"  RMSE              {_number(registration.rmse)}  (weighted, unit of the clouds)",
             f"  ambiguity margin  {margin_words(registration.equilibria)}",
+            *_road_lines(registration),
+            *_warnings(registration),
             "",
             equilibria_summary(registration.equilibria),
         )
@@ -90,34 +96,106 @@ def assessment_summary(assessment: Assessment) -> str:
     if assessment.nearest_index is None:
         return lines[0]
     away = math.degrees(assessment.angle_to_optimum or 0.0)
-    gap = f"between {_number(assessment.gap_lower)} and {_number(assessment.gap_upper)}"
     lines += [
         "",
-        f"  RMSE               {_number(assessment.rmse)}",
+        f"  RMSE               {_number(assessment.rmse)}  (weighted, unit of the clouds)",
         f"  objective          {_number(assessment.objective)}",
-        f"  above the minimum  {gap} (proved)",
-        f"  angle to optimum   {away:.6g} degrees",
+        f"  above the minimum  {_interval(assessment.gap_lower, assessment.gap_upper)}",
+        f"  angle to optimum   {away:.3g} degrees",
     ]
     return "\n".join(lines)
+
+
+def _interval(lower: float | None, upper: float | None) -> str:
+    """Proved bounds, rounded outwards: one number where nine digits of them agree."""
+    if lower is None or upper is None:
+        return "(not certified)"
+    if lower == 0.0:
+        return f"at most {_upper(upper)} (proved)"
+    low, high = _rounded(lower, 9, ROUND_FLOOR), _rounded(upper, 9, ROUND_CEILING)
+    return f"between {low} and {high} (proved)"
 
 
 def _status_lines(registration: Registration) -> list[str]:
     if registration.status is Optimality.NOT_CERTIFIED:
         return ["NOT CERTIFIED: the pose is computed, but its optimality was not proved."]
     bounds, ambiguity = registration.bounds, registration.equilibria.classification.ambiguity
-    gap = _number(None if bounds is None else bounds.gap_upper)
+    gap = "(beyond doubles)" if bounds is None else _upper(bounds.gap_upper)
+    proved = f"  proved gap        objective - minimum <= {gap}, at the pose below"
     if ambiguity is not None:
         return [
             "CERTIFIED, BUT NOT UNIQUE: no pose is better, and infinitely many are as good:",
             f"{ambiguity.value}.",
-            f"  proved gap        objective - minimum <= {gap}",
+            "The pose below is the one of them that turns the source least.",
+            proved,
         ]
     angle = 0.0 if bounds is None or bounds.angle_upper is None else bounds.angle_upper
-    return [
-        "CERTIFIED: this is the global optimum, and it is unique.",
-        f"  proved gap        objective - minimum <= {gap}",
-        f"  proved angle      rotation within {math.degrees(angle):.2g} degrees of the optimum",
-    ]
+    headline = "CERTIFIED: this is the global optimum, and it is unique."
+    if registration.equilibria.margin.relative < WEAK_MARGIN:
+        headline = (
+            "CERTIFIED, BUT NEARLY AMBIGUOUS: this is the global optimum of exactly these numbers, "
+            "and\na very different pose fits almost as well. Do not rely on the rotation."
+        )
+    degrees = _upper(math.degrees(angle) * DEGREE_SLACK)
+    turn = f"  proved angle      rotation (wxyz) within {degrees} degrees of the optimum"
+    return [headline, proved, turn]
+
+
+def _road_lines(registration: Registration) -> list[str]:
+    """What the independent roads say, one line each."""
+    solution, lines = registration.solution, list[str]()
+    relaxation, trajectory, agreement = solution.relaxation, solution.trajectory, solution.agreement
+    if relaxation is not None and agreement.relaxation is not None:
+        gap = None if solution.certificate is None else solution.certificate.claims.sdp_gap
+        bound = "" if gap is None else f", proved gap {_upper(double_above(gap.value))}"
+        lines.append(
+            f"  relaxation (SDP)  rank {relaxation.rank}, {_away(agreement.relaxation)}{bound}"
+        )
+    if trajectory is not None and agreement.simulation is not None:
+        basin = solution.certificate is not None and solution.certificate.claims.basin
+        where = ", proved in the basin of the optimum" if basin else ""
+        lines.append(
+            f"  simulation        {trajectory.steps} steps, {_away(agreement.simulation)}{where}"
+        )
+        if not trajectory.converged:
+            lines.append(f"                    NOT CONVERGED: {trajectory.status.value}")
+    return lines
+
+
+def _away(angle: float) -> str:
+    return f"{math.degrees(angle):.1g} degrees from the optimum"
+
+
+def _warnings(registration: Registration) -> list[str]:
+    """What is true of the data and would be a pity to overlook."""
+    equilibria, bounds, warnings = registration.equilibria, registration.bounds, list[str]()
+    gap, minimum = equilibria.margin.eigenvalue_gap, equilibria.components[0].energy
+    unique = equilibria.classification.unique
+    if _looks_mirrored(equilibria):
+        warnings.append("the target looks mirrored: is an axis flipped?")
+    noisy = unique and registration.problem.noise_given and gap is not None
+    if noisy and 2.0 * (gap or 0.0) < DISTINGUISHABLE:
+        warnings.append("at the given noise the next equilibrium is as likely as the optimum")
+    costs = 0.0 if bounds is None else ROUNDING_SHARE * bounds.gap_upper
+    if minimum is not None and costs > max(minimum, gap or 0.0):
+        warnings.append(
+            "the rounding of the translation to doubles costs more than a millionth of the fit: "
+            "move the origin to the clouds"
+        )
+    return [f"  warning           {words}" for words in warnings]
+
+
+def _looks_mirrored(equilibria: EquilibriumSet) -> bool:
+    """Whether d3, of the signed singular values of C, is well below 0: -0.3 d2 or less.
+
+    From the energies of four equilibria: l1 - l2 = 2 (d2 + d3), l3 - l4 = 2 (d2 - d3).
+    """
+    energies = [component.energy for component in equilibria.components]
+    if len(energies) < 4 or None in energies:
+        return False
+    a, b, c, d = (energy or 0.0 for energy in energies)
+    upper, lower = b - a, d - c
+    return upper - lower < MIRRORED_SHARE * (upper + lower)
 
 
 def _row(component: Component) -> tuple[str, ...]:
@@ -137,4 +215,15 @@ def _number(value: float | None) -> str:
     if value is None:
         return "(beyond doubles)"
     plain = 1e-4 <= abs(value) < 1e7 or value == 0
-    return f"{value:.6f}" if plain else f"{value:.4g}"
+    return f"{value:.6f}" if plain else f"{value:.9e}"
+
+
+def _upper(value: float, digits: int = 3) -> str:
+    """An upper bound in few digits, rounded up: what is printed is still a bound."""
+    return _rounded(value, digits, ROUND_CEILING)
+
+
+def _rounded(value: float, digits: int, direction: str) -> str:
+    if math.isinf(value):
+        return "(beyond doubles)"
+    return f"{Context(prec=digits, rounding=direction).create_decimal_from_float(value):g}"
