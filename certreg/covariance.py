@@ -121,7 +121,8 @@ def _inverse_hessian(found: Spectrum) -> NDArray[np.float64] | None:
     frame = np.array(body_frame(tuple(unit_double(found.quaternions[0]).tolist())))
     total = np.zeros((3, 3))
     for k in (1, 2, 3):
-        inverse = nearest_double(1 / ((values[0] - values[k]) * found.unit))
+        gap = (values[0] - values[k]) * found.unit
+        inverse = nearest_double(1 / gap) if gap > 0 else None
         if inverse is None:
             return None
         u = frame.T @ unit_double(vectors[k])

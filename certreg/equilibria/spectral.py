@@ -175,7 +175,8 @@ def margin(found: Spectrum) -> Margin:
 
 def _quotient(difference: int, scale: int) -> float:
     """The double nearest to a quotient, never 0 unless it is: a sign is not left to underflow."""
-    return difference / scale or math.copysign(LEAST, difference) * (difference != 0)
+    sign = (difference > 0) - (difference < 0)
+    return difference / scale or sign * LEAST
 
 
 def unit_double(q: Sequence[int]) -> NDArray[np.float64]:

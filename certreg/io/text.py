@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from typing import BinaryIO
 
 TEXT_FORMATS = (".csv", ".txt")
-BLANKS = re.compile(r"[ \t]*,[ \t]*|[ \t]+")
+BLANKS = re.compile(r"[ \t]+")
 NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
 
@@ -53,7 +53,10 @@ def read_points(path: str | Path) -> Points:
         names = ["x", "y", "z", *(f"column {k}" for k in range(4, len(first) + 1))][: len(first)]
         rows = chain([(place, first)], rows)
     if [names.count(name) for name in "xyz"] != [1, 1, 1] or names.count("label") > 1:
-        message = f"{place}: give three columns, or name one each x, y and z (and label)"
+        message = (
+            f"{place}: give three columns of numbers, separated by commas, or a header that names "
+            "one column each x, y and z (and label)"
+        )
         raise InvalidFileError(message)
     axes, coordinates, labels = [names.index(name) for name in "xyz"], array("d"), list[str]()
     for place, row in rows:
@@ -87,7 +90,7 @@ def pair_by_label(source: Points, target: Points) -> Points:
         for side, count in ((side, counter[label]) for side, counter in sides.items()):
             if count != 1:
                 what = f"label '{shown(label)}' occurs {count} times in the {side}"
-                message = f"{what}: each must occur once in both"
+                message = f"{what}: each must occur once in both; drop it, or rename it"
                 raise InvalidFileError(message)
     rows = {label: 3 * k for k, label in enumerate(target.labels)}
     moved = (rows[label] + axis for label in source.labels for axis in range(3))
@@ -97,7 +100,8 @@ def pair_by_label(source: Points, target: Points) -> Points:
 
 def ignored_note(path: Path, ignored: tuple[str, ...]) -> str | None:
     """What the user should know about columns that were not read."""
-    return f"{shown(path)}: columns not used: {shown(', '.join(ignored))}" if ignored else None
+    what = f"columns not used: {shown(', '.join(ignored))}"
+    return f"{shown(path)}: {what} (only `label` pairs rows)" if ignored else None
 
 
 def read_clouds(
@@ -129,7 +133,7 @@ def _rows(path: Path) -> Iterator[tuple[str, list[str]]]:
         with path.open("rb") as file:
             lines = _lines(file, name)
             if spaced:
-                lines = (BLANKS.sub(",", line.partition("#")[0].strip()) for line in lines)
+                lines = (_commas(line.partition("#")[0].strip()) for line in lines)
             quotes = csv.QUOTE_NONE if spaced else csv.QUOTE_MINIMAL
             reader = csv.reader(lines, quoting=quotes, strict=True)
             for row in filter(None, reader):
@@ -139,8 +143,17 @@ def _rows(path: Path) -> Iterator[tuple[str, list[str]]]:
         message = f"{name}: {error.strerror}: give a readable file"
         raise InvalidFileError(message) from error
     except (ValueError, csv.Error) as error:
-        message = f"{name}, line {line + 1}: {shown(error)}: mend the text"
+        remedy = "save the file as UTF-8" if isinstance(error, UnicodeError) else "mend the text"
+        message = f"{name}, line {line + 1}: {shown(error)}: {remedy}"
         raise InvalidFileError(message) from error
+
+
+def _commas(line: str) -> str:
+    """A line of .txt with commas between its fields; blanks within a field are left, to be refused.
+
+    So `1,5 2,5 3,5`, with decimal commas, is not taken for six numbers.
+    """
+    return line if "," in line else BLANKS.sub(",", line)
 
 
 def _lines(file: BinaryIO, name: str) -> Iterator[str]:

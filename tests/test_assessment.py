@@ -1,0 +1,160 @@
+"""What is said of a pose is true of the pose as it was given."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+import strategies
+from hypothesis import given
+from hypothesis import strategies as st
+
+import certreg
+from certreg import RegistrationProblem, assess
+from certreg.certificate.bounds import ExactPose, pose_energy
+from certreg.errors import InvalidProblemError
+from certreg.moments import exact_moments
+from certreg.results import PoseVerdict
+
+ROD = [[-1.0, 0, 0], [0, 1e-6, 0], [1, 0, 0], [0.5, 0, 1e-6]]
+
+
+def about_x(degrees):
+    c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+    return np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+
+
+@pytest.mark.parametrize("degrees", [1.0, 30.0, 90.0, 179.0, 180.0])
+def test_a_turned_rod_is_not_optimal_however_little_is_at_stake(degrees):
+    problem = RegistrationProblem(ROD, ROD)
+    centroid = np.mean(ROD, axis=0)
+    R = about_x(degrees)
+    found = assess(problem, R, centroid - R @ centroid)
+
+    assert found.verdict is not PoseVerdict.OPTIMAL
+    assert degrees < 5 or found.verdict is not PoseVerdict.NEAR_OPTIMAL
+    if degrees == 180.0:
+        assert found.verdict is PoseVerdict.SPURIOUS_EQUILIBRIUM
+        assert found.nearest_index == 1
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e8])
+def test_bounds_on_a_given_quaternion_are_those_of_exactly_that_pose(offset):
+    problem = strategies.random_problem(np.random.default_rng(1), n=10, offset=offset)
+    registration = certreg.certify(problem, relaxation=False, simulation=False)
+    pose, bounds = registration.pose, registration.bounds
+    assert bounds is not None
+
+    found = assess(problem, pose.quaternion_wxyz, pose.translation)
+
+    assert (found.gap_lower, found.gap_upper) == (bounds.gap_lower, bounds.gap_upper)
+    assert found.objective == registration.objective
+    assert found.verdict is PoseVerdict.OPTIMAL
+
+
+def test_the_energy_of_a_pose_is_that_of_its_definition_point_by_point():
+    problem = strategies.random_problem(np.random.default_rng(2), n=6, offset=1e6)
+    q, t = np.array([0.5, -0.5, 0.5, 0.5]), np.array([1.0, 2.0, 3.0])
+    R = [[0, -1, 0], [0, 0, 1], [-1, 0, 0]]  # of that quaternion, exactly
+    exact = Fraction(0)
+    for x, y, w in zip(
+        problem.source.tolist(), problem.target.tolist(), problem.weights.tolist(), strict=True
+    ):
+        for row, a, shift in zip(R, y, t.tolist(), strict=True):
+            moved = sum(r * Fraction(b) for r, b in zip(row, x, strict=True)) + Fraction(shift)
+            exact += Fraction(w) * (Fraction(a) - moved) ** 2
+
+    assert pose_energy(exact_moments(problem), ExactPose.of_doubles(q, t)) == exact
+
+
+@pytest.mark.parametrize("digits", [5, 7, 9])
+def test_a_matrix_with_few_digits_is_judged_about_the_centroid_and_says_so(digits):
+    problem = strategies.random_problem(np.random.default_rng(3), n=10, offset=1e6)
+    pose = certreg.certify(problem, relaxation=False, simulation=False).pose
+    R = np.round(pose.rotation, digits)
+    t = problem.target.mean(axis=0) - R @ problem.source.mean(axis=0)
+
+    found = assess(problem, R, t)
+
+    assert found.verdict in {PoseVerdict.OPTIMAL, PoseVerdict.NEAR_OPTIMAL}
+    assert "judged as the nearest one" in found.words
+    assert "judged" not in assess(problem, pose.rotation, pose.translation).words
+
+
+@given(st.floats(-6, 0.4), st.integers(0, 2**32 - 1))
+def test_the_gap_of_any_pose_lies_within_its_bounds(exponent, seed):
+    rng = np.random.default_rng(seed)
+    problem = strategies.random_problem(rng, n=5, noise=0.3)
+    registration = certreg.certify(problem, relaxation=False, simulation=False)
+    q = registration.pose.quaternion_wxyz + 10.0**exponent * rng.normal(size=4)
+    q /= np.linalg.norm(q)
+    t = registration.pose.translation + 10.0**exponent * rng.normal(size=3)
+    found = assess(problem, q, t)
+    moments, certificate = registration.solution.moments, registration.certificate
+    assert certificate is not None
+    energy = pose_energy(moments, ExactPose.of_doubles(q, t))
+    least = pose_energy(
+        moments,
+        ExactPose(
+            quaternion=certificate.quaternion,
+            translation=certreg_translation(moments, certificate.quaternion),
+        ),
+    )
+
+    assert found.gap_lower is not None
+    assert found.gap_upper is not None
+    assert Fraction(found.gap_lower) <= energy - least <= Fraction(found.gap_upper)
+
+
+def certreg_translation(moments, q):
+    from certreg.energy import best_translation
+
+    return best_translation(moments, q)
+
+
+def test_own_pose_is_optimal_where_energies_exceed_the_doubles():
+    source = np.array(strategies.BENT) * 1e100
+    problem = RegistrationProblem(source, source @ about_x(30).T, sigma=1e-120)
+    pose = certreg.certify(problem, relaxation=False, simulation=False).pose
+
+    found = assess(problem, pose.quaternion_wxyz, pose.translation)
+    assert found.verdict is PoseVerdict.OPTIMAL
+
+
+def test_nothing_is_called_unstable_where_the_dynamics_is_undefined():
+    line = [[-1.0, 0, 0], [0, 0, 0], [1, 0, 0]]
+    found = assess(RegistrationProblem(line, line), np.diag([-1.0, -1, 1]), np.zeros(3))
+
+    assert found.verdict is PoseVerdict.SPURIOUS_EQUILIBRIUM
+    assert "the energy falls in 2 directions" in found.words
+    assert "unstable" not in found.words
+
+
+@pytest.mark.parametrize(
+    ("matrix", "words"),
+    [
+        (np.diag([1.0, 1, -1]), "reflection"),
+        (1.001 * np.eye(3), "scales by 1.001"),
+        (-2.0 * np.eye(3), "scales by 2 and reflects"),
+        (np.zeros((3, 3)), "not orthogonal"),
+        (np.array([[1.0, 0.1, 0], [0, 1, 0], [0, 0, 1]]), "not orthogonal"),
+        (np.array([2.0, 0, 0, 0]), "norm 2"),
+    ],
+)
+def test_what_is_no_rotation_is_told_why(matrix, words):
+    found = assess(RegistrationProblem(ROD, ROD), matrix, np.zeros(3))
+
+    assert found.verdict is PoseVerdict.NOT_A_ROTATION
+    assert words in found.words
+    assert found.gap_upper is None
+
+
+@pytest.mark.parametrize(
+    ("rotation", "translation"),
+    [(np.eye(2), np.zeros(3)), (np.eye(3), np.zeros(2)), (np.full((3, 3), np.nan), np.zeros(3))],
+)
+def test_arrays_of_other_shapes_are_refused(rotation, translation):
+    with pytest.raises(InvalidProblemError, match="finite numbers"):
+        assess(RegistrationProblem(ROD, ROD), rotation, translation)
