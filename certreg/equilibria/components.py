@@ -18,7 +18,7 @@ class Component:
     """A connected component of the rest poses of the damped rigid body.
 
     Kind, index, unstable count and optimality are exact; the numbers are rounded to doubles from a
-    basis of at least 60 digits. Where the component is not a point, `rotation`, `quaternion_wxyz`,
+    basis of at least 57 digits. Where the component is not a point, `rotation`, `quaternion_wxyz`,
     `eigenvalues` and `witness` are those of one representative: the member with the least rotation
     angle from the identity.
 
