@@ -59,10 +59,10 @@ def main() -> NoReturn:
         error.show()
         sys.exit(error.exit_code)
     except (ContradictionError, RefusedCertificateError) as error:
-        click.echo(f"certreg: {error}", err=True)
+        click.echo(f"certreg: {_printable(error)}", err=True)
         sys.exit(REFUSED)
     except CertregError as error:
-        click.echo(f"certreg: {error}", err=True)
+        click.echo(f"certreg: {_printable(error)}", err=True)
         sys.exit(MISUSED)
     except BrokenPipeError:
         sys.exit(DONE)
@@ -73,6 +73,11 @@ def main() -> NoReturn:
         click.echo("certreg: not enough memory for this input: use fewer points", err=True)
         sys.exit(MISUSED)
     sys.exit(code if isinstance(code, int) else DONE)
+
+
+def _printable(words: object) -> str:
+    """Words without control characters: a file's name must not steer the terminal."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in str(words))
 
 
 CLOUD = click.Path(dir_okay=False, path_type=Path)
@@ -153,7 +158,8 @@ def certify(
     else:
         click.echo(registration_summary(registration))
         if path is not None:
-            click.echo(f"\nCertificate: {path}  (re-check it: certreg verify {path})")
+            place = _printable(path)
+            click.echo(f"\nCertificate: {place}  (re-check it: certreg verify {place})")
     trajectory = registration.solution.trajectory
     if trajectory is not None and not trajectory.converged:
         return NOT_CERTIFIED
@@ -270,7 +276,7 @@ def apply(result: Path, cloud: Path, *, out: Path) -> int:
 
     pose, points = read_result_pose(result), read_cloud(cloud)
     write_cloud(out, pose.apply(points.points), points.labels)
-    click.echo(f"{len(points.points)} points written to {out}")
+    click.echo(f"{len(points.points)} points written to {_printable(out)}")
     return DONE
 
 

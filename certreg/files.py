@@ -11,10 +11,13 @@ from certreg.errors import InvalidFileError
 
 
 def write_atomically(path: str | os.PathLike[str], content: bytes) -> None:
-    """Write a file under a temporary name beside it, then rename. Raises InvalidFileError."""
-    target = Path(path)
+    """Write a file under a temporary name beside it, then rename. Raises InvalidFileError.
+
+    A symbolic link stays one: the file that it names is written.
+    """
+    target = Path(os.path.realpath(path))
     try:
-        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=".certreg-")
     except OSError as error:
         message = f"{target}: cannot be written ({error.strerror}): choose another place"
         raise InvalidFileError(message) from error
