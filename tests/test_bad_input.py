@@ -463,3 +463,13 @@ def test_any_real_npy_file_gives_the_answer_of_its_numbers(tmp_path: Path, array
     assert [run.code for run in runs] == [0, 0]
     assert runs[0].document["digest"] == runs[1].document["digest"]
     assert RegistrationProblem(array, bent).digest() == runs[0].document["digest"]
+
+
+def test_a_file_name_does_not_steer_the_terminal(tmp_path: Path):
+    name = tmp_path / "s\x1b[31m.bad"
+    name.write_text("1,2,3\n")
+    run = certreg("certify", name, name)
+
+    assert run.code == 2
+    assert "\x1b" not in run.err
+    assert "\\x1b[31m" in run.err

@@ -387,3 +387,13 @@ def test_a_place_that_cannot_be_written_is_named(tmp_path: Path):
 
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder.csv"]
     assert list((tmp_path / "folder.csv").iterdir()) == []
+
+
+def test_writing_through_a_link_keeps_the_link(tmp_path: Path):
+    target, link = tmp_path / "real.csv", tmp_path / "link.csv"
+    target.write_text("old")
+    link.symlink_to(target)
+    write_cloud(link, np.zeros((1, 3)), None)
+
+    assert link.is_symlink()
+    assert target.read_text() == "x,y,z\n0.0,0.0,0.0\n"
