@@ -20,9 +20,11 @@ if TYPE_CHECKING:
     from certreg.pipeline import Registration as Registration
     from certreg.pipeline import certify as certify
     from certreg.pipeline import equilibria as equilibria
+    from certreg.pipeline import simulate as simulate
     from certreg.pose import Pose as Pose
     from certreg.problem import RegistrationProblem as RegistrationProblem
     from certreg.results import Verdict as Verdict
+    from certreg.simulation import Trajectory as Trajectory
 
 __version__ = "0.1.0"
 
@@ -34,9 +36,11 @@ _HOMES = {
     "Pose": "certreg.pose",
     "Registration": "certreg.pipeline",
     "RegistrationProblem": "certreg.problem",
+    "Trajectory": "certreg.simulation",
     "Verdict": "certreg.results",
     "certify": "certreg.pipeline",
     "equilibria": "certreg.pipeline",
+    "simulate": "certreg.pipeline",
     "verify": "certreg.certificate.checking",
 }
 
@@ -47,11 +51,13 @@ __all__ = [
     "Pose",
     "Registration",
     "RegistrationProblem",
+    "Trajectory",
     "Verdict",
     "__version__",
     "assess",
     "certify",
     "equilibria",
+    "simulate",
     "verify",
 ]
 

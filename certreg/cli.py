@@ -223,6 +223,41 @@ def equilibria(
     return DONE if found.classification.unique else NOT_UNIQUE
 
 
+@cli.command(epilog=EXIT_CODES)
+@_cloud_options
+@click.option("--integrator", type=click.Choice(["euler"]), default="euler", show_default=True)
+@click.option("--step", type=float, help="Largest step, in the time unit of the springs.")
+@click.option("--out", type=CLOUD, help="File to write the trajectory to: .npz.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def simulate(
+    problem: RegistrationProblem,
+    source: Path,
+    target: Path,
+    *,
+    integrator: str,
+    step: float | None,
+    out: Path | None,
+    as_json: bool,
+) -> int:
+    """Release the damped body at rest and see where it ends. Exit code 0 converged, 4 not."""
+    from certreg.files import write_atomically
+    from certreg.io.npy import trajectory_bytes
+    from certreg.pipeline import simulated
+    from certreg.report.document import dumps, simulation_document
+    from certreg.report.summary import simulation_summary
+
+    del source, target
+    if step is not None and not 0.0 < step < float("inf"):
+        message = f"--step is {step}: give a finite number above 0"
+        raise click.UsageError(message)
+    end = simulated(problem, integrator, step=step)
+    if out is not None:
+        write_atomically(out, trajectory_bytes(end.trajectory))
+    document = simulation_document(end)
+    click.echo(dumps(document) if as_json else simulation_summary(end, document["energy"]))
+    return DONE if end.trajectory.converged else NOT_CERTIFIED
+
+
 @cli.command()
 @click.argument("certificate", type=CLOUD)
 @click.argument("clouds", type=CLOUD, nargs=-1, metavar="[SOURCE TARGET]")

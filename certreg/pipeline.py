@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -70,8 +71,7 @@ class Solution:
     @property
     def energy_unit(self) -> Fraction:
         """What the trajectory's energies are worth in objective units."""
-        exponent = 0 if self.trajectory is None else 2 * self.trajectory.length_exponent
-        return self.moments.total_weight * power_of_two(exponent)
+        return _energy_unit(self.moments, self.trajectory)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,6 +80,22 @@ class Absences:
 
     relaxation: str | None
     trajectory: str | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SimulatedRegistration:
+    """A simulation on its own, and what is proved of its end.
+
+    energy_unit: what the trajectory's energies are worth in objective units.
+    angle_to_optimum: radians, from the last rotation to the nearest optimum.
+    in_certified_basin: the checker accepted that the exact flow from the last state ends at the
+        optimum; False means not proved, not disproved.
+    """
+
+    trajectory: Trajectory
+    energy_unit: Fraction
+    angle_to_optimum: float
+    in_certified_basin: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -166,6 +182,42 @@ def equilibria(problem: RegistrationProblem, method: str = "spectral") -> Equili
     return equilibrium_set(spectrum(exact_moments(problem)), problem.damping)
 
 
+def simulate(
+    problem: RegistrationProblem, integrator: str = "euler", *, step: float | None = None
+) -> Trajectory:
+    """The trajectory of the damped body, released at rest where the source was given.
+
+    integrator: "euler", explicit with projection. step: at most this, in the time unit of the
+        springs; default 0.01; never more than is stable. Raises ValueError for other integrators
+        or steps, and DegenerateProblemError where the dynamics is not defined or too stiff.
+    """
+    return _trajectory(spectrum(exact_moments(problem)), problem, integrator, step)
+
+
+def simulated(
+    problem: RegistrationProblem, integrator: str = "euler", *, step: float | None = None
+) -> SimulatedRegistration:
+    """As `simulate`, with what the checker has proved of where the trajectory ended.
+
+    Raises ContradictionError or RefusedCertificateError where certreg contradicts itself.
+    """
+    found = spectrum(exact_moments(problem))
+    trajectory = _trajectory(found, problem, integrator, step)
+    certificate = produce(problem, found, state=_final_state(trajectory))
+    if certificate is not None:
+        verdict = check_own(certificate, problem)
+        if not verdict.proved:
+            message = f"the checker refused certreg's own certificate: {verdict.words}"
+            raise RefusedCertificateError(message, verdict=verdict)
+        require_sound_trajectory(found, certificate, trajectory)
+    return SimulatedRegistration(
+        trajectory=trajectory,
+        energy_unit=_energy_unit(found.moments, trajectory),
+        angle_to_optimum=found.angle_to_optimum(lift(trajectory.quaternion).integers),
+        in_certified_basin=certificate is not None and bool(certificate.claims.basin),
+    )
+
+
 def solve(
     problem: RegistrationProblem,
     *,
@@ -213,12 +265,31 @@ def _simulation(
     found: Spectrum, problem: RegistrationProblem
 ) -> tuple[Trajectory | None, str | None]:
     """The simulated registration, or why there is none."""
-    from certreg.simulation import simulate
-
     try:
-        return simulate(found, problem.damping), None
+        return _trajectory(found, problem, "euler", None), None
     except DegenerateProblemError as error:
         return None, str(error)
+
+
+def _trajectory(
+    found: Spectrum, problem: RegistrationProblem, integrator: str, step: float | None
+) -> Trajectory:
+    from certreg.settings import SimulationSettings
+    from certreg.simulation import simulate as run
+
+    if integrator != "euler":
+        message = f"integrator is {integrator!r}: this version knows 'euler'"
+        raise ValueError(message)
+    settings = SimulationSettings() if step is None else SimulationSettings(step=step)
+    if not 0.0 < settings.step < math.inf:
+        message = f"step is {step!r}: give a finite number above 0"
+        raise ValueError(message)
+    return run(found, problem.damping, settings=settings)
+
+
+def _energy_unit(moments: ExactMoments, trajectory: Trajectory | None) -> Fraction:
+    exponent = 0 if trajectory is None else 2 * trajectory.length_exponent
+    return moments.total_weight * power_of_two(exponent)
 
 
 def _final_state(trajectory: Trajectory) -> RotationState:

@@ -12,6 +12,7 @@ import numpy as np
 
 from certreg.covariance import residual_distances
 from certreg.dyadic import double_above, nearest_double
+from certreg.pipeline import SimulatedRegistration
 from certreg.results import Optimality
 
 if TYPE_CHECKING:
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 RESULT_SCHEMA = "certreg-result/1"
 ASSESSMENT_SCHEMA = "certreg-assessment/1"
 EQUILIBRIA_SCHEMA = "certreg-equilibria/1"
+SIMULATION_SCHEMA = "certreg-simulation/1"
 
 Document = dict[str, Any]
 
@@ -95,6 +97,13 @@ def equilibria_document(equilibria: EquilibriumSet) -> Document:
         "margin": _margin(equilibria, reasons),
         "reasons": reasons,
     }
+
+
+def simulation_document(simulated: SimulatedRegistration) -> Document:
+    """A simulation on its own, as `certreg-simulation/1`."""
+    reasons: dict[str, str] = {}
+    fields = _simulation_fields(simulated, "", reasons)
+    return {"schema": SIMULATION_SCHEMA, **fields, "reasons": reasons}
 
 
 def assessment_document(assessment: Assessment) -> Document:
@@ -253,23 +262,37 @@ def _simulation(registration: Registration, reasons: dict[str, str]) -> Document
         why = solution.absences.trajectory or "it was not run"
         reasons |= dict.fromkeys(("simulation", "agreement.simulation_deg"), why)
         return None
+    certificate = solution.certificate
+    end = SimulatedRegistration(
+        trajectory=trajectory,
+        energy_unit=solution.energy_unit,
+        angle_to_optimum=solution.agreement.simulation or 0.0,
+        in_certified_basin=certificate is not None and bool(certificate.claims.basin),
+    )
+    return _simulation_fields(end, "simulation.", reasons)
+
+
+def _simulation_fields(
+    simulated: SimulatedRegistration, place: str, reasons: dict[str, str]
+) -> Document:
+    """The `simulation` object of a result; adds the reason of each null to `reasons`."""
+    trajectory = simulated.trajectory
     energies = [
-        nearest_double(Fraction(value) * solution.energy_unit)
+        nearest_double(Fraction(value) * simulated.energy_unit)
         for value in (trajectory.potential + trajectory.kinetic)[[0, -1]].tolist()
     ]
     for name, value in zip(("initial", "final"), energies, strict=True):
         if value is None:
-            reasons[f"simulation.energy.{name}"] = OUT_OF_RANGE
-    certificate = solution.certificate
+            reasons[f"{place}energy.{name}"] = OUT_OF_RANGE
     return {
         "integrator": "euler",
         "status": trajectory.status.value,
         "step": trajectory.step,
         "steps": trajectory.steps,
         "converged": trajectory.converged,
-        "in_certified_basin": certificate is not None and bool(certificate.claims.basin),
+        "in_certified_basin": simulated.in_certified_basin,
         "escapes": trajectory.escapes,
-        "angle_to_pose_deg": _degrees(solution.agreement.simulation),
+        "angle_to_pose_deg": math.degrees(simulated.angle_to_optimum),
         "energy": {"initial": energies[0], "final": energies[1]},
     }
 

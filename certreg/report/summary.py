@@ -12,7 +12,7 @@ from certreg.results import ComponentKind, Optimality
 if TYPE_CHECKING:
     from certreg.assessment import Assessment
     from certreg.equilibria.components import Component, EquilibriumSet
-    from certreg.pipeline import Registration
+    from certreg.pipeline import Registration, SimulatedRegistration
 
 COUNTS = {1: "one", 2: "two", 3: "three", 4: "four"}
 KINDS = {
@@ -44,6 +44,24 @@ def registration_summary(registration: Registration) -> str:
             *_warnings(registration),
             "",
             equilibria_summary(registration.equilibria),
+        )
+    )
+
+
+def simulation_summary(simulated: SimulatedRegistration, energies: dict[str, float | None]) -> str:
+    """The result of `simulate`, readable; energies in objective units."""
+    trajectory = simulated.trajectory
+    proved = "Proved" if simulated.in_certified_basin else "Not proved"
+    return "\n".join(
+        (
+            trajectory.status.value,
+            f"  steps             {trajectory.steps} of {trajectory.step:.6g}",
+            f"  time              {trajectory.steps * trajectory.step:.6g}  (unit of the springs)",
+            f"  escapes           {trajectory.escapes}  (kicked off a saddle)",
+            f"  initial energy    {_number(energies['initial'])}  (kinetic and potential)",
+            f"  final energy      {_number(energies['final'])}",
+            f"  end               {_away(simulated.angle_to_optimum)}",
+            f"{proved}: from its last state the exact motion ends at the optimum.",
         )
     )
 

@@ -1,0 +1,218 @@
+"""The covariance of the pose is that of repeated experiments, in all three conventions.
+
+Ten thousand repetitions are registered in one batch by an SVD that is no code of the package. The
+sample covariance, whitened by the predicted one, has the eigenvalues of a Wishart matrix: 1, with
+a standard deviation of sqrt(2/n) in each direction. The noise is small: the prediction is of first
+order.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from strategies import TETRAHEDRON, ZOO, random_rotation
+
+from certreg.covariance import pose_covariance, residual_distances
+from certreg.equilibria.spectral import spectrum
+from certreg.moments import exact_moments
+from certreg.pipeline import certify
+from certreg.problem import RegistrationProblem
+
+REPETITIONS = 10_000
+SIGMA = 1e-3
+SHAPES = {"isotropic": (1.0, 1.0, 1.0), "elongated": (50.0, 1.0, 0.2)}
+
+
+def covariance_of(problem) -> Any:
+    return pose_covariance(problem, spectrum(exact_moments(problem)))
+
+
+class Experiment:
+    """A true pose, noise-free points, and the poses found from many noisy targets."""
+
+    def __init__(self, shape: str, *, even: bool = False, n: int = 12) -> None:
+        rng = np.random.default_rng(61)
+        self.source = rng.normal(size=(n, 3)) * SHAPES[shape] + [3.0, -2.0, 5.0]
+        self.R, self.t = random_rotation(rng), np.array([1.0, 2.0, -4.0])
+        self.sigma = SIGMA * (np.ones(n) if even else rng.uniform(0.5, 2.0, size=n))
+        self.weights = 1.0 / self.sigma**2
+        self.clean = self.source @ self.R.T + self.t
+        noise = rng.normal(size=(REPETITIONS, n, 3)) * self.sigma[:, None]
+        self.targets = self.clean + noise
+        self._register()
+
+    def _register(self) -> None:
+        w, mass = self.weights, self.weights.sum()
+        x_mean = w @ self.source / mass
+        y_mean = np.einsum("n,rnk->rk", w, self.targets) / mass
+        centred = self.targets - y_mean[:, None]
+        C = np.einsum("n,rnj,nk->rjk", w, centred, self.source - x_mean)
+        left, _, right = np.linalg.svd(C)
+        sign = np.linalg.det(left @ right)
+        left[:, :, 2] *= sign[:, None]
+        self.found_R = left @ right
+        self.found_t = y_mean - self.found_R @ x_mean
+        rest = self.targets - self.source @ self.found_R.transpose(0, 2, 1) - self.found_t[:, None]
+        self.objectives = np.einsum("n,rnk,rnk->r", w, rest, rest)
+
+    def problem(self, target) -> RegistrationProblem:
+        return RegistrationProblem(self.source, target, sigma=self.sigma)
+
+    @cache  # noqa: B019 (three answers, for as long as the module's tests)
+    def errors(self, convention: str):
+        """(repetitions, 6): what the true pose is off the found one, in that parametrisation."""
+        forward = self.found_R.transpose(0, 2, 1) @ self.R  # R_true = R exp([phi])
+        phi = Rotation.from_matrix(forward).as_rotvec()
+        dt = self.t - self.found_t
+        if convention == "matrix":
+            return np.hstack([dt, phi])
+        if convention == "ros":  # R_true = exp([theta]) R, translation first, fixed frame
+            theta = Rotation.from_matrix(self.R @ self.found_R.transpose(0, 2, 1)).as_rotvec()
+            return np.hstack([dt, theta])
+        return np.array([_logarithm(a, b) for a, b in zip(phi, self._moved(dt), strict=True)])
+
+    def _moved(self, dt):
+        """The translation part of T^-1 T_true."""
+        return np.einsum("rkj,rk->rj", self.found_R, dt)
+
+
+def _logarithm(phi, shift):
+    """(phi, v) with Exp((phi, v)) = (exp([phi]), shift): gtsam's Pose3, rotation first."""
+    a = np.linalg.norm(phi)
+    x, y, z = phi
+    W = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    V = np.eye(3) + (1 - math.cos(a)) / a**2 * W + (a - math.sin(a)) / a**3 * W @ W
+    return np.concatenate([phi, np.linalg.solve(V, shift)])
+
+
+@pytest.fixture(scope="module", params=SHAPES)
+def experiment(request):
+    return Experiment(request.param)
+
+
+def whitened_eigenvalues(samples, predicted):
+    scatter = samples.T @ samples / len(samples)  # about the truth, not about the mean
+    root = np.linalg.cholesky(predicted)
+    inverse = np.linalg.inv(root)
+    return np.linalg.eigvalsh(inverse @ scatter @ inverse.T)
+
+
+def is_sampled_from(samples, predicted) -> bool:
+    """Within five standard deviations of each variance, and the spread of six eigenvalues."""
+    off = np.abs(whitened_eigenvalues(samples, predicted) - 1.0).max()
+    return bool(off < 5.0 * math.sqrt(2.0 / len(samples)))
+
+
+@pytest.mark.parametrize("convention", ["matrix", "ros", "gtsam"])
+def test_the_covariance_is_that_of_ten_thousand_experiments(experiment, convention):
+    covariance = covariance_of(experiment.problem(experiment.clean))
+
+    assert is_sampled_from(experiment.errors(convention), getattr(covariance, convention))
+
+
+@pytest.mark.parametrize("told", ["matrix", "ros", "gtsam"])
+@pytest.mark.parametrize("meant", ["matrix", "ros", "gtsam"])
+def test_the_conventions_are_told_apart(experiment, told, meant):
+    covariance = covariance_of(experiment.problem(experiment.clean))
+
+    same = is_sampled_from(experiment.errors(told), getattr(covariance, meant))
+
+    assert same == (told == meant)
+
+
+def test_an_error_of_a_tenth_in_the_covariance_would_be_seen(experiment):
+    covariance = covariance_of(experiment.problem(experiment.clean))
+
+    assert not is_sampled_from(experiment.errors("matrix"), covariance.matrix * 1.1)
+    assert not is_sampled_from(experiment.errors("matrix"), covariance.matrix / 1.1)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_the_estimated_covariance_is_that_of_the_experiments_in_the_mean(shape):
+    """Each run estimates its own variance; the factor's mean is s^2, its error sqrt(2/(3N - 6))."""
+    experiment = Experiment(shape, even=True)
+    count, degrees = 300, 3 * len(experiment.source) - 6
+    variances, matrices = [], []
+    for target, objective in zip(experiment.targets[:count], experiment.objectives, strict=False):
+        estimated = covariance_of(RegistrationProblem(experiment.source, target))
+        given = covariance_of(experiment.problem(target))
+        assert (estimated.estimated, given.estimated) == (True, False)
+        assert given.variance_factor == pytest.approx(objective / degrees, rel=1e-6)
+        assert estimated.variance_factor == pytest.approx(SIGMA**2 * given.variance_factor)
+        assert np.allclose(estimated.matrix, given.matrix * given.variance_factor, rtol=1e-9)
+        variances.append(estimated.variance_factor)
+        matrices.append(estimated.matrix / estimated.variance_factor)
+
+    assert abs(np.mean(variances) / SIGMA**2 - 1.0) < 5.0 * math.sqrt(2.0 / degrees / count)
+    mean_variance = SIGMA**2 * np.mean(experiment.objectives) / degrees
+    assert is_sampled_from(experiment.errors("matrix"), mean_variance * np.mean(matrices, axis=0))
+
+
+def test_the_variance_factor_shows_a_sigma_that_is_wrong(experiment):
+    right = covariance_of(experiment.problem(experiment.targets[0]))
+    wrong = covariance_of(
+        RegistrationProblem(experiment.source, experiment.targets[0], sigma=experiment.sigma / 10)
+    )
+
+    assert 0.2 < right.variance_factor < 2.5
+    assert wrong.variance_factor == pytest.approx(100 * right.variance_factor)
+
+
+def test_the_mean_of_all_variance_factors_is_one(experiment):
+    degrees = 3 * len(experiment.source) - 6
+    factors = experiment.objectives / degrees
+
+    assert abs(factors.mean() - 1.0) < 5.0 * math.sqrt(2.0 / degrees / REPETITIONS)
+
+
+@pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: specimen.name)
+def test_there_is_a_covariance_exactly_where_the_optimum_is_unique(specimen):
+    problem = RegistrationProblem(specimen.source, specimen.target, sigma=1.0)
+
+    assert (covariance_of(problem) is not None) == (specimen.pattern[0] == 1)
+
+
+def test_a_covariance_is_symmetric_and_positive_definite():
+    covariance = covariance_of(RegistrationProblem(TETRAHEDRON, TETRAHEDRON, sigma=0.1))
+
+    for matrix in (covariance.matrix, covariance.ros, covariance.gtsam):
+        assert np.allclose(matrix, matrix.T, rtol=0, atol=1e-18)
+        assert np.linalg.eigvalsh(matrix).min() > 0
+
+
+def test_the_tetrahedron_has_the_covariance_found_by_hand():
+    """N = 4, J = 8 I, G = 2 J = 16 I (unit weights), mean 0: cov phi = s^2 I/8, cov t = s^2 I/4."""
+    covariance = covariance_of(RegistrationProblem(TETRAHEDRON, TETRAHEDRON, sigma=0.5))
+
+    assert np.allclose(covariance.matrix, 0.25 * np.diag([1 / 4] * 3 + [1 / 8] * 3))
+
+
+def test_points_of_weight_zero_give_no_degree_of_freedom():
+    weights = [1.0, 1.0, 1.0, 0.0]
+    moved = np.array([[0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1], [9, 9, 9]])
+    target = np.array(TETRAHEDRON) + moved
+    three = RegistrationProblem(TETRAHEDRON[:3], target[:3], weights=weights[:3])
+    four = RegistrationProblem(TETRAHEDRON, target, weights=weights)
+
+    assert np.allclose(covariance_of(four).matrix, covariance_of(three).matrix)
+    assert covariance_of(four).variance_factor == covariance_of(three).variance_factor
+    assert covariance_of(three).variance_factor > 0
+
+
+def test_residual_distances_are_those_of_the_points_and_do_not_overflow():
+    rng = np.random.default_rng(8)
+    source = rng.normal(size=(7, 3))
+    target = source @ random_rotation(rng).T + 0.1 * rng.normal(size=(7, 3))
+    problem = RegistrationProblem(source, target)
+    pose = certify(problem, relaxation=False, simulation=False).pose
+    expected = np.linalg.norm(target - source @ pose.rotation.T - pose.translation, axis=1)
+
+    assert np.allclose(residual_distances(problem, pose), expected, rtol=1e-12)
+    huge = RegistrationProblem(source * 2.0**700, target * 2.0**700)
+    pose = certify(huge, relaxation=False, simulation=False).pose
+    assert np.allclose(residual_distances(huge, pose) / 2.0**700, expected, rtol=1e-6)

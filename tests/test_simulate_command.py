@@ -1,0 +1,203 @@
+"""`certreg simulate` and `certreg.simulate`: the trajectory, where it ends, and what is proved."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from commands import certreg, write_csv
+from strategies import AXES, BENT, LINE, MIRROR, TALL, ZOO
+
+import certreg as package
+from certreg import RegistrationProblem, settings
+from certreg.io.clouds import read_problem
+from certreg.simulation import SimulationStatus
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+KEYS = {
+    "schema",
+    "integrator",
+    "status",
+    "step",
+    "steps",
+    "converged",
+    "in_certified_basin",
+    "escapes",
+    "angle_to_pose_deg",
+    "energy",
+    "reasons",
+}
+ENERGY = {"initial", "final"}
+
+
+MAKE_SETTINGS = settings.SimulationSettings.__init__
+
+
+def _ten_steps(self, **chosen: float) -> None:
+    MAKE_SETTINGS(self, **{**chosen, "max_steps": 10})  # pyright: ignore[reportArgumentType]
+
+
+def survey(data: Path) -> tuple[Path, Path]:
+    return data / "survey_source.csv", data / "survey_target.csv"
+
+
+def clouds(folder: Path, source, target) -> tuple[Path, Path]:
+    return write_csv(folder / "a.csv", source), write_csv(folder / "b.csv", target)
+
+
+def test_a_simulation_is_one_object_with_the_keys_of_a_result(data: Path):
+    run = certreg("simulate", *survey(data), "--json")
+    document = run.document
+    result = certreg("certify", *survey(data), "--json", "--no-relaxation").document
+
+    assert (run.code, run.err) == (0, "")
+    assert document.keys() == KEYS
+    assert document["energy"].keys() == ENERGY
+    assert document["schema"] == "certreg-simulation/1"
+    assert document["reasons"] == {}
+    assert document["converged"] is document["in_certified_basin"] is True
+    assert {key: document[key] for key in KEYS - {"schema", "reasons"}} == result["simulation"]
+    assert document["energy"]["final"] == pytest.approx(result["objective"], rel=1e-2)
+
+
+def test_the_summary_tells_the_same_in_words(data: Path):
+    run = certreg("simulate", *survey(data))
+    document = certreg("simulate", *survey(data), "--json").document
+    lines = {line[2:20].strip(): line[20:].strip() for line in run.out.splitlines()}
+
+    assert (run.code, run.err) == (0, "")
+    assert run.out.startswith(SimulationStatus.CONVERGED.value + "\n")
+    assert lines["steps"].startswith(f"{document['steps']} of ")
+    assert float(lines["time"].split()[0]) == pytest.approx(
+        document["steps"] * document["step"], rel=1e-5
+    )
+    assert lines["escapes"].startswith(f"{document['escapes']} ")
+    assert "degrees from the optimum" in lines["end"]
+    assert float(lines["initial energy"].split()[0]) == pytest.approx(
+        document["energy"]["initial"], rel=1e-3
+    )
+    assert float(lines["final energy"].split()[0]) == pytest.approx(
+        document["energy"]["final"], rel=1e-3
+    )
+    assert "\nProved: from its last state" in run.out
+
+
+def test_the_trajectory_is_written_whole_with_its_energies(data: Path, tmp_path: Path):
+    file = tmp_path / "run.npz"
+    run = certreg("simulate", *survey(data), "--out", file, "--json")
+    with np.load(file) as arrays:
+        held = {name: arrays[name] for name in arrays.files}
+    trajectory = package.simulate(read_problem(*survey(data))[0])
+
+    assert run.code == 0
+    assert list(tmp_path.iterdir()) == [file]
+    assert held.keys() == {"times", "states", "potential", "kinetic", "length_exponent"}
+    for name, values in held.items():
+        assert np.array_equal(values, getattr(trajectory, name))
+    assert held["times"][-1] == run.document["step"] * run.document["steps"]
+
+
+def test_without_out_nothing_is_written(data: Path, tmp_path: Path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    assert certreg("simulate", *survey(data)).code == 0
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_step_and_damping_are_obeyed(data: Path):
+    usual = certreg("simulate", *survey(data), "--json").document
+    fine = certreg("simulate", *survey(data), "--step", "0.001", "--json").document
+    heavy = certreg("simulate", *survey(data), "--damping", "20", "--json").document
+
+    assert fine["step"] == 0.001 < usual["step"]
+    assert fine["steps"] > usual["steps"]
+    assert heavy["steps"] * heavy["step"] > 2 * usual["steps"] * usual["step"]
+    assert fine["converged"] is heavy["converged"] is True
+
+
+def test_a_run_that_does_not_converge_ends_with_code_four(data: Path, monkeypatch):
+    monkeypatch.setattr(settings.SimulationSettings, "__init__", _ten_steps)
+    run = certreg("simulate", *survey(data))
+    document = certreg("simulate", *survey(data), "--json").document
+
+    assert run.code == 4
+    assert run.out.startswith(SimulationStatus.OUT_OF_STEPS.value)
+    assert document["converged"] is False
+    assert document["status"] == SimulationStatus.OUT_OF_STEPS.value
+
+
+def test_an_optimum_that_is_not_unique_is_reached_but_no_basin_is_proved(tmp_path: Path):
+    mirrored = (np.array(TALL) @ np.array(MIRROR).T).tolist()
+    paths = clouds(tmp_path, TALL, mirrored)
+    document = certreg("simulate", *paths, "--json").document
+    run = certreg("simulate", *paths)
+
+    assert run.code == 0
+    assert document["escapes"] >= 1
+    assert document["status"] == SimulationStatus.AT_REST.value
+    assert document["in_certified_basin"] is False
+    assert "\nNot proved: from its last state" in run.out
+
+
+def test_energies_that_no_double_holds_are_null_with_a_reason(tmp_path: Path):
+    scale = 2.0**600
+    axes = np.array(ZOO[0].source) * scale
+    run = certreg("simulate", *clouds(tmp_path, axes, 2 * axes), "--json")
+
+    assert run.code == 0
+    assert run.document["energy"] == {"initial": None, "final": None}
+    assert run.document["reasons"].keys() == {"energy.initial", "energy.final"}
+    assert certreg("simulate", tmp_path / "a.csv", tmp_path / "b.csv").code == 0
+
+
+@pytest.mark.parametrize(
+    ("options", "word"),
+    [
+        (("--integrator", "midpoint"), "midpoint"),
+        (("--step", "0"), "--step"),
+        (("--step", "-1"), "--step"),
+        (("--step", "nan"), "--step"),
+        (("--step", "inf"), "--step"),
+        (("--damping", "0"), "damping"),
+    ],
+)
+def test_bad_options_are_bad_usage(data: Path, options, word):
+    run = certreg("simulate", *survey(data), *options)
+
+    assert (run.code, run.out) == (2, "")
+    assert word in run.err
+    assert "Traceback" not in run.err
+
+
+def test_a_collinear_source_has_no_dynamics(tmp_path: Path):
+    out = tmp_path / "run.npz"
+    run = certreg("simulate", *clouds(tmp_path, LINE, BENT), "--out", out)
+
+    assert (run.code, run.out) == (2, "")
+    assert "collinear" in run.err
+    assert not out.exists()
+
+
+def test_an_output_that_cannot_be_written_is_one_line(data: Path, tmp_path: Path):
+    run = certreg("simulate", *survey(data), "--out", tmp_path / "nowhere" / "run.npz")
+
+    assert (run.code, run.out) == (2, "")
+    assert "cannot be written" in run.err
+    assert run.err.count("\n") == 1
+
+
+def test_the_python_function_takes_what_the_command_takes():
+    problem = RegistrationProblem(AXES, (2.0 * np.array(AXES)).tolist())
+    trajectory = package.simulate(problem, integrator="euler", step=0.005)
+
+    assert isinstance(trajectory, package.Trajectory)
+    assert trajectory.step == 0.005
+    with pytest.raises(ValueError, match="integrator is 'midpoint': this version knows 'euler'"):
+        package.simulate(problem, "midpoint")
+    for step in (0.0, -1.0, math.nan, math.inf):
+        with pytest.raises(ValueError, match="give a finite number above 0"):
+            package.simulate(problem, step=step)

@@ -1,0 +1,397 @@
+"""The simulation ends at the optimum, provably; no other end is ever accepted for it."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import json
+import math
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from strategies import AXES, ZOO, random_problem, random_rotation
+
+from certreg.agreement import require_sound_trajectory
+from certreg.certificate.checking import check_own, verify
+from certreg.certificate.producing import produce, proves_basin
+from certreg.certificate.types import RotationState
+from certreg.demo import STORIES, tell
+from certreg.dyadic import dyadic_below
+from certreg.dynamics import IDENTITY, body, euler_step
+from certreg.energy import alignment
+from certreg.equilibria.spectral import rotation_double, spectrum, unit_double
+from certreg.errors import ContradictionError, DegenerateProblemError
+from certreg.moments import exact_moments
+from certreg.pipeline import _final_state, certify
+from certreg.problem import RegistrationProblem
+from certreg.settings import SimulationSettings
+from certreg.simulation import SimulationStatus, simulate
+
+STORY_NAMES = [story.name for story in STORIES]
+each_story = pytest.mark.parametrize("name", STORY_NAMES)
+
+
+@cache
+def told(name) -> Any:
+    return tell(STORIES[STORY_NAMES.index(name)])
+
+
+def saddle_start(found, index, angle, axis):
+    """At rest beside the saddle of that index: turned off it by an angle about an axis."""
+    q = unit_double(found.quaternions[index])
+    R = Rotation.from_quat(q, scalar_first=True) * Rotation.from_rotvec(angle * np.asarray(axis))
+    return (*[0.0] * 3, *R.as_matrix().ravel().tolist(), *[0.0] * 6)
+
+
+def proved_end(problem, found, trajectory):
+    """The certificate whose basin is where the trajectory ended; the checker has accepted it."""
+    certificate = produce(problem, found, state=_final_state(trajectory))
+    assert certificate is not None
+    assert check_own(certificate, problem).proved
+    return certificate
+
+
+def margin_of(registration):
+    return registration.equilibria.margin.relative
+
+
+def random_case(rng):
+    n, noise = int(rng.integers(3, 51)), float(rng.uniform(0.0, 1.0))
+    return random_problem(rng, n=n, noise=noise, decades=float(rng.uniform(0.0, 4.0)))
+
+
+def assert_ends_in_the_proved_basin(registration):
+    trajectory = registration.solution.trajectory
+    assert trajectory.status is SimulationStatus.CONVERGED
+    assert registration.certificate.claims.basin is True
+    assert registration.verdict.proved
+    assert any("ends at the optimum" in theorem for theorem in registration.verdict.theorems)
+
+
+# Starts on saddles ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("index", [1, 2, 3])
+@pytest.mark.parametrize("angle", [0.0, 1e-12, 1e-9, 1e-6, 1e-3])
+def test_a_start_at_or_beside_a_saddle_ends_at_the_optimum(index, angle):
+    rng = np.random.default_rng(1000 + index)
+    problem = random_problem(rng, n=20, noise=0.05)
+    found = spectrum(exact_moments(problem))
+    axis = rng.normal(size=3)
+    start = saddle_start(found, index, angle, axis / np.linalg.norm(axis))
+
+    trajectory = simulate(found, problem.damping, start=start)
+
+    assert trajectory.status is SimulationStatus.CONVERGED
+    assert (trajectory.escapes >= 1) == (angle <= 1e-6)
+    assert proved_end(problem, found, trajectory).claims.basin is True
+    best = unit_double(found.quaternions[0])
+    assert 1.0 - abs(trajectory.quaternion @ best) < 1e-6
+
+
+@pytest.mark.parametrize("index", [1, 2, 3])
+def test_a_body_left_on_a_saddle_of_exact_coordinates_is_kicked_off(index):
+    turns = {1: (1.0, -1.0, -1.0), 2: (-1.0, 1.0, -1.0), 3: (-1.0, -1.0, 1.0)}[index]
+    problem = RegistrationProblem(AXES, AXES)  # d = 18, 8, 2: half-turns about x, y, z
+    found = spectrum(exact_moments(problem))
+    start = (*[0.0] * 3, *np.diag(turns).ravel().tolist(), *[0.0] * 6)
+
+    trajectory = simulate(found, problem.damping, start=start)
+
+    assert trajectory.status is SimulationStatus.CONVERGED
+    assert trajectory.escapes >= 1
+    assert np.allclose(trajectory.quaternion, [1, 0, 0, 0], atol=1e-3)
+    assert proved_end(problem, found, trajectory).claims.basin is True
+
+
+# The end is proved ------------------------------------------------------------------------------
+
+
+@each_story
+def test_the_packaged_pairs_end_in_the_proved_basin(name):
+    assert_ends_in_the_proved_basin(told(name))
+
+
+def test_random_problems_end_in_the_proved_basin():
+    rng = np.random.default_rng(2027)
+    for _ in range(30):
+        registration = certify(random_case(rng), relaxation=False)
+        assert margin_of(registration) >= 1e-6
+        assert_ends_in_the_proved_basin(registration)
+
+
+@pytest.mark.slow
+def test_five_hundred_random_problems_end_in_the_proved_basin():
+    rng, proved = np.random.default_rng(2028), 0
+    while proved < 500:
+        registration = certify(random_case(rng), relaxation=False)
+        if margin_of(registration) < 1e-6:
+            continue
+        assert_ends_in_the_proved_basin(registration)
+        proved += 1
+
+
+def test_a_nearly_ambiguous_problem_is_slow_but_ends_in_the_proved_basin():
+    mirrored = np.array(AXES) * [1.0, 1.0, -math.sqrt(3.9)]  # d3 near -d2: a margin of 1/250
+    source = np.array(AXES) * [1.0, 1.0, 2.0]
+    problem = RegistrationProblem(source, mirrored @ random_rotation(np.random.default_rng(3)).T)
+
+    assert_ends_in_the_proved_basin(certify(problem, relaxation=False))
+
+
+@pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: specimen.name)
+def test_no_basin_is_claimed_where_the_optimum_is_not_unique(specimen):
+    problem = specimen.problem
+    found = spectrum(exact_moments(problem))
+    try:
+        trajectory = simulate(found, problem.damping)
+    except DegenerateProblemError:
+        assert not found.classification.inertia_definite
+        return
+    certificate = proved_end(problem, found, trajectory)
+    unique = found.classification.unique
+
+    assert trajectory.converged
+    assert (trajectory.status is SimulationStatus.CONVERGED) == unique
+    assert (certificate.claims.basin is True) == unique
+
+
+def test_too_few_steps_are_reported_and_claim_no_convergence():
+    problem = random_problem(np.random.default_rng(5))
+    found = spectrum(exact_moments(problem))
+
+    trajectory = simulate(found, problem.damping, settings=SimulationSettings(max_steps=10))
+
+    assert trajectory.status is SimulationStatus.OUT_OF_STEPS
+    assert not trajectory.converged
+
+
+# What is refused --------------------------------------------------------------------------------
+
+
+def level_of(registration):
+    certificate, moments = registration.certificate, registration.solution.moments
+    v = alignment(moments, certificate.quaternion)
+    return v + certificate.delta.value - certificate.mu.value
+
+
+def refused_states(registration):
+    """States outside the basin by what is known of them; the last two are no states at all."""
+    found = registration.solution.spectrum
+    best = [int(entry) for entry in found.quaternions[0]]
+    spurious = [list(found.quaternions[k]) for k in (1, 2, 3)]
+    states = {f"equilibrium {k}": (q, [0, 0, 0, 0]) for k, q in enumerate(spurious, 1)}
+    states["too fast"] = (best, [1, 1, 1, 10])
+    states["zero"] = ([0, 0, 0, 0], [0, 0, 0, 0])
+    return states
+
+
+@each_story
+@pytest.mark.parametrize(
+    "what", ["equilibrium 1", "equilibrium 2", "equilibrium 3", "too fast", "zero"]
+)
+def test_a_state_outside_the_basin_is_refused(name, what):
+    registration = told(name)
+    quaternion, velocity = refused_states(registration)[what]
+    document = json.loads(registration.certificate.to_json())
+    assert verify(json.dumps(document).encode()).proved
+
+    document["basin"] = {"quaternion": quaternion, "angular_velocity": velocity}
+    verdict = verify(json.dumps(document).encode())
+
+    assert verdict.words == "claims.basin is not proved of the state in basin"
+    if any(quaternion):
+        *omega, exponent = velocity
+        state = RotationState(
+            quaternion=tuple(quaternion), angular_velocity=tuple(omega), exponent=exponent
+        )
+        assert not proves_basin(registration.solution.spectrum, state, level_of(registration))
+
+
+def test_the_basin_ends_at_the_barrier_whether_turned_or_spun():
+    """d = 18, 8, 2: l1 - l2 = 20; turned by a about z the deficit is 40 sin^2(a/2)... at rest."""
+    problem = RegistrationProblem(AXES, AXES)
+    found = spectrum(exact_moments(problem))
+    values = [float(value * found.unit) for value in found.basis.values]
+    assert values == pytest.approx([28, 8, -12, -24])
+    level = alignment(found.moments, (1, 0, 0, 0)) - 10  # the certificate's mu is half the gap
+    inertia_x = 2 * (2**2 + 1**2)  # J_xx = sum of y^2 + z^2: spin energy / 2 = J w^2 / 4
+
+    def inside(k, w):
+        state = RotationState(quaternion=(1000, k, 0, 0), angular_velocity=(w, 0, 0), exponent=-20)
+        return proves_basin(found, state, level)
+
+    tangent = math.sqrt(10 / (20 - 10))  # (l1 - l2) sin^2 = 10
+    assert inside(int(1000 * tangent) - 1, 0)
+    assert not inside(int(1000 * tangent) + 1, 0)
+    spin = 2**20 * math.sqrt(4 * 10 / inertia_x)
+    assert inside(0, int(spin) - 1)
+    assert not inside(0, int(spin) + 2)
+
+
+def test_a_basin_is_refused_where_the_inertia_is_singular():
+    line = next(s for s in ZOO if s.name == "collinear source").problem
+    certificate = certify(line, relaxation=False).certificate
+    assert certificate is not None
+    document = json.loads(certificate.to_json())
+    document["basin"] = {"quaternion": document["pose"], "angular_velocity": [0, 0, 0, 0]}
+    assert verify(json.dumps(document).encode()).proved  # no claim yet
+
+    document["claims"]["basin"] = True
+
+    assert "claims.basin" in verify(json.dumps(document).encode()).words
+
+
+def test_forged_bounds_of_the_relaxation_are_refused():
+    registration = told("survey")
+    honest = json.loads(registration.certificate.to_json())
+    v = alignment(registration.solution.moments, registration.certificate.quaternion)
+    below = dyadic_below(v, 64)
+
+    def verdict(change):
+        document = copy.deepcopy(honest)
+        change(document)
+        return verify(json.dumps(document).encode()).words
+
+    def low_multiplier(document):
+        document["sdp"]["nu"] = [below.mantissa, below.exponent]
+
+    def low_gap(document):
+        document["claims"]["sdp_gap"][0] -= 1
+
+    assert verify(json.dumps(honest).encode()).proved
+    assert verdict(low_multiplier) == "sdp.nu bounds nothing"
+    assert "claims.sdp_gap is below" in verdict(low_gap)
+    assert "claims.sdp_gap is below" in verdict(lambda document: document.update(sdp=None))
+
+
+def test_planted_contradictions_are_raised():
+    registration = told("survey")
+    solution, certificate = registration.solution, registration.certificate
+    found, trajectory = solution.spectrum, solution.trajectory
+    require_sound_trajectory(found, certificate, trajectory)
+    minimum = trajectory.potential.min()
+
+    lower = trajectory.potential.copy()
+    lower[len(lower) // 2] = minimum * (1 - 1e-6) - 1e-9
+    with pytest.raises(ContradictionError, match="below the certified minimum"):
+        require_sound_trajectory(
+            found, certificate, dataclasses.replace(trajectory, potential=lower)
+        )
+    silent = dataclasses.replace(
+        certificate, claims=dataclasses.replace(certificate.claims, basin=None)
+    )
+    with pytest.raises(ContradictionError, match="basin could not be proved"):
+        require_sound_trajectory(found, silent, trajectory)
+
+
+# Physics ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_energy_falls_but_for_what_an_explicit_step_adds(seed):
+    """A step from rest adds h^2/2 (M |a|^2 + alpha^T J alpha): with |a|^2 M <= 4 V_p, all < h^2."""
+    problem = random_problem(np.random.default_rng(seed), n=30, noise=0.1, offset=3.0)
+    found = spectrum(exact_moments(problem))
+    trajectory = simulate(found, problem.damping)
+    total = trajectory.potential + trajectory.kinetic
+    rises = np.diff(total) / (total[0] - total[-1])
+
+    assert total[-1] < total[0]
+    assert rises[0] > 0.0  # from rest the explicit scheme must rise (the flow does not)
+    assert rises.max() < 2.0 * trajectory.step**2
+    assert (rises[5:-1] <= 1e-12).mean() > 0.9
+
+
+def test_no_logged_potential_is_below_the_certified_minimum():
+    for name in STORY_NAMES:
+        registration = told(name)
+        trajectory = registration.solution.trajectory
+        unit = float(registration.solution.energy_unit)
+        lowest = trajectory.potential.min() * unit
+
+        assert lowest >= registration.objective * (1 - 1e-9)
+        assert lowest <= registration.objective * 1.01
+
+
+def pointwise_derivative(problem, damping, state):
+    """Newton and Euler from the force on each point, lengths in the user's unit."""
+    w, x, y = problem.weights, problem.source, problem.target
+    mass = w.sum()
+    arm, y_mean = x - w @ x / mass, w @ y / mass
+    c, R, v, omega = state[:3], state[3:12].reshape(3, 3), state[12:15], state[15:]
+    place = y_mean + c + arm @ R.T
+    speed = v + np.cross(omega, arm) @ R.T
+    force = w[:, None] * (2.0 * (y - place) - damping * speed)
+    torque = np.cross(arm, force @ R).sum(axis=0)
+    spin = (w[:, None] * np.cross(arm, np.cross(omega, arm))).sum(axis=0)
+    J = sum(m * ((a @ a) * np.eye(3) - np.outer(a, a)) for m, a in zip(w, arm, strict=True))
+    alpha = np.linalg.solve(J, torque - np.cross(omega, spin))
+    cross = np.array([np.cross(omega, row) for row in np.eye(3)])  # rows e_k: [omega]^T
+    return np.concatenate([v, (R @ cross.T).ravel(), force.sum(axis=0) / mass, alpha])
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_the_derivative_is_the_sum_of_the_forces_on_the_points(seed):
+    rng = np.random.default_rng(seed)
+    problem = random_problem(rng, n=9, noise=0.3, scale=float(10 ** rng.uniform(-3, 3)), decades=2)
+    moving = body(exact_moments(problem), 1.7)
+    R = random_rotation(rng)
+    state = np.concatenate([rng.normal(size=3), R.ravel(), rng.normal(size=6)])
+    unit = 2.0**moving.length_exponent
+    lengths = np.array([unit] * 3 + [1.0] * 9 + [unit] * 3 + [1.0] * 3)
+
+    expected = pointwise_derivative(problem, 1.7, state * lengths) / lengths
+    found = np.array(moving.derivative(tuple(state.tolist())))
+
+    assert np.abs(found - expected).max() < 1e-12 * max(1.0, np.abs(expected).max())
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_potential_is_the_sum_over_the_springs(seed):
+    rng = np.random.default_rng(seed)
+    problem = random_problem(rng, n=9, noise=0.3, scale=7.0)
+    moving = body(exact_moments(problem), 1.0)
+    R, c = random_rotation(rng), rng.normal(size=3)
+    unit, w = 2.0**moving.length_exponent, problem.weights
+    arm = problem.source - w @ problem.source / w.sum()
+    rest = problem.target - w @ problem.target / w.sum() - arm @ R.T - c * unit
+
+    expected = w @ (rest**2).sum(axis=1) / w.sum() / unit**2
+    assert moving.potential((*c, *R.ravel().tolist(), *[0.0] * 6)) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("step", [1e-4, 0.01, 1.0, 30.0])
+def test_the_projection_of_a_step_is_the_polar_factor(step):
+    rng = np.random.default_rng(7)
+    for _ in range(50):
+        R, omega = random_rotation(rng), rng.normal(size=3)
+        x, y, z = omega
+        moved = R @ (np.eye(3) + step * np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]))
+        left, _, right = np.linalg.svd(moved)
+        state = (*[0.0] * 3, *R.ravel().tolist(), *[0.0] * 3, *omega.tolist())
+
+        stepped = np.array(euler_step(state, (0.0,) * 18, step)[3:12]).reshape(3, 3)
+
+        assert np.abs(stepped - left @ right).max() < 1e-14
+
+
+def test_a_trajectory_starts_where_the_source_was_given():
+    problem = random_problem(np.random.default_rng(9), offset=10.0)
+    trajectory = simulate(spectrum(exact_moments(problem)), problem.damping)
+    offset = problem.source.mean(axis=0) - problem.target.mean(axis=0)
+    first = trajectory.states[0]
+
+    assert trajectory.times[0] == 0.0
+    assert trajectory.times[-1] == pytest.approx(trajectory.steps * trajectory.step)
+    assert np.allclose(first[:3] * 2.0**trajectory.length_exponent, offset)
+    assert tuple(first[3:12]) == IDENTITY
+    assert not first[12:].any()
+    assert np.allclose(
+        trajectory.states[-1][3:12],
+        rotation_double(spectrum(exact_moments(problem)).quaternions[0]).ravel(),
+        atol=1e-3,
+    )

@@ -1,0 +1,75 @@
+"""The published vectors are what they say, and are made anew byte for byte."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import subprocess
+import sys
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+checker = import_module("certreg.verify")
+ROOT = Path(__file__).parent.parent
+VECTORS = ROOT / "vectors"
+MANIFEST = json.loads((VECTORS / "manifest.json").read_bytes())["vectors"]
+REASONS = {  # what the checker's words are about, by class
+    "form": r"exactly the keys|list of integers|not JSON|appears twice",
+    "data": r"digest|not canonical|not finite|negative",
+    "optimality": r"pose",
+    "claim": r"claims\.(gap|sin2_half_angle|pattern|unstable|unique) is",
+    "basin": r"claims\.basin",
+    "sdp": r"sdp",
+}
+each_vector = pytest.mark.parametrize("vector", MANIFEST, ids=lambda vector: vector["file"])
+
+
+@each_vector
+def test_a_vector_is_accepted_or_refused_for_the_reason_it_was_made_for(vector):
+    content = (VECTORS / vector["file"]).read_bytes()
+    outcome = checker.check(content)
+
+    assert hashlib.sha256(content).hexdigest() == vector["sha256"]
+    assert ("VERIFIED" if outcome.verified else "REFUSED") == vector["verdict"]
+    assert vector["file"].startswith("accept" if outcome.verified else "refuse")
+    if not outcome.verified:
+        found = {name for name, words in REASONS.items() if re.search(words, outcome.reason)}
+        assert vector["reason"] in found
+
+
+def test_accepted_vectors_prove_all_eight_patterns_a_basin_and_a_dual_bound():
+    claims = [
+        json.loads((VECTORS / vector["file"]).read_bytes())["claims"]
+        for vector in MANIFEST
+        if vector["verdict"] == "VERIFIED"
+    ]
+
+    assert len({tuple(claim["pattern"]) for claim in claims}) == 8
+    assert any(claim["basin"] for claim in claims)
+    assert any(claim["sdp_gap"] for claim in claims)
+
+
+def test_the_folder_holds_what_the_manifest_lists_and_is_small():
+    held = {file.name for file in VECTORS.glob("*.json")} - {"manifest.json"}
+
+    assert held == {vector["file"] for vector in MANIFEST}
+    assert {vector["reason"] for vector in MANIFEST} == {None, *REASONS}
+    assert sum(file.stat().st_size for file in VECTORS.glob("*.json")) < 300_000
+
+
+def test_the_vectors_are_made_anew_byte_for_byte(tmp_path: Path):
+    run = subprocess.run(
+        [sys.executable, "-W", "error", VECTORS / "make.py", tmp_path],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=ROOT,
+        env={"PYTHONPATH": str(ROOT)},
+    )
+
+    assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
+    made = {file.name: file.read_bytes() for file in tmp_path.iterdir()}
+    assert made == {file.name: file.read_bytes() for file in VECTORS.glob("*.json")}

@@ -1,0 +1,233 @@
+"""Makes the test vectors for checkers of `certreg-certificate/1`: integers only, the same anywhere.
+
+    python vectors/make.py [FOLDER]
+
+Each file is a certificate that a checker must accept or refuse; `manifest.json` says which, and
+why. Nothing here depends on floating-point libraries: eigenvectors come from integer iteration.
+"""
+
+from __future__ import annotations
+
+import base64
+import copy
+import hashlib
+import json
+import struct
+import sys
+from fractions import Fraction
+from itertools import accumulate, chain
+from pathlib import Path
+from typing import Any
+
+from certreg.verify import PREFIX, davenport, moments, multiplicities, positive_definite
+from certreg.verify import proves_level as proves
+
+Points = list[list[float]]
+Certificate = dict[str, Any]
+BITS = 64  # of the quaternions
+
+GENERIC: Points = [[0, 0, 0], [3, 1, 0], [1, 4, 1], [2, 2, 5], [-3, 1, 2], [0.5, -2, 0.25]]
+MOVED: Points = [[7, 1, 2], [6, 4, 2], [3, 2, 3.5], [5, 3, 7], [6, -2, 4], [9, 1.5, 2]]
+AXES: Points = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]]
+SQUARE: Points = [[1, 1, 0], [1, -1, 0], [-1, -1, 0], [-1, 1, 0]]
+LINE: Points = [[0, 0, 0], [1, 2, 3], [2, 4, 6], [5, 10, 15]]
+BENT: Points = [[0, 0, 0], [1, 2, 3], [2, 4, 7], [5, 9, 15]]
+
+
+def stretched(x: float, y: float, z: float) -> Points:
+    """The octahedron scaled along its axes."""
+    return [[a * x, b * y, c * z] for a, b, c in AXES]
+
+
+ACCEPTED: dict[str, tuple[Points, Points]] = {
+    "pattern-1111": (GENERIC, MOVED),
+    "pattern-1111-mirrored": (stretched(3, 2, 1), stretched(3, 2, -1)),
+    "pattern-121": (SQUARE, SQUARE),
+    "pattern-112": (stretched(2, 1, 1), stretched(2, 1, 1)),
+    "pattern-13": (AXES, AXES),
+    "pattern-211": (stretched(2, 1, 1), stretched(2, 1, -1)),
+    "pattern-31": (AXES, stretched(1, 1, -1)),
+    "pattern-22-collinear": (LINE, BENT),
+    "pattern-4": (BENT, [[1, 2, 3]] * 4),
+}
+
+
+def data_bytes(source: Points, target: Points, weights: list[float]) -> bytes:
+    """The bytes that the digest binds."""
+    numbers = [*chain(*source), *chain(*target), *weights]
+    return PREFIX + struct.pack(f"<Q{len(numbers)}d", len(weights), *map(float, numbers))
+
+
+def stated(content: bytes, n: int) -> dict[str, Any]:
+    """The `problem` of a certificate."""
+    text = base64.b64encode(content).decode()
+    return {"data": text, "digest": hashlib.sha256(content).hexdigest(), "n": n}
+
+
+def dyadic_above(value: Fraction, bits: int = 32) -> list[int]:
+    """The least [m, e] of about so many bits that is at least the value > 0."""
+    exponent = value.numerator.bit_length() - value.denominator.bit_length() - bits
+    return [-((-value) // Fraction(2) ** exponent), exponent]
+
+
+def top_vector(K: list[list[int]]) -> list[int]:
+    """An integer vector near the eigenvector of the largest eigenvalue: power iteration."""
+    shift = max(sum(map(abs, row)) for row in K)
+    q = [1 << BITS, 3 << BITS - 3, 5 << BITS - 4, 7 << BITS - 5]
+    for _ in range(4000):
+        image = [sum(a * b for a, b in zip(row, q, strict=True)) for row in K]
+        q = [a + shift * b for a, b in zip(image, q, strict=True)]
+        cut = max(map(abs, q)).bit_length() - BITS
+        q = [c >> cut if cut > 0 else c << -cut for c in q]
+    return [0 if abs(c) < 16 else c for c in q]  # what truncation left of a zero
+
+
+def produced(source: Points, target: Points, weights: list[float] | None = None) -> Certificate:
+    """A certificate that claims what it can about pose, uniqueness, equilibria, basin and dual."""
+    n, weights = len(source), weights or [1.0] * len(source)
+    content = data_bytes(source, target, weights)
+    m, e = moments(content[len(PREFIX) + 8 :], n)
+    xyz, mass = (1, 2, 3), m[0][0]
+    C = [[mass * m[k][j] - m[0][k] * m[0][j] for k in xyz] for j in (4, 5, 6)]
+    S = [[mass * m[min(j, k)][max(j, k)] - m[0][k] * m[0][j] for k in xyz] for j in xyz]
+    trace = sum(S[i][i] for i in range(3))
+    J = [[trace * (i == j) - S[i][j] for j in range(3)] for i in range(3)]
+    K, unit = davenport(C), Fraction(2) ** e / mass
+    q, pattern = top_vector(K) if any(chain(*K)) else [1, 0, 0, 0], multiplicities(C)
+    norm = sum(c * c for c in q)
+    v = sum(q[i] * K[i][j] * q[j] for i in range(4) for j in range(4)) * unit / norm
+    mu, delta = bounds(K, unit, q, v, unique=pattern[0] == 1)
+    solid = positive_definite(J)
+    nu = dyadic_above(v + delta, 64)
+    inside = bool(mu) and solid
+    return {
+        "about": {"made by": "vectors/make.py"},
+        "basin": {"angular_velocity": [1, -1, 2, -12], "quaternion": q} if inside else None,
+        "claims": {
+            "basin": True if inside else None,
+            "gap": dyadic_above(2 * delta),
+            "pattern": pattern,
+            "sdp_gap": dyadic_above(2 * (nu[0] * Fraction(2) ** nu[1] - v)),
+            "sin2_half_angle": dyadic_above(delta / mu) if mu else None,
+            "unique": pattern[0] == 1,
+            "unstable": [0, *accumulate(pattern[:-1])] if solid else None,
+        },
+        "format": "certreg-certificate/1",
+        "kind": "isotropic",
+        "optimality": {"delta": dyadic_above(delta), "mu": dyadic_above(mu) if mu else [0, 0]},
+        "pose": q,
+        "problem": stated(content, n),
+        "sdp": {"nu": nu},
+    }
+
+
+def bounds(
+    K: list[list[int]], unit: Fraction, q: list[int], v: Fraction, *, unique: bool
+) -> tuple[Fraction, Fraction]:
+    """Powers of two mu and delta that prove the pose: mu near half of the spectral gap."""
+    delta = Fraction(1, 2**80)
+    while True:
+        for k in range(12) if unique else ():
+            mu = Fraction(2) ** (6 - k)
+            if proves(K, unit, q, v + delta - mu, mu):
+                return mu, delta
+        if not unique and proves(K, unit, q, v + delta, Fraction(0)):
+            return Fraction(0), delta
+        delta *= 2
+
+
+def refused(good: Certificate) -> dict[str, tuple[Certificate, str]]:
+    """Forgeries of one certificate, each with the class of reason for which it is refused."""
+    q, content = good["pose"], base64.b64decode(good["problem"]["data"])
+    n, other = good["problem"]["n"], [-q[1], q[0], -q[3], q[2]]  # orthogonal to q: 180 degrees off
+
+    def with_data(at: int, value: float) -> dict[str, Any]:
+        raw = bytearray(content)
+        start = len(PREFIX) + 8 + 8 * at
+        raw[start : start + 8] = struct.pack("<d", value)
+        return {"problem": stated(bytes(raw), n)}
+
+    def claim(**parts: Any) -> dict[str, Any]:
+        return {"claims": good["claims"] | parts}
+
+    def lower(pair: list[int]) -> list[int]:
+        return [pair[0] - 1, pair[1]]
+
+    nu = good["sdp"]["nu"]
+    changes: dict[str, tuple[str, dict[str, Any]]] = {
+        "gap-one-unit-too-small": ("claim", claim(gap=lower(good["claims"]["gap"]))),
+        "angle-one-unit-too-small": (
+            "claim",
+            claim(sin2_half_angle=lower(good["claims"]["sin2_half_angle"])),
+        ),
+        "pattern-not-the-true-one": ("claim", claim(pattern=[1, 2, 1])),
+        "unstable-not-the-true-ones": ("claim", claim(unstable=[0, 1, 2, 2])),
+        "pose-half-a-turn-off": ("optimality", {"pose": other}),
+        "pose-zero": ("optimality", {"pose": [0, 0, 0, 0]}),
+        "mu-too-large": ("optimality", {"optimality": good["optimality"] | {"mu": [1, 20]}}),
+        "data-of-another-digest": (
+            "data",
+            {"problem": good["problem"] | {"digest": "0" * 64}},
+        ),
+        "data-minus-zero": ("data", with_data(0, -0.0)),
+        "data-not-finite": ("data", with_data(1, float("nan"))),
+        "weight-negative": ("data", with_data(6 * n, -1.0)),
+        "basin-at-a-spurious-pose": ("basin", {"basin": good["basin"] | {"quaternion": other}}),
+        "basin-too-fast": ("basin", {"basin": good["basin"] | {"angular_velocity": [1, 1, 1, 9]}}),
+        "sdp-multiplier-too-low": ("sdp", {"sdp": {"nu": [nu[0] * 9 // 10, nu[1]]}}),
+        "sdp-gap-one-unit-too-small": ("sdp", claim(sdp_gap=lower(good["claims"]["sdp_gap"]))),
+        "unknown-key": ("form", {"more": 1}),
+        "number-with-a-fraction": ("form", claim(gap=[1.0, 0])),
+    }
+    return {
+        name: (copy.deepcopy(good) | parts, reason) for name, (reason, parts) in changes.items()
+    }
+
+
+def vectors() -> dict[str, tuple[bytes, str]]:
+    """Content and class by file name; the class of an accepted one is empty."""
+    found = {
+        f"accept-{name}.json": (dumped(produced(*pair)), "") for name, pair in ACCEPTED.items()
+    }
+    good = produced(*ACCEPTED["pattern-1111"])
+    for name, (certificate, reason) in refused(good).items():
+        found[f"refuse-{name}.json"] = dumped(certificate), reason
+    circle = produced(*ACCEPTED["pattern-211"])
+    circle["claims"]["unique"] = True
+    found["refuse-unique-where-it-is-not.json"] = dumped(circle), "claim"
+    twice = dumped(good).replace(
+        b'"kind": "isotropic"', b'"kind": "isotropic", "kind": "isotropic"'
+    )
+    found["refuse-key-twice.json"] = twice, "form"
+    return found
+
+
+def dumped(certificate: Certificate) -> bytes:
+    """The file's content."""
+    return json.dumps(certificate, sort_keys=True).encode() + b"\n"
+
+
+def manifest(found: dict[str, tuple[bytes, str]]) -> bytes:
+    """What a checker must say of each file."""
+    entries = [
+        {
+            "file": name,
+            "reason": reason or None,
+            "sha256": hashlib.sha256(content).hexdigest(),
+            "verdict": "REFUSED" if reason else "VERIFIED",
+        }
+        for name, (content, reason) in sorted(found.items())
+    ]
+    return (json.dumps({"schema": "certreg-vectors/1", "vectors": entries}, indent=1)).encode()
+
+
+def write(folder: Path) -> None:
+    """All files, into a folder."""
+    found = vectors()
+    for name, (content, _) in found.items():
+        (folder / name).write_bytes(content)
+    (folder / "manifest.json").write_bytes(manifest(found) + b"\n")
+
+
+if __name__ == "__main__":
+    write(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent)
