@@ -288,7 +288,7 @@ def verify(
 
         given, pair = read_problem(clouds[0], clouds[1], sigma=sigma, weights=weights)
         notes = pair.notes
-        if not given.noise_given:  # as with text clouds: the weights are the certificate's own
+        if sigma is None and weights is None:  # as with text clouds: weights nobody told
             points = (array("d", side.tobytes()) for side in (given.source, given.target))
             given = Clouds(*points)
     for note in notes:
@@ -353,12 +353,12 @@ def info() -> int:
     import platform
     from importlib.metadata import version
 
-    click.echo(f"certreg  {__version__}")
-    click.echo(f"Python   {platform.python_version()} ({platform.python_implementation()})")
-    click.echo(f"system   {platform.system()} {platform.machine()}")
-    for package in ("numpy", "click"):
-        click.echo(f"{package:8} {version(package)}")
-    click.echo("solvers  none in this version; exact arithmetic is Python's own")
+    click.echo(f"certreg    {__version__}")
+    click.echo(f"Python     {platform.python_version()} ({platform.python_implementation()})")
+    click.echo(f"system     {platform.system()} {platform.machine()}")
+    for package in ("numpy", "scipy", "click", "cvxpy-base", "clarabel"):
+        click.echo(f"{package:10} {version(package)}")
+    click.echo("checker    exact integers of Python itself")
     return DONE
 
 

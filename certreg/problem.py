@@ -46,7 +46,7 @@ class RegistrationProblem:
     target: NDArray[np.float64]
     weights: NDArray[np.float64]
     damping: float
-    noise_given: bool  # whether the weights are absolute (1/sigma^2) or only relative
+    noise_given: bool  # whether sigma was given: weights alone may be relative
 
     def __init__(
         self,
@@ -78,7 +78,7 @@ class RegistrationProblem:
             value.flags.writeable = False
             object.__setattr__(self, name, value)
         object.__setattr__(self, "damping", _positive(damping))
-        object.__setattr__(self, "noise_given", sigma is not None or weights is not None)
+        object.__setattr__(self, "noise_given", sigma is not None)
 
     @property
     def n(self) -> int:
