@@ -21,7 +21,9 @@ from certreg.errors import CertregError, ContradictionError, RefusedCertificateE
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
 
+    from certreg.io.clouds import Pairing
     from certreg.problem import RegistrationProblem
+    from certreg.verify import Clouds
 
 DONE, REFUSED, MISUSED, NOT_UNIQUE, NOT_CERTIFIED = 0, 1, 2, 3, 4
 EXIT_CODES = """
@@ -83,8 +85,33 @@ def _printable(words: object) -> str:
 CLOUD = click.Path(dir_okay=False, path_type=Path)
 
 
+def _pairing_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """[--pairs FILE | --match all|common], made one argument; None where rows pair by default."""
+
+    @click.option("--pairs", type=CLOUD, help="File of pairs: a row of SOURCE, a row of TARGET.")
+    @click.option(
+        "--match",
+        type=click.Choice(["all", "common"]),
+        default="all",
+        show_default=True,
+        help="Labels in one cloud only: refuse them, or leave them out.",
+    )
+    @functools.wraps(command)
+    def wrapped(*args: Any, pairs: Path | None, match: str, **options: Any) -> Any:
+        if pairs is None and match == "all":
+            return command(*args, pairing=None, **options)
+        if pairs is not None and match == "common":
+            message = "--pairs and --match common exclude each other: give one"
+            raise click.UsageError(message)
+        from certreg.io.clouds import Match, Pairing
+
+        return command(*args, pairing=Pairing(pairs=pairs, match=Match(match)), **options)
+
+    return wrapped
+
+
 def _cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """SOURCE TARGET [--sigma S | --weights FILE] [--damping MU], read into a problem."""
+    """SOURCE TARGET, how their rows pair, their noise and the damping, read into a problem."""
 
     @click.argument("source", type=CLOUD)
     @click.argument("target", type=CLOUD)
@@ -92,6 +119,7 @@ def _cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
         "--sigma", type=float, help="Standard deviation of the noise, in the clouds' unit."
     )
     @click.option("--weights", type=CLOUD, help="File of weights, one per row of SOURCE.")
+    @_pairing_options
     @click.option("--damping", type=float, help="Viscous damping per mass; default sqrt(8).")
     @functools.wraps(command)
     def wrapped(
@@ -101,9 +129,10 @@ def _cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
         sigma: float | None,
         weights: Path | None,
         damping: float | None,
+        pairing: Pairing | None,
         **options: Any,
     ) -> Any:
-        from certreg.io.clouds import read_problem
+        from certreg.io.clouds import BY_LABEL, read_problem
         from certreg.settings import DEFAULT_DAMPING
 
         if sigma is not None and weights is not None:
@@ -115,6 +144,7 @@ def _cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
             sigma=sigma,
             weights=weights,
             damping=DEFAULT_DAMPING if damping is None else damping,
+            pairing=pairing or BY_LABEL,
         )
         for note in pair.notes:
             click.echo(f"note: {note}", err=True)
@@ -263,34 +293,28 @@ def simulate(
 @click.argument("clouds", type=CLOUD, nargs=-1, metavar="[SOURCE TARGET]")
 @click.option("--sigma", type=float, help="With SOURCE TARGET: the noise that was certified.")
 @click.option("--weights", type=CLOUD, help="With SOURCE TARGET: the weights that were certified.")
+@_pairing_options
 def verify(
-    certificate: Path, clouds: tuple[Path, ...], sigma: float | None, weights: Path | None
+    certificate: Path,
+    clouds: tuple[Path, ...],
+    *,
+    sigma: float | None,
+    weights: Path | None,
+    pairing: Pairing | None,
 ) -> int:
     """Re-check a certificate in exact arithmetic: VERIFIED, or REFUSED with the reason.
 
-    With SOURCE and TARGET it must also be about exactly those points.
+    With SOURCE and TARGET it must also be about exactly those points, paired as they were.
     """
     from certreg.certificate.checking import verify as check
-    from certreg.io.text import TEXT_FORMATS, read_clouds
 
-    if len(clouds) not in {0, 2} or (not clouds and (sigma is not None or weights is not None)):
-        message = "give SOURCE and TARGET, or neither; --sigma and --weights go with them"
+    told = sigma is not None or weights is not None or pairing is not None
+    if len(clouds) not in {0, 2} or (told and not clouds):
+        message = "give SOURCE and TARGET, or neither; the options go with them"
         raise click.UsageError(message)
     given, notes = None, list[str]()
-    files = clouds if weights is None else (*clouds, weights)
-    if clouds and all(file.suffix.lower() in TEXT_FORMATS for file in files):
-        given, notes = read_clouds(clouds[0], clouds[1], sigma=sigma, weights=weights)
-    elif clouds:
-        from array import array
-
-        from certreg.io.clouds import read_problem
-        from certreg.verify import Clouds
-
-        given, pair = read_problem(clouds[0], clouds[1], sigma=sigma, weights=weights)
-        notes = pair.notes
-        if sigma is None and weights is None:  # as with text clouds: weights nobody told
-            points = (array("d", side.tobytes()) for side in (given.source, given.target))
-            given = Clouds(*points)
+    if clouds:
+        given, notes = _clouds_to_bind(*clouds, sigma=sigma, weights=weights, pairing=pairing)
     for note in notes:
         click.echo(f"note: {note}", err=True)
     verdict = check(certificate, given)
@@ -300,10 +324,39 @@ def verify(
     return DONE if verdict.proved else REFUSED
 
 
+def _clouds_to_bind(
+    source: Path,
+    target: Path,
+    *,
+    sigma: float | None,
+    weights: Path | None,
+    pairing: Pairing | None,
+) -> tuple[RegistrationProblem | Clouds, list[str]]:
+    """What a certificate must be about, and notes; NumPy is loaded only where it is needed."""
+    from certreg.io.text import TEXT_FORMATS, read_clouds
+    from certreg.verify import Clouds
+
+    files = (source, target) if weights is None else (source, target, weights)
+    if pairing is None and all(file.suffix.lower() in TEXT_FORMATS for file in files):
+        return read_clouds(source, target, sigma=sigma, weights=weights)
+    from array import array
+
+    from certreg.io.clouds import BY_LABEL, read_problem
+
+    problem, pair = read_problem(
+        source, target, sigma=sigma, weights=weights, pairing=pairing or BY_LABEL
+    )
+    if sigma is not None or weights is not None:
+        return problem, pair.notes
+    # as with text clouds: the weights are the certificate's own
+    points = (array("d", side.tobytes()) for side in (problem.source, problem.target))
+    return Clouds(*points), pair.notes
+
+
 @cli.command()
 @click.argument("result", type=click.Path(path_type=Path))
 @click.argument("cloud", type=CLOUD)
-@click.option("--out", required=True, type=CLOUD, help="File to write: .csv, .txt or .npy.")
+@click.option("--out", required=True, type=CLOUD, help="File to write: .csv, .txt, .ply or .npy.")
 def apply(result: Path, cloud: Path, *, out: Path) -> int:
     """Move CLOUD by the pose in RESULT: a result file or folder, or any pose file."""
     from certreg.io.clouds import read_cloud, write_cloud

@@ -62,6 +62,10 @@ class FileSettings:
     max_text_bytes: int = 1 << 30  # ten million points
     max_line_bytes: int = 1 << 16  # a row of a cloud with many extra columns
     max_pose_bytes: int = 1 << 20  # a result without its points is a few kilobytes
+    max_header_bytes: int = 1 << 16  # of .ply and .pcd, directory of .npz: a hundred lines suffice
+    max_binary_bytes: int = 1 << 32  # a hundred million points in doubles, with some colour
+    max_unpacked_bytes: int = 1 << 30  # forty million points: a megabyte can unpack to a gigabyte
+    max_arrays: int = 64  # in one .npz: points and what goes with them
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -25,7 +25,8 @@ certificate.types certificate.bounds
 certificate.multiplier certificate.producing certificate.checking
 agreement
 pipeline assessment
-io.text io.npy io.clouds io.poses demo
+io.streams io.labels io.xyz io.text io.lzf
+io.npy io.npz io.ply_rows io.ply io.pcd io.pairs io.clouds io.poses demo
 report.document report.folder report.summary
 cli __main__
 """

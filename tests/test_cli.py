@@ -1018,7 +1018,7 @@ def test_apply_asks_for_a_place_it_can_write(data: Path, survey: Path, tmp_path:
         assert all(word in run.err for word in words)
         assert not out.exists()
 
-    refused(tmp_path / "moved.ply", "moved.ply", ".csv .txt .npy")
+    refused(tmp_path / "moved.stl", "moved.stl", ".csv .txt .ply .npy")
     refused(tmp_path / "no" / "such" / "moved.csv", "moved.csv", "cannot be written")
     refused(tmp_path / "a.csv", "result.json", result=tmp_path)
     refused(tmp_path / "a.csv", "nowhere.csv", cloud=tmp_path / "nowhere.csv")

@@ -145,17 +145,17 @@ def test_a_txt_file_in_error_names_the_line_and_the_remedy(tmp_path, text, words
 def test_unreadable_clouds_are_input_errors(tmp_path, monkeypatch):
     (tmp_path / "folder.csv").mkdir()
     for name, words in (
-        ("cloud.ply", "give a .csv or .txt file"),
+        ("cloud.ply", "give a .csv, .txt or .xyz file"),
         ("missing.csv", "No such file"),
         ("folder.csv", "directory"),
-        ("nul\0.csv", "line 1"),
+        ("nul\0.csv", "zero byte"),
     ):
         with pytest.raises(InvalidFileError, match=words):
             read_points(tmp_path / name)
     with pytest.raises(InvalidFileError, match="line 1: the line or the file is too long"):
         read(tmp_path, "1" * (FileSettings().max_line_bytes + 1))
     small = FileSettings(max_text_bytes=4)
-    monkeypatch.setattr("certreg.io.text.FileSettings", lambda: small)
+    monkeypatch.setattr("certreg.io.streams.FileSettings", lambda: small)
     with pytest.raises(InvalidFileError, match="line 1: the line or the file is too long"):
         read(tmp_path, "1,2,3\n")
 

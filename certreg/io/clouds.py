@@ -3,34 +3,35 @@
 from __future__ import annotations
 
 import csv
-from array import array
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
 
 from certreg.errors import InvalidFileError
 from certreg.files import write_atomically
-from certreg.io.npy import read_array, write_array
-from certreg.io.text import (
-    TEXT_FORMATS,
-    Points,
-    ignored_note,
-    pair_by_label,
-    read_numbers,
-    read_points,
-)
+from certreg.io.labels import Match, rows_by_label
+from certreg.io.npy import parse_array, read_array, write_array
+from certreg.io.npz import parse_npz
+from certreg.io.pairs import read_pairs
+from certreg.io.pcd import parse_pcd
+from certreg.io.ply import parse_ply, write_ply
+from certreg.io.streams import reading
+from certreg.io.text import TEXT_FORMATS, ignored_note, parse_points, read_numbers
 from certreg.problem import RegistrationProblem
 from certreg.settings import DEFAULT_DAMPING
 from certreg.verify import shown
 
 if TYPE_CHECKING:
     import os
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
-BINARY_FORMATS = (".npy",)
+PARSERS = {".ply": parse_ply, ".pcd": parse_pcd, ".npz": parse_npz}
+FORMATS = (*TEXT_FORMATS, ".ply", ".pcd", ".npy", ".npz")
+WRITTEN_FORMATS = (".csv", ".txt", ".ply", ".npy")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -43,51 +44,95 @@ class Cloud:
     ignored: tuple[str, ...]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pairing:
+    """How rows are to be paired: as a file says, or by label (all, or those in common)."""
+
+    pairs: Path | None = None
+    match: Match = Match.ALL
+
+
+BY_LABEL = Pairing()
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Pair:
-    """Two clouds in correspondence, row i with row i, after pairing by label."""
+    """Two clouds in correspondence, row i with row i, and the rows of the files that they were."""
 
     source: Cloud
     target: Cloud
+    source_rows: NDArray[np.int64]
+    sizes: tuple[int, int]  # of the files
 
     @property
     def notes(self) -> list[str]:
         """What the user should know about how the files were read."""
         notes = (ignored_note(c.path, c.ignored) for c in (self.source, self.target))
-        return [note for note in notes if note is not None]
+        found = [note for note in notes if note is not None]
+        n = len(self.source_rows)
+        if self.sizes != (n, n):
+            first, second = (size - n for size in self.sizes)
+            names = shown(self.source.path), shown(self.target.path)
+            found.append(f"{n} pairs; left out: {first} of {names[0]}, {second} of {names[1]}")
+        return found
 
 
 def read_cloud(path: str | os.PathLike[str]) -> Cloud:
-    """A cloud from a .csv, .txt or .npy file. Raises InvalidFileError: file, place, remedy."""
+    """A cloud from a file of any of FORMATS. Raises InvalidFileError: file, place, remedy."""
     file = Path(path)
+    if file.suffix.lower() not in FORMATS:
+        what = f"the format {shown(file.suffix) or '(none)'} is not known"
+        message = f"{shown(file)}: {what}: use one of {' '.join(FORMATS)}"
+        raise InvalidFileError(message)
+    with reading(file) as stream:
+        return parse_cloud(stream, file)
+
+
+def parse_cloud(stream: BinaryIO, file: Path) -> Cloud:
+    """A cloud from a stream; `file` tells the format, one of FORMATS, and the name in errors."""
     suffix = file.suffix.lower()
     if suffix in TEXT_FORMATS:
-        return _cloud(file, read_points(file))
-    if suffix in BINARY_FORMATS:
-        points = read_array(file)
-        if points.ndim != 2 or points.shape[1] != 3 or len(points) == 0:
-            message = f"{file}: holds an array of shape {points.shape}: expected (N, 3) with N >= 1"
-            raise InvalidFileError(message)
-        return Cloud(path=file, points=points, labels=None, ignored=())
-    known = " ".join((*TEXT_FORMATS, *BINARY_FORMATS))
-    message = f"{file}: the format {suffix or '(none)'} is not known: use one of {known}"
-    raise InvalidFileError(message)
+        text = parse_points(stream, file)
+        coordinates = np.array(text.coordinates, dtype=np.float64).reshape(-1, 3)
+        return Cloud(path=file, points=coordinates, labels=text.labels, ignored=text.ignored)
+    if suffix in PARSERS:
+        points, ignored = PARSERS[suffix](stream, file)
+        return Cloud(path=file, points=points, labels=None, ignored=ignored)
+    points = parse_array(stream, file)
+    if points.ndim != 2 or points.shape[1] != 3 or len(points) == 0:
+        what = f"holds an array of shape {points.shape}"
+        message = f"{shown(file)}: {what}: expected (N, 3) with N >= 1"
+        raise InvalidFileError(message)
+    return Cloud(path=file, points=points, labels=None, ignored=())
 
 
-def read_pair(source: str | os.PathLike[str], target: str | os.PathLike[str]) -> Pair:
-    """Two clouds in correspondence: by label where both files have labels, else by row."""
+def read_pair(
+    source: str | os.PathLike[str], target: str | os.PathLike[str], pairing: Pairing = BY_LABEL
+) -> Pair:
+    """Two clouds in correspondence: as told, by label where both have labels, else by row."""
     first, second = read_cloud(source), read_cloud(target)
-    if first.labels is not None and second.labels is not None:
-        ordered = pair_by_label(_as_points(first), _as_points(second))
-        return Pair(source=first, target=_cloud(second.path, ordered))
-    if len(first.points) != len(second.points):
+    sizes = len(first.points), len(second.points)
+    rows: tuple[Sequence[int] | NDArray[np.int64], ...]
+    if pairing.pairs is not None:
+        rows = tuple(read_pairs(pairing.pairs, sizes).T)
+    elif first.labels is not None and second.labels is not None:
+        rows = rows_by_label(first.labels, second.labels, pairing.match)
+    elif pairing.match is Match.COMMON:
+        bare = first if first.labels is None else second
+        message = f"{shown(bare.path)}: has no labels to match: name a column label, or give pairs"
+        raise InvalidFileError(message)
+    elif sizes[0] != sizes[1]:
         message = (
-            f"{first.path} has {len(first.points)} points, {second.path} has "
-            f"{len(second.points)}: without labels in both files row i pairs with row i, "
-            "so both need the same number"
+            f"{shown(first.path)} has {sizes[0]} points, {shown(second.path)} has {sizes[1]}: "
+            "without labels in both files row i pairs with row i, so both need the same number"
         )
         raise InvalidFileError(message)
-    return Pair(source=first, target=second)
+    else:
+        rows = np.arange(sizes[0]), np.arange(sizes[1])
+    here, there = (np.asarray(side, dtype=np.int64) for side in rows)
+    return Pair(
+        source=_taken(first, here), target=_taken(second, there), source_rows=here, sizes=sizes
+    )
 
 
 def read_problem(
@@ -97,18 +142,26 @@ def read_problem(
     sigma: float | None = None,
     weights: str | os.PathLike[str] | None = None,
     damping: float = DEFAULT_DAMPING,
+    pairing: Pairing = BY_LABEL,
 ) -> tuple[RegistrationProblem, Pair]:
-    """The problem that two cloud files state, and how they were read."""
-    pair = read_pair(source, target)
+    """The problem that two cloud files state, and how they were read.
+
+    weights: one per row of the source's file; they go with their rows, whatever the pairing.
+    """
+    pair = read_pair(source, target, pairing)
     numbers = None if weights is None else read_weights(weights)
-    if numbers is not None and len(numbers) != len(pair.source.points):
+    if numbers is not None and len(numbers) != pair.sizes[0]:
         message = (
-            f"{weights}: holds {len(numbers)} weights, {source} has {len(pair.source.points)} "
+            f"{weights}: holds {len(numbers)} weights, {source} has {pair.sizes[0]} "
             "points: give one weight per row of the source"
         )
         raise InvalidFileError(message)
     problem = RegistrationProblem(
-        pair.source.points, pair.target.points, sigma=sigma, weights=numbers, damping=damping
+        pair.source.points,
+        pair.target.points,
+        sigma=sigma,
+        weights=None if numbers is None else numbers[pair.source_rows],
+        damping=damping,
     )
     return problem, pair
 
@@ -116,7 +169,7 @@ def read_problem(
 def read_weights(path: str | os.PathLike[str]) -> NDArray[np.float64]:
     """One weight per row of the source, from .npy or from text with one number a line."""
     file = Path(path)
-    if file.suffix.lower() in BINARY_FORMATS:
+    if file.suffix.lower() == ".npy":
         weights = read_array(file)
         if weights.ndim != 1:
             message = f"{file}: holds an array of shape {weights.shape}: expected (N,)"
@@ -139,7 +192,7 @@ def read_weights(path: str | os.PathLike[str]) -> NDArray[np.float64]:
 def write_cloud(
     path: str | os.PathLike[str], points: NDArray[np.float64], labels: tuple[str, ...] | None
 ) -> None:
-    """Write a cloud as .csv (labels kept), .txt or .npy; text round-trips every double."""
+    """Write a cloud as .csv (labels kept), .txt, .ply or .npy, every double as it is."""
     file = Path(path)
     suffix = file.suffix.lower()
     finite = np.isfinite(points).all(axis=1)
@@ -150,12 +203,13 @@ def write_cloud(
             "doubles: change the unit of length"
         )
         raise InvalidFileError(message)
-    if suffix == ".npy":
-        write_array(file, points)
-        return
-    if suffix not in TEXT_FORMATS:
-        message = f"{file}: the format {suffix or '(none)'} cannot be written: use .csv .txt .npy"
+    if suffix not in WRITTEN_FORMATS:
+        what = f"the format {shown(suffix) or '(none)'} cannot be written"
+        message = f"{shown(file)}: {what}: use {' '.join(WRITTEN_FORMATS)}"
         raise InvalidFileError(message)
+    if suffix in {".npy", ".ply"}:
+        (write_array if suffix == ".npy" else write_ply)(file, points)
+        return
     separator = "," if suffix == ".csv" else " "
     rows = [separator.join(map(repr, row)) for row in points.tolist()]
     if suffix == ".csv":
@@ -178,10 +232,9 @@ def _quoted(file: Path, label: str) -> str:
     return '"' + label.replace('"', '""') + '"' if set(label) & set(',"\r\n\ufeff') else label
 
 
-def _cloud(file: Path, points: Points) -> Cloud:
-    coordinates = np.array(points.coordinates, dtype=np.float64).reshape(-1, 3)
-    return Cloud(path=file, points=coordinates, labels=points.labels, ignored=points.ignored)
-
-
-def _as_points(cloud: Cloud) -> Points:
-    return Points(array("d", cloud.points.tobytes()), cloud.labels, cloud.ignored)
+def _taken(cloud: Cloud, rows: NDArray[np.int64]) -> Cloud:
+    """The rows of a cloud, in the order given."""
+    order: list[int] = rows.tolist()
+    kept = cloud.labels
+    labels = None if kept is None else tuple(kept[row] for row in order)
+    return replace(cloud, points=cloud.points[rows], labels=labels)

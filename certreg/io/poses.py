@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, BinaryIO, cast
 
 import numpy as np
 
 from certreg.errors import InvalidFileError
+from certreg.io.streams import reading
 from certreg.settings import AssessmentSettings, FileSettings
 from certreg.so3 import rotation_matrix
 from certreg.verify import shown
@@ -49,7 +50,13 @@ def read_pose(path: str | os.PathLike[str]) -> GivenPose:
     "translation": 3}, {"T_target_source": 4x4} or a 4x4 list. Raises InvalidFileError.
     """
     file = Path(path)
-    text = _read_bounded(file).decode("utf-8-sig", errors="replace").strip()
+    with reading(file) as stream:
+        return parse_pose(stream, file)
+
+
+def parse_pose(stream: BinaryIO, file: Path) -> GivenPose:
+    """As `read_pose`, from a stream; `file` is the name in errors."""
+    text = _bounded(stream, file).decode("utf-8-sig", errors="replace").strip()
     if text.startswith(("{", "[")):
         return _pose_from_json(file, text)
     lines = [line for line in text.splitlines() if not line.lstrip().startswith("#")]
@@ -73,14 +80,9 @@ def read_result_pose(path: str | os.PathLike[str]) -> GivenPose:
     return read_pose(file / "result.json" if file.is_dir() else file)
 
 
-def _read_bounded(file: Path) -> bytes:
+def _bounded(stream: BinaryIO, file: Path) -> bytes:
     limit = FileSettings().max_pose_bytes
-    try:
-        with file.open("rb") as stream:
-            content = stream.read(limit + 1)
-    except OSError as error:
-        message = f"{file}: cannot be read ({error.strerror}): give a readable file"
-        raise InvalidFileError(message) from error
+    content = stream.read(limit + 1)
     if len(content) > limit:
         message = f"{file}: larger than {limit} bytes: this is not a pose file"
         raise InvalidFileError(message)

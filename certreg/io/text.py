@@ -1,7 +1,8 @@
 """Text clouds and weights, by the standard library alone: `certreg verify` loads no NumPy.
 
 Strict: a number is what a person would call one, every row has the columns of the first, and an
-error names the file, the line and the remedy.
+error names the file, the line and the remedy. An .xyz file is read as .txt unless its first line
+is a count alone: then it is chemical.
 """
 
 from __future__ import annotations
@@ -9,9 +10,7 @@ from __future__ import annotations
 import csv
 import re
 from array import array
-from collections import Counter
 from dataclasses import dataclass
-from functools import partial
 from itertools import chain
 from math import inf, isfinite
 from pathlib import Path
@@ -19,16 +18,18 @@ from typing import TYPE_CHECKING
 
 from certreg.dyadic import weight_of_sigma
 from certreg.errors import InvalidFileError, InvalidProblemError
-from certreg.settings import FileSettings
+from certreg.io.labels import rows_by_label
+from certreg.io.streams import NUMBER, lines, number, reading
+from certreg.io.xyz import chemical, chemical_points
 from certreg.verify import Clouds, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from typing import BinaryIO
 
-TEXT_FORMATS = (".csv", ".txt")
+TABLE_FORMATS = (".csv", ".txt")  # of numbers, too: weights, pairs
+TEXT_FORMATS = (*TABLE_FORMATS, ".xyz")
 BLANKS = re.compile(r"[ \t]+")
-NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,15 +42,30 @@ class Points:
 
 
 def read_points(path: str | Path) -> Points:
-    """Points of a .csv or .txt file; x, y, z are the columns named so, or else the first three.
+    """Points of a .csv, .txt or .xyz file; x, y, z are the columns named so, or the first three.
 
     Only a .csv may have a header, and with it a column `label`.
     """
-    file = Path(path)
-    rows = _rows(file)
+    file = _one_of(TEXT_FORMATS, path)
+    with reading(file) as stream:
+        return parse_points(stream, file)
+
+
+def parse_points(stream: BinaryIO, file: Path) -> Points:
+    """Points of a text cloud; `file` tells the format and the name."""
+    content = lines(stream, shown(file))
+    if file.suffix.lower() == ".xyz":
+        declared, content = chemical(content)
+        if declared is not None:
+            coordinates, width = chemical_points(content, shown(file), declared)
+            return Points(coordinates, None, tuple(f"column {k}" for k in range(5, width + 1)))
+    return _table(_rows(content, file), file)
+
+
+def _table(rows: Iterator[tuple[str, list[str]]], file: Path) -> Points:
     place, first = next(rows, (f"{shown(file)}, line 1", list[str]()))
     names = [name.strip().lower() for name in first]
-    if file.suffix.lower() == ".txt" or all(map(NUMBER.fullmatch, names)):
+    if file.suffix.lower() != ".csv" or all(map(NUMBER.fullmatch, names)):
         names = ["x", "y", "z", *(f"column {k}" for k in range(4, len(first) + 1))][: len(first)]
         rows = chain([(place, first)], rows)
     if [names.count(name) for name in "xyz"] != [1, 1, 1] or names.count("label") > 1:
@@ -63,7 +79,7 @@ def read_points(path: str | Path) -> Points:
         if len(row) != len(names):
             message = f"{place}: {len(row)} columns, not {len(names)}: mend the row"
             raise InvalidFileError(message)
-        coordinates.extend(_number(place, row[axis]) for axis in axes)
+        coordinates.extend(number(place, row[axis]) for axis in axes)
         labels += [row[names.index("label")].strip()] if "label" in names else []
     if not coordinates:
         message = f"{place}: no points: add rows"
@@ -74,7 +90,19 @@ def read_points(path: str | Path) -> Points:
 
 def read_numbers(path: str | Path) -> array[float]:
     """Numbers of a .csv or .txt file that has one of them a line, without a header."""
-    return array("d", (_number(place, ",".join(row)) for place, row in _rows(Path(path))))
+    file = _one_of(TABLE_FORMATS, path)
+    with reading(file) as stream:
+        return parse_numbers(stream, file)
+
+
+def parse_numbers(stream: BinaryIO, file: Path) -> array[float]:
+    """One number a line; `file` tells the format and the name."""
+    return array("d", (number(place, ",".join(row)) for place, row in parse_rows(stream, file)))
+
+
+def parse_rows(stream: BinaryIO, file: Path) -> Iterator[tuple[str, list[str]]]:
+    """Place and fields of each row of a .csv or .txt file."""
+    return _rows(lines(stream, shown(file)), file)
 
 
 def pair_by_label(source: Points, target: Points) -> Points:
@@ -85,23 +113,18 @@ def pair_by_label(source: Points, target: Points) -> Points:
             message = f"{n} source but {other} target points: pair the rows, or add labels"
             raise InvalidFileError(message)
         return target
-    sides = {"source": Counter(source.labels), "target": Counter(target.labels)}
-    for label in chain(source.labels, target.labels):
-        for side, count in ((side, counter[label]) for side, counter in sides.items()):
-            if count != 1:
-                what = f"label '{shown(label)}' occurs {count} times in the {side}"
-                message = f"{what}: each must occur once in both; drop it, or rename it"
-                raise InvalidFileError(message)
-    rows = {label: 3 * k for k, label in enumerate(target.labels)}
-    moved = (rows[label] + axis for label in source.labels for axis in range(3))
+    _, rows = rows_by_label(source.labels, target.labels)
+    moved = (3 * row + axis for row in rows for axis in range(3))
     coordinates = array("d", map(target.coordinates.__getitem__, moved))
     return Points(coordinates, source.labels, target.ignored)
 
 
 def ignored_note(path: Path, ignored: tuple[str, ...]) -> str | None:
     """What the user should know about columns that were not read."""
-    what = f"columns not used: {shown(', '.join(ignored))}"
-    return f"{shown(path)}: {what} (only `label` pairs rows)" if ignored else None
+    if not ignored:
+        return None
+    hint = " (only `label` pairs rows)" if path.suffix.lower() == ".csv" else ""
+    return f"{shown(path)}: not used: {shown(', '.join(ignored))}{hint}"
 
 
 def read_clouds(
@@ -123,28 +146,28 @@ def read_clouds(
     return clouds, [note for note in notes if note is not None]
 
 
-def _rows(path: Path) -> Iterator[tuple[str, list[str]]]:
-    """Place and fields of each row; in .txt blanks do for commas and # begins a comment."""
-    name, line, spaced = shown(path), 0, path.suffix.lower() == ".txt"
-    if path.suffix.lower() not in TEXT_FORMATS:
-        message = f"{name}: not a known format: give a .csv or .txt file"
+def _one_of(formats: tuple[str, ...], path: str | Path) -> Path:
+    file = Path(path)
+    if file.suffix.lower() not in formats:
+        known = " or ".join((", ".join(formats[:-1]), formats[-1]))
+        message = f"{shown(file)}: not a known format: give a {known} file"
         raise InvalidFileError(message)
+    return file
+
+
+def _rows(content: Iterator[str], file: Path) -> Iterator[tuple[str, list[str]]]:
+    """Place and fields of each row; only in .csv, blanks are no commas and # is no comment."""
+    name, line, spaced = shown(file), 0, file.suffix.lower() != ".csv"
     try:
-        with path.open("rb") as file:
-            lines = _lines(file, name)
-            if spaced:
-                lines = (_commas(line.partition("#")[0].strip()) for line in lines)
-            quotes = csv.QUOTE_NONE if spaced else csv.QUOTE_MINIMAL
-            reader = csv.reader(lines, quoting=quotes, strict=True)
-            for row in filter(None, reader):
-                line = reader.line_num
-                yield f"{name}, line {line}", row
-    except OSError as error:
-        message = f"{name}: {error.strerror}: give a readable file"
-        raise InvalidFileError(message) from error
+        if spaced:
+            content = (_commas(text.partition("#")[0].strip()) for text in content)
+        quotes = csv.QUOTE_NONE if spaced else csv.QUOTE_MINIMAL
+        reader = csv.reader(content, quoting=quotes, strict=True)
+        for row in filter(None, reader):
+            line = reader.line_num
+            yield f"{name}, line {line}", row
     except (ValueError, csv.Error) as error:
-        remedy = "save the file as UTF-8" if isinstance(error, UnicodeError) else "mend the text"
-        message = f"{name}, line {line + 1}: {shown(error)}: {remedy}"
+        message = f"{name}, line {line + 1}: {shown(error)}: mend the text"
         raise InvalidFileError(message) from error
 
 
@@ -154,23 +177,3 @@ def _commas(line: str) -> str:
     So `1,5 2,5 3,5`, with decimal commas, is not taken for six numbers.
     """
     return line if "," in line else BLANKS.sub(",", line)
-
-
-def _lines(file: BinaryIO, name: str) -> Iterator[str]:
-    """The lines of UTF-8 text, each and all of bounded length."""
-    settings, size = FileSettings(), 0
-    for number, raw in enumerate(iter(partial(file.readline, settings.max_line_bytes), b""), 1):
-        size += len(raw)
-        if len(raw) == settings.max_line_bytes or size > settings.max_text_bytes:
-            message = f"{name}, line {number}: the line or the file is too long: is it a cloud?"
-            raise InvalidFileError(message)
-        yield raw.decode("utf-8-sig" if number == 1 else "utf-8")
-
-
-def _number(place: str, text: str) -> float:
-    match = NUMBER.fullmatch(text.strip(" \t"))
-    if not match or not isfinite(float(text)):
-        what = f"'{shown(text)}' is not a {'finite ' if match else ''}number"
-        message = f"{place}: {what}: write plain decimal numbers"
-        raise InvalidFileError(message)
-    return float(text)

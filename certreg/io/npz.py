@@ -1,0 +1,133 @@
+"""Clouds in .npz archives: the array `points`, or the only one of shape (N, 3). No pickles.
+
+An archive as numpy writes it: the directory stands at the end, whole and short, and every size is
+compared before anything is unpacked.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import struct
+import zipfile
+import zlib
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, BinaryIO
+
+from certreg.errors import InvalidFileError
+from certreg.io.npy import NOT_NPY, parse_array, read_header
+from certreg.io.streams import held_bytes
+from certreg.settings import FileSettings
+from certreg.verify import shown
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+END = struct.Struct("<4s4H2IH")  # end of central directory: signature, .., size, offset, comment
+ZIP64_LOCATOR = b"PK\x06\x07"
+METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # numpy's; both unpack in bounded steps
+NOT_ZIP = (  # what the standard library raises for archives that it cannot read
+    EOFError,
+    NotImplementedError,
+    OverflowError,
+    RuntimeError,
+    ValueError,
+    struct.error,
+    zipfile.BadZipFile,
+    zlib.error,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Member:
+    """An array in an archive; shape None where it is no array of real numbers."""
+
+    info: zipfile.ZipInfo
+    shape: tuple[int, ...] | None
+    size: int  # of the whole .npy file, by its header
+
+    @property
+    def name(self) -> str:
+        """The name that numpy gives it."""
+        return self.info.filename.removesuffix(".npy")
+
+
+def parse_npz(stream: BinaryIO, file: Path) -> tuple[NDArray[np.float64], tuple[str, ...]]:
+    """The points of an archive, and the names of what else is in it."""
+    _require_plain_directory(stream, file)
+    try:
+        with zipfile.ZipFile(stream) as archive:
+            if len(archive.infolist()) > FileSettings().max_arrays:
+                message = f"{shown(file)}: too many arrays: save only the points"
+                raise InvalidFileError(message)
+            members = [_member(archive, info, file) for info in archive.infolist()]
+            chosen = _chosen(members, file)
+            content = _unpacked(archive, chosen, file)
+    except NOT_ZIP as error:
+        message = f"{shown(file)}: is not an .npz file ({shown(error)}): save it with numpy.savez"
+        raise InvalidFileError(message) from error
+    others = tuple(member.name for member in members if member is not chosen)
+    return parse_array(io.BytesIO(content), file), others
+
+
+def _require_plain_directory(stream: BinaryIO, file: Path) -> None:
+    """That the file ends with a directory of bounded size, and begins where that says."""
+    size = held_bytes(stream, file)
+    tail_size = min(size, 20 + END.size)  # 20: a locator of ZIP64 stands right before the end
+    stream.seek(size - tail_size)
+    tail = stream.read(tail_size)
+    stream.seek(0)
+    if len(tail) >= END.size:
+        mark, _, _, _, _, length, offset, comment = END.unpack(tail[-END.size :])
+        plain = mark == b"PK\x05\x06" and comment == 0 and not tail.startswith(ZIP64_LOCATOR)
+        short = length <= FileSettings().max_header_bytes
+        if plain and short and offset + length + END.size == size:
+            return
+    message = f"{shown(file)}: is not an .npz file, or truncated: save it with numpy.savez"
+    raise InvalidFileError(message)
+
+
+def _member(archive: zipfile.ZipFile, info: zipfile.ZipInfo, file: Path) -> Member:
+    if info.compress_type not in METHODS:
+        what = f"'{shown(info.filename)}' is packed in a way that numpy does not use"
+        message = f"{shown(file)}: {what}: save it with numpy.savez"
+        raise InvalidFileError(message)
+    if not info.filename.endswith(".npy"):
+        return Member(info, None, 0)
+    with archive.open(info) as packed:
+        head = io.BytesIO(packed.read(FileSettings().max_header_bytes))
+    try:
+        shape, dtype = read_header(head, file)
+    except (InvalidFileError, *NOT_NPY):
+        return Member(info, None, 0)
+    return Member(info, shape, head.tell() + math.prod(shape) * dtype.itemsize)
+
+
+def _chosen(members: list[Member], file: Path) -> Member:
+    named = [member for member in members if member.name == "points"]
+    fitting = [m for m in members if m.shape and len(m.shape) == 2 and m.shape[1] == 3]
+    candidates = named or fitting
+    if len(candidates) != 1 or candidates[0] not in fitting or candidates[0].shape == (0, 3):
+        found = ", ".join(f"{m.name} {m.shape or 'no real numbers'}" for m in members)
+        message = (
+            f"{shown(file)}: holds {shown(found) or 'nothing'}: save one array of shape (N, 3), "
+            "N >= 1, or name it points"
+        )
+        raise InvalidFileError(message)
+    return candidates[0]
+
+
+def _unpacked(archive: zipfile.ZipFile, member: Member, file: Path) -> bytes:
+    """The .npy file of a member, unpacked only if archive and header declare the same size."""
+    declared = member.info.file_size
+    if declared != member.size or declared > FileSettings().max_unpacked_bytes:
+        message = (
+            f"{shown(file)}: '{shown(member.name)}' is said to be {declared} bytes long, by its "
+            f"header {member.size}: it is corrupt or too large; save it again"
+        )
+        raise InvalidFileError(message)
+    with archive.open(member.info) as packed:
+        return packed.read()

@@ -1,0 +1,94 @@
+"""Files of pairs: two columns of rows, counted from 0, of the source and of the target.
+
+One to one: no row may come twice in a column, as no label may. A point that is meant to count in
+several pairs stands several times in its cloud.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, BinaryIO
+
+import numpy as np
+
+from certreg.errors import InvalidFileError
+from certreg.io.npy import parse_npy
+from certreg.io.streams import count, reading
+from certreg.io.text import TABLE_FORMATS, parse_rows
+from certreg.verify import shown
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+HEADER = ["source", "target"]
+
+
+def read_pairs(path: Path, sizes: tuple[int, int]) -> NDArray[np.int64]:
+    """Rows of source and target, (M, 2), of clouds of the given sizes. From .csv, .txt or .npy."""
+    with reading(path) as stream:
+        return parse_pairs(stream, path, sizes)
+
+
+def parse_pairs(stream: BinaryIO, file: Path, sizes: tuple[int, int]) -> NDArray[np.int64]:
+    """As `read_pairs`; `file` tells the format and the name."""
+    suffix = file.suffix.lower()
+    if suffix == ".npy":
+        pairs = _from_npy(stream, file)
+    elif suffix in TABLE_FORMATS:
+        pairs = _from_text(stream, file)
+    else:
+        message = f"{shown(file)}: the format is not known: give pairs as .csv, .txt or .npy"
+        raise InvalidFileError(message)
+    if len(pairs) == 0:
+        message = f"{shown(file)}: no pairs: write a row of the source and one of the target a line"
+        raise InvalidFileError(message)
+    for column, side, size in zip(pairs.T, HEADER, sizes, strict=True):
+        _require_rows(file, column, side, size)
+    return pairs
+
+
+def _from_npy(stream: BinaryIO, file: Path) -> NDArray[np.int64]:
+    array = parse_npy(stream, file)
+    integers = array.dtype.kind in "iu" and array.ndim == 2 and array.shape[1] == 2
+    if not integers or (array.size and int(array.max()) >= 1 << 63):
+        message = (
+            f"{shown(file)}: holds {array.dtype} of shape {array.shape}: save row numbers as "
+            "integers, (M, 2)"
+        )
+        raise InvalidFileError(message)
+    return array.astype(np.int64)
+
+
+def _from_text(stream: BinaryIO, file: Path) -> NDArray[np.int64]:
+    found: list[list[int]] = []
+    for k, (place, row) in enumerate(parse_rows(stream, file)):
+        words = [word.strip() for word in row]
+        if k == 0 and [word.lower() for word in words] == HEADER:
+            continue
+        if len(words) != 2:
+            message = f"{place}: {len(words)} columns: write a row of source and one of target"
+            raise InvalidFileError(message)
+        found.append([count(place, word) for word in words])
+    return np.array(found, dtype=np.int64).reshape(-1, 2)
+
+
+def _require_rows(file: Path, column: NDArray[np.int64], side: str, size: int) -> None:
+    outside = (column < 0) | (column >= size)
+    if outside.any():
+        k = int(np.argmax(outside))
+        message = (
+            f"{shown(file)}: pair {k} (counting from 0) names row {column[k]} of the {side}: its "
+            f"rows are 0 to {size - 1}"
+        )
+        raise InvalidFileError(message)
+    first = np.unique(column, return_index=True)[1]
+    if len(first) != len(column):
+        again = np.ones(len(column), dtype=bool)
+        again[first] = False
+        k = int(np.argmax(again))
+        message = (
+            f"{shown(file)}: pair {k} (counting from 0) names row {column[k]} of the {side} again: "
+            "give each row one pair"
+        )
+        raise InvalidFileError(message)
