@@ -76,7 +76,7 @@ def is_refused(content: bytes) -> bool:
     return not outcome_of(content).verified
 
 
-def is_refused_unless_true(certificate) -> bool:
+def check_refused_unless_true(certificate) -> bool:
     """Whether it is refused; an accepted one must be true."""
     refused = is_refused(oracle.dump(certificate))
     assert refused or oracle.holds(certificate), certificate
@@ -116,7 +116,7 @@ def test_a_certificate_of_other_points_is_refused_although_the_digest_is_theirs(
         for bit in (44, 47, 50, 51, 63):
             changed = bytearray(content)
             changed[26 + 8 * number + bit // 8] ^= 1 << bit % 8
-            refused += is_refused_unless_true(oracle.with_problem(GENERIC, bytes(changed)))
+            refused += check_refused_unless_true(oracle.with_problem(GENERIC, bytes(changed)))
     assert refused == 42 * 5
 
 
@@ -129,7 +129,7 @@ def test_permuted_points_are_refused_unless_the_certificate_is_true_of_them(cert
         order = np.random.default_rng(seed).permutation(n)
         target = numbers[3 * n : 6 * n].reshape(n, 3)[order]
         changed = oracle.problem_bytes(numbers[: 3 * n], target, numbers[6 * n :])
-        is_refused_unless_true(oracle.with_problem(certificate, changed))
+        check_refused_unless_true(oracle.with_problem(certificate, changed))
 
 
 def test_a_changed_quaternion_is_refused_unless_it_is_near_enough():
@@ -138,7 +138,7 @@ def test_a_changed_quaternion_is_refused_unless_it_is_near_enough():
         for power in range(0, 64, 2):
             for sign in (1, -1):
                 value = GENERIC["pose"][k] + sign * 2**power
-                refused += is_refused_unless_true(replaced(GENERIC, ("pose", k), value))
+                refused += check_refused_unless_true(replaced(GENERIC, ("pose", k), value))
     for value in ([0, 0, 0, 0], [1, 0, 0, 0], GENERIC["pose"][::-1], GENERIC["pose"][:3]):
         assert is_refused(oracle.dump({**GENERIC, "pose": value}))
     assert refused > 200  # the others, changed in the last places, are true
@@ -151,12 +151,12 @@ def test_changed_bounds_are_refused_unless_they_are_true(certificate, name):
     values = [[m, e + k] for k in range(-40, 41, 4)]
     values += [[k, e] for k in (-1, 0, 2, 3)] + [[(m << 60) + k, e - 60] for k in (-1, 1)]
     for value in values:
-        is_refused_unless_true(replaced(certificate, ("optimality", name), value))
+        check_refused_unless_true(replaced(certificate, ("optimality", name), value))
         gap = [value[0], value[1] + 1]
         everything = replaced(
             replaced(certificate, ("optimality", name), value), ("claims", "gap"), gap
         )
-        is_refused_unless_true(replaced(everything, ("claims", "sin2_half_angle"), None))
+        check_refused_unless_true(replaced(everything, ("claims", "sin2_half_angle"), None))
 
 
 @pytest.mark.parametrize("certificate", CERTIFICATES)
@@ -164,8 +164,8 @@ def test_claims_of_another_certificate_are_refused(certificate):
     for other in CERTIFICATES:
         if other is not certificate:
             assert is_refused(oracle.dump({**certificate, "claims": other["claims"]}))
-            is_refused_unless_true({**certificate, "pose": other["pose"]})
-            is_refused_unless_true({**certificate, "optimality": other["optimality"]})
+            check_refused_unless_true({**certificate, "pose": other["pose"]})
+            check_refused_unless_true({**certificate, "optimality": other["optimality"]})
             assert is_refused(oracle.dump({**certificate, "problem": other["problem"]}))
 
 
@@ -295,7 +295,7 @@ def test_extreme_points_and_weights_are_refused_unless_the_certificate_is_true_o
         changed = numbers.copy()
         changed[place] = extreme
         content = oracle.PREFIX + struct.pack("<Q", 6) + changed.astype("<f8").tobytes()
-        refused = is_refused_unless_true(oracle.with_problem(GENERIC, content))
+        refused = check_refused_unless_true(oracle.with_problem(GENERIC, content))
         assert refused or (extreme > 0 and place in {36, 41})
 
 
