@@ -6,21 +6,17 @@ numerical library; everything else is imported by the command that needs it.
 
 from __future__ import annotations
 
-import functools
 import sys
-import threading
-from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 import click
 
 from certreg import __version__
 from certreg.errors import CertregError, ContradictionError, RefusedCertificateError
+from certreg.options import CLOUD, cloud_options, pairing_options
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Generator
-
     from certreg.io.clouds import Pairing
     from certreg.problem import RegistrationProblem
     from certreg.verify import Clouds
@@ -34,7 +30,6 @@ Exit codes: 0 done and proved
             3 certified, but the optimum is not unique
             4 solved, but not certified, or the simulation did not converge
 """
-PATIENCE = 1.0  # seconds before a long run says that it is at work
 
 
 @click.group(
@@ -82,80 +77,8 @@ def _printable(words: object) -> str:
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in str(words))
 
 
-CLOUD = click.Path(dir_okay=False, path_type=Path)
-
-
-def _pairing_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """[--pairs FILE | --match all|common], made one argument; None where rows pair by default."""
-
-    @click.option("--pairs", type=CLOUD, help="File of pairs: a row of SOURCE, a row of TARGET.")
-    @click.option(
-        "--match",
-        type=click.Choice(["all", "common"]),
-        default="all",
-        show_default=True,
-        help="Labels in one cloud only: refuse them, or leave them out.",
-    )
-    @functools.wraps(command)
-    def wrapped(*args: Any, pairs: Path | None, match: str, **options: Any) -> Any:
-        if pairs is None and match == "all":
-            return command(*args, pairing=None, **options)
-        if pairs is not None and match == "common":
-            message = "--pairs and --match common exclude each other: give one"
-            raise click.UsageError(message)
-        from certreg.io.clouds import Match, Pairing
-
-        return command(*args, pairing=Pairing(pairs=pairs, match=Match(match)), **options)
-
-    return wrapped
-
-
-def _cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """SOURCE TARGET, how their rows pair, their noise and the damping, read into a problem."""
-
-    @click.argument("source", type=CLOUD)
-    @click.argument("target", type=CLOUD)
-    @click.option(
-        "--sigma", type=float, help="Standard deviation of the noise, in the clouds' unit."
-    )
-    @click.option("--weights", type=CLOUD, help="File of weights, one per row of SOURCE.")
-    @_pairing_options
-    @click.option("--damping", type=float, help="Viscous damping per mass; default sqrt(8).")
-    @functools.wraps(command)
-    def wrapped(
-        *args: Any,
-        source: Path,
-        target: Path,
-        sigma: float | None,
-        weights: Path | None,
-        damping: float | None,
-        pairing: Pairing | None,
-        **options: Any,
-    ) -> Any:
-        from certreg.io.clouds import BY_LABEL, read_problem
-        from certreg.settings import DEFAULT_DAMPING
-
-        if sigma is not None and weights is not None:
-            message = "--sigma and --weights exclude each other: give one"
-            raise click.UsageError(message)
-        problem, pair = read_problem(
-            source,
-            target,
-            sigma=sigma,
-            weights=weights,
-            damping=DEFAULT_DAMPING if damping is None else damping,
-            pairing=pairing or BY_LABEL,
-        )
-        for note in pair.notes:
-            click.echo(f"note: {note}", err=True)
-        with _patience(f"working on {problem.n} correspondences"):
-            return command(*args, problem=problem, source=source, target=target, **options)
-
-    return wrapped
-
-
 @cli.command(epilog=EXIT_CODES)
-@_cloud_options
+@cloud_options
 @click.option("--no-relaxation", is_flag=True, help="Leave the semidefinite relaxation out.")
 @click.option("--no-simulation", is_flag=True, help="Leave the simulation out.")
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="Folder to write to.")
@@ -201,7 +124,7 @@ def certify(
 
 
 @cli.command()
-@_cloud_options
+@cloud_options
 @click.option(
     "--pose",
     "pose_file",
@@ -230,7 +153,7 @@ def assess(
 
 
 @cli.command()
-@_cloud_options
+@cloud_options
 @click.option("--method", type=click.Choice(["spectral"]), default="spectral", show_default=True)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def equilibria(
@@ -254,7 +177,7 @@ def equilibria(
 
 
 @cli.command(epilog=EXIT_CODES)
-@_cloud_options
+@cloud_options
 @click.option("--integrator", type=click.Choice(["euler"]), default="euler", show_default=True)
 @click.option("--step", type=float, help="Largest step, in the time unit of the springs.")
 @click.option("--out", type=CLOUD, help="File to write the trajectory to: .npz.")
@@ -293,7 +216,7 @@ def simulate(
 @click.argument("clouds", type=CLOUD, nargs=-1, metavar="[SOURCE TARGET]")
 @click.option("--sigma", type=float, help="With SOURCE TARGET: the noise that was certified.")
 @click.option("--weights", type=CLOUD, help="With SOURCE TARGET: the weights that were certified.")
-@_pairing_options
+@pairing_options
 def verify(
     certificate: Path,
     clouds: tuple[Path, ...],
@@ -413,16 +336,3 @@ def info() -> int:
         click.echo(f"{package:10} {version(package)}")
     click.echo("checker    exact integers of Python itself")
     return DONE
-
-
-@contextmanager
-def _patience(doing: str) -> Generator[None]:
-    """Says on stderr what is going on if it takes longer than a second and someone is watching."""
-    timer = threading.Timer(PATIENCE, lambda: click.echo(f"{doing} ...", err=True))
-    if sys.stderr.isatty():
-        timer.daemon = True
-        timer.start()
-    try:
-        yield
-    finally:
-        timer.cancel()

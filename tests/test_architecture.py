@@ -28,7 +28,7 @@ pipeline assessment
 io.streams io.labels io.xyz io.text io.lzf
 io.npy io.npz io.ply_rows io.ply io.pcd io.pairs io.clouds io.poses demo
 report.document report.folder report.summary
-cli __main__
+options cli __main__
 """
 PROVERS = ("certificate", "verify")  # the only places that speak of proof
 ORDER = [f"certreg.{name}" for line in MAP.split("\n") for name in line.split()]

@@ -1,0 +1,105 @@
+"""Options that commands share: which clouds, how their rows pair, their noise; read into a problem.
+
+Only click and the standard library are imported here, so that `--help` stays light.
+"""
+
+from __future__ import annotations
+
+import functools
+import sys
+import threading
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Generator
+
+    from certreg.io.clouds import Pairing
+
+PATIENCE = 1.0  # seconds before a long run says that it is at work
+CLOUD = click.Path(dir_okay=False, path_type=Path)
+
+
+def pairing_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """[--pairs FILE | --match all|common], made one argument; None where rows pair by default."""
+
+    @click.option("--pairs", type=CLOUD, help="File of pairs: a row of SOURCE, a row of TARGET.")
+    @click.option(
+        "--match",
+        type=click.Choice(["all", "common"]),
+        default="all",
+        show_default=True,
+        help="Labels in one cloud only: refuse them, or leave them out.",
+    )
+    @functools.wraps(command)
+    def wrapped(*args: Any, pairs: Path | None, match: str, **options: Any) -> Any:
+        if pairs is None and match == "all":
+            return command(*args, pairing=None, **options)
+        if pairs is not None and match == "common":
+            message = "--pairs and --match common exclude each other: give one"
+            raise click.UsageError(message)
+        from certreg.io.clouds import Match, Pairing
+
+        return command(*args, pairing=Pairing(pairs=pairs, match=Match(match)), **options)
+
+    return wrapped
+
+
+def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """SOURCE TARGET, how their rows pair, their noise and the damping, read into a problem."""
+
+    @click.argument("source", type=CLOUD)
+    @click.argument("target", type=CLOUD)
+    @click.option(
+        "--sigma", type=float, help="Standard deviation of the noise, in the clouds' unit."
+    )
+    @click.option("--weights", type=CLOUD, help="File of weights, one per row of SOURCE.")
+    @pairing_options
+    @click.option("--damping", type=float, help="Viscous damping per mass; default sqrt(8).")
+    @functools.wraps(command)
+    def wrapped(
+        *args: Any,
+        source: Path,
+        target: Path,
+        sigma: float | None,
+        weights: Path | None,
+        damping: float | None,
+        pairing: Pairing | None,
+        **options: Any,
+    ) -> Any:
+        from certreg.io.clouds import BY_LABEL, read_problem
+        from certreg.settings import DEFAULT_DAMPING
+
+        if sigma is not None and weights is not None:
+            message = "--sigma and --weights exclude each other: give one"
+            raise click.UsageError(message)
+        problem, pair = read_problem(
+            source,
+            target,
+            sigma=sigma,
+            weights=weights,
+            damping=DEFAULT_DAMPING if damping is None else damping,
+            pairing=pairing or BY_LABEL,
+        )
+        for note in pair.notes:
+            click.echo(f"note: {note}", err=True)
+        with _patience(f"working on {problem.n} correspondences"):
+            return command(*args, problem=problem, source=source, target=target, **options)
+
+    return wrapped
+
+
+@contextmanager
+def _patience(doing: str) -> Generator[None]:
+    """Says on stderr what is going on if it takes longer than a second and someone is watching."""
+    timer = threading.Timer(PATIENCE, lambda: click.echo(f"{doing} ...", err=True))
+    if sys.stderr.isatty():
+        timer.daemon = True
+        timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
