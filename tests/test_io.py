@@ -308,6 +308,8 @@ def test_any_bytes_are_a_cloud_of_finite_points_or_refused(
 @example(content=b'{"pose": 1, "translation": [0, 0, 0], "rotation": {}}')
 @example(content=b'{"T_target_source": {"a": 1, "b": 2, "c": 3}}')
 @example(content=b"1 0 0 0\n0 nan 0 0\n0 0 1 0")
+@example(content=b"1 0 1e200 0 1 2 3")
+@example(content=b"1e308 1e308 1e308 1e308 1 2 3")
 @example(content=b'{"rotation": [[1,0,0],[0,1,0],[0,0,1]], "translation": [0,0,Infinity]}')
 @example(content=b"1_0 0 0 0\n0 1 0 0\n0 0 1 0")
 def test_any_bytes_are_a_finite_pose_or_refused(place: Path, content: bytes):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, cast
@@ -136,7 +137,7 @@ def _array(file: Path, values: Any, shape: tuple[int, ...], name: str) -> NDArra
 def _from_quaternion(
     file: Path, quaternion: NDArray[np.float64], translation: NDArray[np.float64]
 ) -> GivenPose:
-    norm = float(np.linalg.norm(quaternion))
+    norm = math.hypot(*quaternion.tolist())  # infinite beyond the doubles, without a warning
     if not abs(norm - 1.0) <= AssessmentSettings().rotation_tolerance:
         message = (
             f"{file}: the quaternion has norm {norm:.6g}, not 1: write unit w x y z, scalar first"
