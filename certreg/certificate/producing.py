@@ -111,7 +111,7 @@ def proves_basin(found: Spectrum, state: RotationState, level: Fraction) -> bool
     False means not proved, not disproved.
     """
     moments, omega = found.moments, state.angular_velocity
-    if not found.classification.inertia_definite:
+    if not (found.classification.inertia_definite and any(state.quaternion)):
         return False
     spin = sum(a * dot(row, omega) for a, row in zip(omega, moments.inertia, strict=True))
     unit = power_of_two(moments.weight_exponent + 2 * (moments.source_exponent + state.exponent))
