@@ -1,0 +1,9 @@
+"""The derivations: a chain of claims from the Lagrangian to the code that is shipped.
+
+`kernel` says what a claim, a step and a control are; `algebra` holds the exact checks that a step
+is made of; `notation`, `moments` and `cloud` the symbols. Each file in `claims` states one theorem
+and proves it about the shipped function; `book` puts them in the order in which one needs another;
+`audit` holds the paper's claims against them; `emit` turns derived expressions into code.
+
+Run by `certreg derive`, by the tests, and by the pages of the documentation.
+"""

@@ -1,0 +1,38 @@
+"""The book of claims: chapters, and in them the claims in an order in which each can be read."""
+
+from __future__ import annotations
+
+import importlib
+from dataclasses import dataclass
+
+from .kernel import Claim
+
+
+@dataclass(frozen=True, slots=True)
+class Chapter:
+    """A title and the names of its claims, which are the names of files in `claims`."""
+
+    title: str
+    names: tuple[str, ...]
+
+
+CHAPTERS = (Chapter("Equilibria are eigenvectors", ("davenport",)),)
+
+
+def claim(name: str) -> Claim:
+    """The claim of that name. Raises KeyError where the book has none."""
+    if name not in names():
+        raise KeyError(name)
+    module = importlib.import_module(f".claims.{name}", __package__)
+    found: Claim = module.CLAIM
+    return found
+
+
+def names() -> tuple[str, ...]:
+    """The names of all claims, in the order of the book."""
+    return tuple(name for chapter in CHAPTERS for name in chapter.names)
+
+
+def claims() -> tuple[Claim, ...]:
+    """All claims, in the order of the book."""
+    return tuple(map(claim, names()))

@@ -1,0 +1,111 @@
+r"""One step of each integrator, in closed form: what the generated code evaluates.
+
+`euler`: explicit Euler with projection to the nearest rotation, the paper's scheme.
+`midpoint`: the implicit midpoint rule in quaternions, reduced to three unknowns.
+`splitting`: kick with exact damping, then drift; one evaluation of the springs a step.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import sympy
+
+from certreg.so3 import body_frame, davenport_matrix
+
+from .motion import DAMPING, Body, State, rate
+from .notation import Array, Matrix, hat, quaternion, scalar, square, vector
+
+STEP = scalar("h")
+DECAY = scalar("decay")  # exp(-mu h)
+IMPULSE = scalar("impulse")  # (1 - exp(-mu h)) / mu
+
+
+@dataclass(frozen=True)
+class QuaternionState:
+    """The state with a quaternion for the orientation: c (3), q (4), v (3), omega (3)."""
+
+    c: Array = field(default_factory=lambda: vector("c"))
+    q: Array = field(default_factory=quaternion)
+    v: Array = field(default_factory=lambda: vector("v"))
+    omega: Array = field(default_factory=lambda: vector("omega"))
+
+    @property
+    def flat(self) -> Array:
+        """The 13 numbers c, q, v, omega."""
+        return Matrix([*self.c, *self.q, *self.v, *self.omega])
+
+
+def polar_turn(angle: Any, root: Any) -> Array:
+    """The rotation nearest to I + [a]x: I + [a]x / n + [a]x^2 / (n (n + 1)), n = sqrt(1 + |a|^2).
+
+    angle: a (3). root: n, an expression or a symbol with n^2 = 1 + |a|^2.
+    """
+    turn = hat(angle)
+    return sympy.eye(3) + turn / root + turn * turn / (root * (root + 1))
+
+
+def euler_step(state: State, body: Body, step: Any = STEP) -> Array:
+    """The paper's step s + h F(s), R + h R' projected to the nearest rotation (18 numbers)."""
+    rates = rate(state, body)
+    angle = step * state.omega
+    turned = state.R * polar_turn(angle, sympy.sqrt(1 + square(angle)))
+    centre = state.c + step * state.v
+    speeds = Matrix([*state.v, *state.omega]) + step * rates[12:, :]
+    return Matrix([*centre, *turned, *speeds])
+
+
+def quaternion_torque(q: Any, body: Body) -> Array:
+    """The spring torque 2 L(q)^T K q over M, for a quaternion of any norm (times |q|^2)."""
+    K = Matrix(davenport_matrix(body.cross.tolist()))
+    L = Matrix(body_frame(tuple(q)))
+    return 2 * L.T * K * Matrix(q)
+
+
+def middle_quaternion(q: Any, middle_omega: Any, step: Any = STEP) -> Array:
+    """q_m with q_m = q + (h/4) L(q_m) omega_m, solved: (q + (h/4) L(q) omega_m) / (1 + h^2 w^2/16).
+
+    The middle of the midpoint rule's step q' = L(q_m) omega_m / 2, not of norm one.
+    """
+    turn = Matrix(body_frame(tuple(q))) * Matrix(middle_omega)
+    return (Matrix(q) + step / 4 * turn) / (1 + step**2 * square(middle_omega) / 16)
+
+
+def midpoint_residual(
+    state: QuaternionState, body: Body, middle_omega: Any, step: Any = STEP
+) -> Array:
+    """What vanishes at the middle angular velocity omega_m: three equations for its entries.
+
+    J (omega_m - omega) - (h/2) (torque(q_m) - omega_m x J omega_m - mu J omega_m).
+    """
+    omega = Matrix(middle_omega)
+    momentum = body.inertia * omega
+    torque = quaternion_torque(middle_quaternion(state.q, omega, step), body)
+    balance = torque - omega.cross(momentum) - DAMPING * momentum
+    return body.inertia * (omega - state.omega) - step / 2 * balance
+
+
+def midpoint_step(state: QuaternionState, middle_omega: Any, step: Any = STEP) -> Array:
+    """The state after a step of the midpoint rule, given the root omega_m (13 numbers).
+
+    The translation is linear, so its middle is solved for: v_m (1 + h mu/2 + h^2/2) = v - h c.
+    """
+    middle_v = (state.v - step * state.c) / (1 + step * DAMPING / 2 + step**2 / 2)
+    q = 2 * middle_quaternion(state.q, middle_omega, step) - state.q
+    c = state.c + step * middle_v
+    return Matrix([*c, *q, *(2 * middle_v - state.v), *(2 * Matrix(middle_omega) - state.omega)])
+
+
+def splitting_step(state: QuaternionState, body: Body, step: Any = STEP) -> Array:
+    """A kick with exact damping, then a drift: v <- e v + i a(c, q), c <- c + h v (13 numbers).
+
+    e = exp(-mu h) and i = (1 - e) / mu are parameters (`DECAY`, `IMPULSE`). The quaternion drifts
+    by Cayley's rotation, q + (h/2) L(q) omega normalised, so that |q| = 1 stays.
+    """
+    momentum = body.inertia * state.omega
+    torque = quaternion_torque(state.q, body) - state.omega.cross(momentum)
+    v = DECAY * state.v - 2 * IMPULSE * state.c
+    omega = DECAY * state.omega + IMPULSE * body.inertia_inverse * torque
+    moved = state.q + step / 2 * Matrix(body_frame(tuple(state.q))) * omega
+    return Matrix([*(state.c + step * v), *(moved / sympy.sqrt(square(moved))), *v, *omega])

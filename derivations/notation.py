@@ -1,0 +1,82 @@
+"""Symbols with the paper's names, and the few operations on vectors that its equations use.
+
+Vectors are 3x1 SymPy matrices. Symbols are real; those that are positive say so where it matters.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy
+
+from certreg.so3 import rotation_matrix
+
+Array = Any  # a SymPy matrix of symbols: its own types do not pass a type checker
+Matrix: Any = sympy.Matrix
+
+
+def scalar(name: str) -> sympy.Symbol:
+    """A real symbol."""
+    return sympy.Symbol(name, real=True)
+
+
+def vector(name: str) -> Array:
+    """A 3-vector of symbols name_1, name_2, name_3."""
+    return Matrix([scalar(f"{name}_{k}") for k in (1, 2, 3)])
+
+
+def matrix(name: str) -> Array:
+    """A general 3x3 matrix of symbols name_11 ... name_33."""
+    return Matrix(3, 3, lambda i, j: scalar(f"{name}_{i + 1}{j + 1}"))
+
+
+def symmetric(name: str) -> Array:
+    """A symmetric 3x3 matrix of six symbols."""
+    return Matrix(3, 3, lambda i, j: scalar(f"{name}_{min(i, j) + 1}{max(i, j) + 1}"))
+
+
+def diagonal(name: str) -> Array:
+    """A diagonal 3x3 matrix of the symbols name_1, name_2, name_3."""
+    return sympy.diag(*vector(name))
+
+
+def quaternion(name: str = "q") -> Array:
+    """A quaternion (w, x, y, z) of symbols, 4x1."""
+    return Matrix([scalar(f"{name}_{k}") for k in "wxyz"])
+
+
+def hat(a: Any) -> Array:
+    """The skew-symmetric matrix that takes b to the cross product of a and b."""
+    x, y, z = a
+    return Matrix([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+
+
+def vee(A: Any) -> Array:
+    """The axial vector (A_32 - A_23, A_13 - A_31, A_21 - A_12) / 2: vee([a]x) = a."""
+    A = Matrix(A)
+    return Matrix([A[2, 1] - A[1, 2], A[0, 2] - A[2, 0], A[1, 0] - A[0, 1]]) / 2
+
+
+def rotation(q: Any) -> Array:
+    """|q|^2 R(q), from the shipped function."""
+    return Matrix(rotation_matrix(tuple(q)))
+
+
+def square(v: Any) -> Any:
+    """The sum of squares of the entries."""
+    return sum((entry**2 for entry in v), start=sympy.Integer(0))
+
+
+def inner(A: Any, B: Any) -> Any:
+    """The sum of products of entries, which is the trace of A^T B."""
+    return sum((a * b for a, b in zip(A, B, strict=True)), start=sympy.Integer(0))
+
+
+def gradient(function: Any, variables: Any) -> Array:
+    """The column of partial derivatives."""
+    return Matrix([sympy.diff(function, variable) for variable in variables])
+
+
+def jacobian(values: Any, variables: Any) -> Array:
+    """The matrix of partial derivatives, one row for each value."""
+    return Matrix(list(values)).jacobian(Matrix(list(variables)))
