@@ -15,7 +15,7 @@ UV_PYTHON_OPTION = $(if $(filter environment command,$(origin PYTHON)),--python 
 NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_EXTRA_INDEX_URL -u UV_FIND_LINKS
 
 .DELETE_ON_ERROR:
-.PHONY: help demo test fuzz lint bench lock clean
+.PHONY: help demo test fuzz generate lint bench lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 12
@@ -28,6 +28,9 @@ test: $(READY)  ## run the tests and the examples in the docstrings
 
 fuzz: $(READY)  ## a million broken files for the readers (two minutes)
 	@$(RUN) tests/fuzz_readers.py
+
+generate: $(READY)  ## write certreg/generated anew from the derivations
+	@$(RUN) -m derivations.emit
 
 lint: $(READY)  ## ruff with all rules, formatting, strict types
 	@$(RUN) -m ruff check .

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from itertools import product
 from operator import mul
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import mpmath
 
@@ -25,7 +25,7 @@ UNITS: tuple[Quaternion, ...] = ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0
 
 def optimal_quaternion(
     source: NDArray[np.float64], target: NDArray[np.float64], weights: NDArray[np.float64]
-) -> list[mpmath.mpf]:
+) -> list[Any]:
     """The unit quaternion (w, x, y, z), up to its sign, of the rotation that fits best.
 
     source, target: (N, 3). The moments are exact; 60 digits are right where the optimum is unique
@@ -39,7 +39,7 @@ def optimal_quaternion(
         return [vectors[i, 3] for i in range(4)]
 
 
-def angle(quaternion: Sequence[float], reference: Sequence[mpmath.mpf]) -> float:
+def angle(quaternion: Sequence[float], reference: Sequence[Any]) -> float:
     """The angle in radians between two rotations, the quaternion of doubles need not be unit."""
     with mpmath.workdps(DIGITS):
         q = [mpmath.mpf(float(entry)) for entry in quaternion]

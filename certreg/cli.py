@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
 from certreg import __version__
 from certreg.errors import CertregError, ContradictionError, RefusedCertificateError
-from certreg.options import CLOUD, cloud_options, pairing_options
+from certreg.options import CLOUD, FOLDER, cloud_options, pairing_options
 
 if TYPE_CHECKING:
     from certreg.io.clouds import Pairing
@@ -81,7 +81,7 @@ def _printable(words: object) -> str:
 @cloud_options
 @click.option("--no-relaxation", is_flag=True, help="Leave the semidefinite relaxation out.")
 @click.option("--no-simulation", is_flag=True, help="Leave the simulation out.")
-@click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="Folder to write to.")
+@click.option("--out", type=FOLDER, help="Folder to write to.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def certify(
     problem: RegistrationProblem,
@@ -178,7 +178,12 @@ def equilibria(
 
 @cli.command(epilog=EXIT_CODES)
 @cloud_options
-@click.option("--integrator", type=click.Choice(["euler"]), default="euler", show_default=True)
+@click.option(
+    "--integrator",
+    type=click.Choice(["euler", "midpoint", "splitting"]),
+    default="euler",
+    show_default=True,
+)
 @click.option("--step", type=float, help="Largest step, in the time unit of the springs.")
 @click.option("--out", type=CLOUD, help="File to write the trajectory to: .npz.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
@@ -294,7 +299,7 @@ def apply(result: Path, cloud: Path, *, out: Path) -> int:
 @cli.command(epilog="Exit code 0 when every problem came out as told, else 1.")
 @click.option(
     "--out",
-    type=click.Path(file_okay=False, path_type=Path),
+    type=FOLDER,
     default=Path("certreg-demo"),
     show_default=True,
     help="Folder to write to.",
@@ -324,15 +329,55 @@ def demo(out: Path) -> int:
 
 
 @cli.command()
+@click.argument("names", nargs=-1, metavar="[CLAIM]...")
+@click.option("--out", type=FOLDER, help="Folder for the LaTeX of the claims and the generated C.")
+def derive(names: tuple[str, ...], out: Path | None) -> int:
+    """Prove the derivations anew: every claim, or the ones named. Exit code 1 if one fails.
+
+    Each claim prints its verdict, how many steps were checked, how many mutated statements were
+    refuted, and the time. Then the claims of the paper, with theirs.
+    """
+    from certreg import derivation
+    from certreg.report.claims import audit_lines, claim_line, closing_line
+
+    found: list[Any] = []
+    for outcome in derivation.outcomes(names):
+        click.echo(claim_line(outcome))
+        found.append(outcome)
+    rows = () if names else derivation.audit()
+    for line in audit_lines(rows):
+        click.echo(line)
+    click.echo(closing_line(found, rows))
+    if out is not None:
+        derivation.write_latex(found, out)
+        derivation.write_code(out)
+    return DONE if derivation.all_hold(found, rows) else REFUSED
+
+
+@cli.command()
+@click.option("--out", type=FOLDER, required=True, help="Folder to write to.")
+def codegen(out: Path) -> int:
+    """Write the generated C of the dynamics with its header and a test program, to embed."""
+    from certreg.embedding import write_sources
+
+    for path in write_sources(out):
+        click.echo(path)
+    return DONE
+
+
+@cli.command()
 def info() -> int:
     """Versions of what certreg runs on."""
     import platform
     from importlib.metadata import version
 
+    from certreg.native.engine import engine
+
     click.echo(f"certreg    {__version__}")
     click.echo(f"Python     {platform.python_version()} ({platform.python_implementation()})")
     click.echo(f"system     {platform.system()} {platform.machine()}")
-    for package in ("numpy", "scipy", "click", "cvxpy-base", "clarabel"):
+    for package in ("numpy", "scipy", "sympy", "casadi", "click", "cvxpy-base", "clarabel"):
         click.echo(f"{package:10} {version(package)}")
+    click.echo(f"simulation {engine().words}")
     click.echo("checker    exact integers of Python itself")
     return DONE

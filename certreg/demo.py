@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from certreg.pipeline import Registration
+    from certreg.problem import RegistrationProblem
 
 RMSE_DIGITS = 6  # as the figures below are printed
 
@@ -63,12 +64,16 @@ STORIES = (
 )
 
 
-def tell(story: Story) -> Registration:
-    """The certified registration of a packaged problem."""
+def stated(story: Story) -> RegistrationProblem:
+    """A packaged problem."""
     folder = files("certreg") / "data"
     with as_file(folder / story.source) as source, as_file(folder / story.target) as target:
-        problem, _ = read_problem(source, target)
-    return certify(problem, about={"source": story.source, "target": story.target})
+        return read_problem(source, target)[0]
+
+
+def tell(story: Story) -> Registration:
+    """The certified registration of a packaged problem."""
+    return certify(stated(story), about={"source": story.source, "target": story.target})
 
 
 def differences(story: Story, registration: Registration) -> Iterator[str]:

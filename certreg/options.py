@@ -19,8 +19,10 @@ if TYPE_CHECKING:
 
     from certreg.io.clouds import Pairing
 
+OPTIMAL = "optimal"  # the damping of the fastest decay
 PATIENCE = 1.0  # seconds before a long run says that it is at work
 CLOUD = click.Path(dir_okay=False, path_type=Path)
+FOLDER = click.Path(file_okay=False, path_type=Path)
 
 
 def pairing_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -48,6 +50,13 @@ def pairing_options(command: Callable[..., Any]) -> Callable[..., Any]:
     return wrapped
 
 
+def _damping(context: click.Context, parameter: click.Parameter, value: Any) -> Any:
+    """The number given for the damping, the word 'optimal', or None; anything else is bad usage."""
+    if value is None or value == OPTIMAL:
+        return value
+    return float(click.FLOAT.convert(value, parameter, context))
+
+
 def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """SOURCE TARGET, how their rows pair, their noise and the damping, read into a problem."""
 
@@ -58,7 +67,12 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
     )
     @click.option("--weights", type=CLOUD, help="File of weights, one per row of SOURCE.")
     @pairing_options
-    @click.option("--damping", type=float, help="Viscous damping per mass; default sqrt(8).")
+    @click.option(
+        "--damping",
+        metavar="MU",
+        callback=_damping,
+        help="Viscous damping per mass, or 'optimal' for the fastest decay; default sqrt(8).",
+    )
     @functools.wraps(command)
     def wrapped(
         *args: Any,
@@ -66,7 +80,7 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
         target: Path,
         sigma: float | None,
         weights: Path | None,
-        damping: float | None,
+        damping: float | str | None,
         pairing: Pairing | None,
         **options: Any,
     ) -> Any:
@@ -81,9 +95,13 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
             target,
             sigma=sigma,
             weights=weights,
-            damping=DEFAULT_DAMPING if damping is None else damping,
+            damping=damping if isinstance(damping, float) else DEFAULT_DAMPING,
             pairing=pairing or BY_LABEL,
         )
+        if damping == OPTIMAL:
+            from certreg.pipeline import optimally_damped
+
+            problem = optimally_damped(problem)
         for note in pair.notes:
             click.echo(f"note: {note}", err=True)
         with _patience(f"working on {problem.n} correspondences"):

@@ -187,9 +187,11 @@ def simulate(
 ) -> Trajectory:
     """The trajectory of the damped body, released at rest where the source was given.
 
-    integrator: "euler", explicit with projection. step: at most this, in the time unit of the
-        springs; default 0.01; never more than is stable. Raises ValueError for other integrators
-        or steps, and DegenerateProblemError where the dynamics is not defined or too stiff.
+    integrator: "euler", explicit with projection; "midpoint", whose energy never rises;
+        "splitting", a few large steps. step: in the time unit of the springs, None for the
+        integrator's own; euler and splitting take less where this is not stable. Raises ValueError
+        for other integrators or steps, and DegenerateProblemError where the dynamics is not defined
+        or too stiff.
     """
     return _trajectory(spectrum(exact_moments(problem)), problem, integrator, step)
 
@@ -274,17 +276,29 @@ def _simulation(
 def _trajectory(
     found: Spectrum, problem: RegistrationProblem, integrator: str, step: float | None
 ) -> Trajectory:
+    from certreg.native.batch import Integrator
     from certreg.settings import SimulationSettings
     from certreg.simulation import simulate as run
 
-    if integrator != "euler":
-        message = f"integrator is {integrator!r}: this version knows 'euler'"
+    known = [one.value for one in Integrator]
+    if integrator not in known:
+        message = f"integrator is {integrator!r}: this version knows {', '.join(map(repr, known))}"
         raise ValueError(message)
-    settings = SimulationSettings() if step is None else SimulationSettings(step=step)
-    if not 0.0 < settings.step < math.inf:
+    if step is not None and not 0.0 < step < math.inf:
         message = f"step is {step!r}: give a finite number above 0"
         raise ValueError(message)
-    return run(found, problem.damping, settings=settings)
+    settings = SimulationSettings(step=step)
+    return run(found, problem.damping, Integrator(integrator), settings=settings)
+
+
+def optimally_damped(problem: RegistrationProblem) -> RegistrationProblem:
+    """The same problem with the damping under which the slowest mode decays fastest.
+
+    Raises DegenerateProblemError where the dynamics is not defined or the optimum is not unique.
+    """
+    from certreg.simulation import optimal_damping
+
+    return problem.damped(optimal_damping(spectrum(exact_moments(problem))))
 
 
 def _energy_unit(moments: ExactMoments, trajectory: Trajectory | None) -> Fraction:

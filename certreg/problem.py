@@ -6,6 +6,7 @@ problem stated in doubles is an exact rational problem.
 
 from __future__ import annotations
 
+import copy
 import hashlib
 import math
 from dataclasses import dataclass
@@ -79,6 +80,12 @@ class RegistrationProblem:
             object.__setattr__(self, name, value)
         object.__setattr__(self, "damping", _positive(damping))
         object.__setattr__(self, "noise_given", sigma is not None)
+
+    def damped(self, damping: float) -> RegistrationProblem:
+        """The same problem with another damping mu > 0; raises InvalidProblemError for others."""
+        other = copy.copy(self)
+        object.__setattr__(other, "damping", _positive(damping))
+        return other
 
     @property
     def n(self) -> int:

@@ -70,11 +70,14 @@ class FileSettings:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SimulationSettings:
-    """The paper's integrator, and what ends and restarts a run."""
+    """The integrators' steps, and what ends and restarts a run."""
 
-    step: float = 0.01  # [Yang2020]
+    step: float | None = None  # of the springs' time; None: each integrator's own
+    euler_step: float = 0.01  # [Yang2020]
+    midpoint_share: float = 1.4  # of sqrt(2 / g_max): kills a critically damped mode in one step
+    splitting_share: float = 0.8  # of sqrt(2 / g_max): 12 to 23 steps from anywhere
     speed_tolerance: float = 1e-4  # [Yang2020]: norm of the 18 rates of change
-    max_steps: int = 200_000  # some five seconds; a generic problem takes a thousand
+    max_steps: int = 1_000_000  # a tenth of a second of compiled Euler steps; a thousand are usual
     stability_share: float = 0.25  # of the largest stable step of explicit Euler
     least_step: float = 1e-5  # below, a run would outlast anyone's patience
     basin_share: float = 0.4  # of the barrier: below the 1/2 that the certificate's mu proves
@@ -82,7 +85,12 @@ class SimulationSettings:
     first_kick: float = 1e-3  # radians, off a saddle
     kick_growth: float = 10.0  # slow saddles need larger ones
     largest_kick: float = 1.0  # radians
+    newton_tolerance: float = 1e-12  # of the middle angular velocity; then on while it falls
+    newton_steps: int = 20  # before a midpoint step is halved; five are usual
+    largest_turn: float = 2.0  # radians of a midpoint step: beyond, it is halved
+    halvings: int = 60  # of a midpoint step: from h = 1 down to rounding
     log_capacity: int = 2048  # samples of a trajectory that are kept
+    threads: int = 1  # for many instances at once
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,30 +1,27 @@
 """Simulated registration: the damped body released from rest until it is certain where it ends.
 
-Explicit Euler with projection, as in [Yang2020]. A small |s'| alone proves nothing: near a saddle
-it is small, too. So a run ends only when |s'| is small *and* the state is in the certified basin
-(documented at `Basin`), from which the exact flow can end nowhere but at the optimum. A stop at a
-saddle is noticed from the curvature, kicked along the direction of escape, and continued.
+Three integrators: explicit Euler with projection as in [Yang2020], the implicit midpoint rule whose
+energy never rises, and a splitting that takes a few large steps. A small |s'| alone proves nothing:
+near a saddle it is small, too. So a run ends only when |s'| is small *and* the state is in the
+certified basin (documented at `Basin`), from which the exact flow can end nowhere but at the
+optimum. A stop at a saddle is noticed from the curvature, kicked along the direction of escape, and
+continued.
 """
 
 from __future__ import annotations
 
 import enum
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics import (
-    SPRING_OVER_MASS,
-    Body,
-    Floats,
-    body,
-    euler_step,
-    start_at_rest,
-)
+from certreg.dynamics import AT_REST, Body, body, start_at_rest
 from certreg.equilibria.spectral import unit_double
 from certreg.errors import DegenerateProblemError
+from certreg.native.batch import ENERGIES, Batch, Ending, Integrator, Log
+from certreg.native.engine import engine
 from certreg.settings import SimulationSettings
 from certreg.so3 import quaternion_from_matrix, rotation_matrix
 
@@ -32,6 +29,13 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.equilibria.spectral import Spectrum
+
+TRANSLATION_STIFFNESS = 2.0  # springs 2 w over masses w
+RATE_WINDOW = (
+    1e-3,
+    1e-13,
+)  # of the energy at the start (transients over), of the spread (rounding)
+LEAST_SAMPLES = 4  # to fit a line through
 
 
 class SimulationStatus(enum.Enum):
@@ -54,10 +58,10 @@ class Basin:
     E = omega^T J omega / 2 - 2 q^T K q never rises along the exact flow, and at every spurious
     equilibrium E >= -2 l2. So a state with l1 - q^T K q + omega^T J omega / 4 < l1 - l2 has less
     energy than all of them, and by LaSalle's theorem ends at the optimum. The left side is a sum of
-    squares, (l1 - lk) (q . q_k)^2, and so has no cancellation.
+    squares, (l1 - lk) (q . q_k)^2, and so has no cancellation. Proof: derivations, certified_basin.
 
     quaternions: (4, 4), orthonormal rows, by descending eigenvalue.
-    deficits: (4,), l1 - lk over the spread (sum w |x - mean|^2 + sum w |y - mean|^2).
+    deficits: (4,), l1 - lk over the mass, lengths over the body's unit; exact zeros on the optima.
     """
 
     quaternions: NDArray[np.float64]
@@ -65,12 +69,13 @@ class Basin:
 
     @property
     def barrier(self) -> float:
-        """l1 - l2, over the spread."""
+        """The energy l1 - l2 that separates the optimum from the rest."""
         return float(self.deficits[1])
 
-    def height(self, q: NDArray[np.float64], rotational: float) -> float:
-        """l1 - q^T K q + rotational / 2, rotational being omega^T J omega / 2; over the spread."""
-        return float(self.deficits @ (self.quaternions @ q) ** 2) + rotational / 2.0
+    @property
+    def parameters(self) -> NDArray[np.float64]:
+        """The 20 numbers that the trajectory loops take."""
+        return np.concatenate([self.quaternions.ravel(), self.deficits])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -80,9 +85,14 @@ class Trajectory:
     times (L,), in the time unit of the springs; states (L, 18) with lengths over
     2^length_exponent; potential and kinetic (L,), V_p / M and V_k / M over 4^length_exponent.
     quaternion: (4,), angular_velocity: (3,), of the last state: what the basin proof is about.
-    escapes: how many times the body was kicked off a saddle.
+    step: the largest; steps: how many; escapes: how often the body was kicked off a saddle.
+    speed: |s'| at the end, the residual of the equilibrium equations.
+    predicted_rate: of the slowest mode at the optimum, from the linearised dynamics; None where the
+        optimum is not unique. decay_rate: as measured in the logged energies; None where too few
+        samples lie between a thousandth of the energy at the start and its rounding.
     """
 
+    integrator: Integrator
     status: SimulationStatus
     step: float
     steps: int
@@ -94,7 +104,9 @@ class Trajectory:
     length_exponent: int
     quaternion: NDArray[np.float64]
     angular_velocity: NDArray[np.float64]
-    speed: float  # |s'| at the end
+    speed: float
+    predicted_rate: float | None
+    decay_rate: float | None
 
     @property
     def converged(self) -> bool:
@@ -102,35 +114,17 @@ class Trajectory:
         return self.status in {SimulationStatus.CONVERGED, SimulationStatus.AT_REST}
 
 
-@dataclass(slots=True)
-class _Log:
-    """Samples at evenly spaced steps; when it is full, every second goes, the stride doubles."""
-
-    capacity: int
-    stride: int = 1
-    samples: list[tuple[int, Floats]] = field(default_factory=list[tuple[int, Floats]])
-
-    def add(self, step: int, state: Floats) -> None:
-        if step % self.stride:
-            return
-        if len(self.samples) >= self.capacity:
-            self.samples = self.samples[::2]
-            self.stride *= 2
-            if step % self.stride:
-                return
-        self.samples.append((step, state))
-
-
 def simulate(
     found: Spectrum,
     damping: float,
+    integrator: Integrator = Integrator.EULER,
     *,
-    start: Floats | None = None,
+    start: NDArray[np.float64] | None = None,
     settings: SimulationSettings | None = None,
 ) -> Trajectory:
     """The trajectory of the body of a problem, by default released at rest where it was given.
 
-    start: 18 numbers (see `certreg.dynamics`), lengths over 2^length_exponent of the body.
+    start: (18,), see `certreg.dynamics`, lengths over 2^length_exponent of the body.
     Raises DegenerateProblemError where the dynamics is undefined or too stiff for explicit Euler.
     """
     settings = settings or SimulationSettings()
@@ -138,61 +132,83 @@ def simulate(
         message = "the source points are collinear: the rotational dynamics is not defined"
         raise DegenerateProblemError(message)
     moving = body(found.moments, damping)
-    basin = certified_basin(found)
-    step = _stable_step(moving, basin, settings)
-    state = start or start_at_rest(found.moments, moving.length_exponent)
-    log = _Log(settings.log_capacity)
-    status, escapes, kick = SimulationStatus.OUT_OF_STEPS, 0, settings.first_kick
-    steps = 0
-    while True:
-        log.add(steps, state)
-        derivative = moving.derivative(state)
-        if math.hypot(*derivative) < settings.speed_tolerance:
-            ended = _rest(moving, basin, state, settings)
-            if ended is not None:
-                status = ended
-                break
-            escape = _kicked(moving, state, kick)
-            if escape is not None:
-                state, escapes = escape, escapes + 1
-                kick = min(kick * settings.kick_growth, settings.largest_kick)
-                derivative = moving.derivative(state)
-        if steps == settings.max_steps:
-            break
-        state = euler_step(state, derivative, step)
-        steps += 1
-    return _trajectory(moving, log, state, _Ending(status, step, steps, escapes))
+    basin = certified_basin(found, moving.length_exponent)
+    begin = start_at_rest(found.moments, moving.length_exponent) if start is None else start
+    batch = Batch.of(
+        integrator,
+        bodies=moving.parameters[np.newaxis],
+        basins=basin.parameters[np.newaxis],
+        steps=np.array([_step(moving, basin, integrator, settings)]),
+        states=_native(np.asarray(begin, dtype=float), integrator)[np.newaxis],
+    )
+    log = Log.of_capacity(settings.log_capacity, integrator)
+    engine().run(batch, settings, log)
+    return _trajectory(moving, basin, batch, log)
 
 
-def certified_basin(found: Spectrum) -> Basin:
-    """The basin that belongs to a spectrum."""
+def optimal_damping(found: Spectrum) -> float:
+    """The damping mu* = 2 sqrt(min(2, g_min)) under which the slowest mode decays fastest.
+
+    g: eigenvalues of the pencil (G, J) at the optimum; sqrt(8) without noise. Raises
+    DegenerateProblemError where the dynamics is not defined or the optimum is not unique.
+    Proof: derivations, optimal_damping.
+    """
+    if not (found.classification.inertia_definite and found.classification.unique):
+        message = "the best damping needs a source that is not collinear and a unique optimum"
+        raise DegenerateProblemError(message)
+    moving = body(found.moments, 1.0)
+    least = _spring_ratios(moving, certified_basin(found, moving.length_exponent))[0]
+    return 2.0 * math.sqrt(min(TRANSLATION_STIFFNESS, float(least)))
+
+
+def certified_basin(found: Spectrum, length_exponent: int) -> Basin:
+    """The basin that belongs to a spectrum, in the body's unit of length."""
     values = found.basis.values
-    unit = found.unit / found.moments.spread
-    deficits = [float((values[0] - value) * unit) for value in values]
+    scale = found.moments.total_weight * (4**length_exponent if length_exponent >= 0 else 1)
+    deficits = [(values[0] - value) * found.unit / scale for value in values]
+    if length_exponent < 0:
+        deficits = [deficit * 4**-length_exponent for deficit in deficits]
     for k in range(found.classification.pattern[0]):
-        deficits[k] = 0.0
+        deficits[k] *= 0
     return Basin(
         quaternions=np.array([unit_double(v) for v in found.basis.vectors]),
-        deficits=np.array(deficits),
+        deficits=np.array([float(deficit) for deficit in deficits]),
     )
 
 
-@dataclass(frozen=True, slots=True)
-class _Ending:
-    status: SimulationStatus
-    step: float
-    steps: int
-    escapes: int
+def _spring_ratios(moving: Body, basin: Basin) -> NDArray[np.float64]:
+    """The eigenvalues of the pencil (G, J) at the optimum, ascending, (3,)."""
+    rotation = np.array(rotation_matrix(basin.quaternions[0].tolist()))
+    aligned = rotation.T @ moving.cross_covariance
+    hessian = 2.0 * np.trace(aligned) * np.eye(3) - aligned - aligned.T
+    whitening = np.linalg.inv(np.linalg.cholesky(moving.inertia))
+    return np.linalg.eigvalsh(whitening @ hessian @ whitening.T).astype(np.float64)
 
 
-def _stable_step(moving: Body, basin: Basin, settings: SimulationSettings) -> float:
-    """The paper's step, or the largest that explicit Euler can take here.
+def _step(
+    moving: Body, basin: Basin, integrator: Integrator, settings: SimulationSettings
+) -> list[float]:
+    """The parameters of a step: the integrator's own, or the user's where that is stable."""
+    if integrator is Integrator.EULER:
+        limit = _stable_euler_step(moving, basin, settings)
+        return [min(settings.step or settings.euler_step, limit)]
+    fastest = max(TRANSLATION_STIFFNESS, float(_spring_ratios(moving, basin)[-1]))
+    period = math.sqrt(TRANSLATION_STIFFNESS / fastest)  # 1 without noise
+    if integrator is Integrator.MIDPOINT:
+        return [settings.step or settings.midpoint_share * period]
+    h = min(settings.step or math.inf, settings.splitting_share * period)
+    mu = moving.damping
+    return [h, math.exp(-mu * h), -math.expm1(-mu * h) / mu]
+
+
+def _stable_euler_step(moving: Body, basin: Basin, settings: SimulationSettings) -> float:
+    """The largest step that explicit Euler is given here.
 
     The stiffest mode s^2 + mu s + g has g <= (l1 - l4) / least eigenvalue of J; Euler follows an
     oscillation only if h < mu / g, a decay only if h < 2 / mu.
     """
-    least = float(np.linalg.eigvalsh(np.array(moving.inertia).reshape(3, 3))[0])
-    stiffness = max(SPRING_OVER_MASS, float(basin.deficits[3]) * moving.spread / max(least, 5e-324))
+    least = float(np.linalg.eigvalsh(moving.inertia)[0])
+    stiffness = max(TRANSLATION_STIFFNESS, float(basin.deficits[3]) / max(least, 5e-324))
     limit = settings.stability_share * min(1.0 / moving.damping, moving.damping / stiffness)
     if not limit > settings.least_step:
         message = (
@@ -200,53 +216,82 @@ def _stable_step(moving: Body, basin: Basin, settings: SimulationSettings) -> fl
             "Euler would need too small a step: bring both clouds to one unit of length"
         )
         raise DegenerateProblemError(message)
-    return min(settings.step, limit)
+    return limit
 
 
-def _rest(
-    moving: Body, basin: Basin, state: Floats, settings: SimulationSettings
-) -> SimulationStatus | None:
-    """How the run ends if the state, which hardly moves, is where it may end; else None."""
-    q = quaternion_from_matrix(np.array(state[3:12]).reshape(3, 3))
-    height = basin.height(q, moving.rotational(state) / moving.spread)
-    if basin.barrier > 0.0:
-        inside = height < settings.basin_share * basin.barrier
-        return SimulationStatus.CONVERGED if inside else None
-    lowest = height < settings.rest_height * basin.deficits[3] or basin.deficits[3] == 0.0
-    return SimulationStatus.AT_REST if lowest else None
+def _native(state: NDArray[np.float64], integrator: Integrator) -> NDArray[np.float64]:
+    """The 18 numbers of a state as the integrator keeps them: with a quaternion if it has one."""
+    if integrator is Integrator.EULER:
+        return state
+    q = quaternion_from_matrix(state[3:12].reshape(3, 3))
+    return np.concatenate([state[:3], q, state[12:]])
 
 
-def _kicked(moving: Body, state: Floats, angle: float) -> Floats | None:
-    """The state turned downhill along the direction of lowest curvature; None in a valley.
-
-    At an equilibrium that direction is the witness of instability.
-    """
-    R = np.array(state[3:12]).reshape(3, 3)
-    A = R.T @ np.array(moving.cross_covariance).reshape(3, 3)
-    curvatures, directions = np.linalg.eigh(2.0 * np.trace(A) * np.eye(3) - A - A.T)
-    if curvatures[0] >= 0.0:
-        return None
-    torque = np.array([A[2, 1] - A[1, 2], A[0, 2] - A[2, 0], A[1, 0] - A[0, 1]])
-    axis = directions[:, 0] if directions[:, 0] @ torque >= 0.0 else -directions[:, 0]
-    q = (math.cos(angle / 2), *(math.sin(angle / 2) * axis).tolist())
-    turned = R @ np.array(rotation_matrix(q))
-    return (*state[:3], *turned.ravel().tolist(), *state[12:])
+def _paper_states(states: NDArray[np.float64], integrator: Integrator) -> NDArray[np.float64]:
+    """States (L, 18 or 13) with rotation matrices, (L, 18)."""
+    if integrator is Integrator.EULER:
+        return states
+    rotations = rotation_matrix(list(states[:, 3:7].T))
+    flat = np.array([entry for row in rotations for entry in row]).T
+    return np.hstack([states[:, :3], flat, states[:, 7:]])
 
 
-def _trajectory(moving: Body, log: _Log, last: Floats, ending: _Ending) -> Trajectory:
-    samples = log.samples if log.samples[-1][1] is last else [*log.samples, (ending.steps, last)]
-    states = [state for _, state in samples]
+_STATUSES = {
+    Ending.OUT_OF_STEPS: SimulationStatus.OUT_OF_STEPS,
+    Ending.CONVERGED: SimulationStatus.CONVERGED,
+    Ending.AT_REST: SimulationStatus.AT_REST,
+}
+
+
+def _trajectory(moving: Body, basin: Basin, batch: Batch, log: Log) -> Trajectory:
+    integrator, size = batch.integrator, batch.integrator.state_size
+    samples = log.samples
+    times, states = samples[:, 0], _paper_states(samples[:, 1 : 1 + size], integrator)
+    energies = dict(zip(ENERGIES, samples[:, 1 + size :].T, strict=True))
+    kinetic, potential = energies["translation"] + energies["rotation"], energies["potential"]
+    last = _paper_states(batch.states, integrator)[0]
+    if times[-1] != batch.times[0] or (states[-1] != last).any():
+        end = moving.energies(last)
+        times, states = np.append(times, batch.times), np.vstack([states, last])
+        kinetic, potential = np.append(kinetic, end.kinetic), np.append(potential, end.potential)
+    unique = basin.barrier > 0.0
     return Trajectory(
-        status=ending.status,
-        step=ending.step,
-        steps=ending.steps,
-        escapes=ending.escapes,
-        times=ending.step * np.array([step for step, _ in samples]),
-        states=np.array(states),
-        potential=np.array([moving.potential(state) for state in states]),
-        kinetic=np.array([moving.kinetic(state) for state in states]),
+        integrator=integrator,
+        status=_STATUSES[Ending(int(batch.status[0]))],
+        step=float(batch.steps[0, 0]),
+        steps=int(batch.taken[0]),
+        escapes=int(batch.escapes[0]),
+        times=times,
+        states=states,
+        potential=potential,
+        kinetic=kinetic,
         length_exponent=moving.length_exponent,
-        quaternion=quaternion_from_matrix(np.array(last[3:12]).reshape(3, 3)),
-        angular_velocity=np.array(last[15:]),
-        speed=math.hypot(*moving.derivative(last)),
+        quaternion=quaternion_from_matrix(last[3:12].reshape(3, 3)),
+        angular_velocity=last[15:],
+        speed=float(np.linalg.norm(moving.rate(last))),
+        predicted_rate=_predicted_rate(moving, basin) if unique else None,
+        decay_rate=_decay_rate(times, potential + kinetic, moving, basin) if unique else None,
     )
+
+
+def _predicted_rate(moving: Body, basin: Basin) -> float:
+    """The decay rate of the slowest mode of the linearised dynamics at the optimum."""
+    optimum = _at_rest(basin.quaternions[0])
+    return -float(np.linalg.eigvals(moving.intrinsic_jacobian(optimum)).real.max())
+
+
+def _decay_rate(
+    times: NDArray[np.float64], energy: NDArray[np.float64], moving: Body, basin: Basin
+) -> float | None:
+    """Half the slope of the logarithm of the energy above the optimum's: amplitudes decay so."""
+    above = energy - moving.energies(_at_rest(basin.quaternions[0])).potential
+    tail = (above < RATE_WINDOW[0] * above[0]) & (above > RATE_WINDOW[1] * moving.spread)
+    if np.count_nonzero(tail) < LEAST_SAMPLES:
+        return None
+    slope = np.polyfit(times[tail], np.log(above[tail]), 1)[0]
+    return -0.5 * float(slope)
+
+
+def _at_rest(q: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The state (18,) at rest with the rotation of a unit quaternion, the centroids together."""
+    return np.array([0.0, 0.0, 0.0, *np.ravel(rotation_matrix(q.tolist())), *AT_REST])

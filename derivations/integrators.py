@@ -63,6 +63,19 @@ def quaternion_torque(q: Any, body: Body) -> Array:
     return 2 * L.T * K * Matrix(q)
 
 
+def accelerations(state: QuaternionState, body: Body) -> tuple[Array, Array]:
+    """The rates v' and omega' of the equations of motion, for |q| = 1."""
+    turning = quaternion_torque(state.q, body) - state.omega.cross(body.inertia * state.omega)
+    linear = -2 * state.c - DAMPING * state.v
+    return linear, body.inertia_inverse * turning - DAMPING * state.omega
+
+
+def squared_speed(state: QuaternionState, body: Body) -> Any:
+    """|s'|^2 of the paper's 18 numbers, for |q| = 1: a turn omega moves R by sqrt(2) |omega|."""
+    linear, angular = accelerations(state, body)
+    return square(state.v) + 2 * square(state.omega) + square(linear) + square(angular)
+
+
 def middle_quaternion(q: Any, middle_omega: Any, step: Any = STEP) -> Array:
     """q_m with q_m = q + (h/4) L(q_m) omega_m, solved: (q + (h/4) L(q) omega_m) / (1 + h^2 w^2/16).
 

@@ -38,6 +38,12 @@ def intrinsic_jacobian(state: State, body: Body) -> Array:
     )
 
 
+def hessian(state: State, body: Body) -> Array:
+    """The Hessian G / M of the energy along R exp([phi]x): 2 tr(R^T C) I - R^T C - C^T R."""
+    aligned = state.R.T * body.cross
+    return 2 * inner(state.R, body.cross) * eye(3) - aligned - aligned.T
+
+
 def pushforward(state: State) -> Array:
     """P (18, 12): what a perturbation delta c, phi, delta v, delta omega does to the state."""
     turned = Matrix.vstack(*[hat(state.R.row(k)) for k in range(3)])

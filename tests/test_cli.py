@@ -31,7 +31,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 CHECKER = Path(package.__file__).parent / "verify.py"
-COMMANDS = ("demo", "certify", "assess", "verify", "equilibria", "simulate", "apply", "info")
+COMMANDS = (
+    *("demo", "certify", "assess", "verify", "equilibria", "simulate"),
+    *("apply", "derive", "codegen", "info"),
+)
 FILES = ["certificate.json", "pose.txt", "result.json", "trajectory.npz"]
 
 

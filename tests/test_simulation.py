@@ -20,11 +20,12 @@ from certreg.certificate.producing import produce, proves_basin
 from certreg.certificate.types import RotationState
 from certreg.demo import STORIES, tell
 from certreg.dyadic import dyadic_below
-from certreg.dynamics import IDENTITY, body, euler_step
+from certreg.dynamics import IDENTITY, body
 from certreg.energy import alignment
 from certreg.equilibria.spectral import rotation_double, spectrum, unit_double
 from certreg.errors import ContradictionError, DegenerateProblemError
 from certreg.moments import exact_moments
+from certreg.native.engine import engine
 from certreg.pipeline import _final_state, certify
 from certreg.problem import RegistrationProblem
 from certreg.settings import SimulationSettings
@@ -43,7 +44,7 @@ def saddle_start(found, index, angle, axis):
     """At rest beside the saddle of that index: turned off it by an angle about an axis."""
     q = unit_double(found.quaternions[index])
     R = Rotation.from_quat(q, scalar_first=True) * Rotation.from_rotvec(angle * np.asarray(axis))
-    return (*[0.0] * 3, *R.as_matrix().ravel().tolist(), *[0.0] * 6)
+    return np.array([*[0.0] * 3, *R.as_matrix().ravel(), *[0.0] * 6])
 
 
 def proved_end(problem, found, trajectory):
@@ -97,7 +98,7 @@ def test_a_body_left_on_a_saddle_of_exact_coordinates_is_kicked_off(index):
     turns = {1: (1.0, -1.0, -1.0), 2: (-1.0, 1.0, -1.0), 3: (-1.0, -1.0, 1.0)}[index]
     problem = RegistrationProblem(AXES, AXES)  # d = 18, 8, 2: half-turns about x, y, z
     found = spectrum(exact_moments(problem))
-    start = (*[0.0] * 3, *np.diag(turns).ravel().tolist(), *[0.0] * 6)
+    start = np.array([*[0.0] * 3, *np.diag(turns).ravel(), *[0.0] * 6])
 
     trajectory = simulate(found, problem.damping, start=start)
 
@@ -345,7 +346,7 @@ def test_the_derivative_is_the_sum_of_the_forces_on_the_points(seed):
     lengths = np.array([unit] * 3 + [1.0] * 9 + [unit] * 3 + [1.0] * 3)
 
     expected = pointwise_derivative(problem, 1.7, state * lengths) / lengths
-    found = np.array(moving.derivative(tuple(state.tolist())))
+    found = moving.rate(state)
 
     assert np.abs(found - expected).max() < 1e-12 * max(1.0, np.abs(expected).max())
 
@@ -361,7 +362,8 @@ def test_the_potential_is_the_sum_over_the_springs(seed):
     rest = problem.target - w @ problem.target / w.sum() - arm @ R.T - c * unit
 
     expected = w @ (rest**2).sum(axis=1) / w.sum() / unit**2
-    assert moving.potential((*c, *R.ravel().tolist(), *[0.0] * 6)) == pytest.approx(expected)
+    found = moving.energies(np.array([*c, *R.ravel(), *[0.0] * 6]))
+    assert found.potential == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("step", [1e-4, 0.01, 1.0, 30.0])
@@ -372,9 +374,10 @@ def test_the_projection_of_a_step_is_the_polar_factor(step):
         x, y, z = omega
         moved = R @ (np.eye(3) + step * np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]))
         left, _, right = np.linalg.svd(moved)
-        state = (*[0.0] * 3, *R.ravel().tolist(), *[0.0] * 3, *omega.tolist())
+        state = np.array([*[0.0] * 3, *R.ravel(), *[0.0] * 3, *omega])
 
-        stepped = np.array(euler_step(state, (0.0,) * 18, step)[3:12]).reshape(3, 3)
+        following, _ = engine().evaluate("certreg_euler_step", state, np.ones(23), np.array([step]))
+        stepped = following[3:12].reshape(3, 3)
 
         assert np.abs(stepped - left @ right).max() < 1e-14
 

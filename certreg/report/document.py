@@ -28,6 +28,8 @@ SIMULATION_SCHEMA = "certreg-simulation/1"
 Document = dict[str, Any]
 
 OUT_OF_RANGE = "no double holds the value: change the unit of length"
+NOT_UNIQUE_RATE = "the optimum is not unique: no rate belongs to it"
+TOO_FEW_SAMPLES = "too few logged samples lie between the start and rest"
 SINGULAR = (
     "the inertia matrix is singular (fewer than three noncollinear points): "
     "the rotational dynamics is not defined"
@@ -284,14 +286,21 @@ def _simulation_fields(
     for name, value in zip(("initial", "final"), energies, strict=True):
         if value is None:
             reasons[f"{place}energy.{name}"] = OUT_OF_RANGE
+    if trajectory.predicted_rate is None:
+        reasons |= dict.fromkeys((f"{place}predicted_rate", f"{place}decay_rate"), NOT_UNIQUE_RATE)
+    elif trajectory.decay_rate is None:
+        reasons[f"{place}decay_rate"] = TOO_FEW_SAMPLES
     return {
-        "integrator": "euler",
+        "integrator": trajectory.integrator.value,
         "status": trajectory.status.value,
         "step": trajectory.step,
         "steps": trajectory.steps,
         "converged": trajectory.converged,
         "in_certified_basin": simulated.in_certified_basin,
         "escapes": trajectory.escapes,
+        "residual": trajectory.speed,
+        "predicted_rate": trajectory.predicted_rate,
+        "decay_rate": trajectory.decay_rate,
         "angle_to_pose_deg": math.degrees(simulated.angle_to_optimum),
         "energy": {"initial": energies[0], "final": energies[1]},
     }

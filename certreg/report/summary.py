@@ -52,14 +52,18 @@ def simulation_summary(simulated: SimulatedRegistration, energies: dict[str, flo
     """The result of `simulate`, readable; energies in objective units."""
     trajectory = simulated.trajectory
     proved = "Proved" if simulated.in_certified_basin else "Not proved"
+    measured, predicted = _rate(trajectory.decay_rate), _rate(trajectory.predicted_rate)
     return "\n".join(
         (
             trajectory.status.value,
-            f"  steps             {trajectory.steps} of {trajectory.step:.6g}",
-            f"  time              {trajectory.steps * trajectory.step:.6g}  (unit of the springs)",
+            f"  integrator        {trajectory.integrator.value}",
+            f"  steps             {trajectory.steps} of at most {trajectory.step:.6g}",
+            f"  time              {trajectory.times[-1]:.6g}  (unit of the springs)",
             f"  escapes           {trajectory.escapes}  (kicked off a saddle)",
             f"  initial energy    {_number(energies['initial'])}  (kinetic and potential)",
             f"  final energy      {_number(energies['final'])}",
+            f"  residual          {trajectory.speed:.3g}  (norm of the 18 rates of change)",
+            f"  decay rate        {measured}  (predicted {predicted})",
             f"  end               {_away(simulated.angle_to_optimum)}",
             f"{proved}: from its last state the exact motion ends at the optimum.",
         )
@@ -234,6 +238,10 @@ def _number(value: float | None) -> str:
         return "(beyond doubles)"
     plain = 1e-4 <= abs(value) < 1e7 or value == 0
     return f"{value:.6f}" if plain else f"{value:.9e}"
+
+
+def _rate(value: float | None) -> str:
+    return "unknown" if value is None else f"{value:.4g}"
 
 
 def _upper(value: float, digits: int = 3) -> str:

@@ -1,0 +1,1 @@
+"""From expressions to C: SymPy expressions -> CasADi functions -> C, header, serialised text."""

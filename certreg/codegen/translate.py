@@ -1,0 +1,131 @@
+"""SymPy expressions as CasADi functions, one operation for one operation.
+
+Nothing is rewritten on the way: sums, products, integer powers and square roots become the same
+in CasADi, and equal subexpressions are computed once.
+"""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import reduce
+from operator import mul
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Generator, Sequence
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Port:
+    """A named vector argument or result: `entries` are SymPy symbols or expressions."""
+
+    name: str
+    entries: tuple[Any, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Definition:
+    """A function to be generated: its name, one sentence about it, its arguments and results."""
+
+    name: str
+    says: str
+    arguments: tuple[Port, ...]
+    results: tuple[Port, ...]
+
+
+def casadi_function(definition: Definition) -> Any:
+    """The CasADi function of a definition.
+
+    Raises TypeError for an expression that is no sum, product, power or square root of the
+    arguments' symbols and rational numbers.
+    """
+    import casadi as module
+
+    casadi: Any = module  # its stubs confuse its matrix types
+    with _as_written(casadi):
+        known: dict[Any, Any] = {}
+        inputs: list[Any] = []
+        for port in definition.arguments:
+            column = casadi.SX.sym(port.name, len(port.entries))
+            inputs.append(column)
+            known.update({symbol: column[k] for k, symbol in enumerate(port.entries)})
+        outputs = [
+            casadi.vertcat(*[_translated(entry, known, casadi) for entry in port.entries])
+            for port in definition.results
+        ]
+        return casadi.Function(
+            definition.name,
+            inputs,
+            casadi.cse(outputs),
+            [port.name for port in definition.arguments],
+            [port.name for port in definition.results],
+        )
+
+
+@contextmanager
+def _as_written(casadi: Any) -> Generator[None]:
+    """CasADi without its own rewriting, which turns one reciprocal into many divisions."""
+    options = casadi.GlobalOptions
+    before = options.getSimplificationOnTheFly()
+    options.setSimplificationOnTheFly(False)
+    try:
+        yield
+    finally:
+        options.setSimplificationOnTheFly(before)
+
+
+def _translated(expression: Any, known: dict[Any, Any], casadi: Any) -> Any:
+    """The CasADi expression; `known` remembers what was translated before."""
+    if expression in known:
+        return known[expression]
+    if expression.is_Rational:
+        found = casadi.SX(int(expression.p))
+        if expression.q != 1:
+            found = casadi.SX(float(expression)) if _is_dyadic(expression) else found / expression.q
+    elif expression.is_Add:
+        found = _sum([_translated_term(term, known, casadi) for term in expression.args])
+    elif expression.is_Mul:
+        found = reduce(mul, [_translated(part, known, casadi) for part in expression.args])
+    elif expression.is_Pow:
+        found = _power(_translated(expression.base, known, casadi), expression.exp, casadi)
+    else:
+        raise TypeError(f"no arithmetic of the generated code: {expression}")
+    known[expression] = found
+    return found
+
+
+def _is_dyadic(number: Any) -> bool:
+    return int(number.q) & (int(number.q) - 1) == 0
+
+
+def _translated_term(term: Any, known: dict[Any, Any], casadi: Any) -> tuple[bool, Any]:
+    """Whether a term of a sum is to be subtracted, and its CasADi expression without the sign."""
+    coefficient, _ = term.as_coeff_Mul()
+    negative = bool(coefficient < 0)
+    return negative, _translated(-term if negative else term, known, casadi)
+
+
+def _sum(terms: list[tuple[bool, Any]]) -> Any:
+    """The signed sum, begun with a positive term where there is one."""
+    terms.sort(key=lambda term: term[0])
+    negative, total = terms[0]
+    total = -total if negative else total
+    for subtracted, term in terms[1:]:
+        total = total - term if subtracted else total + term
+    return total
+
+
+def _power(base: Any, exponent: Any, casadi: Any) -> Any:
+    twice = 2 * exponent
+    if not twice.is_Integer:
+        raise TypeError(f"neither an integer power nor a square root: exponent {exponent}")
+    root = base if exponent.is_Integer else casadi.sqrt(base)
+    times = abs(int(exponent if exponent.is_Integer else twice))
+    product = reduce(mul, [root] * times)
+    return product if exponent > 0 else 1 / product
+
+
+def port(name: str, entries: Sequence[Any]) -> Port:
+    """A port from any sequence or matrix of entries, row by row."""
+    return Port(name=name, entries=tuple(entries[k] for k in range(len(entries))))

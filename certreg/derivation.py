@@ -1,0 +1,86 @@
+"""The derivations, found and run: claims proved anew, on this machine, about the code installed.
+
+They stand beside the package in a checkout (`derivations/`) and inside it in a wheel
+(`certreg/_derivations`); either way they are imported as `certreg._derivations`, when asked for and
+not before. Nothing in the package imports them otherwise.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from certreg.errors import CertregError
+from certreg.files import write_atomically
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+PACKAGE = Path(__file__).resolve().parent
+CHECKOUT = PACKAGE.parent / "derivations"
+NAME = "certreg._derivations"
+LATEX_FILE, CODE_FOLDER = "claims.tex", "generated"
+
+
+class UnknownClaimError(CertregError):
+    """The book of claims has no claim of that name."""
+
+
+def chapters() -> tuple[Any, ...]:
+    """The chapters of the book: each a title and the names of its claims."""
+    found: tuple[Any, ...] = _module("book").CHAPTERS
+    return found
+
+
+def outcomes(names: Sequence[str] = ()) -> Iterator[Any]:
+    """The outcome of each claim (kernel.Outcome), all of them if no names are given, as it is run.
+
+    Raises UnknownClaimError before anything is run.
+    """
+    book, prove = _module("book"), _module("kernel").prove
+    for name in names:
+        if name not in book.names():
+            message = f"there is no claim {name!r}: `certreg derive` prints the names"
+            raise UnknownClaimError(message)
+    return (prove(book.claim(name)) for name in (names or book.names()))
+
+
+def audit() -> tuple[Any, ...]:
+    """The paper's claims with their verdicts (audit.Row)."""
+    found: tuple[Any, ...] = _module("audit").rows()
+    return found
+
+
+def all_hold(found: Sequence[Any], rows: Sequence[Any]) -> bool:
+    """Whether every claim was proved, and every row of the audit confirmed."""
+    return all(one.verdict.proved for one in found) and all(row.recheck().proved for row in rows)
+
+
+def write_latex(found: Sequence[Any], folder: Path) -> None:
+    """Write the executed claims as a LaTeX document."""
+    folder.mkdir(parents=True, exist_ok=True)
+    document: str = _module("latex").document(found)
+    write_atomically(folder / LATEX_FILE, document.encode())
+
+
+def write_code(folder: Path) -> None:
+    """Write the C that the derived expressions become, generated anew."""
+    from certreg.codegen.emit import emit
+
+    emit(_module("emit").definitions(), folder / CODE_FOLDER)
+
+
+def _module(name: str) -> Any:
+    """A module of the derivations, from the checkout if the package stands in one."""
+    if NAME not in sys.modules and (CHECKOUT / "book.py").is_file():
+        spec = importlib.util.spec_from_file_location(
+            NAME, CHECKOUT / "__init__.py", submodule_search_locations=[str(CHECKOUT)]
+        )
+        if spec is not None and spec.loader is not None:
+            package = importlib.util.module_from_spec(spec)
+            sys.modules[NAME] = package
+            spec.loader.exec_module(package)
+    return importlib.import_module(f"{NAME}.{name}")

@@ -1,0 +1,53 @@
+"""The generated C for other people's programs: two files, an example, and data to run it on."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from certreg.codegen.emit import C_FILE, HEADER_FILE
+from certreg.demo import STORIES, stated
+from certreg.dynamics import body, start_at_rest
+from certreg.errors import InvalidFileError
+from certreg.files import write_atomically
+from certreg.moments import exact_moments
+from certreg.native.compiler import GENERATED, HERE
+from certreg.settings import SimulationSettings
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from certreg.problem import RegistrationProblem
+
+EXAMPLE_FILE, DATA_FILE = "example.c", "survey.txt"
+
+
+def write_sources(folder: Path) -> list[Path]:
+    """Write dynamics.c, dynamics.h, example.c and survey.txt to a folder; the paths written.
+
+    Raises InvalidFileError where the folder cannot be made or written to.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        message = f"{folder}: cannot be made a folder ({error.strerror}): choose another place"
+        raise InvalidFileError(message) from error
+    contents = {
+        C_FILE: (GENERATED / C_FILE).read_bytes(),
+        HEADER_FILE: (GENERATED / HEADER_FILE).read_bytes(),
+        EXAMPLE_FILE: (HERE / EXAMPLE_FILE).read_bytes(),
+        DATA_FILE: example_input(stated(STORIES[0])).encode(),
+    }
+    for name, content in contents.items():
+        write_atomically(folder / name, content)
+    return [folder / name for name in contents]
+
+
+def example_input(problem: RegistrationProblem) -> str:
+    """What example.c reads, one number a line: body, start at rest, step, tolerance, most steps."""
+    settings = SimulationSettings()
+    moments = exact_moments(problem)
+    moving = body(moments, problem.damping)
+    start = start_at_rest(moments, moving.length_exponent)
+    control = [settings.euler_step, settings.speed_tolerance, float(settings.max_steps)]
+    numbers = [*moving.parameters.tolist(), *start.tolist(), *control]
+    return "".join(f"{number!r}\n" for number in numbers)

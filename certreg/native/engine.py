@@ -1,0 +1,29 @@
+"""The engine of this process: compiled code where it can be had, CasADi's evaluator elsewhere."""
+
+from __future__ import annotations
+
+import warnings
+from functools import cache
+from typing import TYPE_CHECKING
+
+from certreg.native.compiler import CompilationError
+from certreg.native.evaluator import evaluator
+from certreg.native.library import library
+
+if TYPE_CHECKING:
+    from certreg.native.batch import Engine
+
+
+class SlowSimulationWarning(UserWarning):
+    """There is no compiled code: simulations run, hundreds of times slower."""
+
+
+@cache
+def engine() -> Engine:
+    """The engine of this process; warns once where it is the slow one."""
+    try:
+        return library()
+    except CompilationError as error:
+        message = f"{error}: simulating with CasADi's evaluator, same results but much slower"
+        warnings.warn(message, SlowSimulationWarning, stacklevel=2)
+        return evaluator()

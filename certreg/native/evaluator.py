@@ -1,0 +1,237 @@
+"""The same functions and loops without a compiler: CasADi evaluates, Python loops.
+
+Slower by a factor of hundreds, the same numbers up to rounding. `Evaluator.run` does what
+native/loop.h, settle.c and midpoint.c do, in the same order.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from certreg.native.batch import ENERGIES, Batch, Ending, Integrator, Log
+from certreg.native.compiler import GENERATED
+from certreg.native.library import Signature, signatures
+from certreg.so3 import quaternion_from_matrix, rotation_matrix
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from certreg.settings import SimulationSettings
+
+Array = Any  # NDArray[np.float64]
+ROTATION = ENERGIES.index("rotation")
+
+
+@dataclass(frozen=True, slots=True)
+class Evaluator:
+    """The generated functions in CasADi's virtual machine."""
+
+    calls: dict[str, _Call]
+
+    @property
+    def words(self) -> str:
+        """What it is, for `certreg info`."""
+        return "CasADi's evaluator (no compiled code)"
+
+    def evaluate(
+        self, name: str, *arguments: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], ...]:
+        """The results of one generated function, flat. Raises ValueError for other sizes."""
+        return self.calls[name](*arguments)
+
+    def run(self, batch: Batch, settings: SimulationSettings, log: Log | None = None) -> None:
+        """Integrate every instance of a batch, one after another."""
+        for k in range(len(batch.bodies)):
+            _Run(self, batch.part(slice(k, k + 1)), settings, log).to_the_end()
+
+
+class _Call:
+    """One function with its own buffers: CasADi reads and writes them without conversion."""
+
+    __slots__ = ("_arguments", "_buffer", "_call", "_name", "_results", "_shape")
+
+    def __init__(self, name: str, function: Any, shape: Signature) -> None:
+        self._name, self._shape = name, shape
+        self._arguments = [np.empty(size) for size in shape.arguments]
+        self._results = [np.empty(size) for size in shape.results]
+        self._buffer, self._call = function.buffer()
+        for k, array in enumerate(self._arguments):
+            self._buffer.set_arg(k, memoryview(cast("Any", array)))
+        for k, array in enumerate(self._results):
+            self._buffer.set_res(k, memoryview(cast("Any", array)))
+
+    def __call__(self, *arguments: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+        for mine, given in zip(
+            self._arguments, self._shape.checked(self._name, arguments), strict=True
+        ):
+            mine[:] = given
+        self._call()
+        return tuple(array.copy() for array in self._results)
+
+
+@cache
+def evaluator() -> Evaluator:
+    """The evaluator of this process, from CasADi's serialised functions."""
+    import casadi
+
+    document = json.loads((GENERATED / "dynamics.json").read_text())
+    shapes = signatures()
+    return Evaluator(
+        {
+            name: _Call(name, casadi.Function.deserialize(text), shapes[name])
+            for name, text in document["functions"].items()
+        }
+    )
+
+
+class _Run:
+    """One instance on its way."""
+
+    def __init__(
+        self, machine: Evaluator, batch: Batch, settings: SimulationSettings, log: Log | None
+    ) -> None:
+        self.machine, self.batch, self.settings, self.log = machine, batch, settings, log
+        self.integrator = batch.integrator
+        self.body, self.basin, self.step = batch.bodies[0], batch.basins[0], batch.steps[0]
+        self.prefix = "certreg_" if self.integrator is Integrator.EULER else "certreg_quaternion_"
+        self.kick = settings.first_kick
+
+    def to_the_end(self) -> None:
+        """Step until the state may stop, or the steps run out."""
+        batch, settings = self.batch, self.settings
+        state, time, taken, escapes = batch.states[0].copy(), 0.0, 0, 0
+        while True:
+            self._record(taken, time, state)
+            following, speed = self._look_ahead(state)
+            end = Ending.OUT_OF_STEPS
+            if speed < settings.speed_tolerance**2:
+                end, state = self._settled(state)
+                escapes += end is Ending.KICKED
+            if end in {Ending.CONVERGED, Ending.AT_REST} or taken >= settings.max_steps:
+                break
+            if end is Ending.KICKED or following is None:
+                following, size = self._advanced(state)
+            else:
+                size = float(self.step[0])
+            if following is None:
+                break
+            state, time, taken = following, time + size, taken + 1
+        if self.integrator is not Integrator.MIDPOINT:
+            time = taken * float(self.step[0])
+        batch.states[0] = state
+        batch.taken[0], batch.escapes[0], batch.times[0] = taken, escapes, time
+        batch.status[0] = Ending.OUT_OF_STEPS if end is Ending.KICKED else end
+
+    def _look_ahead(self, state: Array) -> tuple[Array | None, float]:
+        """The next state where it comes with the speed, else None; |s'|^2 now."""
+        if self.integrator is Integrator.MIDPOINT:
+            name = "certreg_quaternion_squared_speed"
+            return None, float(self.machine.evaluate(name, state, self.body)[0][0])
+        following, speed = self._explicit(state)
+        return following, float(speed[0])
+
+    def _explicit(self, state: Array) -> tuple[Array, Array]:
+        name = f"certreg_{self.integrator.value}_step"
+        following, speed = self.machine.evaluate(name, state, self.body, self.step)
+        return following, speed
+
+    def _advanced(self, state: Array) -> tuple[Array | None, float]:
+        """The state after a step and the step's size; None where Newton never converges."""
+        if self.integrator is not Integrator.MIDPOINT:
+            return self._explicit(state)[0], float(self.step[0])
+        size = float(self.step[0])
+        for _ in range(self.settings.halvings + 1):
+            middle = self._middle(state, size)
+            if middle is not None:
+                arguments = (state, self.body, middle, np.array([size]))
+                (following,) = self.machine.evaluate("certreg_midpoint_step", *arguments)
+                following[3:7] /= math.sqrt(float(following[3:7] @ following[3:7]))
+                return following, size
+            size /= 2.0
+        return None, 0.0
+
+    def _middle(self, state: Array, size: float) -> Array | None:
+        """The middle angular velocity by Newton's method; None if it does not converge."""
+        settings = self.settings
+        middle, before = state[10:].copy(), math.inf
+        for _ in range(settings.newton_steps):
+            residual, slope = self.machine.evaluate(
+                "certreg_midpoint_residual", state, self.body, middle, np.array([size])
+            )
+            try:
+                change = np.linalg.solve(slope.reshape(3, 3), residual)
+            except np.linalg.LinAlgError:
+                return None
+            middle = middle - change
+            length, moved = float(middle @ middle), float(change @ change)
+            if not math.isfinite(length) or size * size * length > settings.largest_turn**2:
+                return None
+            small = moved <= settings.newton_tolerance**2 * length
+            if length == 0.0 or (small and (moved >= before / 4 or moved == 0.0)):
+                return middle
+            before = moved
+        return None
+
+    def _settled(self, state: Array) -> tuple[Ending, Array]:
+        """What a slow state may do, and the state, kicked if it has to be."""
+        q = state[3:7] if self.integrator is not Integrator.EULER else _quaternion(state)
+        (energies,) = self.machine.evaluate(f"{self.prefix}energies", state, self.body)
+        deficits = self.basin[16:]
+        above = float(deficits @ (self.basin[:16].reshape(4, 4) @ q) ** 2)
+        above += float(energies[ROTATION]) / 2.0
+        if deficits[1] > 0.0:
+            if above < self.settings.basin_share * deficits[1]:
+                return Ending.CONVERGED, state
+        elif deficits[3] == 0.0 or above < self.settings.rest_height * deficits[3]:
+            return Ending.AT_REST, state
+        return self._kicked(state)
+
+    def _kicked(self, state: Array) -> tuple[Ending, Array]:
+        hessian, torque = self.machine.evaluate(f"{self.prefix}curvature", state, self.body)
+        curvatures, directions = np.linalg.eigh(hessian.reshape(3, 3))
+        if curvatures[0] >= 0.0:
+            return Ending.OUT_OF_STEPS, state
+        axis = directions[:, 0]
+        along = float(axis @ torque) or next(entry for entry in axis if entry != 0.0)
+        half = math.copysign(self.kick / 2.0, along)
+        self.kick = min(self.kick * self.settings.kick_growth, self.settings.largest_kick)
+        return Ending.KICKED, _turned(state, math.cos(half), math.sin(half) * axis)
+
+    def _record(self, taken: int, time: float, state: Array) -> None:
+        log = self.log
+        if log is None or taken % log.stride:
+            return
+        if log.count == len(log.rows):
+            kept = log.rows[::2].copy()
+            log.rows[: len(kept)] = kept
+            log.count, log.stride = len(kept), 2 * log.stride
+            if taken % log.stride:
+                return
+        (energies,) = self.machine.evaluate(f"{self.prefix}energies", state, self.body)
+        if self.integrator is not Integrator.MIDPOINT:
+            time = taken * float(self.step[0])
+        log.rows[log.count] = np.concatenate([[time], state, energies])
+        log.count += 1
+
+
+def _quaternion(state: Array) -> Array:
+    return quaternion_from_matrix(state[3:12].reshape(3, 3))
+
+
+def _turned(state: Array, cosine: float, sine: Array) -> Array:
+    """The state with its body turned by the unit quaternion (cosine, sine), in the body frame."""
+    turned = state.copy()
+    if len(state) == Integrator.EULER.state_size:
+        turn = np.array(rotation_matrix((cosine, *sine.tolist())))
+        turned[3:12] = (state[3:12].reshape(3, 3) @ turn).ravel()
+        return turned
+    w, v = state[3], state[4:7]
+    turned[3] = cosine * w - v @ sine
+    turned[4:7] = cosine * v + w * sine + np.cross(v, sine)
+    return turned

@@ -1,0 +1,175 @@
+"""The compiled library, called without conversions; the interpreter's lock is free meanwhile."""
+
+from __future__ import annotations
+
+import ctypes
+import json
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from certreg.native.batch import Batch, Integrator, Log
+from certreg.native.compiler import GENERATED, CompilationError, compiled_library
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from certreg.settings import SimulationSettings
+
+PORTION = 512  # instances that one call takes: Ctrl-C is answered within milliseconds
+_POINTER = ctypes.c_void_p
+
+
+class _Settings(ctypes.Structure):
+    _fields_ = (
+        ("squared_tolerance", ctypes.c_double),
+        ("basin_share", ctypes.c_double),
+        ("rest_height", ctypes.c_double),
+        ("first_kick", ctypes.c_double),
+        ("kick_growth", ctypes.c_double),
+        ("largest_kick", ctypes.c_double),
+        ("newton_tolerance", ctypes.c_double),
+        ("largest_turn", ctypes.c_double),
+        ("newton_steps", ctypes.c_long),
+        ("halvings", ctypes.c_long),
+        ("max_steps", ctypes.c_long),
+    )
+
+
+class _Log(ctypes.Structure):
+    _fields_ = (
+        ("rows", _POINTER),
+        ("capacity", ctypes.c_long),
+        ("count", ctypes.c_long),
+        ("stride", ctypes.c_long),
+    )
+
+
+class _Batch(ctypes.Structure):
+    _fields_ = (
+        ("count", ctypes.c_long),
+        ("bodies", _POINTER),
+        ("basins", _POINTER),
+        ("steps", _POINTER),
+        ("states", _POINTER),
+        ("taken", _POINTER),
+        ("status", _POINTER),
+        ("escapes", _POINTER),
+        ("times", _POINTER),
+        ("log", ctypes.POINTER(_Log)),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Library:
+    """The generated functions and the loops, compiled."""
+
+    handle: Any
+    path: str
+    shapes: dict[str, Signature]
+
+    @property
+    def words(self) -> str:
+        """What it is, for `certreg info`."""
+        return f"compiled C ({self.path})"
+
+    def evaluate(
+        self, name: str, *arguments: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], ...]:
+        """The results of one generated function, flat. Raises ValueError for other sizes."""
+        shape = self.shapes[name]
+        given = shape.checked(name, arguments)
+        results = tuple(np.empty(size) for size in shape.results)
+        pointers = [_POINTER(array.ctypes.data) for array in (*given, *results)]
+        getattr(self.handle, name)(*pointers)
+        return results
+
+    def run(self, batch: Batch, settings: SimulationSettings, log: Log | None = None) -> None:
+        """Integrate every instance; several run on all given threads, a log is for one instance."""
+        count = len(batch.bodies)
+        if log is not None or count == 1:
+            self._run(batch, settings, log)
+            return
+        parts = [batch.part(slice(k, k + PORTION)) for k in range(0, count, PORTION)]
+        with ThreadPoolExecutor(settings.threads) as pool:
+            for done in [pool.submit(self._run, part, settings, None) for part in parts]:
+                done.result()
+
+    def _run(self, batch: Batch, settings: SimulationSettings, log: Log | None) -> None:
+        single = len(batch.bodies) == 1 or batch.integrator is Integrator.MIDPOINT
+        name = f"certreg_{batch.integrator.value}_{'single' if single else 'lanes'}"
+        record = None
+        if log is not None:
+            record = _Log(log.rows.ctypes.data, len(log.rows), log.count, log.stride)
+        fields = (batch.bodies, batch.basins, batch.steps, batch.states, batch.taken)
+        fields += (batch.status, batch.escapes, batch.times)
+        passed = _Batch(
+            len(batch.bodies),
+            *[array.ctypes.data for array in fields],
+            None if record is None else ctypes.pointer(record),
+        )
+        getattr(self.handle, name)(ctypes.byref(passed), ctypes.byref(_settings(settings)))
+        if log is not None and record is not None:
+            log.count, log.stride = record.count, record.stride
+
+
+@dataclass(frozen=True, slots=True)
+class Signature:
+    """Sizes of the arguments and results of a generated function."""
+
+    arguments: tuple[int, ...]
+    results: tuple[int, ...]
+
+    def checked(
+        self, name: str, arguments: tuple[NDArray[np.float64], ...]
+    ) -> list[NDArray[np.float64]]:
+        """The arguments as contiguous doubles; raises ValueError where one has another size."""
+        given = [np.ascontiguousarray(array, dtype=float).ravel() for array in arguments]
+        sizes = tuple(array.size for array in given)
+        if sizes != self.arguments:
+            raise ValueError(f"{name} takes {self.arguments} numbers, not {sizes}")
+        return given
+
+
+def _settings(settings: SimulationSettings) -> _Settings:
+    return _Settings(
+        settings.speed_tolerance**2,
+        settings.basin_share,
+        settings.rest_height,
+        settings.first_kick,
+        settings.kick_growth,
+        settings.largest_kick,
+        settings.newton_tolerance,
+        settings.largest_turn,
+        settings.newton_steps,
+        settings.halvings,
+        settings.max_steps,
+    )
+
+
+def signatures() -> dict[str, Signature]:
+    """The generated functions and the sizes of their arguments, as the generator wrote them."""
+    document = json.loads((GENERATED / "signatures.json").read_text())
+    return {
+        name: Signature(arguments=tuple(sizes["arguments"]), results=tuple(sizes["results"]))
+        for name, sizes in document.items()
+    }
+
+
+@cache
+def library() -> Library:
+    """The compiled library of this process. Raises CompilationError where there is none."""
+    path = compiled_library()
+    try:
+        handle = ctypes.CDLL(str(path))
+    except OSError as error:
+        raise CompilationError(f"the compiled library cannot be loaded ({error})") from error
+    shapes = signatures()
+    for name, shape in shapes.items():
+        function = getattr(handle, name)
+        function.argtypes = [_POINTER] * (len(shape.arguments) + len(shape.results))
+        function.restype = None
+    return Library(handle, str(path), shapes)

@@ -1,0 +1,199 @@
+/* A state that hardly moves: is it where it may end, or at a saddle to be kicked off? And the log.
+ *
+ * Formulas of the dynamics are generated; here is the logic, and the linear algebra of three
+ * dimensions. certreg/simulation.py does the same for machines without a compiler. */
+#include "loops.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "dynamics.h"
+
+enum { TRANSLATION, ROTATION, POTENTIAL, ALIGNMENT, ENERGIES };
+
+/* The unit quaternion of a rotation matrix: the largest of the four squares decides (Shepperd). */
+static void quaternion_of(const double r[9], double q[4])
+{
+    const double trace = r[0] + r[4] + r[8];
+    const double squares[4] = {trace, 2 * r[0] - trace, 2 * r[4] - trace, 2 * r[8] - trace};
+    double norm = 0;
+    int k = 0;
+    for (int i = 1; i < 4; i++)
+        if (squares[i] > squares[k])
+            k = i;
+    switch (k) {
+    case 0: q[0] = 1 + trace, q[1] = r[7] - r[5], q[2] = r[2] - r[6], q[3] = r[3] - r[1]; break;
+    case 1: q[0] = r[7] - r[5], q[1] = 1 + squares[1], q[2] = r[1] + r[3], q[3] = r[2] + r[6]; break;
+    case 2: q[0] = r[2] - r[6], q[1] = r[1] + r[3], q[2] = 1 + squares[2], q[3] = r[5] + r[7]; break;
+    default: q[0] = r[3] - r[1], q[1] = r[2] + r[6], q[2] = r[5] + r[7], q[3] = 1 + squares[3];
+    }
+    for (int i = 0; i < 4; i++)
+        norm += q[i] * q[i];
+    norm = sqrt(norm);
+    for (int i = 0; i < 4; i++)
+        q[i] /= norm;
+}
+
+/* l1 - q^T K q + omega^T J omega / 4 as a sum of squares (no cancellation); per unit of mass. */
+static double height(const double q[4], double rotational, const double basin[20])
+{
+    double sum = rotational / 2;
+    for (int k = 0; k < 4; k++) {
+        const double *axis = basin + 4 * k;
+        const double along = q[0] * axis[0] + q[1] * axis[1] + q[2] * axis[2] + q[3] * axis[3];
+        sum += basin[16 + k] * along * along;
+    }
+    return sum;
+}
+
+/* The least eigenvalue of a symmetric 3 x 3 matrix and its unit eigenvector, by Jacobi rotations. */
+static double least_curvature(const double g[9], double axis[3])
+{
+    double a[3][3] = {{g[0], g[1], g[2]}, {g[3], g[4], g[5]}, {g[6], g[7], g[8]}};
+    double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (int sweep = 0; sweep < 12; sweep++)
+        for (int p = 0; p < 2; p++)
+            for (int q = p + 1; q < 3; q++) {
+                if (a[p][q] == 0)
+                    continue;
+                const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
+                const double t = (theta < 0 ? -1 : 1) / (fabs(theta) + sqrt(theta * theta + 1));
+                const double c = 1 / sqrt(t * t + 1), s = t * c;
+                for (int i = 0; i < 3; i++) {
+                    const double x = a[i][p], y = a[i][q];
+                    a[i][p] = c * x - s * y, a[i][q] = s * x + c * y;
+                }
+                for (int i = 0; i < 3; i++) {
+                    const double x = a[p][i], y = a[q][i];
+                    a[p][i] = c * x - s * y, a[q][i] = s * x + c * y;
+                }
+                for (int i = 0; i < 3; i++) {
+                    const double x = v[i][p], y = v[i][q];
+                    v[i][p] = c * x - s * y, v[i][q] = s * x + c * y;
+                }
+            }
+    int k = 0;
+    for (int i = 1; i < 3; i++)
+        if (a[i][i] < a[k][k])
+            k = i;
+    for (int i = 0; i < 3; i++)
+        axis[i] = v[i][k];
+    return a[k][k];
+}
+
+/* q (0, a) + c q: the quaternion q turned by a half angle whose cosine is c, sine times axis a. */
+static void turn(double q[4], double c, const double a[3])
+{
+    const double w = q[0], x = q[1], y = q[2], z = q[3];
+    q[0] = c * w - x * a[0] - y * a[1] - z * a[2];
+    q[1] = c * x + w * a[0] - z * a[1] + y * a[2];
+    q[2] = c * y + z * a[0] + w * a[1] - x * a[2];
+    q[3] = c * z - y * a[0] + x * a[1] + w * a[2];
+}
+
+/* Whether a body may stop at a quaternion; CERTREG_KICKED if it has to be kicked off. */
+static int ending(const double q[4], double rotational, const double basin[20],
+                  const struct certreg_settings *settings)
+{
+    const double above = height(q, rotational, basin), barrier = basin[17], range = basin[19];
+    if (barrier > 0)
+        return above < settings->basin_share * barrier ? CERTREG_CONVERGED : CERTREG_KICKED;
+    if (range == 0 || above < settings->rest_height * range)
+        return CERTREG_AT_REST;
+    return CERTREG_KICKED;
+}
+
+/* The half-angle quaternion of a kick downhill along the direction of lowest curvature; 0 in a valley. */
+static int kick_of(const double hessian[9], const double torque[3], double *angle,
+                   const struct certreg_settings *settings, double *cosine, double sine[3])
+{
+    double axis[3];
+    if (least_curvature(hessian, axis) >= 0)
+        return 0;
+    const double along = axis[0] * torque[0] + axis[1] * torque[1] + axis[2] * torque[2];
+    double sign = along > 0 ? 1 : along < 0 ? -1 : 0;
+    for (int i = 0; i < 3 && sign == 0; i++)
+        sign = axis[i] > 0 ? 1 : axis[i] < 0 ? -1 : 0;
+    for (int i = 0; i < 3; i++)
+        sine[i] = sign * sin(*angle / 2) * axis[i];
+    *cosine = cos(*angle / 2);
+    *angle = fmin(*angle * settings->kick_growth, settings->largest_kick);
+    return 1;
+}
+
+int certreg_settle_matrix(double state[18], const double body[23], const double basin[20],
+                          const struct certreg_settings *settings, double *kick)
+{
+    double q[4], energies[ENERGIES], hessian[9], torque[3], cosine, sine[3], turned[9];
+    double *r = state + 3;
+    quaternion_of(r, q);
+    certreg_energies(state, body, energies);
+    const int end = ending(q, energies[ROTATION], basin, settings);
+    if (end != CERTREG_KICKED)
+        return end;
+    certreg_curvature(state, body, hessian, torque);
+    if (!kick_of(hessian, torque, kick, settings, &cosine, sine))
+        return CERTREG_GO_ON;
+    const double w = cosine, x = sine[0], y = sine[1], z = sine[2];
+    const double m[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
+                         2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
+                         2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)};
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            turned[3 * i + j] = r[3 * i] * m[j] + r[3 * i + 1] * m[3 + j] + r[3 * i + 2] * m[6 + j];
+    memcpy(r, turned, sizeof turned);
+    return CERTREG_KICKED;
+}
+
+int certreg_settle_quaternion(double state[13], const double body[23], const double basin[20],
+                              const struct certreg_settings *settings, double *kick)
+{
+    double energies[ENERGIES], hessian[9], torque[3], cosine, sine[3];
+    certreg_quaternion_energies(state, body, energies);
+    const int end = ending(state + 3, energies[ROTATION], basin, settings);
+    if (end != CERTREG_KICKED)
+        return end;
+    certreg_quaternion_curvature(state, body, hessian, torque);
+    if (!kick_of(hessian, torque, kick, settings, &cosine, sine))
+        return CERTREG_GO_ON;
+    turn(state + 3, cosine, sine);
+    return CERTREG_KICKED;
+}
+
+/* A row for the next sample, or null if this step is not one. */
+static double *row_of(struct certreg_log *log, long step, long width)
+{
+    if (step % log->stride)
+        return 0;
+    if (log->count == log->capacity) {
+        for (long k = 1; 2 * k < log->capacity; k++)
+            memcpy(log->rows + k * width, log->rows + 2 * k * width, (size_t)width * sizeof(double));
+        log->count = (log->capacity + 1) / 2;
+        log->stride *= 2;
+        if (step % log->stride)
+            return 0;
+    }
+    return log->rows + width * log->count++;
+}
+
+void certreg_record_matrix(struct certreg_log *log, long step, double time, const double *state,
+                           const double *body)
+{
+    double *row = row_of(log, step, 1 + 18 + ENERGIES);
+    if (!row)
+        return;
+    row[0] = time;
+    memcpy(row + 1, state, 18 * sizeof(double));
+    certreg_energies(state, body, row + 19);
+}
+
+void certreg_record_quaternion(struct certreg_log *log, long step, double time, const double *state,
+                               const double *body)
+{
+    double *row = row_of(log, step, 1 + 13 + ENERGIES);
+    if (!row)
+        return;
+    row[0] = time;
+    memcpy(row + 1, state, 13 * sizeof(double));
+    certreg_quaternion_energies(state, body, row + 14);
+}

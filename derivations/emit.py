@@ -1,0 +1,148 @@
+"""The last link of the chain: the derived expressions handed to the code generator.
+
+`python -m derivations.emit` writes certreg/generated/. The functions are the objects that the
+claims are about: `motion` (rate, energies), `linearisation`, `integrators`.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from certreg.codegen.emit import emit
+from certreg.codegen.translate import Definition, Port, port
+
+from .integrators import (
+    DECAY,
+    IMPULSE,
+    STEP,
+    QuaternionState,
+    euler_step,
+    midpoint_residual,
+    midpoint_step,
+    splitting_step,
+    squared_speed,
+)
+from .linearisation import ambient_jacobian, hessian, intrinsic_jacobian
+from .motion import Body, State, kinetic, potential, rate, spring_torque, unit_cloud
+from .notation import inner, jacobian, rotation, square, vector
+
+GENERATED = Path(__file__).resolve().parent.parent / "certreg" / "generated"
+
+
+def definitions() -> tuple[Definition, ...]:
+    """All functions of the generated code, in the order in which they are written."""
+    return (*_of_matrix_states(), *_of_quaternion_states())
+
+
+def _of_matrix_states() -> tuple[Definition, ...]:
+    state, body = State(), Body()
+    given = (port("state", state.flat), port("body", body.flat))
+    rates = rate(state, body)
+    step = port("step", [STEP])
+    return (
+        Definition(
+            name="certreg_rate",
+            says="The equations of motion s' = F(s).",
+            arguments=given,
+            results=(port("rate", rates),),
+        ),
+        Definition(
+            name="certreg_energies",
+            says="Kinetic energy of translation and of rotation, potential energy, alignment.",
+            arguments=given,
+            results=(_energies(state, body),),
+        ),
+        Definition(
+            name="certreg_curvature",
+            says="Hessian of the potential energy along R exp([phi]x), row by row; spring torque.",
+            arguments=given,
+            results=_curvature(state, body),
+        ),
+        Definition(
+            name="certreg_ambient_jacobian",
+            says="dF/ds, 18 x 18 row by row.",
+            arguments=given,
+            results=(port("jacobian", ambient_jacobian(state, body)),),
+        ),
+        Definition(
+            name="certreg_intrinsic_jacobian",
+            says="The linearised dynamics in (c, phi, v, omega), 12 x 12 row by row.",
+            arguments=given,
+            results=(port("jacobian", intrinsic_jacobian(state, body)),),
+        ),
+        Definition(
+            name="certreg_euler_step",
+            says="Explicit Euler, R projected to the nearest rotation; |F(s)|^2 before the step.",
+            arguments=(*given, step),
+            results=(
+                port("next", euler_step(state, body)),
+                port("squared_speed", [square(rates)]),
+            ),
+        ),
+    )
+
+
+def _of_quaternion_states() -> tuple[Definition, ...]:
+    state, body = QuaternionState(), Body()
+    as_matrix = State(c=state.c, R=rotation(state.q), v=state.v, omega=state.omega)
+    given = (port("state", state.flat), port("body", body.flat))
+    middle = vector("middle")
+    residual = midpoint_residual(state, body, middle)
+    return (
+        Definition(
+            name="certreg_quaternion_energies",
+            says="Kinetic energy of translation and of rotation, potential energy, alignment.",
+            arguments=given,
+            results=(_energies(as_matrix, body),),
+        ),
+        Definition(
+            name="certreg_quaternion_curvature",
+            says="Hessian of the potential energy along q exp(phi / 2), row by row; spring torque.",
+            arguments=given,
+            results=_curvature(as_matrix, body),
+        ),
+        Definition(
+            name="certreg_quaternion_squared_speed",
+            says="|F(s)|^2 of the 18 rates of change, for |q| = 1.",
+            arguments=given,
+            results=(port("squared_speed", [squared_speed(state, body)]),),
+        ),
+        Definition(
+            name="certreg_splitting_step",
+            says="A kick with exact damping, then a drift; |F(s)|^2 before the step.",
+            arguments=(*given, port("step", [STEP, DECAY, IMPULSE])),
+            results=(
+                port("next", splitting_step(state, body)),
+                port("squared_speed", [squared_speed(state, body)]),
+            ),
+        ),
+        Definition(
+            name="certreg_midpoint_residual",
+            says="The midpoint rule's equations for the middle angular velocity; their Jacobian.",
+            arguments=(*given, port("middle", middle), port("step", [STEP])),
+            results=(
+                port("residual", residual),
+                port("jacobian", jacobian(residual, middle)),
+            ),
+        ),
+        Definition(
+            name="certreg_midpoint_step",
+            says="The state after a step of the midpoint rule, given the middle angular velocity.",
+            arguments=(*given, port("middle", middle), port("step", [STEP])),
+            results=(port("next", midpoint_step(state, middle)),),
+        ),
+    )
+
+
+def _energies(state: State, body: Body) -> Port:
+    aligned = inner(state.R, body.cross)
+    return port("energies", [*kinetic(state, body), potential(state, body), aligned])
+
+
+def _curvature(state: State, body: Body) -> tuple[Port, ...]:
+    torque = spring_torque(state, unit_cloud(body))
+    return port("hessian", hessian(state, body)), port("torque", torque)
+
+
+if __name__ == "__main__":
+    emit(definitions(), GENERATED)

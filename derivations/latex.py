@@ -1,0 +1,56 @@
+"""The executed claims as one LaTeX document."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from .kernel import Outcome, Step
+
+_TOP = r"""\documentclass{article}
+\usepackage[utf8]{inputenc}
+\usepackage[T1]{fontenc}
+\usepackage{amsmath,amssymb}
+\title{The registration dynamics, derived}
+\date{}
+\begin{document}
+\maketitle
+"""
+_MATH = re.compile(r"(\$\$.*?\$\$|\$.*?\$)", re.DOTALL)
+_ESCAPES = {"\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "#": r"\#", "_": r"\_"}
+_ESCAPES |= {"{": r"\{", "}": r"\}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
+
+
+def document(outcomes: Sequence[Outcome]) -> str:
+    """A LaTeX document: each claim with its statement, its checked steps, what must fail."""
+    return _TOP + "".join(map(_claim, outcomes)) + "\\end{document}\n"
+
+
+def _claim(outcome: Outcome) -> str:
+    claim = outcome.claim
+    steps = "".join(map(_step, outcome.steps))
+    controls = "".join(f"\\item {text(control.name)}\n" for control in outcome.controls)
+    return (
+        f"\n\\section{{{text(claim.title)}}}\n{text(claim.statement)}\n\n"
+        f"Assumptions: {text(' '.join(claim.assumptions))}\n\nSource: {text(claim.source)}\n"
+        f"\\begin{{enumerate}}\n{steps}\\end{{enumerate}}\n"
+        f"Refuted by the same proof:\n\\begin{{itemize}}\n{controls}\\end{{itemize}}\n"
+        f"Not claimed: {text(claim.not_claimed)}\n"
+    )
+
+
+def _step(step: Step) -> str:
+    checked = f"{step.kind.value}: {step.verdict.words}"
+    return f"\\item {text(step.says)} \\emph{{({text(checked)})}}\n"
+
+
+def text(markdown: str) -> str:
+    """Markdown with formulas as LaTeX: formulas stay, the rest is escaped, code and bold kept."""
+    parts = _MATH.split(markdown)
+    return "".join(part if k % 2 else _prose(part) for k, part in enumerate(parts))
+
+
+def _prose(words: str) -> str:
+    escaped = "".join(_ESCAPES.get(character, character) for character in words)
+    escaped = re.sub(r"`([^`]*)`", r"\\texttt{\1}", escaped)
+    return re.sub(r"\*\*([^*]*)\*\*", r"\\textbf{\1}", escaped)

@@ -1,0 +1,156 @@
+"""The committed code is what the derivations say, and it computes what the points say."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+
+import numpy as np
+import pytest
+
+from certreg.codegen.emit import emit
+from certreg.codegen.translate import Definition, casadi_function, port
+from certreg.demo import STORIES, stated
+from certreg.dynamics import body, start_at_rest
+from certreg.embedding import write_sources
+from certreg.equilibria.spectral import spectrum
+from certreg.moments import exact_moments
+from certreg.native.compiler import GENERATED, CompilationError, find_compiler
+from certreg.native.evaluator import evaluator
+from certreg.native.library import library
+from certreg.simulation import simulate
+from derivations import emit as chain
+from derivations import motion
+
+FILES = ("dynamics.c", "dynamics.h", "dynamics.json", "signatures.json")
+
+
+def c_compiler():
+    try:
+        return find_compiler()
+    except CompilationError as error:
+        pytest.skip(str(error))
+
+
+def compiled_library():
+    c_compiler()
+    return library()
+
+
+def test_generating_anew_gives_the_committed_bytes(tmp_path):
+    emit(chain.definitions(), tmp_path)
+
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(FILES)
+    for name in FILES:
+        assert (tmp_path / name).read_bytes() == (GENERATED / name).read_bytes(), name
+
+
+def test_a_mutated_derivation_changes_the_code(tmp_path, monkeypatch):
+    honest = motion.spring_torque
+    monkeypatch.setattr(motion, "spring_torque", lambda state, cloud: -honest(state, cloud))
+
+    emit(chain.definitions(), tmp_path)
+
+    for name in ("dynamics.c", "dynamics.json"):
+        assert (tmp_path / name).read_bytes() != (GENERATED / name).read_bytes()
+
+
+@pytest.mark.parametrize("name", sorted(json.loads((GENERATED / "signatures.json").read_text())))
+def test_the_compiled_code_and_the_evaluator_agree(name):
+    rng = np.random.default_rng(3)
+    compiled, interpreted = compiled_library(), evaluator()
+    for _ in range(20):
+        arguments = [rng.normal(size=n) for n in compiled.shapes[name].arguments]
+        pairs = zip(
+            compiled.evaluate(name, *arguments), interpreted.evaluate(name, *arguments), strict=True
+        )
+        for one, other in pairs:
+            assert np.abs(one - other).max() <= 1e-12 * max(1.0, np.abs(other).max())
+
+
+def test_a_wrong_size_is_refused_by_both_engines():
+    for engine in (compiled_library(), evaluator()):
+        with pytest.raises(ValueError, match="certreg_rate takes"):
+            engine.evaluate("certreg_rate", np.zeros(17), np.zeros(23))
+
+
+def test_an_expression_beyond_arithmetic_is_refused():
+    import sympy
+
+    x = sympy.Symbol("x")
+    for expression in (sympy.sin(x), x ** sympy.Rational(1, 3), sympy.Symbol("unknown")):
+        definition = Definition(
+            name="f", says="", arguments=(port("x", [x]),), results=(port("y", [expression]),)
+        )
+        with pytest.raises(TypeError, match="arithmetic|power"):
+            casadi_function(definition)
+
+
+def test_reciprocals_are_computed_once():
+    text = (GENERATED / "dynamics.c").read_text()
+    start = text.index("void certreg_euler_step")
+    end = text.index("void certreg_quaternion_energies")
+
+    assert text[start:end].count("/") == 2
+
+
+def test_the_sources_to_embed_compile_without_a_warning_and_reproduce_a_trajectory(tmp_path):
+    paths = write_sources(tmp_path / "embedded")
+    folder = tmp_path / "embedded"
+    compiler = c_compiler()
+    flags = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-pedantic"]
+    units = [str(folder / name) for name in ("example.c", "dynamics.c")]
+
+    built = subprocess.run(
+        [compiler, *flags, *units, "-lm", "-o", str(folder / "example")],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (built.returncode, built.stderr) == (0, "")
+    run = subprocess.run(
+        [str(folder / "example")],
+        input=(folder / "survey.txt").read_text(),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    steps, *state = run.stdout.split()
+    trajectory = simulate(spectrum(exact_moments(stated(STORIES[0]))), stated(STORIES[0]).damping)
+
+    assert {path.name for path in paths} == {"dynamics.c", "dynamics.h", "example.c", "survey.txt"}
+    assert int(steps) == trajectory.steps
+    assert np.allclose(np.array(state, dtype=float), trajectory.states[-1], atol=1e-12)
+
+
+def test_the_example_says_what_it_expects(tmp_path):
+    write_sources(tmp_path)
+    compiler = c_compiler()
+    units = [str(tmp_path / name) for name in ("example.c", "dynamics.c")]
+    subprocess.run([compiler, *units, "-lm", "-o", str(tmp_path / "example")], check=True)
+
+    run = subprocess.run(
+        [str(tmp_path / "example")], input="1 2 3", capture_output=True, text=True, check=False
+    )
+
+    assert run.returncode == 2
+    assert "expected 44 numbers" in run.stderr
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_jacobians_are_the_derivatives_of_the_rates(seed):
+    rng = np.random.default_rng(seed)
+    moving = body(exact_moments(stated(STORIES[seed % 3])), 1.3)
+    state = start_at_rest(exact_moments(stated(STORIES[seed % 3])), moving.length_exponent)
+    state = state + rng.normal(size=18)
+    step = 1e-6
+
+    numeric = np.array(
+        [
+            (moving.rate(state + step * e) - moving.rate(state - step * e)) / (2 * step)
+            for e in np.eye(18)
+        ]
+    ).T
+
+    found = moving.ambient_jacobian(state)
+    assert np.abs(numeric - found).max() < 1e-7 * max(1.0, np.abs(found).max())
