@@ -153,14 +153,14 @@ def test_energies_that_no_double_holds_are_null_with_a_reason(tmp_path: Path):
 
     assert run.code == 0
     assert run.document["energy"] == {"initial": None, "final": None}
-    assert run.document["reasons"].keys() == {"energy.initial", "energy.final"}
+    assert run.document["reasons"].keys() == {"energy.initial", "energy.final", "decay_rate"}
     assert certreg("simulate", tmp_path / "a.csv", tmp_path / "b.csv").code == 0
 
 
 @pytest.mark.parametrize(
     ("options", "word"),
     [
-        (("--integrator", "midpoint"), "midpoint"),
+        (("--integrator", "heun"), "heun"),
         (("--step", "0"), "--step"),
         (("--step", "-1"), "--step"),
         (("--step", "nan"), "--step"),
@@ -199,8 +199,8 @@ def test_the_python_function_takes_what_the_command_takes():
 
     assert isinstance(trajectory, package.Trajectory)
     assert trajectory.step == 0.005
-    with pytest.raises(ValueError, match="integrator is 'midpoint': this version knows 'euler'"):
-        package.simulate(problem, "midpoint")
+    with pytest.raises(ValueError, match="integrator is 'heun': this version knows 'euler'"):
+        package.simulate(problem, "heun")
     for step in (0.0, -1.0, math.nan, math.inf):
         with pytest.raises(ValueError, match="give a finite number above 0"):
             package.simulate(problem, step=step)
