@@ -1,0 +1,77 @@
+"""`certreg derive` and `certreg codegen` as a user runs them."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import pytest
+from commands import certreg
+
+from certreg import derivation
+from certreg.native.compiler import GENERATED
+from derivations import book
+
+
+def test_named_claims_are_proved_and_told():
+    run = certreg("derive", "davenport")
+
+    assert (run.code, run.err) == (0, "")
+    assert run.out.startswith("davenport ")
+    assert "PROVED" in run.out
+    assert "1 of 1 claims proved, 2 of 2 mutated statements refuted" in run.out
+
+
+def test_an_unknown_claim_is_bad_usage_before_anything_is_run():
+    run = certreg("derive", "davenport", "perpetual_motion")
+
+    assert (run.code, run.out) == (2, "")
+    assert "there is no claim 'perpetual_motion'" in run.err
+
+
+def test_out_takes_the_latex_and_the_code(tmp_path: Path):
+    run = certreg("derive", "davenport", "--out", tmp_path / "proofs")
+
+    assert run.code == 0
+    assert r"\section{Davenport's matrix}" in (tmp_path / "proofs/claims.tex").read_text()
+    made = tmp_path / "proofs/generated/dynamics.c"
+    assert made.read_bytes() == (GENERATED / "dynamics.c").read_bytes()
+
+
+def test_a_claim_that_does_not_hold_is_exit_code_1(monkeypatch):
+    module = derivation._module("claims.davenport")
+    wrong = module.CLAIM.controls["K of the transpose of C"]
+    monkeypatch.setattr(module, "CLAIM", dataclasses.replace(module.CLAIM, proof=wrong))
+
+    run = certreg("derive", "davenport")
+
+    assert run.code == 1
+    assert "REFUTED" in run.out
+    assert "0 of 1 claims proved" in run.out
+
+
+def test_the_sources_are_written_whole(tmp_path: Path):
+    run = certreg("codegen", "--out", tmp_path / "embedded")
+
+    assert run.code == 0
+    assert [Path(line).name for line in run.out.splitlines()] == sorted(
+        ["dynamics.c", "dynamics.h", "example.c", "survey.txt"]
+    )
+
+
+def test_a_file_in_the_way_is_told(tmp_path: Path):
+    (tmp_path / "file").write_text("")
+
+    run = certreg("codegen", "--out", tmp_path / "file" / "folder")
+
+    assert run.code == 2
+    assert "cannot be made a folder" in run.err
+
+
+@pytest.mark.slow
+def test_all_claims_are_proved_by_the_command():
+    run = certreg("derive")
+    count = len(book.names())
+
+    assert run.code == 0
+    assert f"{count} of {count} claims proved" in run.out
