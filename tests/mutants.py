@@ -1,0 +1,206 @@
+"""Mutants of the shipped formulas, and whether the derivations notice: `python tests/mutants.py`.
+
+Each mutant changes one place of one file, in memory only; the claims named beside it, which are
+about that formula, are proved anew about the mutated code. A mutant that every one of its claims
+still proves has survived. One process is forked for each, so that none sees another's code.
+"""
+
+from __future__ import annotations
+
+import importlib.abc
+import importlib.machinery
+import importlib.util
+import json
+import multiprocessing
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """A change of `file` (from `old`, which stands there once, to `new`), and who must notice."""
+
+    says: str
+    file: str
+    old: str
+    new: str
+    claims: tuple[str, ...]
+
+
+SO3, MOTION = "certreg/so3.py", "derivations/motion.py"
+CLASSES = "certreg/equilibria/classification.py"
+LINEAR, STEPS = "derivations/linearisation.py", "derivations/integrators.py"
+
+MUTANTS = (
+    Mutant("transpose of C", SO3, "(a, b, c), (d, e, f), (g, h, i) = C",
+           "(a, d, g), (b, e, h), (c, f, i) = C", ("davenport",)),
+    Mutant("axial vector's sign", SO3, "(a + e + i, h - f, c - g, d - b),",
+           "(a + e + i, f - h, c - g, d - b),", ("davenport",)),
+    Mutant("trace with a minus", SO3, "(h - f, a - e - i, b + d, c + g),",
+           "(h - f, a + e - i, b + d, c + g),", ("davenport",)),
+    Mutant("off-diagonal difference", SO3, "(c - g, b + d, e - a - i, f + h),",
+           "(c - g, b - d, e - a - i, f + h),", ("davenport",)),
+    Mutant("rotation the other way", SO3, "2 * (x * y - w * z), 2 * (x * z + w * y)),",
+           "2 * (x * y + w * z), 2 * (x * z + w * y)),", ("quaternions", "davenport")),
+    Mutant("diagonal of the rotation", SO3, "(ww + xx - yy - zz, 2 *", "(ww + xx + yy - zz, 2 *",
+           ("quaternions", "davenport")),
+    Mutant("factor of the rotation", SO3, "2 * (y * z - w * x)),", "(y * z - w * x)),",
+           ("quaternions", "davenport")),
+    Mutant("sign in the body frame", SO3, "((-x, -y, -z), (w, -z, y), (z, w, -x), (-y, x, w))",
+           "((-x, -y, -z), (w, z, -y), (-z, w, x), (y, -x, w))", ("quaternions", "torque")),
+    Mutant("first row of the body frame", SO3, "((-x, -y, -z), (w, -z, y)",
+           "((x, y, z), (w, -z, y)", ("quaternions", "torque")),
+    Mutant("spring factor", MOTION, "cloud.total(2 * (cloud.y - position(state, cloud.x)))",
+           "cloud.total(cloud.y - position(state, cloud.x))", ("total_force", "euler_poincare")),
+    Mutant("force's sign", MOTION, "cloud.total(2 * (cloud.y - position(state, cloud.x)))",
+           "cloud.total(2 * (position(state, cloud.x) - cloud.y))", ("total_force", "euler_poincare")),
+    Mutant("torque's sign", MOTION, "return cloud.total(cloud.x.cross(pull))",
+           "return -cloud.total(cloud.x.cross(pull))", ("total_torque", "euler_poincare")),
+    Mutant("torque's factor", MOTION, "pull = 2 * (state.R.T", "pull = (state.R.T",
+           ("total_torque", "euler_poincare")),
+    Mutant("torque without the transpose", MOTION, "2 * (state.R.T * (cloud.y - state.c)",
+           "2 * (state.R * (cloud.y - state.c)", ("total_torque", "euler_poincare")),
+    Mutant("missing gyroscopic term", MOTION,
+           "- drag - state.omega.cross(momentum)", "- drag", ("euler_poincare",)),
+    Mutant("gyroscopic term's sign", MOTION,
+           "- drag - state.omega.cross(momentum)", "- drag + state.omega.cross(momentum)",
+           ("euler_poincare", "dalembert")),
+    Mutant("missing drag", MOTION, "spring_torque(state, cloud) - drag -",
+           "spring_torque(state, cloud) -", ("euler_poincare", "dissipation")),
+    Mutant("damping of the wrong sign", MOTION, "force = spring_force(state, cloud) - damping",
+           "force = spring_force(state, cloud) + damping", ("euler_poincare", "dissipation")),
+    Mutant("inertia's factor in the energy", MOTION,
+           "return (cloud.mass * square(state.v) + rotational) / 2",
+           "return cloud.mass * square(state.v) / 2 + rotational", ("kinetic_energy",)),
+    Mutant("velocity from the wrong side", MOTION,
+           "return state.R * state.omega.cross(x) + state.v",
+           "return state.omega.cross(state.R * x) + state.v", ("kinetic_energy", "dalembert")),
+    Mutant("potential's factor", MOTION,
+           "return square(state.c) + body.spread - 2 * inner(state.R, body.cross)",
+           "return square(state.c) + body.spread - inner(state.R, body.cross)",
+           ("potential_energy",)),
+    Mutant("R' = [omega] R", MOTION, "*(state.R * hat(state.omega))",
+           "*(hat(state.omega) * state.R)", ("ambient_jacobian", "euler_poincare", "pushforward")),
+    Mutant("damping not divided by J", MOTION,
+           "- DAMPING * state.omega\n    return Matrix([*state.v",
+           "- DAMPING * body.inertia * state.omega\n    return Matrix([*state.v",
+           ("ambient_jacobian", "euler_poincare")),
+    Mutant("inertia is not the scatter", "derivations/moments.py",
+           "return scatter.trace() * sympy.eye(3) - scatter", "return scatter",
+           ("inertia", "kinetic_energy")),
+    Mutant("cross moment transposed", "derivations/moments.py", "return self.cross[b - 3, a]",
+           "return self.cross[a, b - 3]", ("total_torque", "torque", "potential_energy")),
+    Mutant("Jacobian's spring block", LINEAR, "body.inertia_inverse * 2 * hat(",
+           "body.inertia_inverse * hat(", ("ambient_jacobian",)),
+    Mutant("Jacobian's turning block", LINEAR, "sympy.diag(*[-hat(state.omega)] * 3)",
+           "sympy.diag(*[hat(state.omega)] * 3)", ("ambient_jacobian", "pushforward")),
+    Mutant("Jacobian's translation", LINEAR,
+           "[-2 * eye(3), zeros(3, 9), -DAMPING * eye(3), zeros(3, 3)],",
+           "[-eye(3), zeros(3, 9), -DAMPING * eye(3), zeros(3, 3)],", ("ambient_jacobian",)),
+    Mutant("intrinsic spring's trace", LINEAR, "aligned - inner(state.R, body.cross) * eye(3))",
+           "aligned + inner(state.R, body.cross) * eye(3))", ("intrinsic_jacobian", "pushforward")),
+    Mutant("intrinsic turning", LINEAR, "[zeros(3, 3), -hat(state.omega), zeros(3, 3), eye(3)],",
+           "[zeros(3, 3), hat(state.omega), zeros(3, 3), eye(3)],",
+           ("intrinsic_jacobian", "pushforward")),
+    Mutant("gyroscopic Jacobian", LINEAR,
+           "hat(body.inertia * state.omega) - hat(state.omega) * body.inertia",
+           "hat(body.inertia * state.omega)", ("ambient_jacobian", "intrinsic_jacobian")),
+    Mutant("Hessian's factor", LINEAR, "return 2 * inner(state.R, body.cross) * eye(3) - aligned",
+           "return inner(state.R, body.cross) * eye(3) - aligned", ("hessian",)),
+    Mutant("projection's second coefficient", STEPS, "turn * turn / (root * (root + 1))",
+           "turn * turn / (root * root)", ("polar_projection",)),
+    Mutant("projection's first coefficient", STEPS, "sympy.eye(3) + turn / root +",
+           "sympy.eye(3) + turn +", ("polar_projection",)),
+    Mutant("quaternion torque's factor", STEPS, "return 2 * L.T * K * Matrix(q)",
+           "return L.T * K * Matrix(q)", ("torque", "midpoint")),
+    Mutant("middle quaternion's norm", STEPS, "(1 + step**2 * square(middle_omega) / 16)",
+           "(1 + step**2 * square(middle_omega) / 4)", ("midpoint",)),
+    Mutant("middle velocity", STEPS, "(1 + step * DAMPING / 2 + step**2 / 2)",
+           "(1 + step * DAMPING / 2 + step**2)", ("midpoint",)),
+    Mutant("residual without the gyroscopic term", STEPS,
+           "balance = torque - omega.cross(momentum) - DAMPING * momentum",
+           "balance = torque - DAMPING * momentum", ("midpoint",)),
+    Mutant("splitting's drift", STEPS, "moved = state.q + step / 2 *", "moved = state.q + step *",
+           ("splitting",)),
+    Mutant("splitting's kick", STEPS, "v = DECAY * state.v - 2 * IMPULSE * state.c",
+           "v = DECAY * state.v - IMPULSE * state.c", ("splitting",)),
+    Mutant("index off by one", CLASSES, "return (0, *accumulate(self.pattern[:-1]))",
+           "return (1, *accumulate(self.pattern[:-1]))", ("classification", "morse_bott")),
+    Mutant("index counts the component itself", CLASSES,
+           "return (0, *accumulate(self.pattern[:-1]))", "return tuple(accumulate(self.pattern))",
+           ("classification", "morse_bott")),
+    Mutant("mirrored rows exchanged", CLASSES, "return (1, 3) if found.det > 0 else (3, 1)",
+           "return (1, 3) if found.det < 0 else (3, 1)", ("classification",)),
+    Mutant("sign of the lopsidedness", CLASSES, "if lopsidedness < 0:", "if lopsidedness > 0:",
+           ("classification",)),
+    Mutant("discriminant's coefficient", CLASSES, "- 18 * e1 * e2 + 27 * e3)",
+           "- 18 * e1 * e2 + 4 * e3)", ("discriminant", "classification")),
+    Mutant("lopsidedness' coefficient", CLASSES, "- 9 * e1 * e2 + 27 * e3",
+           "- 9 * e1 * e2 + 9 * e3", ("classification",)),
+    Mutant("second invariant", CLASSES, "(e * i - f * h, f * g - d * i, d * h - e * g),",
+           "(e * i + f * h, f * g - d * i, d * h - e * g),", ("classification", "discriminant")),
+    Mutant("rank one taken for rank two", CLASSES, "if found.e2 == 0:", "if found.det == 0:",
+           ("classification",)),
+    Mutant("best translation", "certreg/energy.py", "end * norm << (b - common)) - (moved",
+           "end * norm << (b - common)) + (moved", ("translation_gap", "maximum_likelihood")),
+)
+
+
+class _Patched(importlib.abc.MetaPathFinder, importlib.machinery.SourceFileLoader):
+    """Imports one file with its source changed."""
+
+    def __init__(self, mutant: Mutant) -> None:
+        self.mutant = mutant
+        name = mutant.file.removesuffix(".py").replace("/", ".")
+        super().__init__(name, str(ROOT / mutant.file))
+
+    def find_spec(self, name, path=None, target=None):
+        del path, target
+        if name != self.name:
+            return None
+        return importlib.util.spec_from_file_location(name, self.path, loader=self)
+
+    def get_code(self, fullname):
+        text = Path(self.path).read_text()
+        if text.count(self.mutant.old) != 1:
+            raise ValueError(f"{self.mutant.says}: the text stands {text.count(self.mutant.old)} times")
+        mutated = text.replace(self.mutant.old, self.mutant.new)
+        return compile(mutated, self.path, "exec")
+
+
+def noticed(mutant: Mutant) -> str | None:
+    """The claim that a mutant refutes, or whose proof it breaks; None if it survives."""
+    sys.meta_path.insert(0, _Patched(mutant))
+    from derivations import book
+    from derivations.kernel import prove
+
+    for name in mutant.claims:
+        try:
+            if not prove(book.claim(name)).verdict.proved:
+                return name
+        except (TypeError, ValueError, ArithmeticError) as error:
+            if "the text stands" in str(error):
+                raise
+            return f"{name} ({type(error).__name__})"
+    return None
+
+
+def main() -> None:
+    """Print, as one JSON object, by whom each mutant was noticed."""
+    import numpy as np
+    import sympy
+
+    assert np is not None
+    assert sympy is not None  # imported once, before the forks
+    context = multiprocessing.get_context("fork")
+    with context.Pool(2, maxtasksperchild=1) as pool:
+        answers = pool.map(noticed, MUTANTS, chunksize=1)
+    print(json.dumps({m.says: answer for m, answer in zip(MUTANTS, answers, strict=True)}, indent=1))
+
+
+if __name__ == "__main__":
+    sys.path.insert(0, str(ROOT))
+    main()
