@@ -15,7 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 from itertools import accumulate
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from certreg.definite import is_positive_definite, rank
 from certreg.results import ComponentKind
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.moments import ExactMoments
+    from certreg.so3 import T
 
 Pattern = tuple[int, ...]
 
@@ -115,12 +116,64 @@ def classify(moments: ExactMoments) -> Classification:
     )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Invariants:
+    """What decides the pattern: numbers that no rotation of either cloud changes.
+
+    e1, e2: elementary symmetric functions of the eigenvalues d_i^2 of C^T C; det: det C, so that
+        the third is e3 = det^2.
+    """
+
+    e1: Any
+    e2: Any
+    det: Any
+
+    @property
+    def discriminant(self) -> Any:
+        """The discriminant of the characteristic polynomial of C^T C: prod (d_i^2 - d_j^2)^2."""
+        e1, e2, e3 = self.e1, self.e2, self.det * self.det
+        return e2 * e2 * (e1 * e1 - 4 * e2) - e3 * (4 * e1 * e1 * e1 - 18 * e1 * e2 + 27 * e3)
+
+    @property
+    def lopsidedness(self) -> Any:
+        """2 e1^3 - 9 e1 e2 + 27 e3, for a double d_i^2 = p and a single one r 2 (r - p)^3."""
+        e1, e2, e3 = self.e1, self.e2, self.det * self.det
+        return 2 * e1 * e1 * e1 - 9 * e1 * e2 + 27 * e3
+
+
+def invariants(C: Sequence[Sequence[T]]) -> Invariants:
+    """The invariants of a 3x3 matrix, polynomials in its entries: no root, no quotient."""
+    (a, b, c), (d, e, f), (g, h, i) = C
+    cofactors: Any = (
+        (e * i - f * h, f * g - d * i, d * h - e * g),
+        (c * h - b * i, a * i - c * g, b * g - a * h),
+        (b * f - c * e, c * d - a * f, a * e - b * d),
+    )
+    return Invariants(
+        e1=sum(entry * entry for row in C for entry in row),
+        e2=sum(entry * entry for row in cofactors for entry in row),
+        det=a * cofactors[0][0] + b * cofactors[0][1] + c * cofactors[0][2],
+    )
+
+
+def decide(found: Invariants) -> Pattern:
+    """The pattern, from nothing but the signs of the invariants."""
+    if found.discriminant != 0:
+        return (1, 1, 1, 1)
+    if found.e1 == 0:
+        return (4,)
+    if found.e2 == 0:
+        return (2, 2)
+    lopsidedness = found.lopsidedness
+    if lopsidedness == 0:
+        return (1, 3) if found.det > 0 else (3, 1)
+    if lopsidedness < 0:
+        return (1, 2, 1)
+    return (1, 1, 2) if found.det > 0 else (2, 1, 1)
+
+
 def pattern_of(C: Sequence[Sequence[int]]) -> Pattern:
     """Multiplicities of the eigenvalues of K(C), largest first, for an integer 3x3 matrix C.
-
-    e1, e2, e3: elementary symmetric functions of the eigenvalues d_i^2 of C^T C, so that their
-    discriminant is the product of (d_i^2 - d_j^2)^2. With a double eigenvalue p and a single one r,
-    s = 2 e1^3 - 9 e1 e2 + 27 e3 = 2 (r - p)^3 tells which of the two is larger.
 
     >>> (
     ...     pattern_of(((1, 0, 0), (0, 2, 0), (0, 0, 3))),
@@ -128,29 +181,7 @@ def pattern_of(C: Sequence[Sequence[int]]) -> Pattern:
     ... )
     ((1, 1, 1, 1), (3, 1))
     """
-    (a, b, c), (d, e, f), (g, h, i) = C
-    cofactors = (
-        (e * i - f * h, f * g - d * i, d * h - e * g),
-        (c * h - b * i, a * i - c * g, b * g - a * h),
-        (b * f - c * e, c * d - a * f, a * e - b * d),
-    )
-    det = a * cofactors[0][0] + b * cofactors[0][1] + c * cofactors[0][2]
-    e1 = sum(entry * entry for row in C for entry in row)
-    e2 = sum(entry * entry for row in cofactors for entry in row)
-    e3 = det * det
-    discriminant = e2 * e2 * (e1 * e1 - 4 * e2) - e3 * (4 * e1 * e1 * e1 - 18 * e1 * e2 + 27 * e3)
-    if discriminant != 0:
-        return (1, 1, 1, 1)
-    if e1 == 0:
-        return (4,)
-    if e2 == 0:
-        return (2, 2)
-    s = 2 * e1 * e1 * e1 - 9 * e1 * e2 + 27 * e3
-    if s == 0:
-        return (1, 3) if det > 0 else (3, 1)
-    if s < 0:
-        return (1, 2, 1)
-    return (1, 1, 2) if det > 0 else (2, 1, 1)
+    return decide(invariants(C))
 
 
 def _ambiguity(moments: ExactMoments) -> Ambiguity:
