@@ -5,11 +5,14 @@ Vectors are 3x1 SymPy matrices. Symbols are real; those that are positive say so
 
 from __future__ import annotations
 
+from itertools import permutations
+from math import prod
 from typing import Any
 
 import sympy
+from sympy.combinatorics.permutations import Permutation
 
-from certreg.so3 import rotation_matrix
+from certreg.so3 import body_frame, rotation_matrix
 
 Array = Any  # a SymPy matrix of symbols: its own types do not pass a type checker
 Matrix: Any = sympy.Matrix
@@ -25,14 +28,14 @@ def vector(name: str) -> Array:
     return Matrix([scalar(f"{name}_{k}") for k in (1, 2, 3)])
 
 
-def matrix(name: str) -> Array:
-    """A general 3x3 matrix of symbols name_11 ... name_33."""
-    return Matrix(3, 3, lambda i, j: scalar(f"{name}_{i + 1}{j + 1}"))
+def matrix(name: str, size: int = 3) -> Array:
+    """A general matrix of symbols name_11, name_12, ..., 3x3 unless told."""
+    return Matrix(size, size, lambda i, j: scalar(f"{name}_{i + 1}{j + 1}"))
 
 
-def symmetric(name: str) -> Array:
-    """A symmetric 3x3 matrix of six symbols."""
-    return Matrix(3, 3, lambda i, j: scalar(f"{name}_{min(i, j) + 1}{max(i, j) + 1}"))
+def symmetric(name: str, size: int = 3) -> Array:
+    """A symmetric matrix of symbols, 3x3 unless told."""
+    return Matrix(size, size, lambda i, j: scalar(f"{name}_{min(i, j) + 1}{max(i, j) + 1}"))
 
 
 def diagonal(name: str) -> Array:
@@ -60,6 +63,34 @@ def vee(A: Any) -> Array:
 def rotation(q: Any) -> Array:
     """|q|^2 R(q), from the shipped function."""
     return Matrix(rotation_matrix(tuple(q)))
+
+
+def body(q: Any) -> Array:
+    """The 4x3 matrix L(q), from the shipped function."""
+    return Matrix(body_frame(tuple(q)))
+
+
+def left_product(a: Any) -> Array:
+    """The 4x4 matrix that takes a quaternion q to the product a * q: the columns are a and L(a)."""
+    return Matrix.hstack(Matrix(a), body(a))
+
+
+def right_product(b: Any) -> Array:
+    """The 4x4 matrix that takes a quaternion q to the product q * b."""
+    w, x, y, z = b
+    return Matrix([[w, -x, -y, -z], [x, w, z, -y], [y, -z, w, x], [z, y, -x, w]])
+
+
+def determinant(A: Any) -> Any:
+    """The determinant by Leibniz's formula: a signed sum of products, not multiplied out."""
+    A = Matrix(A)
+    return sum(
+        (
+            Permutation(list(columns)).signature() * prod(A[i, j] for i, j in enumerate(columns))
+            for columns in permutations(range(A.rows))
+        ),
+        start=sympy.Integer(0),
+    )
 
 
 def square(v: Any) -> Any:
