@@ -55,7 +55,7 @@ def hat(a: Any) -> Array:
 
 
 def vee(A: Any) -> Array:
-    """The axial vector of a matrix, (A_32 - A_23, A_13 - A_31, A_21 - A_12) / 2."""
+    """The axial vector (A_32 - A_23, A_13 - A_31, A_21 - A_12) / 2, which is a for [a]x."""
     A = Matrix(A)
     return Matrix([A[2, 1] - A[1, 2], A[0, 2] - A[2, 0], A[1, 0] - A[0, 1]]) / 2
 
