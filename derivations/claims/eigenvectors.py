@@ -1,0 +1,142 @@
+"""Claim: R(q) is an equilibrium iff q is an eigenvector of Davenport's matrix."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import sympy
+
+from certreg.so3 import davenport_matrix
+
+from ..algebra import Relation, combination, contraction, identity, modulo
+from ..kernel import Claim, Proof
+from ..moments import Cloud
+from ..motion import State, newton_euler, potential_energy
+from ..notation import (
+    Array,
+    Matrix,
+    body,
+    hat,
+    quaternion,
+    rotation,
+    scalar,
+    square,
+    vector,
+    vee,
+)
+
+Frame = Callable[[Any], Array]
+
+
+def proof(
+    frame: Frame = body, davenport: Callable[[Any], Any] = davenport_matrix, energy_factor: int = 2
+) -> Proof:
+    """At rest the torque is the only thing left; it vanishes exactly at eigenvectors."""
+    yield from _at_rest()
+    cloud, q, v = Cloud(), quaternion(), scalar("v")
+    K, L = Matrix(davenport(cloud.cross.tolist())), frame(q)
+    yield identity(
+        r"The columns of $L(q)$ span what is orthogonal to $q$: "
+        r"$|q|^2 I = q q^{\mathsf T} + L(q) L(q)^{\mathsf T}$ and $L(q)^{\mathsf T} q = 0$.",
+        [square(q) * sympy.eye(4), L.T * q],
+        [q * q.T + L * L.T, sympy.zeros(3, 1)],
+    )
+    yield identity(
+        r"So $K q$ is split into its part along $q$ and the torque: $|q|^2 K q = "
+        r"(q^{\mathsf T} K q)\, q + L(q)\, \bigl(L(q)^{\mathsf T} K q\bigr)$. If the torque "
+        r"$2 L(q)^{\mathsf T} K q$ vanishes, then $K q = v\, q$ with "
+        r"$v = q^{\mathsf T} K q / |q|^2$: $q$ is an eigenvector.",
+        square(q) * K * q,
+        (q.T * K * q)[0] * q + L * (L.T * K * q),
+    )
+    a = vector("a")
+    yield combination(
+        r"Conversely, if $K q = v\, q$, then the torque vanishes: for every vector $a$, "
+        r"$a^{\mathsf T} L(q)^{\mathsf T} K q$ is a combination of the entries of $K q - v q$, "
+        r"because $L(q)^{\mathsf T} q = 0$.",
+        (a.T * L.T * K * q)[0],
+        contraction(L * a, K * q - v * q),
+    )
+    yield from _symmetry(cloud)
+    yield from _energy(cloud, q, K, energy_factor)
+
+
+def _at_rest() -> Proof:
+    state, cloud = State(), Cloud()
+    rest = State(c=state.c, R=state.R, v=sympy.zeros(3, 1), omega=sympy.zeros(3, 1))
+    C, R = cloud.cross, state.R
+    force, torque = newton_euler(rest, cloud)
+    yield identity(
+        r"At an equilibrium nothing moves: $\dot c = v = 0$ and $\dot R = R [\omega]_\times = 0$, "
+        r"so $v = \omega = 0$. There the damping and the gyroscopic "
+        r"torque are zero, the force is $-2 M c$ and the torque is that of the springs. With "
+        r"$M > 0$ and $J$ invertible the state stays at rest if and only if $c = 0$ and that "
+        r"torque vanishes.",
+        [force, torque],
+        [-2 * cloud.mass * state.c, 2 * vee(R.T * C - C.T * R)],
+    )
+
+
+def _symmetry(cloud: Cloud) -> Proof:
+    R, C = State().R, cloud.cross
+    A = R.T * C
+    yield identity(
+        r"The same in matrices: $R^{\mathsf T} C - C^{\mathsf T} R$ is the cross-product matrix of "
+        r"half the torque, so the torque vanishes if and only if $R^{\mathsf T} C$ is symmetric.",
+        A - A.T,
+        hat(vee(A - A.T)),
+    )
+
+
+def _energy(cloud: Cloud, q: Array, K: Array, factor: int) -> Proof:
+    unit = Relation(q[0], 2, 1 - square(q[1:]))
+    at_rest = State(c=sympy.zeros(3, 1), R=rotation(q))
+    spread = cloud.source_scatter.trace() + cloud.target_scatter.trace()
+    yield modulo(
+        r"With $c = 0$ and $|q| = 1$ the potential energy is $V_p = \operatorname{tr} T_2 + "
+        r"\operatorname{tr} S_2 - 2\, q^{\mathsf T} K q$, where $T_2$ is the target's scatter. So "
+        r"an equilibrium of eigenvalue $v$ has the energy of a constant minus $2v$: the higher the "
+        r"eigenvalue, the better the pose, and since $q^{\mathsf T} K q$ is largest at an "
+        r"eigenvector of the largest eigenvalue, the global optimum is an equilibrium.",
+        potential_energy(at_rest, cloud),
+        spread - factor * (q.T * K * q)[0],
+        [unit],
+    )
+
+
+def _one_sign_wrong(q: Any) -> Array:
+    L = body(q)
+    L[1, 1] = -L[1, 1]
+    return L
+
+
+CLAIM = Claim(
+    name="eigenvectors",
+    title="Equilibria are eigenvectors",
+    statement=r"Let $M > 0$ and $J \succ 0$. A state with rotation $R(q)$ is an equilibrium of "
+    r"the registration dynamics if and only if $v = \omega = 0$, $c = 0$ and $q$ is an "
+    r"eigenvector of $K(C)$; equivalently $R(q)^{\mathsf T} C$ is symmetric. Its energy is "
+    r"$V_p = \text{const} - 2 v$ with $v$ the eigenvalue.",
+    assumptions=(
+        r"$M > 0$ and three source points are not collinear: $J \succ 0$, the dynamics is defined.",
+    ),
+    source="[Yang2020], the equilibrium equations; [Horn1987], [Davenport1968]",
+    proof=proof,
+    controls={
+        "L with one sign wrong": lambda: proof(frame=_one_sign_wrong),
+        "K of the transpose of C": lambda: proof(
+            davenport=lambda C: davenport_matrix(Matrix(C).T.tolist())
+        ),
+        "the energy const - v, half of it": lambda: proof(energy_factor=1),
+    },
+    not_claimed=r"That the second half needs the assumptions: $q$ is an eigenvector if and only "
+    r"if the springs' torque vanishes, for every $C$. Nor how many eigenvectors there are "
+    r"(`classification`), nor that an equilibrium is stable (`hessian`, `unstable_count`).",
+    needs=("davenport", "quaternions", "torque", "equilibrium_equations"),
+    used_by=(
+        "certreg.equilibria.spectral.equilibrium_set",
+        "certreg.equilibria.closed_form.horn",
+        "certreg.energy.potential_energy",
+    ),
+)
