@@ -1,0 +1,122 @@
+"""Claim: equilibria of different energy are rotations exactly 180 degrees apart."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import sympy
+
+from ..algebra import combination, identity
+from ..kernel import Claim, Proof
+from ..notation import (
+    Array,
+    body,
+    inner,
+    matrix,
+    quaternion,
+    rotation,
+    scalar,
+    square,
+    symmetric,
+    vector,
+)
+
+Rotation = Callable[[Any], Array]
+
+
+def proof(turn: Rotation = rotation, slope: int = 4, *, skewed: bool = False) -> Proof:
+    """The trace of R(p)^T R(q), its axis, and why eigenvectors are orthogonal."""
+    p, q = quaternion("p"), quaternion("q")
+    along, across = inner(p, q), body(p).T * q
+    yield identity(
+        r"$\operatorname{tr}\bigl(R(p)^{\mathsf T} R(q)\bigr) = 4 (p \cdot q)^2 - |p|^2 |q|^2$, "
+        r"with $R$ here homogeneous of degree two. The trace of a rotation by the angle $\theta$ "
+        r"is $1 + 2\cos\theta$, so for unit quaternions $\cos\theta = 2 (p\cdot q)^2 - 1$, that is "
+        r"$|p \cdot q| = \cos(\theta/2)$. In particular $\theta = 180^\circ$ if and only if "
+        r"$p \cdot q = 0$.",
+        inner(turn(p), turn(q)),
+        slope * along**2 - square(p) * square(q),
+    )
+    yield identity(
+        r"The rotation from $R(p)$ to $R(q)$ is that of one quaternion, with real part $p\cdot q$ "
+        r"and vector part $a = L(p)^{\mathsf T} q$: "
+        r"$R(p)^{\mathsf T} R(q) = R\bigl(p \cdot q,\; L(p)^{\mathsf T} q\bigr)$.",
+        turn(p).T * turn(q),
+        turn([along, *across]),
+    )
+    yield identity(
+        r"The two parts share the length: "
+        r"$(p\cdot q)^2 + |L(p)^{\mathsf T} q|^2 = |p|^2 |q|^2$. So for unit quaternions "
+        r"$\theta = 0$ if and only if $L(p)^{\mathsf T} q = 0$; then $q = (p \cdot q)\, p = \pm p$ "
+        r"by $|p|^2 q = (p \cdot q)\, p + L(p) L(p)^{\mathsf T} q$. Different lines through "
+        r"the origin are different rotations.",
+        [along**2 + square(across), *(square(p) * q)],
+        [square(p) * square(q), *(along * p + body(p) * across)],
+    )
+    yield from _axes(turn)
+    yield from _orthogonality(skewed=skewed)
+
+
+def _axes(turn: Rotation) -> Proof:
+    a = vector("a")
+    yield identity(
+        r"With $p \cdot q = 0$ it is the rotation $R(0, a) = 2\, a a^{\mathsf T} - |a|^2 I$, which "
+        r"for $|a| = 1$ keeps $a$ and reverses everything orthogonal to it: the half turn about "
+        r"$a$, and no other rotation.",
+        turn([0, *a]),
+        2 * a * a.T - square(a) * sympy.eye(3),
+    )
+    p, q, r = quaternion("p"), quaternion("q"), quaternion("r")
+    yield identity(
+        r"Seen from $p$, products of axes are products of quaternions: "
+        r"$L(p)^{\mathsf T} q \cdot L(p)^{\mathsf T} r = |p|^2\, q \cdot r - "
+        r"(p \cdot q)(p \cdot r)$. So if $p, q, r$ are orthogonal, the two half turns that take "
+        r"$R(p)$ to $R(q)$ and to $R(r)$ have orthogonal axes.",
+        inner(body(p).T * q, body(p).T * r),
+        square(p) * inner(q, r) - inner(p, q) * inner(p, r),
+    )
+
+
+def _orthogonality(*, skewed: bool) -> Proof:
+    p, q, u, v = quaternion("p"), quaternion("q"), scalar("u"), scalar("v")
+    K = matrix("K", 4) if skewed else symmetric("K", 4)
+    at_p, at_q = K * p - u * p, K * q - v * q
+    yield combination(
+        r"Let $K p = u p$ and $K q = v q$ with $K$ symmetric. Then $(u - v)\, p \cdot q = "
+        r"p^{\mathsf T}(K q - v q) - q^{\mathsf T}(K p - u p)$ vanishes: eigenvectors of different "
+        r"eigenvalues are orthogonal, and so equilibria of different energy are exactly "
+        r"$180^\circ$ apart, with nothing left to the shape of the clouds.",
+        (u - v) * inner(p, q),
+        [
+            *zip(p, at_q, strict=True),
+            *((-entry, residual) for entry, residual in zip(q, at_p, strict=True)),
+        ],
+    )
+
+
+def _of_the_conjugate(q: Any) -> Array:
+    return rotation(q).T
+
+
+CLAIM = Claim(
+    name="half_turns",
+    title="Half turns between equilibria",
+    statement=r"For unit quaternions $R(p)^{\mathsf T} R(q)$ is a rotation by $180^\circ$ if and "
+    r"only if $p \cdot q = 0$, then about the axis $L(p)^{\mathsf T} q$; and $R(p) = R(q)$ if and "
+    r"only if $q = \pm p$. Hence two equilibria with different energies are exactly "
+    r"$180^\circ$ apart, and where there are four, the three half turns that lead from one of them "
+    r"to the others have mutually orthogonal axes.",
+    assumptions=(r"$K$ is real and symmetric.",),
+    source="[Yang2020], the conjecture's part (i), there observed numerically",
+    proof=proof,
+    controls={
+        "the trace with 2 (p.q)^2": lambda: proof(slope=2),
+        "R(q) of the conjugate quaternion": lambda: proof(turn=_of_the_conjugate),
+        "a matrix K that is not symmetric": lambda: proof(skewed=True),
+    },
+    not_claimed=r"That every two equilibria are $180^\circ$ apart: on a circle of equilibria, all "
+    r"of the same energy, every angle occurs.",
+    needs=("quaternions", "eigenvectors"),
+    used_by=("certreg.so3.angle_between", "certreg.equilibria.spectral.Spectrum.angle_to"),
+)
