@@ -15,7 +15,7 @@ from certreg.so3 import davenport_matrix
 from ..algebra import identity
 from ..kernel import Claim, Proof
 from ..notation import Matrix, determinant, matrix, scalar, vector
-from .spectrum import eigenvalues
+from ..table import eigenvalues
 
 Decisive = Callable[[Sequence[Sequence[Any]]], Invariants]
 

@@ -22,14 +22,9 @@ from ..notation import (
     square,
     vector,
 )
+from ..table import eigenvalues
 
 Davenport = Callable[[Any], Any]
-
-
-def eigenvalues(d: Any) -> tuple[Any, Any, Any, Any]:
-    """l1 ... l4 of the special singular values d1 >= d2 >= |d3|, in descending order."""
-    a, b, c = d
-    return a + b + c, a - b - c, -a + b - c, -a - b + c
 
 
 def proof(
