@@ -79,7 +79,7 @@ def modulo(says: str, left: Entries, right: Entries, relations: Sequence[Relatio
     used = 0
     for x, y in zip(a, b, strict=True):
         difference = _polynomial(ring, x) - _polynomial(ring, y)
-        cofactors, _ = difference.div(generators)
+        cofactors = difference.div(generators)[0] if difference else [ring.zero] * len(generators)
         for cofactor, generator in zip(cofactors, generators, strict=True):
             difference = difference - cofactor * generator
         remainders.append(difference)
