@@ -16,7 +16,13 @@ class Chapter:
     names: tuple[str, ...]
 
 
-CHAPTERS = (Chapter("Equilibria are eigenvectors", ("davenport",)),)
+CHAPTERS = (
+    Chapter("The moving body", (,)),
+    Chapter("Equilibria are eigenvectors", ("davenport", "torque", "eigenvectors", "half_turns", "spectrum", "discriminant", "hessian", "classification", "morse_bott", "generic", "symmetry",)),
+    Chapter("Stability", (,)),
+    Chapter("Integrators", (,)),
+    Chapter("Certificates", (,)),
+)
 
 
 def claim(name: str) -> Claim:
