@@ -17,11 +17,22 @@ class Chapter:
 
 
 CHAPTERS = (
-    Chapter("The moving body", (,)),
-    Chapter("Equilibria are eigenvectors", ("davenport", "torque", "eigenvectors", "half_turns", "spectrum", "discriminant", "hessian", "classification", "morse_bott", "generic", "symmetry",)),
-    Chapter("Stability", (,)),
-    Chapter("Integrators", (,)),
-    Chapter("Certificates", (,)),
+    Chapter(
+        "Equilibria are eigenvectors",
+        (
+            "davenport",
+            "torque",
+            "eigenvectors",
+            "half_turns",
+            "spectrum",
+            "discriminant",
+            "hessian",
+            "classification",
+            "morse_bott",
+            "generic",
+            "symmetry",
+        ),
+    ),
 )
 
 
