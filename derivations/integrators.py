@@ -76,27 +76,39 @@ def squared_speed(state: QuaternionState, body: Body) -> Any:
     return square(state.v) + 2 * square(state.omega) + square(linear) + square(angular)
 
 
-def middle_quaternion(q: Any, middle_omega: Any, step: Any = STEP) -> Array:
-    """q_m with q_m = q + (h/4) L(q_m) omega_m, solved: (q + (h/4) L(q) omega_m) / (1 + h^2 w^2/16).
-
-    The middle of the midpoint rule's step q' = L(q_m) omega_m / 2, not of norm one.
-    """
+def middle_direction(q: Any, middle_omega: Any, step: Any = STEP) -> Array:
+    """q + (h/4) L(q) omega_m: along the middle quaternion, `middle_stretch` times as long."""
     turn = Matrix(body_frame(tuple(q))) * Matrix(middle_omega)
-    return (Matrix(q) + step / 4 * turn) / (1 + step**2 * square(middle_omega) / 16)
+    return Matrix(q) + step / 4 * turn
+
+
+def middle_stretch(middle_omega: Any, step: Any = STEP) -> Any:
+    """The number 1 + h^2 |omega_m|^2 / 16."""
+    return 1 + step**2 * square(middle_omega) / 16
+
+
+def middle_quaternion(q: Any, middle_omega: Any, step: Any = STEP) -> Array:
+    """The solution q_m of q_m = q + (h/4) L(q_m) omega_m; not of norm one."""
+    return middle_direction(q, middle_omega, step) / middle_stretch(middle_omega, step)
+
+
+def angular_balance(middle_q: Any, omega: Any, body: Body, middle_omega: Any, step: Any) -> Array:
+    """What vanishes at the middle of a midpoint step, given the middle quaternion (3 numbers).
+
+    J (omega_m - omega) - (h/2) (torque(q_m) - omega_m x J omega_m - mu J omega_m).
+    """
+    middle = Matrix(middle_omega)
+    momentum = body.inertia * middle
+    balance = quaternion_torque(middle_q, body) - middle.cross(momentum) - DAMPING * momentum
+    return body.inertia * (middle - Matrix(omega)) - step / 2 * balance
 
 
 def midpoint_residual(
     state: QuaternionState, body: Body, middle_omega: Any, step: Any = STEP
 ) -> Array:
-    """What vanishes at the middle angular velocity omega_m: three equations for its entries.
-
-    J (omega_m - omega) - (h/2) (torque(q_m) - omega_m x J omega_m - mu J omega_m).
-    """
-    omega = Matrix(middle_omega)
-    momentum = body.inertia * omega
-    torque = quaternion_torque(middle_quaternion(state.q, omega, step), body)
-    balance = torque - omega.cross(momentum) - DAMPING * momentum
-    return body.inertia * (omega - state.omega) - step / 2 * balance
+    """`angular_balance` in the middle angular velocity omega_m alone: three equations for it."""
+    middle_q = middle_quaternion(state.q, middle_omega, step)
+    return angular_balance(middle_q, state.omega, body, middle_omega, step)
 
 
 def midpoint_step(state: QuaternionState, middle_omega: Any, step: Any = STEP) -> Array:
@@ -110,15 +122,24 @@ def midpoint_step(state: QuaternionState, middle_omega: Any, step: Any = STEP) -
     return Matrix([*c, *q, *(2 * middle_v - state.v), *(2 * Matrix(middle_omega) - state.omega)])
 
 
-def splitting_step(state: QuaternionState, body: Body, step: Any = STEP) -> Array:
-    """A kick with exact damping, then a drift: v <- e v + i a(c, q), c <- c + h v (13 numbers).
+def kick(state: QuaternionState, body: Body) -> tuple[Array, Array]:
+    """The velocities after a kick with exact damping: e v + i (force), e omega + i (torque).
 
-    e = exp(-mu h) and i = (1 - e) / mu are parameters (`DECAY`, `IMPULSE`). The quaternion drifts
-    by Cayley's rotation, q + (h/2) L(q) omega normalised, so that |q| = 1 stays.
+    e = exp(-mu h) and i = (1 - e) / mu are parameters (`DECAY`, `IMPULSE`).
     """
     momentum = body.inertia * state.omega
     torque = quaternion_torque(state.q, body) - state.omega.cross(momentum)
     v = DECAY * state.v - 2 * IMPULSE * state.c
-    omega = DECAY * state.omega + IMPULSE * body.inertia_inverse * torque
-    moved = state.q + step / 2 * Matrix(body_frame(tuple(state.q))) * omega
+    return v, DECAY * state.omega + IMPULSE * body.inertia_inverse * torque
+
+
+def drift(q: Any, omega: Any, step: Any = STEP) -> Array:
+    """The quaternion after a drift, not normalised: q + (h/2) L(q) omega, Cayley's rotation."""
+    return Matrix(q) + step / 2 * Matrix(body_frame(tuple(q))) * Matrix(omega)
+
+
+def splitting_step(state: QuaternionState, body: Body, step: Any = STEP) -> Array:
+    """A kick, then a drift with the new velocities, q normalised (13 numbers)."""
+    v, omega = kick(state, body)
+    moved = drift(state.q, omega, step)
     return Matrix([*(state.c + step * v), *(moved / sympy.sqrt(square(moved))), *v, *omega])
