@@ -1,0 +1,124 @@
+"""Claim: the potential energy is the objective of maximum likelihood; the best translation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import sympy
+
+from ..algebra import Given, Square, identity, modulo, nonnegative
+from ..hypotheses import unit
+from ..kernel import Claim, Proof
+from ..moments import Cloud
+from ..motion import State, position, potential_energy
+from ..notation import Array, gradient, quaternion, rotation, square, vector
+
+Translation = Callable[["Means", Array, Array], Array]
+
+
+@dataclass(frozen=True)
+class Means:
+    """The weighted means of source and target, as they were given."""
+
+    source: Array = field(default_factory=lambda: vector("xbar"))
+    target: Array = field(default_factory=lambda: vector("ybar"))
+
+
+def translation_of(means: Means, R: Array, c: Array) -> Array:
+    """The translation t = mean(y) + c - R mean(x)."""
+    return means.target + c - R * means.source
+
+
+def proof(translate: Translation = translation_of, *, energy: Any = potential_energy) -> Proof:
+    """Residuals are the springs' extensions; then the objective, completed to a square in t."""
+    state, cloud, means = State(), Cloud(), Means()
+    x, y = cloud.x + means.source, cloud.y + means.target
+    t = vector("t")
+    yield identity(
+        r"Write $x = \bar x + \tilde x$, $y = \bar y + \tilde y$. With "
+        r"$t = \bar y + c - R\bar x$ the residual of a correspondence is the extension of its "
+        r"spring, $y - Rx - t = \tilde y - R\tilde x - c$, for every matrix $R$.",
+        y - state.R * x - translate(means, state.R, state.c),
+        cloud.y - position(state, cloud.x),
+    )
+    objective = cloud.total(square(y - state.R * x - t))
+    yield identity(
+        r"So the objective $\sum m\,|y - Rx - t|^2$ with $m = 1/\sigma^2$ is the potential energy "
+        r"$V_p$. For Gaussian noise of standard deviation $\sigma$ on every coordinate of $y$ the "
+        r"negative logarithm of the likelihood is, by the definition of the density, half of it "
+        r"plus a constant: minimal energy is maximum likelihood.",
+        cloud.total(square(y - state.R * x - translate(means, state.R, state.c))),
+        energy(state, cloud),
+    )
+    best = translate(means, state.R, sympy.zeros(3, 1))
+    centred = energy(State(c=sympy.zeros(3, 1)), cloud)
+    yield from _completed(objective, centred, t - best, cloud)
+    yield from _cleared(translate)
+
+
+def _completed(objective: Any, centred: Any, offset: Array, cloud: Cloud) -> Proof:
+    yield identity(
+        r"At a fixed matrix $R$ the objective is a square in $t$ about the best translation "
+        r"$t^\star = \bar y - R\bar x$: it equals $V_p(R, c{=}0) + M\,|t - t^\star|^2$. The second "
+        r"term is what the code reports for a translation that is not the best one.",
+        objective,
+        centred + cloud.mass * square(offset),
+    )
+    yield identity(
+        r"Its gradient in $t$ is $2M(t - t^\star)$, which vanishes at $t^\star$ only.",
+        gradient(objective, vector("t")),
+        2 * cloud.mass * offset,
+    )
+    yield nonnegative(
+        r"So no translation does better than $t^\star$, and only $t^\star$ does as well: what "
+        r"remains is to minimise $V_p(R, 0)$ over rotations.",
+        objective - centred,
+        [[Given(cloud.mass, "the mass is positive"), Square(entry)] for entry in offset],
+    )
+
+
+def _cleared(translate: Translation) -> Proof:
+    means, q, M = Means(), quaternion(), Cloud().mass
+    best = translate(means, rotation(q), sympy.zeros(3, 1))
+    source, target = M * means.source, M * means.target
+    yield modulo(
+        r"The code computes $t^\star$ for an integer quaternion of any norm from the sums $\sum m "
+        r"x = M\bar x$ and $\sum m y = M\bar y$ without dividing before the end: "
+        r"$M|q|^2\,t^\star = |q|^2\sum m y - \hat R(q)\sum m x$; with $|q| = 1$ both sides agree.",
+        M * square(q) * best,
+        square(q) * target - rotation(q) * source,
+        [unit(q)],
+    )
+
+
+CLAIM = Claim(
+    name="maximum_likelihood",
+    title="Energy is likelihood",
+    statement=r"With $m = 1/\sigma^2$ and $t = \bar y + c - R\bar x$ the potential energy is the "
+    r"objective of maximum likelihood, $V_p = \sum m\,|y - Rx - t|^2$. At fixed $R$ its minimum "
+    r"over $t$ is at $t^\star = \bar y - R\bar x$, where $c = 0$, and "
+    r"$\sum m\,|y - Rx - t|^2 = V_p(R, 0) + M\,|t - t^\star|^2$.",
+    assumptions=(
+        r"Independent Gaussian noise of standard deviation $\sigma$ on every coordinate of $y$.",
+        "Masses are positive.",
+    ),
+    source="[Yang2020], the objective of registration and the potential energy",
+    proof=proof,
+    controls={
+        "t with the mean of the source added": lambda: proof(
+            lambda means, R, c: means.target + c + R * means.source
+        ),
+        "t with the mean of the source not rotated": lambda: proof(
+            lambda means, R, c: means.target + c - means.source + 0 * R * c
+        ),
+        "springs of stiffness m": lambda: proof(
+            energy=lambda state, cloud: potential_energy(state, cloud) / 2
+        ),
+    },
+    not_claimed="That the noise is Gaussian, or that noise on the source is accounted for. "
+    "That the minimum over rotations is unique: see the claim `classification`.",
+    needs=("potential_energy",),
+    used_by=("certreg.energy.best_translation", "certreg.energy.translation_energy"),
+)
