@@ -110,19 +110,20 @@ def _sign(loss: Formula) -> Proof:
 
 def _off_rotations(extra: Formula, loss: Formula) -> Any:
     """A sheared state: R with R^T R other than I, turning about the third axis."""
-    zero, half = sympy.zeros(3, 1), sympy.Rational(1, 2)
+    zero, one, half = sympy.zeros(3, 1), sympy.Integer(1), sympy.Rational(1, 2)
+    axes = [sign * axis for axis in sympy.eye(3).columnspace() for sign in (one, -one)]
+    cloud = moments(PointCloud((2 * one, 2 * one, one, one, one, one), tuple(axes), tuple(axes)))
     shear = Matrix([[1, 1, 0], [0, 1, 0], [0, 0, 1]])
     state = State(c=zero, R=shear, v=zero, omega=Matrix([0, 0, 1]))
-    cloud = Cloud(mass=sympy.Integer(1), source_scatter=sympy.diag(2, 1, 1))
     gained, lost = extra(state, cloud), loss(state, cloud).subs(DAMPING, half)
     return facts(
-        r"Off $\mathrm{SO}(3)$ it can be: with $R = "
-        r"\begin{pmatrix}1&1&0\\0&1&0\\0&0&1\end{pmatrix}$, $S_2 = \operatorname{diag}(2,1,1)$, "
-        r"$\omega = (0,0,1)$, $v = 0$ and $\mu = \tfrac12$ the extra term is $2$ and the loss "
-        r"$\tfrac32$, so $\dot V = \tfrac12 > 0$. The paper's $\dot V \le 0$ needs $R$ to be a "
-        r"rotation.",
+        r"Off $\mathrm{SO}(3)$ it can be. Take the six points $\pm e_1, \pm e_2, \pm e_3$ with "
+        r"weights $2, 2, 1, 1, 1, 1$, registered to themselves, $R = "
+        r"\begin{pmatrix}1&1&0\\0&1&0\\0&0&1\end{pmatrix}$, $\omega = e_3$, $c = v = 0$, $\mu = "
+        r"\tfrac12$. The extra term is $4$ and the loss $3$, so $\dot V = 1 > 0$: the paper's "
+        r"$\dot V \le 0$ needs $R$ to be a rotation.",
         [gained, lost, gained - lost],
-        [2, sympy.Rational(3, 2), half],
+        [4, 3, 1],
     )
 
 

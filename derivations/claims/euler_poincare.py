@@ -86,7 +86,8 @@ def _by_parts(equations: Equations) -> Any:
         r"the jets $v, a, \omega, \alpha, \xi, \dot\xi, \varphi, \dot\varphi$. The integral of "
         r"the first term vanishes with the variations at both ends; $\xi$ and $\varphi$ are "
         r"arbitrary between, so Hamilton's principle holds if and only if $Ma = f$ and $J\alpha = "
-        r"\tau - \omega\times J\omega$.",
+        r"\tau - \omega\times J\omega$, with the force $f$ and the torque $\tau$ of springs and "
+        r"drag.",
         varied + drag,
         boundary + inner(force - cloud.mass * a, xi) + inner(torque - cloud.inertia * alpha, phi),
     )

@@ -8,12 +8,11 @@ from typing import Any
 
 import sympy
 
-from ..algebra import Given, Square, identity, modulo, nonnegative
-from ..hypotheses import unit
+from ..algebra import Given, Square, combination, contraction, identity, nonnegative
 from ..kernel import Claim, Proof
 from ..moments import Cloud
 from ..motion import State, position, potential_energy
-from ..notation import Array, gradient, quaternion, rotation, square, vector
+from ..notation import Array, gradient, inner, quaternion, rotation, square, vector
 
 Translation = Callable[["Means", Array, Array], Array]
 
@@ -80,16 +79,18 @@ def _completed(objective: Any, centred: Any, offset: Array, cloud: Cloud) -> Pro
 
 
 def _cleared(translate: Translation) -> Proof:
-    means, q, M = Means(), quaternion(), Cloud().mass
-    best = translate(means, rotation(q), sympy.zeros(3, 1))
+    means, q, M, a = Means(), quaternion(), Cloud().mass, vector("a")
+    R = State().R
+    best = translate(means, R, sympy.zeros(3, 1))
     source, target = M * means.source, M * means.target
-    yield modulo(
+    shipped = square(q) * target - rotation(q) * source
+    yield combination(
         r"The code computes $t^\star$ for an integer quaternion of any norm from the sums $\sum m "
-        r"x = M\bar x$ and $\sum m y = M\bar y$ without dividing before the end: "
-        r"$M|q|^2\,t^\star = |q|^2\sum m y - \hat R(q)\sum m x$; with $|q| = 1$ both sides agree.",
-        M * square(q) * best,
-        square(q) * target - rotation(q) * source,
-        [unit(q)],
+        r"x = M\bar x$ and $\sum m y = M\bar y$, and divides at the end: $M|q|^2\,t^\star = "
+        r"|q|^2\sum m y - \hat R(q)\sum m x$. Along any direction the difference is a combination "
+        r"of the entries of $|q|^2R - \hat R(q)$, which vanishes for $R = R(q)$.",
+        inner(a, M * square(q) * best - shipped),
+        contraction(-a * source.T, square(q) * R - rotation(q)),
     )
 
 
