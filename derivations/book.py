@@ -18,6 +18,25 @@ class Chapter:
 
 CHAPTERS = (
     Chapter(
+        "The moving body",
+        (
+            "quaternions",
+            "inertia",
+            "kinetic_energy",
+            "potential_energy",
+            "maximum_likelihood",
+            "total_force",
+            "total_torque",
+            "dalembert",
+            "euler_poincare",
+            "cayley_chart",
+            "dissipation",
+            "equilibrium_equations",
+            "properness",
+            "convergence",
+        ),
+    ),
+    Chapter(
         "Equilibria are eigenvectors",
         (
             "davenport",

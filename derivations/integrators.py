@@ -77,7 +77,7 @@ def squared_speed(state: QuaternionState, body: Body) -> Any:
 
 
 def middle_direction(q: Any, middle_omega: Any, step: Any = STEP) -> Array:
-    """q + (h/4) L(q) omega_m: along the middle quaternion, `middle_stretch` times as long."""
+    """The vector q + (h/4) L(q) omega_m: the middle quaternion times `middle_stretch`."""
     turn = Matrix(body_frame(tuple(q))) * Matrix(middle_omega)
     return Matrix(q) + step / 4 * turn
 

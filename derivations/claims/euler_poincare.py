@@ -205,5 +205,5 @@ CLAIM = Claim(
     not_claimed="Anything off $\\mathrm{SO}(3)$: there the principle says nothing, while the "
     "shipped rates are the paper's formula for any matrix $R$.",
     needs=("kinetic_energy", "potential_energy", "total_force", "total_torque"),
-    used_by=("derivations.motion.rate", "certreg.dynamics.Body.derivative"),
+    used_by=("derivations.motion.rate", "certreg.dynamics.Body.rate"),
 )

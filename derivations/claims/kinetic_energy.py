@@ -99,5 +99,5 @@ CLAIM = Claim(
     not_claimed=r"The second form where $R$ is no rotation: there the energy of the particles is "
     r"$\tfrac12\operatorname{tr}(R^{\mathsf T}R\,[\omega]S_2[\omega]^{\mathsf T})$ instead.",
     needs=("inertia",),
-    used_by=("derivations.motion.kinetic", "certreg.dynamics.Body.kinetic"),
+    used_by=("derivations.motion.kinetic", "certreg.dynamics.Body.energies"),
 )

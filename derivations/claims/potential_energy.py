@@ -118,6 +118,6 @@ CLAIM = Claim(
     used_by=(
         "certreg.energy.potential_energy",
         "derivations.motion.potential",
-        "certreg.dynamics.Body.potential",
+        "certreg.dynamics.Body.energies",
     ),
 )

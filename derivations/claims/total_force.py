@@ -98,5 +98,5 @@ CLAIM = Claim(
     not_claimed="That drag is physical: it is proportional to a particle's mass so that the sums "
     "close, as in the paper.",
     needs=("potential_energy",),
-    used_by=("derivations.motion.rate", "certreg.dynamics.Body.derivative"),
+    used_by=("derivations.motion.rate", "certreg.dynamics.Body.rate"),
 )

@@ -144,5 +144,5 @@ CLAIM = Claim(
     },
     not_claimed="That the paper's torque is that of the forces off $\\mathrm{SO}(3)$: it is not.",
     needs=("quaternions", "inertia", "total_force"),
-    used_by=("derivations.motion.rate", "certreg.dynamics.Body.derivative"),
+    used_by=("derivations.motion.rate", "certreg.dynamics.Body.rate"),
 )
