@@ -432,9 +432,8 @@ def main() -> None:
     context = multiprocessing.get_context("fork")
     with context.Pool(2, maxtasksperchild=1) as pool:
         answers = pool.map(noticed, MUTANTS, chunksize=1)
-    print(
-        json.dumps({m.says: answer for m, answer in zip(MUTANTS, answers, strict=True)}, indent=1)
-    )
+    found = {mutant.says: answer for mutant, answer in zip(MUTANTS, answers, strict=True)}
+    sys.stdout.write(json.dumps(found, indent=1) + "\n")
 
 
 if __name__ == "__main__":
