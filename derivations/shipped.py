@@ -1,0 +1,145 @@
+"""Shipped exact code, run on polynomials: what it decides on, not a copy of its formula.
+
+The checker decides in integers and fractions. Its functions are a few lines of arithmetic followed
+by a decision; here the same compiled code is run with polynomials for numbers and the decision
+replaced, so that a claim can be made about the very expression that is decided.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from types import FunctionType
+from typing import Any
+
+import sympy
+
+from certreg.verify import davenport, positive_definite, proves_basin, proves_level
+
+from .algebra import flat, ring_of
+from .notation import scalar
+
+UNIT_INVERSE = scalar("unit_inverse")  # of the unit over which the checker holds K and J
+NORM_INVERSE = scalar("norm_inverse")  # of |q|^2
+TWO_POWER = scalar("two_power")  # the power of two of the angular velocity's exponent
+
+
+def rerouted(function: Callable[..., Any], **names: Any) -> Callable[..., Any]:
+    """The same compiled function, but the given names of its module (or built in) replaced."""
+    code: Any = function.__code__
+    return FunctionType(code, {**function.__globals__, **names}, function.__name__)
+
+
+class Divisor:
+    """A number that is only divided by: a quotient by it is a product with its inverse."""
+
+    def __init__(self, inverse: Any) -> None:
+        self.inverse = inverse
+
+    def __rtruediv__(self, dividend: Any) -> Any:
+        return dividend * self.inverse
+
+
+class Bound:
+    """A number that is only compared with: it keeps what is asked to be greater."""
+
+    greater: Any = None
+
+    def __lt__(self, greater: Any) -> bool:
+        self.greater = greater
+        return True
+
+
+def checked_davenport(C: Any) -> Any:
+    """The checker's own Davenport matrix of a symbolic C (3x3), 4x4."""
+    ring = ring_of(flat(C))
+    return _expressions(davenport(_elements(ring, C)))
+
+
+def checked_matrix(K: Any, q: Any, level: Any, mu: Any) -> Any:
+    """The 4x4 matrix whose definiteness `certreg.verify.proves_level` decides.
+
+    K is given over a unit, of inverse `UNIT_INVERSE`; the inverse of |q|^2 is `NORM_INVERSE`.
+    """
+    ring = ring_of([*flat(K), *q, level, mu, UNIT_INVERSE, NORM_INVERSE])
+    seen: list[Any] = []
+    decide = rerouted(
+        proves_level,
+        Fraction=lambda number, _norm: number * ring.from_expr(NORM_INVERSE),
+        positive_definite=seen.append,
+    )
+    unit = Divisor(ring.from_expr(UNIT_INVERSE))
+    decide(_elements(ring, K), unit, _row(ring, q), ring.from_expr(level), ring.from_expr(mu))
+    return _expressions(seen[0])
+
+
+def checked_alignment(K: Any, J: Any, p: Any, omega: Any) -> Any:
+    """What `certreg.verify.proves_basin` asks to be greater than the level.
+
+    The inverse of |p|^2 is `NORM_INVERSE`; omega (3) is an integer vector times `TWO_POWER`.
+    """
+    ring = ring_of([*flat(K), *flat(J), *p, *omega, NORM_INVERSE, TWO_POWER])
+    decide = rerouted(
+        proves_basin,
+        Fraction=lambda n, d: n / d if isinstance(d, int) else n * ring.from_expr(NORM_INVERSE),
+        _power=lambda _exponent: ring.from_expr(TWO_POWER),
+    )
+    bound = Bound()
+    fields = {"quaternion": _row(ring, p), "angular_velocity": [*_row(ring, omega), 0]}
+    decide(fields, _elements(ring, K), _elements(ring, J), bound)
+    return bound.greater.as_expr()
+
+
+class Pivoted:
+    """A polynomial that elimination takes for a positive integer, and that notes what it meets.
+
+    Products, differences and exact quotients; a quotient with a remainder is an ArithmeticError.
+    Whoever asks for its sign is told that it is positive, and is remembered.
+    """
+
+    denominator = 1
+
+    def __init__(self, value: Any, met: list[Any]) -> None:
+        self.value, self.met = value, met
+
+    def __mul__(self, other: Pivoted | int) -> Pivoted:
+        factor = other.value if isinstance(other, Pivoted) else other
+        return Pivoted(self.value * factor, self.met)
+
+    def __sub__(self, other: Pivoted) -> Pivoted:
+        return Pivoted(self.value - other.value, self.met)
+
+    def __floordiv__(self, other: Pivoted | int) -> Pivoted:
+        divisor = other.value if isinstance(other, Pivoted) else self.value.ring(other)
+        quotient, rest = divmod(self.value, divisor)
+        if rest:
+            raise ArithmeticError(f"{divisor} leaves the remainder {rest}")
+        return Pivoted(quotient, self.met)
+
+    def __le__(self, _zero: int) -> bool:
+        self.met.append(self.value.as_expr())
+        return False
+
+
+def pivots_of(elimination: Callable[[Any], bool], matrix: Any) -> list[Any]:
+    """The pivots whose sign an elimination asks for, of a symbolic square matrix."""
+    ring = ring_of(flat(matrix))
+    met: list[Any] = []
+    elimination([[Pivoted(e, met) for e in row] for row in _elements(ring, matrix)])
+    return met
+
+
+def checked_elimination(rows: Sequence[Sequence[Any]]) -> bool:
+    """`certreg.verify.positive_definite` of integers, which has no denominators to clear."""
+    return rerouted(positive_definite, int=lambda entry: entry, lcm=lambda *_: 1)(rows)
+
+
+def _elements(ring: Any, matrix: Any) -> list[list[Any]]:
+    return [_row(ring, row) for row in sympy.Matrix(matrix).tolist()]
+
+
+def _row(ring: Any, entries: Any) -> list[Any]:
+    return [ring.from_expr(sympy.sympify(entry)) for entry in entries]
+
+
+def _expressions(rows: Sequence[Sequence[Any]]) -> Any:
+    return sympy.Matrix([[entry.as_expr() for entry in row] for row in rows])
