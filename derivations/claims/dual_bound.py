@@ -1,0 +1,105 @@
+"""Claim: a multiplier nu with nu I - K >= 0, from whatever solver, bounds the gap of any pose."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any
+
+from certreg.so3 import davenport_matrix, quadratic_form
+from certreg.verify import proves_level
+
+from ..algebra import Given, Square, combination, facts, identity, nonnegative
+from ..kernel import Claim, Proof
+from ..notation import Matrix, matrix, quaternion, scalar, square
+from ..shipped import UNIT_INVERSE, checked_matrix
+
+NU, UNIT = scalar("nu"), scalar("unit")
+DIAGONAL = ((1, 0, 0), (0, 2, 0), (0, 0, 3))  # its K is diagonal, with the eigenvalues 6, 0, -2, -4
+
+
+def dual_matrix(K: Any) -> Any:
+    """nu I - K."""
+    return NU * Matrix.eye(4) - K
+
+
+def proof(
+    dual: Callable[[Any], Any] = dual_matrix,
+    shipped: Callable[[Any], Any] = lambda K: checked_matrix(K, quaternion(), NU, 0),
+    nudge: int = 1,
+) -> Proof:
+    """Weak duality at a pose, the matrix that ships, and an example on either side."""
+    K, q, p = Matrix(davenport_matrix(matrix("C").tolist())), quaternion(), quaternion("p")
+    v_q, v_p = quadratic_form(K.tolist(), tuple(q)), quadratic_form(K.tolist(), tuple(p))
+    form = Given((p.T * dual(K) * p)[0], "nu I - K is positive semidefinite")
+    yield nonnegative(
+        r"For every quaternion $p$: $\nu |p|^2 - p^{\mathsf T} K p = p^{\mathsf T}(\nu I - K)\, p "
+        r"\ge 0$. So $\nu$ is an upper bound of $p^{\mathsf T} K p / |p|^2 = "
+        r"\operatorname{tr}(R(p)^{\mathsf T} C)$, the alignment, over all rotations.",
+        NU * square(p) - v_p,
+        [(form,)],
+    )
+    yield nonnegative(
+        r"Let $R(q)$ be any rotation, $v = q^{\mathsf T} K q / |q|^2$ its alignment, and $R(p)$ "
+        r"the best one. The objective at $R(q)$ exceeds the minimum by the gap "
+        r"$2\,(v(p) - v)$, and $2\,(\nu - v)$ less the gap is, times $|q|^2 |p|^2$, equal to "
+        r"$2\,|q|^2\, p^{\mathsf T}(\nu I - K)\, p \ge 0$. So the gap is at most $2\,(\nu - v)$; "
+        r"less, if $\nu I - K$ is positive definite.",
+        2 * (NU * square(q) - v_q) * square(p) - 2 * (square(q) * v_p - square(p) * v_q),
+        [(2, Square(entry), form) for entry in q],
+    )
+    yield combination(
+        r"With $\mu = 0$ the checker's `proves_level`, run on polynomials, decides "
+        r"$\nu\,\mathrm{unit}^{-1} I - K_M$, where it holds $K = \mathrm{unit}\, K_M$: times the "
+        r"unit it is $\nu I - K$. The pose does not enter.",
+        UNIT * (p.T * shipped(K) * p)[0] - NU * square(p) + UNIT * v_p,
+        [(NU * square(p), UNIT * UNIT_INVERSE - 1)],
+    )
+    tiny = nudge * Fraction(1, 2**80)
+    yield identity(
+        r"An example on either side of the truth: with $C = \operatorname{diag}(1, 2, 3)$ the "
+        r"largest eigenvalue of $K$ is $6$,",
+        davenport_matrix(DIAGONAL),
+        [[6, 0, 0, 0], [0, -4, 0, 0], [0, 0, -2, 0], [0, 0, 0, 0]],
+    )
+    yield facts(
+        r"and the checker proves the bound $\nu = 6 + 2^{-80}$, but not $\nu = 6$ (semidefinite is "
+        r"not definite) and not $\nu = 6 - 2^{-80}$, which is false. A solver's number that is "
+        r"wrong in its twenty-fifth digit is no bound, and is not taken for one.",
+        [_proves(6 + tiny), _proves(Fraction(6)), _proves(6 - tiny)],
+        [True, False, False],
+    )
+
+
+def _proves(nu: Fraction) -> bool:
+    davenport = [list(row) for row in davenport_matrix(DIAGONAL)]
+    return proves_level(davenport, Fraction(1), [1, 0, 0, 0], nu, Fraction(0))
+
+
+CLAIM = Claim(
+    name="dual_bound",
+    title="A multiplier that is proved is a bound",
+    statement=r"If $\nu I - K \succeq 0$, then $\operatorname{tr}(R^{\mathsf T} C) \le \nu$ for "
+    r"every rotation $R$, and the objective at any rotation $R(q)$ exceeds the global minimum by "
+    r"at most $2\,(\nu - v)$, $v = q^{\mathsf T} K q / |q|^2$.",
+    assumptions=(r"None on where $\nu$ comes from: a solver, a guess, a rounded number.",),
+    source="weak duality of the Shor relaxation; [Briales2017]",
+    proof=proof,
+    controls={
+        "K - nu I is semidefinite": lambda: proof(dual=lambda K: -dual_matrix(K)),
+        "the matrix of 2 nu": lambda: proof(dual=lambda K: dual_matrix(K) + NU * Matrix.eye(4)),
+        "the checker without its unit": lambda: proof(
+            shipped=lambda K: NU * Matrix.eye(4) - K,
+        ),
+        "a bound below the eigenvalue": lambda: proof(nudge=-1),
+    },
+    not_claimed=r"That the number a solver prints is a bound: it lies on either side of the "
+    r"largest eigenvalue. It becomes one when it is rounded outwards and $\nu I - K \succ 0$ is "
+    r"proved exactly.",
+    needs=("davenport", "quaternions", "optimality_certificate", "elimination"),
+    used_by=(
+        "certreg.certificate.multiplier.proves_multiplier",
+        "certreg.certificate.multiplier.multiplier_gap",
+        "certreg.verify.proves_level",
+    ),
+)

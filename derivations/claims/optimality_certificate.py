@@ -1,0 +1,229 @@
+"""Claim: one positive definite 4x4 matrix bounds gap and angle and proves the optimum unique.
+
+Everything is multiplied by norms, so that it is about polynomials: q is the certificate's integer
+quaternion, p any other quaternion, neither of norm one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from certreg.so3 import body_frame, davenport_matrix, dot, quadratic_form
+
+from ..algebra import Given, Square, combination, contraction, identity, nonnegative
+from ..kernel import Claim, Proof, Step
+from ..moments import Cloud
+from ..notation import (
+    Matrix,
+    inner,
+    matrix,
+    quaternion,
+    rotation,
+    scalar,
+    square,
+)
+from ..shipped import NORM_INVERSE, UNIT_INVERSE, checked_davenport, checked_matrix
+
+MU, DELTA = scalar("mu"), scalar("delta")
+UNIT = scalar("unit")
+Certificate = Callable[[Any, Any], Any]
+
+
+def symmetric_four(name: str) -> Any:
+    """A symmetric 4x4 matrix of ten symbols."""
+    return Matrix(4, 4, lambda i, j: scalar(f"{name}_{min(i, j)}{max(i, j)}"))
+
+
+def certificate_matrix(K: Any, q: Any) -> Any:
+    """|q|^2 A = [q^T K q + (delta - mu) |q|^2] I - |q|^2 K + mu q q^T, a polynomial in q."""
+    norm = square(q)
+    level = quadratic_form(K.tolist(), tuple(q)) + (DELTA - MU) * norm
+    return level * Matrix.eye(4) - norm * K + MU * q * q.T
+
+
+def shipped_matrix(K: Any, q: Any) -> Any:
+    """The matrix that the checker decides on, for K over a unit, at the level v + delta - mu."""
+    value = UNIT * quadratic_form(K.tolist(), tuple(q)) * NORM_INVERSE
+    return checked_matrix(K, q, value + DELTA - MU, MU)
+
+
+def proof(
+    built: Certificate = certificate_matrix,
+    decided: Certificate = shipped_matrix,
+    angle_factor: int = 4,
+) -> Proof:
+    """Gap, angle, uniqueness, and the matrix that ships."""
+    K, q, p = symmetric_four("K"), quaternion(), quaternion("p")
+    n, m = square(q), square(p)
+    v_q, v_p = quadratic_form(K.tolist(), tuple(q)), quadratic_form(K.tolist(), tuple(p))
+    across = Matrix(body_frame(tuple(q))).T * p
+    along = dot(tuple(q), tuple(p))
+    A = built(K, q)
+    cloud, R = Cloud(), matrix("R")
+    yield combination(
+        r"The objective at a rotation $R$ and its best translation is the moment of "
+        r"$|\tilde y - R\tilde x|^2$, which is $\operatorname{tr} T_2 + \operatorname{tr} S_2 - "
+        r"2 \operatorname{tr}(R^{\mathsf T} C)$, as $R^{\mathsf T} R = I$. With "
+        r"$\operatorname{tr}(R(p)^{\mathsf T} C) = p^{\mathsf T} K p / |p|^2 = v(p)$ the objective "
+        r"at $R(q)$ exceeds that at $R(p)$ by $2\,(v(p) - v(q))$. Of $K$ all that follows uses "
+        r"that it is symmetric.",
+        cloud.total(square(cloud.y - R * cloud.x))
+        - cloud.target_scatter.trace()
+        - cloud.source_scatter.trace()
+        + 2 * inner(R, cloud.cross),
+        contraction(cloud.source_scatter, R.T * R - Matrix.eye(3)),
+    )
+    yield identity(
+        r"$|q|^2 |p|^2 = (q \cdot p)^2 + |L(q)^{\mathsf T} p|^2$: what $p$ has along $q$, and "
+        r"what it has across.",
+        n * m,
+        along**2 + square(across),
+    )
+    yield from _bounds(A, (v_q, v_p), (q, p), angle_factor)
+    yield from _uniqueness(A, (v_q, v_p), (q, p))
+    yield identity(
+        r"The checker builds $K$ by a formula of its own; it is the same matrix.",
+        checked_davenport(matrix("C")),
+        davenport_matrix(matrix("C").tolist()),
+    )
+    yield _decided(decided(K, q), A, (K, q, p))
+
+
+def _bounds(A: Any, values: tuple[Any, Any], quaternions: tuple[Any, Any], factor: int) -> Proof:
+    q, p = quaternions
+    n, m = square(q), square(p)
+    v_q, v_p = values
+    form = (p.T * A * p)[0]
+    across = Matrix(body_frame(tuple(q))).T * p
+    positive = Given(form, "A is positive definite")
+    yield nonnegative(
+        r"**Gap.** With $A \succ 0$ and $\mu \ge 0$: the bound $2\delta$ less the gap "
+        r"$2\,(v(p) - v(q))$, times $|q|^2|p|^2$, is "
+        r"$2\, p^{\mathsf T}(|q|^2 A)\, p + 2 \mu\, |L(q)^{\mathsf T} p|^2$. The first summand is "
+        r"positive for every $p \ne 0$, so the objective at $R(q)$ exceeds that at every rotation, "
+        r"the best one too, by less than $2\delta$.",
+        2 * DELTA * n * m - 2 * (n * v_p - m * v_q),
+        [(2, positive), *((2, Given(MU, "mu >= 0"), Square(c)) for c in across)],
+    )
+    yield identity(
+        r"**Angle.** The trace of $R(q)^{\mathsf T} R(p)$ is $1 + 2 \cos\theta = "
+        r"3 - 4 \sin^2(\theta/2)$, and it is $3 - 4\, |L(q)^{\mathsf T} p|^2 / (|q|^2 |p|^2)$. So "
+        r"the angle between the rotations has "
+        r"$\sin^2(\theta/2) = |L(q)^{\mathsf T} p|^2 / (|q|^2 |p|^2)$.",
+        inner(rotation(q), rotation(p)),
+        3 * n * m - factor * square(across),
+    )
+    yield nonnegative(
+        r"Let $R(p)$ be a global optimum, so that $v(p) \ge v(q)$. Then "
+        r"$\delta - \mu \sin^2(\theta/2)$, times $|q|^2|p|^2$, is $p^{\mathsf T}(|q|^2 A)\, p + "
+        r"|q|^2|p|^2\,(v(p) - v(q))$, again positive. So $\sin^2(\theta/2) < \delta/\mu$ if "
+        r"$\mu > 0$, and this holds of every global optimum.",
+        DELTA * n * m - MU * square(across),
+        [(positive,), (Given(n * v_p - m * v_q, "R(p) is optimal"),)],
+    )
+
+
+def _uniqueness(A: Any, values: tuple[Any, Any], quaternions: tuple[Any, Any]) -> Proof:
+    q, p = quaternions
+    v_q, v_p = values
+    form = (p.T * A * p)[0]
+    along = dot(tuple(q), tuple(p))
+    first, second = quaternion("a"), quaternion("b")
+    combined = dot(tuple(q), tuple(second)) * first - dot(tuple(q), tuple(first)) * second
+    yield identity(
+        r"**Uniqueness.** Suppose there are two global optima $R(a) \ne R(b)$. Both quaternions "
+        r"are eigenvectors of the largest eigenvalue of $K$, linearly independent, and so is every "
+        r"combination of them other than zero a global optimum. Either both are orthogonal to $q$, "
+        r"or $p = (q \cdot b)\, a - (q \cdot a)\, b$ is not zero, and it is orthogonal to $q$. So "
+        r"there is a global optimum $R(p)$ with $q \cdot p = 0$, half a turn away from $R(q)$.",
+        dot(tuple(q), tuple(combined)),
+        0,
+    )
+    yield nonnegative(
+        r"But across $q$ nothing is optimal if $\delta \le \mu$: "
+        r"$|q|^2|p|^2\, (v(q) - v(p)) + \mu\,(q \cdot p)^2$ is $p^{\mathsf T}(|q|^2 A)\, p + "
+        r"(\mu - \delta)\, |q|^2 |p|^2$, positive. With $q \cdot p = 0$ it says $v(p) < v(q)$, so "
+        r"$R(p)$ is not optimal. Hence the global optimum is unique.",
+        square(p) * v_q - square(q) * v_p + MU * along**2,
+        [
+            (Given(form, "A is positive definite"),),
+            *((Given(MU - DELTA, "delta <= mu"), Square(a * b)) for a in q for b in p),
+        ],
+    )
+
+
+def _decided(found: Any, A: Any, frame: tuple[Any, Any, Any]) -> Step:
+    """The matrix that ships, times unit and |q|^2, is |q|^2 A with unit K for K."""
+    K, q, p = frame
+    n, m = square(q), square(p)
+    along = dot(tuple(q), tuple(p))
+    in_units = {entry: UNIT * entry for entry in K.free_symbols}
+    claimed = (p.T * A.subs(in_units, simultaneous=True) * p)[0]
+    value = UNIT * quadratic_form(K.tolist(), tuple(q))
+    unit_left, norm_left = UNIT * UNIT_INVERSE - 1, n * NORM_INVERSE - 1
+    both = UNIT * UNIT_INVERSE * (m * value + MU * along**2)
+    return combination(
+        r"`certreg.verify.proves_level`, run on polynomials, hands to the elimination a symmetric "
+        r"matrix; here is its quadratic form in $p$. The checker holds $K$ as integers over a unit "
+        r"(it works with $M K$). Times the unit and times $|q|^2$, with "
+        r"$\mathrm{unit}\cdot\mathrm{unit}^{-1} = 1$ and $|q|^2 \cdot |q|^{-2} = 1$, it is "
+        r"$|q|^2 A$ of this claim: no denominators are left, and the two are positive multiples of "
+        r"each other. Whether it is positive definite is then decided exactly by elimination.",
+        UNIT * n * (p.T * found * p)[0] - claimed,
+        [
+            (both, norm_left),
+            (m * value + MU * along**2 + (DELTA - MU) * n * m, unit_left),
+        ],
+    )
+
+
+def _mu_missing(K: Any, q: Any) -> Any:
+    norm = square(q)
+    level = quadratic_form(K.tolist(), tuple(q)) + (DELTA - MU) * norm
+    return level * Matrix.eye(4) - norm * K
+
+
+def _level_without_mu(K: Any, q: Any) -> Any:
+    return certificate_matrix(K, q) + MU * square(q) * Matrix.eye(4)
+
+
+def _decided_with_the_other_sign(K: Any, q: Any) -> Any:
+    return shipped_matrix(-K, q)
+
+
+CLAIM = Claim(
+    name="optimality_certificate",
+    title="The optimality certificate",
+    statement=r"Let $q \ne 0$ be a quaternion, $\delta > 0$, $\mu \ge 0$, "
+    r"$v = q^{\mathsf T} K q / |q|^2$, and let "
+    r"$$A = (v + \delta - \mu)\, I - K + \mu\, \frac{q q^{\mathsf T}}{|q|^2}$$ be positive "
+    r"definite. Then for every global optimum $R^*$: "
+    r"(1) the objective at $R(q)$ exceeds the minimum by less than $2\delta$; "
+    r"(2) $\sin^2(\theta/2) < \delta/\mu$ if $\mu > 0$, with $\theta$ the angle between $R(q)$ and "
+    r"$R^*$; (3) if $\delta \le \mu$, there is only one global optimum. What the checker decides "
+    r"is the definiteness of a positive multiple of $A$.",
+    assumptions=(
+        r"The objective is minimised over the translation; a translation that is off costs more, "
+        r"see `translation_gap`.",
+    ),
+    source="Shor's dual of [Horn1987]'s eigenvalue problem; the bounds are elementary",
+    proof=proof,
+    controls={
+        "A without its rank-one term": lambda: proof(built=_mu_missing),
+        "A at the level v + delta": lambda: proof(built=_level_without_mu),
+        "the checker with K of the other sign": lambda: proof(
+            decided=_decided_with_the_other_sign
+        ),
+        "the trace as 3 - 2 sin^2": lambda: proof(angle_factor=2),
+    },
+    not_claimed=r"That a matrix which is not positive definite says anything about the pose: the "
+    r"checker then answers *not proved*, whether the pose is bad or the numbers "
+    r"$\mu, \delta$ are. Nor that the correspondences are right.",
+    needs=("davenport", "quaternions", "eigenvectors", "maximum_likelihood", "elimination"),
+    used_by=(
+        "certreg.verify.proves_level",
+        "certreg.certificate.producing.proves_optimality",
+        "certreg.certificate.bounds.sin2_half_angle_between",
+    ),
+)
