@@ -19,7 +19,7 @@ DIAGONAL = ((1, 0, 0), (0, 2, 0), (0, 0, 3))  # its K is diagonal, with the eige
 
 
 def dual_matrix(K: Any) -> Any:
-    """nu I - K."""
+    """The matrix nu I - K."""
     return NU * Matrix.eye(4) - K
 
 

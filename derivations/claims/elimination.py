@@ -131,8 +131,7 @@ CLAIM = Claim(
     r"$4\times4$ matrix $A$ of integers are its leading principal minors $D_1, \ldots, D_4$, and "
     r"$A$ is positive definite if and only if all four are positive. The answer is exact.",
     assumptions=(
-        r"$A$ is symmetric, $4\times4$; a $3\times3$ matrix is the case $a_{44} = 1$ with zeros "
-        r"beside it.",
+        r"$A$ is symmetric, $4\times4$; for $3\times3$ let $a_{44} = 1$, with zeros beside it.",
     ),
     source="[Bareiss1968], Sylvester's criterion",
     proof=proof,

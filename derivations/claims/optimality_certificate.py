@@ -26,7 +26,7 @@ from ..notation import (
 from ..shipped import NORM_INVERSE, UNIT_INVERSE, checked_davenport, checked_matrix
 
 MU, DELTA = scalar("mu"), scalar("delta")
-UNIT = scalar("unit")
+UNIT, LEVEL = scalar("unit"), scalar("level")
 Certificate = Callable[[Any, Any], Any]
 
 
@@ -43,9 +43,8 @@ def certificate_matrix(K: Any, q: Any) -> Any:
 
 
 def shipped_matrix(K: Any, q: Any) -> Any:
-    """The matrix that the checker decides on, for K over a unit, at the level v + delta - mu."""
-    value = UNIT * quadratic_form(K.tolist(), tuple(q)) * NORM_INVERSE
-    return checked_matrix(K, q, value + DELTA - MU, MU)
+    """The matrix that the checker decides on, for K over a unit."""
+    return checked_matrix(K, q, LEVEL, MU)
 
 
 def proof(
@@ -87,7 +86,7 @@ def proof(
         checked_davenport(matrix("C")),
         davenport_matrix(matrix("C").tolist()),
     )
-    yield _decided(decided(K, q), A, (K, q, p))
+    yield _decided(decided(K, q), (K, q, p))
 
 
 def _bounds(A: Any, values: tuple[Any, Any], quaternions: tuple[Any, Any], factor: int) -> Proof:
@@ -153,27 +152,28 @@ def _uniqueness(A: Any, values: tuple[Any, Any], quaternions: tuple[Any, Any]) -
     )
 
 
-def _decided(found: Any, A: Any, frame: tuple[Any, Any, Any]) -> Step:
+def _decided(found: Any, frame: tuple[Any, Any, Any]) -> Step:
     """The matrix that ships, times unit and |q|^2, is |q|^2 A with unit K for K."""
     K, q, p = frame
     n, m = square(q), square(p)
-    along = dot(tuple(q), tuple(p))
-    in_units = {entry: UNIT * entry for entry in K.free_symbols}
-    claimed = (p.T * A.subs(in_units, simultaneous=True) * p)[0]
-    value = UNIT * quadratic_form(K.tolist(), tuple(q))
+    rank_one = MU * dot(tuple(q), tuple(p)) ** 2
     unit_left, norm_left = UNIT * UNIT_INVERSE - 1, n * NORM_INVERSE - 1
-    both = UNIT * UNIT_INVERSE * (m * value + MU * along**2)
     return combination(
         r"`certreg.verify.proves_level`, run on polynomials, hands to the elimination a symmetric "
-        r"matrix; here is its quadratic form in $p$. The checker holds $K$ as integers over a unit "
-        r"(it works with $M K$). Times the unit and times $|q|^2$, with "
+        r"matrix; here is its quadratic form in $p$. The checker holds $K$ as integers $K_M$ over "
+        r"a "
+        r"unit (it works with $M K$). Times the unit and times $|q|^2$, with "
         r"$\mathrm{unit}\cdot\mathrm{unit}^{-1} = 1$ and $|q|^2 \cdot |q|^{-2} = 1$, it is "
-        r"$|q|^2 A$ of this claim: no denominators are left, and the two are positive multiples of "
-        r"each other. Whether it is positive definite is then decided exactly by elimination.",
-        UNIT * n * (p.T * found * p)[0] - claimed,
+        r"$\ell\, |q|^2 I - |q|^2\, \mathrm{unit}\, K_M + \mu\, q q^{\mathsf T}$, which is $|q|^2 "
+        r"A$ "
+        r"at the level $\ell = v + \delta - \mu$, without denominators. The two are positive "
+        r"multiples of each other, and the elimination decides exactly whether they are positive "
+        r"definite.",
+        UNIT * n * (p.T * found * p)[0]
+        - (LEVEL * n * m - n * UNIT * quadratic_form(K.tolist(), tuple(p)) + rank_one),
         [
-            (both, norm_left),
-            (m * value + MU * along**2 + (DELTA - MU) * n * m, unit_left),
+            (UNIT * UNIT_INVERSE * rank_one, norm_left),
+            (LEVEL * n * m + rank_one, unit_left),
         ],
     )
 
@@ -204,17 +204,14 @@ CLAIM = Claim(
     r"$R^*$; (3) if $\delta \le \mu$, there is only one global optimum. What the checker decides "
     r"is the definiteness of a positive multiple of $A$.",
     assumptions=(
-        r"The objective is minimised over the translation; a translation that is off costs more, "
-        r"see `translation_gap`.",
+        r"The objective is minimised over the translation; see `translation_gap` for another.",
     ),
     source="Shor's dual of [Horn1987]'s eigenvalue problem; the bounds are elementary",
     proof=proof,
     controls={
         "A without its rank-one term": lambda: proof(built=_mu_missing),
         "A at the level v + delta": lambda: proof(built=_level_without_mu),
-        "the checker with K of the other sign": lambda: proof(
-            decided=_decided_with_the_other_sign
-        ),
+        "the checker with K of the other sign": lambda: proof(decided=_decided_with_the_other_sign),
         "the trace as 3 - 2 sin^2": lambda: proof(angle_factor=2),
     },
     not_claimed=r"That a matrix which is not positive definite says anything about the pose: the "

@@ -35,7 +35,7 @@ def proof(
     level: int = 0,
 ) -> Proof:
     """Weak duality, attainment, and the passage from the 4x4 to the 10x10 form."""
-    C, q = matrix("C"), quaternion()
+    C = matrix("C")
     K = davenport_matrix(C.tolist())
     shipped = program(C.tolist())
     yield identity(
@@ -152,7 +152,7 @@ def _quadratics_in_q(r: Any) -> list[list[int]]:
 
 
 def _coefficients(polynomials: list[Any]) -> list[list[int]]:
-    terms = [sympy.Poly(p, *quaternion()).as_dict() for p in polynomials]
+    terms: list[Any] = [sympy.Poly(p, *quaternion()).as_dict() for p in polynomials]
     monomials = sorted({powers for row in terms for powers in row})
     return [[int(row.get(powers, 0)) for powers in monomials] for row in terms]
 

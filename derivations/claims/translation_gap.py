@@ -99,7 +99,7 @@ def _summed(q: Sequence[int]) -> Fraction:
     return total
 
 
-def _without_the_mean(moments: Any, q: Sequence[int], t: Sequence[Fraction]) -> Fraction:
+def _without_the_mean(moments: Any, _q: Sequence[int], t: Sequence[Fraction]) -> Fraction:
     """The target's mean taken for the best translation."""
     offset = [a - b for a, b in zip(t, moments.target_centroid, strict=True)]
     return moments.total_weight * sum(d * d for d in offset)

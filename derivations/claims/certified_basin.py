@@ -1,0 +1,236 @@
+"""Claim: one exact inequality on a state proves that the flow from it ends at the optimum."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import sympy
+
+from certreg.so3 import body_frame, davenport_matrix, dot, quadratic_form
+
+from ..algebra import Given, Square, combination, identity, nonnegative, quoted
+from ..kernel import Claim, Proof, Step
+from ..moments import Cloud
+from ..motion import DAMPING, State, newton_euler, spring_torque
+from ..notation import (
+    Array,
+    Matrix,
+    diagonal,
+    hat,
+    inner,
+    matrix,
+    quaternion,
+    scalar,
+    square,
+    symmetric,
+    vector,
+)
+from ..shipped import NORM_INVERSE, TWO_POWER, checked_alignment
+
+Torque = Callable[[State, Cloud], Array]
+QUARTER = sympy.Rational(1, 4)  # E = omega^T J omega / 2 - 2 q^T K q is minus twice the left side
+
+
+def derived_torque(state: State, cloud: Cloud) -> Array:
+    """J alpha: the paper's total torque less omega x J omega."""
+    return newton_euler(state, cloud)[1]
+
+
+def proof(
+    torque: Torque = derived_torque,
+    spin: Any = QUARTER,
+    shipped: Callable[..., Any] = checked_alignment,
+) -> Proof:
+    """The energy of rotation falls; below every spurious equilibrium only the optimum is left."""
+    yield from _descent(torque)
+    yield from _levels(spin)
+    yield from _certificate()
+    yield from _distance()
+    yield _decided(spin, shipped)
+
+
+def _descent(torque: Torque) -> Proof:
+    state, cloud = State(), Cloud()
+    total, omega = torque(state, cloud), state.omega
+    at_rest_of_translation = dict.fromkeys((*state.c, *state.v), 0)
+    yield identity(
+        r"The equation of rotation, $J \dot\omega = \tau - \omega \times J \omega$ with the total "
+        r"torque $\tau$, does not contain $c$ and $v$: the rotation moves on its own, whatever the "
+        r"translation does.",
+        total,
+        total.subs(at_rest_of_translation),
+    )
+    rotating = state.R * hat(omega)
+    yield identity(
+        r"Let $E = \tfrac12 \omega^{\mathsf T} J \omega - 2 \operatorname{tr}(R^{\mathsf T} C)$, "
+        r"the energy of rotation but for a constant. Along $\dot R = R [\omega]_\times$ its "
+        r"rate is $\omega^{\mathsf T} J \dot\omega - 2 \operatorname{tr}(\dot R^{\mathsf T} C)$, "
+        r"and that "
+        r"is $-\mu\, \omega^{\mathsf T} J \omega$. With $J \succ 0$ and $\mu > 0$ it is never "
+        r"positive, and zero at $\omega = 0$ only.",
+        (omega.T * total)[0] - 2 * inner(rotating, cloud.cross),
+        -DAMPING * (omega.T * cloud.inertia * omega)[0],
+    )
+    yield identity(
+        r"Where $\omega$ stays zero, $J \dot\omega = 0$, which is the spring torque: such motions "
+        r"are the equilibria of the rotation.",
+        total.subs(dict.fromkeys(omega, 0)),
+        spring_torque(state, cloud),
+    )
+
+
+def _levels(spin: Any) -> Proof:
+    p, omega, J = quaternion("p"), vector("omega"), symmetric("J")
+    K = davenport_matrix(matrix("C").tolist())
+    top, second = scalar("l_1"), scalar("l_2")
+    kinetic = (omega.T * J * omega)[0]
+    value = quadratic_form(K, tuple(p))
+    energy = square(p) * kinetic / 2 - 2 * value  # |p|^2 E
+    above = value - square(p) * spin * kinetic - second * square(p)
+    yield nonnegative(
+        r"With $R = R(p)$, $\operatorname{tr}(R^{\mathsf T} C) = p^{\mathsf T} K p / |p|^2 \le "
+        r"\lambda_1$, so that $\tfrac12 \omega^{\mathsf T} J \omega \le E + 2 \lambda_1$ (here "
+        r"times $|p|^2$). The set of states with $E \le E_0$ is closed, $\omega$ is bounded on it "
+        r"as $J \succ 0$, and rotations are a compact set: it is compact.",
+        energy + 2 * top * square(p) - square(p) * kinetic / 2,
+        [(2, Given(top * square(p) - value, "l_1 is the largest eigenvalue"))],
+    )
+    yield nonnegative(
+        r"An equilibrium is an eigenvector of $K$, and one that is not optimal has an eigenvalue "
+        r"of at most $\lambda_2$, hence $E \ge -2 \lambda_2$. If $p^{\mathsf T} K p / |p|^2 - "
+        r"\tfrac14 \omega^{\mathsf T} J \omega > \lambda_2$, then $-2\lambda_2 - E$, here times "
+        r"$|p|^2$, is twice that difference and positive: the state lies below every spurious "
+        r"equilibrium.",
+        -2 * second * square(p) - energy,
+        [(2, Given(above, "the inequality on the state"))],
+    )
+    yield quoted(
+        r"$E$ is continuously differentiable and does not rise, the sublevel set is compact and "
+        r"invariant. By LaSalle's invariance principle the motion tends to the largest invariant "
+        r"set on which $\dot E = 0$, which is the set of equilibria of the rotation in the "
+        r"sublevel set. Below $-2\lambda_2$ the only one is the optimum, $\lambda_1 > \lambda_2$ "
+        r"being simple, so the motion converges to it. The translation obeys "
+        r"$\ddot c + \mu \dot c + 2 c = 0$ and converges by itself.",
+        source="[LaSalle1960]",
+    )
+    d = diagonal("d")
+    spectrum = [d.trace(), *(2 * d[k, k] - d.trace() for k in range(3))]
+    yield identity(
+        r"How high the barrier is: with $d_1 \ge d_2 \ge |d_3|$ the special singular values of $C$ "
+        r"and $C$ diagonal, $K$ is diagonal with $\lambda_1 = d_1 + d_2 + d_3$ and $\lambda_2 = "
+        r"d_1 - d_2 - d_3$. So between the optimum at $E = -2\lambda_1$ and the lowest spurious "
+        r"equilibrium lies an energy of $2(\lambda_1 - \lambda_2) = 4 (d_2 + d_3)$.",
+        [Matrix(davenport_matrix(d.tolist())), 2 * (spectrum[0] - spectrum[1])],
+        [sympy.diag(*spectrum), 4 * (d[1, 1] + d[2, 2])],
+    )
+
+
+def _certificate() -> Proof:
+    q, p = quaternion(), quaternion("p")
+    values = [scalar(f"l_{k}") for k in (1, 2, 3, 4)]
+    K = sympy.diag(*values)
+    level, mu = scalar("level"), scalar("mu")
+    crossing = Matrix([q[1], -q[0], 0, 0])
+    yield nonnegative(
+        r"**From the certificate.** Let $A = \ell I - K + \mu\, q q^{\mathsf T}/|q|^2 \succ 0$ "
+        r"with $\ell = v + \delta - \mu$. In an eigenbasis of $K$ take $p = (q_2, -q_1, 0, 0)$, in "
+        r"the span of the first two eigenvectors and orthogonal to $q$ (or the first eigenvector, "
+        r"if $q_1 = q_2 = 0$). Then $p^{\mathsf T} K p - \lambda_2 |p|^2 = (\lambda_1 - \lambda_2)"
+        r"\, q_2^2 \ge 0$,",
+        (crossing.T * K * crossing)[0] - values[1] * square(crossing),
+        [(Given(values[0] - values[1], "l_1 >= l_2"), Square(q[1]))],
+    )
+    along = dot(tuple(q), tuple(p))
+    certified = square(q) * (level * Matrix.eye(4) - K) + mu * q * q.T  # |q|^2 A
+    yield combination(
+        r"and as $q \cdot p = 0$, $|q|^2 (\ell |p|^2 - p^{\mathsf T} K p) = p^{\mathsf T} "
+        r"(|q|^2 A)\, p > 0$. Together $\ell > \lambda_2$: the certificate's level bounds the "
+        r"second eigenvalue, and $p^{\mathsf T} K p/|p|^2 - \tfrac14 \omega^{\mathsf T} J \omega > "
+        r"\ell$ is enough. It is one inequality between exact numbers.",
+        square(q) * (level * square(p) - (p.T * K * p)[0]) - (p.T * certified * p)[0],
+        [(-mu * along, along)],
+    )
+
+
+def _distance() -> Proof:
+    p = quaternion("p")
+    values = [scalar(f"l_{k}") for k in (1, 2, 3, 4)]
+    lost = values[0] * square(p) - sum(l * c**2 for l, c in zip(values, p, strict=True))
+    off = Matrix(body_frame((1, 0, 0, 0))).T * p
+    yield nonnegative(
+        r"**How near the optimum is.** In the eigenbasis the optimum is the first unit vector, and "
+        r"$|p|^2 \sin^2(\theta/2)$ is what $p$ has across it, $p_2^2 + p_3^2 + p_4^2$. And "
+        r"$\lambda_1 |p|^2 - p^{\mathsf T} K p$ less $(\lambda_1 - \lambda_2)$ times that is "
+        r"$(\lambda_2 - \lambda_3)\, p_3^2 + (\lambda_2 - \lambda_4)\, p_4^2 \ge 0$. So "
+        r"$\sin^2(\theta/2) \le (\lambda_1 - p^{\mathsf T} K p/|p|^2)/(\lambda_1 - \lambda_2)$.",
+        lost - (values[0] - values[1]) * square(off),
+        [
+            (Given(values[1] - values[2], "l_2 >= l_3"), Square(p[2])),
+            (Given(values[1] - values[3], "l_2 >= l_4"), Square(p[3])),
+        ],
+    )
+
+
+def _decided(spin: Any, shipped: Callable[..., Any]) -> Step:
+    p, omega, J = quaternion("p"), vector("omega"), symmetric("J")
+    K = davenport_matrix(matrix("C").tolist())
+    value, kinetic = quadratic_form(K, tuple(p)), (omega.T * J * omega)[0]
+    return combination(
+        r"`certreg.verify.proves_basin`, run on polynomials, compares with the level, times "
+        r"$|p|^2$, $p^{\mathsf T} K p - \tfrac14 |p|^2 \omega^{\mathsf T} J \omega$, the angular "
+        r"velocity being an integer vector times a power of two; $K$, $J$ and level in one unit.",
+        square(p) * shipped(K, J, p, omega) - (value - spin * square(p) * kinetic * TWO_POWER**2),
+        [(value, square(p) * NORM_INVERSE - 1)],
+    )
+
+
+def _twice_as_strong(state: State, cloud: Cloud) -> Array:
+    return derived_torque(state, cloud) + spring_torque(state, cloud)
+
+
+def _pulled_from_outside(state: State, cloud: Cloud) -> Array:
+    return derived_torque(state, cloud) + state.c.cross(state.v)
+
+
+def _half_of_the_power(K: Any, J: Any, p: Any, omega: Any) -> Any:
+    return checked_alignment(K, J, p, omega).subs(TWO_POWER**2, TWO_POWER)
+
+
+CLAIM = Claim(
+    name="certified_basin",
+    title="The certified basin",
+    statement=r"Let $J \succ 0$, $\mu > 0$ and $\lambda_1 > \lambda_2$. "
+    r"$E = \tfrac12 \omega^{\mathsf T} J \omega - 2\, p^{\mathsf T} K p/|p|^2$ never rises along "
+    r"the flow, and from every state with "
+    r"$$\frac{p^{\mathsf T} K p}{|p|^2} - \frac14\, \omega^{\mathsf T} J \omega > \lambda_2$$ the "
+    r"flow converges to the optimum. The level $v + \delta - \mu$ of a proved optimality "
+    r"certificate exceeds $\lambda_2$ and may stand in its place. The barrier is "
+    r"$2(\lambda_1 - \lambda_2) = 4(d_2 + d_3)$, and the angle $\theta$ from the optimum has "
+    r"$\sin^2(\theta/2) \le (\lambda_1 - p^{\mathsf T} K p/|p|^2) / (\lambda_1 - \lambda_2)$.",
+    assumptions=(
+        r"$J \succ 0$: three source points of positive weight are not collinear.",
+        r"The exact flow, with any damping $\mu > 0$.",
+    ),
+    source="[LaSalle1960]; energy and damping as in [Koditschek1989]; torque of [Yang2020]",
+    proof=proof,
+    controls={
+        "springs twice as strong in the torque": lambda: proof(torque=_twice_as_strong),
+        "a torque that depends on the translation": lambda: proof(torque=_pulled_from_outside),
+        "half of the kinetic energy in the inequality": lambda: proof(spin=QUARTER / 2),
+        "a checker that does not square the power of two": lambda: proof(
+            shipped=_half_of_the_power
+        ),
+    },
+    not_claimed=r"That the basin is all that converges: nearly every state does. Nor that a "
+    r"computed trajectory follows the flow; what is certified is the state at which it stands.",
+    needs=(
+        "davenport",
+        "eigenvectors",
+        "spectrum",
+        "dissipation",
+        "inertia",
+        "optimality_certificate",
+    ),
+    used_by=("certreg.verify.proves_basin", "certreg.certificate.producing.proves_basin"),
+)
