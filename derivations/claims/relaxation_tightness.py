@@ -7,7 +7,6 @@ all that hold on rotations: a quadratic form in (1, vec R) is known by the quart
 from __future__ import annotations
 
 from collections.abc import Callable
-from fractions import Fraction
 from itertools import combinations_with_replacement
 from typing import Any
 
@@ -24,6 +23,7 @@ from certreg.so3 import davenport_matrix, quadratic_form
 from ..algebra import Given, Square, facts, identity, nonnegative
 from ..kernel import Claim, Proof
 from ..notation import Matrix, diagonal, inner, matrix, quaternion, rotation, scalar, square
+from ..rationals import rank
 
 Quadratics = Callable[[], Any]
 SIZE, PAIRS = 10, tuple(combinations_with_replacement(range(10), 2))
@@ -155,23 +155,6 @@ def _coefficients(polynomials: list[Any]) -> list[list[int]]:
     terms: list[Any] = [sympy.Poly(p, *quaternion()).as_dict() for p in polynomials]
     monomials = sorted({powers for row in terms for powers in row})
     return [[int(row.get(powers, 0)) for powers in monomials] for row in terms]
-
-
-def rank(rows: list[list[int]]) -> int:
-    """The rank of an integer matrix, by elimination in fractions."""
-    left = [[Fraction(entry) for entry in row] for row in rows]
-    found = 0
-    for column in range(len(rows[0])):
-        pivot = next((row for row in left if row[column]), None)
-        if pivot is None:
-            continue
-        left.remove(pivot)
-        found += 1
-        for row in left:
-            factor = row[column] / pivot[column]
-            if factor:
-                row[:] = [a - factor * b for a, b in zip(row, pivot, strict=True)]
-    return found
 
 
 def _one_sign_off() -> Any:
