@@ -33,6 +33,11 @@ class ExactCloud:
     target: tuple[Vector, ...]
     masses: tuple[Number, ...] | None = None  # None: all 1
 
+    def __post_init__(self) -> None:
+        for entry in (*self.weights, *(e for x in (*self.source, *self.target) for e in x)):
+            if not isinstance(entry, (int, Fraction)):
+                raise TypeError(f"{entry!r} is no rational number")
+
     @property
     def weights(self) -> tuple[Number, ...]:
         """The masses, one per point."""
