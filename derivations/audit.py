@@ -143,7 +143,8 @@ ROWS = (
         claim="At rest the centres coincide and Σ k [x̃]ₓ Rᵀ y = 0; these are all equilibria.",
         place="end of the proof of Proposition 4",
         finding=TRUE,
-        holds="Exactly.",
+        holds="Exactly. (That the centres coincide follows from the first of the equations; the "
+        "paper says the second.)",
         because=("equilibrium_equations", "torque"),
     ),
     Row(

@@ -229,6 +229,7 @@ CLAIM = Claim(
         "eigenvectors",
         "spectrum",
         "dissipation",
+        "total_force",
         "inertia",
         "optimality_certificate",
     ),
