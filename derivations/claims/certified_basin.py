@@ -114,9 +114,13 @@ def _levels(spin: Any) -> Proof:
         r"$\ddot c + \mu \dot c + 2 c = 0$ and converges by itself.",
         source="[LaSalle1960]",
     )
+    yield _barrier()
+
+
+def _barrier() -> Step:
     d = diagonal("d")
     spectrum = [d.trace(), *(2 * d[k, k] - d.trace() for k in range(3))]
-    yield identity(
+    return identity(
         r"How high the barrier is: with $d_1 \ge d_2 \ge |d_3|$ the special singular values of $C$ "
         r"and $C$ diagonal, $K$ is diagonal with $\lambda_1 = d_1 + d_2 + d_3$ and $\lambda_2 = "
         r"d_1 - d_2 - d_3$. So between the optimum at $E = -2\lambda_1$ and the lowest spurious "

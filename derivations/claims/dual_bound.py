@@ -55,7 +55,10 @@ def proof(
         UNIT * (p.T * shipped(K) * p)[0] - NU * square(p) + UNIT * v_p,
         [(NU * square(p), UNIT * UNIT_INVERSE - 1)],
     )
-    tiny = nudge * Fraction(1, 2**80)
+    yield from _either_side(nudge * Fraction(1, 2**80))
+
+
+def _either_side(tiny: Fraction) -> Proof:
     yield identity(
         r"An example on either side of the truth: with $C = \operatorname{diag}(1, 2, 3)$ the "
         r"largest eigenvalue of $K$ is $6$,",

@@ -63,6 +63,10 @@ def proof(
         pivots_of(checker, A),
         D[1:],
     )
+    yield from _sylvester(A, x, D)
+
+
+def _sylvester(A: Any, x: Any, D: list[Any]) -> Proof:
     y = [eliminated_row(A, k, x) for k in range(1, SIZE + 1)]
     form = (x.T * A * x)[0]
     positive = [Given(d, f"D_{k} > 0") for k, d in enumerate(D)]
