@@ -344,14 +344,14 @@ def derive(names: tuple[str, ...], out: Path | None) -> int:
     for outcome in derivation.outcomes(names):
         click.echo(claim_line(outcome))
         found.append(outcome)
-    rows = () if names else derivation.audit()
-    for line in audit_lines(rows):
+    audited = [] if names else derivation.audit(found)
+    for line in audit_lines(audited):
         click.echo(line)
-    click.echo(closing_line(found, rows))
+    click.echo(closing_line(found, audited))
     if out is not None:
         derivation.write_latex(found, out)
         derivation.write_code(out)
-    return DONE if derivation.all_hold(found, rows) else REFUSED
+    return DONE if derivation.all_hold(found, audited) else REFUSED
 
 
 @cli.command()

@@ -19,6 +19,8 @@ from certreg.files import write_atomically
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from certreg.results import Verdict
+
 PACKAGE = Path(__file__).resolve().parent
 CHECKOUT = PACKAGE.parent / "derivations"
 NAME = "certreg._derivations"
@@ -48,15 +50,19 @@ def outcomes(names: Sequence[str] = ()) -> Iterator[Any]:
     return (prove(book.claim(name)) for name in (names or book.names()))
 
 
-def audit() -> tuple[Any, ...]:
-    """The paper's claims with their verdicts (audit.Row)."""
-    found: tuple[Any, ...] = _module("audit").rows()
-    return found
+def audit(proved: Sequence[Any]) -> list[tuple[Any, Verdict]]:
+    """The paper's claims (audit.Row), each with whether its finding stands.
+
+    proved: the outcomes of all claims of the book, on which the findings rest.
+    """
+    verdicts = {outcome.claim.name: outcome.verdict for outcome in proved}
+    return [(row, row.stands(verdicts)) for row in _module("audit").rows()]
 
 
-def all_hold(found: Sequence[Any], rows: Sequence[Any]) -> bool:
-    """Whether every claim was proved, and every row of the audit confirmed."""
-    return all(one.verdict.proved for one in found) and all(row.recheck().proved for row in rows)
+def all_hold(found: Sequence[Any], audited: Sequence[tuple[Any, Verdict]]) -> bool:
+    """Whether every claim was proved, and every finding of the audit stands."""
+    verdicts = [*(outcome.verdict for outcome in found), *(verdict for _, verdict in audited)]
+    return all(verdict.proved for verdict in verdicts)
 
 
 def write_latex(found: Sequence[Any], folder: Path) -> None:

@@ -52,6 +52,18 @@ CHAPTERS = (
             "symmetry",
         ),
     ),
+    Chapter(
+        "Certificates",
+        (
+            "elimination",
+            "optimality_certificate",
+            "dual_bound",
+            "certified_basin",
+            "covariance",
+            "relaxation_tightness",
+            "translation_gap",
+        ),
+    ),
 )
 
 

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
+    from certreg.results import Verdict
+
 WIDTH = 24  # of a claim's name
 
 
@@ -16,35 +18,50 @@ def claim_line(outcome: Any) -> str:
     quoted = len(outcome.quoted)
     rests = f", {quoted} theorem{'s' * (quoted != 1)} quoted" if quoted else ""
     ruling = outcome.verdict.ruling.value.upper()
-    line = (
-        f"{outcome.claim.name:{WIDTH}} {ruling:9} {outcome.seconds:6.2f} s  {outcome.claim.title}"
-    )
+    name, title = outcome.claim.name, plain(outcome.claim.title)
+    line = f"{name:{WIDTH}} {ruling:9} {outcome.seconds:6.2f} s  {title}"
     return f"{line}\n{'':{WIDTH}} {outcome.verdict.words}{rests}"
 
 
-def audit_lines(rows: Iterable[Any]) -> Iterator[str]:
-    """The claims of the paper (audit.Row), each with its verdict, re-checked now."""
-    for position, row in enumerate(rows):
+def audit_lines(audited: Iterable[tuple[Any, Verdict]]) -> Iterator[str]:
+    """The claims of the paper (audit.Row), each with its finding and whether that stands."""
+    for position, (row, verdict) in enumerate(audited):
         if position == 0:
             yield "\nThe claims of the paper [Yang2020]:"
-        checked = row.recheck()
-        told = "" if checked.proved else f"  NOT CONFIRMED: {checked.words}"
-        yield f"{row.number:>4} {row.verdict.value:24} {_plain(row.says)}{told}"
+        told = "" if verdict.proved else f"  NOT CONFIRMED: {verdict.words}"
+        yield f"{row.number:>4}  {row.finding.value:23} {plain(row.claim)}{told}"
 
 
-def closing_line(outcomes: Sequence[Any], rows: Sequence[Any]) -> str:
+def closing_line(outcomes: Sequence[Any], audited: Sequence[Any]) -> str:
     """How many claims were proved, how many mutated statements refuted, how long it took."""
     proved = sum(outcome.verdict.proved for outcome in outcomes)
     controls = [control for outcome in outcomes for control in outcome.controls]
     refuted = sum(not control.passed for control in controls)
     seconds = sum(outcome.seconds for outcome in outcomes)
-    audited = f", {len(rows)} claims of the paper audited" if rows else ""
+    paper = f", {len(audited)} claims of the paper audited" if audited else ""
     return (
         f"\n{proved} of {len(outcomes)} claims proved, {refuted} of {len(controls)} mutated "
-        f"statements refuted{audited}, in {seconds:.1f} s"
+        f"statements refuted{paper}, in {seconds:.1f} s"
     )
 
 
-def _plain(words: str) -> str:
-    """Markdown without its marks, for a terminal."""
-    return re.sub(r"[$`*]|\\(?:mathrm|operatorname)", "", words)
+def plain(words: str) -> str:
+    """Markdown with LaTeX made readable in a terminal."""
+    for pattern, text in _PLAIN:
+        words = re.sub(pattern, text, words)
+    return words
+
+
+_PLAIN = (
+    (r"\\(?:mathrm|operatorname|mathsf|text)\{([^}]*)\}", r"\1"),
+    (r"\\dot\{?(\w)\}?", r"\1'"),
+    (r"\\(?:l|r)?Vert|\\\|", "|"),
+    (r"\\le\b", "<="),
+    (r"\\ge\b", ">="),
+    (r"\\to\b", "->"),
+    (r"\\times\b", "x"),
+    (r"\\circ\b", "°"),
+    (r"\\[,;! ]", " "),
+    (r"[$`*{}]", ""),
+    (r"\\(\w+)", r"\1"),
+)
