@@ -1,0 +1,207 @@
+"""`{proof} NAME` runs a claim's proof while the page is built, and writes down what was executed.
+
+Nothing on the page is written by hand but the prose around it: statement, steps, checks, negative
+controls and the code come from the claim and from the run. A claim that is not PROVED stops the
+build.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+from docutils import nodes
+from docutils.statemachine import StringList
+from listings import listing
+from sphinx.errors import ExtensionError
+from sphinx.util.docutils import SphinxDirective
+
+from derivations import book
+from derivations.kernel import Claim, Control, Kind, Outcome, Step, prove
+
+if TYPE_CHECKING:
+    from sphinx.application import Sphinx
+    from sphinx.environment import BuildEnvironment
+    from sphinx.util.typing import ExtensionMetadata
+
+FOLDER = "proofs"  # the page of a claim is FOLDER/NAME
+NO_CODE = "No code: it is a step of the chain."
+
+
+class MarkdownDirective(SphinxDirective):
+    """A directive that renders Markdown which it has made or been given."""
+
+    def markdown(self, text: str) -> list[nodes.Node]:
+        """The nodes of a piece of Markdown."""
+        holder = nodes.container()
+        lines = StringList(text.splitlines(), source=self.get_source_info()[0])
+        self.state.nested_parse(lines, self.content_offset, holder)
+        return holder.children
+
+    def prose(self, text: str, *classes: str) -> nodes.container:
+        """A block of Markdown."""
+        return nodes.container("", *self.markdown(text), classes=list(classes))
+
+    def section(self, title: str, *content: nodes.Node) -> nodes.section:
+        """A section of the page, that its table of contents shows."""
+        section = nodes.section("", nodes.title(text=title), *content, names=[title.lower()])
+        self.state.document.note_implicit_target(section, section)
+        return section
+
+
+class Proof(MarkdownDirective):
+    """The theorem of a claim, its executed proof, and what must fail."""
+
+    required_arguments = 1
+
+    def run(self) -> list[nodes.Node]:
+        """Prove the claim and render it."""
+        name = self.arguments[0]
+        try:
+            claim = book.claim(name)
+        except KeyError as error:
+            raise ExtensionError(f"{self.env.docname}: the book has no claim {name!r}") from error
+        outcome = prove(claim)
+        if not outcome.verdict.proved:
+            ruling, words = outcome.verdict.ruling.value, outcome.verdict.words
+            raise ExtensionError(f"claim {name!r} is {ruling}, not proved: {words}")
+        outcomes_of(self.env)[name] = summary_of(outcome)
+        return [
+            *self._statement(claim),
+            self.section("Proof", self._steps(outcome.steps), self._verdict(outcome)),
+            self.section("What must fail, and does", *self._controls(outcome)),
+            self.section("What is not claimed", self.prose(claim.not_claimed)),
+            self.section("The code that uses it", *self._code(claim)),
+        ]
+
+    def _statement(self, claim: Claim) -> list[nodes.Node]:
+        heading = nodes.paragraph("", "", nodes.strong(text=f"Theorem ({claim.title})."))
+        box = nodes.container("", heading, *self.markdown(claim.statement), classes=["theorem"])
+        facts = nodes.field_list(classes=["claim-facts"])
+        facts += _field("Assumptions", *map(self.prose, claim.assumptions))
+        facts += _field("Source", self.prose(claim.source))
+        if claim.needs:
+            facts += _field("Needs", self._links(claim.needs))
+        needed = [other.name for other in book.claims() if claim.name in other.needs]
+        if needed:
+            facts += _field("Needed by", self._links(needed))
+        return [box, facts]
+
+    def _links(self, names: Iterable[str]) -> nodes.container:
+        return self.prose(", ".join(f"{{claim}}`{name}`" for name in names))
+
+    def _steps(self, steps: Iterable[Step]) -> nodes.enumerated_list:
+        shown = nodes.enumerated_list(classes=["steps"])
+        for number, step in enumerate(steps, 1):
+            item = nodes.list_item(ids=[f"step-{number}"], classes=[step.kind.name.lower()])
+            item += self.markdown(step.says)
+            item += _check(step)
+            shown += item
+        return shown
+
+    def _verdict(self, outcome: Outcome) -> nodes.paragraph:
+        words = f" {outcome.verdict.words}."
+        if outcome.quoted:
+            words += f" {len(outcome.quoted)} of the steps quoted from the literature."
+        ruling = nodes.strong(text=outcome.verdict.ruling.value.upper())
+        return nodes.paragraph("", "", ruling, nodes.Text(words), classes=["claim-verdict"])
+
+    def _controls(self, outcome: Outcome) -> list[nodes.Node]:
+        opening = (
+            "The same proof was run on these mutated statements. Had one of them come out as "
+            "proved, this page would not exist."
+        )
+        rows = [self._control(control, outcome) for control in outcome.controls]
+        header = [nodes.paragraph(text=words) for words in ("mutated", "refuted at", "because")]
+        return [nodes.paragraph(text=opening), table(header, rows, (30, 20, 50), "controls")]
+
+    def _control(self, control: Control, outcome: Outcome) -> list[nodes.Node]:
+        step = control.refuted_at
+        if step is None:  # `prove` would not have said PROVED
+            raise ExtensionError(f"{outcome.claim.name}: the control {control.name!r} passed")
+        numbers = [k for k, own in enumerate(outcome.steps, 1) if own.says == step.says]
+        place: nodes.Node = self.prose(step.says)
+        if numbers:
+            link = nodes.reference("", f"step {numbers[0]}", refid=f"step-{numbers[0]}")
+            place = nodes.paragraph("", "", link)
+        return [self.prose(control.name), place, _words(step)]
+
+    def _code(self, claim: Claim) -> list[nodes.Node]:
+        if not claim.used_by:
+            return [nodes.paragraph(text=NO_CODE)]
+        return [listing(dotted, self.env.docname) for dotted in claim.used_by]
+
+
+def _check(step: Step) -> nodes.paragraph:
+    """How a step was checked, or that it was not."""
+    if step.kind is Kind.QUOTED:
+        mark = nodes.strong(text="quoted")
+        words = f" {step.kind.value}: {step.verdict.words}."
+    else:
+        mark = nodes.strong(text="checked")
+        words = f" {step.kind.value} ({step.verdict.words})."
+    return nodes.paragraph("", "", mark, nodes.Text(words), classes=["check"])
+
+
+def _words(step: Step) -> nodes.paragraph:
+    """Why a step was refuted: a rest that is not zero is set as what it is, code."""
+    before, first, rest = step.verdict.words.partition(", the first ")
+    if not first:
+        return nodes.paragraph(text=step.verdict.words)
+    return nodes.paragraph(
+        "", "", nodes.Text(f"{before}{first}"), nodes.literal(text=rest), classes=["rest"]
+    )
+
+
+def _field(name: str, *content: nodes.Node) -> nodes.field:
+    return nodes.field("", nodes.field_name(text=name), nodes.field_body("", *content))
+
+
+def table(
+    header: Iterable[nodes.Node],
+    rows: Iterable[Iterable[nodes.Node]],
+    widths: tuple[int, ...],
+    *classes: str,
+) -> nodes.table:
+    """A table with a header; `widths` in per cent."""
+    group = nodes.tgroup(cols=len(widths))
+    group += [nodes.colspec(colwidth=width) for width in widths]
+    group += nodes.thead("", _row(header))
+    group += nodes.tbody("", *map(_row, rows))
+    return nodes.table("", group, classes=["colwidths-given", *classes])
+
+
+def _row(cells: Iterable[nodes.Node]) -> nodes.row:
+    return nodes.row("", *(nodes.entry("", cell) for cell in cells))
+
+
+Summary = dict[str, Any]
+
+
+def summary_of(outcome: Outcome) -> Summary:
+    """What the index of all claims says of one; no times, so that a build can be repeated."""
+    return {
+        "verdict": outcome.verdict.ruling.value,
+        "steps": len(outcome.steps),
+        "quoted": len(outcome.quoted),
+        "controls": len(outcome.controls),
+    }
+
+
+def outcomes_of(env: BuildEnvironment) -> dict[str, Summary]:
+    """The claims that the pages have proved so far, by name."""
+    if not hasattr(env, "certreg_outcomes"):
+        env.certreg_outcomes = {}  # pyright: ignore[reportAttributeAccessIssue]
+    return env.certreg_outcomes  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def _merge(app: Sphinx, env: BuildEnvironment, docnames: set[str], other: BuildEnvironment) -> None:
+    del app, docnames
+    outcomes_of(env).update(outcomes_of(other))
+
+
+def setup(app: Sphinx) -> ExtensionMetadata:
+    """Called by Sphinx."""
+    app.add_directive("proof", Proof)
+    app.connect("env-merge-info", _merge)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
