@@ -84,6 +84,7 @@ html_static_path = ["_static"]
 html_css_files = ["certreg.css"]
 templates_path = ["_templates"]
 html_copy_source = False
+html_show_search_summary = False  # it would be fetched, which pages opened from a folder may not
 html_show_sphinx = False
 html_theme_options = {
     "light_css_variables": {"color-brand-primary": "#00507a", "color-brand-content": "#00629b"},

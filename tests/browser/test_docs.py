@@ -1,0 +1,172 @@
+"""Every built page, opened in a headless browser without a network: `make test-browser`.
+
+Skipped where chromium, playwright or the built pages are missing, unless CERTREG_BROWSER is set.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from pages import CHROMIUM, OPTIONS, elsewhere, faults
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from playwright.sync_api import Page
+
+ROOT = Path(__file__).parents[2]
+SITE = ROOT / "docs" / "_build" / "html"
+REQUIRED = bool(os.environ.get("CERTREG_BROWSER"))
+PAGES = sorted(SITE.rglob("*.html"))
+STYLES = sorted(SITE.rglob("*.css"))
+MATHJAX = ROOT / "docs" / "_static" / "vendor" / "tex-svg-full.js"
+NOWHERE = "https://nowhere.invalid"
+
+
+def _missing() -> str | None:
+    if not CHROMIUM.exists():
+        return f"no browser at {CHROMIUM}: apt-get install chromium"
+    if not PAGES:
+        return "no pages: make docs"
+    return None
+
+
+if not REQUIRED:
+    pytest.importorskip("playwright")
+pytestmark = pytest.mark.skipif(not REQUIRED and _missing() is not None, reason=str(_missing()))
+
+
+@pytest.fixture(scope="module")
+def page() -> Iterator[Page]:
+    """A page of a browser that reaches files of this machine, and nothing else."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=OPTIONS)
+        context = browser.new_context(offline=True, service_workers="block")
+        context.route(
+            lambda url: not url.startswith("file:"),
+            lambda route: route.abort(),
+        )
+        yield context.new_page()
+        browser.close()
+
+
+def test_there_is_a_site_and_a_browser():
+    assert _missing() is None
+    assert {"index.html", "search.html", "tutorial.html"} <= {path.name for path in PAGES}
+
+
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: str(path.relative_to(SITE)))
+def test_a_page_opens_without_network_and_without_errors(page: Page, path: Path):
+    assert faults(page, path) == []
+
+
+@pytest.mark.parametrize("path", PAGES + STYLES, ids=lambda path: str(path.relative_to(SITE)))
+def test_a_file_refers_to_no_other_host(path: Path):
+    assert elsewhere(path) == []
+
+
+def test_pages_of_proofs_have_formulas_and_verdicts(page: Page):
+    proofs = sorted(path for path in (SITE / "proofs").glob("*.html") if path.name != "index.html")
+
+    assert proofs
+    for path in proofs:
+        page.goto(path.as_uri())
+        assert page.locator("div.theorem span.math, div.theorem div.math").count() > 0, path
+        assert page.locator("ol.steps > li").count() > 0, path
+        assert page.locator("table.controls tbody tr").count() > 0, path
+        assert page.locator(".claim-verdict").inner_text().upper().startswith("PROVED"), path
+
+
+def test_the_search_finds_a_word_without_network(page: Page):
+    page.goto(f"{(SITE / 'search.html').as_uri()}?q=quaternion")
+
+    page.locator("#search-results li").first.wait_for(timeout=20_000)
+
+
+def test_a_narrow_window_scrolls_in_one_direction_only(page: Page):
+    page.set_viewport_size({"width": 400, "height": 800})
+    wide = list[str]()
+    for path in PAGES:
+        if "_modules" not in path.parts:
+            page.goto(path.as_uri())
+            if page.evaluate("document.documentElement.scrollWidth > window.innerWidth + 1"):
+                wide.append(str(path.relative_to(SITE)))
+    page.set_viewport_size({"width": 1280, "height": 720})
+
+    assert wide == []
+
+
+def planted(folder: Path, body: str) -> Path:
+    """A page that loads MathJax as the site does, with something in it."""
+    path = folder / "planted.html"
+    settings = '{"tex": {"packages": {"[-]": ["autoload","noerrors","noundefined","require"]}}}'
+    path.write_text(
+        f"<!doctype html><meta charset=utf-8><script>window.MathJax = {settings}</script>"
+        f'<script src="{MATHJAX.as_uri()}"></script><article>{body}</article>',
+        "utf-8",
+    )
+    return path
+
+
+def formula(tex: str) -> str:
+    return rf'<p><span class="math notranslate nohighlight">\({tex}\)</span></p>'
+
+
+def test_a_sound_formula_is_no_fault(page: Page, tmp_path: Path):
+    assert faults(page, planted(tmp_path, formula(r"q^{\mathsf T} K q"))) == []
+
+
+@pytest.mark.parametrize("tex", [r"\nosuchmacro{x}", r"x^2^2", r"\left( x", r"\frac{1}"])
+def test_a_broken_formula_is_seen(page: Page, tmp_path: Path, tex: str):
+    assert any("formula error" in fault for fault in faults(page, planted(tmp_path, formula(tex))))
+
+
+def test_a_formula_that_does_not_end_is_seen(page: Page, tmp_path: Path):
+    found = faults(page, planted(tmp_path, formula(r"\frac{1}{")))
+
+    assert any("drawn" in fault for fault in found)
+    assert any("show TeX" in fault for fault in found)
+
+
+def test_a_formula_that_nobody_drew_is_seen(page: Page, tmp_path: Path):
+    path = planted(tmp_path, formula("x"))
+    path.write_text(path.read_text("utf-8").replace(MATHJAX.as_uri(), "about:blank"), "utf-8")
+
+    assert any("drawn" in fault for fault in faults(page, path))
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        f'<img src="{NOWHERE}/x.png">',
+        f'<script src="{NOWHERE}/x.js"></script>',
+        f"<script>fetch('{NOWHERE}/x.json').catch(() => 0)</script>",
+        '<img src="missing.png">',
+        f"<style>p {{ background: url({NOWHERE}/x.png) }}</style><p>x</p>",
+    ],
+)
+def test_a_request_that_fails_is_seen(page: Page, tmp_path: Path, body: str):
+    assert any("request failed" in fault for fault in faults(page, planted(tmp_path, body)))
+
+
+def test_an_error_of_a_script_is_seen(page: Page, tmp_path: Path):
+    for body in ("<script>console.error('no')</script>", "<script>throw Error('no')</script>"):
+        assert faults(page, planted(tmp_path, body)) != []
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        f'<a href="{NOWHERE}">there</a>',
+        '<img src="//nowhere.invalid/x.png">',
+        f"<p style=\"background: url('{NOWHERE}/x.png')\">x</p>",
+        f'<style>@import "{NOWHERE}/x.css";</style>',
+    ],
+)
+def test_an_address_on_another_host_is_seen(tmp_path: Path, body: str):
+    assert elsewhere(planted(tmp_path, body)) != []
