@@ -15,16 +15,25 @@ UV_PYTHON_OPTION = $(if $(filter environment command,$(origin PYTHON)),--python 
 NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_EXTRA_INDEX_URL -u UV_FIND_LINKS
 
 .DELETE_ON_ERROR:
-.PHONY: help demo test fuzz generate lint bench lock clean
+.PHONY: help demo docs test test-browser fuzz generate lint bench lock clean
 
 help:  ## this list
-	@sed -n 's/^\([a-z]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 12
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
 
 demo: $(READY)  ## register the packaged real data and prove the answers
 	@$(VENV)/bin/certreg demo
 
 test: $(READY)  ## run the tests and the examples in the docstrings
 	@$(RUN) -m pytest
+
+docs: $(READY)  ## run all proofs and examples and build the documentation: docs/_build/html
+	@rm -rf docs/_build
+	@$(RUN) -m sphinx --quiet --fail-on-warning --keep-going --fresh-env --write-all --jobs auto \
+	  --builder html docs docs/_build/html
+	@echo "docs/_build/html/index.html"
+
+test-browser: docs  ## open every built page in chromium, without a network
+	@CERTREG_BROWSER=1 $(RUN) -m pytest tests/browser
 
 fuzz: $(READY)  ## a million broken files for the readers (two minutes)
 	@$(RUN) tests/fuzz_readers.py
@@ -49,7 +58,7 @@ lock:  ## make both lock files anew from pyproject.toml (needs uv; LOCK_OPTIONS=
 	@mv requirements.lock.new requirements.lock
 
 clean:  ## remove the environment, caches, builds and the demo's folder
-	rm -rf $(VENV) build dist certreg-demo .hypothesis .pytest_cache .ruff_cache
+	rm -rf $(VENV) build dist certreg-demo docs/_build docs/reference/modules .hypothesis .pytest_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # The stamp goes first and comes back last: a set-up that was cut short is done again.

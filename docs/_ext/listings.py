@@ -10,7 +10,9 @@ from typing import Any
 from disclosure import Disclosure, Summary
 from docutils import nodes
 from sphinx import addnodes
+from sphinx.util import logging
 
+logger = logging.getLogger(__name__)
 PUBLIC_MODULES = ("verify", "equilibria")  # also functions: their names lead to the modules
 LONGEST = 45  # lines of source that are shown on the page of a proof
 
@@ -33,8 +35,15 @@ def resolve(dotted: str) -> Any:
 
 
 def listing(dotted: str, docname: str) -> nodes.Element:
-    """A link to the reference of a dotted name, over its source if that is short."""
-    found = resolve(dotted)
+    """A link to the reference of a dotted name, over its source if that is short.
+
+    A name that no code bears is a warning, and so fails the build.
+    """
+    try:
+        found = resolve(dotted)
+    except ValueError as error:
+        logger.warning("%s", error, location=docname)
+        return nodes.paragraph("", "", nodes.literal(text=dotted), classes=["listing"])
     link = reference_to(dotted, docname)
     source = _source(found)
     if source is None or source.count("\n") > LONGEST:

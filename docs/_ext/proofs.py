@@ -7,9 +7,12 @@ build.
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Iterable
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from disclosure import Disclosure, Summary
 from docutils import nodes
 from docutils.statemachine import StringList
 from listings import listing
@@ -68,7 +71,9 @@ class Proof(MarkdownDirective):
         outcomes_of(self.env)[name] = summary_of(outcome)
         return [
             *self._statement(claim),
-            self.section("Proof", self._steps(outcome.steps), self._verdict(outcome)),
+            self.section(
+                "Proof", self._steps(outcome.steps), self._verdict(outcome), _source(claim)
+            ),
             self.section("What must fail, and does", *self._controls(outcome)),
             self.section("What is not claimed", self.prose(claim.not_claimed)),
             self.section("The code that uses it", *self._code(claim)),
@@ -95,9 +100,18 @@ class Proof(MarkdownDirective):
         for number, step in enumerate(steps, 1):
             item = nodes.list_item(ids=[f"step-{number}"], classes=[step.kind.name.lower()])
             item += self.markdown(step.says)
+            self._link_claims(item)
             item += _check(step)
             shown += item
         return shown
+
+    def _link_claims(self, prose: nodes.Element) -> None:
+        """Lead from the name of another claim, set as code, to its page."""
+        names = book.names()
+        for code in list(prose.findall(nodes.literal)):
+            if code.astext() in names:
+                link = self._links([code.astext()])
+                code.parent.replace(code, list(link.children[0].children))
 
     def _verdict(self, outcome: Outcome) -> nodes.paragraph:
         words = f" {outcome.verdict.words}."
@@ -130,6 +144,14 @@ class Proof(MarkdownDirective):
         if not claim.used_by:
             return [nodes.paragraph(text=NO_CODE)]
         return [listing(dotted, self.env.docname) for dotted in claim.used_by]
+
+
+def _source(claim: Claim) -> Disclosure:
+    """The file of the claim, to be opened."""
+    file = Path(inspect.getfile(claim.proof))
+    text = file.read_text("utf-8")
+    summary = Summary("", "The program that is this proof: ", nodes.literal(text=file.name))
+    return Disclosure("", summary, nodes.literal_block(text, text, language="python"))
 
 
 def _check(step: Step) -> nodes.paragraph:
@@ -175,10 +197,10 @@ def _row(cells: Iterable[nodes.Node]) -> nodes.row:
     return nodes.row("", *(nodes.entry("", cell) for cell in cells))
 
 
-Summary = dict[str, Any]
+Facts = dict[str, Any]
 
 
-def summary_of(outcome: Outcome) -> Summary:
+def summary_of(outcome: Outcome) -> Facts:
     """What the index of all claims says of one; no times, so that a build can be repeated."""
     return {
         "verdict": outcome.verdict.ruling.value,
@@ -188,7 +210,7 @@ def summary_of(outcome: Outcome) -> Summary:
     }
 
 
-def outcomes_of(env: BuildEnvironment) -> dict[str, Summary]:
+def outcomes_of(env: BuildEnvironment) -> dict[str, Facts]:
     """The claims that the pages have proved so far, by name."""
     if not hasattr(env, "certreg_outcomes"):
         env.certreg_outcomes = {}  # pyright: ignore[reportAttributeAccessIssue]
