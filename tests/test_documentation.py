@@ -34,7 +34,7 @@ import sys
 sys.path[:0] = [{extensions!r}, {root!r}]
 extensions = ["myst_nb", "citations", "commands", "contents", "disclosure", "proofs"]
 nb_execution_mode = "force"
-nb_execution_raise_on_error = True
+nb_execution_raise_on_error = False
 nb_execution_show_tb = True
 """
 FALSE_CLAIM = """

@@ -39,6 +39,8 @@ class CommandLine(MarkdownDirective):
             record
             for parameter in command.get_params(context)
             if (record := parameter.get_help_record(context)) is not None
+            and record[1]  # an argument is described in the words above
+            and parameter.name != "help"
         ]
         content = [
             nodes.literal_block(usage, usage, language="text", classes=["usage"]),
@@ -73,7 +75,7 @@ class Schemas(MarkdownDirective):
         link = nodes.reference("", file.name, refuri=f"{up}{PUBLISHED}/{file.name}", internal=True)
         header = [nodes.paragraph(text=word) for word in ("key", "value", "meaning")]
         rows = [
-            [nodes.literal(text=path), nodes.paragraph(text=kind), self.prose(meaning)]
+            [nodes.literal(text=path), nodes.paragraph(text=kind), self._meaning(meaning)]
             for path, kind, meaning in keys_of(schema)
         ]
         return self.section(
@@ -82,6 +84,10 @@ class Schemas(MarkdownDirective):
             nodes.paragraph("", "", nodes.Text("The schema: "), link),
             table(header, rows, (34, 30, 36), "schema"),
         )
+
+    def _meaning(self, words: str) -> nodes.container:
+        """What a key means; `> 0` is an inequality, not a quotation."""
+        return self.prose(f"\\{words}" if words.startswith(">") else words)
 
 
 def keys_of(schema: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, str, str]]:

@@ -67,7 +67,7 @@ class Modules(MarkdownDirective):
         rows = [[self._link(name), nodes.paragraph(text=_first_line(name))] for name in names]
         pages = [f"{FOLDER}/{name}" for name in names]
         listed = "\n".join(["```{toctree}", ":hidden:", "", *pages, "```"])
-        return [table(header, rows, (36, 64), "modules"), *self.markdown(listed)]
+        return [table(header, rows, (42, 58), "modules"), *self.markdown(listed)]
 
     def _link(self, name: str) -> nodes.paragraph:
         return nodes.paragraph("", "", reference_to(name, self.env.docname))

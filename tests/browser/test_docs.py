@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-from pages import CHROMIUM, OPTIONS, elsewhere, faults
+from pages import CHROMIUM, LOADED, OPTIONS, elsewhere, faults
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -88,17 +88,26 @@ def test_the_search_finds_a_word_without_network(page: Page):
     page.locator("#search-results li").first.wait_for(timeout=20_000)
 
 
-def test_a_narrow_window_scrolls_in_one_direction_only(page: Page):
+CUT_OFF = """() => {
+  const edge = window.innerWidth + 1;
+  if (document.documentElement.scrollWidth > edge) return ['the page'];
+  return [...document.querySelectorAll('article mjx-container, article img, article code')].filter(
+    (node) => node.getBoundingClientRect().right > edge && !node.closest('div.math, pre, table')
+  ).map((node) => node.textContent || node.tagName);
+}"""
+
+
+def test_a_narrow_window_cuts_nothing_off(page: Page):
     page.set_viewport_size({"width": 400, "height": 800})
-    wide = list[str]()
+    wide = dict[str, list[str]]()
     for path in PAGES:
         if "_modules" not in path.parts:
             page.goto(path.as_uri())
-            if page.evaluate("document.documentElement.scrollWidth > window.innerWidth + 1"):
-                wide.append(str(path.relative_to(SITE)))
+            page.evaluate(LOADED)
+            wide[str(path.relative_to(SITE))] = page.evaluate(CUT_OFF)
     page.set_viewport_size({"width": 1280, "height": 720})
 
-    assert wide == []
+    assert {path: found for path, found in wide.items() if found} == {}
 
 
 def planted(folder: Path, body: str) -> Path:
