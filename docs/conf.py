@@ -47,7 +47,7 @@ extensions = [
 ]
 exclude_patterns = ["_build", "_ext", "_static"]
 
-# A draft may speak of claims, and of an audit, that do not exist yet.
+# A draft may speak of claims that the book does not have yet.
 draft = bool(os.environ.get("CERTREG_DOCS_DRAFT"))
 nitpicky = True
 # Annotations name types that only a type checker imports: they have no place to lead to.

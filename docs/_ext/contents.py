@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from docutils import nodes
 from proofs import FOLDER, MarkdownDirective, outcomes_of, table
 from sphinx import addnodes
+from sphinx.errors import ExtensionError
 from sphinx.util import logging
 from sphinx.util.docutils import SphinxRole
 
-from derivations import book
+from derivations import audit, book
 
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
@@ -36,14 +35,27 @@ class Claims(MarkdownDirective):
 
 
 class Audit(MarkdownDirective):
-    """The audit of the paper, as it is computed."""
+    """The audit of the paper; every counterexample is computed anew."""
 
     def run(self) -> list[nodes.Node]:
-        """Render the audit's own table."""
-        if self.config.draft and find_spec("derivations.audit") is None:
-            return self.markdown("*This draft has no audit.*")
-        words: str = import_module("derivations.audit").table()
-        return [self.prose(words, "audit")]
+        """A table, one row for each claim of the paper."""
+        header = [nodes.paragraph(text=word) for word in ("", "the paper's claim", "what holds")]
+        return [table(header, map(self._row, audit.rows()), (7, 36, 57), "audit")]
+
+    def _row(self, row: audit.Row) -> list[nodes.Node]:
+        claim = nodes.container("", nodes.paragraph(text=row.claim))
+        claim += nodes.paragraph(text=row.place, classes=["place"])
+        kind = row.finding.name.lower().replace("_", "-")
+        finding = nodes.paragraph(text=row.finding.value, classes=["finding", kind])
+        holds = nodes.container("", finding, nodes.paragraph(text=row.holds))
+        if row.counterexample is not None:
+            verdict = row.recheck()
+            if not verdict.proved:
+                raise ExtensionError(f"audit, row {row.number}: {verdict.words}")
+            label = nodes.emphasis(text="Counterexample: ")
+            holds += nodes.paragraph("", "", label, nodes.Text(f"{row.counterexample.words}."))
+        holds += self.prose("*Proof:* " + ", ".join(f"{{claim}}`{name}`" for name in row.because))
+        return [nodes.paragraph(text=row.number, ids=[f"row-{row.number}"]), claim, holds]
 
 
 class ClaimLink(SphinxRole):
