@@ -11,6 +11,7 @@ from certreg.so3 import davenport_matrix
 
 from ..algebra import Relation, combination, identity, modulo
 from ..kernel import Claim, Proof, Step
+from ..linearisation import hessian as shipped_hessian
 from ..linearisation import intrinsic_jacobian
 from ..moments import Cloud
 from ..motion import Body, State
@@ -40,7 +41,13 @@ def hessian_of(A: Any) -> Array:
 Hessian = Callable[[Any], Array]
 
 
-def proof(hessian: Hessian = hessian_of, *, swapped: bool = False, noise_free: int = 2) -> Proof:
+def proof(
+    hessian: Hessian = hessian_of,
+    shipped: Callable[[State, Body], Array] = shipped_hessian,
+    *,
+    swapped: bool = False,
+    noise_free: int = 2,
+) -> Proof:
     """Second derivative, the exact potential along a turn, eigenvectors, the case without noise."""
     yield from _second_derivative(hessian)
     C, q = matrix("C"), quaternion()
@@ -53,7 +60,7 @@ def proof(hessian: Hessian = hessian_of, *, swapped: bool = False, noise_free: i
     )
     yield from _along_a_turn()
     yield _eigenvector(swapped=swapped)
-    yield from _in_the_code(hessian)
+    yield from _in_the_code(hessian, shipped)
     cloud, R = Cloud(), State().R
     yield identity(
         r"Without noise $\tilde y_i = R \tilde x_i$, and then $C = \sum_i m_i \tilde y_i "
@@ -149,9 +156,15 @@ def _eigenvector(*, swapped: bool) -> Step:
     )
 
 
-def _in_the_code(hessian: Hessian) -> Proof:
+def _in_the_code(hessian: Hessian, shipped: Callable[[State, Body], Array]) -> Proof:
     state = State(omega=sympy.zeros(3, 1))
     frame = Body(inertia_inverse=sympy.eye(3))
+    yield identity(
+        r"The function that is turned into code returns this matrix, as a function of $R$ and $C$ "
+        r"(per unit of mass): entry by entry the same polynomial.",
+        shipped(state, frame),
+        hessian(state.R.T * frame.cross),
+    )
     stiffness = -intrinsic_jacobian(state, frame)[9:12, 3:6]
     yield identity(
         r"The linearised dynamics has this Hessian for its stiffness: the block of the intrinsic "
@@ -160,6 +173,10 @@ def _in_the_code(hessian: Hessian) -> Proof:
         stiffness + stiffness.T,
         2 * hessian(state.R.T * frame.cross),
     )
+
+
+def _turned_the_other_way(state: State, body: Body) -> Array:
+    return hessian_of(state.R * body.cross)
 
 
 CLAIM = Claim(
@@ -181,6 +198,7 @@ CLAIM = Claim(
             hessian=lambda A: 2 * A.trace() * sympy.eye(3) - 2 * A
         ),
         "eigenvalues l_k - l_j": lambda: proof(swapped=True),
+        "code that takes R C for R^T C": lambda: proof(shipped=_turned_the_other_way),
         "G = J without noise": lambda: proof(noise_free=1),
     },
     not_claimed=r"Stability: that needs $J \succ 0$ and damping and is proved in the chapter on "
@@ -190,6 +208,7 @@ CLAIM = Claim(
     used_by=(
         "certreg.equilibria.stability.curvature",
         "certreg.covariance",
+        "derivations.linearisation.hessian",
         "derivations.linearisation.intrinsic_jacobian",
     ),
 )
