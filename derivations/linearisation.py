@@ -7,7 +7,7 @@ Nothing is differentiated here; the claims `ambient_jacobian`, `intrinsic_jacobi
 from __future__ import annotations
 
 import sympy
-from sympy import BlockMatrix, eye, zeros
+from sympy import eye, zeros
 
 from .motion import DAMPING, Body, State
 from .notation import Array, Matrix, hat, inner
@@ -57,4 +57,4 @@ def _angular_drag(state: State, body: Body) -> Array:
 
 
 def _assembled(*blocks: list[Array]) -> Array:
-    return Matrix(BlockMatrix(list(blocks)).as_explicit())
+    return Matrix(list(blocks))
