@@ -53,6 +53,18 @@ CHAPTERS = (
         ),
     ),
     Chapter(
+        "Stability",
+        (
+            "ambient_jacobian",
+            "intrinsic_jacobian",
+            "pushforward",
+            "characteristic_polynomial",
+            "unstable_count",
+            "instability",
+            "optimal_damping",
+        ),
+    ),
+    Chapter(
         "Certificates",
         (
             "elimination",
