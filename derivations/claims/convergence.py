@@ -155,7 +155,7 @@ CLAIM = Claim(
         "springs of double stiffness in the torque alone": lambda: proof(_stiffer_torque),
     },
     not_claimed="That the limit is the optimum: starts exist that end at a spurious equilibrium. "
-    "See `instability`., and `certified_basin` for a test of the state. Nor is any "
+    "See `instability`, and `certified_basin` for a test of the state. Nor is any "
     "rate claimed.",
     needs=("dissipation", "properness", "equilibrium_equations", "euler_poincare"),
     used_by=("certreg.simulation.simulate", "certreg.simulation.Basin"),
