@@ -1,7 +1,7 @@
 """Every built page, opened in a headless browser without a network: `make test-browser`.
 
-That sets CERTREG_BROWSER. Without it the pages are left out, and what sees their faults is tested on
-planted ones only, where there is a chromium.
+That sets CERTREG_BROWSER. Without it the pages are left out, and where there is a chromium, only
+what sees their faults is tested, on planted ones.
 """
 
 from __future__ import annotations
