@@ -29,7 +29,7 @@ test: $(READY)  ## run the tests and the examples in the docstrings
 docs: $(READY)  ## run all proofs and examples and build the documentation: docs/_build/html
 	@rm -rf docs/_build
 	@$(RUN) -m sphinx --quiet --fail-on-warning --keep-going --fresh-env --write-all --jobs auto \
-	  --builder html docs docs/_build/html
+	  --builder html --doctree-dir docs/_build/doctrees docs docs/_build/html
 	@echo "docs/_build/html/index.html"
 
 test-browser: docs  ## open every built page in chromium, without a network
