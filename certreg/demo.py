@@ -39,8 +39,8 @@ STORIES = (
         target="survey_target.csv",
         told_rmse=(5.838987, 719.674350, 2284.899842, 2395.550956),
         told=(
-            "A user of a well-known tool aligned these four points, and the cloud came out\n"
-            "'totally flipped' with an RMS of 2395.55 (CloudCompare, issue 498). That pose is no\n"
+            "Aligned with a well-known tool, these four points came out 'totally flipped', as its\n"
+            "developer put it, with an RMS of 2395.55 (CloudCompare, issue 498). That pose is no\n"
             "accident: it is the index-3 equilibrium below, where all forces and torques balance,\n"
             "and which is the worst rotation there is. The optimum has an RMSE of 5.84."
         ),

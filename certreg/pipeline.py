@@ -188,10 +188,11 @@ def simulate(
     """The trajectory of the damped body, released at rest where the source was given.
 
     integrator: "euler", explicit with projection; "midpoint", whose energy never rises;
-        "splitting", a few large steps. step: in the time unit of the springs, None for the
-        integrator's own; euler and splitting take less where this is not stable. Raises ValueError
-        for other integrators or steps, and DegenerateProblemError where the dynamics is not defined
-        or too stiff.
+        "splitting", a few large steps.
+    step: in the time unit of the springs, None for the integrator's own; euler and splitting take
+        less where this is not stable.
+    Raises ValueError for other integrators or steps, and DegenerateProblemError where the dynamics
+    is not defined or too stiff.
     """
     return _trajectory(spectrum(exact_moments(problem)), problem, integrator, step)
 
