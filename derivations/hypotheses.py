@@ -6,6 +6,7 @@ hypothesis is used its cofactor is multiplied out.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import sympy
@@ -31,6 +32,15 @@ def unit(q: Any) -> Relation:
     """|q| = 1 as q_w^2 = 1 - q_x^2 - q_y^2 - q_z^2."""
     w, *rest = q
     return Relation(w, 2, 1 - sum(entry**2 for entry in rest))
+
+
+def inverted(formula: Any, inverses: Mapping[Any, sympy.Symbol]) -> Any:
+    """A formula with a symbol u in the place of each quotient 1/n; u n - 1 vanishes.
+
+    inverses: n -> u. A quotient that is not named stays, and no check takes it.
+    """
+    quotients = {n**-power: u**power for n, u in inverses.items() for power in (1, 2)}
+    return formula.xreplace(quotients)
 
 
 def centring(points: PointCloud) -> Array:
