@@ -1,0 +1,222 @@
+"""Claim: the closed form of the rotation nearest to R (I + [a]x), to which Euler's step goes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import sympy
+
+from ..algebra import Relation, combination, contraction, identity, modulo
+from ..hypotheses import IDENTITY, inverted, orthogonality
+from ..integrators import STEP, euler_step, polar_turn
+from ..kernel import Claim, Proof
+from ..motion import Body, State, rate
+from ..notation import (
+    Array,
+    Matrix,
+    determinant,
+    hat,
+    inner,
+    matrix,
+    quaternion,
+    rotation,
+    scalar,
+    square,
+    vector,
+)
+
+Turn = Callable[[Any, Any], Array]
+Step = Callable[[State, Body], Array]
+
+A, N = vector("a"), scalar("n")
+U, W = scalar("u"), scalar("w")  # 1/n and 1/(n + 1)
+ROOT = Relation(N, 2, 1 + square(A))
+
+
+def cleared_turn() -> Array:
+    """The matrix P = n (n + 1) I + (n + 1) [a]x + [a]x^2."""
+    return N * (N + 1) * IDENTITY + (N + 1) * hat(A) + hat(A) ** 2
+
+
+def cleared_stretch() -> Array:
+    """The matrix n (n + 1) I - a a^T, which is n + 1 times the stretch H."""
+    return N * (N + 1) * IDENTITY - A * A.T
+
+
+def proof(
+    turn: Turn = polar_turn,
+    *,
+    stretch: Callable[[], Array] = cleared_stretch,
+    step: Step = euler_step,
+) -> Proof:
+    """The shipped formula is a rotation, a polar factor, the nearest one; and the step uses it."""
+    yield from _is_a_rotation(turn)
+    yield from _is_the_polar_factor(stretch)
+    yield from _is_nearest(stretch)
+    yield from _in_the_step(turn, step)
+
+
+def _is_a_rotation(turn: Turn) -> Proof:
+    B, spin, P = matrix("B"), hat(A), cleared_turn()
+    shipped = inverted(turn(A, N), {N: U, N + 1: W})
+    first = (N + 1) * spin + W * (N + 1) * spin**2
+    yield combination(
+        r"The code computes $U = I + \frac1n[a]_\times + \frac1{n(n+1)}[a]_\times^2$. Write $u$ "
+        r"for $\frac1n$ and $w$ for $\frac1{n+1}$, and $P = n(n+1)I + (n+1)[a]_\times + "
+        r"[a]_\times^2$. Then $n(n+1)\,U - P = (un-1)\bigl((n+1)[a]_\times + "
+        r"w(n+1)[a]_\times^2\bigr) + \bigl(w(n+1)-1\bigr)[a]_\times^2$, here "
+        r"paired with an arbitrary matrix $B$. Both factors vanish, so $U = P/\bigl(n(n+1)\bigr)$.",
+        inner(B, N * (N + 1) * shipped - P),
+        [(inner(B, first), U * N - 1), (inner(B, spin**2), W * (N + 1) - 1)],
+    )
+    yield modulo(
+        r"From here on $n^2 = 1 + |a|^2$. Multiplied out, $P^{\mathsf T}P = n^2(n+1)^2 I$: $U$ is "
+        r"orthogonal.",
+        P.T * P,
+        N**2 * (N + 1) ** 2 * IDENTITY,
+        [ROOT],
+    )
+    yield modulo(
+        r"$\det P = n^3(n+1)^3$, hence $\det U = 1$: $U$ is a rotation, never a reflection.",
+        determinant(P),
+        N**3 * (N + 1) ** 3,
+        [ROOT],
+    )
+    yield modulo(
+        r"Its axis is $a$, because $Pa = n(n+1)\,a$, and $\operatorname{tr}P = (n+1)(n+2)$ says "
+        r"that $1 + 2\cos\theta = 1 + \frac2n$. So $U$ turns by $\theta = \arctan|a|$, a little "
+        r"less than the angle $|a|$ of the exponential.",
+        [*(P * A), P.trace()],
+        [*(N * (N + 1) * A), (N + 1) * (N + 2)],
+        [ROOT],
+    )
+
+
+def _is_the_polar_factor(stretch: Callable[[], Array]) -> Proof:
+    x, P, H = vector("x"), cleared_turn(), stretch()
+    yield modulo(
+        r"Let $H = nI - \frac1{n+1}\,aa^{\mathsf T}$, so that $(n+1)H = n(n+1)I - aa^{\mathsf T}$, "
+        r"symmetric. The product is $P\,\bigl(n(n+1)I - aa^{\mathsf T}\bigr) = "
+        r"n(n+1)^2\,(I + [a]_\times)$. Divided by $n(n+1)^2$: $I + [a]_\times = UH$, a rotation "
+        r"times a symmetric matrix. Along the axis nothing is stretched, $Ha = a$.",
+        [*(P * H), *H, *(H * A)],
+        [*(N * (N + 1) ** 2 * (IDENTITY + hat(A))), *H.T, *((N + 1) * A)],
+        [ROOT],
+    )
+    yield modulo(
+        r"$H$ is positive definite: $x^{\mathsf T}\bigl(n(n+1)I - aa^{\mathsf T}\bigr)x = "
+        r"|a\times x|^2 + (n+1)|x|^2$, a sum of squares with $n + 1 > 0$. So $UH$ is the polar "
+        r"decomposition of $I + [a]_\times$.",
+        (x.T * H * x)[0],
+        square(A.cross(x)) + (N + 1) * square(x),
+        [ROOT],
+    )
+
+
+def _is_nearest(stretch: Callable[[], Array]) -> Proof:
+    B, H, R, S, T = (matrix(name) for name in "BHRST")
+    yield combination(
+        r"Now compare $U$ with any other rotation $S$. For orthogonal $S$ and $T$ and every matrix "
+        r"$B$, $\lVert S - B\rVert^2 - \lVert T - B\rVert^2 = 2\operatorname{tr}(T^{\mathsf T}B) - "
+        r"2\operatorname{tr}(S^{\mathsf T}B)$, since $\operatorname{tr}(S^{\mathsf T}S - I)$ and "
+        r"$\operatorname{tr}(T^{\mathsf T}T - I)$ vanish: the nearest rotation to $B$ is the one "
+        r"with the largest $\operatorname{tr}(S^{\mathsf T}B)$.",
+        square(S - B) - square(T - B) - 2 * inner(T - S, B),
+        [(1, orthogonality(S).trace()), (-1, orthogonality(T).trace())],
+    )
+    yield combination(
+        r"Write $S = UT$ with a rotation $T$. Then $\operatorname{tr}\bigl((UT)^{\mathsf T}UH\bigr)"
+        r" = \operatorname{tr}(T^{\mathsf T}H)$: the difference is a combination of the entries of "
+        r"$U^{\mathsf T}U - I$ (here $R$ stands for $U$).",
+        inner(R * T, R * H) - inner(T, H),
+        contraction(T * H.T, orthogonality(R)),
+    )
+    q, a = quaternion(), A
+    v = Matrix(q[1:])
+    yield modulo(
+        r"Every rotation $T$ is $R(q)$ for a unit quaternion $q = (q_w, v)$. With both sides "
+        r"multiplied by $(n+1)|q|^2$, $(n+1)\bigl(|q|^2\operatorname{tr}H - "
+        r"\operatorname{tr}(\hat R(q)^{\mathsf T}H)\bigr) = 2(n+1)^2|v|^2 + 2(v\cdot a)^2 \ge 0$. "
+        r"It vanishes only for $v = 0$, that is $T = I$ and $S = U$: $U$ is nearer to "
+        r"$I + [a]_\times$ than every other rotation.",
+        square(q) * stretch().trace() - inner(rotation(q), stretch()),
+        2 * (N + 1) ** 2 * square(v) + 2 * inner(v, a) ** 2,
+        [ROOT],
+    )
+    yield combination(
+        r"A rotation $R$ in front changes no distance: $\lVert RB\rVert^2 = \lVert B\rVert^2$, for "
+        r"every matrix $B$. With $B = R^{\mathsf T}S - (I + [a]_\times)$ for the rotations $S$: "
+        r"the nearest rotation to $R(I + [a]_\times)$ is $RU$, and no other is as near.",
+        square(R * B) - square(B),
+        contraction(B * B.T, orthogonality(R)),
+    )
+
+
+def _in_the_step(turn: Turn, step: Step) -> Proof:
+    state, body = State(), Body()
+    angle = STEP * state.omega
+    root = sympy.sqrt(1 + square(angle))
+    inverses = {root: U, root + 1: W}
+    moved, rates = inverted(step(state, body), inverses), rate(state, body)
+    unprojected = state.flat + STEP * rates
+    yield identity(
+        r"Explicit Euler, $s + h\,\mathcal F(s)$, moves the rotation to $R + hR[\omega]_\times = "
+        r"R(I + [a]_\times)$ with $a = h\omega$.",
+        unprojected[3:12, :],
+        Matrix([*(state.R * (IDENTITY + hat(angle)))]),
+    )
+    yield identity(
+        r"The step from which the code is generated has $RU$ in this place, with "
+        r"$n = \sqrt{1 + h^2|\omega|^2}$ and $u$, $w$ as above; all its other entries are those of "
+        r"$s + h\,\mathcal F(s)$. It is the paper's scheme: one step of explicit Euler, then the "
+        r"nearest rotation.",
+        moved,
+        Matrix(
+            [
+                *unprojected[:3, :],
+                *(state.R * inverted(turn(angle, N), {N: U, N + 1: W})),
+                *unprojected[12:, :],
+            ]
+        ),
+    )
+
+
+def _truncated(angle: Any, root: Any) -> Array:
+    return IDENTITY + hat(angle) / root
+
+
+def _doubled(angle: Any, root: Any) -> Array:
+    return polar_turn(angle, root) + hat(angle) ** 2 / (root * (root + 1))
+
+
+def _wrong_way(state: State, body: Body) -> Array:
+    return euler_step(State(c=state.c, R=state.R, v=state.v, omega=-state.omega), body)
+
+
+CLAIM = Claim(
+    name="polar_projection",
+    title="Projection to the nearest rotation",
+    statement=r"Let $n = \sqrt{1 + |a|^2}$. The rotation nearest to $R(I + [a]_\times)$ in the "
+    r"Frobenius norm is $R\,\bigl(I + \frac1n[a]_\times + \frac1{n(n+1)}[a]_\times^2\bigr)$, for "
+    r"every vector $a$ and every rotation $R$, and it is the only one.",
+    assumptions=("$R$ is a rotation.", "$n^2 = 1 + |a|^2$ and $n > 0$."),
+    source="[Yang2020], the projection in the section on simulation; the formula is ours",
+    proof=proof,
+    controls={
+        "the square of the cross product left out": lambda: proof(_truncated),
+        "2/(n(n+1)) for 1/(n(n+1))": lambda: proof(_doubled),
+        "a stretch with + a a^T": lambda: proof(
+            stretch=lambda: 2 * N * (N + 1) * IDENTITY - cleared_stretch()
+        ),
+        "a step that turns the other way": lambda: proof(step=_wrong_way),
+    },
+    not_claimed="Anything about the size of the error of explicit Euler, or about the nearest "
+    "rotation to a matrix that is not a rotation times $I + [a]_\\times$.",
+    needs=("quaternions",),
+    used_by=(
+        "derivations.integrators.polar_turn",
+        "derivations.integrators.euler_step",
+        "certreg.simulation.simulate",
+    ),
+)
