@@ -65,6 +65,15 @@ CHAPTERS = (
         ),
     ),
     Chapter(
+        "Integrators",
+        (
+            "polar_projection",
+            "euler_energy",
+            "midpoint",
+            "splitting",
+        ),
+    ),
+    Chapter(
         "Certificates",
         (
             "elimination",
