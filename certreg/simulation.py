@@ -19,6 +19,7 @@ import numpy as np
 
 from certreg.dynamics import AT_REST, Body, body, start_at_rest
 from certreg.equilibria.spectral import unit_double
+from certreg.equilibria.stability import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
 from certreg.native.batch import ENERGIES, Batch, Ending, Integrator, Log
 from certreg.native.engine import engine
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
 
     from certreg.equilibria.spectral import Spectrum
 
-TRANSLATION_STIFFNESS = 2.0  # springs 2 w over masses w
 RATE_WINDOW = (
     1e-3,
     1e-13,

@@ -147,6 +147,5 @@ CLAIM = Claim(
     needs=("characteristic_polynomial", "unstable_count", "hessian"),
     used_by=(
         "certreg.simulation.optimal_damping",
-        "certreg.equilibria.stability.TRANSLATION_STIFFNESS",
     ),
 )
