@@ -7,6 +7,9 @@ claims are about: `motion` (rate, energies), `linearisation`, `integrators`.
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
+
+import sympy
 
 from certreg.codegen.emit import emit
 from certreg.codegen.translate import Definition, Port, port
@@ -24,9 +27,30 @@ from .integrators import (
 )
 from .linearisation import ambient_jacobian, hessian, intrinsic_jacobian
 from .motion import Body, State, kinetic, potential, rate, spring_torque, unit_cloud
-from .notation import inner, jacobian, rotation, square, vector
+from .notation import Matrix, inner, jacobian, rotation, square, vector
 
 GENERATED = Path(__file__).resolve().parent.parent / "certreg" / "generated"
+
+
+class Names:
+    """Symbols for intermediate values, and the values, in the order in which they were named."""
+
+    def __init__(self) -> None:
+        self._values: list[tuple[Any, Any]] = []
+
+    def __call__(self, name: str, value: Any) -> Any:
+        """A symbol for a value; a matrix of symbols for a matrix."""
+        if hasattr(value, "shape"):
+            entries = [self(f"{name}_{k}", value[k]) for k in range(len(value))]
+            return Matrix(*value.shape, entries)
+        symbol = sympy.Dummy(name, real=True)
+        self._values.append((symbol, value))
+        return symbol
+
+    @property
+    def found(self) -> tuple[tuple[Any, Any], ...]:
+        """All that was named."""
+        return tuple(self._values)
 
 
 def definitions() -> tuple[Definition, ...]:
@@ -39,6 +63,7 @@ def _of_matrix_states() -> tuple[Definition, ...]:
     given = (port("state", state.flat), port("body", body.flat))
     rates = rate(state, body)
     step = port("step", [STEP])
+    euler = Names()
     return (
         Definition(
             name="certreg_rate",
@@ -75,9 +100,10 @@ def _of_matrix_states() -> tuple[Definition, ...]:
             says="Explicit Euler, R projected to the nearest rotation; |F(s)|^2 before the step.",
             arguments=(*given, step),
             results=(
-                port("next", euler_step(state, body)),
+                port("next", euler_step(state, body, naming=euler)),
                 port("squared_speed", [square(rates)]),
             ),
+            named=euler.found,
         ),
     )
 

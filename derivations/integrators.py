@@ -7,6 +7,7 @@ r"""One step of each integrator, in closed form: what the generated code evaluat
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -20,6 +21,9 @@ from .notation import Array, Matrix, hat, quaternion, scalar, square, vector
 STEP = scalar("h")
 DECAY = scalar("decay")  # exp(-mu h)
 IMPULSE = scalar("impulse")  # (1 - exp(-mu h)) / mu
+
+# Gives an intermediate value a name, so that generated code computes it once: symbols for it.
+Naming = Callable[[str, Any], Any]
 
 
 @dataclass(frozen=True)
@@ -37,20 +41,30 @@ class QuaternionState:
         return Matrix([*self.c, *self.q, *self.v, *self.omega])
 
 
-def polar_turn(angle: Any, root: Any) -> Array:
-    """The rotation nearest to I + [a]x: I + [a]x / n + [a]x^2 / (n (n + 1)), n = sqrt(1 + |a|^2).
+def plain(name: str, value: Any) -> Any:
+    """The value itself, without a name."""
+    del name
+    return value
 
-    angle: a (3). root: n, an expression or a symbol with n^2 = 1 + |a|^2.
+
+def polar_turn(angle: Any, root: Any, naming: Naming = plain) -> Array:
+    """The rotation nearest to I + [a]x: I / n + [a]x / n + a a^T / (n (n + 1)), n^2 = 1 + |a|^2.
+
+    Which is I + [a]x / n + [a]x^2 / (n (n + 1)). angle: a (3). root: n, an expression, or a symbol
+    to be read as that root.
     """
-    turn = hat(angle)
-    return sympy.eye(3) + turn / root + turn * turn / (root * (root + 1))
+    small = naming("small", 1 / naming("both", root * (root + 1)))
+    cosine = naming("cosine", (root + 1) * small)
+    sine, share = naming("sine", cosine * Matrix(angle)), naming("share", small * Matrix(angle))
+    return cosine * sympy.eye(3) + hat(sine) + share * Matrix(angle).T
 
 
-def euler_step(state: State, body: Body, step: Any = STEP) -> Array:
+def euler_step(state: State, body: Body, step: Any = STEP, naming: Naming = plain) -> Array:
     """The paper's step s + h F(s), R + h R' projected to the nearest rotation (18 numbers)."""
     rates = rate(state, body)
-    angle = step * state.omega
-    turned = state.R * polar_turn(angle, sympy.sqrt(1 + square(angle)))
+    angle = naming("angle", step * state.omega)
+    root = naming("root", sympy.sqrt(1 + square(angle)))
+    turned = state.R * naming("turn", polar_turn(angle, root, naming))
     centre = state.c + step * state.v
     speeds = Matrix([*state.v, *state.omega]) + step * rates[12:, :]
     return Matrix([*centre, *turned, *speeds])
@@ -60,7 +74,7 @@ def quaternion_torque(q: Any, body: Body) -> Array:
     """The spring torque 2 L(q)^T K q over M, for a quaternion of any norm (times |q|^2)."""
     K = Matrix(davenport_matrix(body.cross.tolist()))
     L = Matrix(body_frame(tuple(q)))
-    return 2 * L.T * K * Matrix(q)
+    return 2 * (L.T * (K * Matrix(q)))
 
 
 def accelerations(state: QuaternionState, body: Body) -> tuple[Array, Array]:

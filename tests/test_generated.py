@@ -86,12 +86,52 @@ def test_an_expression_beyond_arithmetic_is_refused():
             casadi_function(definition)
 
 
-def test_reciprocals_are_computed_once():
+def test_named_values_are_those_of_the_derived_step():
+    from derivations import integrators
+
+    euler = next(d for d in chain.definitions() if d.name == "certreg_euler_step")
+    whole = dict(euler.named)
+    state, body = motion.State(), motion.Body()
+    rng = np.random.default_rng(8)
+    numbers = {s: float(rng.normal()) for s in (*state.flat, *body.flat, integrators.STEP)}
+
+    for symbol, value in whole.items():
+        numbers[symbol] = float(value.subs(numbers))
+    found = [float(entry.subs(numbers)) for entry in euler.results[0].entries]
+    expected = [float(entry.subs(numbers)) for entry in integrators.euler_step(state, body)]
+
+    assert len(whole) >= 20
+    assert np.allclose(found, expected, rtol=1e-12)
+
+
+def test_terms_with_equal_coefficients_are_multiplied_once():
+    import sympy
+
+    a, b, c = sympy.symbols("a b c")
+    given = (port("x", [a, b, c]),)
+    function = casadi_function(
+        Definition(
+            name="f",
+            says="",
+            arguments=given,
+            results=(port("y", [3 * a - 3 * b - c / 2 - 5, -a - 2 * b, -2 * a - 2 * b]),),
+        )
+    )
+
+    assert str(function).startswith("f:(x[3])->(y[3])")
+    assert np.allclose(function([7.0, 2.0, 4.0]).full().ravel(), [8.0, -11.0, -18.0])
+    import casadi
+
+    operations = [function.instruction_id(k) for k in range(function.n_instructions())]
+    assert operations.count(casadi.OP_MUL) == 4  # 3 (a - b), c / 2, 2 b, 2 (a + b)
+
+
+def test_an_euler_step_divides_once():
     text = (GENERATED / "dynamics.c").read_text()
     start = text.index("void certreg_euler_step")
     end = text.index("void certreg_quaternion_energies")
 
-    assert text[start:end].count("/") == 2
+    assert text[start:end].count("/") == 1
 
 
 def test_the_sources_to_embed_compile_without_a_warning_and_reproduce_a_trajectory(tmp_path):

@@ -1,7 +1,7 @@
 """SymPy expressions as CasADi functions, one operation for one operation.
 
-Nothing is rewritten on the way: sums, products, integer powers and square roots become the same
-in CasADi, and equal subexpressions are computed once.
+Sums, products, integer powers and square roots become the same in CasADi, and equal subexpressions
+are computed once. One rewriting: terms with equal numbers before them are added, then multiplied.
 """
 
 from __future__ import annotations
@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from collections.abc import Generator, Sequence
 
 
+_Signed = tuple[Any, Any]  # whether it is to be subtracted, and a CasADi expression
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Port:
     """A named vector argument or result: `entries` are SymPy symbols or expressions."""
@@ -26,12 +29,17 @@ class Port:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Definition:
-    """A function to be generated: its name, one sentence about it, its arguments and results."""
+    """A function to be generated: its name, one sentence about it, its arguments and results.
+
+    named: intermediate values, each a symbol and an expression in arguments and earlier symbols;
+    the results may use the symbols.
+    """
 
     name: str
     says: str
     arguments: tuple[Port, ...]
     results: tuple[Port, ...]
+    named: tuple[tuple[Any, Any], ...] = ()
 
 
 def casadi_function(definition: Definition) -> Any:
@@ -50,6 +58,8 @@ def casadi_function(definition: Definition) -> Any:
             column = casadi.SX.sym(port.name, len(port.entries))
             inputs.append(column)
             known.update({symbol: column[k] for k, symbol in enumerate(port.entries)})
+        for symbol, value in definition.named:
+            known[symbol] = _translated(value, known, casadi)
         outputs = [
             casadi.vertcat(*[_translated(entry, known, casadi) for entry in port.entries])
             for port in definition.results
@@ -84,7 +94,7 @@ def _translated(expression: Any, known: dict[Any, Any], casadi: Any) -> Any:
         if expression.q != 1:
             found = casadi.SX(float(expression)) if _is_dyadic(expression) else found / expression.q
     elif expression.is_Add:
-        found = _sum([_translated_term(term, known, casadi) for term in expression.args])
+        found = _total(expression.args, known, casadi)
     elif expression.is_Mul:
         found = reduce(mul, [_translated(part, known, casadi) for part in expression.args])
     elif expression.is_Pow:
@@ -99,21 +109,38 @@ def _is_dyadic(number: Any) -> bool:
     return int(number.q) & (int(number.q) - 1) == 0
 
 
-def _translated_term(term: Any, known: dict[Any, Any], casadi: Any) -> tuple[bool, Any]:
-    """Whether a term of a sum is to be subtracted, and its CasADi expression without the sign."""
-    coefficient, _ = term.as_coeff_Mul()
-    negative = bool(coefficient < 0)
-    return negative, _translated(-term if negative else term, known, casadi)
+def _total(terms: Sequence[Any], known: dict[Any, Any], casadi: Any) -> Any:
+    """The sum of SymPy terms, those with equal coefficients in groups, multiplied once."""
+    groups: dict[Any, list[_Signed]] = {}
+    for term in terms:
+        coefficient, rest = term.as_coeff_Mul()
+        size = abs(coefficient)
+        if rest == 1:  # a number is a term of its own
+            size, rest = rest, size
+        groups.setdefault(size, []).append((coefficient < 0, _translated(rest, known, casadi)))
+    return _signed_value(
+        _sum([_scaled(_sum(group), size, known, casadi) for size, group in groups.items()])
+    )
 
 
-def _sum(terms: list[tuple[bool, Any]]) -> Any:
-    """The signed sum, begun with a positive term where there is one."""
-    terms.sort(key=lambda term: term[0])
-    negative, total = terms[0]
-    total = -total if negative else total
-    for subtracted, term in terms[1:]:
+def _scaled(term: _Signed, size: Any, known: dict[Any, Any], casadi: Any) -> _Signed:
+    negative, value = term
+    return negative, value if size == 1 else _translated(size, known, casadi) * value
+
+
+def _sum(terms: list[_Signed]) -> _Signed:
+    """The signed sum, begun with a positive term; negative where there is none."""
+    negative = all(subtracted for subtracted, _ in terms)
+    signed = sorted(((not negative and bool(s), term) for s, term in terms), key=lambda t: t[0])
+    total = signed[0][1]
+    for subtracted, term in signed[1:]:
         total = total - term if subtracted else total + term
-    return total
+    return negative, total
+
+
+def _signed_value(term: _Signed) -> Any:
+    negative, value = term
+    return -value if negative else value
 
 
 def _power(base: Any, exponent: Any, casadi: Any) -> Any:

@@ -113,7 +113,8 @@ class _Run:
             if speed < settings.speed_tolerance**2:
                 end, state = self._settled(state)
                 escapes += end is Ending.KICKED
-            if end in {Ending.CONVERGED, Ending.AT_REST} or taken >= settings.max_steps:
+            ended = end in {Ending.CONVERGED, Ending.AT_REST}
+            if ended or taken >= settings.max_steps or math.isnan(speed):
                 break
             if end is Ending.KICKED or following is None:
                 following, size = self._advanced(state)

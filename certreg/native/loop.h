@@ -1,75 +1,99 @@
 /* One trajectory loop: included with LOOP, STATE, STEPS, ADVANCE, SETTLE, RECORD defined.
  *
- * A lane whose instance ended takes the next one, so that all lanes work to the end. */
+ * A lane whose instance ended takes the next one, so that all lanes work to the end. What a lane
+ * has to be looked at for (slow, no number any more, out of steps, logged) is rare: the loop itself
+ * only steps, and tests all lanes at once. */
+struct NAMED(LOOP, _lanes) {
+    lanes one[STATE], other[STATE], body[CERTREG_BODY], step[STEPS];
+    long instance[LANES]; /* -1: none */
+    long start[LANES];    /* the tick of its step 0 */
+    long passed[LANES];   /* the tick at which it is not looked at: it was, before a kick */
+    double kick[LANES];
+    long waiting, live, due; /* the next instance; how many run; the tick when the first is out of steps */
+};
+
+/* The next instance for a lane from a tick on, or one that stands still and is never slow. */
+static void NAMED(LOOP, _take)(struct NAMED(LOOP, _lanes) *own, lanes *state, int lane, long tick,
+                               const struct certreg_batch *batch, const struct certreg_settings *settings)
+{
+    const long i = own->waiting < batch->count ? own->waiting++ : -1;
+    own->instance[lane] = i, own->start[lane] = tick, own->passed[lane] = -1;
+    own->kick[lane] = settings->first_kick;
+    own->live += i >= 0;
+    for (int k = 0; k < CERTREG_BODY; k++)
+        AT(own->body[k], lane) = i < 0 ? 0 : batch->bodies[i * CERTREG_BODY + k];
+    for (int k = 0; k < STATE; k++)
+        AT(state[k], lane) = i < 0 ? 1 : batch->states[i * STATE + k];
+    for (int k = 0; k < STEPS; k++)
+        AT(own->step[k], lane) = i < 0 ? 0 : batch->steps[i * STEPS + k];
+    if (i >= 0)
+        batch->escapes[i] = 0;
+}
+
+/* What becomes of a lane at a tick; `next` is overwritten where that is not the step just made. */
+static void NAMED(LOOP, _look)(struct NAMED(LOOP, _lanes) *own, const lanes *state, lanes *next, int lane,
+                               long tick, double speed, const struct certreg_batch *batch,
+                               const struct certreg_settings *settings)
+{
+    const long i = own->instance[lane];
+    const long taken = tick - own->start[lane];
+    const int slow = speed < settings->squared_tolerance;
+    const int last = taken >= settings->max_steps || speed != speed; /* NaN stays NaN */
+    if (!(slow || last || batch->log) || i < 0 || own->passed[lane] == tick)
+        return;
+    const double *body = batch->bodies + i * CERTREG_BODY, time = (double)taken * batch->steps[i * STEPS];
+    double alone[STATE];
+    int end = CERTREG_GO_ON;
+    for (int k = 0; k < STATE; k++)
+        alone[k] = AT(state[k], lane);
+    if (batch->log)
+        RECORD(batch->log, taken, time, alone, body);
+    if (slow)
+        end = SETTLE(alone, body, batch->basins + i * CERTREG_BASIN, settings, own->kick + lane);
+    batch->escapes[i] += end == CERTREG_KICKED;
+    if (end == CERTREG_CONVERGED || end == CERTREG_AT_REST || last) {
+        batch->status[i] = end == CERTREG_KICKED ? CERTREG_GO_ON : end;
+        batch->taken[i] = taken;
+        batch->times[i] = time;
+        for (int k = 0; k < STATE; k++)
+            batch->states[i * STATE + k] = alone[k];
+        own->live--;
+        NAMED(LOOP, _take)(own, next, lane, tick + 1, batch, settings);
+    } else if (end == CERTREG_KICKED) { /* the step is to be made from where the kick led */
+        own->start[lane]++, own->passed[lane] = tick + 1;
+        for (int k = 0; k < STATE; k++)
+            AT(next[k], lane) = alone[k];
+    }
+}
+
+static __attribute__((noinline)) void NAMED(LOOP, _look_at_all)(
+    struct NAMED(LOOP, _lanes) *own, const lanes *state, lanes *next, long tick, const lanes *speed,
+    const struct certreg_batch *batch, const struct certreg_settings *settings)
+{
+    for (int lane = 0; lane < LANES; lane++)
+        NAMED(LOOP, _look)(own, state, next, lane, tick, AT(*speed, lane), batch, settings);
+    own->due = LONG_MAX;
+    for (int lane = 0; lane < LANES; lane++) {
+        const long due = own->start[lane] + settings->max_steps;
+        if (batch->log)
+            own->due = tick + 1;
+        else if (own->instance[lane] >= 0 && due < own->due)
+            own->due = due;
+    }
+}
+
 void LOOP(const struct certreg_batch *batch, const struct certreg_settings *settings)
 {
-    lanes state[STATE] = {0}, next[STATE], body[CERTREG_BODY] = {0}, step[STEPS] = {0}, speed;
-    long instance[LANES], taken[LANES], waiting = 0, live = 0;
-    double kick[LANES];
-    int passed[LANES]; /* looked at already, before the step that comes */
-    int changed = 1;   /* a lane's state is not what `next` was computed from */
-
+    struct NAMED(LOOP, _lanes) own = {.due = 0};
+    lanes *state = own.one, *next = own.other, speed;
     for (int lane = 0; lane < LANES; lane++)
-        instance[lane] = -1, taken[lane] = 0, passed[lane] = 0;
-    for (;;) {
-        for (int lane = 0; changed && lane < LANES; lane++) {
-            if (instance[lane] >= 0 || waiting == batch->count)
-                continue;
-            const long i = waiting++;
-            instance[lane] = i, taken[lane] = 0, passed[lane] = 0, kick[lane] = settings->first_kick;
-            batch->escapes[i] = 0;
-            live++;
-            for (int k = 0; k < CERTREG_BODY; k++)
-                AT(body[k], lane) = batch->bodies[i * CERTREG_BODY + k];
-            for (int k = 0; k < STATE; k++)
-                AT(state[k], lane) = batch->states[i * STATE + k];
-            for (int k = 0; k < STEPS; k++)
-                AT(step[k], lane) = batch->steps[i * STEPS + k];
-        }
-        if (!live)
-            break;
-        changed = 0;
-        ADVANCE(state, body, step, next, &speed);
-        for (int lane = 0; lane < LANES; lane++) {
-            const long i = instance[lane];
-            const int slow = AT(speed, lane) < settings->squared_tolerance;
-            const int last = taken[lane] >= settings->max_steps;
-            if (!(slow || last || batch->log) || i < 0 || passed[lane])
-                continue;
-            const double *alone_body = batch->bodies + i * CERTREG_BODY;
-            double alone[STATE];
-            int end = CERTREG_GO_ON;
-            for (int k = 0; k < STATE; k++)
-                alone[k] = AT(state[k], lane);
-            if (batch->log)
-                RECORD(batch->log, taken[lane], (double)taken[lane] * batch->steps[i * STEPS], alone,
-                       alone_body);
-            if (slow)
-                end = SETTLE(alone, alone_body, batch->basins + i * CERTREG_BASIN, settings, kick + lane);
-            passed[lane] = 1;
-            if (end == CERTREG_KICKED) {
-                batch->escapes[i]++;
-                for (int k = 0; k < STATE; k++)
-                    AT(state[k], lane) = alone[k];
-                changed = 1;
-            }
-            if (end == CERTREG_CONVERGED || end == CERTREG_AT_REST || last) {
-                batch->status[i] = end == CERTREG_KICKED ? CERTREG_GO_ON : end;
-                batch->taken[i] = taken[lane];
-                batch->times[i] = (double)taken[lane] * batch->steps[i * STEPS];
-                for (int k = 0; k < STATE; k++)
-                    batch->states[i * STATE + k] = alone[k];
-                instance[lane] = -1;
-                live--;
-                changed = 1;
-            }
-        }
-        if (changed)
-            continue;
-        for (int k = 0; k < STATE; k++)
-            state[k] = next[k];
-        for (int lane = 0; lane < LANES; lane++)
-            taken[lane]++, passed[lane] = 0;
+        NAMED(LOOP, _take)(&own, state, lane, 0, batch, settings);
+    for (long tick = 0; own.live; tick++) {
+        ADVANCE(state, own.body, own.step, next, &speed);
+        if (tick >= own.due || !all_above(speed, settings->squared_tolerance))
+            NAMED(LOOP, _look_at_all)(&own, state, next, tick, &speed, batch, settings);
+        lanes *const done = state;
+        state = next, next = done;
     }
 }
 #undef LOOP

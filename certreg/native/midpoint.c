@@ -85,7 +85,8 @@ static void run_one(const struct certreg_batch *batch, const struct certreg_sett
             batch->escapes[i] += end == CERTREG_KICKED;
         } else
             end = CERTREG_GO_ON;
-        if (end == CERTREG_CONVERGED || end == CERTREG_AT_REST || taken >= settings->max_steps)
+        if (end == CERTREG_CONVERGED || end == CERTREG_AT_REST || taken >= settings->max_steps ||
+            speed != speed)
             break;
         const double step = advance(state, body, batch->steps[i], settings);
         if (step == 0)
