@@ -14,7 +14,14 @@ import click
 
 from certreg import __version__
 from certreg.errors import CertregError, ContradictionError, RefusedCertificateError
-from certreg.options import CLOUD, FOLDER, cloud_options, pairing_options
+from certreg.options import (
+    CLOUD,
+    FOLDER,
+    cloud_options,
+    pairing_options,
+    printable,
+    warnings_as_notes,
+)
 
 if TYPE_CHECKING:
     from certreg.io.clouds import Pairing
@@ -48,7 +55,8 @@ def cli() -> None:
 def main() -> NoReturn:
     """Run the command line; bad input is one line on stderr, never a traceback."""
     try:
-        code = cli.main(prog_name="certreg", standalone_mode=False)
+        with warnings_as_notes():
+            code = cli.main(prog_name="certreg", standalone_mode=False)
     except click.exceptions.Abort:
         click.echo("interrupted", err=True)
         sys.exit(130)
@@ -56,10 +64,10 @@ def main() -> NoReturn:
         error.show()
         sys.exit(error.exit_code)
     except (ContradictionError, RefusedCertificateError) as error:
-        click.echo(f"certreg: {_printable(error)}", err=True)
+        click.echo(f"certreg: {printable(error)}", err=True)
         sys.exit(REFUSED)
     except CertregError as error:
-        click.echo(f"certreg: {_printable(error)}", err=True)
+        click.echo(f"certreg: {printable(error)}", err=True)
         sys.exit(MISUSED)
     except BrokenPipeError:
         sys.exit(DONE)
@@ -70,11 +78,6 @@ def main() -> NoReturn:
         click.echo("certreg: not enough memory for this input: use fewer points", err=True)
         sys.exit(MISUSED)
     sys.exit(code if isinstance(code, int) else DONE)
-
-
-def _printable(words: object) -> str:
-    """Words without control characters: a file's name must not steer the terminal."""
-    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in str(words))
 
 
 @cli.command(epilog=EXIT_CODES)
@@ -111,7 +114,7 @@ def certify(
     else:
         click.echo(registration_summary(registration))
         if path is not None:
-            place = _printable(path)
+            place = printable(path)
             click.echo(f"\nCertificate: {place}  (re-check it: certreg verify {place})")
     trajectory = registration.solution.trajectory
     if trajectory is not None and not trajectory.converged:
@@ -292,7 +295,7 @@ def apply(result: Path, cloud: Path, *, out: Path) -> int:
 
     pose, points = read_result_pose(result), read_cloud(cloud)
     write_cloud(out, pose.apply(points.points), points.labels)
-    click.echo(f"{len(points.points)} points written to {_printable(out)}")
+    click.echo(f"{len(points.points)} points written to {printable(out)}")
     return DONE
 
 

@@ -38,3 +38,7 @@ class RefusedCertificateError(CertregError):
     def __init__(self, message: str, *, verdict: Verdict) -> None:
         super().__init__(message)
         self.verdict = verdict
+
+
+class SlowSimulationWarning(UserWarning):
+    """Simulations run, but slower than they could; the message says why. Told once."""

@@ -8,11 +8,14 @@ from __future__ import annotations
 import functools
 import sys
 import threading
+import warnings
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+
+from certreg.errors import SlowSimulationWarning
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
@@ -108,6 +111,28 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
             return command(*args, problem=problem, source=source, target=target, **options)
 
     return wrapped
+
+
+def printable(words: object) -> str:
+    """Words without control characters: a file's name must not steer the terminal."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in str(words))
+
+
+@contextmanager
+def warnings_as_notes() -> Generator[None]:
+    """Warnings of certreg's own as one line on stderr each, not as a place in the source."""
+    with warnings.catch_warnings():
+        others = warnings.showwarning
+
+        def show(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
+            if issubclass(category, SlowSimulationWarning):
+                click.echo(f"note: {printable(message)}", err=True)
+            else:
+                others(message, category, *place, **more)
+
+        warnings.simplefilter("always", SlowSimulationWarning)
+        warnings.showwarning = show
+        yield
 
 
 @contextmanager

@@ -85,7 +85,7 @@ class SimulationSettings:
     first_kick: float = 1e-3  # radians, off a saddle
     kick_growth: float = 10.0  # slow saddles need larger ones
     largest_kick: float = 1.0  # radians
-    newton_tolerance: float = 1e-12  # of the middle angular velocity; then on while it falls
+    newton_tolerance: float = 1e-12  # radians of a midpoint step's turn; then on while it falls
     newton_steps: int = 20  # before a midpoint step is halved; five are usual
     largest_turn: float = 2.0  # radians of a midpoint step: beyond, it is halved
     halvings: int = 60  # of a midpoint step: from h = 1 down to rounding

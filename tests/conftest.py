@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
+
+from certreg.errors import SlowSimulationWarning
 
 settings.register_profile(
     "certreg",
@@ -22,3 +25,17 @@ DATA = Path(__file__).parent.parent / "certreg" / "data"
 @pytest.fixture
 def data() -> Path:
     return DATA
+
+
+@pytest.fixture(scope="session", autouse=True)
+def told_of_slow_simulation():
+    """Where there is no compiler the user is told once, and here that is now."""
+    from certreg.native.compiler import CompilationError, find_compiler
+    from certreg.native.engine import engine
+
+    try:
+        find_compiler()
+    except CompilationError:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", SlowSimulationWarning)
+            engine()

@@ -16,7 +16,7 @@ files dyadic
 verify
 so3 definite
 codegen.translate codegen.emit
-native.batch native.compiler native.library native.evaluator native.engine
+native.batch native.cache native.compiler native.library native.evaluator native.engine
 problem
 moments energy pose
 equilibria.classification equilibria.components equilibria.eigenbasis equilibria.stability

@@ -142,7 +142,7 @@ def test_the_sources_to_embed_compile_without_a_warning_and_reproduce_a_trajecto
     units = [str(folder / name) for name in ("example.c", "dynamics.c")]
 
     built = subprocess.run(
-        [compiler, *flags, *units, "-lm", "-o", str(folder / "example")],
+        [*compiler, *flags, *units, "-lm", "-o", str(folder / "example")],
         capture_output=True,
         text=True,
         check=False,
@@ -167,7 +167,7 @@ def test_the_example_says_what_it_expects(tmp_path):
     write_sources(tmp_path)
     compiler = c_compiler()
     units = [str(tmp_path / name) for name in ("example.c", "dynamics.c")]
-    subprocess.run([compiler, *units, "-lm", "-o", str(tmp_path / "example")], check=True)
+    subprocess.run([*compiler, *units, "-lm", "-o", str(tmp_path / "example")], check=True)
 
     run = subprocess.run(
         [str(tmp_path / "example")], input="1 2 3", capture_output=True, text=True, check=False

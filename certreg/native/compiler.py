@@ -1,26 +1,34 @@
-"""Compiling the C code once, with the user's compiler, into a cache of the user's own.
+"""Compiling the C code once, with the user's compiler; what comes out is tried before it is kept.
 
-A library in the cache is named by a digest of all that it depends on: sources, compiler, flags,
-processor. Beside it stands the digest of its bytes, so that a damaged file is seen before it is
-loaded. It is written under a temporary name and renamed, so that several processes may compile at
-once: the last one wins, and all are equal.
+A library is named by a digest of all that it depends on: sources, compiler, flags, processor.
 """
 
 from __future__ import annotations
 
+import atexit
 import hashlib
 import os
 import platform
+import shlex
 import shutil
-import stat
+import signal
 import subprocess
+import sys
 import tempfile
+import warnings
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from certreg.errors import CertregError
+from certreg.errors import CertregError, SlowSimulationWarning
+from certreg.native import cache
+from certreg.native.cache import CacheError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 HERE = Path(__file__).resolve().parent
 GENERATED = HERE.parent / "generated"
+SIGNATURES = GENERATED / "signatures.json"
 UNITS = (
     GENERATED / "dynamics.c",
     HERE / "settle.c",
@@ -34,6 +42,15 @@ FLAGS = ("-std=gnu11", "-O3", "-march=native", "-fno-math-errno", "-fPIC", "-sha
 PLAIN_FLAGS = ("-std=gnu11", "-O2", "-fPIC", "-shared")  # for compilers that refuse the others
 COMPILERS = ("cc", "gcc", "clang")
 PATIENCE = 120.0  # seconds for a compilation that takes three
+# Calls each generated function on zeros: a processor that lacks an instruction ends here.
+TRIAL = """
+import ctypes, json, sys
+library = ctypes.CDLL(sys.argv[1])
+library.certreg_euler_lanes, library.certreg_splitting_lanes, library.certreg_midpoint_single
+for name, sizes in json.load(open(sys.argv[2])).items():
+    numbers = [(ctypes.c_double * n)() for n in sizes["arguments"] + sizes["results"]]
+    getattr(library, name)(*numbers)
+"""
 
 
 class CompilationError(CertregError):
@@ -43,72 +60,36 @@ class CompilationError(CertregError):
 def compiled_library() -> Path:
     """The path of the compiled library, from the cache or made now.
 
-    Raises CompilationError where there is no compiler, it fails, or nothing can be written.
+    Where it cannot be kept, it is made for this process only, with a SlowSimulationWarning. Raises
+    CompilationError where there is no compiler, or it fails.
     """
-    compiler = find_compiler()
-    place = cache_folder()
-    library = place / f"certreg-{_key(compiler)}.so"
-    if not is_intact(library):
-        _compile(compiler, library)
-    return library
+    try:
+        compiler = find_compiler()
+        name = f"certreg-{_key(compiler)}"
+        return cache.find(name) or _compiled(compiler, name)
+    except OSError as error:
+        raise CompilationError(f"the C code cannot be compiled ({error})") from error
 
 
-def find_compiler() -> str:
-    """The C compiler to use: the environment's CC, else the first of cc, gcc, clang on PATH."""
-    named = os.environ.get("CC")
-    for name in (named,) if named else COMPILERS:
+def find_compiler() -> tuple[str, ...]:
+    """The C compiler to use, with its arguments: $CC, else the first of cc, gcc, clang on PATH."""
+    named = shlex.split(os.environ.get("CC", ""))
+    for name in named[:1] or COMPILERS:
         found = shutil.which(name)
         if found:
-            return found
-    raise CompilationError(f"no C compiler found ({named or ', '.join(COMPILERS)})")
+            return (found, *named[1:])
+    raise CompilationError(f"no C compiler found ({' '.join(named) or ', '.join(COMPILERS)})")
 
 
-def cache_folder() -> Path:
-    """The user's cache for compiled code, made if need be; the owner's alone.
-
-    $CERTREG_CACHE_DIR, else $XDG_CACHE_HOME/certreg, else ~/.cache/certreg. Raises CompilationError
-    where it cannot be made or belongs to someone else: code is loaded from it.
-    """
-    named = os.environ.get("CERTREG_CACHE_DIR")
-    base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
-    place = Path(named) if named else Path(base).expanduser() / "certreg"
-    try:
-        place.mkdir(parents=True, exist_ok=True, mode=0o700)
-        status = place.stat()
-    except (OSError, RuntimeError) as error:
-        raise CompilationError(f"the cache {place} cannot be made ({error})") from error
-    if hasattr(os, "getuid") and status.st_uid not in {os.getuid(), 0}:
-        raise CompilationError(f"the cache {place} belongs to another user: set CERTREG_CACHE_DIR")
-    if status.st_mode & stat.S_IWOTH:
-        raise CompilationError(f"others may write to the cache {place}: set CERTREG_CACHE_DIR")
-    return place
-
-
-def is_intact(library: Path) -> bool:
-    """Whether a library is there with exactly the bytes that were compiled."""
-    try:
-        return _seal(library).read_text() == _digest(library.read_bytes())
-    except (OSError, UnicodeDecodeError):
-        return False
-
-
-def _seal(library: Path) -> Path:
-    return library.with_suffix(".sha256")
-
-
-def _digest(content: bytes) -> str:
-    return hashlib.sha256(content).hexdigest()
-
-
-def _key(compiler: str) -> str:
+def _key(compiler: tuple[str, ...]) -> str:
     """What a compiled library depends on, in one word."""
-    binary = Path(compiler).resolve().stat()
+    binary = Path(compiler[0]).resolve().stat()
     parts = [
         *(path.read_bytes() for path in (*UNITS, *HEADERS)),
         repr((FLAGS, PLAIN_FLAGS, compiler, binary.st_size, binary.st_mtime_ns)).encode(),
         _processor(),
     ]
-    return _digest(b"".join(hashlib.sha256(part).digest() for part in parts))[:24]
+    return cache.digest(b"".join(hashlib.sha256(part).digest() for part in parts))[:24]
 
 
 def _processor() -> bytes:
@@ -121,35 +102,72 @@ def _processor() -> bytes:
     return b"\n".join(sorted({line for line in lines if line.startswith(wanted)}))
 
 
-def _compile(compiler: str, library: Path) -> None:
+def _compiled(compiler: tuple[str, ...], name: str) -> Path:
+    """Compile, try, keep; the folder with what cannot be kept goes when the process ends."""
+    folder = Path(tempfile.mkdtemp(prefix="certreg-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    fresh = _built(compiler, folder)
     try:
-        with tempfile.TemporaryDirectory(dir=library.parent, prefix=".compiling-") as folder:
-            fresh = Path(folder) / "library.so"
-            _run_compiler(compiler, fresh)
-            seal = Path(folder) / "library.sha256"
-            seal.write_text(_digest(fresh.read_bytes()))
-            # A reader between the two renames sees a seal that does not fit, and compiles again.
-            fresh.replace(library)
-            seal.replace(_seal(library))
-    except OSError as error:
-        raise CompilationError(f"the cache {library.parent} cannot be written ({error})") from error
-    if not is_intact(library):
-        raise CompilationError(f"the cache {library.parent} does not keep what is written to it")
+        return cache.store(name, fresh.read_bytes())
+    except CacheError as error:
+        message = f"compiled code is for this run only: {error}; set CERTREG_CACHE_DIR"
+        warnings.warn(message, SlowSimulationWarning, stacklevel=4)
+        return fresh
 
 
-def _run_compiler(compiler: str, target: Path) -> None:
-    words = ""
+def _built(compiler: tuple[str, ...], folder: Path) -> Path:
+    target, words = folder / "library.so", ""
     for flags in (FLAGS, PLAIN_FLAGS):
-        command = [compiler, *flags, f"-I{GENERATED}", f"-I{HERE}"]
-        command += [*map(str, UNITS), "-lm", "-o", str(target)]
+        command = [*compiler, *flags, f"-I{GENERATED}", f"-I{HERE}"]
+        words = _failure([*command, *map(str, UNITS), "-lm", "-o", str(target)], folder)
+        if not words:
+            words = _trial_failure(target, folder)
+        if not words:
+            return target
+    raise CompilationError(f"{compiler[0]} failed: {words}")
+
+
+def _trial_failure(library: Path, folder: Path) -> str:
+    if getattr(sys, "frozen", False) or not sys.executable:
+        return ""  # an application of its own, not Python
+    command = [sys.executable, "-I", "-S", "-c", TRIAL, str(library), str(SIGNATURES)]
+    words = _failure(command, folder)
+    return words and f"what it made does not run: {words}"
+
+
+def _failure(command: Sequence[str], folder: Path) -> str:
+    """What went wrong in a command, in one line; nothing if nothing did.
+
+    Its words go to a file: children of a compiler that hangs would hold a pipe open.
+    """
+    said = folder / "said"
+    with (
+        said.open("wb") as stream,
+        subprocess.Popen(  # noqa: S603 - the user's own compiler
+            command, stdin=subprocess.DEVNULL, stdout=stream, stderr=stream, start_new_session=True
+        ) as process,
+    ):
         try:
-            done = subprocess.run(  # noqa: S603 - the user's own compiler, fixed arguments
-                command, capture_output=True, timeout=PATIENCE, check=False
-            )
+            code = process.wait(PATIENCE)
         except subprocess.TimeoutExpired as error:
-            raise CompilationError(f"{compiler} took more than {PATIENCE:g} s") from error
-        if done.returncode == 0:
-            return
-        words = done.stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no message"]
-        words = words[0]
-    raise CompilationError(f"{compiler} failed: {words}")
+            raise CompilationError(f"{command[0]} took more than {PATIENCE:g} s") from error
+        finally:
+            _end(process)
+    if code == 0:
+        return ""
+    lines = [line.strip() for line in said.read_text(errors="replace").splitlines()]
+    for telling in ("no space", "error", ""):
+        for line in lines:
+            if line and telling in line.lower():
+                return line
+    return f"code {code}"
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End a process that still runs, and its children."""
+    if process.poll() is not None:
+        return
+    if hasattr(os, "killpg"):
+        os.killpg(process.pid, signal.SIGKILL)
+    else:
+        process.kill()

@@ -6,16 +6,13 @@ import warnings
 from functools import cache
 from typing import TYPE_CHECKING
 
+from certreg.errors import SlowSimulationWarning
 from certreg.native.compiler import CompilationError
 from certreg.native.evaluator import evaluator
 from certreg.native.library import library
 
 if TYPE_CHECKING:
     from certreg.native.batch import Engine
-
-
-class SlowSimulationWarning(UserWarning):
-    """There is no compiled code: simulations run, hundreds of times slower."""
 
 
 @cache

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 Array = Any  # NDArray[np.float64]
 ROTATION = ENERGIES.index("rotation")
+NO_TORQUE = 1e-12  # of the curvature: less is rounding, and must not choose a side
+JACOBI_SWEEPS = 12  # the sixth changes nothing any more
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,8 +175,8 @@ class _Run:
             length, moved = float(middle @ middle), float(change @ change)
             if not math.isfinite(length) or size * size * length > settings.largest_turn**2:
                 return None
-            small = moved <= settings.newton_tolerance**2 * length
-            if length == 0.0 or (small and (moved >= before / 4 or moved == 0.0)):
+            small = size * size * moved <= settings.newton_tolerance**2
+            if small and (moved >= before / 4.0 or moved == 0.0):
                 return middle
             before = moved
         return None
@@ -195,11 +197,12 @@ class _Run:
 
     def _kicked(self, state: Array) -> tuple[Ending, Array]:
         hessian, torque = self.machine.evaluate(f"{self.prefix}curvature", state, self.body)
-        curvatures, directions = np.linalg.eigh(hessian.reshape(3, 3))
-        if curvatures[0] >= 0.0:
+        least, axis = _least_curvature(hessian.reshape(3, 3))
+        if least >= 0.0:
             return Ending.OUT_OF_STEPS, state
-        axis = directions[:, 0]
-        along = float(axis @ torque) or next(entry for entry in axis if entry != 0.0)
+        along = float(axis @ torque)
+        if abs(along) <= NO_TORQUE * float(np.abs(hessian).max()):
+            along = float(axis[np.argmax(np.abs(axis))])
         half = math.copysign(self.kick / 2.0, along)
         self.kick = min(self.kick * self.settings.kick_growth, self.settings.largest_kick)
         return Ending.KICKED, _turned(state, math.cos(half), math.sin(half) * axis)
@@ -219,6 +222,26 @@ class _Run:
             time = taken * float(self.step[0])
         log.rows[log.count] = np.concatenate([[time], state, energies])
         log.count += 1
+
+
+def _least_curvature(hessian: Array) -> tuple[float, Array]:
+    """The least eigenvalue of a symmetric (3, 3) matrix and its unit eigenvector.
+
+    By Jacobi's rotations as in settle.c: another method could take the other side of a saddle.
+    """
+    a, v = hessian.copy(), np.eye(3)
+    for p, q in ((0, 1), (0, 2), (1, 2)) * JACOBI_SWEEPS:
+        if a[p, q] == 0.0:
+            continue
+        theta = float(a[q, q] - a[p, p]) / (2.0 * float(a[p, q]))
+        t = (-1.0 if theta < 0.0 else 1.0) / (abs(theta) + math.sqrt(theta * theta + 1.0))
+        cosine = 1.0 / math.sqrt(t * t + 1.0)
+        turn = np.array([[cosine, t * cosine], [-t * cosine, cosine]])
+        a[:, [p, q]] = a[:, [p, q]] @ turn
+        a[[p, q]] = turn.T @ a[[p, q]]
+        v[:, [p, q]] = v[:, [p, q]] @ turn
+    k = int(np.argmin(np.diag(a)))
+    return float(a[k, k]), v[:, k]
 
 
 def _quaternion(state: Array) -> Array:

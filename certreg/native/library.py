@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.native.batch import Batch, Integrator, Log
-from certreg.native.compiler import GENERATED, CompilationError, compiled_library
+from certreg.native.compiler import SIGNATURES, CompilationError, compiled_library
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -152,7 +152,7 @@ def _settings(settings: SimulationSettings) -> _Settings:
 
 def signatures() -> dict[str, Signature]:
     """The generated functions and the sizes of their arguments, as the generator wrote them."""
-    document = json.loads((GENERATED / "signatures.json").read_text())
+    document = json.loads(SIGNATURES.read_text())
     return {
         name: Signature(arguments=tuple(sizes["arguments"]), results=tuple(sizes["results"]))
         for name, sizes in document.items()

@@ -15,7 +15,7 @@ struct certreg_settings {
     double first_kick;        /* radians */
     double kick_growth;
     double largest_kick;
-    double newton_tolerance;  /* of the middle angular velocity, relative; midpoint only */
+    double newton_tolerance;  /* of h omega_m, midpoint only: radians */
     double largest_turn;      /* of h |omega_m| in a step, midpoint only: radians */
     long newton_steps;        /* before the step is halved */
     long halvings;            /* before a step is given up */

@@ -38,10 +38,8 @@ static int middle_of(const double state[13], const double body[23], double step,
         if (step * step * size > settings->largest_turn * settings->largest_turn)
             return 0;
         /* the last digits: no longer falling, or nothing left to fall */
-        if (moved <= settings->newton_tolerance * settings->newton_tolerance * size &&
+        if (step * step * moved <= settings->newton_tolerance * settings->newton_tolerance &&
             (moved >= before / 4 || moved == 0))
-            return 1;
-        if (size == 0)
             return 1;
         before = moved;
     }

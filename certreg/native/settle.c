@@ -1,13 +1,15 @@
 /* A state that hardly moves: is it where it may end, or at a saddle to be kicked off? And the log.
  *
  * Formulas of the dynamics are generated; here is the logic, and the linear algebra of three
- * dimensions. certreg/simulation.py does the same for machines without a compiler. */
+ * dimensions. evaluator.py does the same for machines without a compiler. */
 #include "loops.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "dynamics.h"
+
+#define NO_TORQUE 1e-12 /* of the curvature: less is rounding, and must not choose a side */
 
 enum { TRANSLATION, ROTATION, POTENTIAL, ALIGNMENT, ENERGIES };
 
@@ -107,13 +109,19 @@ static int ending(const double q[4], double rotational, const double basin[20],
 static int kick_of(const double hessian[9], const double torque[3], double *angle,
                    const struct certreg_settings *settings, double *cosine, double sine[3])
 {
-    double axis[3];
+    double axis[3], size = 0;
+    int largest = 0;
     if (least_curvature(hessian, axis) >= 0)
         return 0;
-    const double along = axis[0] * torque[0] + axis[1] * torque[1] + axis[2] * torque[2];
-    double sign = along > 0 ? 1 : along < 0 ? -1 : 0;
-    for (int i = 0; i < 3 && sign == 0; i++)
-        sign = axis[i] > 0 ? 1 : axis[i] < 0 ? -1 : 0;
+    for (int i = 0; i < 9; i++)
+        size = fmax(size, fabs(hessian[i]));
+    for (int i = 1; i < 3; i++)
+        if (fabs(axis[i]) > fabs(axis[largest]))
+            largest = i;
+    double along = axis[0] * torque[0] + axis[1] * torque[1] + axis[2] * torque[2];
+    if (fabs(along) <= NO_TORQUE * size)
+        along = axis[largest];
+    const double sign = along < 0 ? -1 : 1;
     for (int i = 0; i < 3; i++)
         sine[i] = sign * sin(*angle / 2) * axis[i];
     *cosine = cos(*angle / 2);
