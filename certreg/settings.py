@@ -76,6 +76,7 @@ class SimulationSettings:
     euler_step: float = 0.01  # [Yang2020]
     midpoint_share: float = 1.4  # of sqrt(2 / g_max): kills a critically damped mode in one step
     splitting_share: float = 0.8  # of sqrt(2 / g_max): 12 to 23 steps from anywhere
+    splitting_halvings: int = 8  # of the step, from the start, where a fast spin lost the state
     speed_tolerance: float = 1e-4  # [Yang2020]: norm of the 18 rates of change
     max_steps: int = 1_000_000  # a tenth of a second of compiled Euler steps; a thousand are usual
     stability_share: float = 0.25  # of the largest stable step of explicit Euler

@@ -21,8 +21,8 @@ from certreg.dynamics import AT_REST, Body, body, start_at_rest
 from certreg.equilibria.spectral import unit_double
 from certreg.equilibria.stability import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
+from certreg.integration import TRANSLATION_STIFFNESS, integrate, spring_ratios, step_parameters
 from certreg.native.batch import ENERGIES, Batch, Ending, Integrator, Log
-from certreg.native.engine import engine
 from certreg.settings import SimulationSettings
 from certreg.so3 import quaternion_from_matrix, rotation_matrix
 
@@ -138,11 +138,13 @@ def simulate(
         integrator,
         bodies=moving.parameters[np.newaxis],
         basins=basin.parameters[np.newaxis],
-        steps=np.array([_step(moving, basin, integrator, settings)]),
+        steps=step_parameters(
+            integrator, moving.parameters[np.newaxis], basin.parameters[np.newaxis], settings
+        ),
         states=_native(np.asarray(begin, dtype=float), integrator)[np.newaxis],
     )
     log = Log.of_capacity(settings.log_capacity, integrator)
-    engine().run(batch, settings, log)
+    integrate(batch, settings, log)
     return _trajectory(moving, basin, batch, log)
 
 
@@ -157,7 +159,8 @@ def optimal_damping(found: Spectrum) -> float:
         message = "the best damping needs a source that is not collinear and a unique optimum"
         raise DegenerateProblemError(message)
     moving = body(found.moments, 1.0)
-    least = _spring_ratios(moving, certified_basin(found, moving.length_exponent))[0]
+    basin = certified_basin(found, moving.length_exponent)
+    least = spring_ratios(moving.parameters[np.newaxis], basin.parameters[np.newaxis])[0, 0]
     return 2.0 * math.sqrt(min(TRANSLATION_STIFFNESS, float(least)))
 
 
@@ -174,49 +177,6 @@ def certified_basin(found: Spectrum, length_exponent: int) -> Basin:
         quaternions=np.array([unit_double(v) for v in found.basis.vectors]),
         deficits=np.array([float(deficit) for deficit in deficits]),
     )
-
-
-def _spring_ratios(moving: Body, basin: Basin) -> NDArray[np.float64]:
-    """The eigenvalues of the pencil (G, J) at the optimum, ascending, (3,)."""
-    rotation = np.array(rotation_matrix(basin.quaternions[0].tolist()))
-    aligned = rotation.T @ moving.cross_covariance
-    hessian = 2.0 * np.trace(aligned) * np.eye(3) - aligned - aligned.T
-    whitening = np.linalg.inv(np.linalg.cholesky(moving.inertia))
-    return np.linalg.eigvalsh(whitening @ hessian @ whitening.T).astype(np.float64)
-
-
-def _step(
-    moving: Body, basin: Basin, integrator: Integrator, settings: SimulationSettings
-) -> list[float]:
-    """The parameters of a step: the integrator's own, or the user's where that is stable."""
-    if integrator is Integrator.EULER:
-        limit = _stable_euler_step(moving, basin, settings)
-        return [min(settings.step or settings.euler_step, limit)]
-    fastest = max(TRANSLATION_STIFFNESS, float(_spring_ratios(moving, basin)[-1]))
-    period = math.sqrt(TRANSLATION_STIFFNESS / fastest)  # 1 without noise
-    if integrator is Integrator.MIDPOINT:
-        return [settings.step or settings.midpoint_share * period]
-    h = min(settings.step or math.inf, settings.splitting_share * period)
-    mu = moving.damping
-    return [h, math.exp(-mu * h), -math.expm1(-mu * h) / mu]
-
-
-def _stable_euler_step(moving: Body, basin: Basin, settings: SimulationSettings) -> float:
-    """The largest step that explicit Euler is given here.
-
-    The stiffest mode s^2 + mu s + g has g <= (l1 - l4) / least eigenvalue of J; Euler follows an
-    oscillation only if h < mu / g, a decay only if h < 2 / mu.
-    """
-    least = float(np.linalg.eigvalsh(moving.inertia)[0])
-    stiffness = max(TRANSLATION_STIFFNESS, float(basin.deficits[3]) / max(least, 5e-324))
-    limit = settings.stability_share * min(1.0 / moving.damping, moving.damping / stiffness)
-    if not limit > settings.least_step:
-        message = (
-            "the two clouds differ so much in size, or the damping is so extreme, that explicit "
-            "Euler would need too small a step: bring both clouds to one unit of length"
-        )
-        raise DegenerateProblemError(message)
-    return limit
 
 
 def _native(state: NDArray[np.float64], integrator: Integrator) -> NDArray[np.float64]:

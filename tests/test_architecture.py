@@ -22,7 +22,7 @@ moments energy pose
 equilibria.classification equilibria.components equilibria.eigenbasis equilibria.stability
 equilibria.spectral equilibria.closed_form
 relaxation.qcqp relaxation.conic relaxation.shor
-dynamics simulation covariance
+dynamics integration simulation ensembles covariance
 certificate.types certificate.bounds
 certificate.multiplier certificate.producing certificate.checking
 agreement

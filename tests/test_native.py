@@ -20,7 +20,7 @@ from commands import certreg
 from strategies import ZOO, random_problem
 from test_simulation import saddle_start
 
-from certreg import dynamics, simulation
+from certreg import dynamics, integration, simulation
 from certreg.equilibria.spectral import spectrum
 from certreg.errors import DegenerateProblemError, SlowSimulationWarning
 from certreg.moments import exact_moments
@@ -165,7 +165,7 @@ def by_both(
 ) -> tuple[simulation.Trajectory, simulation.Trajectory]:
     found: list[Any] = []
     for machine in (engine, evaluator):
-        monkeypatch.setattr(simulation, "engine", machine)
+        monkeypatch.setattr(integration, "engine", machine)
         monkeypatch.setattr(dynamics, "engine", machine)
         found.append(simulation.simulate(*args, **options))
     one, other = found

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -99,16 +99,29 @@ class Batch:
     def part(self, chosen: slice) -> Batch:
         """Some of the instances; what the loops write there, they write here."""
         return Batch(
-            integrator=self.integrator,
-            bodies=self.bodies[chosen],
-            basins=self.basins[chosen],
-            steps=self.steps[chosen],
-            states=self.states[chosen],
-            taken=self.taken[chosen],
-            status=self.status[chosen],
-            escapes=self.escapes[chosen],
-            times=self.times[chosen],
+            integrator=self.integrator, **{name: self._array(name)[chosen] for name in _ARRAYS}
         )
+
+    def chosen(self, which: NDArray[np.bool_]) -> Batch:
+        """A copy of some of the instances."""
+        return Batch(
+            integrator=self.integrator, **{name: self._array(name)[which] for name in _ARRAYS}
+        )
+
+    def put(self, which: NDArray[np.bool_], others: Batch) -> None:
+        """Put others in the place of some of the instances."""
+        for name in _ARRAYS:
+            self._array(name)[which] = others._array(name)
+
+    def _of_some(self, which: Any) -> Batch:
+        arrays = {name: self._array(name)[which] for name in _ARRAYS}
+        return Batch(integrator=self.integrator, **arrays)
+
+    def _array(self, name: str) -> Any:
+        return getattr(self, name)
+
+
+_ARRAYS = tuple(field.name for field in fields(Batch))[1:]  # all but the integrator
 
 
 @dataclass(slots=True)
@@ -126,6 +139,10 @@ class Log:
     def of_capacity(cls, capacity: int, integrator: Integrator) -> Log:
         """An empty log."""
         return cls(rows=np.empty((capacity, 1 + integrator.state_size + len(ENERGIES))))
+
+    def clear(self) -> None:
+        """Forget all samples."""
+        self.count, self.stride = 0, 1
 
     @property
     def samples(self) -> NDArray[np.float64]:
