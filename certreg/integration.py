@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from certreg.equilibria.stability import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
 from certreg.native.batch import Ending, Integrator
 from certreg.native.engine import engine
@@ -19,8 +20,6 @@ if TYPE_CHECKING:
 
     from certreg.native.batch import Batch, Log
     from certreg.settings import SimulationSettings
-
-TRANSLATION_STIFFNESS = 2.0  # springs 2 w over masses w
 
 
 def step_parameters(

@@ -21,7 +21,7 @@ from certreg.dynamics import AT_REST, Body, body, start_at_rest
 from certreg.equilibria.spectral import unit_double
 from certreg.equilibria.stability import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
-from certreg.integration import TRANSLATION_STIFFNESS, integrate, spring_ratios, step_parameters
+from certreg.integration import integrate, spring_ratios, step_parameters
 from certreg.native.batch import ENERGIES, Batch, Ending, Integrator, Log
 from certreg.settings import SimulationSettings
 from certreg.so3 import quaternion_from_matrix, rotation_matrix

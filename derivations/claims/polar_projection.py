@@ -35,8 +35,8 @@ ROOT = Relation(N, 2, 1 + square(A))
 
 
 def cleared_turn() -> Array:
-    """The matrix P = n (n + 1) I + (n + 1) [a]x + [a]x^2."""
-    return N * (N + 1) * IDENTITY + (N + 1) * hat(A) + hat(A) ** 2
+    """The matrix P = (n + 1) (I + [a]x) + a a^T."""
+    return (N + 1) * (IDENTITY + hat(A)) + A * A.T
 
 
 def cleared_stretch() -> Array:
@@ -58,20 +58,30 @@ def proof(
 
 
 def _is_a_rotation(turn: Turn) -> Proof:
-    B, spin, P = matrix("B"), hat(A), cleared_turn()
+    B, outer, P = matrix("B"), A * A.T, cleared_turn()
     shipped = inverted(turn(A, N), {N: U, N + 1: W})
-    first = (N + 1) * spin + W * (N + 1) * spin**2
+    first = (N + 1) * (IDENTITY + hat(A)) + W * (N + 1) * outer
     yield combination(
-        r"The code computes $U = I + \frac1n[a]_\times + \frac1{n(n+1)}[a]_\times^2$. Write $u$ "
-        r"for $\frac1n$ and $w$ for $\frac1{n+1}$, and $P = n(n+1)I + (n+1)[a]_\times + "
-        r"[a]_\times^2$. Then $n(n+1)\,U - P = (un-1)\bigl((n+1)[a]_\times + "
-        r"w(n+1)[a]_\times^2\bigr) + \bigl(w(n+1)-1\bigr)[a]_\times^2$, here "
-        r"paired with an arbitrary matrix $B$. Both factors vanish, so $U = P/\bigl(n(n+1)\bigr)$.",
+        r"The code computes $U = \frac1n\bigl(I + [a]_\times\bigr) + "
+        r"\frac1{n(n+1)}\,aa^{\mathsf T}$. Write $u$ for $\frac1n$ and $w$ for $\frac1{n+1}$, and "
+        r"$P = (n+1)\bigl(I + [a]_\times\bigr) + aa^{\mathsf T}$. Then $n(n+1)\,U - P = "
+        r"(un-1)\bigl((n+1)(I + [a]_\times) + w(n+1)\,aa^{\mathsf T}\bigr) + "
+        r"\bigl(w(n+1)-1\bigr)aa^{\mathsf T}$, here paired with an arbitrary matrix $B$. Both "
+        r"factors vanish, so $U = P/\bigl(n(n+1)\bigr)$.",
         inner(B, N * (N + 1) * shipped - P),
-        [(inner(B, first), U * N - 1), (inner(B, spin**2), W * (N + 1) - 1)],
+        [(inner(B, first), U * N - 1), (inner(B, outer), W * (N + 1) - 1)],
     )
     yield modulo(
-        r"From here on $n^2 = 1 + |a|^2$. Multiplied out, $P^{\mathsf T}P = n^2(n+1)^2 I$: $U$ is "
+        r"From here on $n^2 = 1 + |a|^2$. The same matrix in powers of $[a]_\times$ is $P = "
+        r"n(n+1)I + (n+1)[a]_\times + [a]_\times^2$, because $[a]_\times^2 = aa^{\mathsf T} - "
+        r"|a|^2I$ and $n(n+1) - |a|^2 = n + 1$: so $U = I + \frac1n[a]_\times + "
+        r"\frac1{n(n+1)}[a]_\times^2$, to which the code's form is equal and shorter to compute.",
+        P,
+        N * (N + 1) * IDENTITY + (N + 1) * hat(A) + hat(A) ** 2,
+        [ROOT],
+    )
+    yield modulo(
+        r"Multiplied out, $P^{\mathsf T}P = n^2(n+1)^2 I$: $U$ is "
         r"orthogonal.",
         P.T * P,
         N**2 * (N + 1) ** 2 * IDENTITY,
