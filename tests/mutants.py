@@ -381,8 +381,8 @@ MUTANTS = (
     Mutant(
         "Euler's turn",
         STEPS,
-        "angle = step * state.omega",
-        "angle = step * state.omega / 2",
+        'turned = state.R * naming("turn", polar_turn(angle, root, naming))',
+        'turned = naming("turn", polar_turn(angle, root, naming)) * state.R',
         ("polar_projection",),
     ),
     Mutant(
