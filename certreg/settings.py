@@ -112,3 +112,11 @@ class MultiplierSettings:
     first_step_bits: int = 36  # 2^-36 = 1.5e-11, below what a solver promises
     growth_bits: int = 2  # each step four times the last: at most four times too far
     attempts: int = 16  # up to 2^-6: whatever is still refused was no solution
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EliminationSettings:
+    """How the quadratics are eliminated."""
+
+    charts: int = 13  # four lines lie in at most 4 * 3 = 12 hyperplanes (1, t, t^2, t^3)
+    guard_bits: int = 32  # more than products of four matrices lose; more are taken where not

@@ -21,8 +21,8 @@ problem
 moments energy pose
 equilibria.classification equilibria.components equilibria.eigenbasis equilibria.stability
 equilibria.spectral equilibria.closed_form
-equilibria.quadratics equilibria.exports
-equilibria.reference
+equilibria.quadratics equilibria.exports equilibria.balls
+equilibria.reference equilibria.groebner
 relaxation.qcqp relaxation.conic relaxation.shor
 dynamics integration simulation ensembles covariance
 certificate.types certificate.bounds
