@@ -21,7 +21,7 @@ problem
 moments energy pose
 equilibria.classification equilibria.components equilibria.eigenbasis equilibria.stability
 equilibria.spectral equilibria.closed_form
-equilibria.quadratics equilibria.exports equilibria.balls
+equilibria.quadratics equilibria.exports equilibria.balls equilibria.tracking
 equilibria.reference equilibria.groebner
 relaxation.qcqp relaxation.conic relaxation.shor
 dynamics integration simulation ensembles covariance
