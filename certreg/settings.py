@@ -161,3 +161,16 @@ class TrackerSettings:
             predictor_aim=self.predictor_aim * self.care,
             corrector_bound=self.corrector_bound * self.care,
         )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HomotopySettings:
+    """The four paths of the equilibria, and what makes their ends a complete list."""
+
+    seed: int = 20260  # any: with another the paths differ, and the ends do not
+    attempts: int = 4  # gammas; one is enough for 999 problems of 1000
+    least_turn: float = 0.3  # radians, of gamma: away from 0, where real paths would meet
+    most_turn: float = 1.5  # and short of pi, where start and target would cancel out
+    chart_mixing: float = 0.3  # of random numbers to the axis in a path's chart
+    same_root: float = 1e-3  # radians between quaternions: regular ends are right to 1e-5
+    same_value: float = 1e-9  # of the size of K: singular ends are right to the root of an ulp
