@@ -174,3 +174,21 @@ class HomotopySettings:
     chart_mixing: float = 0.3  # of random numbers to the axis in a path's chart
     same_root: float = 1e-3  # radians between quaternions: regular ends are right to 1e-5
     same_value: float = 1e-9  # of the size of K: singular ends are right to the root of an ulp
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CountSettings:
+    """Where a proof of the count is looked for."""
+
+    charts: int = 13  # as in `EliminationSettings`
+    primes: tuple[int, ...] = (2**61 - 1,)  # divides a determinant by accident once in 10^18
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KrawczykSettings:
+    """Working precision of the proofs of roots, in bits."""
+
+    start_bits: int = 128  # costs as much as 64, and the boxes are as small as 1e-30
+    max_bits: int = 2048  # for relative gaps down to 1e-300
+    refinements: int = 12  # Newton steps at one precision: 2^-4 to 2^-2048 takes nine
+    inflation: int = 4  # of Newton's step to the box: what is left is quadratic in the step

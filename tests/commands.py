@@ -7,7 +7,7 @@ import io
 import json
 import sys
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 from unittest import mock
 
 from certreg.cli import main
@@ -15,6 +15,9 @@ from certreg.cli import main
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
+
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -43,6 +46,12 @@ def certreg(*arguments: object) -> Run:
         except SystemExit as stop:
             code = stop.code
     return Run(code, out.getvalue(), err.getvalue())
+
+
+def checked(value: T | None) -> T:
+    """A value that must be there."""
+    assert value is not None
+    return value
 
 
 def strict_json(text: str | bytes) -> Any:

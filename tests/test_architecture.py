@@ -22,7 +22,7 @@ moments energy pose
 equilibria.classification equilibria.components equilibria.eigenbasis equilibria.stability
 equilibria.spectral equilibria.closed_form
 equilibria.quadratics equilibria.exports equilibria.balls equilibria.tracking
-equilibria.reference equilibria.groebner equilibria.homotopy
+equilibria.reference equilibria.groebner equilibria.homotopy equilibria.krawczyk equilibria.counting
 relaxation.qcqp relaxation.conic relaxation.shor
 dynamics integration simulation ensembles covariance
 certificate.types certificate.bounds

@@ -1,0 +1,148 @@
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from commands import checked
+from flint import acb, acb_mat, arb, arb_mat
+
+from certreg.equilibria.balls import exact_matrix, radius_bits
+from certreg.equilibria.counting import at_most_four, macaulay_matrix
+from certreg.equilibria.krawczyk import (
+    EigenBalls,
+    Reality,
+    are_distinct,
+    proved_root,
+    tightened,
+)
+from certreg.settings import KrawczykSettings
+from certreg.so3 import davenport_matrix
+
+C = [[3, 1, -2], [7, 2, 5], [0, -1, 4]]
+
+
+def boxes_of(K, vectors) -> tuple[list[EigenBalls], list[Any]]:
+    systems = [EigenBalls(K, v) for v in vectors]
+    return systems, [proved_root(s, s.start(v)) for s, v in zip(systems, vectors, strict=True)]
+
+
+def four(K):
+    vectors = np.linalg.eigh(np.array(K, dtype=float))[1].T.tolist()
+    return boxes_of(exact_matrix(K, 0), vectors)
+
+
+def test_the_four_boxes_are_disjoint_real_and_narrow():
+    _, boxes = four(davenport_matrix(C))
+
+    assert all(box.reality is Reality.REAL for box in boxes)
+    assert are_distinct(boxes)
+    assert all(radius_bits(c) < -90 for box in boxes for c in box.coordinates)
+
+
+def test_the_box_holds_the_root_of_higher_precision():
+    systems, boxes = four(davenport_matrix(C))
+    for system, box in zip(systems, boxes, strict=True):
+        finer = tightened(system, box, 600)
+        assert all(radius_bits(c) < -600 for c in finer.coordinates)
+        pairs = zip(box.coordinates, finer.coordinates, strict=True)
+        assert all(a.overlaps(b) for a, b in pairs)
+
+
+def test_the_same_root_twice_is_not_two_roots():
+    _, boxes = four(davenport_matrix(C))
+
+    assert not are_distinct([boxes[0], boxes[0]])
+
+
+def test_a_point_far_from_every_root_leads_to_one_or_to_none_but_never_to_a_false_box():
+    K = davenport_matrix(C)
+    values = np.linalg.eigvalsh(np.array(K, dtype=float))
+    rng = np.random.default_rng(0)
+    for q in rng.normal(size=(50, 4)).tolist():
+        _, (box,) = boxes_of(exact_matrix(K, 0), [q])
+        if box is not None:
+            level = box.coordinates[4]
+            distance = np.abs(values - float(level.mid())).min()
+            assert distance < 1e-12 + float(level.rad())
+
+
+@pytest.mark.parametrize("exponent", [3, 6, 9, 12, 40])
+def test_close_roots_are_told_apart_with_exact_data(exponent):
+    """Values 1, 0.3, 0.3 - gap, gap - 1.6, axes turned by an exact quarter in two planes."""
+    unit = 10**exponent
+    K = [[10 * unit, 0, 0, 0], [0, 3 * unit, 0, 0], [0, 0, 3 * unit - 10, 0], [0, 0, 0, -16 * unit]]
+    K[0][0], K[0][3], K[3][0], K[3][3] = -3 * unit, 13 * unit, 13 * unit, -3 * unit
+    s = 0.5**0.5
+    vectors = [[s, 0, 0, s], [0, 1, 1e-3 * 0, 0], [0, 0, 1, 0], [s, 0, 0, -s]]
+    _, boxes = boxes_of(exact_matrix(K, (10 * unit).bit_length()), vectors)
+
+    assert all(boxes)
+    assert are_distinct(boxes)
+
+
+def test_a_continuum_gives_no_box_at_any_precision():
+    K = [[3, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 0], [0, 0, 0, -1]]
+    vectors = [[1.0, 0, 0, 0], [0, 1.0, 0, 0], [0, 0.6, 0.8, 0], [0.01, 0.5, 0.1, 0.2]]
+    _, boxes = boxes_of(exact_matrix(K, 2), vectors)
+
+    assert boxes[0] is not None
+    assert boxes[1:] == [None, None, None]
+
+
+class Square:
+    """x^2 = c in one unknown."""
+
+    def __init__(self, c):
+        self.c = c
+
+    def values(self, x):
+        return type(x)([[x[0, 0] * x[0, 0] - self.c]])
+
+    def jacobian(self, x):
+        return type(x)([[2 * x[0, 0]]])
+
+
+def test_a_root_that_is_not_real_is_proved_not_to_be():
+    box = proved_root(Square(-2), acb_mat([[acb(0, 1.414)]]))
+
+    assert box is not None
+    assert box.reality is Reality.NOT_REAL
+    assert proved_root(Square(-2), arb_mat([[1.4]])) is None
+
+
+def test_complex_arithmetic_alone_does_not_call_a_root_real():
+    box = proved_root(Square(2), acb_mat([[acb(1.414, 1e-9)]]))
+
+    assert box is not None
+    assert box.reality is Reality.UNKNOWN
+    assert checked(proved_root(Square(2), arb_mat([[1.414]]))).reality is Reality.REAL
+
+
+def test_a_double_root_is_never_proved():
+    assert proved_root(Square(0), arb_mat([[1e-9]])) is None
+
+
+def test_without_the_interior_condition_a_box_without_root_would_pass(monkeypatch):
+    """x^2 = -2 has no real root; each ball passes if containment is not asked for."""
+    assert proved_root(Square(-2), arb_mat([[1.0]]), KrawczykSettings(max_bits=256)) is None
+    monkeypatch.setattr("builtins.all", lambda _: True)
+    assert proved_root(Square(-2), arb_mat([[1.0]])) is not None
+
+
+def test_the_matrix_of_the_count_has_full_rank_exactly_where_the_values_are_distinct():
+    assert at_most_four(C) is not None
+    assert at_most_four([[0] * 3] * 3) is None
+    assert at_most_four([[2, 0, 0], [0, 2, 0], [0, 0, 1]]) is None
+    half_turn = at_most_four([[-1, 0, 0], [0, -2, 0], [0, 0, -3]])
+    assert half_turn is not None
+    assert half_turn.chart != (1, 0, 0, 0)
+    assert len(macaulay_matrix(C, (1, 0, 0, 0))) == 10
+
+
+def test_balls_keep_exact_integers_exact():
+    big = 3**500
+    matrix = exact_matrix([[big, 1], [1, -big]], 10)
+
+    assert matrix[0, 0].is_exact()
+    assert matrix[0, 0] * 1024 - arb(big) in (0, arb(0)) or radius_bits(matrix[0, 0]) < -1000
