@@ -33,9 +33,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
 Matrix = list[list[int]]
-
 PREFIX, FORMAT = b"certreg-problem/1\0", "certreg-certificate/1"
-KEYS = {  # of the file and of its parts; any others are refused; basin and sdp may be null
+KEYS = {  # of kind isotropic and its parts; any others are refused; basin and sdp may be null
     "": "about basin claims format kind optimality pose problem sdp",
     "basin": "angular_velocity quaternion",
     "sdp": "nu",
@@ -45,8 +44,9 @@ KEYS = {  # of the file and of its parts; any others are refused; basin and sdp 
 }
 DYADICS = ("delta", "gap", "mu", "nu", "sdp_gap", "sin2_half_angle")  # [m, e] means m 2^e
 FREE = ("pattern", "unstable")  # lists of one to four integers; these have four:
-LISTS = ("angular_velocity", "pose", "quaternion", *FREE, *DYADICS)
-REQUIRED = ("digest", "n", "unique", "pattern", "pose", "delta", "mu", "gap")  # others may be null
+LISTS = ("angular_velocity", "chart", "pose", "quaternion", *FREE, *DYADICS)
+SCALARS: Any = {"n": int, "unique": bool, "basin": bool, "data": str, "digest": str}
+NULLS = ("angular_velocity", "basin", "data", "nu", "quaternion", *DYADICS[-2:], "unstable")
 INLINE_MAX, FILE_MAX = 10**6, 10**8  # points in a certificate, 75 MB in base64; its bytes
 NODES_MAX = 50_000  # commas and brackets; each costs less than 600 bytes of memory: < 30 MB
 DIGITS_MAX, EXPONENT_MAX = 4300, 32768  # of an integer, as Python's own limit; of a dyadic
@@ -93,20 +93,19 @@ def parse(text: bytes) -> dict[str, Any]:
     except (ValueError, RecursionError) as error:
         raise RefusalError("the certificate is not JSON in UTF-8 of a sane depth") from error
     fields: dict[str, Any] = {"": document}
-    for name, keys in KEYS.items():
+    kind = document["kind"] if _is(dict, document) and _is(str, document.get("kind")) else ""
+    for name, keys in FORMS.get(kind, FORMS["isotropic"])[0].items():
         absent = name in {"basin", "sdp"} and fields[name] is None
         part = dict.fromkeys(keys.split()) if absent else fields[name]
         good = _is(dict, part) and sorted(part) == keys.split()
         require(good, f"{name or 'the certificate'} must have exactly the keys {keys}")
         fields.update(part)  # in this order: `basin` ends as the claim of that name
-    known = _is(dict, fields["about"]) and fields["kind"] == "isotropic"
-    require(known and fields["format"] == FORMAT, f"not a {FORMAT} of kind isotropic")
-    scalars: Any = {"data": str, "digest": str, "n": int, "unique": bool, "basin": bool}
-    for name in (*scalars, *LISTS):
-        if fields[name] is None and name not in REQUIRED:
-            continue
+    known = _is(dict, fields["about"]) and kind in FORMS
+    require(known and fields["format"] == FORMAT, f"not a {FORMAT} of a known kind")
+    present = [name for name in (*SCALARS, *LISTS) if name in fields]
+    for name in [name for name in present if fields[name] is not None or name not in NULLS]:
         value = fields[name]
-        require(_is(scalars.get(name, list), value), f"{name} is of a wrong type")
+        require(_is(SCALARS.get(name, list), value), f"{name} is of a wrong type")
         if name in LISTS:
             length = 2 if name in DYADICS else len(value) if name in FREE else 4
             good = len(value) == length <= 4 and all(_is(int, entry) for entry in value)
@@ -294,7 +293,8 @@ def check(certificate: bytes, clouds: Clouds | None = None) -> Outcome:
     A claim weaker than what is proved passes, a stronger one does not.
     """
     try:
-        return Outcome(verified=True, theorems=_prove(parse(certificate), clouds), reason="")
+        fields = parse(certificate)
+        return Outcome(verified=True, theorems=FORMS[fields["kind"]][1](fields, clouds), reason="")
     except (RefusalError, MemoryError) as error:
         return Outcome(verified=False, theorems=(), reason=str(error) or "not enough memory")
 
@@ -320,8 +320,7 @@ def _prove(fields: dict[str, Any], clouds: Clouds | None) -> tuple[str, ...]:
     angle = sin2 is None or (mu > 0 and sin2 * mu >= delta)
     require(angle, "claims.sin2_half_angle is below the proved bound delta/mu")
     require(fields["pattern"] == pattern, f"claims.pattern is wrong, the true one is {pattern}")
-    unique = pattern[0] == 1 or not fields["unique"]
-    require(unique, "claims.unique is wrong: the optimum is not unique")
+    require(pattern[0] == 1 or not fields["unique"], "claims.unique is wrong: it is not unique")
     unstable = [0, *accumulate(pattern[:-1])] if solid else None  # collinear: no dynamics
     good = fields["unstable"] in (None, unstable)
     require(good, f"claims.unstable is wrong or unproved: proved is {unstable}")
@@ -367,6 +366,99 @@ def _sentences(fields: dict[str, Any], pattern: list[int], *, solid: bool) -> It
     if fields["basin"]:
         yield "A body moving from the state `basin` ends at the optimum, whatever the damping > 0."
     yield "Not proved: anything under `about`, and where the points come from."
+
+
+# --- kind: count --------------------------------------------------------------------------------
+# Claims: at most four rotations are at equilibrium. It is about the torque of the springs alone.
+
+COUNT_KEYS = {
+    "": "about claims format kind problem proof",
+    "claims": "at_most",
+    "problem": "data digest n",
+    "proof": "chart modulus",
+}
+SCALARS.update({"at_most": int, "modulus": int})
+MODULUS_MAX = 2**64  # bounds the time; larger ones prove nothing more
+PAIRS = [(i, j) for i in range(4) for j in range(i, 4)]  # the ten monomials q_i q_j
+
+
+def rotation_coefficient(i: int, j: int) -> Matrix:
+    """3x3 integer matrix: the coefficient of q_i q_j, i <= j, in |q|^2 R(q).
+
+    |q|^2 R(q) = (w^2 - x^2 - y^2 - z^2) I + 2 v v^T + 2 w [v], v = (x, y, z), [v] u = v x u.
+    """
+    A = [[(i == j) * (1 if i == 0 else -1) * (a == b) for b in range(3)] for a in range(3)]
+    if i > 0:
+        A[i - 1][j - 1] += 2
+        A[j - 1][i - 1] += 2 * (i != j)
+    elif j > 0:
+        a, b = j % 3, (j + 1) % 3  # [e_j] takes e_a to e_b
+        A[b][a], A[a][b] = 2, -2
+    return A
+
+
+def torques(A: Matrix, C: Matrix) -> list[int]:
+    """The six entries of A^T C - C^T A and A C^T - C A^T above the diagonal.
+
+    For a rotation A = R they vanish iff the torque of the springs does: it is twice the first three
+    in the body's frame, twice the last three in the world's, up to order and sign.
+    """
+    found: list[int] = []
+    for one, other in ((list(zip(*A)), list(zip(*C))), (A, C)):  # noqa: B905 (3.9)
+        product = [[sum(map(mul, row, column)) for column in other] for row in one]
+        found += [product[i][j] - product[j][i] for i in range(3) for j in range(i + 1, 3)]
+    return found
+
+
+def has_full_rank(rows: Matrix, modulus: int) -> bool:
+    """Whether a square integer matrix is invertible modulo the modulus: then it is over Q.
+
+    Every pivot has an inverse, so the determinant is a unit modulo the modulus and is not zero;
+    whether the modulus is a prime does not matter.
+    """
+    rows = [[entry % modulus for entry in row] for row in rows]
+    for k in range(len(rows)):
+        pivot = next((row for row in rows[k:] if gcd(row[k], modulus) == 1), None)
+        if pivot is None:
+            return False
+        rows.remove(pivot)
+        rows.insert(k, pivot)
+        inverse = pow(pivot[k], -1, modulus)
+        for row in rows[k + 1 :]:
+            factor = row[k] * inverse
+            row[:] = [(a - factor * b) % modulus for a, b in zip(row, pivot)]  # noqa: B905
+    return True
+
+
+def _prove_count(fields: dict[str, Any], clouds: Clouds | None) -> tuple[str, ...]:
+    """The six torques of R(q) and the four q_i (a . q), a = chart, are quadratic forms in q.
+
+    If their 10x10 coefficients are of full rank, every q_i q_j is a combination of the ten. At an
+    equilibrium with a . q = 1 so every q_i q_j is a fixed combination of the q_i: the polynomials
+    modulo the equations are spanned by four, and there are at most four solutions, complex ones and
+    multiplicities counted. With a . q = 0 every q_i q_j, so q, would be 0. And q and -q, of which
+    one at most has a . q = 1 when scaled, are the same rotation.
+    """
+    n, chart, modulus = fields["n"], fields["chart"], fields["modulus"]
+    m, _ = moments(bound_doubles(fields, clouds), n)
+    require(m[0][0] > 0, "no weight is positive")
+    require(1 < modulus < MODULUS_MAX, "proof.modulus is out of range")
+    C = [[m[0][0] * m[k][j] - m[0][k] * m[0][j] for k in (1, 2, 3)] for j in (4, 5, 6)]
+    columns = [torques(rotation_coefficient(i, j), C) for i, j in PAIRS]
+    for (i, j), column in zip(PAIRS, columns):  # noqa: B905 (3.9)
+        column += [chart[j] * (i == k) + chart[i] * (j == k and i != j) for k in range(4)]
+    require(has_full_rank(columns, modulus), "proof does not show the quadratics independent")
+    require(fields["at_most"] >= 4, "claims.at_most is below the proved bound 4")
+    return (
+        f"Data: n = {n} pairs. SHA-256 of their doubles is {fields['digest']}.",
+        "At most four rotations are at equilibrium: at all others the springs exert a torque.",
+        "Complex solutions and multiplicities are counted in.",
+        "Not proved: anything under `about`, and where the points come from.",
+    )
+
+
+FORMS: Any = {"isotropic": (KEYS, _prove), "count": (COUNT_KEYS, _prove_count)}
+# --- end of kind: count -------------------------------------------------------------------------
 
 
 def rounded_up(value: Fraction, digits: int) -> Decimal:

@@ -17,10 +17,11 @@ ROOT = Path(__file__).parent.parent
 VECTORS = ROOT / "vectors"
 MANIFEST = json.loads((VECTORS / "manifest.json").read_bytes())["vectors"]
 REASONS = {  # what the checker's words are about, by class
-    "form": r"exactly the keys|list of integers|not JSON|appears twice",
+    "form": r"exactly the keys|list of integers|not JSON|appears twice|wrong type",
     "data": r"digest|not canonical|not finite|negative",
     "optimality": r"pose",
-    "claim": r"claims\.(gap|sin2_half_angle|pattern|unstable|unique) is",
+    "claim": r"claims\.(gap|sin2_half_angle|pattern|unstable|unique|at_most) is",
+    "count": r"^proof",
     "basin": r"claims\.basin",
     "sdp": r"sdp",
 }
@@ -40,13 +41,15 @@ def test_a_vector_is_accepted_or_refused_for_the_reason_it_was_made_for(vector):
         assert vector["reason"] in found
 
 
-def test_accepted_vectors_prove_all_eight_patterns_a_basin_and_a_dual_bound():
-    claims = [
-        json.loads((VECTORS / vector["file"]).read_bytes())["claims"]
+def test_accepted_vectors_prove_all_eight_patterns_a_basin_a_dual_bound_and_a_count():
+    accepted = [
+        json.loads((VECTORS / vector["file"]).read_bytes())
         for vector in MANIFEST
         if vector["verdict"] == "VERIFIED"
     ]
+    claims = [each["claims"] for each in accepted if each["kind"] == "isotropic"]
 
+    assert {each["kind"] for each in accepted} == {"isotropic", "count"}
     assert len({tuple(claim["pattern"]) for claim in claims}) == 8
     assert any(claim["basin"] for claim in claims)
     assert any(claim["sdp_gap"] for claim in claims)
