@@ -13,7 +13,12 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import click
 
 from certreg import __version__
-from certreg.errors import CertregError, ContradictionError, RefusedCertificateError
+from certreg.errors import (
+    CertregError,
+    ContradictionError,
+    RefusedCertificateError,
+    UndecidedError,
+)
 from certreg.options import (
     CLOUD,
     FOLDER,
@@ -28,6 +33,10 @@ if TYPE_CHECKING:
     from certreg.problem import RegistrationProblem
     from certreg.verify import Clouds
 
+PACKAGES = (
+    *("numpy", "scipy", "sympy", "casadi", "python-flint"),
+    *("click", "cvxpy-base", "clarabel"),
+)
 DONE, REFUSED, MISUSED, NOT_UNIQUE, NOT_CERTIFIED = 0, 1, 2, 3, 4
 EXIT_CODES = """
 \b
@@ -66,6 +75,9 @@ def main() -> NoReturn:
     except (ContradictionError, RefusedCertificateError) as error:
         click.echo(f"certreg: {printable(error)}", err=True)
         sys.exit(REFUSED)
+    except UndecidedError as error:
+        click.echo(f"certreg: {printable(error)}", err=True)
+        sys.exit(NOT_CERTIFIED)
     except CertregError as error:
         click.echo(f"certreg: {printable(error)}", err=True)
         sys.exit(MISUSED)
@@ -157,26 +169,58 @@ def assess(
 
 @cli.command()
 @cloud_options
-@click.option("--method", type=click.Choice(["spectral"]), default="spectral", show_default=True)
+@click.option(
+    "--method",
+    type=click.Choice(["spectral", "groebner", "homotopy", "all"]),
+    default="spectral",
+    show_default=True,
+    help="Eigenspaces; exact elimination; proved continuation; all three, compared.",
+)
+@click.option("--out", type=CLOUD, help="File for a certificate of the count: at most four.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def equilibria(
-    problem: RegistrationProblem, source: Path, target: Path, *, method: str, as_json: bool
+    problem: RegistrationProblem,
+    source: Path,
+    target: Path,
+    *,
+    method: str,
+    out: Path | None,
+    as_json: bool,
 ) -> int:
     """All equilibria of the registration dynamics, with their stability."""
     from certreg.pipeline import equilibria as run
+    from certreg.pipeline import equilibrium_roads, road_equilibria
     from certreg.report.document import dumps, equilibria_document
-    from certreg.report.summary import equilibria_summary, margin_words
+    from certreg.report.roads import roads_summary
+    from certreg.report.summary import equilibria_words
 
     del source, target
-    found = run(problem, method)
+    roads = equilibrium_roads(problem) if method == "all" else None
+    found = run(problem, method) if roads is None else road_equilibria(problem, roads.roads[0])
+    if out is not None:
+        _write_count(problem, out)
     if as_json:
-        click.echo(dumps(equilibria_document(found)))
+        click.echo(dumps(equilibria_document(found, roads)))
     else:
-        click.echo(equilibria_summary(found))
-        click.echo(f"Ambiguity margin: {margin_words(found)}.")
-        if found.classification.ambiguity is not None:
-            click.echo(f"Not unique: {found.classification.ambiguity.value}.")
+        click.echo(equilibria_words(found))
+        if roads is not None:
+            click.echo(f"\n{roads_summary(roads)}")
+    if not found.complete:
+        return NOT_CERTIFIED
     return DONE if found.classification.unique else NOT_UNIQUE
+
+
+def _write_count(problem: RegistrationProblem, out: Path) -> None:
+    """A certificate that there are at most four equilibria, checked, or the reason for none."""
+    from certreg.pipeline import certified_count
+
+    certificate = certified_count(problem)
+    if certificate is None:
+        click.echo(f"note: {printable(out)} not written: there are infinitely many", err=True)
+        return
+    certificate.save(out)
+    place = printable(out)
+    click.echo(f"note: certificate of the count: {place} (certreg verify {place})", err=True)
 
 
 @cli.command(epilog=EXIT_CODES)
@@ -376,11 +420,11 @@ def info() -> int:
 
     from certreg.native.engine import engine
 
-    click.echo(f"certreg    {__version__}")
-    click.echo(f"Python     {platform.python_version()} ({platform.python_implementation()})")
-    click.echo(f"system     {platform.system()} {platform.machine()}")
-    for package in ("numpy", "scipy", "sympy", "casadi", "click", "cvxpy-base", "clarabel"):
-        click.echo(f"{package:10} {version(package)}")
-    click.echo(f"simulation {engine().words}")
-    click.echo("checker    exact integers of Python itself")
+    click.echo(f"certreg      {__version__}")
+    click.echo(f"Python       {platform.python_version()} ({platform.python_implementation()})")
+    click.echo(f"system       {platform.system()} {platform.machine()}")
+    for package in PACKAGES:
+        click.echo(f"{package:12} {version(package)}")
+    click.echo(f"simulation   {engine().words}")
+    click.echo("checker      exact integers of Python itself")
     return DONE

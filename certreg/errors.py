@@ -28,6 +28,10 @@ class OutOfRangeError(CertregError):
     """A result exists, but no double can hold it."""
 
 
+class UndecidedError(CertregError):
+    """What was asked could not be decided on this road; nothing is wrong with the problem."""
+
+
 class ContradictionError(CertregError):
     """Two independent roads to the same answer disagree: a defect, never to be ignored."""
 

@@ -192,3 +192,12 @@ class KrawczykSettings:
     max_bits: int = 2048  # for relative gaps down to 1e-300
     refinements: int = 12  # Newton steps at one precision: 2^-4 to 2^-2048 takes nine
     inflation: int = 4  # of Newton's step to the box: what is left is quadratic in the step
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RoadSettings:
+    """When two roads to the equilibria disagree."""
+
+    first_bits: int = 64  # tells the pattern; more are taken where values are close
+    angle: float = 1e-10  # radians; the bases of decided roads hold 28 digits and more
+    level: float = 1e-12  # of the range of critical values

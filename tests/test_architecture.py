@@ -24,16 +24,17 @@ equilibria.classification equilibria.components equilibria.eigenbasis equilibria
 equilibria.spectral equilibria.closed_form
 equilibria.quadratics equilibria.exports equilibria.balls equilibria.tracking
 equilibria.reference equilibria.groebner equilibria.homotopy equilibria.krawczyk equilibria.counting
+equilibria.roads
 relaxation.qcqp relaxation.conic relaxation.shor
 dynamics integration simulation ensembles covariance
 certificate.types certificate.bounds
-certificate.multiplier certificate.producing certificate.checking
+certificate.multiplier certificate.producing certificate.counting certificate.checking
 agreement
 pipeline assessment
 io.streams io.labels io.xyz io.text io.lzf
 io.npy io.npz io.ply_rows io.ply io.pcd io.pairs io.clouds io.poses demo
 embedding derivation
-report.document report.folder report.summary report.claims
+report.roads report.document report.folder report.summary report.claims
 options cli __main__
 """
 PROVERS = ("certificate", "verify")  # the only places that speak of proof

@@ -16,12 +16,14 @@ from strategies import ZOO
 if TYPE_CHECKING:
     from pathlib import Path
 
-KINDS = ("result", "assessment", "certificate", "equilibria", "simulation")
+KINDS = ("result", "assessment", "certificate", "equilibria", "simulation", "roads", "count")
+SCHEMAS = ("result", "assessment", "certificate", "equilibria", "simulation", "count")
 each_specimen = pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: specimen.name)
 
 
 @cache
 def validator(kind: str) -> Any:
+    kind = "equilibria" if kind == "roads" else kind
     text = (files("certreg") / "schemas" / f"certreg-{kind}-1.json").read_text()
     return Draft202012Validator(json.loads(text))
 
@@ -36,6 +38,10 @@ def documents(folder: Path, source: Path, target: Path) -> dict[str, Any]:
         ).document,
         "certificate": strict_json((folder / "certificate.json").read_bytes()),
     }
+    roads = ("--method", "all", "--out", folder / "count.json", "--json")
+    found["roads"] = certreg("equilibria", source, target, *roads).document
+    if (folder / "count.json").exists():
+        found["count"] = strict_json((folder / "count.json").read_bytes())
     simulated = certreg("simulate", source, target, "--json")
     if simulated.out:
         found["simulation"] = simulated.document
@@ -50,7 +56,7 @@ def good(tmp_path_factory) -> dict[str, Any]:
     return documents(folder / "out", source, write_csv(folder / "b.csv", axes.target))
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", SCHEMAS)
 def test_a_schema_is_one_of_draft_2020_12(kind: str):
     Draft202012Validator.check_schema(validator(kind).schema)
     assert validator(kind).schema["$schema"] == "https://json-schema.org/draft/2020-12/schema"
@@ -161,6 +167,14 @@ def test_no_value_may_be_of_another_type(kind: str, good):
         ("certificate", ("problem", "data"), "AAA*"),
         ("certificate", ("basin", "quaternion"), [1, 2, 3]),
         ("certificate", ("sdp", "nu"), None),
+        ("roads", ("roads",), []),
+        ("roads", ("agreement", "rotation_deg"), -1.0),
+        ("count", ("kind",), "isotropic"),
+        ("count", ("claims", "at_most"), 3),
+        ("count", ("proof", "modulus"), 1),
+        ("count", ("proof", "modulus"), 2**64),
+        ("count", ("proof", "chart"), [1, 0, 0]),
+        ("count", ("pose",), [1, 0, 0, 0]),
     ],
 )
 def test_what_is_wrong_is_not_valid(kind: str, path: tuple, value: Any, good):

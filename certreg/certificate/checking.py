@@ -13,6 +13,7 @@ from certreg.verify import FILE_MAX, Clouds, Outcome, check, shown
 if TYPE_CHECKING:
     import os
 
+    from certreg.certificate.counting import CountCertificate
     from certreg.certificate.types import Certificate
     from certreg.problem import RegistrationProblem
 
@@ -41,7 +42,7 @@ def verify(
     return as_verdict(check(content, clouds))
 
 
-def check_own(certificate: Certificate, problem: RegistrationProblem) -> Verdict:
+def check_own(certificate: Certificate | CountCertificate, problem: RegistrationProblem) -> Verdict:
     """The checker's answer on a certificate just made, from its bytes, as a stranger would."""
     return verify(certificate.to_json(), problem)
 

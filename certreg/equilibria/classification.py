@@ -108,7 +108,11 @@ class Classification:
 
 def classify(moments: ExactMoments) -> Classification:
     """The classification of a problem, decided in integer arithmetic."""
-    pattern = pattern_of(moments.cross)
+    return with_pattern(moments, pattern_of(moments.cross))
+
+
+def with_pattern(moments: ExactMoments, pattern: Pattern) -> Classification:
+    """The classification of a problem whose pattern is known, from whichever road."""
     return Classification(
         pattern=pattern,
         inertia_definite=is_positive_definite(moments.inertia),

@@ -68,6 +68,7 @@ class EquilibriumSet:
     """All equilibria of the registration dynamics, by descending eigenvalue: the optimum first.
 
     `guarantee` speaks of the classification: that the list is complete, the kinds, the indices.
+    `doubt` says in words why the list may not be complete; None where it is.
     """
 
     classification: Classification
@@ -75,6 +76,7 @@ class EquilibriumSet:
     margin: Margin
     guarantee: Guarantee
     complete: bool
+    doubt: str | None = None
 
     @property
     def count(self) -> int | None:

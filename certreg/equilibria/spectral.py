@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -33,7 +33,7 @@ from certreg.settings import SpectrumSettings
 from certreg.so3 import canonical, davenport_matrix, dot, rotation_matrix, squared_norm
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
@@ -126,12 +126,21 @@ class Spectrum:
 
 def spectrum(moments: ExactMoments, settings: SpectrumSettings | None = None) -> Spectrum:
     """The spectrum, with as many bits as it takes to tell exactly distinct eigenvalues apart."""
-    settings = settings or SpectrumSettings()
-    classification = classify(moments)
     davenport = davenport_matrix(moments.cross)
+    return resolved(moments, classify(moments), partial(eigenbasis, davenport), settings)
+
+
+def resolved(
+    moments: ExactMoments,
+    classification: Classification,
+    basis_of: Callable[[int], Eigenbasis],
+    settings: SpectrumSettings | None = None,
+) -> Spectrum:
+    """The spectrum of a basis that can be had to any number of bits, to as many as it takes."""
+    settings = settings or SpectrumSettings()
     bits = settings.start_bits
     while True:
-        basis = eigenbasis(davenport, bits)
+        basis = basis_of(bits)
         found = Spectrum(moments=moments, classification=classification, basis=basis, pose_bits=0)
         lost = bits - _narrowest_gap(found).bit_length()
         pose_bits = settings.pose_bits + lost
@@ -147,8 +156,17 @@ def spectrum(moments: ExactMoments, settings: SpectrumSettings | None = None) ->
     )
 
 
-def equilibrium_set(found: Spectrum, damping: float) -> EquilibriumSet:
-    """The equilibrium set that belongs to a spectrum."""
+def equilibrium_set(
+    found: Spectrum,
+    damping: float,
+    *,
+    guarantee: Guarantee = Guarantee.EXACT,
+    doubt: str | None = None,
+) -> EquilibriumSet:
+    """The equilibrium set that belongs to a spectrum.
+
+    guarantee: of its classification. doubt: why the list may not be complete; None: it is.
+    """
     vectors = np.array([unit_double(v) for v in found.basis.vectors])
     bends = [_curvature(found, i, vectors) for i in range(len(found.groups))]
     spectra = _linearised_spectra(found, bends, damping)
@@ -157,8 +175,9 @@ def equilibrium_set(found: Spectrum, damping: float) -> EquilibriumSet:
         classification=found.classification,
         components=tuple(_component(found, i, vectors, *part) for i, part in parts),
         margin=margin(found),
-        guarantee=Guarantee.EXACT,
-        complete=True,
+        guarantee=guarantee,
+        complete=doubt is None,
+        doubt=doubt,
     )
 
 

@@ -13,11 +13,13 @@ import numpy as np
 from certreg.covariance import residual_distances
 from certreg.dyadic import double_above, nearest_double
 from certreg.pipeline import SimulatedRegistration
+from certreg.report.roads import roads_fields
 from certreg.results import Optimality
 
 if TYPE_CHECKING:
     from certreg.assessment import Assessment
     from certreg.equilibria.components import Component, EquilibriumSet
+    from certreg.equilibria.roads import RoadAgreement
     from certreg.pipeline import Registration
 
 RESULT_SCHEMA = "certreg-result/1"
@@ -90,13 +92,14 @@ def result_document(registration: Registration, certificate_path: str | None = N
     }
 
 
-def equilibria_document(equilibria: EquilibriumSet) -> Document:
-    """An equilibrium set on its own."""
+def equilibria_document(equilibria: EquilibriumSet, roads: RoadAgreement | None = None) -> Document:
+    """An equilibrium set on its own; with the roads to it, if more than one was taken."""
     reasons: dict[str, str] = {}
     return {
         "schema": EQUILIBRIA_SCHEMA,
         "equilibria": equilibria_fields(equilibria, reasons),
         "margin": _margin(equilibria, reasons),
+        **({} if roads is None else roads_fields(roads, reasons)),
         "reasons": reasons,
     }
 
@@ -139,6 +142,8 @@ def equilibria_fields(equilibria: EquilibriumSet, reasons: dict[str, str]) -> Do
     classification = equilibria.classification
     if equilibria.count is None:
         reasons["equilibria.count"] = "the equilibria form a continuum: there are infinitely many"
+    if equilibria.doubt is not None:
+        reasons["equilibria.complete"] = equilibria.doubt
     if classification.spurious is None:
         reasons["equilibria.spurious"] = "there are infinitely many spurious equilibria"
     return {

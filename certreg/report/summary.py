@@ -82,6 +82,16 @@ def equilibria_summary(equilibria: EquilibriumSet) -> str:
     return "\n".join((count_words(equilibria), *table))
 
 
+def equilibria_words(equilibria: EquilibriumSet) -> str:
+    """The equilibrium set with its margin, and what is in doubt or not unique."""
+    lines = [equilibria_summary(equilibria), f"Ambiguity margin: {margin_words(equilibria)}."]
+    if equilibria.classification.ambiguity is not None:
+        lines.append(f"Not unique: {equilibria.classification.ambiguity.value}.")
+    if equilibria.doubt is not None:
+        lines.append(f"Not proved: {equilibria.doubt}")
+    return "\n".join(lines)
+
+
 def count_words(equilibria: EquilibriumSet) -> str:
     """How many equilibria there are and how that is known, in one sentence."""
     classification = equilibria.classification
@@ -98,7 +108,8 @@ def count_words(equilibria: EquilibriumSet) -> str:
         )
     if not classification.unique and spurious is None:
         what = "infinitely many optima and " + what
-    return f"Equilibria ({equilibria.guarantee.label}, complete): {what}."
+    listed = "complete" if equilibria.complete else "not proved complete"
+    return f"Equilibria ({equilibria.guarantee.label}, {listed}): {what}."
 
 
 def margin_words(equilibria: EquilibriumSet) -> str:
