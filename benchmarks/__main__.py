@@ -7,12 +7,12 @@ import json
 import sys
 from pathlib import Path
 
-from benchmarks import accuracy, checking, computing, importing, phases, relaxing
+from benchmarks import accuracy, checking, computing, importing, phases, relaxing, roads
 from benchmarks.measuring import Figure, machine
 
 MEASUREMENTS = {
     module.__name__.rpartition(".")[2]: module
-    for module in (computing, checking, importing, accuracy, phases, relaxing)
+    for module in (computing, checking, importing, accuracy, phases, relaxing, roads)
 }
 
 

@@ -12,7 +12,7 @@ from benchmarks.measuring import Figure, Quantity, fastest
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-HEAVY = ("scipy", "sympy", "casadi", "cvxpy", "matplotlib")
+HEAVY = ("scipy", "sympy", "flint", "casadi", "cvxpy", "matplotlib")
 BOUND = 2.5
 ROUNDS = 20
 ROOT = Path(__file__).parent.parent
