@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from certreg.assessment import assess as assess
     from certreg.certificate.checking import verify as verify
     from certreg.certificate.types import Certificate as Certificate
+    from certreg.enumeration import equilibria as equilibria
     from certreg.errors import CertregError as CertregError
     from certreg.pipeline import Registration as Registration
     from certreg.pipeline import certify as certify
-    from certreg.pipeline import equilibria as equilibria
     from certreg.pipeline import simulate as simulate
     from certreg.pose import Pose as Pose
     from certreg.problem import RegistrationProblem as RegistrationProblem
@@ -39,7 +39,7 @@ _HOMES = {
     "Trajectory": "certreg.simulation",
     "Verdict": "certreg.results",
     "certify": "certreg.pipeline",
-    "equilibria": "certreg.pipeline",
+    "equilibria": "certreg.enumeration",
     "simulate": "certreg.pipeline",
     "verify": "certreg.certificate.checking",
 }

@@ -1,4 +1,4 @@
-"""Options that commands share: which clouds, how their rows pair, their noise; read into a problem.
+"""Exit codes, and options that commands share: clouds, pairs, noise, read into a problem.
 
 Only click and the standard library are imported here, so that `--help` stays light.
 """
@@ -22,6 +22,15 @@ if TYPE_CHECKING:
 
     from certreg.io.clouds import Pairing
 
+DONE, REFUSED, MISUSED, NOT_UNIQUE, NOT_CERTIFIED = 0, 1, 2, 3, 4
+EXIT_CODES = """
+\b
+Exit codes: 0 done and proved
+            1 refused, or two roads disagree
+            2 bad usage or input
+            3 certified, but the optimum is not unique
+            4 solved, but not certified, or the simulation did not converge
+"""
 OPTIMAL = "optimal"  # the damping of the fastest decay
 PATIENCE = 1.0  # seconds before a long run says that it is at work
 CLOUD = click.Path(dir_okay=False, path_type=Path)

@@ -12,7 +12,7 @@ import numpy as np
 
 from certreg.agreement import Agreement, agreement, require_sound_trajectory
 from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds, pose_energy
-from certreg.certificate.checking import check_own
+from certreg.certificate.checking import check_own, require_accepted
 from certreg.certificate.producing import produce
 from certreg.certificate.types import RotationState
 from certreg.covariance import PoseCovariance, pose_covariance
@@ -27,7 +27,6 @@ from certreg.equilibria.spectral import (
 from certreg.errors import (
     DegenerateProblemError,
     OutOfRangeError,
-    RefusedCertificateError,
 )
 from certreg.moments import exact_moments
 from certreg.pose import Pose
@@ -38,10 +37,8 @@ if TYPE_CHECKING:
     from collections.abc import Generator
     from fractions import Fraction
 
-    from certreg.certificate.counting import CountCertificate
     from certreg.certificate.types import Certificate
     from certreg.equilibria.components import EquilibriumSet
-    from certreg.equilibria.roads import Road, RoadAgreement
     from certreg.equilibria.spectral import Spectrum
     from certreg.moments import ExactMoments
     from certreg.problem import RegistrationProblem
@@ -50,7 +47,6 @@ if TYPE_CHECKING:
     from certreg.simulation import Trajectory
 
 NOT_ASKED = "not asked for"
-ALL = "all"  # roads
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -166,58 +162,10 @@ def certify(
     if certificate is not None:
         with _timed(timings, "check"):
             verdict = check_own(certificate, problem)
-        _require_accepted(verdict)
+        require_accepted(verdict)
         if solution.trajectory is not None:
             require_sound_trajectory(solution.spectrum, certificate, solution.trajectory)
     return _registration(problem, solution, verdict, timings)
-
-
-def equilibria(problem: RegistrationProblem, method: str = "spectral") -> EquilibriumSet:
-    """All equilibria of the registration dynamics of a problem.
-
-    method: "spectral", the eigenspaces of the Davenport matrix; "groebner", exact elimination of
-        the torque quadratics; "homotopy", continuation in floating point, each root proved in ball
-        arithmetic; "all", every one of them, held against each other. Raises ValueError for others.
-    Raises UndecidedError where the homotopy comes to no list, and ContradictionError where two
-    roads disagree.
-    """
-    from certreg.equilibria.roads import Method, road
-
-    if method == ALL:
-        return road_equilibria(problem, equilibrium_roads(problem).roads[0])
-    if method not in {known.value for known in Method}:
-        known = ", ".join(repr(each.value) for each in Method)
-        message = f"method is {method!r}: this version knows {known} and {ALL!r}"
-        raise ValueError(message)
-    return road_equilibria(problem, road(exact_moments(problem), Method(method)))
-
-
-def equilibrium_roads(problem: RegistrationProblem) -> RoadAgreement:
-    """Every road to the equilibria. Raises ContradictionError where two disagree."""
-    from certreg.equilibria.roads import all_roads
-
-    return all_roads(exact_moments(problem))
-
-
-def certified_count(problem: RegistrationProblem) -> CountCertificate | None:
-    """A certificate of at most four equilibria that the checker accepted; None: infinitely many.
-
-    None means not proved, not disproved. Raises RefusedCertificateError where certreg contradicts
-    itself.
-    """
-    from certreg.certificate.counting import count_certificate
-
-    certificate = count_certificate(problem)
-    if certificate is not None:
-        _require_accepted(check_own(certificate, problem))
-    return certificate
-
-
-def road_equilibria(problem: RegistrationProblem, taken: Road) -> EquilibriumSet:
-    """The equilibrium set at the end of a road."""
-    return equilibrium_set(
-        taken.found, problem.damping, guarantee=taken.guarantee, doubt=taken.doubt
-    )
 
 
 def simulate(
@@ -246,7 +194,7 @@ def simulated(
     trajectory = _trajectory(found, problem, integrator, step)
     certificate = produce(problem, found, state=_final_state(trajectory))
     if certificate is not None:
-        _require_accepted(check_own(certificate, problem))
+        require_accepted(check_own(certificate, problem))
         require_sound_trajectory(found, certificate, trajectory)
     return SimulatedRegistration(
         trajectory=trajectory,
@@ -287,12 +235,6 @@ def solve(
         certificate=certificate,
         absences=Absences(relaxation=no_relaxation, trajectory=no_trajectory),
     )
-
-
-def _require_accepted(verdict: Verdict) -> None:
-    if not verdict.proved:
-        message = f"the checker refused certreg's own certificate: {verdict.words}"
-        raise RefusedCertificateError(message, verdict=verdict)
 
 
 def _relaxation(moments: ExactMoments) -> tuple[Relaxation | None, str | None]:

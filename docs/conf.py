@@ -37,7 +37,7 @@ extensions = [
     "sphinx.ext.mathjax",
     "sphinx.ext.viewcode",
     "citations",
-    "commands",
+    "command_lines",
     "contents",
     "disclosure",
     "docstrings",

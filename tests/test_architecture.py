@@ -30,12 +30,14 @@ dynamics integration simulation ensembles covariance
 certificate.types certificate.bounds
 certificate.multiplier certificate.producing certificate.counting certificate.checking
 agreement
-pipeline assessment
+pipeline enumeration assessment
 io.streams io.labels io.xyz io.text io.lzf
 io.npy io.npz io.ply_rows io.ply io.pcd io.pairs io.clouds io.poses demo
 embedding derivation
 report.roads report.document report.folder report.summary report.claims
-options cli __main__
+options
+commands.registering commands.judging commands.dynamics commands.derivations
+cli __main__
 """
 PROVERS = ("certificate", "verify")  # the only places that speak of proof
 ORDER = [f"certreg.{name}" for line in MAP.split("\n") for name in line.split()]
@@ -95,6 +97,7 @@ def test_every_module_stands_on_the_map():
         "certreg.equilibria",
         "certreg.certificate",
         "certreg.codegen",
+        "certreg.commands",
         "certreg.generated",
         "certreg.io",
         "certreg.native",

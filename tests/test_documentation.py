@@ -32,7 +32,7 @@ import dataclasses
 import sys
 
 sys.path[:0] = [{extensions!r}, {root!r}]
-extensions = ["myst_nb", "citations", "commands", "contents", "disclosure", "proofs"]
+extensions = ["myst_nb", "citations", "command_lines", "contents", "disclosure", "proofs"]
 nb_execution_mode = "force"
 nb_execution_raise_on_error = False
 nb_execution_show_tb = True
@@ -155,7 +155,7 @@ def test_what_is_wrong_stops_the_build(tmp_path: Path, page: str, settings: str,
 
 
 def test_lines_that_are_left_out_are_marked(extension: Callable[[str], Any]):
-    chosen = extension("commands").chosen
+    chosen = extension("command_lines").chosen
 
     assert chosen(list("abcdef"), "2-3, 5") == ["[...]", "b", "c", "[...]", "e", "[...]"]
     assert chosen(list("ab"), "1-2") == ["a", "b"]

@@ -6,7 +6,7 @@ from array import array
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from certreg.errors import InvalidFileError
+from certreg.errors import InvalidFileError, RefusedCertificateError
 from certreg.results import Ruling, Verdict
 from certreg.verify import FILE_MAX, Clouds, Outcome, check, shown
 
@@ -61,3 +61,10 @@ def _clouds(problem: RegistrationProblem) -> Clouds:
         target=array("d", problem.target.tobytes()),
         weights=array("d", problem.weights.tobytes()),
     )
+
+
+def require_accepted(verdict: Verdict) -> None:
+    """Nothing if certreg's own certificate was accepted; RefusedCertificateError if not."""
+    if not verdict.proved:
+        message = f"the checker refused certreg's own certificate: {verdict.words}"
+        raise RefusedCertificateError(message, verdict=verdict)

@@ -1,0 +1,73 @@
+"""Commands about certreg itself: its proofs, its generated code, what it runs on."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from certreg import __version__
+from certreg.options import DONE, FOLDER, REFUSED
+
+PACKAGES = (
+    *("numpy", "scipy", "sympy", "casadi", "python-flint"),
+    *("click", "cvxpy-base", "clarabel"),
+)
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+@click.command()
+@click.argument("names", nargs=-1, metavar="[CLAIM]...")
+@click.option("--out", type=FOLDER, help="Folder for the LaTeX of the claims and the generated C.")
+def derive(names: tuple[str, ...], out: Path | None) -> int:
+    """Prove the derivations anew: every claim, or the ones named. Exit code 1 if one fails.
+
+    Each claim prints its verdict, how many steps were checked, how many mutated statements were
+    refuted, and the time. Then the claims of the paper, with theirs.
+    """
+    from certreg import derivation
+    from certreg.report.claims import audit_lines, claim_line, closing_line
+
+    found: list[Any] = []
+    for outcome in derivation.outcomes(names):
+        click.echo(claim_line(outcome))
+        found.append(outcome)
+    audited = [] if names else derivation.audit(found)
+    for line in audit_lines(audited):
+        click.echo(line)
+    click.echo(closing_line(found, audited))
+    if out is not None:
+        derivation.write_latex(found, out)
+        derivation.write_code(out)
+    return DONE if derivation.all_hold(found, audited) else REFUSED
+
+
+@click.command()
+@click.option("--out", type=FOLDER, required=True, help="Folder to write to.")
+def codegen(out: Path) -> int:
+    """Write the generated C of the dynamics with its header and a test program, to embed."""
+    from certreg.embedding import write_sources
+
+    for path in write_sources(out):
+        click.echo(path)
+    return DONE
+
+
+@click.command()
+def info() -> int:
+    """Versions of what certreg runs on."""
+    import platform
+    from importlib.metadata import version
+
+    from certreg.native.engine import engine
+
+    click.echo(f"certreg      {__version__}")
+    click.echo(f"Python       {platform.python_version()} ({platform.python_implementation()})")
+    click.echo(f"system       {platform.system()} {platform.machine()}")
+    for package in PACKAGES:
+        click.echo(f"{package:12} {version(package)}")
+    click.echo(f"simulation   {engine().words}")
+    click.echo("checker      exact integers of Python itself")
+    return DONE

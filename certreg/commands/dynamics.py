@@ -1,0 +1,118 @@
+"""Commands about the dynamics: where it can rest, and how it moves."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from certreg.options import (
+    CLOUD,
+    DONE,
+    EXIT_CODES,
+    NOT_CERTIFIED,
+    NOT_UNIQUE,
+    cloud_options,
+    printable,
+)
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from certreg.problem import RegistrationProblem
+
+
+@click.command()
+@cloud_options
+@click.option(
+    "--method",
+    type=click.Choice(["spectral", "groebner", "homotopy", "all"]),
+    default="spectral",
+    show_default=True,
+    help="Eigenspaces; exact elimination; proved continuation; all three, compared.",
+)
+@click.option("--out", type=CLOUD, help="File for a certificate of the count: at most four.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def equilibria(
+    problem: RegistrationProblem,
+    source: Path,
+    target: Path,
+    *,
+    method: str,
+    out: Path | None,
+    as_json: bool,
+) -> int:
+    """All equilibria of the registration dynamics, with their stability."""
+    from certreg.enumeration import equilibria as run
+    from certreg.enumeration import equilibrium_roads, road_equilibria
+    from certreg.report.document import dumps, equilibria_document
+    from certreg.report.roads import roads_summary
+    from certreg.report.summary import equilibria_words
+
+    del source, target
+    roads = equilibrium_roads(problem) if method == "all" else None
+    found = run(problem, method) if roads is None else road_equilibria(problem, roads.roads[0])
+    if out is not None:
+        _write_count(problem, out)
+    if as_json:
+        click.echo(dumps(equilibria_document(found, roads)))
+    else:
+        click.echo(equilibria_words(found))
+        if roads is not None:
+            click.echo(f"\n{roads_summary(roads)}")
+    if not found.complete:
+        return NOT_CERTIFIED
+    return DONE if found.classification.unique else NOT_UNIQUE
+
+
+def _write_count(problem: RegistrationProblem, out: Path) -> None:
+    """A certificate that there are at most four equilibria, checked, or the reason for none."""
+    from certreg.enumeration import certified_count
+
+    certificate = certified_count(problem)
+    if certificate is None:
+        click.echo(f"note: {printable(out)} not written: there are infinitely many", err=True)
+        return
+    certificate.save(out)
+    place = printable(out)
+    click.echo(f"note: certificate of the count: {place} (certreg verify {place})", err=True)
+
+
+@click.command(epilog=EXIT_CODES)
+@cloud_options
+@click.option(
+    "--integrator",
+    type=click.Choice(["euler", "midpoint", "splitting"]),
+    default="euler",
+    show_default=True,
+)
+@click.option("--step", type=float, help="Largest step, in the time unit of the springs.")
+@click.option("--out", type=CLOUD, help="File to write the trajectory to: .npz.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def simulate(
+    problem: RegistrationProblem,
+    source: Path,
+    target: Path,
+    *,
+    integrator: str,
+    step: float | None,
+    out: Path | None,
+    as_json: bool,
+) -> int:
+    """Release the damped body at rest and see where it ends. Exit code 0 converged, 4 not."""
+    from certreg.files import write_atomically
+    from certreg.io.npy import trajectory_bytes
+    from certreg.pipeline import simulated
+    from certreg.report.document import dumps, simulation_document
+    from certreg.report.summary import simulation_summary
+
+    del source, target
+    if step is not None and not 0.0 < step < float("inf"):
+        message = f"--step is {step}: give a finite number above 0"
+        raise click.UsageError(message)
+    end = simulated(problem, integrator, step=step)
+    if out is not None:
+        write_atomically(out, trajectory_bytes(end.trajectory))
+    document = simulation_document(end)
+    click.echo(dumps(document) if as_json else simulation_summary(end, document["energy"]))
+    return DONE if end.trajectory.converged else NOT_CERTIFIED

@@ -1,0 +1,124 @@
+"""Commands about answers that are there already: a certificate, a pose."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from certreg.options import CLOUD, DONE, REFUSED, cloud_options, pairing_options, printable
+
+if TYPE_CHECKING:
+    from certreg.io.clouds import Pairing
+    from certreg.problem import RegistrationProblem
+    from certreg.verify import Clouds
+
+
+@click.command()
+@cloud_options
+@click.option(
+    "--pose",
+    "pose_file",
+    required=True,
+    type=CLOUD,
+    help="4x4 text matrix, JSON, or 'w x y z tx ty tz'.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def assess(
+    problem: RegistrationProblem, source: Path, target: Path, *, pose_file: Path, as_json: bool
+) -> int:
+    """Judge a pose that any other tool returned. Exit code 0 if it is optimal, else 1."""
+    from certreg.assessment import assess as run
+    from certreg.io.poses import read_pose
+    from certreg.report.document import assessment_document, dumps
+    from certreg.report.summary import assessment_summary
+    from certreg.results import PoseVerdict
+
+    del source, target
+    pose = read_pose(pose_file)
+    assessment = run(problem, pose.turn, pose.translation)
+    click.echo(
+        dumps(assessment_document(assessment)) if as_json else assessment_summary(assessment)
+    )
+    return DONE if assessment.verdict is PoseVerdict.OPTIMAL else REFUSED
+
+
+@click.command()
+@click.argument("certificate", type=CLOUD)
+@click.argument("clouds", type=CLOUD, nargs=-1, metavar="[SOURCE TARGET]")
+@click.option("--sigma", type=float, help="With SOURCE TARGET: the noise that was certified.")
+@click.option("--weights", type=CLOUD, help="With SOURCE TARGET: the weights that were certified.")
+@pairing_options
+def verify(
+    certificate: Path,
+    clouds: tuple[Path, ...],
+    *,
+    sigma: float | None,
+    weights: Path | None,
+    pairing: Pairing | None,
+) -> int:
+    """Re-check a certificate in exact arithmetic: VERIFIED, or REFUSED with the reason.
+
+    With SOURCE and TARGET it must also be about exactly those points, paired as they were.
+    """
+    from certreg.certificate.checking import verify as check
+
+    told = sigma is not None or weights is not None or pairing is not None
+    if len(clouds) not in {0, 2} or (told and not clouds):
+        message = "give SOURCE and TARGET, or neither; the options go with them"
+        raise click.UsageError(message)
+    given, notes = None, list[str]()
+    if clouds:
+        given, notes = _clouds_to_bind(*clouds, sigma=sigma, weights=weights, pairing=pairing)
+    for note in notes:
+        click.echo(f"note: {note}", err=True)
+    verdict = check(certificate, given)
+    for theorem in verdict.theorems:
+        click.echo(theorem)
+    click.echo("VERIFIED" if verdict.proved else f"REFUSED: {verdict.words}")
+    return DONE if verdict.proved else REFUSED
+
+
+def _clouds_to_bind(
+    source: Path,
+    target: Path,
+    *,
+    sigma: float | None,
+    weights: Path | None,
+    pairing: Pairing | None,
+) -> tuple[RegistrationProblem | Clouds, list[str]]:
+    """What a certificate must be about, and notes; NumPy is loaded only where it is needed."""
+    from certreg.io.text import TEXT_FORMATS, read_clouds
+    from certreg.verify import Clouds
+
+    files = (source, target) if weights is None else (source, target, weights)
+    if pairing is None and all(file.suffix.lower() in TEXT_FORMATS for file in files):
+        return read_clouds(source, target, sigma=sigma, weights=weights)
+    from array import array
+
+    from certreg.io.clouds import BY_LABEL, read_problem
+
+    problem, pair = read_problem(
+        source, target, sigma=sigma, weights=weights, pairing=pairing or BY_LABEL
+    )
+    if sigma is not None or weights is not None:
+        return problem, pair.notes
+    # as with text clouds: the weights are the certificate's own
+    points = (array("d", side.tobytes()) for side in (problem.source, problem.target))
+    return Clouds(*points), pair.notes
+
+
+@click.command()
+@click.argument("result", type=click.Path(path_type=Path))
+@click.argument("cloud", type=CLOUD)
+@click.option("--out", required=True, type=CLOUD, help="File to write: .csv, .txt, .ply or .npy.")
+def apply(result: Path, cloud: Path, *, out: Path) -> int:
+    """Move CLOUD by the pose in RESULT: a result file or folder, or any pose file."""
+    from certreg.io.clouds import read_cloud, write_cloud
+    from certreg.io.poses import read_result_pose
+
+    pose, points = read_result_pose(result), read_cloud(cloud)
+    write_cloud(out, pose.apply(points.points), points.labels)
+    click.echo(f"{len(points.points)} points written to {printable(out)}")
+    return DONE

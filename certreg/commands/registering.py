@@ -1,0 +1,102 @@
+"""Commands about one registration: certify it, and see the packaged ones."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from certreg import __version__
+from certreg.options import (
+    DONE,
+    EXIT_CODES,
+    FOLDER,
+    NOT_CERTIFIED,
+    NOT_UNIQUE,
+    REFUSED,
+    cloud_options,
+    printable,
+)
+
+if TYPE_CHECKING:
+    from certreg.problem import RegistrationProblem
+
+
+@click.command(epilog=EXIT_CODES)
+@cloud_options
+@click.option("--no-relaxation", is_flag=True, help="Leave the semidefinite relaxation out.")
+@click.option("--no-simulation", is_flag=True, help="Leave the simulation out.")
+@click.option("--out", type=FOLDER, help="Folder to write to.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def certify(
+    problem: RegistrationProblem,
+    source: Path,
+    target: Path,
+    *,
+    no_relaxation: bool,
+    no_simulation: bool,
+    out: Path | None,
+    as_json: bool,
+) -> int:
+    """Register SOURCE to TARGET and certify the result."""
+    from certreg.pipeline import certify as run
+    from certreg.report.document import dumps, result_document
+    from certreg.report.folder import write_folder
+    from certreg.report.summary import registration_summary
+    from certreg.results import Optimality
+
+    about = {"certreg": __version__, "source": source.name, "target": target.name}
+    registration = run(
+        problem, relaxation=not no_relaxation, simulation=not no_simulation, about=about
+    )
+    path = None if out is None else write_folder(registration, out)
+    if as_json:
+        document = result_document(registration, None if path is None else str(path))
+        click.echo(dumps(document))
+    else:
+        click.echo(registration_summary(registration))
+        if path is not None:
+            place = printable(path)
+            click.echo(f"\nCertificate: {place}  (re-check it: certreg verify {place})")
+    trajectory = registration.solution.trajectory
+    if trajectory is not None and not trajectory.converged:
+        return NOT_CERTIFIED
+    return {
+        Optimality.CERTIFIED: DONE,
+        Optimality.CERTIFIED_NOT_UNIQUE: NOT_UNIQUE,
+        Optimality.NOT_CERTIFIED: NOT_CERTIFIED,
+    }[registration.status]
+
+
+@click.command(epilog="Exit code 0 when every problem came out as told, else 1.")
+@click.option(
+    "--out",
+    type=FOLDER,
+    default=Path("certreg-demo"),
+    show_default=True,
+    help="Folder to write to.",
+)
+def demo(out: Path) -> int:
+    """The main job on packaged real data: survey, electrodes, protein."""
+    from certreg.demo import STORIES, differences, tell
+    from certreg.report.folder import write_folder
+    from certreg.report.summary import registration_summary
+    from certreg.verify import shown
+
+    code = DONE
+    for story in STORIES:
+        registration = tell(story)
+        path = write_folder(registration, out / story.name)
+        click.echo(f"=== {story.title}\n\n{story.told}\n\n{registration_summary(registration)}\n")
+        for difference in differences(story, registration):
+            click.echo(f"NOT AS TOLD: {difference}", err=True)
+            code = REFUSED
+        click.echo(f"  certificate: {path}\n")
+    click.echo("Every certificate above was accepted by the checker. Check them yourself:")
+    certificate = shown(out / STORIES[0].name / "certificate.json")
+    click.echo(f"  {shown(sys.argv[0])} verify {certificate}")
+    click.echo("or, with nothing but Python, anywhere:")
+    click.echo(f"  python3 -I -S {shown(Path(__file__).with_name('verify.py'))} {certificate}")
+    return code
