@@ -7,12 +7,21 @@ import json
 import sys
 from pathlib import Path
 
-from benchmarks import accuracy, checking, computing, importing, phases, relaxing, roads
+from benchmarks import (
+    accuracy,
+    checking,
+    computing,
+    importing,
+    phases,
+    relaxing,
+    roads,
+    simulating,
+)
 from benchmarks.measuring import Figure, machine
 
 MEASUREMENTS = {
     module.__name__.rpartition(".")[2]: module
-    for module in (computing, checking, importing, accuracy, phases, relaxing, roads)
+    for module in (computing, checking, importing, accuracy, phases, relaxing, roads, simulating)
 }
 
 

@@ -41,26 +41,30 @@ class Quantity:
 class Figure:
     """What was measured; `beside` are figures that explain it. Without a bound it claims nothing.
 
-    bound: the largest `value` that passes, in the same unit.
+    bound, least: the largest and the smallest `value` that passes, in the same unit.
     """
 
     what: str
     value: Quantity | None = None
     bound: float | None = None
+    least: float | None = None
     beside: dict[str, Quantity] = field(default_factory=dict)
 
     @property
     def passed(self) -> bool | None:
-        """Whether the bound is kept; None if there is none. A value that is no number fails."""
-        if self.value is None or self.bound is None:
+        """Whether the bounds are kept; None if there is none. A value that is no number fails."""
+        if self.value is None or self.bound is self.least is None:
             return None
-        return self.value.value <= self.bound
+        above = self.bound is None or self.value.value <= self.bound
+        return above and (self.least is None or self.value.value >= self.least)
 
     def __str__(self) -> str:
         mark = {True: "PASS", False: "FAIL", None: ""}[self.passed]
         value = "" if self.value is None else str(self.value)
         if self.value is not None and self.bound is not None:
             value += f" <= {Quantity(self.bound, self.value.unit)}"
+        if self.value is not None and self.least is not None:
+            value += f" >= {Quantity(self.least, self.value.unit)}"
         beside = "  ".join(f"{name} {number!s:<8}" for name, number in self.beside.items())
         return f"{mark:<4}  {self.what:<25}{value:<{28 if value else 0}}{beside}".rstrip()
 
@@ -70,6 +74,7 @@ class Figure:
             "what": self.what,
             **(self.value or Quantity(math.nan, "")).as_json(),
             "bound": self.bound,
+            "least": self.least,
             "passed": self.passed,
             "beside": {name: number.as_json() for name, number in self.beside.items()},
         }

@@ -93,7 +93,8 @@ class Library:
         if log is not None or count == 1:
             self._run(batch, settings, log)
             return
-        parts = [batch.part(slice(k, k + PORTION)) for k in range(0, count, PORTION)]
+        portion = min(PORTION, -(-count // settings.threads))
+        parts = [batch.part(slice(k, k + portion)) for k in range(0, count, portion)]
         with ThreadPoolExecutor(settings.threads) as pool:
             for done in [pool.submit(self._run, part, settings, None) for part in parts]:
                 done.result()
