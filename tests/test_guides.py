@@ -1,0 +1,107 @@
+"""What the guides tell the reader to type works, and prints what they say."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from certreg.native.compiler import CompilationError, find_compiler
+from certreg.native.evaluator import evaluator
+
+ROOT = Path(__file__).parent.parent
+GUIDES = sorted((ROOT / "docs" / "how-to").glob("*.md"))
+FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+each_guide = pytest.mark.parametrize("guide", GUIDES, ids=lambda path: path.stem)
+
+
+def blocks(guide: Path, language: str) -> list[str]:
+    return [body for found, body in FENCE.findall(guide.read_text()) if found == language]
+
+
+def test_there_are_guides():
+    assert {path.stem for path in GUIDES} >= {"embed-the-c-code", "simulate"}
+
+
+@each_guide
+def test_the_python_of_a_guide_runs(guide):
+    namespace: dict[str, object] = {}
+    for block in blocks(guide, "python"):
+        exec(compile(block, guide.name, "exec"), namespace)  # noqa: S102 - our own page
+
+
+@each_guide
+def test_the_commands_of_a_guide_run(guide, tmp_path, data):
+    """`certreg` is this checkout's; the shell stops at the first command that fails."""
+    try:
+        find_compiler()
+    except CompilationError as error:
+        pytest.skip(str(error))
+    for name in ("survey_source.csv", "survey_target.csv"):
+        shutil.copy(data / name, tmp_path)
+    (tmp_path / "bin").mkdir()
+    command = tmp_path / "bin" / "certreg"
+    command.write_text(f'#!/bin/sh\nexec {sys.executable} -m certreg "$@"\n')
+    command.chmod(0o755)
+    path = f"{tmp_path / 'bin'}{os.pathsep}{os.environ['PATH']}"
+
+    run = subprocess.run(
+        ["sh", "-e"],
+        input="\n".join(blocks(guide, "sh")),
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "PATH": path, "PYTHONPATH": str(ROOT)},
+    )
+
+    assert (run.returncode, run.stderr) == (0, "")
+    if guide.stem == "embed-the-c-code":
+        assert run.stdout.split()[-1] == "2346"
+        assert {"dynamics.c", "dynamics.h", "example.c", "survey.txt"} <= set(run.stdout.split())
+
+
+def test_the_vectors_of_the_guide_compile_and_step(tmp_path):
+    """Eight lanes of the guide's own code, each as `certreg_euler_step` does it alone."""
+    guide = ROOT / "docs" / "how-to" / "embed-the-c-code.md"
+    lanes = next(block for block in blocks(guide, "c") if "vector_size" in block)
+    try:
+        compiler = find_compiler()
+    except CompilationError as error:
+        pytest.skip(str(error))
+    main = """
+    #include <stdio.h>
+    int main(void)
+    {
+        lanes state[18], body[23], step[1], next[18], speed;
+        for (int k = 0; k < 8; k++) {
+            for (int i = 0; i < 18; i++) state[i][k] = 0.25 * i - k;
+            for (int i = 0; i < 23; i++) body[i][k] = 1.0 + 0.125 * i * k;
+            step[0][k] = 0.01 * k;
+        }
+        certreg_euler_step(state, body, step, next, &speed);
+        for (int k = 0; k < 8; k++) {
+            for (int i = 0; i < 18; i++) printf("%.17g ", next[i][k]);
+            printf("%.17g\\n", speed[k]);
+        }
+    }
+    """
+    (tmp_path / "lanes.c").write_text(lanes + main)
+    include = f"-I{ROOT / 'certreg' / 'generated'}"
+    flags = ["-std=gnu11", "-O2", "-Wno-psabi", include]
+    program = str(tmp_path / "lanes")
+    subprocess.run([*compiler, *flags, str(tmp_path / "lanes.c"), "-lm", "-o", program], check=True)
+    printed = subprocess.run([program], capture_output=True, text=True, check=True).stdout
+    for k, line in enumerate(printed.splitlines()):
+        state = np.array([0.25 * i - k for i in range(18)])
+        body = np.array([1.0 + 0.125 * i * k for i in range(23)])
+        step = np.array([0.01 * k])
+        expected = np.concatenate(evaluator().evaluate("certreg_euler_step", state, body, step))
+        assert np.allclose(np.array(line.split(), dtype=float), expected, rtol=1e-12, atol=1e-12)
+    assert printed.count("\n") == 8
