@@ -27,8 +27,7 @@ def data() -> Path:
     return DATA
 
 
-@pytest.fixture(scope="session", autouse=True)
-def told_of_slow_simulation():
+def pytest_sessionstart() -> None:
     """Where there is no compiler the user is told once, and here that is now."""
     from certreg.native.compiler import CompilationError, find_compiler
     from certreg.native.engine import engine

@@ -26,7 +26,8 @@ from certreg.simulation import SimulationStatus, certified_basin, optimal_dampin
 from certreg.so3 import rotation_matrix
 
 COMPILED = isinstance(engine(), Library)
-MANY = 100_000 if COMPILED else 2_000  # instances; without a compiler each takes a millisecond
+# instances; without a compiler each takes a millisecond
+MANY, FEW, STEPS = (100_000, 83, 20_000) if COMPILED else (1_000, 11, 1_000)
 EPSILON = 2.0**-52
 each_integrator = pytest.mark.parametrize("integrator", Integrator)
 
@@ -132,8 +133,7 @@ def energies(bodies, states) -> Energies:
 @pytest.fixture(scope="module")
 def midpoint_steps() -> tuple[Batch, Any]:
     """One step from each of many random states: |omega| to 100, h to 5, mu 1e-9 to 100."""
-    count = 20_000 if COMPILED else 2_000
-    rng = np.random.default_rng(31)
+    count, rng = STEPS, np.random.default_rng(31)
     clouds = random_clouds(rng, count, 6)
     bodies = ensemble(clouds.sources, clouds.targets)
     bodies.bodies[:, 22] = 10.0 ** rng.uniform(-9.0, 2.0, size=count)
@@ -161,10 +161,10 @@ def test_the_midpoint_rule_never_lets_the_energy_rise(midpoint_steps):
     old, new = energies(batch.bodies, before), energies(batch.bodies, batch.states)
     rises = (new.total - old.total) / np.maximum(old.size, new.size) / EPSILON
 
-    assert len(rises) >= 2_000
+    assert len(rises) == STEPS
     assert (batch.taken == 1).all()
-    assert np.abs(before[:, 10:]).max() > 90.0
-    assert batch.steps.max() > 4.99
+    assert np.linalg.norm(before[:, 10:], axis=1).max() > 99.0
+    assert batch.steps.max() > 4.9
     assert rises.max() <= 8.0
     assert (rises < 0.0).mean() > 0.8
 
@@ -235,7 +235,7 @@ def test_splitting_reaches_the_optimum_and_says_so(registrations):
         assert (ends.status[~ends.converged] == Ending.OUT_OF_STEPS).all()
         reached, total = reached + int(at_optimum.sum()), total + len(off)
 
-    assert total >= 2_000
+    assert total == MANY
     assert reached >= 0.9999 * total
 
 
@@ -273,13 +273,16 @@ def test_what_has_too_few_steps_is_not_called_converged(registrations):
 
 def test_a_spin_that_loses_the_state_starts_anew_with_half_the_step():
     rng = np.random.default_rng(3)
-    clouds = random_clouds(rng, 25_000 if COMPILED else 4_000, 4)
+    clouds = random_clouds(rng, 25_000, 4)
+    bodies = ensemble(clouds.sources, clouds.targets)
+    thin = np.argsort(np.linalg.eigvalsh(inertias(bodies.bodies))[:, 0])[:100]
+    clouds = Clouds(clouds.sources[thin], clouds.targets[thin])
     bodies = ensemble(clouds.sources, clouds.targets)
     once = simulate_many(bodies, settings=SimulationSettings(splitting_halvings=0))
     lost = np.flatnonzero(~once.converged)
     retried = simulate_many(bodies)
 
-    assert len(lost) >= 1
+    assert len(lost) >= 5
     assert (once.steps[lost] < 1000).all()
     assert retried.converged.all()
     assert np.array_equal(once.states[once.converged], retried.states[once.converged])
@@ -322,8 +325,8 @@ def batch_of(bodies: Ensemble, integrator: Integrator) -> Batch:
 @pytest.fixture(scope="module")
 def few() -> Ensemble:
     """Instances that take different numbers of steps, and no multiple of the lanes."""
-    clouds = random_clouds(np.random.default_rng(77), 83, 7)
-    scale = np.array([0.5, 1.0, 2.0])[np.arange(83) % 3, None, None]
+    clouds = random_clouds(np.random.default_rng(77), FEW, 7)
+    scale = np.array([0.5, 1.0, 2.0])[np.arange(FEW) % 3, None, None]
     return ensemble(
         clouds.sources, clouds.sources @ random_rotation(np.random.default_rng(1)) * scale
     )
@@ -360,7 +363,7 @@ def test_batches_escape_from_saddles_as_single_instances_do(few, integrator):
     for k in range(len(few.bodies)):
         engine().run(alone.part(slice(k, k + 1)), SimulationSettings())
 
-    assert (together.escapes >= 1).sum() > 40
+    assert (together.escapes >= 1).sum() > FEW // 2
     assert (together.status == Ending.CONVERGED).all()
     assert np.array_equal(together.taken, alone.taken)
     assert np.array_equal(together.escapes, alone.escapes)
@@ -368,7 +371,7 @@ def test_batches_escape_from_saddles_as_single_instances_do(few, integrator):
 
 
 def test_threads_change_nothing():
-    clouds = random_clouds(np.random.default_rng(8), 5_000 if COMPILED else 600, 10)
+    clouds = random_clouds(np.random.default_rng(8), 5_000 if COMPILED else 100, 10)
     bodies = ensemble(clouds.sources, clouds.targets)
     one = simulate_many(bodies)
     two = simulate_many(bodies, settings=SimulationSettings(threads=2))
