@@ -150,5 +150,5 @@ CLAIM = Claim(
     not_claimed="That the optimum is the only equilibrium, or unique: it is not, see "
     "`classification`. The argument of the paper about the next time step is not needed.",
     needs=("euler_poincare", "total_torque", "potential_energy"),
-    used_by=("certreg.equilibria.spectral.equilibrium_set", "certreg.pipeline.equilibria"),
+    used_by=("certreg.equilibria.spectral.equilibrium_set", "certreg.enumeration.equilibria"),
 )
