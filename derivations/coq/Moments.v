@@ -169,6 +169,17 @@ Theorem inertia_is_trace_minus_scatter l :
   inertia l = msub (mscale (trace (scatter l)) mid) (scatter l).
 Proof. apply inertia_from_scatter. Qed.
 
+Lemma scatter_symmetric l : symmetric (scatter l).
+Proof. apply xx_symmetric. Qed.
+
+Lemma inertia_symmetric l : symmetric (inertia l).
+Proof.
+  unfold symmetric. rewrite inertia_is_trace_minus_scatter.
+  pose proof (scatter_symmetric l) as H. unfold symmetric in H. revert H.
+  generalize (scatter l). intros [a b c d e f g h i]. unfold_vectors. intro H.
+  injection H as H1 H2 H3 H4 H5 H6. subst. f_equal; ring.
+Qed.
+
 (** f = - 2 M c - mu M v. *)
 Theorem force_reduction mu l s : mass l <> 0 ->
   force mu l s = vadd (vscale (-2 * mass l) (position s)) (vscale (- mu * mass l) (velocity s)).
