@@ -41,6 +41,10 @@ Definition solution mu l (D : R -> Prop) s := open_interval D /\ forall t, D t -
 Lemma derive_value (f : R -> R) (t x y : R) : is_derive f t x -> x = y -> is_derive f t y.
 Proof. intros H <-. exact H. Qed.
 
+Lemma derive_ext (f g : R -> R) (t d : R) : (forall x, f x = g x) -> is_derive f t d ->
+  is_derive g t d.
+Proof. intros H Hf. apply (is_derive_ext f g t d); assumption. Qed.
+
 Lemma derive_product (f g : R -> R) (t f' g' : R) : is_derive f t f' -> is_derive g t g' ->
   is_derive (fun t => f t * g t) t (f' * g t + f t * g').
 Proof.
@@ -61,31 +65,42 @@ Qed.
 Lemma derive_constant (k : R) t : is_derive (fun _ : R => k) t 0.
 Proof. apply (is_derive_const (V := R_NormedModule)). Qed.
 
+(** By the shape of the function; [apply] alone would search. *)
+Ltac differentiate :=
+  match goal with
+  | |- is_derive (fun x => @?f x + @?g x) _ _ => apply (derive_sum f g); differentiate
+  | |- is_derive (fun x => @?f x * @?g x) _ _ =>
+      first [ match f with fun _ => ?k => apply (derive_multiple k g) end
+            | apply (derive_product f g) ]; differentiate
+  | |- is_derive ?f _ _ =>
+      first [ eassumption | match f with fun _ => ?k => apply (derive_constant k) end ]
+  end.
+
 Lemma dot_derive f g t f' g' : vec_derive f t f' -> vec_derive g t g' ->
   is_derive (fun t => dot (f t) (g t)) t (dot f' (g t) + dot (f t) g').
 Proof.
   intros (F1 & F2 & F3) (G1 & G2 & G3). unfold dot.
   eapply derive_value;
-    [repeat (apply derive_sum); apply derive_product; eassumption | cbv beta; ring].
+    [differentiate | cbv beta; ring].
 Qed.
 
 Lemma mvec_derive A f t f' : vec_derive f t f' -> vec_derive (fun t => mvec A (f t)) t (mvec A f').
 Proof.
   intros (F1 & F2 & F3). unfold vec_derive, mvec; cbn [v1 v2 v3].
-  split; [|split]; repeat (apply derive_sum); apply derive_multiple; assumption.
+  split; [|split]; differentiate.
 Qed.
 
 Lemma trace_derive C f t D : mat_derive f t D ->
   is_derive (fun t => trace (mmul (transpose (f t)) C)) t (trace (mmul (transpose D) C)).
 Proof.
   intros ((A1 & A2 & A3) & (B1 & B2 & B3) & (D1 & D2 & D3)).
-  apply (is_derive_ext (fun t =>
+  apply (derive_ext (fun t =>
     m11 C * m11 (f t) + m12 C * m12 (f t) + m13 C * m13 (f t)
     + m21 C * m21 (f t) + m22 C * m22 (f t) + m23 C * m23 (f t)
     + m31 C * m31 (f t) + m32 C * m32 (f t) + m33 C * m33 (f t))).
   - intro x. generalize (f x). clear. intro A. destruct A, C. unfold_vectors. ring.
   - eapply derive_value.
-    + repeat (apply derive_sum); apply derive_multiple; eassumption.
+    + differentiate.
     + destruct D, C. unfold_vectors. ring.
 Qed.
 
@@ -140,28 +155,43 @@ Proof.
   - intros ->. by_components.
 Qed.
 
+Lemma gram_derive f t D : mat_derive f t D ->
+  mat_derive (fun t => mmul (transpose (f t)) (f t)) t
+    (madd (mmul (transpose D) (f t)) (mmul (transpose (f t)) D)).
+Proof.
+  intros ((A1 & A2 & A3) & (B1 & B2 & B3) & (D1 & D2 & D3)).
+  unfold mat_derive. cbn [mmul transpose madd m11 m12 m13 m21 m22 m23 m31 m32 m33].
+  split; [|split]; (split; [|split]); (eapply derive_value; [differentiate | cbv beta; ring]).
+Qed.
+
 Lemma gram_defect_derive f t w : mat_derive f t (mmul (f t) (hat w)) ->
   is_derive (fun t => gram_defect (f t)) t 0.
 Proof.
-  intros ((A1 & A2 & A3) & (B1 & B2 & B3) & (D1 & D2 & D3)).
-  unfold gram_defect. unfold_vectors.
-  eapply derive_value.
-  - repeat (apply derive_sum || apply derive_multiple || apply derive_product
-            || apply derive_constant || eassumption).
-  - generalize (f t). intros [a b c d e g h i j]. destruct w. unfold_vectors. ring.
+  intro H. apply gram_derive in H. unfold gram_defect.
+  set (P := fun t => mmul (transpose (f t)) (f t)) in *.
+  assert (E : P t = mmul (transpose (f t)) (f t)) by reflexivity.
+  apply (derive_ext (fun t =>
+    m11 (P t) * m11 (P t) + m12 (P t) * m12 (P t) + m13 (P t) * m13 (P t)
+    + m21 (P t) * m21 (P t) + m22 (P t) * m22 (P t) + m23 (P t) * m23 (P t)
+    + m31 (P t) * m31 (P t) + m32 (P t) * m32 (P t) + m33 (P t) * m33 (P t)
+    + (-2 * (m11 (P t) + m22 (P t) + m33 (P t)) + 3))).
+  - intro x. change (mmul (transpose (f x)) (f x)) with (P x). generalize (P x). clear. intros []. unfold_vectors. ring.
+  - destruct H as ((A1 & A2 & A3) & (B1 & B2 & B3) & (D1 & D2 & D3)).
+    eapply derive_value; [differentiate|]. rewrite E. clearbody P. clear.
+    generalize (f t). intros []. destruct w. unfold_vectors. ring.
 Qed.
 
 Lemma det_derive f t w : mat_derive f t (mmul (f t) (hat w)) ->
   is_derive (fun t => det (f t)) t 0.
 Proof.
   intros ((A1 & A2 & A3) & (B1 & B2 & B3) & (D1 & D2 & D3)).
-  apply (is_derive_ext (fun t =>
+  apply (derive_ext (fun t =>
     m11 (f t) * (m22 (f t) * m33 (f t) + -1 * (m23 (f t) * m32 (f t)))
     + (-1 * (m12 (f t) * (m21 (f t) * m33 (f t) + -1 * (m23 (f t) * m31 (f t))))
        + m13 (f t) * (m21 (f t) * m32 (f t) + -1 * (m22 (f t) * m31 (f t)))))).
   - intro x. generalize (f x). clear. intros []. unfold_vectors. ring.
   - eapply derive_value.
-    + repeat (apply derive_sum || apply derive_multiple || apply derive_product || eassumption).
+    + differentiate.
     + generalize (f t). intros []. destruct w. unfold_vectors. ring.
 Qed.
 
@@ -239,7 +269,7 @@ Lemma reduced_energy_derive mu l s t : mass l <> 0 -> rotation (attitude (s t)) 
 Proof.
   intros H rotates M. pose proof (spin_energy_derive mu l s t H rotates M) as SE.
   destruct M as (X & _ & a & alpha & V & _ & F & _).
-  apply (is_derive_ext (fun t => spin_energy l (s t) + (mass l / 2 * dot (velocity (s t)) (velocity (s t))
+  apply (derive_ext (fun t => spin_energy l (s t) + (mass l / 2 * dot (velocity (s t)) (velocity (s t))
     + (mass l * dot (position (s t)) (position (s t))
        + (sum (fun p => weight p * norm2 (target p)) (centred l) + trace (scatter l)))))).
   - intro x. unfold spin_energy, reduced_energy, norm2. ring.
