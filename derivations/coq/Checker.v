@@ -467,6 +467,10 @@ Lemma forallb_cons {X : Type} (f : X -> bool) x rest :
   forallb f (x :: rest) = true <-> f x = true /\ forallb f rest = true.
 Proof. apply andb_true_iff. Qed.
 
+(** [cbn] instead would have the kernel evaluate the integers of [d]. *)
+Lemma claimed a b : negb a || b = true -> a = true -> b = true.
+Proof. intros H ->. exact H. Qed.
+
 (** Whatever the checker accepts is true of the real clouds. *)
 Theorem checker_sound d s : check d s = true -> proved d s.
 Proof.
@@ -497,7 +501,7 @@ Proof.
     assert (0 < value (mu s)) by (apply Rmult_lt_0_compat; [exact MP | apply two_positive]).
     pose proof (certified_angle C q (value (delta s)) (value (mu s)) P U cert O) as A. fold q.
     apply (Rmult_lt_reg_l (value (mu s))); [assumption | lra].
-  - intro E. rewrite E in HU. cbn [negb orb] in HU. apply Nat.eqb_eq in HU.
+  - intro E. apply (claimed _ _ HU), Nat.eqb_eq in E. clear HU. rename E into HU.
     rewrite <- (multiplicity k u S) in HU.
     apply (unique_registration_iff l k u mass_positive S), first_is_one; [apply (order _ _ _ S) | exact HU].
   - intros k' u' S'. rewrite (multiplicity k' u' S'). symmetry. apply same_lists, HPat.
@@ -516,7 +520,7 @@ Proof.
     unfold best_translation. fold q. lra.
   - intros x E P R. rewrite E in HN. cbn [given] in HN.
     apply (dual_bound C (value x) P (dual_real d HM x HN) R).
-  - intro E. rewrite E in HB. cbn [negb orb] in HB. unfold in_basin in HB.
+  - intro E. apply (claimed _ _ HB) in E. clear HB. rename E into HB. unfold in_basin in HB.
     destruct (turned s) as [p|]; [|discriminate]. destruct (spinning s) as [w|]; [|discriminate].
     rewrite !andb_true_iff in HB. destruct HB as [[Hp HJ] HI]. apply negb_true_iff in Hp.
     apply (solid_real d HM) in HJ. fold l in HJ.
