@@ -24,6 +24,10 @@ class InvalidFileError(CertregError):
     """A file cannot be read, or does not hold what its name promises."""
 
 
+class MissingToolError(CertregError):
+    """A program that was asked for is not installed, or does not work."""
+
+
 class OutOfRangeError(CertregError):
     """A result exists, but no double can hold it."""
 

@@ -201,3 +201,10 @@ class RoadSettings:
     first_bits: int = 64  # tells the pattern; more are taken where values are close
     angle: float = 1e-10  # radians; the bases of decided roads hold 28 digits and more
     level: float = 1e-12  # of the range of critical values
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CoqSettings:
+    """How long Coq may think."""
+
+    seconds: float = 600.0  # 338 points take three; hostile exponents could take days

@@ -28,7 +28,8 @@ equilibria.roads
 relaxation.qcqp relaxation.conic relaxation.shor
 dynamics integration simulation ensembles covariance
 certificate.types certificate.bounds
-certificate.multiplier certificate.producing certificate.counting certificate.checking
+certificate.multiplier certificate.producing certificate.counting
+certificate.coq certificate.coqc certificate.checking
 agreement
 pipeline enumeration assessment
 io.streams io.labels io.xyz io.text io.lzf

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 from array import array
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError, RefusedCertificateError
+from certreg.files import write_atomically
 from certreg.results import Ruling, Verdict
 from certreg.verify import FILE_MAX, Clouds, Outcome, check, shown
 
@@ -28,18 +30,46 @@ def verify(
     PROVED carries the theorems; REFUTED means that the certificate does not prove its claims, which
     is not a proof that they are false. Raises InvalidFileError if the file cannot be read.
     """
+    return as_verdict(check(_content(certificate), _bound(problem)))
+
+
+def verify_with_coq(
+    certificate: str | os.PathLike[str] | bytes,
+    problem: RegistrationProblem | Clouds | None = None,
+    *,
+    out: Path | None = None,
+) -> Verdict:
+    """The same question, decided by Coq's kernel through a checker that is proved correct.
+
+    out: where to keep the Coq file that was decided on. Raises MissingToolError without Coq.
+    """
+    from certreg.certificate.coqc import decide
+
+    verdict, source = decide(_content(certificate), _bound(problem), tell=_on_stderr)
+    if out is not None and source:
+        write_atomically(out, source.encode())
+    return verdict
+
+
+def _on_stderr(words: str) -> None:
+    sys.stderr.write(words + "\n")
+
+
+def _content(certificate: str | os.PathLike[str] | bytes) -> bytes:
+    """The bytes of the file, one more than allowed at most."""
     if isinstance(certificate, bytes):
-        content = certificate
-    else:
-        try:
-            with Path(certificate).open("rb") as stream:
-                content = stream.read(FILE_MAX + 1)
-        except (OSError, ValueError) as error:
-            reason = getattr(error, "strerror", None) or "not a file name"
-            message = f"{shown(certificate)}: cannot be read ({reason}): give a readable file"
-            raise InvalidFileError(message) from error
-    clouds = problem if problem is None or isinstance(problem, Clouds) else _clouds(problem)
-    return as_verdict(check(content, clouds))
+        return certificate
+    try:
+        with Path(certificate).open("rb") as stream:
+            return stream.read(FILE_MAX + 1)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or "not a file name"
+        message = f"{shown(certificate)}: cannot be read ({reason}): give a readable file"
+        raise InvalidFileError(message) from error
+
+
+def _bound(problem: RegistrationProblem | Clouds | None) -> Clouds | None:
+    return problem if problem is None or isinstance(problem, Clouds) else _clouds(problem)
 
 
 def check_own(certificate: Certificate | CountCertificate, problem: RegistrationProblem) -> Verdict:

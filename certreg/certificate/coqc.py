@@ -1,0 +1,195 @@
+"""Coq's answer on a certificate: the proofs found, compiled once, and `coqc` run on the export."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from certreg.certificate.coq import export
+from certreg.errors import InvalidFileError, MissingToolError
+from certreg.results import Ruling, Verdict
+from certreg.settings import CoqSettings
+from certreg.verify import RefusalError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from certreg.verify import Clouds
+
+GOAL = "Checker"  # the file of the proofs that certificates need
+QUIET = ("-q", "-w", "-ambiguous-paths")  # as derivations/coq/Makefile
+AXIOMS = frozenset(  # of Coq's own libraries; derivations/coq/assumptions.txt lists who needs which
+    {
+        "ClassicalDedekindReals.sig_not_dec",
+        "ClassicalDedekindReals.sig_forall_dec",
+        "FunctionalExtensionality.functional_extensionality_dep",
+        "Classical_Prop.classic",
+    }
+)
+HOW_TO_GET = "install Coq 8.16 or newer with Coquelicot (apt-get install coq libcoq-coquelicot)"
+
+
+def decide(
+    certificate: bytes,
+    clouds: Clouds | None = None,
+    *,
+    tell: Callable[[str], None] = print,
+    settings: CoqSettings | None = None,
+) -> tuple[Verdict, str]:
+    """What Coq's kernel says of a certificate, and the file that it was given, '' if none was.
+
+    PROVED: `coqc` accepted the theorem `certified`. Raises MissingToolError where there is no
+    working Coq with Coquelicot. tell: hears of work that takes long.
+    """
+    settings = settings or CoqSettings()
+    try:
+        problem = export(certificate, clouds)
+    except (RefusalError, MemoryError) as error:
+        words = str(error) or "not enough memory"
+        return Verdict(ruling=Ruling.REFUTED, words=words), ""
+    source, coqc = problem.source(), find_coqc()
+    proofs = compiled_proofs(coqc, tell=tell)
+    try:
+        done = run_coqc(coqc, proofs, source, seconds=settings.seconds)
+    except subprocess.TimeoutExpired:
+        words = f"Coq did not decide within {settings.seconds} s"
+        return Verdict(ruling=Ruling.INCONCLUSIVE, words=words), source
+    if done.returncode == 0:
+        require_known_axioms(done.stdout)
+        return Verdict(
+            ruling=Ruling.PROVED,
+            words="Coq accepted the theorem",
+            theorems=(
+                f"Data: n = {problem.n} pairs. SHA-256 of their doubles is {problem.digest}.",
+                "Coq's kernel accepted `Theorem certified : proved data statement`: every claim of",
+                "the certificate holds of these points as real numbers (derivations/coq/Checker.v).",
+                f"It rests on axioms of Coq's library of the reals only: {_axioms_in(done.stdout)}.",
+                "Not proved: that the file was copied rightly, and LaSalle's theorem.",
+            ),
+        ), source
+    refused = re.search(r"refused =\s*\[?([a-z_;:\s]+?)(?:\]|:: nil)", done.stdout)
+    if refused is None:
+        raise MissingToolError(f"coqc failed: {_first_error(done.stderr)}: {HOW_TO_GET}")
+    words = "; ".join(re.findall(r"[a-z_]+", refused[1])).replace("_", " ")
+    return Verdict(ruling=Ruling.REFUTED, words=words), source
+
+
+def find_coqc() -> str:
+    """Path of coqc. Raises MissingToolError."""
+    found = shutil.which("coqc")
+    if found is None:
+        raise MissingToolError(f"coqc was not found: {HOW_TO_GET}")
+    return found
+
+
+def run_coqc(
+    coqc: str, proofs: Path, source: str, *, seconds: float
+) -> subprocess.CompletedProcess[str]:
+    """coqc on a text, in a folder of its own that is gone afterwards."""
+    with tempfile.TemporaryDirectory(prefix="certreg-coq-") as folder:
+        path = Path(folder) / "certificate.v"
+        path.write_text(source, encoding="utf-8")
+        command = [coqc, *QUIET, "-R", str(proofs), "Certreg", str(path)]
+        return subprocess.run(  # noqa: S603 - found on PATH, our own arguments
+            command, capture_output=True, text=True, check=False, timeout=seconds, cwd=folder
+        )
+
+
+def proofs_folder() -> Path:
+    """The .v files: the wheel's copy, or derivations/coq of the checkout."""
+    package = Path(str(files("certreg")))
+    for folder in (package.parent / "derivations" / "coq", package / "_derivations" / "coq"):
+        if (folder / f"{GOAL}.v").is_file():
+            return folder
+    raise MissingToolError("the proofs (derivations/coq) are not beside certreg: reinstall it")
+
+
+def needed(folder: Path, goal: str = GOAL) -> list[str]:
+    """Modules in the order in which they compile, the goal last."""
+    text = (folder / f"{goal}.v").read_text(encoding="utf-8")
+    order: list[str] = []
+    for names in re.findall(r"From Certreg Require Import ([^.]*)\.", text):
+        for name in names.split():
+            order += [other for other in needed(folder, name) if other not in order]
+    return [*order, goal]
+
+
+def compiled_proofs(coqc: str, *, tell: Callable[[str], None] = print) -> Path:
+    """A folder of compiled proofs: the checkout's after `make proofs`, else the user's cache."""
+    folder = proofs_folder()
+    modules = needed(folder)
+    if _is_compiled(folder, modules):
+        return folder
+    cache = _cache(coqc, folder, modules)
+    if not _is_compiled(cache, modules):
+        tell(f"compiling the proofs into {cache}, once (about two minutes) ...")
+        _compile(coqc, folder, modules, cache)
+    return cache
+
+
+def _is_compiled(folder: Path, modules: list[str]) -> bool:
+    stamps = [(folder / f"{name}.v", folder / f"{name}.vo") for name in modules]
+    return all(
+        v.is_file() and vo.is_file() and vo.stat().st_mtime >= v.stat().st_mtime
+        for v, vo in stamps
+    )
+
+
+def _cache(coqc: str, folder: Path, modules: list[str]) -> Path:
+    """Named by what was compiled and by which Coq, so that it is never stale."""
+    content = hashlib.sha256(_run([coqc, "--version"]).encode())
+    for name in modules:
+        content.update((folder / f"{name}.v").read_bytes())
+    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(base) / "certreg" / f"coq-{content.hexdigest()[:16]}"
+
+
+def _compile(coqc: str, folder: Path, modules: list[str], cache: Path) -> None:
+    """All or nothing: compiled under another name, then renamed."""
+    try:
+        cache.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=cache.parent, prefix=".coq-") as scratch:
+            work = Path(scratch) / "coq"
+            work.mkdir()
+            for name in modules:
+                shutil.copyfile(folder / f"{name}.v", work / f"{name}.v")
+            for name in modules:
+                _run([coqc, *QUIET, "-R", str(work), "Certreg", str(work / f"{name}.v")])
+            shutil.rmtree(cache, ignore_errors=True)
+            work.rename(cache)
+    except OSError as error:
+        reason = error.strerror or error
+        message = f"{cache}: the proofs cannot be compiled there ({reason}): set XDG_CACHE_HOME"
+        raise InvalidFileError(message) from error
+
+
+def _run(command: list[str]) -> str:
+    done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603
+    if done.returncode != 0:
+        raise MissingToolError(f"coqc failed: {_first_error(done.stderr)}: {HOW_TO_GET}")
+    return done.stdout
+
+
+def _first_error(stderr: str) -> str:
+    lines = [line for line in stderr.splitlines() if line.startswith("Error")]
+    return (lines or stderr.splitlines() or ["no message"])[0][:200]
+
+
+def _axioms_in(stdout: str) -> str:
+    _, _, printed = stdout.partition("Axioms:")
+    return ", ".join(re.findall(r"^([\w.]+)\s*:", printed, flags=re.MULTILINE)) or "none"
+
+
+def require_known_axioms(stdout: str) -> None:
+    """Nothing if coqc printed axioms of Coq's library only. Raises MissingToolError."""
+    unknown = set(_axioms_in(stdout).split(", ")) - AXIOMS - {"none"}
+    if unknown:
+        listed = ", ".join(sorted(unknown))
+        raise MissingToolError(f"the compiled proofs assume more than they may ({listed})")
