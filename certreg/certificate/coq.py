@@ -1,15 +1,14 @@
 """A certificate as a Coq file: its integers, copied, for the verified checker to decide.
 
-Nothing is computed here but powers of two taken out of the doubles; `Checker.v` recomputes the rest,
-and its theorem `checker_sound` says what an accepted file proves. The form of the file, its digest
-and the finiteness of its numbers are checked while reading, by the code of `certreg.verify`.
+Nothing is computed here but powers of two taken out of the doubles; `Checker.v` recomputes the
+rest, and its theorem `checker_sound` says what an accepted file proves. The form of the file, its
+digest and the finiteness of its numbers are checked while reading, by the code of `certreg.verify`.
 """
 
 from __future__ import annotations
 
 import struct
 from dataclasses import dataclass
-from fractions import Fraction
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +16,7 @@ from certreg.verify import RefusalError, bound_doubles, parse, require
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
+    from fractions import Fraction
 
     from certreg.verify import Clouds
 

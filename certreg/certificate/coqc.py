@@ -21,6 +21,7 @@ from certreg.verify import RefusalError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from certreg.certificate.coq import CoqProblem
     from certreg.verify import Clouds
 
 GOAL = "Checker"  # the file of the proofs that certificates need
@@ -61,24 +62,27 @@ def decide(
     except subprocess.TimeoutExpired:
         words = f"Coq did not decide within {settings.seconds} s"
         return Verdict(ruling=Ruling.INCONCLUSIVE, words=words), source
+    return _verdict(done, problem), source
+
+
+def _verdict(done: subprocess.CompletedProcess[str], problem: CoqProblem) -> Verdict:
+    """What coqc said. Raises MissingToolError if it failed for another reason than a refusal."""
     if done.returncode == 0:
         require_known_axioms(done.stdout)
-        return Verdict(
-            ruling=Ruling.PROVED,
-            words="Coq accepted the theorem",
-            theorems=(
-                f"Data: n = {problem.n} pairs. SHA-256 of their doubles is {problem.digest}.",
-                "Coq's kernel accepted `Theorem certified : proved data statement`: every claim of",
-                "the certificate holds of these points as real numbers (derivations/coq/Checker.v).",
-                f"It rests on axioms of Coq's library of the reals only: {_axioms_in(done.stdout)}.",
-                "Not proved: that the file was copied rightly, and LaSalle's theorem.",
-            ),
-        ), source
+        theorems = (
+            f"Data: n = {problem.n} pairs. SHA-256 of their doubles is {problem.digest}.",
+            "Coq's kernel accepted `Theorem certified : proved data statement`: every claim of the",
+            "certificate holds of these points as real numbers (derivations/coq/Checker.v).",
+            f"It assumes only axioms of Coq's library of the reals: {_axioms_in(done.stdout)}.",
+            "Not proved: that the file was copied rightly, and LaSalle's theorem.",
+        )
+        words = "Coq accepted the theorem"
+        return Verdict(ruling=Ruling.PROVED, words=words, theorems=theorems)
     refused = re.search(r"refused =\s*\[?([a-z_;:\s]+?)(?:\]|:: nil)", done.stdout)
     if refused is None:
         raise MissingToolError(f"coqc failed: {_first_error(done.stderr)}: {HOW_TO_GET}")
     words = "; ".join(re.findall(r"[a-z_]+", refused[1])).replace("_", " ")
-    return Verdict(ruling=Ruling.REFUTED, words=words), source
+    return Verdict(ruling=Ruling.REFUTED, words=words)
 
 
 def find_coqc() -> str:
@@ -92,7 +96,7 @@ def find_coqc() -> str:
 def run_coqc(
     coqc: str, proofs: Path, source: str, *, seconds: float
 ) -> subprocess.CompletedProcess[str]:
-    """coqc on a text, in a folder of its own that is gone afterwards."""
+    """Run coqc on a text, in a folder of its own that is gone afterwards."""
     with tempfile.TemporaryDirectory(prefix="certreg-coq-") as folder:
         path = Path(folder) / "certificate.v"
         path.write_text(source, encoding="utf-8")
@@ -125,19 +129,24 @@ def compiled_proofs(coqc: str, *, tell: Callable[[str], None] = print) -> Path:
     """A folder of compiled proofs: the checkout's after `make proofs`, else the user's cache."""
     folder = proofs_folder()
     modules = needed(folder)
-    if _is_compiled(folder, modules):
-        return folder
+    built = folder.parent.parent / "build" / "coq"
+    if _is_compiled(built, modules, folder):
+        return built
     cache = _cache(coqc, folder, modules)
-    if not _is_compiled(cache, modules):
+    if not _is_compiled(cache, modules, folder):
         tell(f"compiling the proofs into {cache}, once (about two minutes) ...")
         _compile(coqc, folder, modules, cache)
     return cache
 
 
-def _is_compiled(folder: Path, modules: list[str]) -> bool:
+def _is_compiled(folder: Path, modules: list[str], sources: Path) -> bool:
+    """Whether the folder holds what these sources compile to."""
     stamps = [(folder / f"{name}.v", folder / f"{name}.vo") for name in modules]
     return all(
-        v.is_file() and vo.is_file() and vo.stat().st_mtime >= v.stat().st_mtime
+        v.is_file()
+        and vo.is_file()
+        and vo.stat().st_mtime >= v.stat().st_mtime
+        and v.read_bytes() == (sources / v.name).read_bytes()
         for v, vo in stamps
     )
 

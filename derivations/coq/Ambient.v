@@ -112,6 +112,8 @@ Proof.
     by_components.
 Qed.
 
+(** The Jacobian: every entry of the field is differentiable along every direction of R^18 at the
+    equilibrium, with this derivative. *)
 Theorem jacobian_is_the_derivative mu l R z i : mass l <> 0 -> balanced (cross_covariance l) R ->
   is_derive (fun t => nth i (entries (field mu l (moved (rest_at R) t z))) 0) 0
             (nth i (entries (jacobian mu l R z)) 0).

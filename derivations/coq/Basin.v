@@ -72,6 +72,7 @@ Proof.
   clear B. unfold entry_sum. destruct P, R, C. unfold_vectors. lra.
 Qed.
 
+(** Along a solution that starts in the basin, a limit of the attitude that is balanced is optimal. *)
 Theorem balanced_limits_in_basin_are_optimal mu l k u level D s t0 R :
   0 <= mu -> mass l <> 0 -> (forall x, 0 <= quadratic (inertia l) x) ->
   spectral (davenport (cross_covariance l)) k u -> k I2 < level ->

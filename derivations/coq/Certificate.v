@@ -99,6 +99,7 @@ Proof.
   nra.
 Qed.
 
+(** Uniqueness of rotation and translation, where delta <= mu. *)
 Theorem certified_unique l q delta mu : 0 < mass l -> unit q -> delta <= mu ->
   certified (cross_covariance l) q (form (davenport (cross_covariance l)) q + delta - mu) mu ->
   exactly_one (fun pose => optimal_pose l (fst pose) (snd pose)).
@@ -119,6 +120,7 @@ Proof.
   rewrite <- davenport_form. lra.
 Qed.
 
+(** Gap from a multiplier nu of the relaxation, against every rotation and translation. *)
 Theorem dual_gap l q nu P s : 0 < mass l -> unit q -> dual (cross_covariance l) nu -> rotation P ->
   objective l (rot q) (vsub (centre target l) (mvec (rot q) (centre source l)))
   - objective l P s < 2 * (nu - form (davenport (cross_covariance l)) q).

@@ -471,7 +471,8 @@ Proof. apply andb_true_iff. Qed.
 Lemma claimed a b : negb a || b = true -> a = true -> b = true.
 Proof. intros H ->. exact H. Qed.
 
-(** Whatever the checker accepts is true of the real clouds. *)
+(** Whatever the checker accepts is true of the real clouds: gap, angle, uniqueness, pattern, numbers of
+    unstable eigenvalues, dual bound and basin, as far as they are claimed. *)
 Theorem checker_sound d s : check d s = true -> proved d s.
 Proof.
   unfold check, tests. cbv zeta. rewrite !forallb_cons. unfold snd at 1 2 3 4 5 6 7 8 9 10 11 12 13 14.

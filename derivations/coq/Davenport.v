@@ -1,6 +1,6 @@
 (** Davenport's matrix: the objective as a quadratic form in the quaternion.
 
-    Claimed: q^T K q = tr(R(q)^T C) and torque of the springs = 4 L(q)^T K q for every q; K q is a
+    Claimed: q^T K q = tr(R(q)^T C) and the springs' torque 2 L(q)^T K q for every q; K q is a
     multiple of a unit q just where that torque vanishes. *)
 
 Require Import Reals Lra.
@@ -85,13 +85,15 @@ Proof. intros Hq H. unfold form. rewrite H, qdot_scale_right. fold (qnorm2 q). r
 Lemma eigen_scale A k m q : eigen A k q -> eigen A k (qscale m q).
 Proof. unfold eigen. intro H. rewrite apply_scale, H. by_entries. Qed.
 
+(** q^T K q = tr(R(q)^T C), for every q. *)
 Theorem davenport_form C q : form (davenport C) q = trace (mmul (transpose (rot q)) C).
 Proof. by_forms. Qed.
 
+(** tr K = 0. *)
 Theorem davenport_traceless C : strace (davenport C) = 0.
 Proof. by_forms. Qed.
 
-(** The torque 2 vee(R^T C - C^T R) of the springs. *)
+(** vee(R^T C - C^T R) = L(q)^T K q; the torque of the springs is twice that. *)
 Theorem davenport_torque C q :
   vee (msub (mmul (transpose (rot q)) C) (mmul (transpose C) (rot q))) =
   cotangent q (apply (davenport C) q).

@@ -72,6 +72,7 @@ Proof.
     nra.
 Qed.
 
+(** A 4x4 form is positive just where four numbers are, found without division. *)
 Theorem positive4_iff A : positive4 A <-> form_positive A.
 Proof.
   destruct A as [a b c d e f g h i j]. unfold positive4. rewrite positive3_iff.
@@ -110,6 +111,7 @@ Proof.
     nra.
 Qed.
 
+(** The same for a symmetric 3x3 matrix. *)
 Theorem positive3_definite A : symmetric A ->
   positive3 (m11 A) (m12 A) (m13 A) (m22 A) (m23 A) (m33 A) <-> positive_definite A.
 Proof.

@@ -195,6 +195,7 @@ Proof.
     + generalize (f t). intros []. destruct w. unfold_vectors. ring.
 Qed.
 
+(** R^T R = I and det R = 1 hold at all times where they hold at one. *)
 Theorem rotations_stay_rotations mu l D s t0 t : solution mu l D s -> D t0 -> D t ->
   rotation (attitude (s t0)) -> rotation (attitude (s t)).
 Proof.
@@ -321,6 +322,7 @@ Proof.
   - intros t _. pose proof (dissipated_nonnegative mu l (s t) Hmu W). lra.
 Qed.
 
+(** The energy of the rotation alone, omega^T J omega / 2 - 2 tr(R^T C), never rises. *)
 Theorem spin_energy_never_rises mu l D s a b :
   0 <= mu -> (forall x, 0 <= quadratic (inertia l) x) -> mass l <> 0 -> solution mu l D s ->
   rotation (attitude (s a)) -> D a -> D b -> a <= b -> spin_energy l (s b) <= spin_energy l (s a).

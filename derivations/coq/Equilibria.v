@@ -46,6 +46,8 @@ Proof.
   - rewrite H. by_components.
 Qed.
 
+(** All rates of the point-wise equations vanish just where the body is at rest, its centre on the
+    target's, and R^T C is symmetric. *)
 Theorem equilibrium_iff_balanced mu l s : mass l <> 0 -> rotation (attitude s) ->
   equilibrium mu l s <->
   position s = vzero /\ velocity s = vzero /\ spin s = vzero /\
@@ -68,6 +70,7 @@ Proof.
     repeat split; by_components.
 Qed.
 
+(** Equivalently, where the quaternion of the attitude is an eigenvector of Davenport's matrix. *)
 Theorem equilibrium_iff_eigenvector mu l s : mass l <> 0 -> rotation (attitude s) ->
   equilibrium mu l s <->
   position s = vzero /\ velocity s = vzero /\ spin s = vzero /\
@@ -101,6 +104,7 @@ Qed.
 
 Definition distinct (k : four -> R) := forall i j, i <> j -> k i <> k j.
 
+(** Distinct eigenvalues: four balanced rotations and no others, any two of them half a turn apart. *)
 Theorem exactly_four_equilibria C k u : spectral (davenport C) k u -> distinct k ->
   (forall R, balanced C R <-> exists i, R = rot (u i)) /\
   (forall i j, i <> j -> half_turn_apart (rot (u i)) (rot (u j)) /\ rot (u i) <> rot (u j)).
@@ -229,6 +233,7 @@ Proof.
   right. intros [] [] H; congruence.
 Qed.
 
+(** Infinitely many balanced rotations just where an eigenvalue repeats. *)
 Theorem infinite_iff_repeated_eigenvalue C k u : spectral (davenport C) k u ->
   infinitely_many (balanced C) <-> exists i j, i <> j /\ k i = k j.
 Proof.
@@ -259,6 +264,7 @@ Proof.
     rewrite <- !davenport_form, E. pose proof (largest_value _ k u p S) as L. rewrite Hp in L. lra.
 Qed.
 
+(** The optimal rotations are those of the eigenvectors of the largest eigenvalue. *)
 Theorem optimal_iff_top_eigenvector C k u q : spectral (davenport C) k u -> unit q ->
   optimal_rotation C (rot q) <-> eigen (davenport C) (k I1) q.
 Proof.
@@ -291,6 +297,7 @@ Proof.
   - intro E. apply (eigen_form _ (k I1) q Hq E).
 Qed.
 
+(** There is an optimal rotation, and every one is balanced: the optimum is an equilibrium. *)
 Theorem an_optimum_exists_and_is_balanced C :
   (exists R, optimal_rotation C R) /\ forall R, optimal_rotation C R -> balanced C R.
 Proof.
@@ -302,6 +309,7 @@ Proof.
     apply (optimal_iff_top_eigenvector C k u q S Hq). split; assumption.
 Qed.
 
+(** The optimal rotation is unique just where the largest eigenvalue is simple. *)
 Theorem unique_optimum_iff_simple_top C k u : spectral (davenport C) k u ->
   exactly_one (optimal_rotation C) <-> k I2 < k I1.
 Proof.
@@ -336,6 +344,7 @@ Definition pattern (k : four -> R) : list nat :=
   | left _, left _, left _ => 4 :: nil
   end%nat.
 
+(** The eight rows: a unique optimum in four of them, infinitely many optima in the other four. *)
 Theorem table_uniqueness C k u : spectral (davenport C) k u ->
   (exactly_one (optimal_rotation C) <->
    In (pattern k) ((1 :: 1 :: 1 :: 1 :: nil) :: (1 :: 2 :: 1 :: nil) :: (1 :: 1 :: 2 :: nil)
@@ -426,6 +435,7 @@ Definition offset l :=
 (** Where the centre of the moved cloud lies, seen from the target's. *)
 Definition miss l R t := vsub (vadd t (mvec R (centre source l))) (centre target l).
 
+(** The objective, as the translation's share, a constant, and - 2 tr(R^T C). *)
 Theorem objective_reduction l R t : mass l <> 0 -> rotation R ->
   objective l R t =
   mass l * norm2 (miss l R t) + offset l - 2 * trace (mmul (transpose R) (cross_covariance l)).
@@ -437,6 +447,8 @@ Proof.
   rewrite potential_reduction by assumption. unfold offset, miss; simpl. ring.
 Qed.
 
+(** A pose minimises the objective just where its rotation is optimal and its translation takes
+    the one weighted mean to the other. *)
 Theorem optimal_pose_iff l R t : 0 < mass l ->
   optimal_pose l R t <->
   optimal_rotation (cross_covariance l) R /\
@@ -463,7 +475,8 @@ Proof.
     specialize (O P HP). pose proof (norm2_nonnegative (miss l P s)). nra.
 Qed.
 
-(** The paper's corollary, made true: three noncollinear points are not enough, d2 + d3 > 0 is. *)
+(** The paper's corollary, made true: rotation and translation are unique just where the largest
+    eigenvalue is simple, whatever points are noncollinear. *)
 Theorem unique_registration_iff l k u : 0 < mass l ->
   spectral (davenport (cross_covariance l)) k u ->
   exactly_one (fun pose => optimal_pose l (fst pose) (snd pose)) <-> k I2 < k I1.

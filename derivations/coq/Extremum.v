@@ -354,6 +354,7 @@ Proof.
   - rewrite Z. generalize (qnorm2 m). intros. by_entries.
 Qed.
 
+(** A largest eigenvalue exists, with a unit eigenvector, and bounds the form. *)
 Theorem top_eigenvector A :
   exists k u, unit u /\ eigen A k u /\ forall p, form A p <= k * qnorm2 p.
 Proof.

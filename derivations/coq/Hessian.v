@@ -66,6 +66,8 @@ Proof.
   open_vectors. unfold_vectors. ring [Hz].
 Qed.
 
+(** The first derivative of the potential along c + t d, R exp(t r [a]) is - f . d - tau . r a at
+    rest: with f = - 2 M c and tau the springs' torque. *)
 Theorem first_variation l s d a r : mass l <> 0 -> rotation (attitude s) -> norm2 a = 1 ->
   is_derive (fun t => potential l (displaced s d a r t)) 0
     (2 * mass l * dot (position s) d - dot (spring_torque l (attitude s)) (vscale r a)).
@@ -78,6 +80,7 @@ Proof.
       by (generalize (spring_torque l (attitude s)); clear; by_components). ring.
 Qed.
 
+(** The second derivative is 2 M |d|^2 + (r a)^T G (r a). *)
 Theorem second_variation l s d a r : mass l <> 0 -> rotation (attitude s) -> norm2 a = 1 ->
   is_derive_n (fun t => potential l (displaced s d a r t)) 2 0
     (2 * mass l * norm2 d
@@ -155,6 +158,7 @@ Definition others (j : four) : list four :=
   match j with I1 => I2 :: I3 :: I4 :: nil | I2 => I1 :: I3 :: I4 :: nil
              | I3 => I1 :: I2 :: I4 :: nil | I4 => I1 :: I2 :: I3 :: nil end.
 
+(** At the j-th axis of an eigenbasis the index of G is the number of eigenvalues above the j-th. *)
 Theorem index_at_eigenvector C k u j : spectral (davenport C) k u ->
   index (hessian C (rot (u j))) (above k j).
 Proof.
@@ -200,6 +204,7 @@ Proof.
     rewrite <- E. field. lra.
 Qed.
 
+(** Every unit eigenvector belongs to some orthonormal eigenbasis. *)
 Theorem eigenvector_in_a_basis A k u j q : spectral A k u -> unit q -> eigen A (k j) q ->
   exists u', spectral A k u' /\ u' j = q.
 Proof.
@@ -231,6 +236,7 @@ Proof.
   rewrite <- davenport_form. apply eigen_form; assumption.
 Qed.
 
+(** The four equilibria of distinct eigenvalues have the indices 0, 1, 2, 3. *)
 Theorem morse_indices_of_four C k u : spectral (davenport C) k u -> distinct k ->
   index (hessian C (rot (u I1))) 0 /\ index (hessian C (rot (u I2))) 1 /\
   index (hessian C (rot (u I3))) 2 /\ index (hessian C (rot (u I4))) 3.
@@ -255,6 +261,7 @@ Proof.
     destruct j; split; intro; try discriminate; try reflexivity; lra.
 Qed.
 
+(** Among equilibria, the optimal ones are those of index 0: there is no spurious local minimum. *)
 Theorem optimal_iff_index_zero C R : balanced C R ->
   optimal_rotation C R <-> index (hessian C R) 0.
 Proof.

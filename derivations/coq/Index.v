@@ -107,13 +107,14 @@ Proof.
   apply Z. lra.
 Qed.
 
+(** Sylvester's law of inertia: the index does not depend on the squares chosen. *)
 Theorem index_unique A n m : index A n -> index A m -> n = m.
 Proof.
   intros Hn Hm. pose proof (index_not_less A n m Hn Hm). pose proof (index_not_less A m n Hm Hn).
   lia.
 Qed.
 
-(** A negative direction exists just where the index is positive. *)
+(** The index is 0 just where no direction is negative. *)
 Theorem index_zero_iff A n : index A n -> n = 0%nat <-> forall a, 0 <= quadratic A a.
 Proof.
   intros (L & (L3 & LI & LA) & <-). split.
@@ -148,6 +149,7 @@ Proof.
   intro H. injection H as H1 H2 H3 H4 H5 H6. subst. f_equal; ring.
 Qed.
 
+(** A symmetric 3x3 matrix is diagonal in an orthonormal basis. *)
 Theorem spectral_theorem_in_space S : symmetric S ->
   exists W g1 g2 g3, mmul (transpose W) W = mid /\
                      mmul (transpose W) (mmul S W) = diag g1 g2 g3.

@@ -200,6 +200,7 @@ Proof. unfold zcentred, zsecond, zfirst. rewrite minus_IZR, !mult_IZR. reflexivi
 Definition covariance_unit d := two (ew d + ex d + ey d) / IZR (zmass d).
 Definition inertia_unit d := two (ew d + ex d + ex d) / IZR (zmass d).
 
+(** The integer matrix is the cross-covariance of the real clouds, centred, over a known unit. *)
 Theorem covariance_real d : IZR (zmass d) <> 0 ->
   cross_covariance (real_cloud d) = mscale (covariance_unit d) (real_mat (zcovariance d)).
 Proof.
@@ -211,6 +212,7 @@ Proof.
   generalize dependent (IZR (zmass d)). intros. unfold_vectors. f_equal; field; lra.
 Qed.
 
+(** The same for the inertia. *)
 Theorem inertia_real d : IZR (zmass d) <> 0 ->
   inertia (real_cloud d) = mscale (inertia_unit d) (real_mat (zinertia d)).
 Proof.
@@ -250,6 +252,7 @@ Proof.
   rewrite andb_true_iff, positive_real, zpositive2_real, !minus_IZR, !mult_IZR. reflexivity.
 Qed.
 
+(** The integer test of a 4x4 matrix decides positive definiteness over the real numbers. *)
 Theorem zpositive4_real A : zpositive4 A = true <-> form_positive (real_sym A).
 Proof.
   rewrite <- positive4_iff. destruct A as [a b c d e f g h i j]. unfold zpositive4, positive4, real_sym.
@@ -264,6 +267,7 @@ Definition solid d :=
 Lemma quadratic_scale k A a : quadratic (mscale k A) a = k * quadratic A a.
 Proof. by_components. Qed.
 
+(** The integer test of the inertia decides whether J is positive definite. *)
 Theorem solid_real d : 0 < IZR (zmass d) ->
   solid d = true <-> positive_definite (inertia (real_cloud d)).
 Proof.
@@ -385,6 +389,7 @@ Proof.
   reflexivity.
 Qed.
 
+(** The integers decide the multiplicities of the real eigenvalues, which are irrational as a rule. *)
 Theorem zpattern_real C c k u : 0 < c ->
   spectral (davenport (mscale c (real_mat C))) k u -> pattern k = zpattern C.
 Proof.

@@ -165,6 +165,7 @@ Qed.
 
 (** ** The theorems *)
 
+(** J = - sum m [x~]^2 = tr(S) I - S. *)
 Theorem inertia_is_trace_minus_scatter l :
   inertia l = msub (mscale (trace (scatter l)) mid) (scatter l).
 Proof. apply inertia_from_scatter. Qed.

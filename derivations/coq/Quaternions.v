@@ -131,6 +131,7 @@ Proof. by_entries. Qed.
 Lemma rot_det q : det (rot q) = qnorm2 q * qnorm2 q * qnorm2 q.
 Proof. by_entries. Qed.
 
+(** R(q) is a rotation for every unit quaternion. *)
 Theorem unit_quaternions_rotate q : unit q -> rotation (rot q).
 Proof.
   intro H. split.
@@ -142,6 +143,7 @@ Lemma trace_between q p :
   trace (mmul (transpose (rot p)) (rot q)) = 4 * (qdot p q * qdot p q) - qnorm2 p * qnorm2 q.
 Proof. by_entries. Qed.
 
+(** Orthogonal unit quaternions are rotations exactly 180 degrees apart. *)
 Theorem orthogonal_quaternions_are_half_a_turn_apart p q :
   unit p -> unit q -> qdot p q = 0 -> half_turn_apart (rot p) (rot q).
 Proof. intros Hp Hq H. unfold half_turn_apart. rewrite trace_between, Hp, Hq, H. ring. Qed.
@@ -164,6 +166,7 @@ Proof.
   f_equal; lra.
 Qed.
 
+(** R(p) = R(q) only for p = q and p = - q. *)
 Theorem same_rotation_same_quaternion_up_to_sign p q :
   unit p -> unit q -> rot p = rot q -> p = q \/ p = qscale (-1) q.
 Proof.
@@ -221,6 +224,7 @@ Ltac column k a b c d :=
   apply outer_products_give_rotation; unfold outer_products_of; simpl;
   repeat apply conj; (apply (divided_products _ _ k); [assumption | assumption | lra]).
 
+(** Every rotation, R^T R = I and det R = 1, is R(q) for a unit quaternion. *)
 Theorem every_rotation_has_a_quaternion R : rotation R -> exists q, unit q /\ rot q = R.
 Proof.
   intro rotates. destruct (rotation_entries R rotates) as (columns & rows & cofactors).

@@ -57,6 +57,7 @@ Proof.
   unfold sigma2, sigma1, gram, e1, e2, e3, e4. clear. destruct C. unfold_forms. field.
 Qed.
 
+(** The eigenvalues of K are d1 + d2 + d3, d1 - d2 - d3, - d1 + d2 - d3, - d1 - d2 + d3. *)
 Theorem eigenvalues_from_singular_values C k u : spectral (davenport C) k u ->
   k I1 = d1 k + d2 k + d3 k /\ k I2 = d1 k - d2 k - d3 k /\
   k I3 = - d1 k + d2 k - d3 k /\ k I4 = - d1 k - d2 k + d3 k.
@@ -64,6 +65,7 @@ Proof.
   intro S. pose proof (eigenvalues_sum_to_zero C k u S) as Z. unfold sum4 in Z. unfold d1, d2, d3. lra.
 Qed.
 
+(** d1 >= d2 >= |d3|. *)
 Theorem singular_values_ordered C k u : spectral (davenport C) k u ->
   Rabs (d3 k) <= d2 k <= d1 k.
 Proof.
@@ -72,6 +74,7 @@ Proof.
   unfold d1, d2, d3. split; [apply Rabs_le; lra | lra].
 Qed.
 
+(** The symmetric functions of the d_i^2, and d1 d2 d3, are polynomials in the entries of C. *)
 Theorem singular_values_symmetric_functions C k u : spectral (davenport C) k u ->
   sigma1 C = d1 k * d1 k + d2 k * d2 k + d3 k * d3 k /\
   sigma2 C = d1 k * d1 k * (d2 k * d2 k) + d1 k * d1 k * (d3 k * d3 k)
@@ -95,6 +98,7 @@ Lemma gram_characteristic C x :
   x * x * x - sigma1 C * (x * x) + sigma2 C * x - det C * det C.
 Proof. unfold sigma1, sigma2, gram. destruct C. unfold_vectors. field. Qed.
 
+(** The d_i^2 are the eigenvalues of C^T C, with multiplicity: the |d_i| are its singular values. *)
 Theorem squares_are_eigenvalues_of_gram C k u x : spectral (davenport C) k u ->
   det (msub (mscale x mid) (gram C)) =
   (x - d1 k * d1 k) * (x - d2 k * d2 k) * (x - d3 k * d3 k).
@@ -102,6 +106,7 @@ Proof.
   intro S. rewrite gram_characteristic. destruct (singular_values_symmetric_functions C k u S) as (-> & -> & ->). ring.
 Qed.
 
+(** The optimum is unique just where d2 + d3 > 0. *)
 Theorem unique_iff_positive_margin C k u : spectral (davenport C) k u ->
   k I2 < k I1 <-> 0 < d2 k + d3 k.
 Proof.

@@ -70,6 +70,7 @@ Proof.
   intros Hu H. unfold eigen in *. rewrite apply_square, H. fold (qnorm2 u). rewrite Hu. by_entries.
 Qed.
 
+(** Every symmetric 4x4 matrix has an orthonormal basis of eigenvectors. *)
 Theorem spectral_theorem A : exists k u, spectral A k u.
 Proof.
   destruct (top_eigenvector A) as (k1 & u1 & U1 & E1 & M1).
@@ -156,6 +157,7 @@ Proof.
   repeat split; apply qnorm2_zero; lra.
 Qed.
 
+(** Parseval: the product of two vectors from their components. *)
 Theorem parseval u p q : orthonormal u ->
   sum4 (fun i => qdot p (u i) * qdot q (u i)) = qdot p q.
 Proof.
@@ -203,6 +205,7 @@ Proof.
   intros [O E _]. rewrite qdot_comm, apply_symmetric, (E i), qdot_scale_right. reflexivity.
 Qed.
 
+(** q^T A q = sum k_i (q . u_i)^2. *)
 Theorem form_expansion A k u q : spectral A k u ->
   form A q = sum4 (fun i => k i * (qdot q (u i) * qdot q (u i))).
 Proof.
@@ -210,6 +213,7 @@ Proof.
   unfold sum4. rewrite !(apply_component A k u q _ S). ring.
 Qed.
 
+(** q^T A q is at most the largest eigenvalue times |q|^2. *)
 Theorem largest_value A k u q : spectral A k u -> form A q <= k I1 * qnorm2 q.
 Proof.
   intro S. rewrite (form_expansion A k u q S), (norm_expansion u q (basis _ _ _ S)).
@@ -228,6 +232,7 @@ Proof.
   apply Rmult_integral in Z. destruct Z; [left; lra | right; assumption].
 Qed.
 
+(** There are no eigenvalues but those of the basis. *)
 Theorem every_eigenvalue_is_listed A k u l q : spectral A k u -> eigen A l q -> q <> qzero ->
   exists i, l = k i.
 Proof.
@@ -265,6 +270,7 @@ Qed.
 
 Definition twice A q := apply A (apply A q).
 
+(** The trace is the sum of the eigenvalues. *)
 Theorem sum_of_eigenvalues A k u : spectral A k u -> sum4 k = strace A.
 Proof.
   intro S.

@@ -182,6 +182,7 @@ Proof.
   generalize (mvec J a). clear. by_components.
 Qed.
 
+(** A positive index gives a real growing mode of J p'' = - mu J p' - G p. *)
 Theorem positive_index_grows mu J G n :
   0 < mu -> symmetric J -> positive_definite J -> symmetric G -> index G n -> n <> 0%nat ->
   exists rate a, growing_mode mu J G rate a.
@@ -212,6 +213,7 @@ Proof.
   destruct (Rlt_dec g1 0), (Rlt_dec g2 0), (Rlt_dec g3 0); try contradiction. reflexivity.
 Qed.
 
+(** Every equilibrium that is not optimal has a growing mode. *)
 Theorem spurious_equilibria_have_a_growing_mode mu l R :
   0 < mu -> positive_definite (inertia l) -> spurious (cross_covariance l) R ->
   exists rate a, growing_mode mu (inertia l) (hessian (cross_covariance l) R) rate a.

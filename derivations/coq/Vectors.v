@@ -191,12 +191,14 @@ Proof.
   apply mmul_id_left.
 Qed.
 
+(** R R^T = I for every rotation: the columns are orthonormal, too. *)
 Theorem rotation_transpose R : rotation R -> mmul R (transpose R) = mid.
 Proof.
   intro rotates. rewrite (rotation_adjugate R rotates), mmul_adjugate.
   destruct rotates as [_ ->]. unfold mscale, mid; simpl; f_equal; ring.
 Qed.
 
+(** |R a| = |a|. *)
 Theorem rotation_keeps_lengths R a : rotation R -> norm2 (mvec R a) = norm2 a.
 Proof.
   intros [orthogonal _]. unfold norm2.

@@ -4,7 +4,7 @@
 
 1. No file says Admitted, Axiom, Parameter and the like.  2. Every file compiles.
 3. `coqchk` re-checks all files and every library below them, and lists their axioms.
-4. The assumptions that Coq prints of every theorem are those of assumptions.txt (--write renews it).
+4. What Coq says that each theorem assumes is what assumptions.txt says (--write renews it).
 
 Standard library only. Exit code 0 if all hold, 1 if not, 2 without Coq and no way to install it.
 """
@@ -21,7 +21,8 @@ import tempfile
 import time
 from pathlib import Path
 
-HERE = Path(__file__).parent
+HERE = Path(__file__).resolve().parent
+BUILD = HERE.parent.parent / "build" / "coq"  # `certreg verify --coq` looks here, too
 ALLOWED = (  # of Coq's library of real numbers, none of ours
     "Coq.Logic.Classical_Prop.classic",
     "Coq.Logic.FunctionalExtensionality.functional_extensionality_dep",
@@ -63,22 +64,37 @@ def main(argv: list[str]) -> int:
     return 0
 
 
-def verify(folder: Path, *, write: bool = False) -> None:
-    """Nothing if all proofs hold. Raises ProofError."""
-    scan(folder)
-    run(["make", "-C", str(folder), "-j2", "--no-print-directory", "all"], "does not compile")
+def verify(sources: Path, folder: Path = BUILD, *, write: bool = False) -> None:
+    """Nothing if all proofs hold, compiled in the folder. Raises ProofError."""
+    scan(sources)
+    compile_in(folder, sources)
     modules = [f"Certreg.{name}" for name in names(folder)]
     command = ["coqchk", "-silent", "-o", "-R", str(folder), "Certreg", *modules]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as checker:
-        found = assumptions(folder)
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    ) as checker:
+        found = assumptions(folder, theorems(folder))
         output = checker.communicate()[0]
     if checker.returncode != 0:
         raise ProofError(f"coqchk failed: {output.strip()[-500:]}")
     require_allowed(output)
-    recorded = folder / "assumptions.txt"
+    recorded = sources / "assumptions.txt"
     if write:
         recorded.write_text(found)
     compare(recorded.read_text(), found)
+
+
+def compile_in(folder: Path, sources: Path = HERE) -> None:
+    """All files compiled in a folder of their own, as far as they changed since the last time."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for path in [*sources.glob("*.v"), sources / "Makefile"]:
+        copy = folder / path.name
+        if not copy.is_file() or copy.read_bytes() != path.read_bytes():
+            shutil.copyfile(path, copy)
+    for copy in folder.glob("*.v"):
+        if not (sources / copy.name).is_file():
+            copy.unlink()
+    run(["make", "-C", str(folder), "-j2", "--no-print-directory", "all"], "does not compile")
 
 
 def install() -> None:
@@ -138,10 +154,10 @@ def theorems(folder: Path) -> list[tuple[str, str]]:
     ]
 
 
-def assumptions(folder: Path) -> str:
+def assumptions(folder: Path, listed: list[tuple[str, str]]) -> str:
     """What Coq prints that each theorem assumes: `file.theorem: axioms`, a line each."""
-    listed = theorems(folder)
-    text = f"From Certreg Require {' '.join(names(folder))}.\n" + "".join(
+    modules = sorted({name for name, _ in listed})
+    text = f"From Certreg Require {' '.join(modules)}.\n" + "".join(
         f'Goal True. idtac "## {name}.{theorem}". exact I. Qed.\n'
         f"Print Assumptions {name}.{theorem}.\n"
         for name, theorem in listed
@@ -153,7 +169,7 @@ def assumptions(folder: Path) -> str:
     lines = []
     for part in output.split("## ")[1:]:
         theorem, _, printed = part.partition("\n")
-        axioms = re.findall(r"^([\w.]+)\s*(?=:|\n\s+:)", printed.partition("Axioms:\n")[2], re.MULTILINE)
+        axioms = re.findall(r"^([\w.]+)\s*:", printed.partition("Axioms:\n")[2], re.MULTILINE)
         closed = "Closed under the global context" in printed
         if not axioms and not closed:
             raise ProofError(f"{theorem}: what it assumes cannot be read: {printed[:200]}")

@@ -1,0 +1,450 @@
+"""The proofs hold, nothing unproved slips in, and the verified checker decides as verify.py does.
+
+What needs Coq is skipped where coqc is missing (`make proofs` installs it).
+"""
+
+from __future__ import annotations
+
+import base64
+import importlib.util
+import json
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import time
+from fractions import Fraction
+from importlib import import_module
+from pathlib import Path
+
+import certificates as oracle
+import numpy as np
+import pytest
+from commands import certreg
+
+from certreg.certificate.coq import export
+from certreg.certificate.coqc import AXIOMS, compiled_proofs, find_coqc, needed, run_coqc
+from certreg.demo import STORIES, tell
+
+checker = import_module("certreg.verify")
+ROOT = Path(__file__).parent.parent
+PROOFS, VECTORS = ROOT / "derivations" / "coq", ROOT / "vectors"
+SECONDS = 5.0  # the contract: 100 points, from the command to the verdict
+needs_coq = pytest.mark.skipif(
+    not shutil.which("coqc") or not shutil.which("coqchk"),
+    reason="Coq is not installed: `make proofs` installs it",
+)
+
+
+def script(name: str):
+    """A script of the proofs' folder, as a module."""
+    spec = importlib.util.spec_from_file_location(f"proofs_{name}", PROOFS / f"{name}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+RECORDED = PROOFS / "assumptions.txt"
+check, page = script("check"), script("page")
+
+# Without Coq
+
+
+def test_no_proof_file_claims_anything_without_proof():
+    check.scan(PROOFS)
+
+
+@pytest.mark.parametrize(
+    "planted",
+    [
+        "Theorem planted : 1 = 2. Admitted.",
+        "Theorem planted : 1 = 2. Proof. admit. Admitted.",
+        "Axiom planted : 1 = 2.",
+        "Parameter planted : 1 = 2.",
+        "Conjecture planted : 1 = 2.",
+        "Hypothesis planted : 1 = 2.",
+        "  Variables (planted : 1 = 2).",
+        "(* of no matter *) Axiom planted (* : 1 = 1 *) : 1 = 2.",
+        "Unset Guard Checking.",
+    ],
+)
+def test_a_planted_gap_is_seen_in_the_text(tmp_path, planted):
+    text = (PROOFS / "Vectors.v").read_text()
+    (tmp_path / "Vectors.v").write_text(f"{text}\n{planted}\n")
+
+    with pytest.raises(check.ProofError, match=r"Vectors\.v, line"):
+        check.scan(tmp_path)
+
+
+def test_words_in_comments_and_hypotheses_in_sections_are_no_gaps(tmp_path):
+    text = "(* Admitted (* Axiom *) Parameter *)\nSection S.\nVariable x : nat.\nEnd S.\n"
+    (tmp_path / "Vectors.v").write_text(text)
+
+    check.scan(tmp_path)
+
+
+def test_assumptions_other_than_those_recorded_and_allowed_are_refused():
+    recorded = (PROOFS / "assumptions.txt").read_text()
+    check.compare(recorded, recorded)
+
+    more = recorded.replace(": ", ": Vectors.planted, ", 1)
+    for found, words in (
+        (more, "assumes Vectors.planted"),
+        (recorded.partition("\n")[2], "not what Coq prints"),
+        (recorded + "Vectors.new: nothing\n", "not what Coq prints"),
+    ):
+        with pytest.raises(check.ProofError, match=words):
+            check.compare(recorded, found)
+
+
+def test_what_coqchk_lists_is_read_and_refused_if_it_is_not_allowed():
+    good = "\nCONTEXT SUMMARY\n=====\n\n* Theory: Set is predicative\n\n* Axioms:\n" + "".join(
+        f"    {axiom}\n" for axiom in check.ALLOWED
+    )
+    for heading in check.SAFE_HEADINGS:
+        good += f"\n* Constants relying on {heading}: <none>\n"
+    check.require_allowed(good)
+
+    for bad in (
+        good.replace("classic\n", "classic\n    Certreg.Vectors.planted\n"),
+        good.replace("<none>", "Certreg.Vectors.planted", 1),
+        good.replace("Axioms", "Something else"),
+        "",
+    ):
+        with pytest.raises(check.ProofError, match=r"coqchk"):
+            check.require_allowed(bad)
+
+
+def test_every_theorem_has_its_assumptions_recorded():
+    recorded = [line.partition(":")[0] for line in RECORDED.read_text().splitlines()]
+
+    assert recorded == sorted(f"{name}.{theorem}" for name, theorem in check.theorems(PROOFS))
+    assert {f"Coq.{axiom}" for axiom in AXIOMS} <= {
+        re.sub(r"^Coq\.(Reals|Logic)\.", "Coq.", axiom) for axiom in check.ALLOWED
+    }
+
+
+def test_the_page_shows_every_theorem_as_the_proofs_state_it():
+    text = page.PAGE.read_text()
+    listed = re.findall(r"^### (\w+)$", text, re.MULTILINE)
+
+    assert page.page(text) == text, "run derivations/coq/page.py"
+    assert sorted(listed) == sorted(theorem for _, theorem in check.theorems(PROOFS))
+    assert sorted(page.ORDER) == check.names(PROOFS)
+
+
+def test_every_theorem_that_the_page_names_in_its_tables_exists():
+    table = page.PAGE.read_text().partition(page.MARK)[0]
+    named = set(re.findall(r"`([a-z]+(?:_[a-z]+)+)`", table))
+    known = {theorem for _, theorem in check.theorems(PROOFS)}
+
+    assert named - known == {"functional_extensionality_dep"}
+
+
+def test_the_checker_stands_last_in_the_order_of_compilation():
+    order = needed(PROOFS)
+
+    assert order[0] == "Vectors"
+    assert order[-1] == "Checker"
+    assert len(order) == len(set(order))
+
+
+def test_the_exported_integers_are_the_doubles_and_the_claims():
+    source, target, weights = oracle.random_problem(seed=3, n=7)
+    certificate = oracle.produce(source, target, weights)
+    text = export(oracle.dump(certificate)).decision()
+
+    rows = re.findall(r"ZPair ([^;\]]*)", text)
+    powers = re.search(r"Data \(points0\) (\S+) (\S+) (\S+)\.", text)
+    assert powers is not None
+    ew, ex, ey = (Fraction(2) ** number(power) for power in powers.groups())
+    for row, x, y, w in zip(rows, source, target, weights, strict=True):
+        values = [number(word) for word in row.split()]
+        assert values[0] * ew == Fraction(float(w))
+        assert [v * ex for v in values[1:4]] == [Fraction(float(v)) for v in x]
+        assert [v * ey for v in values[4:]] == [Fraction(float(v)) for v in y]
+    for name, pair in (
+        ("delta", certificate["optimality"]["delta"]),
+        ("mu", certificate["optimality"]["mu"]),
+        ("gap", certificate["claims"]["gap"]),
+    ):
+        found = re.search(rf"{name} := \(Dyadic (\S+) (\S+)\);", text)
+        assert found is not None
+        m, e = map(number, found.groups())
+        assert m * Fraction(2) ** e == pair[0] * Fraction(2) ** pair[1]
+
+
+def number(word: str) -> int:
+    """An integer in Coq's words."""
+    return int(word.strip("()"), 16)
+
+
+def test_verify_with_coq_without_coq_is_one_line_and_exit_code_2(tmp_path):
+    path = VECTORS / "accept-pattern-1111.json"
+    environment = {"PATH": str(tmp_path), "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-m", "certreg", "verify", "--coq", str(path)]
+
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.startswith("certreg: coqc was not found: install Coq")
+    assert done.stderr.count("\n") == 1
+
+
+def test_verify_with_coq_of_a_missing_file_is_exit_code_2(tmp_path):
+    done = certreg("verify", "--coq", tmp_path / "missing.json")
+
+    assert done.code == 2
+    assert done.err.count("\n") == 1
+
+
+def test_out_without_coq_is_wrong_usage(tmp_path):
+    path = VECTORS / "accept-pattern-1111.json"
+    done = certreg("verify", path, "--out", tmp_path / "certificate.v")
+
+    assert done.code == 2
+    assert "--out goes with --coq" in done.err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_malformed_certificate_is_refused_before_coq_is_asked(tmp_path):
+    path = tmp_path / "certificate.json"
+    path.write_text("{}")
+    done = certreg("verify", "--coq", path)
+
+    assert done.code == 1
+    assert done.out.startswith("REFUSED: the certificate must have exactly the keys")
+
+
+# With Coq
+
+
+@pytest.fixture(scope="module")
+def proofs() -> Path:
+    """The compiled proofs."""
+    check.compile_in(check.BUILD)
+    return compiled_proofs(find_coqc())
+
+
+def decisions(proofs: Path, certificates: list[bytes]) -> list[list[str] | None]:
+    """Reasons to refuse each certificate, all in one run of Coq; None where it is malformed."""
+    source, found = "", dict[int, list[str] | None]()
+    for k, certificate in enumerate(certificates):
+        try:
+            source += export(certificate).decision(f"_{k}")
+        except checker.RefusalError:
+            found[k] = None
+    head = export(oracle.dump(oracle.produce(*oracle.random_problem(0, n=4)))).source()
+    done = run_coqc(find_coqc(), proofs, head.partition("\nDefinition")[0] + source, seconds=300)
+    assert done.returncode == 0, done.stderr
+    for part in done.stdout.split("refused_")[1:]:
+        tag, _, words = part.partition("=")
+        found[int(tag)] = re.findall(r"[a-z]+_[a-z_]+", words.partition(":")[0])
+    return [found[k] for k in range(len(certificates))]
+
+
+def replaced(certificate, *path, value):
+    forged = json.loads(json.dumps(certificate))
+    part = forged
+    for step in path[:-1]:
+        part = part[step]
+    part[path[-1]] = value
+    return forged
+
+
+NUMBERS = {  # values of one place of a certificate, true and false
+    ("claims", "sin2_half_angle"): [[1, -200], [1, 0], [0, 0], [-1, 3], None],
+    ("claims", "pattern"): [
+        *([1, 1, 1, 1], [1, 2, 1], [4], [2, 2], [1, 3], [3, 1], [1], [10**40], [-1, 5]),
+    ],
+    ("claims", "unstable"): [
+        *([0, 1, 2, 3], [0], [0, 1], [0, 3], [0, 2], [1, 2, 3, 4], [0, 1, 2, 10**40], None),
+    ],
+    ("claims", "unique"): [True, False],
+    ("claims", "basin"): [True, False],
+    ("claims", "sdp_gap"): [[1, 0]],
+    ("sdp",): [{"nu": [1, 60]}, {"nu": [-1, 60]}, {"nu": None}],
+    ("problem", "digest"): ["0" * 64],
+    ("pose",): [[0, 0, 0, 0], [1, 0, 0, 0]],
+}
+
+
+def forgeries(certificate):
+    """Certificates that differ in one place; most are false, a few still true."""
+    for k in range(4):
+        for power in (0, 20, 40, 58):
+            yield replaced(certificate, "pose", k, value=certificate["pose"][k] + 2**power)
+    for name in ("delta", "mu"):
+        m, e = certificate["optimality"][name]
+        for value in ([m, e - 20], [m, e + 1], [m, e + 20], [-m, e], [0, e]):
+            yield replaced(certificate, "optimality", name, value=value)
+    m, e = certificate["claims"]["gap"]
+    for value in ([m, e - 1], [2 * m - 1, e - 1], [m, e + 1], [-m, e], [0, 0]):
+        yield replaced(certificate, "claims", "gap", value=value)
+    for path, values in NUMBERS.items():
+        for value in values:
+            yield replaced(certificate, *path, value=value)
+    for gap in ([1, 70], [1, 10]):
+        forged = replaced(certificate, "sdp", value={"nu": [1, 60]})
+        yield replaced(forged, "claims", "sdp_gap", value=gap)
+    content = base64.b64decode(certificate["problem"]["data"])
+    numbers = np.frombuffer(content[26:], "<f8")
+    for place, value in ((0, 7.25), (-1, 0.5), (-1, -0.25), (5, float("inf")), (4, -0.0)):
+        changed = numbers.copy()
+        changed[place] = value
+        yield oracle.with_problem(certificate, content[:26] + changed.astype("<f8").tobytes())
+
+
+def certificates_of_all_kinds() -> list[bytes]:
+    """True ones, forged ones, and the published vectors."""
+    made = [oracle.produce(*oracle.random_problem(seed=seed, n=4 + seed % 5)) for seed in range(12)]
+    made += [
+        oracle.produce(source, target, pattern=pattern)
+        for pattern, source, target in oracle.PATTERNS.values()
+    ]
+    texts = [oracle.dump(certificate) for certificate in made]
+    for certificate in (made[0], made[-1], made[-2]):
+        texts += [oracle.dump(forged) for forged in forgeries(certificate)]
+    files = [path for path in VECTORS.glob("*.json") if path.name != "manifest.json"]
+    texts += [path.read_bytes() for path in sorted(files)]
+    moving = json.loads((VECTORS / "accept-pattern-1111.json").read_bytes())
+    for shift in (-3, -1, 1, 2, 4, 40):
+        for part, name, k, step in (
+            ("basin", "angular_velocity", 3, shift),
+            ("sdp", "nu", 1, shift),
+            ("basin", "quaternion", 0, 2 ** (shift + 50)),
+        ):
+            value = moving[part][name][k] + step
+            texts.append(oracle.dump(replaced(moving, part, name, k, value=value)))
+    return texts
+
+
+@needs_coq
+@pytest.mark.slow
+def test_the_verified_checker_answers_as_verify_does(proofs):
+    certificates = certificates_of_all_kinds()
+    found = decisions(proofs, certificates)
+    expected = [checker.check(certificate).verified for certificate in certificates]
+
+    assert [reasons == [] for reasons in found] == expected
+    by_coq = [reasons for reasons in found if reasons]
+    assert len(certificates) >= 200
+    assert len(by_coq) >= 50
+    assert sum(expected) >= 20
+    assert len({reason for reasons in by_coq for reason in reasons}) >= 12
+
+
+@needs_coq
+@pytest.mark.slow
+def test_coq_accepts_the_certificates_of_the_packaged_problems(proofs, tmp_path):
+    assert proofs.is_dir()
+    for story in STORIES:
+        path = tmp_path / f"{story.name}.json"
+        registration = tell(story)
+        assert registration.certificate is not None
+        registration.certificate.save(path)
+        done = certreg("verify", "--coq", path, "--out", tmp_path / f"{story.name}.v")
+
+        assert done.code == 0, done.out + done.err
+        assert done.out.splitlines()[-1] == "VERIFIED"
+        assert "Theorem certified : proved data" in (tmp_path / f"{story.name}.v").read_text()
+
+
+@needs_coq
+@pytest.mark.slow
+def test_a_forged_certificate_is_refused_by_coq_with_the_reason(proofs):
+    assert proofs.is_dir()
+    done = certreg("verify", "--coq", VECTORS / "refuse-gap-one-unit-too-small.json")
+
+    assert done.code == 1
+    assert done.out == "REFUSED: gap is below the bound\n"
+
+
+@needs_coq
+@pytest.mark.slow
+def test_a_refused_certificate_has_no_theorem_even_if_it_is_claimed(proofs):
+    forged = export((VECTORS / "refuse-pose-half-a-turn-off.json").read_bytes())
+
+    done = run_coqc(find_coqc(), proofs, forged.source(), seconds=60)
+
+    assert done.returncode != 0
+    assert "pose_is_not_proved_optimal" in done.stdout
+
+
+@needs_coq
+@pytest.mark.slow
+def test_a_hundred_points_take_at_most_five_seconds(proofs, tmp_path):
+    assert proofs.is_dir()
+    rng = np.random.default_rng(5)
+    source, weights = rng.normal(size=(100, 3)), rng.uniform(0.5, 2.0, 100)
+    target = source + rng.normal(size=(100, 3)) / 50
+    path = tmp_path / "certificate.json"
+    path.write_bytes(oracle.dump(oracle.produce_quickly(source, target, weights)))
+    times = []
+    for _ in range(3):  # the machine may be busy with something else
+        start = time.monotonic()
+        assert certreg("verify", "--coq", path).code == 0
+        times.append(time.monotonic() - start)
+
+    assert min(times) <= SECONDS
+
+
+@needs_coq
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("planted", "words"),
+    [
+        ("Theorem planted : (1 = 2)%R. Admitted.\n", "Planted.planted assumes Planted.planted"),
+        (
+            "Axiom gap : (1 = 2)%R.\nTheorem planted : (1 = 2)%R. Proof gap.\n",
+            "Planted.planted assumes Planted.gap",
+        ),
+        (
+            (
+                "Lemma hole : (1 = 2)%R. Admitted.\n"
+                "Theorem planted : (2 = 1)%R.\nProof. symmetry. exact hole. Qed.\n"
+            ),
+            "Planted.planted assumes Planted.hole",
+        ),
+    ],
+)
+def test_a_planted_gap_is_seen_by_coq_although_no_one_read_the_text(
+    proofs, tmp_path, planted, words
+):
+    for path in proofs.glob("*.v*"):
+        shutil.copy2(path, tmp_path)
+    (tmp_path / "Planted.v").write_text(f"From Certreg Require Import Checker.\n{planted}")
+    command = ["coqc", *check.FLAGS, "-R", str(tmp_path), "Certreg", str(tmp_path / "Planted.v")]
+    subprocess.run(command, check=True, capture_output=True)
+
+    found = check.assumptions(tmp_path, [("Planted", "planted")])
+    with pytest.raises(check.ProofError, match=words):
+        check.compare(found, found)
+    command = ["coqchk", "-silent", "-o", "-norec", "Certreg.Planted"]
+    summary = subprocess.run(
+        [*command, "-R", str(tmp_path), "Certreg"], capture_output=True, text=True, check=True
+    )
+    gap = words.rpartition(" ")[2]
+    assert f"Certreg.{gap}" in summary.stdout
+
+
+def test_doubles_of_all_magnitudes_are_exported_exactly():
+    numbers = [5e-324, 1.7e308, -2.5, 0.0, 1.0, -1e-200]
+    content = oracle.problem_bytes(numbers[:3], numbers[3:], [1.0])
+    certificate = oracle.produce(*oracle.random_problem(0, n=4))
+    certificate["problem"] = oracle.stated_problem(content, 1)
+    text = export(oracle.dump(certificate)).decision()
+
+    row = re.search(r"ZPair ([^;\]]*)", text)
+    powers = re.search(r"Data \(points0\) (\S+) (\S+) (\S+)\.", text)
+    assert row is not None
+    assert powers is not None
+    values = [number(word) for word in row[1].split()]
+    _, ex, ey = (Fraction(2) ** number(power) for power in powers.groups())
+    assert [v * ex for v in values[1:4]] == [Fraction(v) for v in numbers[:3]]
+    assert [v * ey for v in values[4:]] == [Fraction(v) for v in numbers[3:]]
+    assert struct.pack("<d", numbers[0]) in content
