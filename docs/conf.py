@@ -42,6 +42,7 @@ extensions = [
     "disclosure",
     "docstrings",
     "interface",
+    "leftovers",
     "modules",
     "proofs",
 ]

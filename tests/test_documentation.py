@@ -33,7 +33,10 @@ import dataclasses
 import sys
 
 sys.path[:0] = [{extensions!r}, {root!r}]
-extensions = ["myst_nb", "citations", "command_lines", "contents", "disclosure", "proofs"]
+extensions = [
+    "myst_nb", "citations", "command_lines", "contents", "disclosure", "leftovers", "proofs"
+]
+myst_enable_extensions = ["dollarmath"]
 nb_execution_mode = "force"
 nb_execution_raise_on_error = False
 nb_execution_show_tb = True
@@ -133,6 +136,15 @@ def test_a_claim_becomes_a_theorem_with_steps_and_controls(tmp_path: Path):
     assert "PROVED" in html
 
 
+@pytest.mark.parametrize("name", ["optimality_certificate", "spectrum"])
+def test_formulas_are_set_as_formulas_wherever_they_stand(tmp_path: Path, name: str):
+    done = built(tmp_path, f"# Page\n\n```{{proof}} {name}\n```\n")
+    html = (tmp_path / "html" / "index.html").read_text("utf-8")
+
+    assert "a formula is left in the text" not in done.stderr
+    assert "$" not in re.sub(r"<pre>.*?</pre>", "", html, flags=re.DOTALL)
+
+
 @pytest.mark.parametrize(
     ("page", "settings", "complaint"),
     [
@@ -142,6 +154,8 @@ def test_a_claim_becomes_a_theorem_with_steps_and_controls(tmp_path: Path):
         ("```{proof} nonsense\n```\n", "", "the book has no claim 'nonsense'"),
         ("{claim}`nonsense`\n", "", "the book has no claim 'nonsense'"),
         ("As in [Nobody1999].\n", "", "[Nobody1999] is not in the bibliography"),
+        ("It costs $$ a\n+ b $$ and more.\n", "", "a formula is left in the text"),
+        ("At every R^*, or $R*, say.\n", "", "a formula is left in the text"),
         ("```{command} certreg info --nonsense\n```\n", "", "ended with 2, not 0"),
         ("```{command} certreg info\n:exit: 3\n```\n", "", "ended with 0, not 3"),
         ("```{command} rm -r survey\n```\n", "", "pages run certreg"),

@@ -8,6 +8,7 @@ build.
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,15 +30,17 @@ if TYPE_CHECKING:
 
 FOLDER = "proofs"  # the page of a claim is FOLDER/NAME
 NO_CODE = "No code: it is a step of the chain."
+DISPLAYED = re.compile(r"\s*\$\$(.+?)\$\$\s*", re.DOTALL)
 
 
 class MarkdownDirective(SphinxDirective):
     """A directive that renders Markdown which it has made or been given."""
 
     def markdown(self, text: str) -> list[nodes.Node]:
-        """The nodes of a piece of Markdown."""
+        """The nodes of a piece of Markdown. A displayed formula is a block, wherever it stands."""
         holder = nodes.container()
-        lines = StringList(text.splitlines(), source=self.get_source_info()[0])
+        blocks = DISPLAYED.sub(lambda found: f"\n\n$$\n{found[1].strip()}\n$$\n\n", text)
+        lines = StringList(blocks.strip().splitlines(), source=self.get_source_info()[0])
         self.state.nested_parse(lines, self.content_offset, holder)
         return holder.children
 
@@ -101,9 +104,19 @@ class Proof(MarkdownDirective):
             item = nodes.list_item(ids=[f"step-{number}"], classes=[step.kind.name.lower()])
             item += self.markdown(step.says)
             self._link_claims(item)
-            item += _check(step)
+            item += self._check(step)
             shown += item
         return shown
+
+    def _check(self, step: Step) -> list[nodes.Node]:
+        """How a step was checked, or that it was not."""
+        if step.kind is Kind.QUOTED:
+            words = f"**quoted** {step.kind.value}: {step.verdict.words}."
+        else:
+            words = f"**checked** {step.kind.value} ({step.verdict.words})."
+        (line,) = self.markdown(words)
+        line["classes"].append("check")
+        return [line]
 
     def _link_claims(self, prose: nodes.Element) -> None:
         """Lead from the name of another claim, set as code, to its page."""
@@ -152,17 +165,6 @@ def _source(claim: Claim) -> Disclosure:
     text = file.read_text("utf-8")
     summary = Summary("", "The program that is this proof: ", nodes.literal(text=file.name))
     return Disclosure("", summary, nodes.literal_block(text, text, language="python"))
-
-
-def _check(step: Step) -> nodes.paragraph:
-    """How a step was checked, or that it was not."""
-    if step.kind is Kind.QUOTED:
-        mark = nodes.strong(text="quoted")
-        words = f" {step.kind.value}: {step.verdict.words}."
-    else:
-        mark = nodes.strong(text="checked")
-        words = f" {step.kind.value} ({step.verdict.words})."
-    return nodes.paragraph("", "", mark, nodes.Text(words), classes=["check"])
 
 
 def _words(step: Step) -> nodes.paragraph:
