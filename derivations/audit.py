@@ -287,9 +287,10 @@ ROWS = (
         claim="Without perturbation, too, the system always converges to the global optimum.",
         place="introduction, section 4.2",
         finding=CONDITION,
-        holds="The flow does from almost every state, if J ≻ 0 and the optimum is unique. The "
-        "paper's starts, at rest with R = I, are no such sample: some clouds start at a saddle.",
-        because=("convergence", "instability"),
+        holds="It tends to the set of equilibria, if J ≻ 0, and the spurious ones are unstable. It "
+        "converges to the optimum from every state with less energy than all of these. The paper's "
+        "starts, at rest with R = I, need not have less: some clouds start at a saddle.",
+        because=("convergence", "instability", "certified_basin"),
         counterexample=counterexamples.STARTED_AT_A_SADDLE,
     ),
     Row(

@@ -226,7 +226,8 @@ CLAIM = Claim(
             shipped=_half_of_the_power
         ),
     },
-    not_claimed=r"That the basin is all that converges: nearly every state does. Nor that a "
+    not_claimed=r"That states outside of the basin do not converge to the optimum; nor that almost "
+    r"every state does, which is not proved here. Nor that a "
     r"computed trajectory follows the flow; what is certified is the state at which it stands.",
     needs=(
         "davenport",

@@ -188,9 +188,9 @@ CLAIM = Claim(
         "a mode that turns back": lambda: proof(growth=-1),
         "an energy that falls to first order": lambda: proof(power=1),
     },
-    not_claimed=r"That every state nearby leaves: each unstable equilibrium has states, a null "
-    r"set, from which it is approached. Nor how long leaving takes: about "
-    r"$\ln(1/\text{distance})/s$, which can be long. Where $J$ is singular there is no dynamics.",
+    not_claimed=r"That every state nearby leaves, or almost every one: that would need a theorem "
+    r"about centre-stable manifolds, which is not proved here. Nor how long leaving takes. Nor "
+    r"anything where $J$ is singular: the dynamics is not defined there.",
     needs=("eigenvectors", "hessian", "unstable_count", "dissipation", "convergence", "half_turns"),
     used_by=("certreg.equilibria.stability.Curvature.witness", "certreg.simulation"),
 )

@@ -25,10 +25,12 @@ def proof(
     C, R = cloud.cross, state.R
     yield identity(
         r"The total torque of the springs, a sum over $N$ points, depends on the cloud through "
-        r"$C$ alone: $\sum_i 2 m_i\, \tilde x_i \times \bigl(R^{\mathsf T}(\tilde y_i - c) - "
-        r"\tilde x_i\bigr) = 2 \operatorname{vee}(R^{\mathsf T} C - C^{\mathsf T} R)$, for every "
-        r"$3\times3$ matrix $R$. The offset $c$ drops out because $\sum_i m_i \tilde x_i = 0$, and "
-        r"$\tilde x_i \times \tilde x_i = 0$.",
+        r"$C$ alone. In the paper's form, which has $\tilde x_i$ for $R^{\mathsf T} R \tilde x_i$, "
+        r"it is $\sum_i 2 m_i\, \tilde x_i \times \bigl(R^{\mathsf T}(\tilde y_i - c) - "
+        r"\tilde x_i\bigr) = 2 \operatorname{vee}(R^{\mathsf T} C - C^{\mathsf T} R)$, an identity "
+        r"for every $3\times3$ matrix $R$. The offset $c$ drops out because $\sum_i m_i \tilde x_i "
+        r"= 0$, and $\tilde x_i \times \tilde x_i = 0$. On rotations the two forms are the same; "
+        r"what the forces add elsewhere is in claim `total_torque`.",
         torque(state, cloud),
         2 * vee(R.T * C - C.T * R),
     )
@@ -84,7 +86,8 @@ CLAIM = Claim(
     name="torque",
     title="The torque is an eigenvector's residual",
     statement=r"The total spring torque in the body frame is $\;2 \operatorname{vee}"
-    r"(R^{\mathsf T} C - C^{\mathsf T} R)\;$ for every matrix $R$ and every offset $c$, and at "
+    r"(R^{\mathsf T} C - C^{\mathsf T} R)\;$ for every rotation $R$ and every offset $c$ (in the "
+    r"paper's form, with $x$ for $R^{\mathsf T} R x$, for every matrix $R$), and at "
     r"$R = R(q)$, $|q| = 1$, it is $\;2\, L(q)^{\mathsf T} K(C)\, q$.",
     assumptions=(
         r"Both clouds are centred, $\sum_i m_i \tilde x_i = \sum_i m_i \tilde y_i = 0$.",
@@ -102,9 +105,8 @@ CLAIM = Claim(
             shipped=lambda q, constants: -quaternion_torque(q, constants)
         ),
     },
-    not_claimed=r"Anything about damping, which is a torque of its own and vanishes at rest; nor "
-    r"that the springs' torque, unlike its quaternion form, needs a rotation: the first formula "
-    r"holds for every matrix.",
+    not_claimed=r"Anything about damping, which is a torque of its own. Nor that the first formula "
+    r"is the torque of the springs' forces where $R$ is not a rotation.",
     needs=("davenport", "total_torque"),
     used_by=(
         "derivations.motion.spring_torque",
