@@ -42,28 +42,57 @@ def proof(
         r"\operatorname{diag}(\lambda_1, \lambda_2, \lambda_3, \lambda_4)$ with "
         r"$\lambda_1 = d_1 + d_2 + d_3$, $\lambda_2 = d_1 - d_2 - d_3$, "
         r"$\lambda_3 = -d_1 + d_2 - d_3$, $\lambda_4 = -d_1 - d_2 + d_3$. So these are the "
-        r"eigenvalues of $K(C)$, with multiplicities.",
+        r"eigenvalues of $K(C)$, with multiplicities; their order is still to be proved.",
         davenport(sympy.diag(*d).tolist()),
         sympy.diag(l1, l2, l3, l4),
     )
     yield identity(
-        r"Neighbours differ by $\lambda_1 - \lambda_2 = 2 (d_2 + d_3)$, "
+        r"Neighbours in this list differ by $\lambda_1 - \lambda_2 = 2 (d_2 + d_3)$, "
         r"$\lambda_2 - \lambda_3 = 2 (d_1 - d_2)$, $\lambda_3 - \lambda_4 = 2 (d_2 - d_3)$.",
         [l1 - l2, l2 - l3, l3 - l4],
         [2 * (d[1] + d[2]), middle * (d[0] - d[1]), 2 * (d[1] - d[2])],
     )
-    ordered = [
-        Given(d[1] + d[2], r"$d_2 \geq |d_3|$"),
-        Given(d[0] - d[1], r"$d_1 \geq d_2$"),
-        Given(d[1] - d[2], r"$d_2 \geq |d_3|$"),
-    ]
-    for k, gap in enumerate(ordered, start=1):
-        yield nonnegative(
-            rf"So $\lambda_{k} \geq \lambda_{k + 1}$: the order of the singular values puts the "
-            r"eigenvalues in descending order.",
-            levels(d)[k - 1] - levels(d)[k],
-            [[2, gap]],
-        )
+    yield from _order(levels)
+
+
+def _order(levels: Callable[[Any], tuple[Any, ...]]) -> Proof:
+    d, a = vector("d"), quaternion("a")
+    l1, l2, l3, l4 = levels(d)
+    yield nonnegative(
+        r"The eigenvalue $\lambda_1$ is the largest one, as was seen when the frame was found. So "
+        r"it is at least the eigenvalue $\lambda_2 = d_1 - d_2 - d_3$, and $d_2 + d_3 = (\lambda_1 "
+        r"- \lambda_2)/2 \geq 0$. With $d_1 \geq d_2 \geq d_3$ this says $d_1 \geq d_2 \geq "
+        r"|d_3|$: the *special* singular values of $C$, unlike the usual ones with rotations on "
+        r"both sides and a sign on the last.",
+        d[1] + d[2],
+        [
+            [
+                sympy.Rational(1, 2),
+                Given(
+                    l1 - l2, r"$\lambda_1$ is the largest eigenvalue, $\lambda_1 \geq \lambda_2$"
+                ),
+            ]
+        ],
+    )
+    turn = rotation(a)
+    yield identity(
+        r"Rotations have determinant one ($|a|^6$ for $|a|^2 R(a)$) and determinants multiply, so "
+        r"$\det C = d_1 d_2 d_3$: $d_3$ has the sign of $\det C$ where $d_2 > 0$, and $d_3 = 0$ "
+        r"where $d_2 = 0$.",
+        [determinant(turn), determinant(sympy.diag(*d))],
+        [square(a) ** 3, d[0] * d[1] * d[2]],
+    )
+    yield nonnegative(
+        r"$\lambda_2 \geq \lambda_3$, because $d_1 \geq d_2$.",
+        l2 - l3,
+        [[2, Given(d[0] - d[1], r"$d_1 \geq d_2$")]],
+    )
+    yield nonnegative(
+        r"$\lambda_3 \geq \lambda_4$, because $d_2 \geq d_3$. With $\lambda_1 \geq \lambda_2$ "
+        r"from above, the eigenvalues are in descending order.",
+        l3 - l4,
+        [[2, Given(d[1] - d[2], r"$d_2 \geq d_3$")]],
+    )
 
 
 def _equivariance(davenport: Davenport) -> Proof:
@@ -108,22 +137,6 @@ def _frame() -> Proof:
         r"\operatorname{tr} S$ is $\lambda_1 = d_1 + d_2 + d_3$.",
         (turn * D * turn.T).trace(),
         square(a) ** 2 * sum(d),
-    )
-    l1, l2, *_ = eigenvalues(d)
-    yield nonnegative(
-        r"Being the largest, $\lambda_1$ is at least $\lambda_2$, so "
-        r"$d_2 + d_3 = (\lambda_1 - \lambda_2)/2 \geq 0$. With $d_2 \geq d_3$ this says "
-        r"$d_1 \geq d_2 \geq |d_3|$: the *special* singular values of $C$, unlike the usual ones "
-        r"with rotations on both sides and a sign on the last.",
-        d[1] + d[2],
-        [[sympy.Rational(1, 2), Given(l1 - l2, r"$\lambda_1$ is the largest eigenvalue")]],
-    )
-    yield identity(
-        r"Rotations have determinant one ($|a|^6$ for $|a|^2 R(a)$) and determinants multiply, so "
-        r"$\det C = d_1 d_2 d_3$: $d_3$ has the sign of $\det C$ where $d_2 > 0$, and $d_3 = 0$ "
-        r"where $d_2 = 0$.",
-        [determinant(turn), determinant(D)],
-        [square(a) ** 3, d[0] * d[1] * d[2]],
     )
 
 
