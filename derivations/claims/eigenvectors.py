@@ -10,6 +10,7 @@ import sympy
 from certreg.so3 import davenport_matrix
 
 from ..algebra import Relation, combination, contraction, identity, modulo
+from ..hypotheses import SPECTRAL
 from ..kernel import Claim, Proof
 from ..moments import Cloud
 from ..motion import State, newton_euler, potential_energy
@@ -34,7 +35,7 @@ def proof(
 ) -> Proof:
     """At rest the torque is the only thing left; it vanishes exactly at eigenvectors."""
     yield from _at_rest()
-    cloud, q, v = Cloud(), quaternion(), scalar("v")
+    cloud, q, kappa = Cloud(), quaternion(), scalar("kappa")
     K, L = Matrix(davenport(cloud.cross.tolist())), frame(q)
     yield identity(
         r"The columns of $L(q)$ span what is orthogonal to $q$: "
@@ -45,18 +46,18 @@ def proof(
     yield identity(
         r"So $K q$ is split into its part along $q$ and the torque: $|q|^2 K q = "
         r"(q^{\mathsf T} K q)\, q + L(q)\, \bigl(L(q)^{\mathsf T} K q\bigr)$. If the torque "
-        r"$2 L(q)^{\mathsf T} K q$ vanishes, then $K q = v\, q$ with "
-        r"$v = q^{\mathsf T} K q / |q|^2$: $q$ is an eigenvector.",
+        r"$2 L(q)^{\mathsf T} K q$ vanishes, then $K q = \kappa q$ with "
+        r"$\kappa = q^{\mathsf T} K q / |q|^2$: $q$ is an eigenvector.",
         square(q) * K * q,
         (q.T * K * q)[0] * q + L * (L.T * K * q),
     )
     a = vector("a")
     yield combination(
-        r"Conversely, if $K q = v\, q$, then the torque vanishes: for every vector $a$, "
-        r"$a^{\mathsf T} L(q)^{\mathsf T} K q$ is a combination of the entries of $K q - v q$, "
-        r"because $L(q)^{\mathsf T} q = 0$.",
+        r"Conversely, if $K q = \kappa q$, then the torque vanishes: for every vector $a$, "
+        r"$a^{\mathsf T} L(q)^{\mathsf T} K q$ is a combination of the entries of $K q - \kappa "
+        r"q$, because $L(q)^{\mathsf T} q = 0$.",
         (a.T * L.T * K * q)[0],
-        contraction(L * a, K * q - v * q),
+        contraction(L * a, K * q - kappa * q),
     )
     yield from _symmetry(cloud)
     yield from _energy(cloud, q, K, energy_factor)
@@ -96,9 +97,10 @@ def _energy(cloud: Cloud, q: Array, K: Array, factor: int) -> Proof:
     yield modulo(
         r"With $c = 0$ and $|q| = 1$ the potential energy is $V_p = \operatorname{tr} T_2 + "
         r"\operatorname{tr} S_2 - 2\, q^{\mathsf T} K q$, where $T_2$ is the target's scatter. So "
-        r"an equilibrium of eigenvalue $v$ has the energy of a constant minus $2v$: the higher the "
-        r"eigenvalue, the better the pose, and since $q^{\mathsf T} K q$ is largest at an "
-        r"eigenvector of the largest eigenvalue, the global optimum is an equilibrium.",
+        r"an equilibrium of eigenvalue $\kappa$ has the energy of a constant minus $2\kappa$: the "
+        r"higher the eigenvalue, the better the pose. Over the unit quaternions, a compact set, "
+        r"$q^{\mathsf T} K q$ has a maximum, at an eigenvector of the largest eigenvalue: the "
+        r"global optimum exists and is an equilibrium.",
         potential_energy(at_rest, cloud),
         spread - factor * (q.T * K * q)[0],
         [unit],
@@ -114,12 +116,14 @@ def _one_sign_wrong(q: Any) -> Array:
 CLAIM = Claim(
     name="eigenvectors",
     title="Equilibria are eigenvectors",
-    statement=r"Let $M > 0$ and $J \succ 0$. A state with rotation $R(q)$ is an equilibrium of "
-    r"the registration dynamics if and only if $v = \omega = 0$, $c = 0$ and $q$ is an "
-    r"eigenvector of $K(C)$; equivalently $R(q)^{\mathsf T} C$ is symmetric. Its energy is "
-    r"$V_p = \text{const} - 2 v$ with $v$ the eigenvalue.",
+    statement=r"(a) For every $C$ the springs' torque vanishes at $R(q)$ if and only if $q$ is an "
+    r"eigenvector of $K(C)$; equivalently $R(q)^{\mathsf T} C$ is symmetric. (b) Let $M > 0$ and "
+    r"$J \succ 0$. A state with rotation $R(q)$ is an equilibrium of the registration dynamics if "
+    r"and only if $v = \omega = 0$, $c = 0$ and $q$ is an eigenvector of $K(C)$. Its energy is "
+    r"$V_p = \text{const} - 2 \kappa$ with $\kappa$ the eigenvalue.",
     assumptions=(
-        r"$M > 0$ and three source points are not collinear: $J \succ 0$, the dynamics is defined.",
+        "(a): none.",
+        r"(b): $M > 0$ and three source points are not collinear: $J \succ 0$.",
     ),
     source="[Yang2020], the equilibrium equations; [Horn1987], [Davenport1968]",
     proof=proof,
@@ -128,12 +132,12 @@ CLAIM = Claim(
         "K of the transpose of C": lambda: proof(
             davenport=lambda C: davenport_matrix(Matrix(C).T.tolist())
         ),
-        "the energy const - v, half of it": lambda: proof(energy_factor=1),
+        "the energy const - kappa, half of it": lambda: proof(energy_factor=1),
     },
-    not_claimed=r"That the second half needs the assumptions: $q$ is an eigenvector if and only "
-    r"if the springs' torque vanishes, for every $C$. Nor how many eigenvectors there are "
-    r"(`classification`), nor that an equilibrium is stable (`hessian`, `unstable_count`).",
+    not_claimed=r"How many eigenvectors there are "
+    r"(`classification`), or that an equilibrium is stable (`hessian`, `unstable_count`).",
     needs=("davenport", "quaternions", "torque", "equilibrium_equations"),
+    standard=(SPECTRAL,),
     used_by=(
         "certreg.equilibria.spectral.equilibrium_set",
         "certreg.equilibria.closed_form.horn",

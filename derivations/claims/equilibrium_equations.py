@@ -99,15 +99,16 @@ def _critical(torque: Torque) -> Proof:
     phi = vector("phi")
     yield identity(
         r"Equilibria are the critical points of the potential energy. Its gradient in $c$ is "
-        r"$2Mc$,",
+        r"$2Mc$.",
         gradient(energy, state.c),
         2 * cloud.mass * state.c,
     )
     slope = left_gradient(energy, state.R)
     yield combination(
-        r"and its slope along $R\exp([\varphi]_\times)$ is $-\varphi\cdot\tau$ where $R$ is a "
-        r"rotation. A minimum of $V_p$ over poses is a critical point, so the optimal registration "
-        r"is an equilibrium, whatever the clouds.",
+        r"Its slope along $R\exp([\varphi]_\times)$ is $-\varphi\cdot\tau$ where $R$ is a "
+        r"rotation. So both vanish exactly at equilibria. $V_p$ has a minimum over poses, as it "
+        r"grows with $c$ and $\mathrm{SO}(3)$ is compact. A minimum is a critical point, so the "
+        r"optimal registration is an equilibrium, whatever the clouds.",
         inner(phi, slope + torque(state, cloud)),
         contraction(2 * hat(phi) * cloud.source_scatter, orthogonality(state.R)),
     )
