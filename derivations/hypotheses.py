@@ -16,6 +16,10 @@ from .moments import Cloud, PointCloud
 from .notation import Array, Matrix
 
 IDENTITY = sympy.eye(3)
+SPECTRAL = (
+    "The spectral theorem: a real symmetric matrix has an orthonormal basis of eigenvectors, and "
+    "over unit vectors its quadratic form is largest exactly at those of the largest eigenvalue."
+)
 
 
 def orthogonality(R: Any) -> Array:

@@ -50,7 +50,8 @@ class Claim:
 
     statement: LaTeX within Markdown. assumptions, not_claimed: sentences. source: equation of the
     paper or bibliography key. needs: names of the claims that the proof builds on. used_by: dotted
-    names of the code that relies on it. controls: mutated statement -> the proof of it.
+    names of the code that relies on it. controls: mutated statement -> the proof of it. standard:
+    facts of a first course (the spectral theorem, say) that its words use without a proof.
     """
 
     name: str
@@ -63,6 +64,7 @@ class Claim:
     not_claimed: str
     needs: tuple[str, ...] = ()
     used_by: tuple[str, ...] = ()
+    standard: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if not self.controls:
@@ -130,6 +132,13 @@ def _control(name: str, proof: Callable[[], Proof]) -> Control:
     return Control(name=name, refuted_at=None if last.holds else last)
 
 
+def _checked(steps: tuple[Step, ...]) -> str:
+    quoted = sum(step.kind is Kind.QUOTED for step in steps)
+    number = len(steps) - quoted
+    words = f"{number} {'step' if number == 1 else 'steps'} checked"
+    return f"{words}, {quoted} quoted" if quoted else words
+
+
 def _verdict(steps: tuple[Step, ...], controls: tuple[Control, ...]) -> Verdict:
     if not any(step.kind is not Kind.QUOTED for step in steps):
         return Verdict(ruling=Ruling.INCONCLUSIVE, words="no step was checked")
@@ -140,5 +149,5 @@ def _verdict(steps: tuple[Step, ...], controls: tuple[Control, ...]) -> Verdict:
     if passed:
         words = f"the proof also proves the mutated statement: {passed[0]}"
         return Verdict(ruling=Ruling.INCONCLUSIVE, words=words)
-    words = f"{len(steps)} steps checked, {len(controls)} mutated statements refuted"
+    words = f"{_checked(steps)}, {len(controls)} mutated statements refuted"
     return Verdict(ruling=Ruling.PROVED, words=words, theorems=(steps[-1].says,))

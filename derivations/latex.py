@@ -29,10 +29,12 @@ def document(outcomes: Sequence[Outcome]) -> str:
 def _claim(outcome: Outcome) -> str:
     claim = outcome.claim
     steps = "".join(map(_step, outcome.steps))
+    used = f"Used, not proved here: {text(' '.join(claim.standard))}\n\n" if claim.standard else ""
     controls = "".join(f"\\item {text(control.name)}\n" for control in outcome.controls)
     return (
         f"\n\\section{{{text(claim.title)}}}\n{text(claim.statement)}\n\n"
-        f"Assumptions: {text(' '.join(claim.assumptions))}\n\nSource: {text(claim.source)}\n"
+        f"Assumptions: {text(' '.join(claim.assumptions))}\n\n{used}"
+        f"Source: {text(claim.source)}\n"
         f"\\begin{{enumerate}}\n{steps}\\end{{enumerate}}\n"
         f"Refuted by the same proof:\n\\begin{{itemize}}\n{controls}\\end{{itemize}}\n"
         f"Not claimed: {text(claim.not_claimed)}\n"

@@ -43,7 +43,8 @@ def test_the_claim_names_what_it_needs_and_the_code_that_relies_on_it(name):
     assert set(claim.needs) <= set(book.names())
     for dotted in claim.used_by:
         assert resolves(dotted), dotted
-    for text in (claim.statement, claim.not_claimed, claim.source, *claim.assumptions):
+    texts = (claim.statement, claim.not_claimed, claim.source)
+    for text in (*texts, *claim.assumptions, *claim.standard):
         assert text.strip() == text != ""
         assert text.count("$") % 2 == 0, text
 

@@ -15,8 +15,8 @@ WIDTH = 24  # of a claim's name
 
 def claim_line(outcome: Any) -> str:
     """One line about a claim (kernel.Outcome): name, verdict, what it rests on, time."""
-    quoted = len(outcome.quoted)
-    rests = f", {quoted} theorem{'s' * (quoted != 1)} quoted" if quoted else ""
+    used = len(outcome.claim.standard)
+    rests = f", {used} standard fact{'s' * (used != 1)} used" if used else ""
     ruling = outcome.verdict.ruling.value.upper()
     name, title = outcome.claim.name, plain(outcome.claim.title)
     line = f"{name:{WIDTH}} {ruling:9} {outcome.seconds:6.2f} s  {title}"

@@ -10,6 +10,7 @@ import sympy
 from certreg.so3 import body_frame, davenport_matrix, dot, quadratic_form
 
 from ..algebra import Given, Square, combination, identity, nonnegative, quoted
+from ..hypotheses import SPECTRAL
 from ..kernel import Claim, Proof, Step
 from ..moments import Cloud
 from ..motion import DAMPING, State, newton_euler, spring_torque
@@ -94,7 +95,7 @@ def _levels(spin: Any) -> Proof:
         r"times $|p|^2$). The set of states with $E \le E_0$ is closed, $\omega$ is bounded on it "
         r"as $J \succ 0$, and rotations are a compact set: it is compact.",
         energy + 2 * top * square(p) - square(p) * kinetic / 2,
-        [(2, Given(top * square(p) - value, "l_1 is the largest eigenvalue"))],
+        [(2, Given(top * square(p) - value, r"$\lambda_1$ is the largest eigenvalue"))],
     )
     yield nonnegative(
         r"An equilibrium is an eigenvector of $K$, and one that is not optimal has an eigenvalue "
@@ -134,26 +135,27 @@ def _certificate() -> Proof:
     q, p = quaternion(), quaternion("p")
     values = [scalar(f"l_{k}") for k in (1, 2, 3, 4)]
     K = sympy.diag(*values)
-    level, mu = scalar("level"), scalar("mu")
+    level, eta = scalar("level"), scalar("eta")
     crossing = Matrix([q[1], -q[0], 0, 0])
     yield nonnegative(
-        r"**From the certificate.** Let $A = \ell I - K + \mu\, q q^{\mathsf T}/|q|^2 \succ 0$ "
-        r"with $\ell = v + \delta - \mu$. In an eigenbasis of $K$ take $p = (q_2, -q_1, 0, 0)$, in "
-        r"the span of the first two eigenvectors and orthogonal to $q$ (or the first eigenvector, "
-        r"if $q_1 = q_2 = 0$). Then $p^{\mathsf T} K p - \lambda_2 |p|^2 = (\lambda_1 - \lambda_2)"
-        r"\, q_2^2 \ge 0$,",
+        r"**From the certificate.** Let $A = \ell I - K + \eta\, q q^{\mathsf T}/|q|^2 \succ 0$ "
+        r"with $\ell = v(q) + \delta - \eta$, where $\eta$ is the number that the certificate "
+        r"calls $\mu$, not the damping, and $v(q) = q^{\mathsf T} K q/|q|^2$. In an eigenbasis of "
+        r"$K$ take $p = (q_2, -q_1, 0, 0)$, in the span of the first two eigenvectors and "
+        r"orthogonal to $q$ (or the first eigenvector, if $q_1 = q_2 = 0$). Then $p^{\mathsf T} K "
+        r"p - \lambda_2 |p|^2 = (\lambda_1 - \lambda_2)\, q_2^2 \ge 0$.",
         (crossing.T * K * crossing)[0] - values[1] * square(crossing),
-        [(Given(values[0] - values[1], "l_1 >= l_2"), Square(q[1]))],
+        [(Given(values[0] - values[1], r"$\lambda_1 \geq \lambda_2$"), Square(q[1]))],
     )
     along = dot(tuple(q), tuple(p))
-    certified = square(q) * (level * Matrix.eye(4) - K) + mu * q * q.T  # |q|^2 A
+    certified = square(q) * (level * Matrix.eye(4) - K) + eta * q * q.T  # |q|^2 A
     yield combination(
-        r"and as $q \cdot p = 0$, $|q|^2 (\ell |p|^2 - p^{\mathsf T} K p) = p^{\mathsf T} "
+        r"As $q \cdot p = 0$ for this $p$, $|q|^2 (\ell |p|^2 - p^{\mathsf T} K p) = p^{\mathsf T} "
         r"(|q|^2 A)\, p > 0$. Together $\ell > \lambda_2$: the certificate's level bounds the "
         r"second eigenvalue, and $p^{\mathsf T} K p/|p|^2 - \tfrac14 \omega^{\mathsf T} J \omega > "
         r"\ell$ is enough. It is one inequality between exact numbers.",
         square(q) * (level * square(p) - (p.T * K * p)[0]) - (p.T * certified * p)[0],
-        [(-mu * along, along)],
+        [(-eta * along, along)],
     )
 
 
@@ -170,8 +172,8 @@ def _distance() -> Proof:
         r"$\sin^2(\theta/2) \le (\lambda_1 - p^{\mathsf T} K p/|p|^2)/(\lambda_1 - \lambda_2)$.",
         lost - (values[0] - values[1]) * square(off),
         [
-            (Given(values[1] - values[2], "l_2 >= l_3"), Square(p[2])),
-            (Given(values[1] - values[3], "l_2 >= l_4"), Square(p[3])),
+            (Given(values[1] - values[2], r"$\lambda_2 \geq \lambda_3$"), Square(p[2])),
+            (Given(values[1] - values[3], r"$\lambda_2 \geq \lambda_4$"), Square(p[3])),
         ],
     )
 
@@ -204,14 +206,14 @@ def _half_of_the_power(K: Any, J: Any, p: Any, omega: Any) -> Any:
 CLAIM = Claim(
     name="certified_basin",
     title="The certified basin",
-    statement=r"Let $J \succ 0$, $\mu > 0$ and $\lambda_1 > \lambda_2$. "
-    r"$E = \tfrac12 \omega^{\mathsf T} J \omega - 2\, p^{\mathsf T} K p/|p|^2$ never rises along "
-    r"the flow, and from every state with "
-    r"$$\frac{p^{\mathsf T} K p}{|p|^2} - \frac14\, \omega^{\mathsf T} J \omega > \lambda_2$$ the "
-    r"flow converges to the optimum. The level $v + \delta - \mu$ of a proved optimality "
-    r"certificate exceeds $\lambda_2$ and may stand in its place. The barrier is "
-    r"$2(\lambda_1 - \lambda_2) = 4(d_2 + d_3)$, and the angle $\theta$ from the optimum has "
-    r"$\sin^2(\theta/2) \le (\lambda_1 - p^{\mathsf T} K p/|p|^2) / (\lambda_1 - \lambda_2)$.",
+    statement=r"Let $J \succ 0$, $\mu > 0$ and $\lambda_1 > \lambda_2$. $E = \tfrac12 "
+    r"\omega^{\mathsf T} J \omega - 2\, p^{\mathsf T} K p/|p|^2$ never rises along the flow, and "
+    r"from every state with $$\frac{p^{\mathsf T} K p}{|p|^2} - \frac14\, \omega^{\mathsf T} J "
+    r"\omega > \lambda_2$$ the flow converges to the optimum. The level $\ell = v(q) + \delta - "
+    r"\eta$ of a proved optimality certificate ($\eta$ stands for its $\mu$, which is not the "
+    r"damping) exceeds $\lambda_2$ and may stand in its place. The barrier in $E$ is $2(\lambda_1 "
+    r"- \lambda_2) = 4(d_2 + d_3)$, and the angle $\theta$ from the optimum has $\sin^2(\theta/2) "
+    r"\le (\lambda_1 - p^{\mathsf T} K p/|p|^2) / (\lambda_1 - \lambda_2)$.",
     assumptions=(
         r"$J \succ 0$: three source points of positive weight are not collinear.",
         r"The exact flow, with any damping $\mu > 0$.",
@@ -238,5 +240,6 @@ CLAIM = Claim(
         "inertia",
         "optimality_certificate",
     ),
+    standard=(SPECTRAL,),
     used_by=("certreg.verify.proves_basin", "certreg.certificate.producing.proves_basin"),
 )

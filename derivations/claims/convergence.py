@@ -8,7 +8,7 @@ from typing import Any
 import sympy
 
 from ..algebra import Given, combination, contraction, identity, nonnegative, quoted
-from ..hypotheses import cofactor_matrix, orthogonality
+from ..hypotheses import SPECTRAL, cofactor_matrix, orthogonality
 from ..kernel import Claim, Proof
 from ..moments import inertia_of
 from ..motion import DAMPING, Body, State, newton_euler, potential_energy, rate, unit_cloud
@@ -140,7 +140,7 @@ CLAIM = Claim(
     name="convergence",
     title="Every motion comes to rest",
     statement=r"If $J \succ 0$ and $\mu > 0$, every solution of the equations of motion on "
-    r"$\mathrm{SO}(3)\times\mathbb R^9$ exists for all times and tends to the set of equilibria "
+    r"$\mathrm{SO}(3)\times\mathbb R^9$ exists for all $t \ge 0$ and tends to the set of equilibria "
     r"$c = v = \omega = 0$, $R^{\mathsf T}C = C^{\mathsf T}R$.",
     assumptions=(
         r"$J \succ 0$: three of the points are not collinear. $\mu > 0$.",
@@ -158,5 +158,9 @@ CLAIM = Claim(
     "See `instability`, and `certified_basin` for a test of the state. Nor is any "
     "rate claimed.",
     needs=("dissipation", "properness", "equilibrium_equations", "euler_poincare"),
+    standard=(
+        SPECTRAL,
+        "Solutions of polynomial differential equations are unique and go on while bounded.",
+    ),
     used_by=("certreg.simulation.simulate", "certreg.simulation.Basin"),
 )

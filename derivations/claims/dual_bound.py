@@ -31,7 +31,7 @@ def proof(
     """Weak duality at a pose, the matrix that ships, and an example on either side."""
     K, q, p = Matrix(davenport_matrix(matrix("C").tolist())), quaternion(), quaternion("p")
     v_q, v_p = quadratic_form(K.tolist(), tuple(q)), quadratic_form(K.tolist(), tuple(p))
-    form = Given((p.T * dual(K) * p)[0], "nu I - K is positive semidefinite")
+    form = Given((p.T * dual(K) * p)[0], r"$\nu I - K \succeq 0$")
     yield nonnegative(
         r"For every quaternion $p$: $\nu |p|^2 - p^{\mathsf T} K p = p^{\mathsf T}(\nu I - K)\, p "
         r"\ge 0$. So $\nu$ is an upper bound of $p^{\mathsf T} K p / |p|^2 = "

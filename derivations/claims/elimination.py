@@ -69,7 +69,7 @@ def proof(
 def _sylvester(A: Any, x: Any, D: list[Any]) -> Proof:
     y = [eliminated_row(A, k, x) for k in range(1, SIZE + 1)]
     form = (x.T * A * x)[0]
-    positive = [Given(d, f"D_{k} > 0") for k, d in enumerate(D)]
+    positive = [Given(d, f"$D_{k} > 0$") for k, d in enumerate(D)]
     yield nonnegative(
         r"If all four minors are positive, $A$ is positive definite: with $y_k$ the $k$-th row "
         r"after elimination applied to $x$, $\;x^{\mathsf T} A x = \sum_k y_k^2 / (D_{k-1} D_k)$, "

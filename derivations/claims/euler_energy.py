@@ -9,7 +9,7 @@ import sympy
 from sympy import Rational
 
 from ..algebra import Given, Square, combination, contraction, facts, identity, nonnegative
-from ..hypotheses import IDENTITY, moments
+from ..hypotheses import IDENTITY, SPECTRAL, moments
 from ..integrators import STEP, euler_step
 from ..kernel import Claim, Proof, Step
 from ..moments import PointCloud, inertia_of
@@ -189,5 +189,6 @@ CLAIM = Claim(
     "does. Nor that the energy rises in later steps, nor that the rise could be seen in a figure: "
     "in the example it is about a ten-thousandth of the energy at the start.",
     needs=("properness", "dissipation", "polar_projection"),
+    standard=(SPECTRAL,),
     used_by=("derivations.integrators.euler_step", "certreg.simulation.simulate"),
 )

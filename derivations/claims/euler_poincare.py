@@ -205,5 +205,6 @@ CLAIM = Claim(
     not_claimed="Anything off $\\mathrm{SO}(3)$: there the principle says nothing, while the "
     "shipped rates are the paper's formula for any matrix $R$.",
     needs=("kinetic_energy", "potential_energy", "total_force", "total_torque"),
+    standard=("The fundamental lemma of the calculus of variations.",),
     used_by=("derivations.motion.rate", "certreg.dynamics.Body.rate"),
 )

@@ -10,6 +10,7 @@ import sympy
 from certreg.so3 import davenport_matrix
 
 from ..algebra import Relation, combination, identity, modulo
+from ..hypotheses import SPECTRAL
 from ..kernel import Claim, Proof, Step
 from ..linearisation import hessian as shipped_hessian
 from ..linearisation import intrinsic_jacobian
@@ -205,6 +206,7 @@ CLAIM = Claim(
     r"stability. Away from equilibria the second derivative depends on the curve; "
     r"$R \exp(t[\varphi]_\times)$ is meant.",
     needs=("eigenvectors", "torque", "half_turns"),
+    standard=(SPECTRAL,),
     used_by=(
         "certreg.equilibria.stability.curvature",
         "certreg.covariance",

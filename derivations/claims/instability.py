@@ -10,6 +10,7 @@ import sympy
 from certreg.so3 import davenport_matrix
 
 from ..algebra import Relation, combination, identity, modulo
+from ..hypotheses import SPECTRAL
 from ..kernel import Claim, Proof, Step
 from ..linearisation import intrinsic_jacobian
 from ..motion import DAMPING, Body, State
@@ -192,5 +193,6 @@ CLAIM = Claim(
     r"about centre-stable manifolds, which is not proved here. Nor how long leaving takes. Nor "
     r"anything where $J$ is singular: the dynamics is not defined there.",
     needs=("eigenvectors", "hessian", "unstable_count", "dissipation", "convergence", "half_turns"),
+    standard=(SPECTRAL,),
     used_by=("certreg.equilibria.stability.Curvature.witness", "certreg.simulation"),
 )

@@ -11,6 +11,7 @@ from certreg.results import ComponentKind
 from certreg.so3 import davenport_matrix
 
 from ..algebra import facts, identity
+from ..hypotheses import SPECTRAL
 from ..kernel import Claim, Proof, Step
 from ..notation import Matrix, body, inner, quaternion, square
 from ..table import ROWS, Row, eigenvalues, sign, singular_values
@@ -150,6 +151,7 @@ CLAIM = Claim(
     not_claimed=r"That the sum proves the table; it would only expose an error. Instability in the "
     r"dynamics needs $J \succ 0$ besides (claim `unstable_count`).",
     needs=("classification", "hessian", "half_turns"),
+    standard=(SPECTRAL,),
     used_by=(
         "certreg.equilibria.classification.Classification.indices",
         "certreg.equilibria.classification.Classification.kinds",

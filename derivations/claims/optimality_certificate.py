@@ -12,6 +12,7 @@ from typing import Any
 from certreg.so3 import body_frame, davenport_matrix, dot, quadratic_form
 
 from ..algebra import Given, Square, combination, contraction, identity, nonnegative
+from ..hypotheses import SPECTRAL
 from ..kernel import Claim, Proof, Step
 from ..moments import Cloud
 from ..notation import (
@@ -61,12 +62,13 @@ def proof(
     A = built(K, q)
     cloud, R = Cloud(), matrix("R")
     yield combination(
-        r"The objective at a rotation $R$ and its best translation is the moment of "
-        r"$|\tilde y - R\tilde x|^2$, which is $\operatorname{tr} T_2 + \operatorname{tr} S_2 - "
-        r"2 \operatorname{tr}(R^{\mathsf T} C)$, as $R^{\mathsf T} R = I$. With "
-        r"$\operatorname{tr}(R(p)^{\mathsf T} C) = p^{\mathsf T} K p / |p|^2 = v(p)$ the objective "
-        r"at $R(q)$ exceeds that at $R(p)$ by $2\,(v(p) - v(q))$. Of $K$ all that follows uses "
-        r"that it is symmetric.",
+        r"The objective at a rotation $R$ and its best translation is the moment of $|\tilde y - "
+        r"R\tilde x|^2$, the sum over the points of $m$ times it. That is $\operatorname{tr} T_2 + "
+        r"\operatorname{tr} S_2 - 2 \operatorname{tr}(R^{\mathsf T} C)$, as $R^{\mathsf T} R = I$, "
+        r"with the scatters $S_2 = \sum_i m_i \tilde x_i \tilde x_i^{\mathsf T}$ and $T_2 = \sum_i "
+        r"m_i \tilde y_i \tilde y_i^{\mathsf T}$. With $\operatorname{tr}(R(p)^{\mathsf T} C) = "
+        r"p^{\mathsf T} K p / |p|^2 = v(p)$ the objective at $R(q)$ exceeds that at $R(p)$ by "
+        r"$2\,(v(p) - v(q))$. Of $K$ all that follows uses that it is symmetric.",
         cloud.total(square(cloud.y - R * cloud.x))
         - cloud.target_scatter.trace()
         - cloud.source_scatter.trace()
@@ -95,7 +97,7 @@ def _bounds(A: Any, values: tuple[Any, Any], quaternions: tuple[Any, Any], facto
     v_q, v_p = values
     form = (p.T * A * p)[0]
     across = Matrix(body_frame(tuple(q))).T * p
-    positive = Given(form, "A is positive definite")
+    positive = Given(form, r"$A \succ 0$")
     yield nonnegative(
         r"**Gap.** With $A \succ 0$ and $\mu \ge 0$: the bound $2\delta$ less the gap "
         r"$2\,(v(p) - v(q))$, times $|q|^2|p|^2$, is "
@@ -103,7 +105,7 @@ def _bounds(A: Any, values: tuple[Any, Any], quaternions: tuple[Any, Any], facto
         r"positive for every $p \ne 0$, so the objective at $R(q)$ exceeds that at every rotation, "
         r"the best one too, by less than $2\delta$.",
         2 * DELTA * n * m - 2 * (n * v_p - m * v_q),
-        [(2, positive), *((2, Given(MU, "mu >= 0"), Square(c)) for c in across)],
+        [(2, positive), *((2, Given(MU, r"$\mu \geq 0$"), Square(c)) for c in across)],
     )
     yield identity(
         r"**Angle.** The trace of $R(q)^{\mathsf T} R(p)$ is $1 + 2 \cos\theta = "
@@ -119,7 +121,7 @@ def _bounds(A: Any, values: tuple[Any, Any], quaternions: tuple[Any, Any], facto
         r"|q|^2|p|^2\,(v(p) - v(q))$, again positive. So $\sin^2(\theta/2) < \delta/\mu$ if "
         r"$\mu > 0$, and this holds of every global optimum.",
         DELTA * n * m - MU * square(across),
-        [(positive,), (Given(n * v_p - m * v_q, "R(p) is optimal"),)],
+        [(positive,), (Given(n * v_p - m * v_q, r"$R(p)$ is optimal"),)],
     )
 
 
@@ -146,8 +148,8 @@ def _uniqueness(A: Any, values: tuple[Any, Any], quaternions: tuple[Any, Any]) -
         r"$R(p)$ is not optimal. Hence the global optimum is unique.",
         square(p) * v_q - square(q) * v_p + MU * along**2,
         [
-            (Given(form, "A is positive definite"),),
-            *((Given(MU - DELTA, "delta <= mu"), Square(a * b)) for a in q for b in p),
+            (Given(form, r"$A \succ 0$"),),
+            *((Given(MU - DELTA, r"$\delta \leq \mu$"), Square(a * b)) for a in q for b in p),
         ],
     )
 
@@ -218,6 +220,7 @@ CLAIM = Claim(
     r"checker then answers *not proved*, whether the pose is bad or the numbers "
     r"$\mu, \delta$ are. Nor that the correspondences are right.",
     needs=("davenport", "quaternions", "eigenvectors", "maximum_likelihood", "elimination"),
+    standard=(SPECTRAL,),
     used_by=(
         "certreg.verify.proves_level",
         "certreg.certificate.producing.proves_optimality",

@@ -8,7 +8,7 @@ from typing import Any
 import sympy
 
 from ..algebra import Given, Square, combination, facts, identity, nonnegative
-from ..hypotheses import IDENTITY, centring, moments
+from ..hypotheses import IDENTITY, SPECTRAL, centring, moments
 from ..kernel import Claim, Proof
 from ..moments import Cloud, PointCloud, inertia_of
 from ..motion import State, body_kinetic_energy, position, potential_energy
@@ -159,10 +159,7 @@ CLAIM = Claim(
     r"$\{V \le E\}$ is compact, with $|c|^2 \le E/M$, $|v|^2 \le 2E/M$, $|\omega|^2 \le "
     r"2E\,(\operatorname{tr}J)^2/\det J$. In the ambient space $\mathbb R^{18}$ the energy is "
     r"constant along a line if the source is coplanar, so it is not radially unbounded there.",
-    assumptions=(
-        r"$J \succ 0$ for the first part: three of the points are not collinear.",
-        r"The principal axes of a symmetric matrix (the spectral theorem).",
-    ),
+    assumptions=(r"$J \succ 0$ for the first part: three of the points are not collinear.",),
     source="[Yang2020], the total energy and the footnote on its growth",
     proof=proof,
     controls={
@@ -177,5 +174,6 @@ CLAIM = Claim(
     not_claimed="That the paper's conclusion fails for coplanar clouds: on rotations it holds, "
     "only the reason given for it does not.",
     needs=("potential_energy", "inertia"),
+    standard=(SPECTRAL,),
     used_by=("certreg.simulation.simulate",),
 )

@@ -197,6 +197,7 @@ CLAIM = Claim(
     },
     not_claimed=r"Anything about $q = 0$, which is no rotation, or about rounding.",
     needs=("davenport",),
+    standard=("The rank of a projector is its trace.",),
     used_by=(
         "certreg.so3.rotation_matrix",
         "certreg.so3.body_frame",

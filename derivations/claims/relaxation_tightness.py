@@ -21,6 +21,7 @@ from certreg.relaxation.qcqp import (
 from certreg.so3 import davenport_matrix, quadratic_form
 
 from ..algebra import Given, Square, facts, identity, nonnegative
+from ..hypotheses import SPECTRAL
 from ..kernel import Claim, Proof
 from ..notation import Matrix, diagonal, inner, matrix, quaternion, rotation, scalar, square
 from ..rationals import rank
@@ -55,7 +56,7 @@ def _quaternion_form(level: int) -> Proof:
     top = eigenvalues[level]
     B, p = Matrix(4, 4, lambda i, j: scalar(f"b_{i + 1}{j + 1}")), quaternion("p")
     Z, spectrum = B * B.T, sympy.diag(*eigenvalues)
-    below = [Given(eigenvalues[0] - l, "l_1 is the largest") for l in eigenvalues]
+    below = [Given(eigenvalues[0] - l, r"$\lambda_1$ is the largest") for l in eigenvalues]
     yield nonnegative(
         r"**Weak duality.** In an orthonormal eigenbasis $K = \operatorname{diag}(\lambda_1, "
         r"\ldots, \lambda_4)$; trace and semidefiniteness do not depend on the basis. Every "
@@ -130,7 +131,7 @@ def _rotation_tight(r: Any) -> Proof:
         r"is tight as well.",
         square(q) * (values[0] * square(q) - sum(v * c**2 for v, c in zip(values, q, strict=True))),
         [
-            (Given(values[0] - values[k], "l_1 is the largest"), Square(q[i] * q[k]))
+            (Given(values[0] - values[k], r"$\lambda_1$ is the largest"), Square(q[i] * q[k]))
             for i in range(4)
             for k in range(4)
         ],
@@ -190,6 +191,7 @@ CLAIM = Claim(
     not_claimed=r"That an optimal $Z$ has rank one: where the optimum is not unique it need not. "
     r"Nor that the value a solver prints is $\lambda_1$: see `dual_bound`.",
     needs=("davenport", "quaternions", "eigenvectors"),
+    standard=(SPECTRAL,),
     used_by=(
         "certreg.relaxation.qcqp.quaternion_program",
         "certreg.relaxation.qcqp.rotation_quadratics",

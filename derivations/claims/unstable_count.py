@@ -19,6 +19,7 @@ from ..algebra import (
     modulo,
     nonnegative,
 )
+from ..hypotheses import SPECTRAL
 from ..kernel import Claim, Proof, Step
 from ..linearisation import hessian
 from ..moments import inertia_of
@@ -48,16 +49,16 @@ def proof(
 
 
 def _diagonalisation(*, transposed: bool, pencil: int) -> Proof:
-    L, Y, a, b = matrix("L"), matrix("Y"), vector("a"), vector("b")
+    T, Y, a, b = matrix("T"), matrix("Y"), vector("a"), vector("b")
     yield combination(
-        r"As $J \succ 0$, it is $J = L L^{\mathsf T}$ with $L$ invertible (Cholesky). The matrix "
-        r"$L^{-1} G L^{-\mathsf T}$ is symmetric, so it is $Y D Y^{\mathsf T}$ with $Y$ orthogonal "
-        r"and $D = \operatorname{diag}(g_1, g_2, g_3)$ real. Let $N = L Y$. Then $G = "
-        r"L (Y D Y^{\mathsf T}) L^{\mathsf T} = N D N^{\mathsf T}$, and $J = N N^{\mathsf T}$: the "
-        r"difference of $N N^{\mathsf T}$ and $L L^{\mathsf T}$, contracted with any $a$ and $b$, "
+        r"As $J \succ 0$, it is $J = T T^{\mathsf T}$ with $T$ invertible (Cholesky). The matrix "
+        r"$T^{-1} G T^{-\mathsf T}$ is symmetric, so it is $Y D Y^{\mathsf T}$ with $Y$ orthogonal "
+        r"and $D = \operatorname{diag}(g_1, g_2, g_3)$ real. Let $N = T Y$. Then $G = "
+        r"T (Y D Y^{\mathsf T}) T^{\mathsf T} = N D N^{\mathsf T}$, and $J = N N^{\mathsf T}$: the "
+        r"difference of $N N^{\mathsf T}$ and $T T^{\mathsf T}$, contracted with any $a$ and $b$, "
         r"is a combination of the entries of $Y Y^{\mathsf T} - I$.",
-        inner(a, (L * Y * (L * Y).T - L * L.T) * b),
-        contraction((L.T * a) * (L.T * b).T, Y * Y.T - sympy.eye(3)),
+        inner(a, (T * Y * (T * Y).T - T * T.T) * b),
+        contraction((T.T * a) * (T.T * b).T, Y * Y.T - sympy.eye(3)),
     )
     N, D, s = matrix("N"), diagonal("g"), scalar("sigma")
     G = N.T * D * N if transposed else N * D * N.T
@@ -220,6 +221,10 @@ CLAIM = Claim(
     not_claimed=r"The sizes of the eigenvalues: they depend on $J$ and $\mu$, their signs do not. "
     r"Nor anything about the six further zeros of the ambient Jacobian.",
     needs=("characteristic_polynomial", "hessian", "morse_bott"),
+    standard=(
+        SPECTRAL,
+        r"Cholesky: $J \succ 0$ is $T T^{\mathsf T}$ with an invertible matrix $T$.",
+    ),
     used_by=(
         "certreg.equilibria.classification.Classification.unstable",
         "certreg.equilibria.stability.spring_ratios",

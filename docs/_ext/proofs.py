@@ -90,6 +90,8 @@ class Proof(MarkdownDirective):
         facts += _field("Source", self.prose(claim.source))
         if claim.needs:
             facts += _field("Needs", self._links(claim.needs))
+        if claim.standard:
+            facts += _field("Uses, not proved here", *map(self.prose, claim.standard))
         needed = [other.name for other in book.claims() if claim.name in other.needs]
         if needed:
             facts += _field("Needed by", self._links(needed))
@@ -128,8 +130,6 @@ class Proof(MarkdownDirective):
 
     def _verdict(self, outcome: Outcome) -> nodes.paragraph:
         words = f" {outcome.verdict.words}."
-        if outcome.quoted:
-            words += f" {len(outcome.quoted)} of the steps quoted from the literature."
         ruling = nodes.strong(text=outcome.verdict.ruling.value.upper())
         return nodes.paragraph("", "", ruling, nodes.Text(words), classes=["claim-verdict"])
 
