@@ -2,7 +2,7 @@
 
 For F(x) = 0, a point x, an approximate inverse Y of F'(x) and a box X around x, the Krawczyk set
 x - Y F(x) + (I - Y F'(X)) (X - x) encloses every root in X; if it lies in the interior of X, then X
-holds exactly one root, and it is a simple one [Krawczyk1969, Moore1977]. In real arithmetic the
+holds exactly one root, and it is a simple one [Krawczyk1969], [Moore1977]. In real arithmetic the
 root is real. In complex arithmetic a coordinate whose imaginary part is not zero anywhere in the
 box proves the root not to be real. False means not proved, not disproved.
 
