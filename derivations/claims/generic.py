@@ -80,7 +80,7 @@ def _witness(decisive: Decisive, stretch: int) -> Proof:
         r"Three points are, whatever the positive masses. Take $x_1 = m_3 (1,0,0)$, "
         r"$x_2 = m_3 (0,1,0)$ and $x_3 = -(m_1, m_2, 0)$, whose mean is the origin, and likewise "
         r"$y_1 = m_3 (m_2(m_2 + m_3), -2 m_1 m_2, 0)$, "
-        r"$y_2 = m_3 (-m_1 m_2, 2 m_1 (m_1 + m_3), 0)$. Then "
+        r"$y_2 = m_3 (-m_1 m_2, 2 m_1 (m_1 + m_3), 0)$, $y_3 = -m_1 m_2 m_3\,(1, 2, 0)$. Then "
         r"$M C = M u \operatorname{diag}(1, 2, 0)$ with $u = m_1 m_2 m_3^2 M > 0$: rational data "
         r"for rational masses.",
         C,

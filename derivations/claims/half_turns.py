@@ -30,18 +30,18 @@ def proof(turn: Rotation = rotation, slope: int = 4, *, skewed: bool = False) ->
     p, q = quaternion("p"), quaternion("q")
     along, across = inner(p, q), body(p).T * q
     yield identity(
-        r"$\operatorname{tr}\bigl(R(p)^{\mathsf T} R(q)\bigr) = 4 (p \cdot q)^2 - |p|^2 |q|^2$, "
-        r"with $R$ here homogeneous of degree two. The trace of a rotation by the angle $\theta$ "
-        r"is $1 + 2\cos\theta$, so for unit quaternions $\cos\theta = 2 (p\cdot q)^2 - 1$, that is "
-        r"$|p \cdot q| = \cos(\theta/2)$. In particular $\theta = 180^\circ$ if and only if "
-        r"$p \cdot q = 0$.",
+        r"$\operatorname{tr}\bigl(\hat R(p)^{\mathsf T} \hat R(q)\bigr) = 4 (p \cdot q)^2 - |p|^2 "
+        r"|q|^2$ (claim `quaternions`: $\hat R(q) = |q|^2 R(q)$). The trace of a rotation by the "
+        r"angle $\theta$ is $1 + 2\cos\theta$, so for unit quaternions $\cos\theta = 2 (p\cdot "
+        r"q)^2 - 1$, that is $|p \cdot q| = \cos(\theta/2)$. In particular $\theta = 180^\circ$ if "
+        r"and only if $p \cdot q = 0$.",
         inner(turn(p), turn(q)),
         slope * along**2 - square(p) * square(q),
     )
     yield identity(
         r"The rotation from $R(p)$ to $R(q)$ is that of one quaternion, with real part $p\cdot q$ "
         r"and vector part $a = L(p)^{\mathsf T} q$: "
-        r"$R(p)^{\mathsf T} R(q) = R\bigl(p \cdot q,\; L(p)^{\mathsf T} q\bigr)$.",
+        r"$\hat R(p)^{\mathsf T} \hat R(q) = \hat R\bigl(p \cdot q,\; L(p)^{\mathsf T} q\bigr)$.",
         turn(p).T * turn(q),
         turn([along, *across]),
     )
@@ -61,7 +61,7 @@ def proof(turn: Rotation = rotation, slope: int = 4, *, skewed: bool = False) ->
 def _axes(turn: Rotation) -> Proof:
     a = vector("a")
     yield identity(
-        r"With $p \cdot q = 0$ it is the rotation $R(0, a) = 2\, a a^{\mathsf T} - |a|^2 I$, which "
+        r"With $p \cdot q = 0$ it is that of $\hat R(0, a) = 2\, a a^{\mathsf T} - |a|^2 I$, which "
         r"for $|a| = 1$ keeps $a$ and reverses everything orthogonal to it: the half turn about "
         r"$a$, and no other rotation.",
         turn([0, *a]),
@@ -86,7 +86,10 @@ def _orthogonality(*, skewed: bool) -> Proof:
         r"Let $K p = u p$ and $K q = v q$ with $K$ symmetric. Then $(u - v)\, p \cdot q = "
         r"p^{\mathsf T}(K q - v q) - q^{\mathsf T}(K p - u p)$ vanishes: eigenvectors of different "
         r"eigenvalues are orthogonal, and so equilibria of different energy are exactly "
-        r"$180^\circ$ apart, with nothing left to the shape of the clouds.",
+        r"$180^\circ$ apart, with nothing left to the shape of the clouds. (Where an eigenvalue is "
+        r"repeated, all combinations of its eigenvectors are eigenvectors, infinitely many lines. "
+        r"So if there are four equilibria, the eigenvalues are distinct, and this holds of any "
+        r"two.)",
         (u - v) * inner(p, q),
         [
             *zip(p, at_q, strict=True),
