@@ -69,7 +69,7 @@ class Basin:
 
     @property
     def barrier(self) -> float:
-        """The energy l1 - l2 that separates the optimum from the rest."""
+        """The alignment l1 - l2 that separates the optimum from the rest: half of that in E."""
         return float(self.deficits[1])
 
     @property

@@ -125,7 +125,8 @@ CLAIM = Claim(
     title="The ambient Jacobian",
     statement=r"The closed form $A_{18}$ is the derivative $\partial \mathcal{F} / \partial s$ of "
     r"the equations of motion $\dot s = \mathcal{F}(s)$ in the 18 numbers $s = (c, R, v, \omega)$, "
-    r"$R$ row by row, entry by entry. Its blocks that are not zero: $I$ for $\dot c$ by $v$; "
+    r"$R$ row by row, entry by entry. With $r_k$ and $C_k$ for the $k$-th rows of $R$ and $C$, and "
+    r"$C$ and $J$ per unit of mass, its blocks that are not zero: $I$ for $\dot c$ by $v$; "
     r"$-[\omega]_\times$ for $\dot r_k$ by $r_k$ and $[r_k]_\times$ by $\omega$; $-2I$ and "
     r"$-\mu I$ for $\dot v$ by $c$ and $v$; $2 J^{-1} [C_k]_\times$ for $\dot\omega$ by $r_k$ and "
     r"$J^{-1} ([J\omega]_\times - [\omega]_\times J) - \mu I$ by $\omega$.",

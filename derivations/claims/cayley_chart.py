@@ -142,7 +142,9 @@ def _springs(chart: Chart) -> Proof:
         r"The half turns need no chart of their own. About any rotation $Q$ the parameters of "
         r"$Q\,R(p)$ serve: $\operatorname{tr}((QR)^{\mathsf T}C) = "
         r"\operatorname{tr}(R^{\mathsf T}Q^{\mathsf T}C)$, the same problem with $Q^{\mathsf T}C$ "
-        r"for $C$.",
+        r"for $C$. As $Q$ is constant, $(QR)^{\mathsf T}\frac{d}{dt}(QR) = (QR)^{\mathsf T} QR\, "
+        r"[\omega]_\times = [\omega]_\times$: $\omega$, and with it the kinetic energy and the "
+        r"drag, are what they were.",
         inner(R0 * R, cloud.cross),
         inner(R, R0.T * cloud.cross),
     )

@@ -235,6 +235,7 @@ CLAIM = Claim(
         "davenport",
         "eigenvectors",
         "spectrum",
+        "euler_poincare",
         "dissipation",
         "total_force",
         "inertia",

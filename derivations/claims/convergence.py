@@ -140,8 +140,8 @@ CLAIM = Claim(
     name="convergence",
     title="Every motion comes to rest",
     statement=r"If $J \succ 0$ and $\mu > 0$, every solution of the equations of motion on "
-    r"$\mathrm{SO}(3)\times\mathbb R^9$ exists for all $t \ge 0$ and tends to the set of equilibria "
-    r"$c = v = \omega = 0$, $R^{\mathsf T}C = C^{\mathsf T}R$.",
+    r"$\mathrm{SO}(3)\times\mathbb R^9$ exists for all $t \ge 0$ and tends to the set of "
+    r"equilibria $c = v = \omega = 0$, $R^{\mathsf T}C = C^{\mathsf T}R$.",
     assumptions=(
         r"$J \succ 0$: three of the points are not collinear. $\mu > 0$.",
         r"$R(0)$ is a rotation.",

@@ -29,7 +29,8 @@ def proof(davenport: Callable[[Any], Any] = davenport_matrix) -> Proof:
     )
     yield identity(
         r"Both sides of $q^{\mathsf T} K(C)\, q = |q|^2 \operatorname{tr}(R(q)^{\mathsf T} C)$ are "
-        r"polynomials of degree two in $q$ and one in $C$; multiplied out, they are the same.",
+        r"polynomials of degree two in $q$ and one in $C$, as $|q|^2 R(q)$ is the matrix $\hat "
+        r"R(q)$ of quadratic entries; multiplied out, they are the same.",
         quadratic_form(K, tuple(q)),
         inner(rotation(q), C),
     )
@@ -45,7 +46,7 @@ def _wrong_axial_sign(C: Any) -> Any:
 CLAIM = Claim(
     name="davenport",
     title="Davenport's matrix",
-    statement=r"For every real $3\times3$ matrix $C$ and every quaternion $q$: "
+    statement=r"For every real $3\times3$ matrix $C$ and every quaternion $q \neq 0$: "
     r"$\;q^{\mathsf T} K(C)\, q = |q|^2 \operatorname{tr}\bigl(R(q)^{\mathsf T} C\bigr)$.",
     assumptions=("None: a polynomial identity.",),
     source="[Davenport1968], [Horn1987]",
@@ -56,6 +57,6 @@ CLAIM = Claim(
         ),
         "the axial vector with the other sign": lambda: proof(_wrong_axial_sign),
     },
-    not_claimed=r"That $R(q)$ is a rotation unless $|q| = 1$.",
+    not_claimed=r"Anything about $q = 0$. That $R(q)$ is a rotation is the claim `quaternions`.",
     used_by=("certreg.so3.davenport_matrix", "certreg.energy.alignment"),
 )

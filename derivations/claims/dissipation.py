@@ -155,6 +155,13 @@ CLAIM = Claim(
     },
     not_claimed="Anything about a discretised flow: explicit Euler can raise the energy (claim "
     "`euler_energy`). Off $\\mathrm{SO}(3)$, $V_k$ is the rigid body's form.",
-    needs=("total_force", "total_torque", "inertia", "kinetic_energy", "potential_energy"),
+    needs=(
+        "euler_poincare",
+        "total_force",
+        "total_torque",
+        "inertia",
+        "kinetic_energy",
+        "potential_energy",
+    ),
     used_by=("certreg.simulation.Basin", "derivations.motion.rate"),
 )

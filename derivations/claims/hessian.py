@@ -168,9 +168,11 @@ def _in_the_code(hessian: Hessian, shipped: Callable[[State, Body], Array]) -> P
     )
     stiffness = -intrinsic_jacobian(state, frame)[9:12, 3:6]
     yield identity(
-        r"The linearised dynamics has this Hessian for its stiffness: the block of the intrinsic "
-        r"$12\times12$ Jacobian that takes $\varphi$ to $J \dot\omega$ has the symmetric part "
-        r"$-G$, and at an equilibrium, where $R^{\mathsf T} C$ is symmetric, it is $-G$.",
+        r"Looking ahead, and not used for the theorem: the linearised dynamics has this Hessian "
+        r"for its stiffness. The block of the $12\times12$ matrix that the code takes for the "
+        r"intrinsic Jacobian (that it is one is the claim `intrinsic_jacobian`) and that takes "
+        r"$\varphi$ to $J \dot\omega$ has the symmetric part $-G$, and at an equilibrium, where "
+        r"$R^{\mathsf T} C$ is symmetric, it is $-G$.",
         stiffness + stiffness.T,
         2 * hessian(state.R.T * frame.cross),
     )

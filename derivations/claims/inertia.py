@@ -28,7 +28,7 @@ def proof(of_scatter: Formula = inertia, *, share: int = 1) -> Proof:
         J,
     )
     yield identity(
-        r"The derivations use the same formula.",
+        r"A check of the programs: the function that all other claims call computes this matrix.",
         inertia_of(cloud.source_scatter),
         J,
     )
