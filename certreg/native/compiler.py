@@ -72,7 +72,7 @@ def compiled_library() -> Path:
 
 
 def find_compiler() -> tuple[str, ...]:
-    """The C compiler to use, with its arguments: $CC, else the first of cc, gcc, clang on PATH."""
+    """The C compiler to use, with its arguments: `$CC`, or the first of cc, gcc, clang on PATH."""
     named = shlex.split(os.environ.get("CC", ""))
     for name in named[:1] or COMPILERS:
         found = shutil.which(name)

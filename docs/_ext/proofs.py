@@ -82,9 +82,16 @@ class Proof(MarkdownDirective):
             self.section("The code that uses it", *self._code(claim)),
         ]
 
+    def prose(self, text: str, *classes: str) -> nodes.container:
+        """A block of Markdown in which the names of claims are links."""
+        block = super().prose(text, *classes)
+        self._link_claims(block)
+        return block
+
     def _statement(self, claim: Claim) -> list[nodes.Node]:
         heading = nodes.paragraph("", "", nodes.strong(text=f"Theorem ({claim.title})."))
         box = nodes.container("", heading, *self.markdown(claim.statement), classes=["theorem"])
+        self._link_claims(box)
         facts = nodes.field_list(classes=["claim-facts"])
         facts += _field("Assumptions", *map(self.prose, claim.assumptions))
         facts += _field("Source", self.prose(claim.source))
