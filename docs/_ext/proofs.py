@@ -123,9 +123,11 @@ class Proof(MarkdownDirective):
             words = f"**quoted** {step.kind.value}: {step.verdict.words}."
         else:
             words = f"**checked** {step.kind.value} ({step.verdict.words})."
-        (line,) = self.markdown(words)
-        line["classes"].append("check")
-        return [line]
+        lines = self.markdown(words)
+        for line in lines:
+            if isinstance(line, nodes.paragraph):
+                line["classes"].append("check")
+        return lines
 
     def _link_claims(self, prose: nodes.Element) -> None:
         """Lead from the name of another claim, set as code, to its page."""
