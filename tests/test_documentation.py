@@ -24,7 +24,7 @@ pytest.importorskip("sphinx", reason="the dependency group docs is not installed
 DOCS = Path(__file__).parents[1] / "docs"
 PAGES = [page for page in sorted(DOCS.rglob("*.md")) if "_build" not in page.parts]
 MATHJAX = "a4354ff94fd868aea0cc6eaaa79a57fda0588646fc46ee3700a349ee0a11cbe6"  # npm, mathjax@3.2.2
-NOT_CODE = {"text", "json", "coq"}  # not executed here; `make proofs` compares the Coq with its files
+NOT_CODE = {"text", "json", "coq"}  # not executed; `make proofs` holds the Coq against its files
 FENCE = re.compile(r"^(`{3,}|~{3,}|:{3,})(?P<info>\S[^\n]*)?\n.*?^\1\s*$", re.MULTILINE | re.DOTALL)
 MENTION = re.compile(r"`certreg ([a-z]+)[ `]")
 
