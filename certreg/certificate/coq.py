@@ -35,9 +35,9 @@ Definition refused{tag} := Eval vm_compute in reasons data{tag} statement{tag}.
 Print refused{tag}.
 """
 THEOREM = """
-Theorem certified{tag} : proved data{tag} statement{tag}.
+Theorem certified : proved data statement.
 Proof. apply checker_sound. vm_cast_no_check (eq_refl true). Qed.
-Print Assumptions certified{tag}.
+Print Assumptions certified.
 """
 
 
@@ -49,13 +49,20 @@ class CoqProblem:
     digest: str
     definitions: str
 
-    def source(self) -> str:
-        """The whole file: definitions, the decision, and the theorem, which fails if refused."""
-        return HEADER.format(digest=self.digest) + self.decision() + THEOREM.format(tag="")
+    def theorem(self) -> str:
+        """A file with the theorem that all claims are true; Coq rejects it where they are not."""
+        return self._file() + THEOREM
 
-    def decision(self, tag: str = "") -> str:
-        """Definitions and the list of reasons to refuse, under names that end in the tag."""
+    def refusal(self) -> str:
+        """A file that prints the reasons to refuse the certificate, none if it is accepted."""
+        return self._file() + DECISION.format(tag="")
+
+    def decision(self, tag: str) -> str:
+        """The same without its head, under names that end in the tag: for many in one file."""
         return self.definitions.replace("@", tag) + DECISION.format(tag=tag)
+
+    def _file(self) -> str:
+        return HEADER.format(digest=self.digest) + self.definitions.replace("@", "")
 
 
 def export(certificate: bytes, clouds: Clouds | None = None) -> CoqProblem:

@@ -55,34 +55,38 @@ def decide(
     except (RefusalError, MemoryError) as error:
         words = str(error) or "not enough memory"
         return Verdict(ruling=Ruling.REFUTED, words=words), ""
-    source, coqc = problem.source(), find_coqc()
-    proofs = compiled_proofs(coqc, tell=tell)
+    coqc = find_coqc()
+    proofs, source = compiled_proofs(coqc, tell=tell), problem.theorem()
     try:
         done = run_coqc(coqc, proofs, source, seconds=settings.seconds)
+        if done.returncode == 0:
+            return _proved(done.stdout, problem), source
+        done = run_coqc(coqc, proofs, problem.refusal(), seconds=settings.seconds)
+        return _refuted(done), source
     except subprocess.TimeoutExpired:
-        words = f"Coq did not decide within {settings.seconds} s"
+        words = f"Coq did not decide within {settings.seconds:g} s"
         return Verdict(ruling=Ruling.INCONCLUSIVE, words=words), source
-    return _verdict(done, problem), source
 
 
-def _verdict(done: subprocess.CompletedProcess[str], problem: CoqProblem) -> Verdict:
-    """What coqc said. Raises MissingToolError if it failed for another reason than a refusal."""
-    if done.returncode == 0:
-        require_known_axioms(done.stdout)
-        theorems = (
-            f"Data: n = {problem.n} pairs. SHA-256 of their doubles is {problem.digest}.",
-            "Coq's kernel accepted `Theorem certified : proved data statement`: every claim of the",
-            "certificate holds of these points as real numbers (derivations/coq/Checker.v).",
-            f"It assumes only axioms of Coq's library of the reals: {_axioms_in(done.stdout)}.",
-            "Not proved: that the file was copied rightly, and LaSalle's theorem.",
-        )
-        words = "Coq accepted the theorem"
-        return Verdict(ruling=Ruling.PROVED, words=words, theorems=theorems)
-    refused = re.search(r"refused =\s*\[?([a-z_;:\s]+?)(?:\]|:: nil)", done.stdout)
-    if refused is None:
+def _proved(stdout: str, problem: CoqProblem) -> Verdict:
+    """Coq accepted the theorem. Raises MissingToolError if it assumes more than it may."""
+    require_known_axioms(stdout)
+    theorems = (
+        f"Data: n = {problem.n} pairs. SHA-256 of their doubles is {problem.digest}.",
+        "Coq's kernel accepted `Theorem certified : proved data statement`: every claim of the",
+        "certificate holds of these points as real numbers (derivations/coq/Checker.v).",
+        f"It assumes only axioms of Coq's library of the reals: {_axioms_in(stdout)}.",
+        "Not proved: that the file was copied rightly, and LaSalle's theorem.",
+    )
+    return Verdict(ruling=Ruling.PROVED, words="Coq accepted the theorem", theorems=theorems)
+
+
+def _refuted(done: subprocess.CompletedProcess[str]) -> Verdict:
+    """Coq did not accept the theorem. Raises MissingToolError if it names no reason."""
+    reasons = re.findall(r"\b[a-z]+_[a-z_]+", done.stdout.partition("=")[2].partition(" : ")[0])
+    if done.returncode != 0 or not reasons:
         raise MissingToolError(f"coqc failed: {_first_error(done.stderr)}: {HOW_TO_GET}")
-    words = "; ".join(re.findall(r"[a-z_]+", refused[1])).replace("_", " ")
-    return Verdict(ruling=Ruling.REFUTED, words=words)
+    return Verdict(ruling=Ruling.REFUTED, words="; ".join(reasons).replace("_", " "))
 
 
 def find_coqc() -> str:
