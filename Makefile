@@ -48,7 +48,7 @@ test-oracles: $(READY)  ## compare the equilibria with Singular, PHCpack and mso
 
 proofs: $(READY)  ## check the Coq proofs and the verified checker (installs Coq where it may)
 	@$(RUN) derivations/coq/check.py
-	@$(RUN) -m pytest -q tests/test_coq.py
+	@CERTREG_PROOFS=1 $(RUN) -m pytest -q tests/test_coq.py
 
 fuzz: $(READY)  ## a million broken files for the readers (two minutes)
 	@$(RUN) tests/fuzz_readers.py

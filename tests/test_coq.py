@@ -8,6 +8,7 @@ from __future__ import annotations
 import base64
 import importlib.util
 import json
+import os
 import re
 import shutil
 import struct
@@ -32,8 +33,8 @@ ROOT = Path(__file__).parent.parent
 PROOFS, VECTORS = ROOT / "derivations" / "coq", ROOT / "vectors"
 SECONDS = 5.0  # the contract: 100 points, from the command to the verdict
 needs_coq = pytest.mark.skipif(
-    not shutil.which("coqc") or not shutil.which("coqchk"),
-    reason="Coq is not installed: `make proofs` installs it",
+    not (os.environ.get("CERTREG_PROOFS") and shutil.which("coqc") and shutil.which("coqchk")),
+    reason="compiles the proofs for minutes: `make proofs`, which installs Coq",
 )
 
 
@@ -309,7 +310,11 @@ def certificates_of_all_kinds() -> list[bytes]:
     texts = [oracle.dump(certificate) for certificate in made]
     for certificate in (made[0], made[-1], made[-2]):
         texts += [oracle.dump(forged) for forged in forgeries(certificate)]
-    files = [path for path in VECTORS.glob("*.json") if path.name != "manifest.json"]
+    files = [
+        path
+        for path in VECTORS.glob("*.json")
+        if path.name != "manifest.json" and "count" not in path.name
+    ]
     texts += [path.read_bytes() for path in sorted(files)]
     moving = json.loads((VECTORS / "accept-pattern-1111.json").read_bytes())
     for shift in (-3, -1, 1, 2, 4, 40):
