@@ -71,7 +71,8 @@ def test_a_file_refers_to_no_other_host(path: Path):
 
 @site
 def test_pages_of_proofs_have_formulas_and_verdicts(page: Page):
-    proofs = sorted(path for path in (SITE / "proofs").glob("*.html") if path.name != "index.html")
+    others = {"index.html", "moments.html", "notation.html"}  # they state no theorem
+    proofs = sorted(path for path in (SITE / "proofs").glob("*.html") if path.name not in others)
 
     assert proofs
     for path in proofs:
