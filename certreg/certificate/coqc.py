@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 import re
@@ -14,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from certreg.certificate.coq import export
 from certreg.errors import InvalidFileError, MissingToolError
+from certreg.files import write_atomically
 from certreg.results import Ruling, Verdict
 from certreg.settings import CoqSettings
 from certreg.verify import RefusalError
@@ -25,6 +27,8 @@ if TYPE_CHECKING:
     from certreg.verify import Clouds
 
 GOAL = "Checker"  # the file of the proofs that certificates need
+THEOREM = "checker_sound"  # the one theorem that a certificate's is an instance of
+ASSUMPTIONS = f"From Certreg Require {GOAL}.\nPrint Assumptions {GOAL}.{THEOREM}.\n"
 QUIET = ("-q", "-w", "-ambiguous-paths")  # as derivations/coq/Makefile
 AXIOMS = frozenset(  # of Coq's own libraries; derivations/coq/assumptions.txt lists who needs which
     {
@@ -60,7 +64,7 @@ def decide(
     try:
         done = run_coqc(coqc, proofs, source, seconds=settings.seconds)
         if done.returncode == 0:
-            return _proved(done.stdout, problem), source
+            return _proved(axioms(coqc, proofs), problem), source
         done = run_coqc(coqc, proofs, problem.refusal(), seconds=settings.seconds)
         return _refuted(done), source
     except subprocess.TimeoutExpired:
@@ -68,14 +72,12 @@ def decide(
         return Verdict(ruling=Ruling.INCONCLUSIVE, words=words), source
 
 
-def _proved(stdout: str, problem: CoqProblem) -> Verdict:
-    """Coq accepted the theorem. Raises MissingToolError if it assumes more than it may."""
-    require_known_axioms(stdout)
+def _proved(assumed: tuple[str, ...], problem: CoqProblem) -> Verdict:
     theorems = (
         f"Data: n = {problem.n} pairs. SHA-256 of their doubles is {problem.digest}.",
         "Coq's kernel accepted `Theorem certified : proved data statement`: every claim of the",
         "certificate holds of these points as real numbers (derivations/coq/Checker.v).",
-        f"It assumes only axioms of Coq's library of the reals: {_axioms_in(stdout)}.",
+        f"It assumes only axioms of Coq's library of the reals: {', '.join(assumed) or 'none'}.",
         "Not proved: that the file was copied rightly, and LaSalle's theorem.",
     )
     return Verdict(ruling=Ruling.PROVED, words="Coq accepted the theorem", theorems=theorems)
@@ -195,14 +197,38 @@ def _first_error(stderr: str) -> str:
     return (lines or stderr.splitlines() or ["no message"])[0][:200]
 
 
-def _axioms_in(stdout: str) -> str:
-    _, _, printed = stdout.partition("Axioms:")
-    return ", ".join(re.findall(r"^([\w.]+)\s*:", printed, flags=re.MULTILINE)) or "none"
+def axioms(coqc: str, proofs: Path) -> tuple[str, ...]:
+    """What the checker's theorem assumes, as Coq says. Raises MissingToolError if it may not.
+
+    Coq takes two seconds to find out, so its answer is kept beside what it speaks of:
+    the digest of the compiled checker, which holds the digests of all that it rests on.
+    """
+    kept = proofs / f"{GOAL}.axioms"
+    digest = hashlib.sha256((proofs / f"{GOAL}.vo").read_bytes()).hexdigest()
+    if kept.is_file():
+        known, *found = kept.read_text(encoding="utf-8", errors="replace").split() or [""]
+        if known == digest:
+            return _known(tuple(found))
+    done = run_coqc(coqc, proofs, ASSUMPTIONS, seconds=CoqSettings().seconds)
+    listed = axioms_in(done.stdout)
+    if done.returncode != 0 or listed is None:
+        raise MissingToolError(f"coqc failed: {_first_error(done.stderr)}: {HOW_TO_GET}")
+    with contextlib.suppress(InvalidFileError):  # cannot be written: asked again next time
+        write_atomically(kept, " ".join([digest, *listed]).encode())
+    return _known(listed)
 
 
-def require_known_axioms(stdout: str) -> None:
-    """Nothing if coqc printed axioms of Coq's library only. Raises MissingToolError."""
-    unknown = set(_axioms_in(stdout).split(", ")) - AXIOMS - {"none"}
+def axioms_in(stdout: str) -> tuple[str, ...] | None:
+    """The axioms that `Print Assumptions` lists; None if that cannot be read."""
+    if stdout.startswith("Closed under the global context"):
+        return ()
+    _, _, printed = stdout.partition("Axioms:\n")
+    return tuple(re.findall(r"^([\w.]+)\s*:", printed, flags=re.MULTILINE)) or None
+
+
+def _known(found: tuple[str, ...]) -> tuple[str, ...]:
+    unknown = sorted(set(found) - AXIOMS)
     if unknown:
-        listed = ", ".join(sorted(unknown))
+        listed = ", ".join(unknown)
         raise MissingToolError(f"the compiled proofs assume more than they may ({listed})")
+    return found
