@@ -33,7 +33,7 @@ certificate.coq certificate.coqc certificate.checking
 agreement
 pipeline enumeration assessment
 io.streams io.labels io.xyz io.text io.lzf
-io.npy io.npz io.ply_rows io.ply io.pcd io.pairs io.clouds io.poses demo
+io.npy io.npz io.ply_rows io.ply io.pcd io.pairs io.clouds io.poses io.trajectories demo
 embedding derivation
 report.roads report.document report.folder report.summary report.claims
 options

@@ -94,10 +94,13 @@ def test_the_trajectory_is_written_whole_with_its_energies(data: Path, tmp_path:
     run = certreg("simulate", *survey(data), "--out", file, "--json")
     with np.load(file) as arrays:
         held = {name: arrays[name] for name in arrays.files}
-    trajectory = package.simulate(read_problem(*survey(data))[0])
+    problem, _ = read_problem(*survey(data))
+    trajectory = package.simulate(problem)
 
     assert run.code == 0
     assert list(tmp_path.iterdir()) == [file]
+    assert held.pop("digest").tobytes().hex() == problem.digest()
+    assert held.pop("damping") == problem.damping
     assert held.keys() == {"times", "states", "potential", "kinetic", "length_exponent"}
     for name, values in held.items():
         assert np.array_equal(values, getattr(trajectory, name))

@@ -101,7 +101,7 @@ def simulate(
 ) -> int:
     """Release the damped body at rest and see where it ends. Exit code 0 converged, 4 not."""
     from certreg.files import write_atomically
-    from certreg.io.npy import trajectory_bytes
+    from certreg.io.trajectories import Record
     from certreg.pipeline import simulated
     from certreg.report.document import dumps, simulation_document
     from certreg.report.summary import simulation_summary
@@ -112,7 +112,7 @@ def simulate(
         raise click.UsageError(message)
     end = simulated(problem, integrator, step=step)
     if out is not None:
-        write_atomically(out, trajectory_bytes(end.trajectory))
+        write_atomically(out, Record.of(problem, end.trajectory).to_bytes())
     document = simulation_document(end)
     click.echo(dumps(document) if as_json else simulation_summary(end, document["energy"]))
     return DONE if end.trajectory.converged else NOT_CERTIFIED

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.simulation import Trajectory
-
 NOT_NPY = (  # what numpy raises for headers that it cannot read
     EOFError,
     MemoryError,
@@ -100,23 +98,6 @@ def write_array(file: Path, array: NDArray[np.float64]) -> None:
     buffer = io.BytesIO()
     np.save(buffer, array, allow_pickle=False)
     write_atomically(file, buffer.getvalue())
-
-
-def trajectory_bytes(trajectory: Trajectory) -> bytes:
-    """A .npz of a trajectory: times, states (L, 18), potential, kinetic, length_exponent.
-
-    Lengths are over 2^length_exponent, energies per unit of mass over 4^length_exponent.
-    """
-    buffer = io.BytesIO()
-    np.savez_compressed(
-        buffer,
-        times=trajectory.times,
-        states=trajectory.states,
-        potential=trajectory.potential,
-        kinetic=trajectory.kinetic,
-        length_exponent=np.array(trajectory.length_exponent),
-    )
-    return buffer.getvalue()
 
 
 def doubles(file: Path, array: NDArray[Any]) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""Clouds in .npz archives: the array `points`, or the only one of shape (N, 3). No pickles.
+"""Arrays in .npz archives; of a cloud, `points` or the only one of shape (N, 3). No pickles.
 
 An archive as numpy writes it: the directory stands at the end, whole and short, and every size is
 compared before anything is unpacked.
@@ -11,6 +11,7 @@ import math
 import struct
 import zipfile
 import zlib
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, BinaryIO
 
@@ -21,6 +22,7 @@ from certreg.settings import FileSettings
 from certreg.verify import shown
 
 if TYPE_CHECKING:
+    from collections.abc import Generator
     from pathlib import Path
 
     import numpy as np
@@ -57,20 +59,40 @@ class Member:
 
 def parse_npz(stream: BinaryIO, file: Path) -> tuple[NDArray[np.float64], tuple[str, ...]]:
     """The points of an archive, and the names of what else is in it."""
+    with _opened(stream, file) as (archive, members):
+        chosen = _chosen(members, file)
+        content = _unpacked(archive, chosen, file)
+    others = tuple(member.name for member in members if member is not chosen)
+    return parse_array(io.BytesIO(content), file), others
+
+
+def read_arrays(
+    stream: BinaryIO, file: Path, names: tuple[str, ...]
+) -> dict[str, NDArray[np.float64]]:
+    """The arrays of these names in an archive, as finite doubles. Raises InvalidFileError."""
+    with _opened(stream, file) as (archive, members):
+        found = {member.name: member for member in members if member.shape is not None}
+        missing = [name for name in names if name not in found]
+        if missing:
+            message = f"{shown(file)}: holds no numbers named '{missing[0]}': write the file anew"
+            raise InvalidFileError(message)
+        contents = {name: _unpacked(archive, found[name], file) for name in names}
+    return {name: parse_array(io.BytesIO(text), file) for name, text in contents.items()}
+
+
+@contextmanager
+def _opened(stream: BinaryIO, file: Path) -> Generator[tuple[zipfile.ZipFile, list[Member]]]:
+    """An archive and what its directory says of its members; refused if it is none."""
     _require_plain_directory(stream, file)
     try:
         with zipfile.ZipFile(stream) as archive:
             if len(archive.infolist()) > FileSettings().max_arrays:
                 message = f"{shown(file)}: too many arrays: save only the points"
                 raise InvalidFileError(message)
-            members = [_member(archive, info, file) for info in archive.infolist()]
-            chosen = _chosen(members, file)
-            content = _unpacked(archive, chosen, file)
+            yield archive, [_member(archive, info, file) for info in archive.infolist()]
     except NOT_ZIP as error:
         message = f"{shown(file)}: is not an .npz file ({shown(error)}): save it with numpy.savez"
         raise InvalidFileError(message) from error
-    others = tuple(member.name for member in members if member is not chosen)
-    return parse_array(io.BytesIO(content), file), others
 
 
 def _require_plain_directory(stream: BinaryIO, file: Path) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError
 from certreg.files import write_atomically
-from certreg.io.npy import trajectory_bytes
+from certreg.io.trajectories import Record
 from certreg.report.document import dumps, result_document
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def write_folder(registration: Registration, folder: str | os.PathLike[str]) -> 
     }
     trajectory = registration.solution.trajectory
     if trajectory is not None:
-        contents[TRAJECTORY] = trajectory_bytes(trajectory)
+        contents[TRAJECTORY] = Record.of(registration.problem, trajectory).to_bytes()
     if registration.certificate is not None:
         contents[CERTIFICATE] = registration.certificate.to_json()
     for name in (CERTIFICATE, RESULT, POSE, TRAJECTORY):

@@ -1,0 +1,99 @@
+"""Simulated trajectories in .npz files, bound by digest to the problem that they belong to."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from certreg.errors import InvalidFileError
+from certreg.io.npz import read_arrays
+from certreg.io.streams import reading
+from certreg.verify import shown
+
+if TYPE_CHECKING:
+    import os
+
+    from numpy.typing import NDArray
+
+    from certreg.problem import RegistrationProblem
+    from certreg.simulation import Trajectory
+
+ARRAYS = ("times", "states", "potential", "kinetic", "length_exponent", "damping", "digest")
+STATE = 18  # as in certreg.dynamics
+LARGEST_EXPONENT = 1100  # of a unit of length: doubles reach from 2^-1074 to 2^1024
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Record:
+    """A trajectory as it is kept: poses and energies, no points.
+
+    times (L,); states (L, 18), potential and kinetic (L,) as in `certreg.simulation.Trajectory`.
+    digest: of the problem, 64 hexadecimal digits. damping: mu, which no certificate holds.
+    """
+
+    times: NDArray[np.float64]
+    states: NDArray[np.float64]
+    potential: NDArray[np.float64]
+    kinetic: NDArray[np.float64]
+    length_exponent: int
+    damping: float
+    digest: str
+
+    @classmethod
+    def of(cls, problem: RegistrationProblem, trajectory: Trajectory) -> Record:
+        """What is kept of a trajectory of a problem."""
+        return cls(
+            times=trajectory.times,
+            states=trajectory.states,
+            potential=trajectory.potential,
+            kinetic=trajectory.kinetic,
+            length_exponent=trajectory.length_exponent,
+            damping=problem.damping,
+            digest=problem.digest(),
+        )
+
+    def to_bytes(self) -> bytes:
+        """The file's content, a .npz of ARRAYS; the digest as its 32 bytes."""
+        buffer = io.BytesIO()
+        np.savez_compressed(
+            buffer,
+            times=self.times,
+            states=self.states,
+            potential=self.potential,
+            kinetic=self.kinetic,
+            length_exponent=np.array(self.length_exponent),
+            damping=np.array(self.damping),
+            digest=np.frombuffer(bytes.fromhex(self.digest), dtype=np.uint8),
+        )
+        return buffer.getvalue()
+
+
+def read_record(path: str | os.PathLike[str]) -> Record:
+    """A trajectory that `certify --out` or `simulate --out` wrote. Raises InvalidFileError."""
+    file = Path(path)
+    with reading(file) as stream:
+        arrays = read_arrays(stream, file, ARRAYS)
+    count = arrays["times"].size
+    shapes = dict.fromkeys(ARRAYS, ())
+    shapes |= dict.fromkeys(("times", "potential", "kinetic"), (count,))
+    shapes |= {"states": (count, STATE), "digest": (32,)}
+    wrong = [name for name in ARRAYS if arrays[name].shape != shapes[name]]
+    if not wrong and not abs(float(arrays["length_exponent"])) <= LARGEST_EXPONENT:
+        wrong = ["length_exponent"]
+    if wrong or count == 0:
+        what = f"'{(wrong or ARRAYS)[0]}' is not that of a trajectory"
+        message = f"{shown(file)}: {what}: write it anew with certreg simulate --out"
+        raise InvalidFileError(message)
+    return Record(
+        times=arrays["times"],
+        states=arrays["states"],
+        potential=arrays["potential"],
+        kinetic=arrays["kinetic"],
+        length_exponent=int(arrays["length_exponent"]),
+        damping=float(arrays["damping"]),
+        digest="".join(f"{int(byte) & 255:02x}" for byte in arrays["digest"]),
+    )
