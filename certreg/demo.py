@@ -13,6 +13,7 @@ from certreg.results import Optimality
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from certreg.io.clouds import Pair
     from certreg.pipeline import Registration
     from certreg.problem import RegistrationProblem
 
@@ -66,14 +67,19 @@ STORIES = (
 
 def stated(story: Story) -> RegistrationProblem:
     """A packaged problem."""
-    folder = files("certreg") / "data"
-    with as_file(folder / story.source) as source, as_file(folder / story.target) as target:
-        return read_problem(source, target)[0]
+    return _read(story)[0]
 
 
 def tell(story: Story) -> Registration:
     """The certified registration of a packaged problem."""
-    return certify(stated(story), about={"source": story.source, "target": story.target})
+    problem, pair = _read(story)
+    return certify(problem, about=pair.about)
+
+
+def _read(story: Story) -> tuple[RegistrationProblem, Pair]:
+    folder = files("certreg") / "data"
+    with as_file(folder / story.source) as source, as_file(folder / story.target) as target:
+        return read_problem(source, target)
 
 
 def differences(story: Story, registration: Registration) -> Iterator[str]:

@@ -70,7 +70,7 @@ def _damping(context: click.Context, parameter: click.Parameter, value: Any) -> 
 
 
 def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """SOURCE TARGET, how their rows pair, their noise and the damping, read into a problem."""
+    """SOURCE TARGET, how their rows pair, noise and damping, read into `problem` and `pair`."""
 
     @click.argument("source", type=CLOUD)
     @click.argument("target", type=CLOUD)
@@ -117,7 +117,7 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
         for note in pair.notes:
             click.echo(f"note: {note}", err=True)
         with _patience(f"working on {problem.n} correspondences"):
-            return command(*args, problem=problem, source=source, target=target, **options)
+            return command(*args, problem=problem, pair=pair, **options)
 
     return wrapped
 

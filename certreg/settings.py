@@ -23,6 +23,8 @@ class CertificateSettings:
     """Sizes within a certificate."""
 
     inline_points: int = 1_000_000  # the contract: beyond, the file carries the digest only
+    label_nodes: int = 20_000  # labels and the commas in them; the checker takes 50,000 in all
+    label_characters: int = 1_000_000  # twelve megabytes of escapes at worst; its limit is 100
     bound_bits: int = 32  # mantissa of mu and delta: short numbers, at most 2^-31 wasted
     growth_bits: int = 16  # delta grows by 2^16 after a refused attempt
     least_bits: int = 8192  # delta is at least 2^-8192 of the spread: exponents stay in bounds

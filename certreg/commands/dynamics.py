@@ -19,6 +19,7 @@ from certreg.options import (
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from certreg.io.clouds import Pair
     from certreg.problem import RegistrationProblem
 
 
@@ -35,8 +36,7 @@ if TYPE_CHECKING:
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def equilibria(
     problem: RegistrationProblem,
-    source: Path,
-    target: Path,
+    pair: Pair,
     *,
     method: str,
     out: Path | None,
@@ -49,7 +49,7 @@ def equilibria(
     from certreg.report.roads import roads_summary
     from certreg.report.summary import equilibria_words
 
-    del source, target
+    del pair
     roads = equilibrium_roads(problem) if method == "all" else None
     found = run(problem, method) if roads is None else road_equilibria(problem, roads.roads[0])
     if out is not None:
@@ -91,8 +91,7 @@ def _write_count(problem: RegistrationProblem, out: Path) -> None:
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def simulate(
     problem: RegistrationProblem,
-    source: Path,
-    target: Path,
+    pair: Pair,
     *,
     integrator: str,
     step: float | None,
@@ -106,7 +105,7 @@ def simulate(
     from certreg.report.document import dumps, simulation_document
     from certreg.report.summary import simulation_summary
 
-    del source, target
+    del pair
     if step is not None and not 0.0 < step < float("inf"):
         message = f"--step is {step}: give a finite number above 0"
         raise click.UsageError(message)

@@ -10,7 +10,7 @@ import click
 from certreg.options import CLOUD, DONE, REFUSED, cloud_options, pairing_options, printable
 
 if TYPE_CHECKING:
-    from certreg.io.clouds import Pairing
+    from certreg.io.clouds import Pair, Pairing
     from certreg.problem import RegistrationProblem
     from certreg.verify import Clouds
 
@@ -25,9 +25,7 @@ if TYPE_CHECKING:
     help="4x4 text matrix, JSON, or 'w x y z tx ty tz'.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
-def assess(
-    problem: RegistrationProblem, source: Path, target: Path, *, pose_file: Path, as_json: bool
-) -> int:
+def assess(problem: RegistrationProblem, pair: Pair, *, pose_file: Path, as_json: bool) -> int:
     """Judge a pose that any other tool returned. Exit code 0 if it is optimal, else 1."""
     from certreg.assessment import assess as run
     from certreg.io.poses import read_pose
@@ -35,7 +33,7 @@ def assess(
     from certreg.report.summary import assessment_summary
     from certreg.results import PoseVerdict
 
-    del source, target
+    del pair
     pose = read_pose(pose_file)
     assessment = run(problem, pose.turn, pose.translation)
     click.echo(

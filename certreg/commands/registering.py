@@ -21,6 +21,7 @@ from certreg.options import (
 )
 
 if TYPE_CHECKING:
+    from certreg.io.clouds import Pair
     from certreg.problem import RegistrationProblem
 
 
@@ -32,8 +33,7 @@ if TYPE_CHECKING:
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def certify(
     problem: RegistrationProblem,
-    source: Path,
-    target: Path,
+    pair: Pair,
     *,
     no_relaxation: bool,
     no_simulation: bool,
@@ -47,9 +47,11 @@ def certify(
     from certreg.report.summary import registration_summary
     from certreg.results import Optimality
 
-    about = {"certreg": __version__, "source": source.name, "target": target.name}
     registration = run(
-        problem, relaxation=not no_relaxation, simulation=not no_simulation, about=about
+        problem,
+        relaxation=not no_relaxation,
+        simulation=not no_simulation,
+        about={"certreg": __version__, **pair.about},
     )
     path = None if out is None else write_folder(registration, out)
     if as_json:

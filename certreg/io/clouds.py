@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from certreg.io.ply import parse_ply, write_ply
 from certreg.io.streams import reading
 from certreg.io.text import TEXT_FORMATS, ignored_note, parse_points, read_numbers
 from certreg.problem import RegistrationProblem
-from certreg.settings import DEFAULT_DAMPING
+from certreg.settings import DEFAULT_DAMPING, CertificateSettings
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -63,6 +63,15 @@ class Pair:
     target: Cloud
     source_rows: NDArray[np.int64]
     sizes: tuple[int, int]  # of the files
+
+    @property
+    def about(self) -> dict[str, Any]:
+        """What a certificate may say of the files, unproved: names, and labels if not too many."""
+        about: dict[str, Any] = {"source": self.source.path.name, "target": self.target.path.name}
+        labels = self.source.labels or self.target.labels
+        if labels is not None and _short_enough(labels):
+            about["labels"] = list(labels)
+        return about
 
     @property
     def notes(self) -> list[str]:
@@ -230,6 +239,13 @@ def _quoted(file: Path, label: str) -> str:
         )
         raise InvalidFileError(message)
     return '"' + label.replace('"', '""') + '"' if set(label) & set(',"\r\n\ufeff') else label
+
+
+def _short_enough(labels: tuple[str, ...]) -> bool:
+    """Whether labels leave a certificate within what its checker reads."""
+    settings = CertificateSettings()
+    nodes = sum(1 + sum(map(label.count, ",[{")) for label in labels)
+    return nodes <= settings.label_nodes and sum(map(len, labels)) <= settings.label_characters
 
 
 def _taken(cloud: Cloud, rows: NDArray[np.int64]) -> Cloud:
