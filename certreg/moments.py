@@ -12,19 +12,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from operator import mul
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from certreg.dyadic import power_of_two
-from certreg.problem import lift
+from certreg.exact_sums import sums
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from fractions import Fraction
 
     from numpy.typing import NDArray
 
+    from certreg.exact_sums import Sums
     from certreg.problem import RegistrationProblem
     from certreg.so3 import Matrix3, Vector3
 
@@ -121,27 +122,24 @@ class Moments:
 
 def exact_moments(problem: RegistrationProblem) -> ExactMoments:
     """The moments of a problem in integer arithmetic: no rounding anywhere."""
-    source, target = lift(problem.source.ravel()), lift(problem.target.ravel())
-    weights = lift(problem.weights)
-    x = [source.integers[k::3] for k in range(3)]
-    y = [target.integers[k::3] for k in range(3)]
-    w = weights.integers
-    mass = sum(w)
-    wx = [list(map(mul, w, column)) for column in x]
-    wy = [list(map(mul, w, column)) for column in y]
-    source_sum = (sum(wx[0]), sum(wx[1]), sum(wx[2]))
-    target_sum = (sum(wy[0]), sum(wy[1]), sum(wy[2]))
+    return moments_of(sums(problem), problem.n)
+
+
+def moments_of(found: Sums, n: int) -> ExactMoments:
+    """The moments that exact sums over n points make."""
+    mass, *rest = found.integers
+    source_sum, target_sum = _vector(rest[:3]), _vector(rest[3:6])
     return ExactMoments(
-        n=problem.n,
-        source_exponent=source.exponent,
-        target_exponent=target.exponent,
-        weight_exponent=weights.exponent,
+        n=n,
+        source_exponent=found.source_exponent or 0,
+        target_exponent=found.target_exponent or 0,
+        weight_exponent=found.weight_exponent or 0,
         mass=mass,
         source_sum=source_sum,
         target_sum=target_sum,
-        cross=_centred(mass, _products(wy, x), target_sum, source_sum),
-        source_scatter=_centred(mass, _symmetric_products(wx, x), source_sum, source_sum),
-        target_scatter=_centred(mass, _symmetric_products(wy, y), target_sum, target_sum),
+        cross=_centred(mass, rest[6:15], target_sum, source_sum),
+        source_scatter=_centred(mass, _symmetric(rest[15:21]), source_sum, source_sum),
+        target_scatter=_centred(mass, _symmetric(rest[21:]), target_sum, target_sum),
     )
 
 
@@ -184,26 +182,22 @@ def _centroid(total: Vector3[int], mass: int, exponent: int) -> Vector3[Fraction
     return (total[0] * unit, total[1] * unit, total[2] * unit)
 
 
-def _dot(a: list[int], b: list[int]) -> int:
-    return sum(map(mul, a, b))
+def _vector(entries: Sequence[int]) -> Vector3[int]:
+    x, y, z = entries
+    return (x, y, z)
 
 
-def _products(left: list[list[int]], right: list[list[int]]) -> Matrix3[int]:
-    rows = [tuple(_dot(a, b) for b in right) for a in left]
-    return (rows[0], rows[1], rows[2])  # pyright: ignore[reportReturnType]
-
-
-def _symmetric_products(left: list[list[int]], right: list[list[int]]) -> Matrix3[int]:
-    xx, xy, xz = (_dot(left[0], column) for column in right)
-    yy, yz = _dot(left[1], right[1]), _dot(left[1], right[2])
-    return ((xx, xy, xz), (xy, yy, yz), (xz, yz, _dot(left[2], right[2])))
+def _symmetric(upper: Sequence[int]) -> list[int]:
+    """The nine entries of a symmetric matrix from the six above the diagonal and on it."""
+    xx, xy, xz, yy, yz, zz = upper
+    return [xx, xy, xz, xy, yy, yz, xz, yz, zz]
 
 
 def _centred(
-    mass: int, products: Matrix3[int], left: Vector3[int], right: Vector3[int]
+    mass: int, products: Sequence[int], left: Vector3[int], right: Vector3[int]
 ) -> Matrix3[int]:
-    rows = [tuple(mass * products[i][j] - left[i] * right[j] for j in range(3)) for i in range(3)]
-    return (rows[0], rows[1], rows[2])  # pyright: ignore[reportReturnType]
+    entries = [mass * product - left[k // 3] * right[k % 3] for k, product in enumerate(products)]
+    return (_vector(entries[:3]), _vector(entries[3:6]), _vector(entries[6:]))
 
 
 def _rescaled(values: NDArray[np.float64]) -> tuple[NDArray[np.float64], int]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import copy
 import hashlib
+import io
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -16,11 +17,15 @@ import numpy as np
 
 from certreg.dyadic import weight_of_sigma
 from certreg.errors import InvalidProblemError
-from certreg.settings import DEFAULT_DAMPING
+from certreg.mapping import let_go, mapped_file
+from certreg.settings import DEFAULT_DAMPING, SumSettings
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
     from numpy.typing import ArrayLike, NDArray
 
+CHANGED = "the file of a mapped array was changed while it was read: state the problem anew"
 DIGEST_PREFIX = b"certreg-problem/1\0"
 MANTISSA_BITS = 53
 MIN_DAMPING, MAX_DAMPING = 1e-150, 1e150  # their squares, in the spectrum, are doubles
@@ -37,7 +42,11 @@ class RegistrationProblem:
     weights: instead of sigma, (N,) or a scalar, >= 0, not all zero.
     damping: viscous damping per mass, mu > 0, per time unit of the virtual springs.
 
-    The arrays are copied and read-only. Raises InvalidProblemError.
+    The arrays are copied and read-only. Only those that are mapped from a file for reading
+    (`numpy.load(file, mmap_mode="r")`) stay in the file, of whatever type, and are read block by
+    block whenever they are needed, so that a cloud may be larger than the memory. Nobody may
+    change the file meanwhile. Where it happens all the same, the certificate is refused, or holds
+    for the points that its digest names. Raises InvalidProblemError.
 
     >>> RegistrationProblem([[0, 0, 0], [1, 0, 0], [0, 2, 0]], [[0, 0, 0], [1, 0, 0], [0, 2, 0]]).n
     3
@@ -76,8 +85,9 @@ class RegistrationProblem:
             ("target", target_points),
             ("weights", masses),
         ):
-            value.flags.writeable = False
-            object.__setattr__(self, name, value)
+            read_only = value.view()
+            read_only.flags.writeable = False
+            object.__setattr__(self, name, read_only)
         object.__setattr__(self, "damping", _positive(damping))
         object.__setattr__(self, "noise_given", sigma is not None)
 
@@ -92,15 +102,75 @@ class RegistrationProblem:
         """Number of correspondences."""
         return len(self.source)
 
+    def block(self, rows: slice) -> Block:
+        """Some of the points in doubles, contiguous; a mapped file is let go of afterwards.
+
+        Raises InvalidProblemError where a file holds no proper points any more.
+        """
+        weights = contiguous(self.weights, rows)
+        if not (weights >= 0).all():
+            raise InvalidProblemError(CHANGED)
+        return Block(
+            source=contiguous(self.source, rows),
+            target=contiguous(self.target, rows),
+            weights=weights,
+        )
+
     def data_bytes(self) -> bytes:
         """The bytes that state the problem: prefix, n (u64), then all doubles, little-endian."""
-        arrays = (self.source, self.target, self.weights)
-        body = b"".join(np.ascontiguousarray(a, dtype="<f8").tobytes() for a in arrays)
-        return DIGEST_PREFIX + self.n.to_bytes(8, "little") + body
+        content = io.BytesIO()
+        for piece in self._pieces():
+            content.write(piece)
+        return content.getvalue()
 
     def digest(self) -> str:
         """SHA-256 of `data_bytes()`, 64 hexadecimal digits: the identity of the problem."""
-        return hashlib.sha256(self.data_bytes()).hexdigest()
+        found = hashlib.sha256()
+        for piece in self._pieces():
+            found.update(piece)
+        return found.hexdigest()
+
+    def _pieces(self) -> Iterator[bytes | memoryview]:
+        """What `data_bytes` holds, piece by piece."""
+        yield DIGEST_PREFIX + self.n.to_bytes(8, "little")
+        for array in (self.source, self.target, self.weights):
+            for rows in row_blocks(len(array)):
+                yield contiguous(array, rows).astype("<f8", copy=False).data
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Block:
+    """Some of the points of a problem: source (k, 3), target (k, 3), weights (k,), contiguous."""
+
+    source: NDArray[np.float64]
+    target: NDArray[np.float64]
+    weights: NDArray[np.float64]
+
+    def part(self, rows: slice) -> Block:
+        """Some of these points."""
+        return Block(source=self.source[rows], target=self.target[rows], weights=self.weights[rows])
+
+
+def row_blocks(n: int) -> Iterator[slice]:
+    """The rows 0 to n in blocks of a size that is read at a time."""
+    size = SumSettings().block_points
+    return (slice(first, min(first + size, n)) for first in range(0, n, size))
+
+
+def contiguous(array: NDArray[np.float64], rows: slice) -> NDArray[np.float64]:
+    """Rows of an array of a problem as contiguous doubles, -0.0 as 0.0.
+
+    A copy where the array is mapped from a file, which is let go of. Raises InvalidProblemError
+    where the file holds a number that is not finite: it did not, once.
+    """
+    if mapped_file(array) is None:
+        return np.ascontiguousarray(array[rows])
+    copied = array[rows].astype(np.float64, order="C")
+    copied += 0.0  # -0.0 + 0.0 is 0.0: one point, one digest
+    let_go(array[rows])
+    if not np.isfinite(copied).all():
+        raise InvalidProblemError(CHANGED)
+    return copied
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -132,12 +202,12 @@ def lift(values: NDArray[np.float64]) -> Lifted:
 
 
 def _points(cloud: Any, name: str) -> NDArray[np.float64]:
-    """A fresh, contiguous, finite (N, 3) array of doubles, -0.0 as 0.0."""
+    """A finite (N, 3) array of doubles, fresh or mapped from a file."""
     for attribute in ("points", "vertices"):
         if not isinstance(cloud, np.ndarray) and hasattr(cloud, attribute):
             cloud = getattr(cloud, attribute)
             break
-    array = _doubles(cloud, name)
+    array = _real_numbers(cloud, name)
     if array.ndim != 2 or array.shape[1] != 3:
         hint = "; transpose it" if array.ndim == 2 and array.shape[0] == 3 else ""
         message = f"{name} has shape {array.shape}: expected (N, 3), one point per row{hint}"
@@ -145,12 +215,11 @@ def _points(cloud: Any, name: str) -> NDArray[np.float64]:
     if len(array) == 0:
         message = f"{name} has no points: at least one correspondence is needed"
         raise InvalidProblemError(message)
-    _require_finite(array, name)
-    return array
+    return _finite_doubles(array, name)
 
 
-def _doubles(values: Any, name: str) -> NDArray[np.float64]:
-    """The values as doubles, refused where a conversion would lose or invent something."""
+def _real_numbers(values: Any, name: str) -> NDArray[Any]:
+    """The values as an array of real numbers of any type, not copied if they are one."""
     if np.ma.isMaskedArray(values):
         message = f"{name} is a masked array: drop the masked rows from both clouds first"
         raise InvalidProblemError(message)
@@ -162,14 +231,37 @@ def _doubles(values: Any, name: str) -> NDArray[np.float64]:
     if array.dtype.kind not in "fiu":
         message = f"{name} has entries of type {array.dtype}: expected real numbers"
         raise InvalidProblemError(message)
-    doubles, kept = as_doubles(array)
-    if not kept.all():
-        message = (
-            f"{name} has entries of type {array.dtype} that no double holds exactly: "
-            "round them yourself with .astype(float) if that is what you mean"
-        )
-        raise InvalidProblemError(message)
-    return doubles + 0.0  # -0.0 + 0.0 is 0.0: one point, one digest
+    return array
+
+
+def _finite_doubles(array: NDArray[Any], name: str) -> NDArray[np.float64]:
+    """The finite values of an array as doubles, -0.0 as 0.0: fresh, or mapped from a file as it is.
+
+    Refused where a conversion would lose or invent something. In blocks: no second copy is made.
+    """
+    mapped = mapped_file(array) is not None
+    found = array if mapped else np.empty(array.shape)
+    for rows in row_blocks(len(array)):
+        doubles, kept = as_doubles(array[rows])
+        if not kept.all():
+            message = (
+                f"{name} has entries of type {array.dtype} that no double holds exactly: "
+                "round them yourself with .astype(float) if that is what you mean"
+            )
+            raise InvalidProblemError(message)
+        finite = np.isfinite(doubles)
+        if not finite.all():
+            row = int(np.argwhere(~finite)[0][0])
+            message = (
+                f"{name} row {rows.start + row} (counting from 0) is {doubles[row].tolist()}: "
+                "every value must be finite; remove the correspondence from both clouds"
+            )
+            raise InvalidProblemError(message)
+        if mapped:
+            let_go(array[rows])
+        else:
+            np.add(doubles, 0.0, out=found[rows])  # -0.0 + 0.0 is 0.0: one point, one digest
+    return found
 
 
 def _positive(damping: Any) -> float:
@@ -187,6 +279,8 @@ def as_doubles(array: NDArray[Any]) -> tuple[NDArray[np.float64], NDArray[np.boo
     """A copy of real numbers as doubles, and where it holds the same value (or the same NaN)."""
     with np.errstate(over="ignore", invalid="ignore"):
         doubles = array.astype(np.float64, order="C")  # astype always copies
+        if array.dtype.kind == "f" and array.dtype.itemsize <= doubles.itemsize:
+            return doubles, np.ones(doubles.shape, dtype=bool)
         back = doubles.astype(array.dtype)
     kept = (back == array) | (np.isnan(doubles) & np.isnan(array))
     if array.dtype.kind in "iu":  # beyond these bounds the cast back is undefined
@@ -195,52 +289,52 @@ def as_doubles(array: NDArray[Any]) -> tuple[NDArray[np.float64], NDArray[np.boo
     return doubles, kept
 
 
-def _require_finite(array: NDArray[np.float64], name: str) -> None:
-    finite = np.isfinite(array).reshape(len(array), -1).all(axis=1)
-    if not finite.all():
-        row = int(np.argmin(finite))
-        message = (
-            f"{name} row {row} (counting from 0) is {array[row].tolist()}: "
-            "every value must be finite; remove the correspondence from both clouds"
-        )
-        raise InvalidProblemError(message)
-
-
 def _per_point(values: ArrayLike, name: str, n: int) -> NDArray[np.float64]:
-    array = _doubles(values, name)
+    """(n,) finite doubles, or (1,) that stands for all."""
+    array = _real_numbers(values, name)
     if array.ndim == 0:
-        array = np.full(n, float(array))
+        return _finite_doubles(array.reshape(1), name)
     if array.shape != (n,):
         message = f"{name} has shape {array.shape}: expected one number, or ({n},), one per point"
         raise InvalidProblemError(message)
-    _require_finite(array, name)
-    return array
+    return _finite_doubles(array, name)
+
+
+def _first_row(
+    array: NDArray[np.float64], wrong: Callable[[NDArray[np.float64]], NDArray[np.bool_]]
+) -> int | None:
+    """The first row where something is wrong, None if nowhere."""
+    for rows in row_blocks(len(array)):
+        found = wrong(contiguous(array, rows))
+        if found.any():
+            return rows.start + int(np.argmax(found))
+    return None
 
 
 def _given_weights(weights: ArrayLike | None, n: int) -> NDArray[np.float64]:
-    if weights is None:
-        return np.ones(n)
-    array = _per_point(weights, "weights", n)
-    if (array < 0).any():
-        row = int(np.argmax(array < 0))
+    """(n,) weights >= 0, not all zero; equal ones take the place of one."""
+    array = np.ones(1) if weights is None else _per_point(weights, "weights", n)
+    row = _first_row(array, lambda block: block < 0)
+    if row is not None:
         message = f"weights[{row}] is {array[row]}: weights must be >= 0"
         raise InvalidProblemError(message)
-    if not array.any():
+    if _first_row(array, lambda block: block > 0) is None:
         message = "all weights are zero: no correspondence counts, so every pose is as good"
         raise InvalidProblemError(message)
-    return array
+    return np.broadcast_to(array, (n,))
 
 
 def _weights_from_sigma(sigma: ArrayLike, n: int) -> NDArray[np.float64]:
+    """(n,) weights in memory, even if the sigmas are mapped; equal ones take the place of one."""
     array = _per_point(sigma, "sigma", n)
-    if (array <= 0).any():
-        row = int(np.argmax(array <= 0))
+    row = _first_row(array, lambda block: block <= 0)
+    if row is not None:
         place = "sigma" if np.ndim(sigma) == 0 else f"sigma[{row}]"
         message = f"{place} is {array[row]}: a standard deviation must be > 0"
         raise InvalidProblemError(message)
     distinct, inverse = np.unique(array, return_inverse=True)
     weights = np.empty(len(distinct))
-    for i, value in enumerate(distinct.tolist()):
+    for i, value in enumerate(distinct.astype(float).tolist()):
         weights[i] = weight_of_sigma(value)
         if not 0.0 < weights[i] < math.inf:
             message = (
@@ -248,4 +342,4 @@ def _weights_from_sigma(sigma: ArrayLike, n: int) -> NDArray[np.float64]:
                 "doubles: change the unit of length, of clouds and sigma alike"
             )
             raise InvalidProblemError(message)
-    return weights[inverse]
+    return np.broadcast_to(weights[inverse], (n,))

@@ -32,6 +32,18 @@ class CertificateSettings:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class SumSettings:
+    """How the exact sums over many points are taken; they come out the same whatever is chosen."""
+
+    many_points: int = 2048  # from here on: 25 ms of Python's own integers
+    block_points: int = 1 << 16  # read at a time: 3.5 MB; a share of a second, for Ctrl-C
+    threads: int = 2  # compiled sums of that many blocks at once
+    limb_bits: int = 20  # products of two limbs, 2^13 of them, add up within 2^53
+    limb_points: int = 1 << 13  # as above
+    most_limbs: int = 12  # of a coordinate: beyond a range of 2^187, Python's integers are faster
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class AssessmentSettings:
     """Where the words of an assessment change. Gaps are relative to the spread of both clouds."""
 

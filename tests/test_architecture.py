@@ -13,13 +13,13 @@ PACKAGE = Path(certreg.__file__).parent
 # A module imports only from lines above its own, or from its left on the same line.
 MAP = """
 results errors settings
-files dyadic
+files dyadic mapping
 verify
 so3 definite
 codegen.translate codegen.emit
 native.batch native.cache native.compiler native.library native.evaluator native.engine
 problem
-moments energy pose
+exact_sums moments energy pose
 equilibria.classification equilibria.components equilibria.eigenbasis equilibria.stability
 equilibria.spectral equilibria.closed_form
 equilibria.quadratics equilibria.exports equilibria.balls equilibria.tracking

@@ -35,8 +35,15 @@ UNITS = (
     HERE / "midpoint.c",
     HERE / "single.c",
     HERE / "lanes.c",
+    HERE / "exact.c",
 )
-HEADERS = (GENERATED / "dynamics.h", HERE / "loops.h", HERE / "lanes.h", HERE / "loop.h")
+HEADERS = (
+    GENERATED / "dynamics.h",
+    HERE / "loops.h",
+    HERE / "lanes.h",
+    HERE / "loop.h",
+    HERE / "exact.h",
+)
 # No -ffast-math: a NaN must stay one. -fno-math-errno: sqrt as one instruction.
 FLAGS = ("-std=gnu11", "-O3", "-march=native", "-fno-math-errno", "-fPIC", "-shared", "-Wno-psabi")
 PLAIN_FLAGS = ("-std=gnu11", "-O2", "-fPIC", "-shared")  # for compilers that refuse the others
@@ -47,6 +54,7 @@ TRIAL = """
 import ctypes, json, sys
 library = ctypes.CDLL(sys.argv[1])
 library.certreg_euler_lanes, library.certreg_splitting_lanes, library.certreg_midpoint_single
+library.certreg_exact_sums
 for name, sizes in json.load(open(sys.argv[2])).items():
     numbers = [(ctypes.c_double * n)() for n in sizes["arguments"] + sizes["results"]]
     getattr(library, name)(*numbers)

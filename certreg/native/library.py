@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from certreg.settings import SimulationSettings
 
+EXACT_SUMS, EXACT_WORDS, NOT_FINITE, NOWHERE = 28, 101, 2, 2**63 - 1  # as in exact.h
 PORTION = 512  # instances that one call takes: Ctrl-C is answered within milliseconds
 _POINTER = ctypes.c_void_p
 
@@ -87,6 +88,32 @@ class Library:
         getattr(self.handle, name)(*pointers)
         return results
 
+    def exact_sums(
+        self, source: NDArray[np.float64], target: NDArray[np.float64], weights: NDArray[np.float64]
+    ) -> ExactSums:
+        """Exact sums over contiguous points, source and target (k, 3), weights (k,).
+
+        Raises ValueError for other arrays and for numbers that are not finite, CompilationError
+        where the compiled code cannot do it.
+        """
+        arrays = [np.ascontiguousarray(array, dtype=float) for array in (source, target, weights)]
+        shapes, k = [array.shape for array in arrays], len(weights)
+        if shapes != [(k, 3), (k, 3), (k,)]:
+            raise ValueError(f"points of shapes {shapes}: expected (k, 3), (k, 3), (k,)")
+        words = np.empty((EXACT_SUMS, EXACT_WORDS), dtype=np.uint64)
+        lowest = np.empty(3, dtype=np.int64)
+        pointers = [_POINTER(array.ctypes.data) for array in (*arrays, words, lowest)]
+        refused = self.handle.certreg_exact_sums(ctypes.c_long(k), *pointers)
+        if refused == NOT_FINITE:
+            raise ValueError("a number is not finite")
+        if refused:
+            raise CompilationError("no memory for exact sums, or no integers of 128 bits")
+        rows = (row.tobytes() for row in words.astype("<u8"))
+        return ExactSums(
+            integers=tuple(int.from_bytes(row, "little", signed=True) for row in rows),
+            lowest=tuple(None if bit == NOWHERE else bit for bit in lowest.tolist()),
+        )
+
     def run(self, batch: Batch, settings: SimulationSettings, log: Log | None = None) -> None:
         """Integrate every instance; several run on all given threads, a log is for one instance."""
         count = len(batch.bodies)
@@ -115,6 +142,18 @@ class Library:
         getattr(self.handle, name)(ctypes.byref(passed), ctypes.byref(_settings(settings)))
         if log is not None and record is not None:
             log.count, log.stride = record.count, record.stride
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExactSums:
+    """What native/exact.c found.
+
+    integers: the 28 sums, each over 2^-1074 to the power of the number of its factors.
+    lowest: exponents over 2^-1074 of the lowest bit set in source, target, weights; None: all zero.
+    """
+
+    integers: tuple[int, ...]
+    lowest: tuple[int | None, ...]
 
 
 @dataclass(frozen=True, slots=True)

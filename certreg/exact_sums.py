@@ -1,0 +1,302 @@
+"""Sums of w, w a and w a b over the points, exactly, by three roads that give the same integers.
+
+Python's own integers for few points; compiled code for many; and NumPy, which cuts coordinates into
+limbs so short that a product of matrices of doubles adds them up without rounding [Ozaki2012].
+"""
+
+from __future__ import annotations
+
+import enum
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cache
+from itertools import islice
+from operator import mul
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from certreg.native.compiler import CompilationError
+from certreg.native.library import library
+from certreg.problem import lift, row_blocks
+from certreg.settings import SumSettings
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from numpy.typing import NDArray
+
+    from certreg.native.library import Library
+    from certreg.problem import Block, RegistrationProblem
+
+LEAST_EXPONENT = -1074  # every double is an integer times 2^-1074
+# Of each sum, how many factors are coordinates of the source and of the target; w is always one.
+FACTORS = ((0, 0), *[(1, 0)] * 3, *[(0, 1)] * 3, *[(1, 1)] * 9, *[(2, 0)] * 6, *[(0, 2)] * 6)
+UPPER = tuple((i, j) for i in range(3) for j in range(i, 3))
+
+
+class Road(enum.Enum):
+    """How the sums are taken."""
+
+    INTEGERS = "Python's integers"
+    COMPILED = "compiled code"
+    LIMBS = "matrix products of limbs"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sums:
+    """Exact sums over points: w; w x, w y; w y x^T by rows; w x x^T, w y y^T from the diagonal on.
+
+    With source = X 2^a, target = Y 2^b, weights = W 2^c in integers, a, b, c as large as can be,
+    `integers` are the 28 sums of W, W X, ... None for a, b or c: all numbers are zero.
+    """
+
+    source_exponent: int | None
+    target_exponent: int | None
+    weight_exponent: int | None
+    integers: tuple[int, ...]
+
+    def __add__(self, other: Sums) -> Sums:
+        """The sums over the points of both."""
+        a = _least(self.source_exponent, other.source_exponent)
+        b = _least(self.target_exponent, other.target_exponent)
+        c = _least(self.weight_exponent, other.weight_exponent)
+        both = zip(self._over(a, b, c), other._over(a, b, c), strict=True)
+        return Sums(
+            source_exponent=a,
+            target_exponent=b,
+            weight_exponent=c,
+            integers=tuple(one + another for one, another in both),
+        )
+
+    def _over(self, a: int | None, b: int | None, c: int | None) -> Iterable[int]:
+        """The integers for exponents that are not larger."""
+        x = _difference(self.source_exponent, a)
+        y = _difference(self.target_exponent, b)
+        w = _difference(self.weight_exponent, c)
+        for k, (of_source, of_target) in zip(self.integers, FACTORS, strict=True):
+            yield k << (w + of_source * x + of_target * y)
+
+
+EMPTY = Sums(
+    source_exponent=None, target_exponent=None, weight_exponent=None, integers=(0,) * len(FACTORS)
+)
+
+
+def sums(problem: RegistrationProblem) -> Sums:
+    """The sums over all points, by the road that is the fastest here."""
+    return sums_by(road_for(problem), problem)
+
+
+def road_for(problem: RegistrationProblem) -> Road:
+    """The road that is the fastest here."""
+    if problem.n < SumSettings().many_points:
+        return Road.INTEGERS
+    return Road.LIMBS if _compiled() is None else Road.COMPILED
+
+
+def sums_by(road: Road, problem: RegistrationProblem) -> Sums:
+    """The sums over all points by one road. Raises CompilationError where it needs a compiler."""
+    if road is Road.COMPILED:
+        return _on_threads(library(), problem)
+    one = _by_integers if road is Road.INTEGERS else _by_limbs
+    blocks = (problem.block(rows) for rows in row_blocks(problem.n))
+    return sum((one(block) for block in blocks), start=EMPTY)
+
+
+def _on_threads(compiled: Library, problem: RegistrationProblem) -> Sums:
+    """Each thread takes every so manieth block; all of them end when one fails, or at Ctrl-C."""
+    count, end = SumSettings().threads, threading.Event()
+
+    def share(first: int) -> Sums:
+        total = EMPTY
+        for rows in islice(row_blocks(problem.n), first, None, count):
+            if end.is_set():
+                break
+            total += _by_compiled(compiled, problem.block(rows))
+        return total
+
+    with ThreadPoolExecutor(count) as pool:
+        shares = [pool.submit(share, first) for first in range(count)]
+        try:
+            return sum((done.result() for done in shares), start=EMPTY)
+        finally:
+            end.set()
+
+
+@cache
+def _compiled() -> Library | None:
+    """The compiled library; None where there is none, or it has no integers of 128 bits."""
+    try:
+        compiled = library()
+        compiled.exact_sums(np.ones((1, 3)), np.ones((1, 3)), np.ones(1))
+    except CompilationError:
+        return None
+    return compiled
+
+
+def _by_compiled(compiled: Library, block: Block) -> Sums:
+    found = compiled.exact_sums(block.source, block.target, block.weights)
+    a, b, c = (None if bit is None else bit + LEAST_EXPONENT for bit in found.lowest)
+    return _stated(found.integers, (LEAST_EXPONENT,) * 3, (a, b, c))
+
+
+def _by_integers(block: Block) -> Sums:
+    source, target, weights = (
+        lift(array.ravel()) for array in (block.source, block.target, block.weights)
+    )
+    x = [source.integers[k::3] for k in range(3)]
+    y = [target.integers[k::3] for k in range(3)]
+    w = weights.integers
+    wx, wy = ([list(map(mul, w, column)) for column in side] for side in (x, y))
+    return Sums(
+        source_exponent=source.exponent if any(source.integers) else None,
+        target_exponent=target.exponent if any(target.integers) else None,
+        weight_exponent=weights.exponent if any(w) else None,
+        integers=(
+            sum(w),
+            *map(sum, wx),
+            *map(sum, wy),
+            *(_dot(left, right) for left in wy for right in x),
+            *(_dot(wx[i], x[j]) for i, j in UPPER),
+            *(_dot(wy[i], y[j]) for i, j in UPPER),
+        ),
+    )
+
+
+def _by_limbs(block: Block) -> Sums:
+    size = SumSettings().limb_points
+    parts = (slice(first, first + size) for first in range(0, len(block.weights), size))
+    return sum((_by_few_limbs(block.part(rows)) for rows in parts), start=EMPTY)
+
+
+def _by_few_limbs(block: Block) -> Sums:
+    """The sums of at most 2^13 points; by integers where they take too many limbs."""
+    sides = (block.source, block.target, block.weights[:, None])
+    cut = [_limbs(side.T) for side in sides]
+    if None in cut:
+        return _by_integers(block)
+    x, y, w = (limbs for limbs in cut if limbs is not None)
+    sums_of = _products(x, y, w)
+    units = (x.unit, y.unit, w.unit)
+    return _stated(sums_of, units, (x.lowest, y.lowest, w.lowest))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Limbs:
+    """Rows of numbers, (rows, limbs, count), each the sum over its limbs k of limb_k 2^(B (L-1-k)).
+
+    That times 2^unit; B bits a limb, L limbs, all integers, the first at most 2^B in size, others
+    2^(B-1). lowest: exponent of the lowest bit set anywhere; None: all are zero.
+    """
+
+    limbs: NDArray[np.float64]
+    unit: int
+    lowest: int | None
+
+
+def _limbs(rows: NDArray[np.float64]) -> _Limbs | None:
+    """Finite numbers cut into limbs; None if they take too many."""
+    settings = SumSettings()
+    found: list[NDArray[np.float64]] = []
+    exponent = int(np.frexp(np.abs(rows).max())[1])
+    rest = np.ldexp(rows, -exponent)
+    if not np.array_equal(np.ldexp(rest, exponent), rows):
+        return None
+    while rest.any():
+        if len(found) == settings.most_limbs:
+            return None
+        rest *= 2.0**settings.limb_bits
+        found.append(np.rint(rest))
+        rest -= found[-1]  # exact: of fewer bits
+    if not found:
+        return _Limbs(limbs=np.zeros((len(rows), 1, rows.shape[1])), unit=0, lowest=None)
+    unit = exponent - settings.limb_bits * len(found)
+    last = int(np.bitwise_or.reduce(found[-1].astype(np.int64), axis=None))
+    lowest = unit + (last & -last).bit_length() - 1
+    return _Limbs(limbs=np.stack(found, axis=1), unit=unit, lowest=lowest)
+
+
+def _products(x: _Limbs, y: _Limbs, w: _Limbs) -> tuple[int, ...]:
+    """The 28 sums, each over the units of its factors multiplied."""
+    wx, wy = _weighted(w, x), _weighted(w, y)
+    xx, yx, yy = _table(wx, x), _table(wy, x), _table(wy, y)
+    return (
+        *_total(w.limbs),
+        *_total(wx),
+        *_total(wy),
+        *(yx[i][j] for i in range(3) for j in range(3)),
+        *(xx[i][j] for i, j in UPPER),
+        *(yy[i][j] for i, j in UPPER),
+    )
+
+
+def _weighted(w: _Limbs, side: _Limbs) -> NDArray[np.float64]:
+    """(3, limbs, count): the rows times the weights, in limbs again, as many as of both together.
+
+    Products of limbs are below 2^40 and are added up, at most twelve of them, before they carry.
+    """
+    base = 2.0 ** SumSettings().limb_bits
+    left, right = w.limbs.shape[1], side.limbs.shape[1]
+    found = np.zeros((len(side.limbs), left + right, side.limbs.shape[2]))
+    for k in range(left):
+        found[:, k + 1 : k + 1 + right] += w.limbs[:, k, None] * side.limbs
+    for k in range(left + right - 1, 0, -1):
+        carry = np.rint(found[:, k] / base)
+        found[:, k] -= carry * base
+        found[:, k - 1] += carry
+    return found
+
+
+def _table(left: NDArray[np.float64], right: _Limbs) -> list[list[int]]:
+    """3x3: the sums of the products of rows of both; no product of matrices rounds (2^53)."""
+    rows, many, count = left.shape
+    few = right.limbs.shape[1]
+    product = left.reshape(-1, count) @ right.limbs.reshape(-1, count).T
+    parts = product.astype(np.int64).reshape(rows, many, -1, few)
+    by_place = np.zeros((rows, parts.shape[2], many + few - 1), dtype=np.int64)
+    for k in range(few):
+        by_place[:, :, k : k + many] += parts[:, :, :, k].swapaxes(1, 2)
+    return [[_joined(places) for places in row] for row in by_place.tolist()]
+
+
+def _total(rows: NDArray[np.float64]) -> list[int]:
+    """The sum of each row."""
+    return [_joined(places) for places in rows.sum(axis=2).astype(np.int64).tolist()]
+
+
+def _joined(places: list[int]) -> int:
+    value = 0
+    for place in places:
+        value = (value << SumSettings().limb_bits) + place
+    return value
+
+
+def _stated(integers: Sequence[int], units: Sequence[int], lowest: Sequence[int | None]) -> Sums:
+    """Sums given over units of source, target, weights, over the exponents of their lowest bits."""
+    x, y, w = (0 if low is None else unit - low for unit, low in zip(units, lowest, strict=True))
+    shifts = (w + of_source * x + of_target * y for of_source, of_target in FACTORS)
+    return Sums(
+        source_exponent=lowest[0],
+        target_exponent=lowest[1],
+        weight_exponent=lowest[2],
+        integers=tuple(
+            k << shift if shift >= 0 else k >> -shift
+            for k, shift in zip(integers, shifts, strict=True)
+        ),
+    )
+
+
+def _least(one: int | None, other: int | None) -> int | None:
+    if one is None or other is None:
+        return one if other is None else other
+    return min(one, other)
+
+
+def _difference(exponent: int | None, least: int | None) -> int:
+    return 0 if exponent is None or least is None else exponent - least
+
+
+def _dot(a: list[int], b: list[int]) -> int:
+    return sum(map(mul, a, b))

@@ -1,0 +1,169 @@
+/* The sums of w, w a and w a b over points, exactly; a, b are coordinates of x and y.
+ *
+ * A double is m 2^(4e - 1074) with integers |m| < 2^56 and 0 <= e < 512. A product of doubles is that
+ * of the m, and the sum of the e tells which of many accumulators takes it, one for each power of 16:
+ * nothing is shifted, rounded or carried while the points go by. An accumulator is a pair of 128
+ * bits, high 2^56 + low. What is added to either is at most 2^112, so that 2^15 points fit; then they
+ * are gathered into one long number. */
+#include "exact.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#ifdef __SIZEOF_INT128__
+
+#define PORTION 32768 /* 2^15 */
+#define HALF 56       /* bits */
+#define POWERS 1534   /* 3 * 511 + 1: a sum of three e is below, whatever the bits */
+#define PITCH 1539    /* so that the accumulators of one power do not share a place in the cache */
+
+enum { MASS = 0, FIRST = 1, CROSS = 7, SOURCE = 16, TARGET = 22 };
+
+typedef struct {
+    __int128 high, low;
+} pair;
+
+typedef struct {
+    int64_t m, e;
+} number;
+
+/* Of the numbers other than 0 in a group of columns: where the lowest bit is set, over 2^-1074; the
+ * least and the largest exponent, that is 4e and what is left of it. */
+typedef struct {
+    int64_t lowest, least, most;
+} range;
+
+static inline number split(double value, range *seen)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    const int64_t biased = bits >> 52 & 2047, normal = biased != 0, e = biased - normal;
+    const int64_t size = (int64_t)(bits & ((UINT64_C(1) << 52) - 1)) | normal << 52;
+    const int64_t m = size << (e & 3), sign = -(int64_t)(bits >> 63);
+    if (size != 0) {
+        const int64_t lowest = e + __builtin_ctzll((uint64_t)size);
+        seen->lowest = lowest < seen->lowest ? lowest : seen->lowest;
+        seen->least = e < seen->least ? e : seen->least;
+        seen->most = e > seen->most ? e : seen->most;
+    }
+    return (number){(m ^ sign) - sign, e >> 2};
+}
+
+/* Add (high 2^HALF + low) 16^e times another number to the accumulator of their power. */
+static inline void add(pair *sum, int64_t high, int64_t low, number b, int64_t e)
+{
+    sum[e + b.e].high += (__int128)high * b.m;
+    sum[e + b.e].low += (__int128)low * b.m;
+}
+
+static inline void add_point(pair (*sum)[PITCH], number w, const number x[3], const number y[3])
+{
+    static const number one = {1, 0};
+    const int64_t low_bits = (INT64_C(1) << HALF) - 1;
+    int k = SOURCE, l = TARGET;
+    sum[MASS][w.e].low += w.m;
+    for (int i = 0; i < 3; i++) {
+        const __int128 wx = (__int128)w.m * x[i].m, wy = (__int128)w.m * y[i].m;
+        const int64_t xh = (int64_t)(wx >> HALF), xl = (int64_t)wx & low_bits, xe = w.e + x[i].e;
+        const int64_t yh = (int64_t)(wy >> HALF), yl = (int64_t)wy & low_bits, ye = w.e + y[i].e;
+        add(sum[FIRST + i], xh, xl, one, xe);
+        add(sum[FIRST + 3 + i], yh, yl, one, ye);
+        for (int j = 0; j < 3; j++)
+            add(sum[CROSS + 3 * i + j], yh, yl, x[j], ye);
+        for (int j = i; j < 3; j++) {
+            add(sum[k++], xh, xl, x[j], xe);
+            add(sum[l++], yh, yl, y[j], ye);
+        }
+    }
+}
+
+/* Add value 2^shift to a long number. */
+static void add_shifted(uint64_t *words, __int128 value, int64_t shift)
+{
+    const int bits = shift & 63;
+    const uint64_t sign = value < 0 ? UINT64_MAX : 0, top = (uint64_t)(value >> 64);
+    const unsigned __int128 moved = (unsigned __int128)value << bits;
+    const uint64_t parts[3] = {
+        (uint64_t)moved, (uint64_t)(moved >> 64), bits ? top >> (64 - bits) | sign << bits : sign};
+    uint64_t carry = 0;
+    for (int64_t k = shift >> 6, part = 0; k < CERTREG_EXACT_WORDS; k++, part++) {
+        const uint64_t given = part < 3 ? parts[part] : sign;
+        if (part >= 3 && given + carry == 0)
+            return; /* the words above stay as they are */
+        const unsigned __int128 total = (unsigned __int128)words[k] + given + carry;
+        words[k] = (uint64_t)total;
+        carry = (uint64_t)(total >> 64);
+    }
+}
+
+/* Move the accumulators of one sum, of powers in a range, to its long number. */
+static void gather(uint64_t *words, pair *sum, int64_t least, int64_t most)
+{
+    for (int64_t e = least; e <= most; e++) {
+        if (sum[e].low != 0)
+            add_shifted(words, sum[e].low, 4 * e);
+        if (sum[e].high != 0)
+            add_shifted(words, sum[e].high, 4 * e + HALF);
+        sum[e].low = sum[e].high = 0;
+    }
+}
+
+static void gather_all(uint64_t *sums, pair (*sum)[PITCH], const range seen[3])
+{
+    for (int k = 0; k < CERTREG_EXACT_SUMS; k++) {
+        int x = 0, y = 0; /* how many factors are of the source, and of the target */
+        if (k >= FIRST && k < CROSS)
+            x = k < FIRST + 3, y = !x;
+        else if (k >= CROSS && k < SOURCE)
+            x = 1, y = 1;
+        else if (k >= SOURCE)
+            x = k < TARGET ? 2 : 0, y = 2 - x;
+        gather(sums + k * CERTREG_EXACT_WORDS, sum[k],
+            seen[2].least / 4 + x * (seen[0].least / 4) + y * (seen[1].least / 4),
+            seen[2].most / 4 + x * (seen[0].most / 4) + y * (seen[1].most / 4));
+    }
+}
+
+/* The sums of n points, source and target n x 3, over 2^-1074 to the power of the number of factors;
+ * for source, target, weights where the lowest bit is set, over 2^-1074 (INT64_MAX: all are zero). */
+int certreg_exact_sums(
+    long n, const double *source, const double *target, const double *weights, uint64_t *sums, int64_t lowest[3])
+{
+    static const range none = {INT64_MAX, 2046, 0};
+    range seen[3] = {none, none, none};
+    pair(*sum)[PITCH] = calloc(CERTREG_EXACT_SUMS, sizeof *sum);
+    if (sum == NULL)
+        return CERTREG_NO_MEMORY;
+    memset(sums, 0, CERTREG_EXACT_SUMS * CERTREG_EXACT_WORDS * sizeof *sums);
+    for (long i = 0; i < n;) {
+        const long end = n - i > PORTION ? i + PORTION : n;
+        for (; i < end; i++) {
+            const number w = split(weights[i], &seen[2]);
+            number x[3], y[3];
+            for (int k = 0; k < 3; k++) {
+                x[k] = split(source[3 * i + k], &seen[0]);
+                y[k] = split(target[3 * i + k], &seen[1]);
+            }
+            add_point(sum, w, x, y);
+        }
+        gather_all(sums, sum, seen);
+    }
+    free(sum);
+    for (int k = 0; k < 3; k++)
+        lowest[k] = seen[k].lowest;
+    for (int k = 0; k < 3; k++)
+        if (seen[k].most == 2046)
+            return CERTREG_NOT_FINITE;
+    return CERTREG_SUMMED;
+}
+
+#else
+
+int certreg_exact_sums(
+    long n, const double *source, const double *target, const double *weights, uint64_t *sums, int64_t lowest[3])
+{
+    (void)n, (void)source, (void)target, (void)weights, (void)sums, (void)lowest;
+    return CERTREG_NO_WIDE_INTEGERS;
+}
+
+#endif

@@ -1,0 +1,185 @@
+"""Three roads to the exact sums give the same integers, whatever the numbers are."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+import strategies
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from certreg import RegistrationProblem, exact_sums
+from certreg.errors import CertregError
+from certreg.exact_sums import EMPTY, FACTORS, UPPER, Road, road_for, sums, sums_by
+from certreg.moments import exact_moments, moments_of
+from certreg.native import library as native
+from certreg.native.compiler import CompilationError
+from certreg.settings import SumSettings
+
+finite = st.floats(allow_nan=False, allow_infinity=False, allow_subnormal=True)
+LARGEST, LEAST = np.finfo(float).max, 5e-324
+
+
+@st.composite
+def wild_problems(draw):
+    """Any finite doubles at all, or doubles of scales from 1e-150 to 1e150 beside each other."""
+    n = draw(st.integers(1, 9))
+    if draw(st.booleans()):
+        source, target = (draw(arrays(np.float64, (n, 3), elements=finite)) for _ in range(2))
+        weights = np.abs(draw(arrays(np.float64, n, elements=finite)))
+    else:
+        rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+        span = draw(st.sampled_from([0, 3, 40, 150]))
+        source, target, weights = (
+            rng.normal(size=size) * 10.0 ** rng.integers(-span, span + 1, size=size)
+            for size in ((n, 3), (n, 3), n)
+        )
+        weights = np.abs(weights)
+    weights[0] = weights[0] or 1.0
+    return RegistrationProblem(source, target, weights=weights)
+
+
+def by_definition(problem):
+    """The 28 sums in fractions, point by point."""
+    x, y = (
+        [[Fraction(v) for v in row] for row in side.tolist()]
+        for side in (problem.source, problem.target)
+    )
+    points = [*zip([Fraction(w) for w in problem.weights.tolist()], x, y, strict=True)]
+    return [
+        sum(w for w, _, _ in points),
+        *(sum(w * p[i] for w, p, _ in points) for i in range(3)),
+        *(sum(w * q[i] for w, _, q in points) for i in range(3)),
+        *(sum(w * q[i] * p[j] for w, p, q in points) for i in range(3) for j in range(3)),
+        *(sum(w * p[i] * p[j] for w, p, _ in points) for i, j in UPPER),
+        *(sum(w * q[i] * q[j] for w, _, q in points) for i, j in UPPER),
+    ]
+
+
+def values(found):
+    a, b, c = (
+        e or 0 for e in (found.source_exponent, found.target_exponent, found.weight_exponent)
+    )
+    return [
+        k * Fraction(2) ** (c + x * a + y * b)
+        for k, (x, y) in zip(found.integers, FACTORS, strict=True)
+    ]
+
+
+@given(wild_problems())
+@settings(max_examples=150)
+def test_every_road_gives_the_same_integers_and_they_are_those_of_the_definition(problem):
+    one, *others = (sums_by(road, problem) for road in Road)
+
+    assert others == [one, one]
+    assert values(one) == by_definition(problem)
+
+
+@given(strategies.problems())
+def test_the_integers_do_not_depend_on_how_the_points_are_divided(problem):
+    rows = [slice(k, k + 1) for k in range(problem.n)]
+    for one in (exact_sums._by_integers, exact_sums._by_few_limbs):
+        parts = [one(problem.block(row)) for row in rows]
+
+        assert sum(parts, start=EMPTY) == sum(reversed(parts), start=EMPTY) == sums(problem)
+
+
+@pytest.mark.parametrize(
+    ("source", "weight"),
+    [
+        (LARGEST, LARGEST),
+        (-LARGEST, 1.0),
+        (LEAST, LEAST),
+        (-LEAST, LARGEST),
+        (2.0**-1022, 1.0 - 2.0**-53),
+        (-0.0, 1.0),
+    ],
+)
+def test_accumulators_do_not_overflow_where_all_numbers_are_extreme(source, weight):
+    n = 40_000  # more than one portion of the compiled loop, and five of the limbs
+    problem = RegistrationProblem(np.full((n, 3), source), np.full((n, 3), LARGEST), weights=weight)
+    one = RegistrationProblem(np.full((1, 3), source), np.full((1, 3), LARGEST), weights=weight)
+    expected = [n * value for value in values(sums_by(Road.INTEGERS, one))]
+
+    for road in (Road.COMPILED, Road.LIMBS):
+        assert values(sums_by(road, problem)) == expected
+
+
+def test_many_points_of_many_scales_on_threads_sum_up_to_the_same_integers(monkeypatch):
+    rng = np.random.default_rng(8)
+    problem = strategies.random_problem(rng, n=20_011, offset=1e6, decades=9.0)
+    expected = sums_by(Road.INTEGERS, problem)
+    few = SumSettings(block_points=1000, threads=3, limb_points=777)
+    for module in (exact_sums, __import__("certreg.problem", fromlist=["problem"])):
+        monkeypatch.setattr(module, "SumSettings", lambda: few)
+
+    assert [sums_by(road, problem) for road in Road] == [expected] * 3
+
+
+def test_limbs_are_used_where_they_are_said_to_be(monkeypatch):
+    """Otherwise that road could be the one of integers, and agreement would say nothing."""
+    rng = np.random.default_rng(1)
+    monkeypatch.setattr(exact_sums, "_by_integers", None)
+
+    for scale in (1e-150, 1.0, 1e150):
+        assert sums_by(Road.LIMBS, strategies.random_problem(rng, n=300, scale=scale))
+
+
+def test_the_road_is_chosen_by_the_number_of_points_and_whether_there_is_a_compiler(monkeypatch):
+    n = SumSettings().many_points
+    few, many = (RegistrationProblem(np.eye(size, 3), np.eye(size, 3)) for size in (n - 1, n))
+
+    assert [road_for(few), road_for(many)] == [Road.INTEGERS, Road.COMPILED]
+    monkeypatch.setattr(exact_sums, "_compiled", lambda: None)
+    assert [road_for(few), road_for(many)] == [Road.INTEGERS, Road.LIMBS]
+
+
+def test_without_integers_of_128_bits_there_is_no_compiled_road(monkeypatch):
+    def refused(*_):
+        raise CompilationError("no integers of 128 bits")
+
+    monkeypatch.setattr(native.Library, "exact_sums", refused)
+    exact_sums._compiled.cache_clear()
+    try:
+        assert exact_sums._compiled() is None
+    finally:
+        exact_sums._compiled.cache_clear()
+
+
+def test_exact_moments_of_many_points_are_those_of_integers():
+    problem = strategies.random_problem(np.random.default_rng(5), n=SumSettings().many_points)
+
+    assert road_for(problem) is Road.COMPILED
+    assert exact_moments(problem) == moments_of(sums_by(Road.INTEGERS, problem), problem.n)
+
+
+@pytest.mark.parametrize("bad", [np.inf, -np.inf, np.nan])
+def test_the_compiled_sums_refuse_what_is_not_finite(bad):
+    points = np.ones((4, 3))
+    points[2, 1] = bad
+    for source, target, weights in (
+        (points, np.ones((4, 3)), np.ones(4)),
+        (np.ones((4, 3)), points, np.ones(4)),
+        (np.ones((4, 3)), np.ones((4, 3)), points[:, 1]),
+    ):
+        with pytest.raises(ValueError, match="not finite"):
+            native.library().exact_sums(source, target, weights)
+
+
+def test_the_compiled_sums_refuse_arrays_that_do_not_belong_together():
+    for shapes in (((4, 3), (3, 3), (4,)), ((4, 2), (4, 2), (4,)), ((3, 3), (3, 3), (4,))):
+        with pytest.raises(ValueError, match="expected"):
+            native.library().exact_sums(*(np.ones(shape) for shape in shapes))
+
+
+def test_a_failure_in_a_thread_ends_the_sums(monkeypatch):
+    def fails(*_):
+        raise CertregError("as planned")
+
+    monkeypatch.setattr(native.Library, "exact_sums", fails)
+    problem = strategies.random_problem(np.random.default_rng(5), n=30)
+    with pytest.raises(CertregError, match="as planned"):
+        sums_by(Road.COMPILED, problem)

@@ -1,0 +1,165 @@
+"""Clouds that stay in their files: the same problem, read-only, without their size in memory."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import strategies
+
+from certreg import RegistrationProblem
+from certreg.errors import InvalidProblemError
+from certreg.exact_sums import Road, sums_by
+from certreg.mapping import let_go, mapped_file
+from certreg.settings import SumSettings
+
+MANY = SumSettings().block_points + 1000  # more than one block
+
+
+def saved(folder: Path, name: str, array: np.ndarray, mode: str = "r") -> np.ndarray:
+    np.save(folder / name, array)
+    return np.load(folder / name, mmap_mode=mode)  # type: ignore[arg-type]
+
+
+def mapped_problem(folder: Path, problem: RegistrationProblem) -> RegistrationProblem:
+    return RegistrationProblem(
+        saved(folder, "source.npy", problem.source),
+        saved(folder, "target.npy", problem.target),
+        weights=saved(folder, "weights.npy", problem.weights),
+    )
+
+
+@pytest.fixture(scope="module")
+def cloud():
+    return strategies.random_problem(np.random.default_rng(4), n=MANY)
+
+
+def resident_kilobytes(array: np.ndarray) -> int:
+    """How much of the map that an array lies in is in this process's memory (proc(5), smaps)."""
+    wanted, inside = array.ctypes.data, False
+    for line in Path("/proc/self/smaps").read_text().splitlines():
+        place = re.match(r"([0-9a-f]+)-([0-9a-f]+) ", line)
+        if place:
+            inside = int(place[1], 16) <= wanted < int(place[2], 16)
+        elif inside and line.startswith("Rss:"):
+            return int(line.split()[1])
+    raise AssertionError("no such map")
+
+
+def test_a_mapped_problem_is_the_same_problem(tmp_path, cloud):
+    mapped = mapped_problem(tmp_path, cloud)
+
+    for array in (mapped.source, mapped.target, mapped.weights):
+        assert mapped_file(array) is not None
+        assert not array.flags.writeable
+    assert mapped.digest() == cloud.digest()
+    assert mapped.data_bytes() == cloud.data_bytes()
+    assert sums_by(Road.COMPILED, mapped) == sums_by(Road.LIMBS, cloud)
+
+
+@pytest.mark.parametrize("mode", ["r+", "c"])
+def test_an_array_that_could_be_written_to_is_copied(tmp_path, mode):
+    array = saved(tmp_path, "source.npy", np.eye(3), mode)
+    problem = RegistrationProblem(array, np.eye(3))
+    array[0, 0] = 7.0
+
+    assert problem.source[0, 0] == 1.0
+
+
+def test_a_private_change_is_not_lost_by_letting_go(tmp_path):
+    array = saved(tmp_path, "source.npy", np.eye(3), "c")
+    array[0, 0] = 7.0
+    let_go(array)
+
+    assert array[0, 0] == 7.0
+
+
+@pytest.mark.parametrize("dtype", ["<f4", ">f8", "<i4", "<f2"])
+def test_a_mapped_array_of_another_type_gives_the_problem_of_its_values(tmp_path, dtype):
+    rng = np.random.default_rng(6)
+    points = rng.integers(-100, 100, size=(50, 3)).astype(dtype)
+    mapped = RegistrationProblem(saved(tmp_path, "source.npy", points), points)
+    plain = RegistrationProblem(points.astype(float), points.astype(float))
+
+    assert mapped.source.dtype == points.dtype
+    assert mapped.digest() == plain.digest()
+    assert sums_by(Road.COMPILED, mapped) == sums_by(Road.INTEGERS, plain)
+
+
+def test_columns_and_rows_backwards_may_be_mapped(tmp_path):
+    table = np.arange(70.0).reshape(10, 7)
+    mapped = saved(tmp_path, "table.npy", table)
+    problem = RegistrationProblem(mapped[::-1, 2:5], mapped[:, :3])
+    plain = RegistrationProblem(table[::-1, 2:5].copy(), table[:, :3].copy())
+
+    assert mapped_file(problem.source) is not None
+    assert problem.digest() == plain.digest()
+    assert sums_by(Road.COMPILED, problem) == sums_by(Road.COMPILED, plain)
+
+
+def test_a_mapped_zero_with_a_sign_is_a_plain_zero(tmp_path):
+    signed = saved(tmp_path, "signed.npy", -0.0 * np.ones((2, 3)))
+
+    plain = RegistrationProblem(np.zeros((2, 3)), np.eye(2, 3))
+    assert RegistrationProblem(signed, np.eye(2, 3)).digest() == plain.digest()
+
+
+def test_reading_a_mapped_problem_leaves_little_of_it_in_memory(tmp_path):
+    n, least, most = 2**20, 16 * 1024, 3 * 1024  # kilobytes: one block, and what is read ahead
+    target, weights = np.broadcast_to(1.0, (n, 3)), np.broadcast_to(1.0, n)
+    mapped = RegistrationProblem(saved(tmp_path, "s.npy", np.ones((n, 3))), target, weights=weights)
+    assert resident_kilobytes(mapped.source) < most
+
+    sums_by(Road.COMPILED, mapped)
+    assert resident_kilobytes(mapped.source) < most
+    mapped.digest()
+    assert resident_kilobytes(mapped.source) < most
+    assert mapped.source.max() == 1.0  # all of it at once
+    assert resident_kilobytes(mapped.source) > least
+
+
+@pytest.mark.parametrize(
+    ("row", "words"), [(np.nan, "row 66000"), (np.inf, "row 66000"), (None, r"\(N, 3\)")]
+)
+def test_bad_mapped_points_are_refused_with_what_and_where(tmp_path, cloud, row, words):
+    points = cloud.source.copy()
+    points[66000, 1] = 0.0 if row is None else row
+    points = points.T.copy() if row is None else points
+    mapped = saved(tmp_path, "bad.npy", points)
+
+    with pytest.raises(InvalidProblemError, match=words):
+        RegistrationProblem(mapped, cloud.target)
+
+
+def test_bad_mapped_weights_are_refused_with_what_and_where(tmp_path, cloud):
+    weights = np.ones(MANY)
+    weights[66000] = -1.0
+
+    for values, words in ((weights, r"weights\[66000\] is -1.0"), (0.0 * weights, "all weights")):
+        mapped = saved(tmp_path, "weights.npy", values)
+        with pytest.raises(InvalidProblemError, match=words):
+            RegistrationProblem(cloud.source, cloud.target, weights=mapped)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("source", np.nan), ("target", np.inf), ("weights", -1)]
+)
+def test_a_file_that_is_spoilt_meanwhile_is_noticed(tmp_path, cloud, name, value):
+    mapped = mapped_problem(tmp_path, cloud)
+    writable = np.load(tmp_path / f"{name}.npy", mmap_mode="r+")
+    writable[66000] = value
+
+    for road in Road:
+        with pytest.raises(InvalidProblemError, match="was changed"):
+            sums_by(road, mapped)
+
+
+def test_equal_weights_take_the_place_of_one():
+    for options in ({}, {"sigma": 0.5}, {"weights": 4.0}):
+        problem = RegistrationProblem(np.eye(5, 3), np.eye(5, 3), **options)
+
+        assert problem.weights.shape == (5,)
+        assert problem.weights.strides == (0,)
+        assert not problem.weights.flags.writeable
