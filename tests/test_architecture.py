@@ -17,7 +17,8 @@ files dyadic mapping
 verify
 so3 definite
 codegen.translate codegen.emit
-native.batch native.cache native.compiler native.library native.evaluator native.engine
+native.batch native.clouds native.resting native.cache native.compiler native.library
+native.evaluator native.engine
 problem
 exact_sums moments energy pose
 equilibria.classification equilibria.components equilibria.eigenbasis equilibria.stability
@@ -26,7 +27,7 @@ equilibria.quadratics equilibria.exports equilibria.balls equilibria.tracking
 equilibria.reference equilibria.groebner equilibria.homotopy equilibria.krawczyk equilibria.counting
 equilibria.roads
 relaxation.qcqp relaxation.conic relaxation.shor
-dynamics integration simulation ensembles covariance
+dynamics integration simulation instances ensembles covariance
 certificate.types certificate.bounds
 certificate.multiplier certificate.producing certificate.counting
 certificate.coq certificate.coqc certificate.checking

@@ -113,3 +113,23 @@ def _oscillator(g: float, damping: float) -> tuple[complex, complex]:
         return complex(-half, -height), complex(-half, height)
     large = -half - math.sqrt(discriminant)
     return complex(large), complex(g / large)
+
+
+def oscillations(ratios: NDArray[np.float64], damping: float) -> NDArray[np.complex128]:
+    """The roots of all six oscillators at equilibria with spring ratios (..., 3): (..., 6, 2).
+
+    What `linearised_spectrum` does for one, in the same order of operations, without sorting; not a
+    number where a ratio is none. The last three are those of the translation.
+    """
+    springs = np.concatenate([ratios, np.full_like(ratios, TRANSLATION_STIFFNESS)], axis=-1)
+    half = damping / 2.0
+    discriminant = half * half - springs
+    height = np.sqrt(np.abs(discriminant))
+    complex_pair = discriminant < 0.0
+    large = np.where(complex_pair, -half, -half - height)
+    roots = np.empty((*springs.shape, 2), dtype=np.complex128)
+    roots.real[..., 0] = large
+    roots.real[..., 1] = np.where(complex_pair, -half, springs / large)
+    roots.imag[..., 1] = np.where(complex_pair, height, 0.0)
+    roots.imag[..., 0] = -roots.imag[..., 1]
+    return roots

@@ -14,14 +14,16 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from certreg.native.batch import ENERGIES, Batch, Ending, Integrator, Log
+from certreg.native.batch import BODY, ENERGIES, Batch, Ending, Integrator, Log
 from certreg.native.compiler import GENERATED
 from certreg.native.library import Signature, signatures
+from certreg.native.resting import rest_poses
 from certreg.so3 import quaternion_from_matrix, rotation_matrix
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from certreg.native.clouds import Clouds, RestPoses
     from certreg.settings import SimulationSettings
 
 Array = Any  # NDArray[np.float64]
@@ -47,6 +49,18 @@ class Evaluator:
         """The results of one generated function, flat. Raises ValueError for other sizes."""
         return self.calls[name](*arguments)
 
+    def rest_poses(self, clouds: Clouds) -> RestPoses:
+        """What doubles say of the rest poses of many problems."""
+        return rest_poses(clouds, self._hessians)
+
+    def _hessians(self, quaternions: Array, cross: Array) -> Array:
+        """The generated Hessian at unit quaternions (count, 4), of C (count, 9): (count, 3, 3)."""
+        state = np.zeros((Integrator.SPLITTING.state_size, len(quaternions)))
+        bodies = np.zeros((BODY, len(quaternions)))
+        state[3:7], bodies[:9] = quaternions.T, cross.T
+        hessians, _ = self.calls["certreg_quaternion_curvature"].function(state, bodies)
+        return np.array(hessians).T.reshape(-1, 3, 3)
+
     def run(self, batch: Batch, settings: SimulationSettings, log: Log | None = None) -> None:
         """Integrate every instance of a batch, one after another."""
         for k in range(len(batch.bodies)):
@@ -56,9 +70,10 @@ class Evaluator:
 class _Call:
     """One function with its own buffers: CasADi reads and writes them without conversion."""
 
-    __slots__ = ("_arguments", "_buffer", "_call", "_name", "_results", "_shape")
+    __slots__ = ("_arguments", "_buffer", "_call", "_name", "_results", "_shape", "function")
 
     def __init__(self, name: str, function: Any, shape: Signature) -> None:
+        self.function = function
         self._name, self._shape = name, shape
         self._arguments = [np.empty(size) for size in shape.arguments]
         self._results = [np.empty(size) for size in shape.results]

@@ -1,0 +1,290 @@
+r"""All equilibria of many problems at once, and which of the answers doubles are enough for.
+
+For campaigns of millions of instances. Nothing here is a certificate: an instance that is `decided`
+has exactly four equilibria, listed in the order of their Morse index, by the bound below and the
+theorem that an equilibrium is an eigenvector of the Davenport matrix. The others go the exact road
+(`exactly`), one by one.
+
+The bound. Let u = 2^-53, N points, P_x and P_y the sums of w |x - a|^2 and w |y - b|^2 about the
+doubles a, b that the points are shifted by, all over the mass; norms are Frobenius norms.
+
+1. Shifting rounds each difference once, and C is the sum of w (y - b)(x - a)^T less a product of
+   the two sums of what is left of the means, whatever a and b are. Each sum has N terms of at most
+   five roundings, in any order, and |sum w |y - b| |x - a|^T| <= sqrt(P_x P_y) by Cauchy and
+   Schwarz; the sums of what is left are at most sqrt(P_x), sqrt(P_y). So the computed C is off by
+   at most 5 g sqrt(P_x P_y), g = (N + 8) u / (1 - (N + 8) u), and S2 by 5 g P_x. (Points, weights
+   and sums are over powers of two. What underflows there is less than the tiny `FLOOR` per point.)
+2. The Davenport matrix is linear in C, its eigenvalues are sums of three singular values of C with
+   signs: |K(E)|_2 <= sqrt(3) |E|. Forming K rounds by at most 5 u |K|.
+3. Let V, L be the computed vectors and values, Q the orthogonal factor of V; |V - Q| is at most
+   s = |V^T V - I|. Then K Q - Q L is at most |K V - V L| + s (|K| + |L|), the kernel's `residual`,
+   which is computed to within 35 u (|K| + |L|), and by Weyl's inequality the k-th eigenvalue of K
+   is that close to the k-th entry of L.
+
+So each eigenvalue is known to B = sqrt(3) 5 g sqrt(P_x P_y) + residual + 40 u (|K| + |L|) and if
+neighbours are more than 2 B apart, they are distinct. For J: the sum e of the principal minors of
+S2 is positive iff J is definite; it changes by at most 2 P_x |E| when S2 does by E. The least
+eigenvalue of J is at least j = e / P_x - 2 |E|, and if that is positive, J is definite.
+
+The number of unstable eigenvalues is counted, from the twelve eigenvalues of the linearised
+dynamics: those of the translation, and of s^2 + mu s + g with g an eigenvalue of the pencil (G, J).
+It is -1 unless every |g| is larger than its error. The generated Hessian at a vector of the basis
+rounds by 2^8 u |K|, and belongs to an exact equilibrium of a matrix less than 2 B from K. Reduced
+by the Cholesky factor of J that error is at most 1 / j times as large, and the reduction rounds by
+2^8 u sqrt(2 P_x / j) |K| / j.
+"""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from certreg.equilibria.spectral import equilibrium_set, spectrum
+from certreg.equilibria.stability import oscillations
+from certreg.errors import InvalidProblemError
+from certreg.moments import exact_moments
+from certreg.native.clouds import Clouds
+from certreg.native.evaluator import evaluator
+from certreg.problem import RegistrationProblem
+from certreg.settings import DEFAULT_DAMPING
+from certreg.so3 import rotation_matrix
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from certreg.equilibria.components import EquilibriumSet
+    from certreg.native.clouds import RestPoses
+
+Array = Any  # NDArray[np.float64]
+PORTION = 512  # instances that one thread takes at a time: they fit its cache
+ROUNDING = 2.0**-53
+FLOOR = 2.0**-1000  # far above N times the least normal double
+LEAST_SPREAD = 2.0**-400  # mean squares below: squares of their rounding errors would underflow
+SLACK = 1.0 + 2.0**-10  # for the roundings in evaluating a bound itself
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Solutions:
+    """The four rest poses of each problem, by descending eigenvalue: row k has Morse index k.
+
+    That holds where `decided`; elsewhere the rows are what doubles make of it.
+
+    quaternions: (count, 4, 4), unit, (w, x, y, z). translations: (count, 4, 3), target from source.
+    rmse: (count, 4), sqrt(sum w r^2 / sum w), in the unit of length.
+    unstable: (count, 4), of the 12 eigenvalues of the linearised dynamics those with a positive
+        real part, counted; -1 where doubles do not decide.
+    margins: (count,), the least difference of neighbouring eigenvalues over that of the outermost.
+    decided: (count,), proved: four equilibria, and three source points are not collinear.
+    eigenvalues: (count, 4, 12) of the linearised dynamics, by descending real part; NaN where J is
+        singular to rounding. None unless asked for.
+    """
+
+    quaternions: NDArray[np.float64]
+    translations: NDArray[np.float64]
+    rmse: NDArray[np.float64]
+    unstable: NDArray[np.int8]
+    margins: NDArray[np.float64]
+    decided: NDArray[np.bool_]
+    eigenvalues: NDArray[np.complex128] | None
+
+    @classmethod
+    def empty(cls, count: int, *, spectrum: bool) -> Solutions:
+        """Room for so many problems."""
+        return cls(
+            quaternions=np.empty((count, 4, 4)),
+            translations=np.empty((count, 4, 3)),
+            rmse=np.empty((count, 4)),
+            unstable=np.empty((count, 4), dtype=np.int8),
+            margins=np.empty(count),
+            decided=np.empty(count, dtype=np.bool_),
+            eigenvalues=np.empty((count, 4, 12), dtype=np.complex128) if spectrum else None,
+        )
+
+    def part(self, chosen: slice) -> Solutions:
+        """Some of the problems; what is written there is written here."""
+        arrays: Any = {f.name: getattr(self, f.name) for f in fields(self)}
+        parts: Any = {k: a if a is None else a[chosen] for k, a in arrays.items()}
+        return Solutions(**parts)
+
+
+def solve_many(
+    sources: ArrayLike,
+    targets: ArrayLike,
+    *,
+    weights: ArrayLike | None = None,
+    damping: float = DEFAULT_DAMPING,
+    threads: int = 2,
+    spectrum: bool = False,
+) -> Solutions:
+    """The rest poses of many problems, on so many threads; the same numbers on any.
+
+    sources, targets: (count, N, 3), or (N, 3) for the same in all; weights: (count, N) or (N,), not
+    negative. spectrum: the eigenvalues, too. The interpreter's lock is free most of the time.
+    Raises InvalidProblemError, which names the instance, for other shapes and values.
+    """
+    given = clouds(sources, targets, weights)
+    if not 0.0 < damping < np.inf:
+        raise InvalidProblemError(f"damping is {damping!r}: it must be a positive finite number")
+    solutions = Solutions.empty(given.count, spectrum=spectrum)
+
+    def solve(start: int) -> None:
+        chosen = slice(start, start + PORTION)
+        some = given.part(chosen)
+        found = evaluator().rest_poses(some)
+        _require_finite(found, some, start)
+        _write(solutions.part(chosen), found, some, damping)
+
+    with ThreadPoolExecutor(threads) as pool:
+        for done in [pool.submit(solve, k) for k in range(0, given.count, PORTION)]:
+            done.result()
+    return solutions
+
+
+def exactly(
+    source: ArrayLike,
+    target: ArrayLike,
+    *,
+    weights: ArrayLike | None = None,
+    damping: float = DEFAULT_DAMPING,
+) -> EquilibriumSet:
+    """All equilibria of one problem in exact arithmetic: the road for what is not decided."""
+    problem = RegistrationProblem(source, target, weights=weights, damping=damping)
+    return equilibrium_set(spectrum(exact_moments(problem)), problem.damping)
+
+
+def clouds(sources: ArrayLike, targets: ArrayLike, weights: ArrayLike | None) -> Clouds:
+    """The arrays as the engines take them. Raises InvalidProblemError for other shapes."""
+    x, y = _points(sources, "sources"), _points(targets, "targets")
+    if x.shape[1] != y.shape[1]:
+        message = f"sources have {x.shape[1]} points and targets {y.shape[1]}: they correspond"
+        raise InvalidProblemError(message)
+    w = np.ones((1, x.shape[1])) if weights is None else _weights(weights, x.shape[1])
+    count = max(len(x), len(y), len(w))
+    for name, array in (("sources", x), ("targets", y), ("weights", w)):
+        if len(array) not in {1, count}:
+            message = f"{name} are of {len(array)} instances, other arrays of {count}"
+            raise InvalidProblemError(message)
+    return Clouds(count=count, sources=x, targets=y, weights=w)
+
+
+def _points(given: ArrayLike, name: str) -> Array:
+    array = _doubles(given, name)
+    array = array[np.newaxis] if array.ndim == 2 else array
+    if array.ndim != 3 or array.shape[2] != 3 or 0 in array.shape:
+        message = f"{name} have the shape {array.shape}: give finite numbers, (count, N, 3)"
+        raise InvalidProblemError(message)
+    return array
+
+
+def _weights(given: ArrayLike, points: int) -> Array:
+    array = np.atleast_2d(_doubles(given, "weights"))
+    if array.ndim != 2 or array.shape[1] != points:
+        message = f"weights have the shape {array.shape}: give (count, {points}) or ({points},)"
+        raise InvalidProblemError(message)
+    wrong = (array < 0.0).any(axis=1) | ~(array.max(axis=1) > 0.0)
+    if wrong.any():
+        message = (
+            f"the weights of instance {int(np.argmax(wrong))} are not finite numbers >= 0, "
+            "or all of them are zero"
+        )
+        raise InvalidProblemError(message)
+    return array
+
+
+def _doubles(given: ArrayLike, name: str) -> Array:
+    try:
+        array = np.asarray(given)
+    except (ValueError, TypeError) as error:
+        raise InvalidProblemError(f"{name} are not an array of numbers: {error}") from error
+    if array.dtype.kind not in "fiu":
+        raise InvalidProblemError(f"{name} have entries of type {array.dtype}: give real numbers")
+    return np.ascontiguousarray(array, dtype=np.float64)
+
+
+def _require_finite(found: RestPoses, some: Clouds, start: int) -> None:
+    """Refuse what is not finite, which shows in the sums: nothing else makes a NaN of them."""
+    lost = np.isnan(found.cross).any(axis=1)
+    if not lost.any():
+        return
+    k = int(np.argmax(lost))
+    one = some.part(slice(k, k + 1))
+    for name, rows in (("sources", one.sources), ("targets", one.targets)):
+        sound = np.isfinite(rows[0]).all(axis=1)
+        if not sound.all():
+            row = int(np.argmin(sound))
+            message = f"{name} of instance {start + k}, row {row}, is {rows[0, row].tolist()}"
+            raise InvalidProblemError(f"{message}: every value must be finite")
+    raise InvalidProblemError(f"the weights of instance {start + k} are not finite")
+
+
+def _write(solutions: Solutions, found: RestPoses, some: Clouds, damping: float) -> None:
+    """Put what follows from the rest poses of some problems where it belongs."""
+    values, vectors = found.values, found.vectors
+    gaps = values[:, :-1] - values[:, 1:]
+    range_ = values[:, 0] - values[:, 3]
+    with np.errstate(all="ignore"):
+        solutions.margins[:] = np.where(range_ > 0.0, gaps.min(axis=1) / range_, 0.0)
+        solutions.quaternions[:] = vectors
+        solutions.translations[:] = _translations(found)
+        solutions.rmse[:] = _rmse(found)
+        bound = _Bounds(found, some.sources.shape[1])
+        solutions.decided[:] = bound.sound & (gaps.min(axis=1) > 2.0 * bound.eigenvalue)
+        solutions.decided[:] &= bound.inertia > 0.0
+        roots = _oscillations(found, damping)
+        growing = (roots.real > 0.0).sum(axis=(2, 3))
+        certain = np.abs(found.ratios).min(axis=2) > bound.ratio[:, np.newaxis]
+        certain &= solutions.decided[:, np.newaxis] & np.isfinite(roots).all(axis=(2, 3))
+        solutions.unstable[:] = np.where(certain, growing, -1)
+    if solutions.eigenvalues is not None:
+        solutions.eigenvalues[:] = _sorted(roots.reshape(-1, 4, 12))
+
+
+class _Bounds:
+    """How far what was computed can be from what is, (count,) each; over the mass and units."""
+
+    def __init__(self, found: RestPoses, points: int) -> None:
+        source, target = found.spreads[:, 0], found.spreads[:, 1]
+        g = (points + 8) * ROUNDING / (1.0 - (points + 8) * ROUNDING)
+        size = 2.0 * np.linalg.norm(found.cross, axis=1)
+        sizes = size + np.linalg.norm(found.values, axis=1)
+        sums = 5.0 * g * np.sqrt(source) * np.sqrt(target) + points * FLOOR
+        self.sound = (source > LEAST_SPREAD) & (target > LEAST_SPREAD)
+        self.eigenvalue = np.sqrt(3.0) * sums + found.residual + 40.0 * ROUNDING * sizes
+        self.eigenvalue *= SLACK
+        a, b, c, d, e, f = found.scatter.T
+        minors = (a * d - b * b) + (a * f - c * c) + (d * f - e * e)
+        self.inertia = minors / source - SLACK * 2.0 * (5.0 * g * source + points * FLOOR)
+        reduction = 1.0 + np.sqrt(2.0 * source / self.inertia)
+        self.ratio = 2.0 * self.eigenvalue + 256.0 * ROUNDING * size * reduction
+        self.ratio *= SLACK / self.inertia
+
+
+def _translations(found: RestPoses) -> Array:
+    """The mean of y - R mean of x, (count, 4, 3)."""
+    turn: Any = np.array(rotation_matrix(list(np.moveaxis(found.vectors, 2, 0))))
+    source, target = found.means[:, :3], found.means[:, 3:]
+    turned = np.moveaxis(turn, (0, 1), (2, 3)) @ source[:, np.newaxis, :, np.newaxis]
+    return target[:, np.newaxis] - turned[..., 0]
+
+
+def _rmse(found: RestPoses) -> Array:
+    """From the residuals at the first pose, and the differences of the eigenvalues."""
+    largest = found.exponents.max(axis=1)
+    unit = np.ldexp(1.0, found.exponents.sum(axis=1) - 2 * largest)
+    losses = 2.0 * unit[:, np.newaxis] * (found.values[:, :1] - found.values)
+    return np.ldexp(np.sqrt(found.square[:, np.newaxis] + losses), largest[:, np.newaxis])
+
+
+def _oscillations(found: RestPoses, damping: float) -> Array:
+    """The eigenvalues of the linearised dynamics, (count, 4, 6, 2)."""
+    exponents = (found.exponents[:, 1] - found.exponents[:, 0])[:, np.newaxis, np.newaxis]
+    return oscillations(np.ldexp(found.ratios, exponents), damping)
+
+
+def _sorted(roots: Array) -> Array:
+    """By descending real part, then ascending imaginary part."""
+    order = np.lexsort((roots.imag, -roots.real))
+    return np.take_along_axis(roots, order, axis=-1)

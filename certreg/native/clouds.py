@@ -1,0 +1,83 @@
+"""Many small registration problems as plain arrays, and what the engines find of each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Clouds:
+    """`count` problems of N points each; an array of length one is shared by all of them.
+
+    sources, targets: (count or 1, N, 3); weights: (count or 1, N), not negative.
+    """
+
+    count: int
+    sources: NDArray[np.float64]
+    targets: NDArray[np.float64]
+    weights: NDArray[np.float64]
+
+    def part(self, chosen: slice) -> Clouds:
+        """Some of the problems."""
+        arrays = (self.sources, self.targets, self.weights)
+        sources, targets, weights = (a if len(a) == 1 else a[chosen] for a in arrays)
+        count = len(range(*chosen.indices(self.count)))
+        return Clouds(count=count, sources=sources, targets=targets, weights=weights)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RestPoses:
+    """What doubles say of each problem; source over 2^exponents[0], target over 2^exponents[1].
+
+    The largest coordinate of a cloud is in [1/2, 1) then. All sums are divided by the mass.
+
+    exponents: (count, 2). means: (count, 6), of source and target, in the units given.
+    cross: (count, 9), C row by row. scatter: (count, 6), the upper triangle of S2.
+    spreads: (count, 3), the mean squares of source and target about the points they were shifted
+        by, and of the target about its mean.
+    values: (count, 4), of the Davenport matrix, descending. vectors: (count, 4, 4), their
+        unit eigenvectors (w, x, y, z) row by row, the first nonzero entry positive.
+    residual: (count,), how far K is from having exactly these values.
+    ratios: (count, 4, 3), eigenvalues of the pencil (G, J) at each vector, ascending; NaN where J
+        is not positive definite to rounding.
+    square: (count,), the mean square residual at the first vector, over 4^max(exponents).
+    Not a number, all of them, where a coordinate or a weight is not finite.
+    """
+
+    exponents: NDArray[np.int32]
+    means: NDArray[np.float64]
+    cross: NDArray[np.float64]
+    scatter: NDArray[np.float64]
+    spreads: NDArray[np.float64]
+    values: NDArray[np.float64]
+    vectors: NDArray[np.float64]
+    residual: NDArray[np.float64]
+    ratios: NDArray[np.float64]
+    square: NDArray[np.float64]
+
+    @classmethod
+    def empty(cls, count: int) -> RestPoses:
+        """Room for so many problems."""
+        return cls(
+            exponents=np.empty((count, 2), dtype=np.int32),
+            **{name: np.empty((count, *shape)) for name, shape in SHAPES.items()},
+        )
+
+
+SHAPES = {
+    "means": (6,),
+    "cross": (9,),
+    "scatter": (6,),
+    "spreads": (3,),
+    "values": (4,),
+    "vectors": (4, 4),
+    "residual": (),
+    "ratios": (4, 3),
+    "square": (),
+}
