@@ -33,6 +33,7 @@ certificate.multiplier certificate.producing certificate.counting
 certificate.coq certificate.coqc certificate.checking
 agreement
 pipeline enumeration assessment
+experiments.generator
 io.streams io.labels io.xyz io.text io.lzf
 io.npy io.npz io.ply_rows io.ply io.pcd io.pairs io.clouds io.poses io.trajectories demo
 embedding derivation
@@ -97,6 +98,7 @@ def test_every_module_stands_on_the_map():
     folders = {
         "certreg",
         "certreg.equilibria",
+        "certreg.experiments",
         "certreg.certificate",
         "certreg.codegen",
         "certreg.commands",
