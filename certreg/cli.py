@@ -12,25 +12,14 @@ from typing import TYPE_CHECKING
 import click
 
 from certreg import __version__
+from certreg.commands.campaigns import batch
 from certreg.commands.derivations import codegen, derive, info
 from certreg.commands.dynamics import equilibria, simulate
 from certreg.commands.judging import apply, assess, verify
 from certreg.commands.registering import certify, demo
-from certreg.errors import (
-    CertregError,
-    ContradictionError,
-    RefusedCertificateError,
-    UndecidedError,
-)
-from certreg.options import (
-    DONE,
-    EXIT_CODES,
-    MISUSED,
-    NOT_CERTIFIED,
-    REFUSED,
-    printable,
-    warnings_as_notes,
-)
+from certreg.errors import CertregError
+from certreg.exits import DONE, MISUSED, code_of_error
+from certreg.options import EXIT_CODES, printable, warnings_as_notes
 
 if TYPE_CHECKING:
     from typing import NoReturn
@@ -49,7 +38,19 @@ def cli() -> None:
     """
 
 
-COMMANDS = (certify, assess, verify, equilibria, simulate, apply, demo, derive, codegen, info)
+COMMANDS = (
+    certify,
+    assess,
+    verify,
+    equilibria,
+    simulate,
+    apply,
+    batch,
+    demo,
+    derive,
+    codegen,
+    info,
+)
 for command in COMMANDS:
     cli.add_command(command)
 
@@ -65,15 +66,9 @@ def main() -> NoReturn:
     except click.ClickException as error:
         error.show()
         sys.exit(error.exit_code)
-    except (ContradictionError, RefusedCertificateError) as error:
-        click.echo(f"certreg: {printable(error)}", err=True)
-        sys.exit(REFUSED)
-    except UndecidedError as error:
-        click.echo(f"certreg: {printable(error)}", err=True)
-        sys.exit(NOT_CERTIFIED)
     except CertregError as error:
         click.echo(f"certreg: {printable(error)}", err=True)
-        sys.exit(MISUSED)
+        sys.exit(code_of_error(error))
     except BrokenPipeError:
         sys.exit(DONE)
     except OSError as error:

@@ -32,6 +32,10 @@ class OutOfRangeError(CertregError):
     """A result exists, but no double can hold it."""
 
 
+class CampaignError(CertregError):
+    """A campaign cannot begin or go on; what is done is kept."""
+
+
 class UndecidedError(CertregError):
     """What was asked could not be decided on this road; nothing is wrong with the problem."""
 

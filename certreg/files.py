@@ -6,8 +6,14 @@ import contextlib
 import os
 import tempfile
 from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO
 
 from certreg.errors import InvalidFileError
+
+if TYPE_CHECKING:
+    from collections.abc import Generator
+
+TEMPORARY = ".certreg-"  # how names of files begin that are not yet whole
 
 
 def write_atomically(path: str | os.PathLike[str], content: bytes) -> None:
@@ -15,15 +21,22 @@ def write_atomically(path: str | os.PathLike[str], content: bytes) -> None:
 
     A symbolic link stays one: the file that it names is written.
     """
+    with written_atomically(path) as stream:
+        stream.write(content)
+
+
+@contextlib.contextmanager
+def written_atomically(path: str | os.PathLike[str]) -> Generator[BinaryIO]:
+    """As `write_atomically`, for what is written bit by bit; nothing stands there if it fails."""
     target = Path(os.path.realpath(path))
     try:
-        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=".certreg-")
+        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=TEMPORARY)
     except OSError as error:
         message = f"{target}: cannot be written ({error.strerror}): choose another place"
         raise InvalidFileError(message) from error
     try:
         with os.fdopen(handle, "wb") as stream:
-            stream.write(content)
+            yield stream
         umask = os.umask(0)
         os.umask(umask)
         Path(temporary).chmod(0o666 & ~umask)

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
     from certreg.io.clouds import Pairing
 
-DONE, REFUSED, MISUSED, NOT_UNIQUE, NOT_CERTIFIED = 0, 1, 2, 3, 4
 EXIT_CODES = """
 \b
 Exit codes: 0 done and proved

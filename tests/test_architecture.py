@@ -12,7 +12,7 @@ PACKAGE = Path(certreg.__file__).parent
 
 # A module imports only from lines above its own, or from its left on the same line.
 MAP = """
-results errors settings
+results errors settings exits
 files dyadic mapping
 verify
 so3 definite
@@ -38,8 +38,10 @@ io.streams io.labels io.xyz io.text io.lzf
 io.npy io.npz io.ply_rows io.ply io.pcd io.pairs io.clouds io.poses io.trajectories demo
 embedding derivation
 report.roads report.document report.folder report.summary report.claims
-options
-commands.registering commands.judging commands.dynamics commands.derivations
+campaign.manifest campaign.folder campaign.shards campaign.workers campaign.calls campaign.running
+campaign.table campaign.listing campaign.pairs
+options progress
+commands.registering commands.judging commands.dynamics commands.derivations commands.campaigns
 cli __main__
 """
 PROVERS = ("certificate", "verify")  # the only places that speak of proof
@@ -97,6 +99,7 @@ def sources() -> dict[str, str]:
 def test_every_module_stands_on_the_map():
     folders = {
         "certreg",
+        "certreg.campaign",
         "certreg.equilibria",
         "certreg.experiments",
         "certreg.certificate",

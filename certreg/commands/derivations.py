@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from certreg import __version__
-from certreg.options import DONE, FOLDER, REFUSED
+from certreg.exits import DONE, REFUSED
+from certreg.options import FOLDER
 
 PACKAGES = (
     *("numpy", "scipy", "sympy", "casadi", "python-flint"),

@@ -6,15 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from certreg.options import (
-    CLOUD,
-    DONE,
-    EXIT_CODES,
-    NOT_CERTIFIED,
-    NOT_UNIQUE,
-    cloud_options,
-    printable,
-)
+from certreg.exits import DONE, NOT_CERTIFIED, NOT_UNIQUE
+from certreg.options import CLOUD, EXIT_CODES, cloud_options, printable
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from certreg.options import CLOUD, DONE, REFUSED, cloud_options, pairing_options, printable
+from certreg.exits import DONE, REFUSED
+from certreg.options import CLOUD, cloud_options, pairing_options, printable
 
 if TYPE_CHECKING:
     from certreg.io.clouds import Pair, Pairing

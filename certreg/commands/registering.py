@@ -9,13 +9,10 @@ from typing import TYPE_CHECKING
 import click
 
 from certreg import __version__
+from certreg.exits import DONE, REFUSED, code_of_registration
 from certreg.options import (
-    DONE,
     EXIT_CODES,
     FOLDER,
-    NOT_CERTIFIED,
-    NOT_UNIQUE,
-    REFUSED,
     cloud_options,
     printable,
 )
@@ -45,7 +42,6 @@ def certify(
     from certreg.report.document import dumps, result_document
     from certreg.report.folder import write_folder
     from certreg.report.summary import registration_summary
-    from certreg.results import Optimality
 
     registration = run(
         problem,
@@ -62,14 +58,7 @@ def certify(
         if path is not None:
             place = printable(path)
             click.echo(f"\nCertificate: {place}  (re-check it: certreg verify {place})")
-    trajectory = registration.solution.trajectory
-    if trajectory is not None and not trajectory.converged:
-        return NOT_CERTIFIED
-    return {
-        Optimality.CERTIFIED: DONE,
-        Optimality.CERTIFIED_NOT_UNIQUE: NOT_UNIQUE,
-        Optimality.NOT_CERTIFIED: NOT_CERTIFIED,
-    }[registration.status]
+    return code_of_registration(registration)
 
 
 @click.command(epilog="Exit code 0 when every problem came out as told, else 1.")

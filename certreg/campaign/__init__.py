@@ -1,0 +1,1 @@
+"""Campaigns: many registrations in batches that survive whatever kills them."""

@@ -1,0 +1,110 @@
+"""Lists of pairs to be registered: a .csv file whose header names what each row gives.
+
+`source` and `target` are files of clouds, relative to the list; `name` (or `label`) is what the
+results call the pair, else pair-1, pair-2, ...; `sigma`, `weights`, `pairs`, `match` and `damping`
+are as the options of `certreg certify`, and empty where there is nothing to say.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from certreg.errors import InvalidFileError
+from certreg.io.streams import reading
+from certreg.io.text import parse_rows
+from certreg.settings import CampaignSettings
+from certreg.verify import shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+NEEDED = ("source", "target")
+OPTIONAL = ("name", "sigma", "weights", "pairs", "match", "damping")
+COLUMNS = (*NEEDED, *OPTIONAL)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PairRow:
+    """A row of a list, as it is written: nothing is read or checked yet.
+
+    place: file and line, for errors. fault: why the row is none, where it is none.
+    """
+
+    number: int  # from 0
+    place: str
+    name: str
+    fields: dict[str, str]  # of COLUMNS; empty ones are left out
+    fault: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Listing:
+    """A list of pairs: the bytes of the file, how many rows it has, columns that are not read."""
+
+    path: Path
+    content: bytes
+    count: int
+    ignored: tuple[str, ...]
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the file."""
+        return hashlib.sha256(self.content).hexdigest()
+
+    def rows(self) -> Iterator[PairRow]:
+        """The rows, one after the other; a row whose name stands before is at fault."""
+        header, rows = _headed(self.path, self.content)
+        first: dict[str, str] = {}
+        for number, (place, values) in enumerate(rows):
+            fields = dict(zip(header, map(str.strip, values), strict=False))
+            fields = {key: value for key, value in fields.items() if key in COLUMNS and value}
+            name = fields.pop("name", f"pair-{number + 1}")
+            fault = None
+            if len(values) != len(header):
+                fault = f"{len(values)} columns, not {len(header)}: mend the row"
+            elif name in first:
+                fault = f"the name '{shown(name)}' is that of {first[name]}, too: give another"
+            first.setdefault(name, place.rpartition(", ")[2])
+            yield PairRow(number=number, place=place, name=name, fields=fields, fault=fault)
+
+
+def read_listing(path: Path) -> Listing:
+    """The list in a file. Raises InvalidFileError: file, place, remedy."""
+    if path.suffix.lower() != ".csv":
+        message = f"{shown(path)}: a list of pairs is a .csv file with columns source and target"
+        raise InvalidFileError(message)
+    limit = CampaignSettings().max_bytes
+    with reading(path) as stream:
+        content = stream.read(limit + 1)
+    if len(content) > limit:
+        message = f"{shown(path)}: more than {limit} bytes: give several smaller lists"
+        raise InvalidFileError(message)
+    header, rows = _headed(path, content)
+    count = sum(1 for _ in rows)
+    if count == 0:
+        message = f"{shown(path)}: lists no pairs: add rows below the header"
+        raise InvalidFileError(message)
+    ignored = tuple(name for name in header if name not in COLUMNS)
+    return Listing(path=path.resolve(), content=content, count=count, ignored=ignored)
+
+
+def _headed(path: Path, content: bytes) -> tuple[list[str], Iterator[tuple[str, list[str]]]]:
+    """The names of the columns, and the rows below, with their places."""
+    rows = parse_rows(io.BytesIO(content), path)
+    place, first = next(rows, (shown(path), list[str]()))
+    names = [name.strip().lower() for name in first]
+    if "name" not in names:
+        names = ["name" if name == "label" else name for name in names]
+    wrong = [name for name in NEEDED if name not in names]
+    wrong += [name for name in COLUMNS if names.count(name) > 1]
+    if wrong:
+        message = (
+            f"{place}: name each column once in a header, source and target among them: "
+            f"look at {', '.join(wrong)}"
+        )
+        raise InvalidFileError(message)
+    return names, rows

@@ -1,0 +1,71 @@
+"""Shards: the results of a few items each, in files that are whole or not there.
+
+A file is called NUMBER-DIGEST.SUFFIX. The digest is over the campaign's identity, the number and
+the content, so a file that is damaged, cut short, renamed or from elsewhere is seen. One rename
+puts content and digest in place at once: there is no moment at which a kill could part them.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from certreg.files import write_atomically
+from certreg.settings import CampaignSettings
+from certreg.verify import shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+DIGITS = 32  # of the digest, hexadecimal: no accident makes two contents agree in 128 bits
+NAME = re.compile(rf"([0-9]{{8}})-([0-9a-f]{{{DIGITS}}})")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shards:
+    """The shards of one campaign in one folder; `identity` is its manifest's."""
+
+    folder: Path
+    identity: str
+    suffix: str
+
+    def replace(self, number: int, content: bytes) -> None:
+        """Put a shard in place, whole; another of that number goes. Raises InvalidFileError."""
+        name = self._name(number, content)
+        write_atomically(self.folder / name, content)
+        for path in self.folder.glob(f"{number:08d}-*"):
+            if path.name != name:
+                path.unlink()
+
+    def sound(self) -> Iterator[tuple[int, bytes]]:
+        """Number and content of each shard that is there and whole, in order."""
+        for path in sorted(self.folder.iterdir()):
+            content = self._content(path)
+            if content is not None:
+                yield int(path.name.partition("-")[0]), content
+
+    def drop_damaged(self) -> list[str]:
+        """Delete what is no whole shard of this campaign; a note on each."""
+        notes: list[str] = []
+        for path in sorted(self.folder.iterdir()):
+            if self._content(path) is None:
+                path.unlink()
+                notes.append(f"{shown(path)}: damaged, or not of this campaign: computed anew")
+        return notes
+
+    def _name(self, number: int, content: bytes) -> str:
+        digest = hashlib.sha256(f"{self.identity} {number}\n".encode() + content).hexdigest()
+        return f"{number:08d}-{digest[:DIGITS]}{self.suffix}"
+
+    def _content(self, path: Path) -> bytes | None:
+        """The content of a file if its name is what it should be."""
+        match = NAME.fullmatch(path.stem)
+        limit = CampaignSettings().max_bytes
+        if match is None or path.stat().st_size > limit:
+            return None
+        with path.open("rb") as stream:
+            content = stream.read(limit)
+        return content if path.name == self._name(int(match[1]), content) else None

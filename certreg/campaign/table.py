@@ -1,0 +1,89 @@
+"""Tables of results: CSV, a second CSV that says what its columns are, and Parquet if asked for."""
+
+from __future__ import annotations
+
+import csv
+import io
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, cast
+
+from certreg.errors import MissingToolError
+from certreg.files import write_atomically, written_atomically
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Generator, Iterable, Sequence
+    from pathlib import Path
+
+SUMMARY, PARQUET, COLUMNS = "summary.csv", "summary.parquet", "columns.csv"
+Block = list[list[Any]]  # some rows, column by column
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column of a table; `kind` is int, float or str, and a value that is not there is None."""
+
+    name: str
+    kind: type
+    unit: str
+    meaning: str
+
+
+def write_table(
+    folder: Path, columns: Sequence[Column], blocks: Iterable[Block], *, parquet: bool
+) -> None:
+    """Write the blocks as `summary.csv`, the columns as `columns.csv`; `summary.parquet` if asked.
+
+    One block is held at a time. Raises InvalidFileError, MissingToolError.
+    """
+    if parquet:
+        require_parquet()
+    described = [["column", "unit", "meaning"], *([c.name, c.unit, c.meaning] for c in columns)]
+    write_atomically(folder / COLUMNS, _csv(described))
+    with ExitStack() as stack:
+        stream = stack.enter_context(written_atomically(folder / SUMMARY))
+        stream.write(_csv([[column.name for column in columns]]))
+        keep = stack.enter_context(_parquet(folder / PARQUET, columns)) if parquet else None
+        for block in blocks:
+            stream.write(_csv(zip(*block, strict=True)))
+            if keep is not None:
+                keep(block)
+
+
+def require_parquet() -> None:
+    """That Parquet can be written. Raises MissingToolError."""
+    try:
+        import_module("pyarrow.parquet")
+    except ImportError as error:
+        message = "--parquet needs pyarrow: pip install 'certreg[parquet]'"
+        raise MissingToolError(message) from error
+
+
+def _csv(rows: Iterable[Iterable[Any]]) -> bytes:
+    """Rows as CSV; a number is the shortest that reads back the same."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue().encode()
+
+
+@contextmanager
+def _parquet(path: Path, columns: Sequence[Column]) -> Generator[Callable[[Block], None]]:
+    """Keeps blocks in a file of Parquet, whose fields carry unit and meaning."""
+    import pyarrow as pa  # pyright: ignore[reportMissingTypeStubs]
+    from pyarrow import parquet as pq  # pyright: ignore[reportMissingTypeStubs]
+
+    arrow, writers = cast("Any", pa), cast("Any", pq)
+    types: dict[type, Any] = {int: arrow.int64(), float: arrow.float64(), str: arrow.string()}
+    fields = [
+        arrow.field(c.name, types[c.kind], metadata={"unit": c.unit, "meaning": c.meaning})
+        for c in columns
+    ]
+    schema = arrow.schema(fields)
+
+    def keep(block: Block) -> None:
+        arrays = [arrow.array(c, type=f.type) for c, f in zip(block, fields, strict=True)]
+        writer.write_batch(arrow.record_batch(arrays, schema=schema))
+
+    with written_atomically(path) as stream, writers.ParquetWriter(stream, schema) as writer:
+        yield keep

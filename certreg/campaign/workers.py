@@ -1,0 +1,182 @@
+"""Where a campaign is computed: processes of this machine, or a dask cluster.
+
+Both are a `concurrent.futures.Executor`. Local workers are born with a pipe to this process and end
+at once when its other end closes, so none outlives a campaign that is killed.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+import time
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, ProcessPoolExecutor
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any, Protocol
+
+from certreg.errors import CampaignError, MissingToolError
+from certreg.settings import CampaignSettings
+from certreg.verify import shown
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
+    from typing import Self
+
+
+class Workers(Protocol):
+    """Some workers behind an executor.
+
+    losses: what a future raises whose worker died; count: how many calls are worked on at once.
+    """
+
+    executor: Executor
+    losses: tuple[type[BaseException], ...]
+    count: int
+
+    def require_alive(self) -> None:
+        """Count anew; raises CampaignError where nobody is left to wait for."""
+        ...
+
+    def renew(self) -> None:
+        """Replace what broke down; all calls under way are lost."""
+        ...
+
+    def __enter__(self) -> Self: ...
+    def __exit__(self, *_: object) -> None: ...
+
+
+class LocalWorkers:
+    """Processes of this machine, as many as it lets us use processors."""
+
+    losses: tuple[type[BaseException], ...] = (BrokenExecutor,)
+
+    def __init__(self, count: int | None = None) -> None:
+        self.count = count or _processors()
+        self._open()
+
+    def _open(self) -> None:
+        context = multiprocessing.get_context("spawn")  # a fork would inherit locks of our threads
+        reader, self._lifeline = context.Pipe(duplex=False)
+        self.executor: Executor = ProcessPoolExecutor(
+            self.count, mp_context=context, initializer=_end_with, initargs=(reader,)
+        )
+        self._reader = reader
+
+    def require_alive(self) -> None:
+        """Nothing to do: the pool itself notices when one of its processes dies."""
+
+    def renew(self) -> None:
+        """A new pool of processes in place of the old one."""
+        self._close()
+        self._open()
+
+    def _close(self) -> None:
+        self._lifeline.close()
+        self.executor.shutdown(wait=True, cancel_futures=True)
+        self._reader.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._close()
+
+
+class ClusterWorkers:
+    """The workers of a dask scheduler at an address, such as tcp://10.0.0.1:8786.
+
+    Workers may come and go; dask itself repeats the calls of those that die.
+    """
+
+    def __init__(self, address: str) -> None:
+        settings = CampaignSettings()
+        self._client = _connected(address, settings.connecting)
+        self._address = shown(address)
+        self._last_seen = time.monotonic()
+        self.losses: tuple[type[BaseException], ...] = (CancelledError, _killed_worker())
+        self.executor: Executor = self._client.get_executor(pure=False)
+        self.count = 0
+        try:
+            self._client.wait_for_workers(1, timeout=settings.connecting)
+        except TimeoutError as error:
+            self._client.close()
+            raise self._nobody() from error
+        self.require_alive()
+
+    def require_alive(self) -> None:
+        """Count the workers anew; raises CampaignError where there have been none for a minute."""
+        try:
+            threads: dict[str, int] = self._client.nthreads()
+        except (OSError, TimeoutError) as error:
+            message = f"the scheduler at {self._address} is gone: start it, and run the same again"
+            raise CampaignError(message) from error
+        if threads:
+            self.count, self._last_seen = sum(threads.values()), time.monotonic()
+        elif time.monotonic() - self._last_seen > CampaignSettings().patience:
+            raise self._nobody()
+
+    def renew(self) -> None:
+        """The scheduler replaces workers itself, where it can: only see who is there."""
+        self.require_alive()
+
+    def _nobody(self) -> CampaignError:
+        message = (
+            f"the scheduler at {self._address} has no workers: start some with "
+            f"`dask worker {self._address}`"
+        )
+        return CampaignError(message)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        with suppress(OSError, TimeoutError):
+            self.executor.shutdown(wait=False)
+            self._client.close()
+
+
+def workers_at(scheduler: str | None) -> Workers:
+    """The workers of a scheduler, or of this machine where none is given."""
+    return LocalWorkers() if scheduler is None else ClusterWorkers(scheduler)
+
+
+def _connected(address: str, timeout: float) -> Any:
+    try:
+        from distributed import Client
+    except ImportError as error:
+        message = "--scheduler needs dask: pip install 'certreg[campaign]'"
+        raise MissingToolError(message) from error
+    try:
+        return Client(address, timeout=timeout, set_as_default=False)
+    except (OSError, ValueError, TypeError) as error:
+        message = (
+            f"no dask scheduler answers at {shown(address)}: start one with `dask scheduler` and "
+            "give the address that it prints"
+        )
+        raise CampaignError(message) from error
+
+
+def _killed_worker() -> type[BaseException]:
+    from distributed import KilledWorker
+
+    return KilledWorker
+
+
+def _processors() -> int:
+    """How many processors this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _end_with(lifeline: Connection) -> None:
+    """Bind a worker to its campaign: it leaves Ctrl-C to it, and ends when it ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    def wait() -> None:
+        with suppress(OSError):
+            lifeline.poll(None)  # nothing is ever sent: it returns when the other end closes
+        os._exit(1)
+
+    threading.Thread(target=wait, daemon=True).start()

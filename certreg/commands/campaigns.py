@@ -1,0 +1,110 @@
+"""Commands over many registrations, on this machine or a cluster."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import click
+
+from certreg.exits import worst
+from certreg.options import CLOUD, EXIT_CODES, FOLDER, printable
+from certreg.progress import Progress
+
+if TYPE_CHECKING:
+    from collections.abc import Generator
+    from pathlib import Path
+
+    from certreg.campaign.pairs import PairCampaign, Tally
+
+
+@click.command(epilog=EXIT_CODES)
+@click.argument("manifest", type=CLOUD)
+@click.option("--scheduler", metavar="ADDRESS", help="A dask scheduler whose workers do the work.")
+@click.option("--out", type=FOLDER, help="Folder for results, certificates and a table.")
+@click.option("--parquet", is_flag=True, help="With --out: the table as Parquet, too.")
+def batch(manifest: Path, *, scheduler: str | None, out: Path | None, parquet: bool) -> int:
+    """Certify the pairs listed in MANIFEST, a .csv file: one line of JSON for each.
+
+    Columns source and target name the clouds, relative to MANIFEST; name, sigma, weights, pairs,
+    match and damping are optional. A pair that cannot be registered gives an error in its place.
+    With --out, run the same command again to go on with what was interrupted or has been mended.
+    """
+    from certreg.campaign.listing import read_listing
+    from certreg.campaign.pairs import PairCampaign
+
+    if parquet and out is None:
+        message = "--parquet goes with --out"
+        raise click.UsageError(message)
+    listing = read_listing(manifest)
+    if listing.ignored:
+        names = ", ".join(map(printable, listing.ignored))
+        click.echo(f"note: {printable(manifest)}: columns not read: {names}", err=True)
+    campaign = PairCampaign(listing=listing, certificates=out is not None)
+    if out is None:
+        tally = _streamed(campaign, scheduler)
+    else:
+        tally = _kept(campaign, scheduler, out, parquet=parquet)
+    if tally.errors:
+        first = [] if out is None else tally.first_errors
+        for words in first:
+            click.echo(f"error: {printable(words)}", err=True)
+        more = ", of which the first are above" if tally.errors > len(first) > 0 else ""
+        total = f"{tally.errors} of {listing.count} pairs could not be registered{more}"
+        click.echo(f'certreg: {total}: look for "error" in the results', err=True)
+    return worst(tally.codes)
+
+
+def _streamed(campaign: PairCampaign, scheduler: str | None) -> Tally:
+    """All pairs, their lines printed in the order of the list."""
+    import json
+
+    from certreg.campaign.calls import in_order, outcomes
+    from certreg.campaign.pairs import Tally
+    from certreg.campaign.workers import workers_at
+
+    manifest, tally = campaign.manifest(), Tally()
+    calls = campaign.calls(done=())
+    with workers_at(scheduler) as workers, Progress(manifest.count, items="pairs") as progress:
+        for found in in_order(outcomes(calls, workers, manifest.versions)):
+            lines = found.content.decode().splitlines()
+            for line in lines:
+                click.echo(line)
+                tally.add(json.loads(line))
+            progress.advance(len(lines))
+    return tally
+
+
+def _kept(campaign: PairCampaign, scheduler: str | None, out: Path, *, parquet: bool) -> Tally:
+    """All pairs, their results in a folder, where those of an earlier run are kept."""
+    from certreg.campaign.folder import occupied
+    from certreg.campaign.pairs import RESULTS, write_pair_results
+    from certreg.campaign.running import CERTIFICATES, SHARDS, run
+    from certreg.campaign.table import SUMMARY, require_parquet
+    from certreg.campaign.workers import workers_at
+
+    if parquet:
+        require_parquet()
+    manifest = campaign.manifest()
+    with (
+        occupied(out, manifest, SHARDS, CERTIFICATES),
+        workers_at(scheduler) as workers,
+        Progress(manifest.count, items="pairs") as progress,
+        resumable(out),
+    ):
+        run(campaign, out, workers, progress.watch())
+        tally = write_pair_results(campaign, out, parquet=parquet)
+    done, place = manifest.count - tally.errors, printable(out)
+    click.echo(f"{done} of {manifest.count} pairs registered: {place}/{RESULTS}")
+    click.echo(f"Table: {place}/{SUMMARY}, certificates: {place}/{CERTIFICATES}")
+    return tally
+
+
+@contextmanager
+def resumable(out: Path) -> Generator[None]:
+    """Says on Ctrl-C that nothing is lost."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        click.echo(f"\n{printable(out)}: what is done is kept: run the same to go on", err=True)
+        raise

@@ -1,0 +1,44 @@
+"""Exit codes: the contract that scripts rely on."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from certreg.errors import ContradictionError, RefusedCertificateError, UndecidedError
+from certreg.results import Optimality
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from certreg.pipeline import Registration
+
+DONE, REFUSED, MISUSED, NOT_UNIQUE, NOT_CERTIFIED = 0, 1, 2, 3, 4
+PRECEDENCE = (MISUSED, REFUSED, NOT_CERTIFIED, NOT_UNIQUE, DONE)
+
+
+def worst(codes: Iterable[int]) -> int:
+    """The code of a run whose parts end with these: the first of 2, 1, 4, 3, 0.
+
+    >>> worst([0, 3, 4])
+    4
+    """
+    return min(codes, key=PRECEDENCE.index, default=DONE)
+
+
+def code_of_error(error: Exception) -> int:
+    """1 where certreg contradicts itself, 4 where it could not decide, else 2."""
+    if isinstance(error, ContradictionError | RefusedCertificateError):
+        return REFUSED
+    return NOT_CERTIFIED if isinstance(error, UndecidedError) else MISUSED
+
+
+def code_of_registration(registration: Registration) -> int:
+    """What `certify` ends with."""
+    trajectory = registration.solution.trajectory
+    if trajectory is not None and not trajectory.converged:
+        return NOT_CERTIFIED
+    return {
+        Optimality.CERTIFIED: DONE,
+        Optimality.CERTIFIED_NOT_UNIQUE: NOT_UNIQUE,
+        Optimality.NOT_CERTIFIED: NOT_CERTIFIED,
+    }[registration.status]

@@ -1,0 +1,78 @@
+"""How far a long run is: a bar on stderr with rate and time left, where someone is watching."""
+
+from __future__ import annotations
+
+import sys
+import time
+from contextlib import ExitStack
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from certreg.options import printable
+
+if TYPE_CHECKING:
+    from types import TracebackType
+    from typing import Self
+
+    from certreg.campaign.running import Watch
+
+PATIENCE = 1.0  # seconds before a long run says that it is at work
+
+
+class Progress:
+    """A bar over `total` items of a kind.
+
+    Nothing is shown within the first second, nor where stderr is no terminal.
+    """
+
+    def __init__(self, total: int, *, items: str = "instances") -> None:
+        self._todo, self._items = total, items
+        self._made, self._shown = 0, 0
+        self._start = time.monotonic()
+        self._bar: Any = None
+        self._stack = ExitStack()
+
+    def watch(self) -> Watch:
+        """This bar as the one who is told of a campaign."""
+        from certreg.campaign.running import Watch
+
+        return Watch(begun=self.begin_with, advanced=self.advance, noted=note)
+
+    def begin_with(self, count: int) -> None:
+        """So many items were done before: they say nothing of the rate."""
+        if count:
+            note(f"{count:,} of {self._todo:,} {self._items} were there already")
+        self._todo -= count
+        self._start = time.monotonic()
+
+    def advance(self, count: int) -> None:
+        """So many more items are done."""
+        self._made += count
+        elapsed = time.monotonic() - self._start
+        if not sys.stderr.isatty() or elapsed < PATIENCE:
+            return
+        if self._bar is None:
+            self._bar = self._stack.enter_context(
+                click.progressbar(range(self._todo), file=sys.stderr, item_show_func=str)
+            )
+            self._bar.start -= elapsed
+        rate = f"{self._made / elapsed:,.0f} {self._items}/s"
+        self._bar.update(self._made - self._shown, rate)
+        self._shown = self._made
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._stack.__exit__(kind, error, traceback)
+
+
+def note(words: str) -> None:
+    """A line on stderr about something that is odd, and does not stand in the way."""
+    click.echo(f"note: {printable(words)}", err=True)
