@@ -219,9 +219,10 @@ class RoadSettings:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CoqSettings:
-    """How long Coq may think."""
+    """How long Coq may think, and how a certificate is cut up for it."""
 
-    seconds: float = 600.0  # 338 points take three; hostile exponents could take days
+    seconds: float = 600.0  # 338 points take four; hostile exponents could take days
+    points_in_a_list: int = 500  # 10^5 overflow the stack of its parser
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -51,7 +51,9 @@ class Claim:
     statement: LaTeX within Markdown. assumptions, not_claimed: sentences. source: equation of the
     paper or bibliography key. needs: names of the claims that the proof builds on. used_by: dotted
     names of the code that relies on it. controls: mutated statement -> the proof of it. standard:
-    facts of a first course (the spectral theorem, say) that its words use without a proof.
+    facts of a first course (the spectral theorem, say) that its words use without a proof. coq:
+    names of the theorems in `derivations/coq` that say the same or a part of it, none if no machine
+    has checked it; not_in_coq: exactly what of the claim they do not say, or why there is none.
     """
 
     name: str
@@ -62,6 +64,8 @@ class Claim:
     proof: Callable[[], Proof]
     controls: Mapping[str, Callable[[], Proof]]
     not_claimed: str
+    not_in_coq: str
+    coq: tuple[str, ...] = ()
     needs: tuple[str, ...] = ()
     used_by: tuple[str, ...] = ()
     standard: tuple[str, ...] = ()

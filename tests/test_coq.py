@@ -6,7 +6,6 @@ What needs Coq is skipped where coqc is missing (`make proofs` installs it).
 from __future__ import annotations
 
 import base64
-import importlib.util
 import json
 import os
 import re
@@ -36,6 +35,9 @@ from certreg.certificate.coqc import (
 )
 from certreg.demo import STORIES, tell
 from certreg.errors import MissingToolError
+from derivations import book
+from derivations.coq import check, page
+from derivations.coq.theorems import ORDER, theorems
 
 checker = import_module("certreg.verify")
 ROOT = Path(__file__).parent.parent
@@ -47,18 +49,7 @@ needs_coq = pytest.mark.skipif(
 )
 
 
-def script(name: str):
-    """A script of the proofs' folder, as a module."""
-    spec = importlib.util.spec_from_file_location(f"proofs_{name}", PROOFS / f"{name}.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 RECORDED = PROOFS / "assumptions.txt"
-check, page = script("check"), script("page")
 
 # Without Coq
 
@@ -141,9 +132,9 @@ def test_the_page_shows_every_theorem_as_the_proofs_state_it():
     text = page.PAGE.read_text()
     listed = re.findall(r"^### (\w+)$", text, re.MULTILINE)
 
-    assert page.page(text) == text, "run derivations/coq/page.py"
+    assert page.page(text) == text, "run python3 -m derivations.coq.page"
     assert sorted(listed) == sorted(theorem for _, theorem in check.theorems(PROOFS))
-    assert sorted(page.ORDER) == check.names(PROOFS)
+    assert sorted(ORDER) == check.names(PROOFS)
 
 
 def test_every_theorem_that_the_page_names_in_its_tables_exists():
@@ -152,6 +143,46 @@ def test_every_theorem_that_the_page_names_in_its_tables_exists():
     known = {theorem for _, theorem in check.theorems(PROOFS)}
 
     assert named - known == {"functional_extensionality_dep"}
+
+
+@pytest.mark.parametrize("name", book.names())
+def test_a_claim_names_theorems_that_exist_and_what_they_do_not_say(name):
+    claim = book.claim(name)
+
+    assert set(claim.coq) <= set(theorems())
+    assert len(claim.coq) == len(set(claim.coq))
+    assert claim.not_in_coq.strip() == claim.not_in_coq != ""
+    assert claim.not_in_coq.endswith(".")
+    assert set(re.findall(r"`([a-z_]+)`", claim.not_in_coq)) <= {*theorems(), *book.names()}
+
+
+def test_the_table_of_levels_names_every_claim_and_its_theorems():
+    table = page.PAGE.read_text().partition(page.MARK)[0].partition("Every claim of the project")[2]
+    linked = dict[str, set[str]]()
+    for row in table.splitlines():
+        named = set(re.findall(r"`([a-z]+(?:_[a-z]+)+)`", row))
+        claims = re.findall(r"\(proofs/(\w+)\.md\)", row)
+        for name in claims:
+            linked[name] = linked.get(name, set()) | named
+        beside = {theorem for name in claims for theorem in book.claim(name).coq}
+        assert not claims or named <= beside, row
+
+    assert set(linked) == set(book.names())
+    for name, named in linked.items():
+        assert bool(named & set(book.claim(name).coq)) == bool(book.claim(name).coq), name
+
+
+def test_every_theorem_has_hypotheses_that_stand_before_its_last_arrow():
+    for theorem in theorems().values():
+        words = " ".join(theorem.statement.split())
+        before = "".join(f"{each} -> " for each in theorem.hypotheses)
+
+        assert f" : {before}" in words
+        assert re.match(r"[^:]*(\([^)]*\)[^:]*)* : ", words)
+
+    assert theorems()["energy_never_rises"].hypotheses[1] == "(forall p, In p l -> 0 <= weight p)"
+    assert theorems()["optimal_iff_index_zero"].hypotheses == ("balanced C R",)
+    assert theorems()["davenport_form"].hypotheses == ()
 
 
 def test_the_checker_stands_last_in_the_order_of_compilation():

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
+from certreg.settings import CoqSettings
 from certreg.verify import RefusalError, bound_doubles, parse, require
 
 if TYPE_CHECKING:
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
     from certreg.verify import Clouds
 
-CHUNK = 500  # points in one Coq list: its parser recurses over longer ones
 HEADER = """\
 (* Exported by certreg: integers copied from a certificate; Coq decides what they prove.
    SHA-256 of the doubles of its points: {digest}
@@ -65,7 +65,9 @@ class CoqProblem:
         return HEADER.format(digest=self.digest) + self.definitions.replace("@", "")
 
 
-def export(certificate: bytes, clouds: Clouds | None = None) -> CoqProblem:
+def export(
+    certificate: bytes, clouds: Clouds | None = None, *, settings: CoqSettings | None = None
+) -> CoqProblem:
     """The certificate for Coq. Raises RefusalError where it is malformed or of other points."""
     fields = parse(certificate)
     content, n = bound_doubles(fields, clouds), fields["n"]
@@ -74,11 +76,12 @@ def export(certificate: bytes, clouds: Clouds | None = None) -> CoqProblem:
     minus_zero = struct.pack("<d", -0.0)
     whole = minus_zero not in content or all(struct.pack("<d", x) != minus_zero for x in numbers)
     require(whole, "the data hold -0.0, which is not canonical")
-    definitions = _data(numbers, n) + _statement(fields)
+    length = (settings or CoqSettings()).points_in_a_list
+    definitions = _data(numbers, n, length) + _statement(fields)
     return CoqProblem(n=n, digest=fields["digest"], definitions=definitions)
 
 
-def _data(numbers: Sequence[float], n: int) -> str:
+def _data(numbers: Sequence[float], n: int, length: int) -> str:
     x, ex = _integers(numbers[: 3 * n])
     y, ey = _integers(numbers[3 * n : 6 * n])
     w, ew = _integers(numbers[6 * n :])
@@ -86,7 +89,7 @@ def _data(numbers: Sequence[float], n: int) -> str:
         " ".join(map(_integer, (w[i], *x[3 * i : 3 * i + 3], *y[3 * i : 3 * i + 3])))
         for i in range(n)
     ]
-    parts = [rows[start : start + CHUNK] for start in range(0, n, CHUNK)]
+    parts = [rows[start : start + length] for start in range(0, n, length)]
     lists = [
         f"Definition points{k}@ := [\n  " + ";\n  ".join(f"ZPair {row}" for row in part) + "].\n"
         for k, part in enumerate(parts)

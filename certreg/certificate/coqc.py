@@ -55,7 +55,7 @@ def decide(
     """
     settings = settings or CoqSettings()
     try:
-        problem = export(certificate, clouds)
+        problem = export(certificate, clouds, settings=settings)
     except (RefusalError, MemoryError) as error:
         words = str(error) or "not enough memory"
         return Verdict(ruling=Ruling.REFUTED, words=words), ""

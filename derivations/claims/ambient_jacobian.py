@@ -145,4 +145,9 @@ CLAIM = Claim(
     r"by column, which permutes rows and columns alike and keeps the eigenvalues.",
     needs=("euler_poincare", "total_torque"),
     used_by=("certreg.dynamics.Body.ambient_jacobian", "derivations.linearisation"),
+    coq=(
+        "jacobian_is_the_derivative",
+        "paper_torque_is_torque",
+    ),
+    not_in_coq="The blocks at a state that is no equilibrium.",
 )

@@ -243,4 +243,17 @@ CLAIM = Claim(
     ),
     standard=(SPECTRAL,),
     used_by=("certreg.verify.proves_basin", "certreg.certificate.producing.proves_basin"),
+    coq=(
+        "no_spurious_equilibrium_in_basin",
+        "spin_energy_never_rises",
+        "balanced_limits_in_basin_are_optimal",
+        "motion_from_basin_ends_at_the_optimum",
+        "certified_second_eigenvalue",
+    ),
+    not_in_coq=(
+        "LaSalle's theorem, that the limits of the attitude are balanced: a hypothesis of "
+        "`motion_from_basin_ends_at_the_optimum`, the last. That solutions exist for all times, "
+        "and that a limit exists. The barrier, and the angle in terms of the energy. Floating "
+        "point: that a simulated state is near the flow."
+    ),
 )

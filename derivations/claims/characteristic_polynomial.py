@@ -190,4 +190,14 @@ CLAIM = Claim(
         "certreg.equilibria.stability.linearised_spectrum",
         "certreg.dynamics.Body.ambient_jacobian",
     ),
+    coq=(
+        "six_rates_vanish",
+        "symmetric_parts_are_all",
+        "kernel_is_six_dimensional",
+        "zero_is_semisimple",
+    ),
+    not_in_coq=(
+        "The polynomial as a determinant. Proved there instead: zero has multiplicity "
+        "exactly six where $J$ and $G$ are invertible."
+    ),
 )

@@ -290,4 +290,19 @@ CLAIM = Claim(
         "certreg.equilibria.classification.Classification",
         "certreg.verify.multiplicities",
     ),
+    coq=(
+        "exactly_four_equilibria",
+        "infinite_iff_repeated_eigenvalue",
+        "pattern_decided",
+        "zpattern_real",
+        "table_uniqueness",
+        "table_spurious",
+        "unique_optimum_iff_simple_top",
+        "unique_registration_iff",
+        "unique_iff_positive_margin",
+    ),
+    not_in_coq=(
+        "That each of the eight rows occurs, and what its components look like, circles and "
+        "projective planes."
+    ),
 )

@@ -163,4 +163,8 @@ CLAIM = Claim(
         "Solutions of polynomial differential equations are unique and go on while bounded.",
     ),
     used_by=("certreg.simulation.simulate", "certreg.simulation.Basin"),
+    not_in_coq=(
+        "Neither that solutions exist nor LaSalle's theorem is proved in Coq; "
+        "`certified_basin` shows where it is a hypothesis."
+    ),
 )

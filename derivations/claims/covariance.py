@@ -176,4 +176,5 @@ CLAIM = Claim(
     r"defined where the optimum is not unique.",
     needs=("total_torque", "euler_poincare", "hessian", "inertia", "translation_gap"),
     used_by=("certreg.covariance.pose_covariance", "certreg.covariance.PoseCovariance"),
+    not_in_coq="Nothing in Coq speaks of noise.",
 )

@@ -151,4 +151,8 @@ CLAIM = Claim(
     "they do no work.",
     needs=("total_force", "total_torque", "inertia"),
     used_by=("derivations.motion.newton_euler",),
+    not_in_coq=(
+        "In Coq the equations of motion are a definition, written point by point; no "
+        "principle of mechanics leads to them there."
+    ),
 )

@@ -59,4 +59,9 @@ CLAIM = Claim(
     },
     not_claimed=r"Anything about $q = 0$. That $R(q)$ is a rotation is the claim `quaternions`.",
     used_by=("certreg.so3.davenport_matrix", "certreg.energy.alignment"),
+    coq=(
+        "davenport_form",
+        "davenport_traceless",
+    ),
+    not_in_coq="Nothing: the whole claim is proved there.",
 )

@@ -168,4 +168,14 @@ CLAIM = Claim(
         "certreg.equilibria.classification.Invariants.discriminant",
         "certreg.verify.multiplicities",
     ),
+    coq=(
+        "singular_values_symmetric_functions",
+        "squares_are_eigenvalues_of_gram",
+        "pattern_decided",
+        "zpattern_real",
+    ),
+    not_in_coq=(
+        "The characteristic polynomial of $K$ and the factor 4096, as identities of their "
+        "own; what they are used for, the decision by signs, is proved there."
+    ),
 )

@@ -164,4 +164,14 @@ CLAIM = Claim(
         "potential_energy",
     ),
     used_by=("certreg.simulation.Basin", "derivations.motion.rate"),
+    coq=(
+        "dissipation_reduction",
+        "rotations_stay_rotations",
+        "dissipation_identity",
+        "energy_never_rises",
+    ),
+    not_in_coq=(
+        r"That solutions exist: the theorems hold along any solution, on any open interval "
+        r"of time. The additional term off $\mathrm{SO}(3)$."
+    ),
 )

@@ -105,4 +105,10 @@ CLAIM = Claim(
         "certreg.certificate.multiplier.multiplier_gap",
         "certreg.verify.proves_level",
     ),
+    coq=(
+        "dual_gap",
+        "top_eigenvector",
+        "largest_value",
+    ),
+    not_in_coq=r"The case $\nu I - K \succeq 0$ that is not definite.",
 )

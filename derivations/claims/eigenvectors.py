@@ -143,4 +143,12 @@ CLAIM = Claim(
         "certreg.equilibria.closed_form.horn",
         "certreg.energy.potential_energy",
     ),
+    coq=(
+        "balanced_iff_eigenvector",
+        "equilibrium_iff_eigenvector",
+        "optimal_iff_top_eigenvector",
+        "spectral_theorem",
+    ),
+    not_in_coq="The formula of the energy as a theorem of its own: it is `potential_reduction` "
+    "with `davenport_form`. The spectral theorem is proved there, too.",
 )

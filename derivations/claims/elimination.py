@@ -151,4 +151,14 @@ CLAIM = Claim(
     not_claimed=r"That a semidefinite matrix is recognised: with a zero pivot the answer is no, "
     r"which then means *not positive definite* and nothing more.",
     used_by=("certreg.definite.is_positive_definite", "certreg.verify.positive_definite"),
+    coq=(
+        "positive4_iff",
+        "positive3_definite",
+        "zpositive4_real",
+        "solid_real",
+    ),
+    not_in_coq=(
+        "That the Python code computes these numbers: the theorems are about the "
+        "eliminations of the checker in Coq."
+    ),
 )

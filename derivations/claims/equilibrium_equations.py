@@ -152,4 +152,13 @@ CLAIM = Claim(
     "`classification`. The argument of the paper about the next time step is not needed.",
     needs=("euler_poincare", "total_torque", "potential_energy"),
     used_by=("certreg.equilibria.spectral.equilibrium_set", "certreg.enumeration.equilibria"),
+    coq=(
+        "equilibrium_iff_balanced",
+        "an_optimum_exists_and_is_balanced",
+        "first_variation",
+    ),
+    not_in_coq=(
+        "That the critical points of $V_p$ are no others: `first_variation` is its "
+        "derivative along every turn and shift."
+    ),
 )

@@ -191,4 +191,5 @@ CLAIM = Claim(
     needs=("properness", "dissipation", "polar_projection"),
     standard=(SPECTRAL,),
     used_by=("derivations.integrators.euler_step", "certreg.simulation.simulate"),
+    not_in_coq="Nothing in Coq speaks of integrators.",
 )

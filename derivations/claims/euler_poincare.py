@@ -207,4 +207,8 @@ CLAIM = Claim(
     needs=("kinetic_energy", "potential_energy", "total_force", "total_torque"),
     standard=("The fundamental lemma of the calculus of variations.",),
     used_by=("derivations.motion.rate", "certreg.dynamics.Body.rate"),
+    not_in_coq=(
+        "In Coq the equations of motion are a definition, written point by point; no "
+        "principle of mechanics leads to them there."
+    ),
 )

@@ -188,4 +188,8 @@ CLAIM = Claim(
     r"(claim `symmetry`).",
     needs=("classification", "half_turns", "discriminant"),
     used_by=("certreg.equilibria.classification.Classification.finite",),
+    not_in_coq=(
+        "Genericity is not formalised: nothing in Coq speaks of measure. For each instance "
+        "the pattern is decided exactly (`classification`)."
+    ),
 )

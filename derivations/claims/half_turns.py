@@ -122,4 +122,10 @@ CLAIM = Claim(
     r"of the same energy, every angle occurs.",
     needs=("quaternions", "eigenvectors"),
     used_by=("certreg.so3.angle_between", "certreg.equilibria.spectral.Spectrum.angle_to"),
+    coq=(
+        "half_turn_apart_iff_orthogonal",
+        "same_rotation_same_quaternion_up_to_sign",
+        "exactly_four_equilibria",
+    ),
+    not_in_coq="The axes of the half turns.",
 )

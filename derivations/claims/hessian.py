@@ -215,4 +215,14 @@ CLAIM = Claim(
         "derivations.linearisation.hessian",
         "derivations.linearisation.intrinsic_jacobian",
     ),
+    coq=(
+        "first_variation",
+        "second_variation",
+        "torque_linearised",
+        "index_at_eigenvector",
+    ),
+    not_in_coq=(
+        "The eigenvalues of $G$ one by one: in Coq they are counted by sign. That $G = 2J$ "
+        "without noise."
+    ),
 )

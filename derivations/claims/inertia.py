@@ -102,4 +102,12 @@ CLAIM = Claim(
         "certreg.moments.Moments.inertia",
         "certreg.equilibria.classification",
     ),
+    coq=(
+        "inertia_is_trace_minus_scatter",
+        "inertia_form",
+        "inertia_definite_iff",
+        "solid_real",
+    ),
+    not_in_coq="Nothing: the whole claim is proved there, for weights that are not negative. "
+    "`solid_real` decides it for the integers of a certificate.",
 )

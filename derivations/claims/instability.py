@@ -195,4 +195,13 @@ CLAIM = Claim(
     needs=("eigenvectors", "hessian", "unstable_count", "dissipation", "convergence", "half_turns"),
     standard=(SPECTRAL,),
     used_by=("certreg.equilibria.stability.Curvature.witness", "certreg.simulation"),
+    coq=(
+        "positive_index_grows",
+        "spurious_equilibria_have_a_growing_mode",
+        "optimal_iff_index_zero",
+    ),
+    not_in_coq=(
+        "That a growing mode of the linearised motion makes the motion itself leave "
+        "(Lyapunov's theorem), and where it ends."
+    ),
 )

@@ -156,4 +156,9 @@ CLAIM = Claim(
         "certreg.equilibria.stability",
         "derivations.linearisation",
     ),
+    coq=(
+        "torque_linearised",
+        "second_variation",
+    ),
+    not_in_coq=r"The $12\times12$ matrix itself, and states that are no equilibria.",
 )

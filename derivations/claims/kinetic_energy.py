@@ -100,4 +100,6 @@ CLAIM = Claim(
     r"$\tfrac12\operatorname{tr}(R^{\mathsf T}R\,[\omega]S_2[\omega]^{\mathsf T})$ instead.",
     needs=("inertia",),
     used_by=("derivations.motion.kinetic", "certreg.dynamics.Body.energies"),
+    coq=("kinetic_reduction",),
+    not_in_coq="Nothing: the whole claim is proved there.",
 )

@@ -122,4 +122,10 @@ CLAIM = Claim(
     "That the minimum over rotations is unique: see the claim `classification`.",
     needs=("potential_energy",),
     used_by=("certreg.energy.best_translation", "certreg.energy.translation_energy"),
+    coq=(
+        "potential_is_objective",
+        "objective_reduction",
+        "optimal_pose_iff",
+    ),
+    not_in_coq="Statistics: that the objective is the likelihood of Gaussian noise.",
 )

@@ -294,4 +294,5 @@ CLAIM = Claim(
         "derivations.integrators.midpoint_step",
         "certreg.simulation.simulate",
     ),
+    not_in_coq="Nothing in Coq speaks of integrators.",
 )

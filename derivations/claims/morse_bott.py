@@ -157,4 +157,15 @@ CLAIM = Claim(
         "certreg.equilibria.classification.Classification.kinds",
         "certreg.results.ComponentKind",
     ),
+    coq=(
+        "morse_index",
+        "morse_indices_of_four",
+        "optimal_iff_index_zero",
+        "eigenvector_in_a_basis",
+        "index_unique",
+    ),
+    not_in_coq=(
+        "Topology: that the components are projective spaces, that the kernel of the "
+        "Hessian is tangent to them, and the sum with Euler's characteristic."
+    ),
 )

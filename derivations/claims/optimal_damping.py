@@ -146,4 +146,5 @@ CLAIM = Claim(
     r"like $(1 + \text{const}\, t)\, e^{-kt}$. The energy decays at twice the rate.",
     needs=("characteristic_polynomial", "unstable_count", "hessian"),
     used_by=("certreg.simulation.optimal_damping",),
+    not_in_coq="Nothing in Coq speaks of rates of decay.",
 )

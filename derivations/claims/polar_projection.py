@@ -229,4 +229,5 @@ CLAIM = Claim(
         "derivations.integrators.euler_step",
         "certreg.simulation.simulate",
     ),
+    not_in_coq="Nothing in Coq speaks of integrators.",
 )

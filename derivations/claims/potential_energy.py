@@ -120,4 +120,9 @@ CLAIM = Claim(
         "derivations.motion.potential",
         "certreg.dynamics.Body.energies",
     ),
+    coq=(
+        "potential_reduction",
+        "davenport_form",
+    ),
+    not_in_coq="The formula for a matrix $R$ that is no rotation.",
 )

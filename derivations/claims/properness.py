@@ -176,4 +176,5 @@ CLAIM = Claim(
     needs=("potential_energy", "inertia"),
     standard=(SPECTRAL,),
     used_by=("certreg.simulation.simulate",),
+    not_in_coq="No theorem in Coq speaks of compactness.",
 )

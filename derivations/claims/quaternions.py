@@ -203,4 +203,16 @@ CLAIM = Claim(
         "certreg.so3.body_frame",
         "certreg.so3.quaternion_from_matrix",
     ),
+    coq=(
+        "unit_quaternions_rotate",
+        "every_rotation_has_a_quaternion",
+        "same_rotation_same_quaternion_up_to_sign",
+        "rotation_transpose",
+        "rot_orthogonal",
+        "rot_det",
+        "cotangent_tangent",
+        "cotangent_self",
+        "along_and_across",
+    ),
+    not_in_coq="The kinematic equation.",
 )

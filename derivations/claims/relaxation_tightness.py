@@ -197,4 +197,8 @@ CLAIM = Claim(
         "certreg.relaxation.qcqp.rotation_quadratics",
         "certreg.relaxation.shor.relax",
     ),
+    not_in_coq=(
+        "Nothing in Coq speaks of semidefinite programs; the bound from a multiplier is on "
+        "the page `dual_bound`."
+    ),
 )

@@ -172,4 +172,17 @@ CLAIM = Claim(
         "certreg.equilibria.closed_form.arun",
         "certreg.verify.multiplicities",
     ),
+    coq=(
+        "eigenvalues_from_singular_values",
+        "singular_values_ordered",
+        "singular_values_symmetric_functions",
+        "squares_are_eigenvalues_of_gram",
+        "unique_iff_positive_margin",
+    ),
+    not_in_coq=(
+        r"The decomposition $C = U \operatorname{diag}(d_1, d_2, d_3)\, V^{\mathsf T}$ with "
+        r"rotations: in Coq the $d_i$ are made from the eigenvalues of $K$, and their "
+        r"squares are proved to be the eigenvalues of $C^{\mathsf T}C$, with $d_1 d_2 d_3 = "
+        r"\det C$."
+    ),
 )

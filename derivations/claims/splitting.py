@@ -272,4 +272,5 @@ CLAIM = Claim(
         "derivations.integrators.squared_speed",
         "certreg.simulation.simulate",
     ),
+    not_in_coq="Nothing in Coq speaks of integrators.",
 )

@@ -297,4 +297,8 @@ CLAIM = Claim(
     r"may miss its symmetry by a rounding and then has exactly four equilibria.",
     needs=("classification", "spectrum"),
     used_by=("certreg.equilibria.classification.classify",),
+    not_in_coq=(
+        "Nothing in Coq speaks of symmetry; what follows from a repeated eigenvalue is on "
+        "the page `classification`."
+    ),
 )

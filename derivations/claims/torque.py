@@ -112,4 +112,9 @@ CLAIM = Claim(
         "derivations.motion.spring_torque",
         "derivations.integrators.quaternion_torque",
     ),
+    coq=(
+        "davenport_torque",
+        "torque_reduction",
+    ),
+    not_in_coq="The formula for a matrix $R$ that is no rotation.",
 )

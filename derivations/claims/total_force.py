@@ -99,4 +99,6 @@ CLAIM = Claim(
     "close, as in the paper.",
     needs=("potential_energy",),
     used_by=("derivations.motion.rate", "certreg.dynamics.Body.rate"),
+    coq=("force_reduction",),
+    not_in_coq="Nothing: the whole claim is proved there, for every matrix $R$.",
 )

@@ -145,4 +145,12 @@ CLAIM = Claim(
     not_claimed="That the paper's torque is that of the forces off $\\mathrm{SO}(3)$: it is not.",
     needs=("quaternions", "inertia", "total_force"),
     used_by=("derivations.motion.rate", "certreg.dynamics.Body.rate"),
+    coq=(
+        "torque_reduction",
+        "paper_torque_is_torque",
+    ),
+    not_in_coq=(
+        "The formula for a matrix $R$ that is no rotation; there the paper's torque is "
+        "taken as a definition."
+    ),
 )

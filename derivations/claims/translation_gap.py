@@ -128,4 +128,9 @@ CLAIM = Claim(
         "certreg.energy.translation_energy",
         "certreg.certificate.bounds.pose_energy",
     ),
+    coq=(
+        "objective_reduction",
+        "optimal_pose_iff",
+    ),
+    not_in_coq="The formula for a matrix $R$ that is no rotation.",
 )

@@ -230,4 +230,15 @@ CLAIM = Claim(
         "certreg.equilibria.stability.spring_ratios",
         "certreg.verify",
     ),
+    coq=(
+        "unstable_roots_are_the_index",
+        "unstable_roots_at_equilibrium",
+        "simultaneous_diagonalisation",
+        "index_zero_iff",
+    ),
+    not_in_coq=(
+        r"That the polynomial of the linearised motion is the determinant of a $12\times12$ "
+        r"matrix: it is written down from `torque_linearised` and the equation of the "
+        r"translation. That the unstable roots are real, and which of the others are zero."
+    ),
 )

@@ -98,10 +98,12 @@ Proof.
   rewrite <- (sqrt_sqrt (qnorm2 q)) at 3 by lra. field. lra.
 Qed.
 
-Lemma cotangent_tangent q a : cotangent q (tangent q a) = vscale (qnorm2 q) a.
+(** L(q)^T L(q) = |q|^2 I. *)
+Theorem cotangent_tangent q a : cotangent q (tangent q a) = vscale (qnorm2 q) a.
 Proof. by_entries. Qed.
 
-Lemma cotangent_self q : cotangent q q = vzero.
+(** L(q)^T q = 0. *)
+Theorem cotangent_self q : cotangent q q = vzero.
 Proof. by_entries. Qed.
 
 Lemma tangent_orthogonal q a : qdot q (tangent q a) = 0.
@@ -114,7 +116,7 @@ Lemma qdot_tangent q a p : qdot p (tangent q a) = dot (cotangent q p) a.
 Proof. by_entries. Qed.
 
 (** q q^T + L(q) L(q)^T = |q|^2 I: every quaternion splits along q and across it. *)
-Lemma along_and_across q p :
+Theorem along_and_across q p :
   qscale (qnorm2 q) p = qadd (qscale (qdot q p) q) (tangent q (cotangent q p)).
 Proof. by_entries. Qed.
 
@@ -125,10 +127,12 @@ Proof. by_entries. Qed.
 Lemma rot_opposite q : rot (qscale (-1) q) = rot q.
 Proof. by_entries. Qed.
 
-Lemma rot_orthogonal q : mmul (transpose (rot q)) (rot q) = mscale (qnorm2 q * qnorm2 q) mid.
+(** R(q)^T R(q) = |q|^4 I, for q of any length. *)
+Theorem rot_orthogonal q : mmul (transpose (rot q)) (rot q) = mscale (qnorm2 q * qnorm2 q) mid.
 Proof. by_entries. Qed.
 
-Lemma rot_det q : det (rot q) = qnorm2 q * qnorm2 q * qnorm2 q.
+(** det R(q) = |q|^6. *)
+Theorem rot_det q : det (rot q) = qnorm2 q * qnorm2 q * qnorm2 q.
 Proof. by_entries. Qed.
 
 (** R(q) is a rotation for every unit quaternion. *)
@@ -147,6 +151,11 @@ Proof. by_entries. Qed.
 Theorem orthogonal_quaternions_are_half_a_turn_apart p q :
   unit p -> unit q -> qdot p q = 0 -> half_turn_apart (rot p) (rot q).
 Proof. intros Hp Hq H. unfold half_turn_apart. rewrite trace_between, Hp, Hq, H. ring. Qed.
+
+(** And only those: half a turn apart means orthogonal. *)
+Theorem half_turn_apart_iff_orthogonal p q :
+  unit p -> unit q -> half_turn_apart (rot p) (rot q) <-> qdot p q = 0.
+Proof. intros Hp Hq. unfold half_turn_apart. rewrite trace_between, Hp, Hq. split; nra. Qed.
 
 Lemma half_turn_apart_differ P R : rotation P -> half_turn_apart P R -> P <> R.
 Proof.

@@ -1,18 +1,17 @@
 """The part of docs/machine-checked-proofs.md that lists the theorems, from the .v files themselves.
 
-    python3 derivations/coq/page.py        renews it in place
+    python3 -m derivations.coq.page        renews it in place
 
-Prose is the comment that stands before a theorem; its assumptions come from assumptions.txt, which
-check.py compares with what Coq prints. Standard library only.
+Standard library only.
 """
 
 from __future__ import annotations
 
 import re
 import sys
-from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
+from .theorems import HERE, ORDER, Theorem, theorems
+
 PAGE = HERE.parent.parent / "docs" / "machine-checked-proofs.md"
 MARK = "<!-- From here on written by derivations/coq/page.py -->\n"
 LETTERS = {  # as explained on the page
@@ -21,18 +20,9 @@ LETTERS = {  # as explained on the page
     "FunctionalExtensionality.functional_extensionality_dep": "F",
     "Classical_Prop.classic": "C",
 }
-ORDER = (  # from the ground up; a file that is missing here is an error
-    *("Vectors", "Quaternions", "Clouds", "Moments", "Davenport", "Extremum", "Spectral"),
-    *("Equilibria", "SingularValues", "Index", "Hessian", "Stability", "Dynamics", "Ambient"),
-    *("Certificate", "Basin", "Definite", "Integers", "Checker"),
-)
 DEFINITION = re.compile(
     r"^(?:\(\*\* (?:(?!\*\)).)*?\*\)\n)?"
     r"(?:Definition|Fixpoint|Record|Inductive) .*?\.(?=[ \n])(?: *\(\*.*?\*\))?\n",
-    re.MULTILINE | re.DOTALL,
-)
-THEOREM = re.compile(
-    r"^\(\*\* (?P<prose>(?:(?!\*\)).)*?) ?\*\)\n(?P<statement>Theorem (?P<name>\w+).*?)\nProof",
     re.MULTILINE | re.DOTALL,
 )
 
@@ -50,20 +40,21 @@ def section(name: str) -> str:
     defined = "".join(match[0] for match in DEFINITION.finditer(text)).strip()
     if defined:
         parts.append(f"\nDefinitions:\n\n```coq\n{defined}\n```\n")
-    for match in THEOREM.finditer(text):
-        prose = " ".join(match["prose"].split())
-        parts.append(
-            f"\n### {match['name']}\n\n{prose}\n\n```coq\n{match['statement']}\n```\n\n"
-            f"Assumes: {assumed(name + '.' + match['name'])}.\n"
-        )
+    parts += [shown(theorem) for theorem in theorems().values() if theorem.file == name]
     return "".join(parts)
 
 
-def assumed(theorem: str) -> str:
+def shown(theorem: Theorem) -> str:
+    """A theorem under its name: prose, statement, axioms."""
+    return (
+        f"\n### {theorem.name}\n\n{theorem.prose}\n\n```coq\n{theorem.statement}\n```\n\n"
+        f"Assumes: {assumed(theorem)}.\n"
+    )
+
+
+def assumed(theorem: Theorem) -> str:
     """The axioms of a theorem in the page's letters."""
-    recorded = (HERE / "assumptions.txt").read_text(encoding="utf-8").splitlines()
-    line = next(line for line in recorded if line.startswith(f"{theorem}: "))
-    return ", ".join(LETTERS.get(axiom, axiom) for axiom in line.partition(": ")[2].split(", "))
+    return ", ".join(LETTERS.get(axiom, axiom) for axiom in theorem.axioms) or "nothing"
 
 
 def main() -> int:

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 
+FACTS = ("verdict", "steps", "quoted", "controls", "coq")  # of `summary_of`, in columns
+
+
 class PlaceOfClaims(nodes.General, nodes.Element):
     """Where the table of all claims goes once every page has been read."""
 
@@ -94,10 +97,10 @@ def _fill(app: Sphinx, doctree: nodes.document, docname: str) -> None:
 
 
 def _chapter(app: Sphinx, docname: str, chapter: book.Chapter) -> list[nodes.Node]:
-    head = ("claim", "verdict", "steps", "quoted", "controls refuted")
+    head = ("claim", "verdict", "steps", "quoted", "controls refuted", "theorems in Coq")
     rows = [_row(app, docname, name) for name in chapter.names]
     header = [nodes.paragraph(text=word) for word in head]
-    shown = table(header, rows, (44, 14, 12, 12, 18), "claims")
+    shown = table(header, rows, (38, 13, 11, 11, 14, 13), "claims")
     return [nodes.rubric(text=chapter.title), shown]
 
 
@@ -107,7 +110,7 @@ def _row(app: Sphinx, docname: str, name: str) -> list[nodes.Node]:
         logger.warning("no page proves the claim %r", name, location=docname)
     uri = app.builder.get_relative_uri(docname, f"{FOLDER}/{name}")
     link = nodes.reference("", title_of(name), refuri=uri, internal=True)
-    words = [str(outcome.get(key, "")) for key in ("verdict", "steps", "quoted", "controls")]
+    words = [str(outcome.get(key, "")) for key in FACTS]
     return [nodes.paragraph("", "", link), *(nodes.paragraph(text=word) for word in words)]
 
 

@@ -21,6 +21,7 @@ from sphinx.errors import ExtensionError
 from sphinx.util.docutils import SphinxDirective
 
 from derivations import book
+from derivations.coq.theorems import Theorem, theorems
 from derivations.kernel import Claim, Control, Kind, Outcome, Step, prove
 
 if TYPE_CHECKING:
@@ -30,6 +31,12 @@ if TYPE_CHECKING:
 
 FOLDER = "proofs"  # the page of a claim is FOLDER/NAME
 NO_CODE = "No code: it is a step of the chain."
+MACHINE = "/machine-checked-proofs.md"
+IN_COQ = (
+    "Proved a second time, by other means, as statements that Coq's kernel has accepted. [The page "
+    f"of all theorems]({MACHINE}) says what their words and the axioms mean; the axioms are those "
+    "of Coq's own library of real numbers."
+)
 DISPLAYED = re.compile(r"\s*\$\$(.+?)\$\$\s*", re.DOTALL)
 
 
@@ -78,6 +85,7 @@ class Proof(MarkdownDirective):
                 "Proof", self._steps(outcome.steps), self._verdict(outcome), _source(claim)
             ),
             self.section("What must fail, and does", *self._controls(outcome)),
+            self.section("Checked by machine, in Coq", *self._in_coq(claim)),
             self.section("What is not claimed", self.prose(claim.not_claimed)),
             self.section("The code that uses it", *self._code(claim)),
         ]
@@ -162,6 +170,26 @@ class Proof(MarkdownDirective):
             place = nodes.paragraph("", "", link)
         return [self.prose(control.name), place, _words(step)]
 
+    def _in_coq(self, claim: Claim) -> list[nodes.Node]:
+        """The theorems in Coq beside the claim, as their files state them, and what they lack."""
+        if not claim.coq:
+            return [self.prose(f"**Not machine-checked.** {claim.not_in_coq}")]
+        shown = [part for name in claim.coq for part in self._theorem(theorems()[name])]
+        return [
+            self.prose(f"{IN_COQ}\n\n**Not proved in Coq:** {claim.not_in_coq}", "not-in-coq"),
+            *shown,
+        ]
+
+    def _theorem(self, theorem: Theorem) -> list[nodes.Node]:
+        prose = self.prose(f"[`{theorem.name}`]({MACHINE}#{theorem.name}): {theorem.prose}")
+        facts = nodes.field_list(classes=["claim-facts"])
+        hypotheses = "; ".join(f"`{each}`" for each in theorem.hypotheses) or "none"
+        facts += _field("Hypotheses", self.prose(hypotheses))
+        axioms = ", ".join(f"`{axiom}`" for axiom in theorem.axioms) or "none"
+        facts += _field("Axioms", self.prose(axioms))
+        code = nodes.literal_block(theorem.statement, theorem.statement, language="coq")
+        return [nodes.container("", prose, code, facts, classes=["in-coq"])]
+
     def _code(self, claim: Claim) -> list[nodes.Node]:
         if not claim.used_by:
             return [nodes.paragraph(text=NO_CODE)]
@@ -218,6 +246,7 @@ def summary_of(outcome: Outcome) -> Facts:
         "steps": len(outcome.steps),
         "quoted": len(outcome.quoted),
         "controls": len(outcome.controls),
+        "coq": len(outcome.claim.coq),
     }
 
 
