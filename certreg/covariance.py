@@ -19,6 +19,7 @@ import numpy as np
 from certreg.dyadic import nearest_double
 from certreg.energy import potential_energy
 from certreg.equilibria.spectral import rotation_double, unit_double
+from certreg.problem import contiguous, row_blocks
 from certreg.so3 import body_frame
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
     from certreg.equilibria.spectral import Spectrum
     from certreg.pose import Pose
-    from certreg.problem import RegistrationProblem
+    from certreg.problem import Block, RegistrationProblem
 
 PARAMETERS = 6  # of a pose
 
@@ -78,7 +79,7 @@ def pose_covariance(problem: RegistrationProblem, found: Spectrum) -> PoseCovari
     if not found.classification.unique:
         return None
     moments, q = found.moments, found.quaternions[0]
-    degrees = 3 * int(np.count_nonzero(problem.weights)) - PARAMETERS
+    degrees = 3 * _present(problem) - PARAMETERS
     factor = None
     if degrees > 0:
         factor = nearest_double(potential_energy(moments, q) / degrees)
@@ -108,11 +109,42 @@ def pose_covariance(problem: RegistrationProblem, found: Spectrum) -> PoseCovari
     )
 
 
-def residual_distances(problem: RegistrationProblem, pose: Pose) -> NDArray[np.float64]:
+def residual_distances(points: RegistrationProblem | Block, pose: Pose) -> NDArray[np.float64]:
     """(N,), |y_i - R x_i - t|, in the unit of length; no square of a length is formed."""
     with np.errstate(over="ignore", invalid="ignore"):
-        x, y, z = (problem.target - pose.apply(problem.source)).T
+        x, y, z = (points.target - pose.apply(points.source)).T
         return np.hypot(np.hypot(x, y), z)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Residual:
+    """How badly a correspondence fits: its row, and |y - R x - t| in the unit of length."""
+
+    row: int
+    distance: float
+
+
+def worst_residuals(problem: RegistrationProblem, pose: Pose, count: int) -> list[Residual]:
+    """The correspondences with the largest distances, largest first; of equal ones the first.
+
+    Those whose distance no double holds are left out.
+    """
+    worst: list[Residual] = []
+    for rows in row_blocks(problem.n):
+        distances = residual_distances(problem.block(rows), pose)
+        distances[~np.isfinite(distances)] = -1.0
+        least = max(0.0, np.partition(distances, -count)[-count] if count < len(distances) else 0.0)
+        far = np.flatnonzero(distances >= least)
+        far = far[np.argsort(-distances[far], kind="stable")[:count]]
+        worst += [Residual(row=rows.start + int(k), distance=float(distances[k])) for k in far]
+        worst = sorted(worst, key=lambda one: (-one.distance, one.row))[:count]
+    return worst
+
+
+def _present(problem: RegistrationProblem) -> int:
+    """How many points have a weight other than zero."""
+    blocks = (contiguous(problem.weights, rows) for rows in row_blocks(problem.n))
+    return sum(int(np.count_nonzero(block)) for block in blocks)
 
 
 def _inverse_hessian(found: Spectrum) -> NDArray[np.float64] | None:

@@ -96,6 +96,11 @@ def road_for(problem: RegistrationProblem) -> Road:
     return Road.LIMBS if _compiled() is None else Road.COMPILED
 
 
+def other_road(problem: RegistrationProblem) -> Road:
+    """The fastest road here but one, for a second opinion."""
+    return Road.LIMBS if road_for(problem) is Road.COMPILED else Road.INTEGERS
+
+
 def sums_by(road: Road, problem: RegistrationProblem) -> Sums:
     """The sums over all points by one road. Raises CompilationError where it needs a compiler."""
     if road is Road.COMPILED:

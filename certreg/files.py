@@ -11,18 +11,18 @@ from typing import TYPE_CHECKING, BinaryIO
 from certreg.errors import InvalidFileError
 
 if TYPE_CHECKING:
-    from collections.abc import Generator
+    from collections.abc import Generator, Iterable
 
 TEMPORARY = ".certreg-"  # how names of files begin that are not yet whole
 
 
-def write_atomically(path: str | os.PathLike[str], content: bytes) -> None:
-    """Write a file under a temporary name beside it, then rename. Raises InvalidFileError.
+def write_atomically(path: str | os.PathLike[str], content: bytes | Iterable[bytes]) -> None:
+    """Write a file, whole or in pieces, under a temporary name beside it, then rename.
 
-    A symbolic link stays one: the file that it names is written.
+    A symbolic link stays one: the file that it names is written. Raises InvalidFileError.
     """
     with written_atomically(path) as stream:
-        stream.write(content)
+        stream.writelines([content] if isinstance(content, bytes) else content)
 
 
 @contextlib.contextmanager

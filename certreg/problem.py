@@ -102,6 +102,19 @@ class RegistrationProblem:
         """Number of correspondences."""
         return len(self.source)
 
+    @property
+    def mapped(self) -> bool:
+        """Whether a part of the problem stays in a file, which somebody else could change."""
+        arrays = (self.source, self.target, self.weights)
+        return any(mapped_file(array) is not None for array in arrays)
+
+    @property
+    def equally_weighted(self) -> bool:
+        """Whether all weights are the same."""
+        one = self.weights[0]
+        blocks = (contiguous(self.weights, rows) for rows in row_blocks(self.n))
+        return all((block == one).all() for block in blocks)
+
     def block(self, rows: slice) -> Block:
         """Some of the points in doubles, contiguous; a mapped file is let go of afterwards.
 

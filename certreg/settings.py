@@ -28,6 +28,7 @@ class CertificateSettings:
     bound_bits: int = 32  # mantissa of mu and delta: short numbers, at most 2^-31 wasted
     growth_bits: int = 16  # delta grows by 2^16 after a refused attempt
     least_bits: int = 8192  # delta is at least 2^-8192 of the spread: exponents stay in bounds
+    python_points: int = 20_000  # of own certificates: the checker adds up itself (0.3 s)
     attempts: int = 8  # 8 * 16 bits: far beyond any rounding of the first guess
 
 

@@ -30,7 +30,7 @@ relaxation.qcqp relaxation.conic relaxation.shor
 dynamics integration simulation instances ensembles covariance
 certificate.types certificate.bounds
 certificate.multiplier certificate.producing certificate.counting
-certificate.coq certificate.coqc certificate.checking
+certificate.coq certificate.coqc certificate.blockwise certificate.checking
 agreement
 pipeline enumeration assessment
 experiments.generator

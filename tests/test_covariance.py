@@ -17,11 +17,14 @@ import pytest
 from scipy.spatial.transform import Rotation
 from strategies import TETRAHEDRON, ZOO, random_rotation
 
-from certreg.covariance import pose_covariance, residual_distances
+from certreg import problem as problems
+from certreg.covariance import pose_covariance, residual_distances, worst_residuals
 from certreg.equilibria.spectral import spectrum
 from certreg.moments import exact_moments
 from certreg.pipeline import certify
+from certreg.pose import Pose
 from certreg.problem import RegistrationProblem
+from certreg.settings import SumSettings
 
 REPETITIONS = 10_000
 SIGMA = 1e-3
@@ -216,3 +219,21 @@ def test_residual_distances_are_those_of_the_points_and_do_not_overflow():
     huge = RegistrationProblem(source * 2.0**700, target * 2.0**700)
     pose = certify(huge, relaxation=False, simulation=False).pose
     assert np.allclose(residual_distances(huge, pose) / 2.0**700, expected, rtol=1e-6)
+
+
+def test_the_worst_residuals_are_the_largest_and_of_equal_ones_the_first(monkeypatch):
+    rng = np.random.default_rng(3)
+    offsets = rng.integers(0, 6, size=200).astype(float)  # many equal distances
+    target = np.zeros((200, 3))
+    target[:, 0] = offsets
+    problem = RegistrationProblem(np.zeros((200, 3)), target)
+    pose = Pose(
+        rotation=np.eye(3), translation=np.zeros(3), quaternion_wxyz=np.array([1.0, 0, 0, 0])
+    )
+    expected = sorted(range(200), key=lambda k: (-offsets[k], k))
+    monkeypatch.setattr(problems, "SumSettings", lambda: SumSettings(block_points=7))
+
+    for count in (1, 3, 50, 300):
+        found = worst_residuals(problem, pose, count)
+        assert [one.row for one in found] == expected[:count]
+        assert [one.distance for one in found] == [offsets[k] for k in expected[:count]]

@@ -70,7 +70,7 @@ def export(
 ) -> CoqProblem:
     """The certificate for Coq. Raises RefusalError where it is malformed or of other points."""
     fields = parse(certificate)
-    content, n = bound_doubles(fields, clouds), fields["n"]
+    content, n = bytes(bound_doubles(fields, clouds)), fields["n"]
     numbers = struct.unpack(f"<{7 * n}d", content)
     require(all(map(isfinite, numbers)), "the data hold a number that is not finite")
     minus_zero = struct.pack("<d", -0.0)

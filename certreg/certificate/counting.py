@@ -6,18 +6,17 @@ formulas of its own.
 
 from __future__ import annotations
 
-import base64
-import json
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from certreg.certificate.types import FORMAT
+from certreg.certificate.types import FORMAT, file_pieces
 from certreg.files import write_atomically
 from certreg.moments import exact_moments
 from certreg.settings import CertificateSettings
 
 if TYPE_CHECKING:
     import os
+    from collections.abc import Iterator
 
     from certreg.problem import RegistrationProblem
 
@@ -40,22 +39,25 @@ class CountCertificate:
     modulus: int
     about: dict[str, Any] = field(default_factory=dict[str, Any])
 
-    def to_json(self) -> bytes:
-        """The file's content."""
-        data = None if self.data is None else base64.b64encode(self.data).decode("ascii")
+    def pieces(self) -> Iterator[bytes]:
+        """The file's content, piece by piece."""
         document = {
             "about": self.about,
             "claims": {"at_most": AT_MOST},
             "format": FORMAT,
             "kind": COUNT,
-            "problem": {"data": data, "digest": self.digest, "n": self.n},
+            "problem": {"data": None, "digest": self.digest, "n": self.n},
             "proof": {"chart": list(self.chart), "modulus": self.modulus},
         }
-        return json.dumps(document, sort_keys=True, indent=1, allow_nan=False).encode() + b"\n"
+        yield from file_pieces(document, self.data)
+
+    def to_json(self) -> bytes:
+        """The file's content."""
+        return b"".join(self.pieces())
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the file; under a temporary name first, so that it is never half there."""
-        write_atomically(path, self.to_json())
+        write_atomically(path, self.pieces())
 
 
 def count_certificate(

@@ -15,12 +15,14 @@ from certreg.files import write_atomically
 
 if TYPE_CHECKING:
     import os
+    from collections.abc import Iterator
     from fractions import Fraction
 
     from certreg.dyadic import Dyadic
 
 FORMAT = "certreg-certificate/1"
 ISOTROPIC = "isotropic"
+PIECE = 3 << 18  # bytes of data encoded at a time: a multiple of three
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,9 +86,8 @@ class Certificate:
         """The claimed bound on objective(R(q)) - minimum."""
         return self.claims.gap.value
 
-    def to_json(self) -> bytes:
-        """The file's content."""
-        data = None if self.data is None else base64.b64encode(self.data).decode("ascii")
+    def pieces(self) -> Iterator[bytes]:
+        """The file's content, piece by piece."""
         document = {
             "about": self.about,
             "basin": _state(self.basin),
@@ -103,14 +104,32 @@ class Certificate:
             "kind": ISOTROPIC,
             "optimality": {"delta": _pair(self.delta), "mu": _pair(self.mu)},
             "pose": list(self.quaternion),
-            "problem": {"data": data, "digest": self.digest, "n": self.n},
+            "problem": {"data": None, "digest": self.digest, "n": self.n},
             "sdp": None if self.multiplier is None else {"nu": _pair(self.multiplier)},
         }
-        return json.dumps(document, sort_keys=True, indent=1, allow_nan=False).encode() + b"\n"
+        yield from file_pieces(document, self.data)
+
+    def to_json(self) -> bytes:
+        """The file's content."""
+        return b"".join(self.pieces())
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the file; under a temporary name first, so that it is never half there."""
-        write_atomically(path, self.to_json())
+        write_atomically(path, self.pieces())
+
+
+def file_pieces(document: dict[str, Any], data: bytes | None) -> Iterator[bytes]:
+    """A certificate's file, with the data in place of the null: large, so never twice in memory."""
+    text = json.dumps(document, sort_keys=True, indent=1, allow_nan=False) + "\n"
+    if data is None:
+        yield text.encode()
+        return
+    # Within a string the quotes would be escaped, and of the parts `problem` is the last with data.
+    before, name, after = text.rpartition('"data": ')
+    yield (before + name + '"').encode()
+    for start in range(0, len(data), PIECE):
+        yield base64.b64encode(data[start : start + PIECE])
+    yield ('"' + after.removeprefix("null")).encode()
 
 
 def _state(state: RotationState | None) -> dict[str, list[int]] | None:

@@ -98,7 +98,7 @@ def _clouds_to_bind(
 ) -> tuple[RegistrationProblem | Clouds, list[str]]:
     """What a certificate must be about, and notes; NumPy is loaded only where it is needed."""
     from certreg.io.text import TEXT_FORMATS, read_clouds
-    from certreg.verify import Clouds
+    from certreg.verify import INLINE_MAX, Clouds
 
     files = (source, target) if weights is None else (source, target, weights)
     if pairing is None and all(file.suffix.lower() in TEXT_FORMATS for file in files):
@@ -110,11 +110,12 @@ def _clouds_to_bind(
     problem, pair = read_problem(
         source, target, sigma=sigma, weights=weights, pairing=pairing or BY_LABEL
     )
-    if sigma is not None or weights is not None:
+    if sigma is not None or weights is not None or problem.n > INLINE_MAX:
         return problem, pair.notes
     # as with text clouds: the weights are the certificate's own
-    points = (array("d", side.tobytes()) for side in (problem.source, problem.target))
-    return Clouds(*points), pair.notes
+    points = problem.block(slice(None))
+    sides = (array("d", side.tobytes()) for side in (points.source, points.target))
+    return Clouds(*sides), pair.notes
 
 
 @click.command()

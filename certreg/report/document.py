@@ -8,9 +8,7 @@ from fractions import Fraction
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from certreg.covariance import residual_distances
+from certreg.covariance import worst_residuals
 from certreg.dyadic import double_above, nearest_double
 from certreg.pipeline import SimulatedRegistration
 from certreg.report.roads import roads_fields
@@ -313,9 +311,8 @@ def _simulation_fields(
 
 def _residuals(registration: Registration) -> list[Document]:
     """The worst correspondences, largest distance first."""
-    distances = residual_distances(registration.problem, registration.pose)
-    worst = sorted(range(len(distances)), key=lambda i: (-distances[i], i))[:WORST]
-    return [{"row": i, "distance": float(distances[i])} for i in worst if np.isfinite(distances[i])]
+    worst = worst_residuals(registration.problem, registration.pose, WORST)
+    return [{"row": one.row, "distance": one.distance} for one in worst]
 
 
 def _margin(equilibria: EquilibriumSet, reasons: dict[str, str]) -> Document:

@@ -12,6 +12,7 @@ from certreg.report.document import dumps, result_document
 
 if TYPE_CHECKING:
     import os
+    from collections.abc import Iterator
 
     from certreg.pipeline import Registration
 
@@ -33,7 +34,7 @@ def write_folder(registration: Registration, folder: str | os.PathLike[str]) -> 
     path = place / CERTIFICATE if registration.certificate is not None else None
     document = result_document(registration, None if path is None else str(path))
     rows = registration.pose.T_target_source.tolist()
-    contents = {
+    contents: dict[str, bytes | Iterator[bytes]] = {
         RESULT: (dumps(document) + "\n").encode(),
         POSE: ("\n".join(" ".join(map(repr, row)) for row in rows) + "\n").encode(),
     }
@@ -41,7 +42,7 @@ def write_folder(registration: Registration, folder: str | os.PathLike[str]) -> 
     if trajectory is not None:
         contents[TRAJECTORY] = Record.of(registration.problem, trajectory).to_bytes()
     if registration.certificate is not None:
-        contents[CERTIFICATE] = registration.certificate.to_json()
+        contents[CERTIFICATE] = registration.certificate.pieces()
     for name in (CERTIFICATE, RESULT, POSE, TRAJECTORY):
         if name in contents:
             write_atomically(place / name, contents[name])
