@@ -5,6 +5,14 @@ has exactly four equilibria, listed in the order of their Morse index, by the bo
 theorem that an equilibrium is an eigenvector of the Davenport matrix. The others go the exact road
 (`exactly`), one by one.
 
+>>> import numpy as np
+>>> rng = np.random.default_rng(0)
+>>> source = rng.normal(size=(20, 3))
+>>> targets = source + 0.01 * rng.normal(size=(1000, 20, 3))
+>>> found = solve_many(source, targets)
+>>> bool(found.decided.all()), bool((found.unstable == [0, 1, 2, 3]).all())
+(True, True)
+
 The bound. Let u = 2^-53, N points, P_x and P_y the sums of w |x - a|^2 and w |y - b|^2 about the
 doubles a, b that the points are shifted by, all over the mass; norms are Frobenius norms.
 
@@ -21,17 +29,22 @@ doubles a, b that the points are shifted by, all over the mass; norms are Froben
    which is computed to within 35 u (|K| + |L|), and by Weyl's inequality the k-th eigenvalue of K
    is that close to the k-th entry of L.
 
-So each eigenvalue is known to B = sqrt(3) 5 g sqrt(P_x P_y) + residual + 40 u (|K| + |L|) and if
-neighbours are more than 2 B apart, they are distinct. For J: the sum e of the principal minors of
-S2 is positive iff J is definite; it changes by at most 2 P_x |E| when S2 does by E. The least
-eigenvalue of J is at least j = e / P_x - 2 |E|, and if that is positive, J is definite.
+So each eigenvalue is known to B = sqrt(3) 5 g sqrt(P_x P_y) + residual + 40 u (|K| + |L|), and if
+all neighbours are more than 2 B apart, they are distinct. J is definite then: were the source
+collinear, C would have rank one and K double eigenvalues.
 
-The number of unstable eigenvalues is counted, from the twelve eigenvalues of the linearised
-dynamics: those of the translation, and of s^2 + mu s + g with g an eigenvalue of the pencil (G, J).
-It is -1 unless every |g| is larger than its error. The generated Hessian at a vector of the basis
-rounds by 2^8 u |K|, and belongs to an exact equilibrium of a matrix less than 2 B from K. Reduced
-by the Cholesky factor of J that error is at most 1 / j times as large, and the reduction rounds by
-2^8 u sqrt(2 P_x / j) |K| / j.
+The unstable eigenvalues are counted among the twelve of the linearised dynamics: those of the
+translation, and the roots of s^2 + mu s + g, g an eigenvalue of the pencil (G, J). The count is
+given where the instance is decided and every |g| is larger than its error:
+
+4. With q a vector of V, v = q^T K q and r = K q - v q, q is an exact eigenvector of the symmetric
+   K - r q^T - q r^T, which has the same G and eigenvalues within |r| of those of K. So the
+   eigenvalues of G are differences of eigenvalues of K to within 2 B; the generated Hessian rounds
+   by less than 2^8 u |K|.
+5. With J = T T^T, those g are the eigenvalues of T^-1 G T^-T, and an error of G is multiplied by
+   |T^-1|^2, at most 1 / j for j below the least eigenvalue of J. That is at least e / P_x, e the
+   sum of the principal minors of S2, which is off by at most 2 P_x |E| if S2 is by E. Reducing G
+   by the computed T rounds by less than 2^8 u |K| sqrt(2 P_x / j) / j.
 """
 
 from __future__ import annotations
@@ -43,11 +56,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.equilibria.spectral import equilibrium_set, spectrum
-from certreg.equilibria.stability import oscillations
+from certreg.equilibria.stability import Oscillations
 from certreg.errors import InvalidProblemError
 from certreg.moments import exact_moments
 from certreg.native.clouds import Clouds
-from certreg.native.evaluator import evaluator
+from certreg.native.engine import engine
 from certreg.problem import RegistrationProblem
 from certreg.settings import DEFAULT_DAMPING
 from certreg.so3 import rotation_matrix
@@ -59,7 +72,8 @@ if TYPE_CHECKING:
     from certreg.native.clouds import RestPoses
 
 Array = Any  # NDArray[np.float64]
-PORTION = 512  # instances that one thread takes at a time: they fit its cache
+MODES = 12  # of the linearised dynamics
+PORTION = 512  # instances that a thread takes at a time: what is found of them fits its cache
 ROUNDING = 2.0**-53
 FLOOR = 2.0**-1000  # far above N times the least normal double
 LEAST_SPREAD = 2.0**-400  # mean squares below: squares of their rounding errors would underflow
@@ -128,12 +142,14 @@ def solve_many(
     given = clouds(sources, targets, weights)
     if not 0.0 < damping < np.inf:
         raise InvalidProblemError(f"damping is {damping!r}: it must be a positive finite number")
+    if threads < 1:
+        raise InvalidProblemError(f"threads is {threads!r}: at least one is needed")
     solutions = Solutions.empty(given.count, spectrum=spectrum)
 
     def solve(start: int) -> None:
         chosen = slice(start, start + PORTION)
         some = given.part(chosen)
-        found = evaluator().rest_poses(some)
+        found = engine().rest_poses(some)
         _require_finite(found, some, start)
         _write(solutions.part(chosen), found, some, damping)
 
@@ -184,7 +200,7 @@ def _weights(given: ArrayLike, points: int) -> Array:
     if array.ndim != 2 or array.shape[1] != points:
         message = f"weights have the shape {array.shape}: give (count, {points}) or ({points},)"
         raise InvalidProblemError(message)
-    wrong = (array < 0.0).any(axis=1) | ~(array.max(axis=1) > 0.0)
+    wrong = (array < 0.0).any(axis=1) | ~(array.max(axis=1) > 0.0) | ~np.isfinite(array).all(axis=1)
     if wrong.any():
         message = (
             f"the weights of instance {int(np.argmax(wrong))} are not finite numbers >= 0, "
@@ -217,49 +233,60 @@ def _require_finite(found: RestPoses, some: Clouds, start: int) -> None:
             row = int(np.argmin(sound))
             message = f"{name} of instance {start + k}, row {row}, is {rows[0, row].tolist()}"
             raise InvalidProblemError(f"{message}: every value must be finite")
-    raise InvalidProblemError(f"the weights of instance {start + k} are not finite")
 
 
 def _write(solutions: Solutions, found: RestPoses, some: Clouds, damping: float) -> None:
     """Put what follows from the rest poses of some problems where it belongs."""
-    values, vectors = found.values, found.vectors
-    gaps = values[:, :-1] - values[:, 1:]
-    range_ = values[:, 0] - values[:, 3]
-    with np.errstate(all="ignore"):
-        solutions.margins[:] = np.where(range_ > 0.0, gaps.min(axis=1) / range_, 0.0)
-        solutions.quaternions[:] = vectors
+    bounds = Bounds.of(found, some.sources.shape[1])
+    least = (found.values[:, :-1] - found.values[:, 1:]).min(axis=1)
+    span = found.values[:, 0] - found.values[:, 3]
+    solutions.margins[:] = np.divide(least, span, out=np.zeros_like(least), where=span > 0.0)
+    solutions.decided[:] = least > 2.0 * bounds.eigenvalue
+    solutions.quaternions[:] = found.vectors
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
         solutions.translations[:] = _translations(found)
         solutions.rmse[:] = _rmse(found)
-        bound = _Bounds(found, some.sources.shape[1])
-        solutions.decided[:] = bound.sound & (gaps.min(axis=1) > 2.0 * bound.eigenvalue)
-        solutions.decided[:] &= bound.inertia > 0.0
-        roots = _oscillations(found, damping)
-        growing = (roots.real > 0.0).sum(axis=(2, 3))
-        certain = np.abs(found.ratios).min(axis=2) > bound.ratio[:, np.newaxis]
-        certain &= solutions.decided[:, np.newaxis] & np.isfinite(roots).all(axis=(2, 3))
-        solutions.unstable[:] = np.where(certain, growing, -1)
+        modes = Oscillations.of(_springs(found), damping)
+    certain = np.abs(found.ratios).min(axis=2) > bounds.ratio[:, np.newaxis]
+    certain &= solutions.decided[:, np.newaxis]
+    growing = modes.growing
+    certain &= growing + modes.decaying == MODES  # none overflowed or underflowed
+    solutions.unstable[:] = np.where(certain, growing, -1)
     if solutions.eigenvalues is not None:
-        solutions.eigenvalues[:] = _sorted(roots.reshape(-1, 4, 12))
+        solutions.eigenvalues[:] = modes.eigenvalues
 
 
-class _Bounds:
-    """How far what was computed can be from what is, (count,) each; over the mass and units."""
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Bounds:
+    """How far what was computed can be from what is, over the mass and in the units of the clouds.
 
-    def __init__(self, found: RestPoses, points: int) -> None:
+    eigenvalue: (count,), B, of each eigenvalue of K; infinite where squares could underflow.
+    ratio: (count,), of each eigenvalue of (G, J); infinite where J may be singular.
+    """
+
+    eigenvalue: NDArray[np.float64]
+    ratio: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, found: RestPoses, points: int) -> Bounds:
+        """The bounds for problems of so many points."""
         source, target = found.spreads[:, 0], found.spreads[:, 1]
-        g = (points + 8) * ROUNDING / (1.0 - (points + 8) * ROUNDING)
-        size = 2.0 * np.linalg.norm(found.cross, axis=1)
-        sizes = size + np.linalg.norm(found.values, axis=1)
-        sums = 5.0 * g * np.sqrt(source) * np.sqrt(target) + points * FLOOR
-        self.sound = (source > LEAST_SPREAD) & (target > LEAST_SPREAD)
-        self.eigenvalue = np.sqrt(3.0) * sums + found.residual + 40.0 * ROUNDING * sizes
-        self.eigenvalue *= SLACK
+        sound = (source > LEAST_SPREAD) & (target > LEAST_SPREAD)
+        g = 5.0 * (points + 8) * ROUNDING / (1.0 - (points + 8) * ROUNDING)
+        size = 2.0 * np.linalg.norm(found.cross, axis=1)  # of K
+        cross = g * np.sqrt(source) * np.sqrt(target) + points * FLOOR
+        values = 40.0 * ROUNDING * (size + np.linalg.norm(found.values, axis=1))
+        eigenvalue = SLACK * (np.sqrt(3.0) * cross + found.residual + values)
         a, b, c, d, e, f = found.scatter.T
         minors = (a * d - b * b) + (a * f - c * c) + (d * f - e * e)
-        self.inertia = minors / source - SLACK * 2.0 * (5.0 * g * source + points * FLOOR)
-        reduction = 1.0 + np.sqrt(2.0 * source / self.inertia)
-        self.ratio = 2.0 * self.eigenvalue + 256.0 * ROUNDING * size * reduction
-        self.ratio *= SLACK / self.inertia
+        with np.errstate(divide="ignore", invalid="ignore"):
+            inertia = minors / source - SLACK * 2.0 * (g * source + points * FLOOR)
+            reduction = 256.0 * ROUNDING * size * (1.0 + np.sqrt(2.0 * source / inertia))
+            ratio = SLACK * (2.0 * eigenvalue + reduction) / inertia
+        return cls(
+            eigenvalue=np.where(sound, eigenvalue, np.inf),
+            ratio=np.where(sound & (inertia > 0.0), ratio, np.inf),
+        )
 
 
 def _translations(found: RestPoses) -> Array:
@@ -278,13 +305,7 @@ def _rmse(found: RestPoses) -> Array:
     return np.ldexp(np.sqrt(found.square[:, np.newaxis] + losses), largest[:, np.newaxis])
 
 
-def _oscillations(found: RestPoses, damping: float) -> Array:
-    """The eigenvalues of the linearised dynamics, (count, 4, 6, 2)."""
-    exponents = (found.exponents[:, 1] - found.exponents[:, 0])[:, np.newaxis, np.newaxis]
-    return oscillations(np.ldexp(found.ratios, exponents), damping)
-
-
-def _sorted(roots: Array) -> Array:
-    """By descending real part, then ascending imaginary part."""
-    order = np.lexsort((roots.imag, -roots.real))
-    return np.take_along_axis(roots, order, axis=-1)
+def _springs(found: RestPoses) -> Array:
+    """The ratios in the units given: G scales as source times target, J as the source squared."""
+    exponents = found.exponents[:, 1] - found.exponents[:, 0]
+    return np.ldexp(found.ratios, exponents[:, np.newaxis, np.newaxis])

@@ -115,21 +115,47 @@ def _oscillator(g: float, damping: float) -> tuple[complex, complex]:
     return complex(large), complex(g / large)
 
 
-def oscillations(ratios: NDArray[np.float64], damping: float) -> NDArray[np.complex128]:
-    """The roots of all six oscillators at equilibria with spring ratios (..., 3): (..., 6, 2).
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Oscillations:
+    """The 12 eigenvalues of the linearised dynamics of many equilibria, as six damped springs.
 
-    What `linearised_spectrum` does for one, in the same order of operations, without sorting; not a
-    number where a ratio is none. The last three are those of the translation.
+    What `linearised_spectrum` finds for one, by the same operations in the same order.
+
+    reals: (..., 6, 2), real parts of the two roots of each spring; the last three are those of the
+        translation. heights: (..., 6), imaginary part of the second root, minus that of the first.
     """
-    springs = np.concatenate([ratios, np.full_like(ratios, TRANSLATION_STIFFNESS)], axis=-1)
-    half = damping / 2.0
-    discriminant = half * half - springs
-    height = np.sqrt(np.abs(discriminant))
-    complex_pair = discriminant < 0.0
-    large = np.where(complex_pair, -half, -half - height)
-    roots = np.empty((*springs.shape, 2), dtype=np.complex128)
-    roots.real[..., 0] = large
-    roots.real[..., 1] = np.where(complex_pair, -half, springs / large)
-    roots.imag[..., 1] = np.where(complex_pair, height, 0.0)
-    roots.imag[..., 0] = -roots.imag[..., 1]
-    return roots
+
+    reals: NDArray[np.float64]
+    heights: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, ratios: NDArray[np.float64], damping: float) -> Oscillations:
+        """From the spring ratios (..., 3); not a number where a ratio is none."""
+        springs = np.concatenate([ratios, np.full_like(ratios, TRANSLATION_STIFFNESS)], axis=-1)
+        half = damping / 2.0
+        discriminant = half * half - springs
+        root = np.sqrt(np.abs(discriminant))
+        swings = discriminant < 0.0
+        reals = np.empty((*springs.shape, 2))
+        large = np.where(swings, -half, -half - root)
+        reals[..., 0], reals[..., 1] = large, np.where(swings, -half, springs / large)
+        return cls(reals=reals, heights=np.where(swings, root, 0.0))
+
+    @property
+    def growing(self) -> NDArray[np.intp]:
+        """How many of the 12 have a positive real part, (...)."""
+        return np.count_nonzero(self.reals > 0.0, axis=(-2, -1))
+
+    @property
+    def decaying(self) -> NDArray[np.intp]:
+        """How many of the 12 have a negative real part, (...)."""
+        return np.count_nonzero(self.reals < 0.0, axis=(-2, -1))
+
+    @property
+    def eigenvalues(self) -> NDArray[np.complex128]:
+        """All of them, (..., 12), by descending real part, then ascending imaginary part."""
+        roots = np.empty(self.reals.shape, dtype=np.complex128)
+        roots.real = self.reals
+        roots.imag[..., 0], roots.imag[..., 1] = -self.heights, self.heights
+        flat = roots.reshape(*roots.shape[:-2], 12)
+        return np.take_along_axis(flat, np.lexsort((flat.imag, -flat.real)), axis=-1)

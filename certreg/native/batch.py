@@ -11,6 +11,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from certreg.native.clouds import Clouds, RestPoses
     from certreg.settings import SimulationSettings
 
 BODY, BASIN = 23, 20  # doubles of a body (generated/dynamics.h) and of a basin (native/loops.h)
@@ -166,4 +167,8 @@ class Engine(Protocol):
 
     def run(self, batch: Batch, settings: SimulationSettings, log: Log | None = None) -> None:
         """Integrate every instance of a batch to its end; a log is for a single instance."""
+        ...
+
+    def rest_poses(self, clouds: Clouds) -> RestPoses:
+        """What doubles say of the rest poses of many problems."""
         ...

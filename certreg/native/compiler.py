@@ -36,13 +36,11 @@ UNITS = (
     HERE / "single.c",
     HERE / "lanes.c",
     HERE / "exact.c",
+    HERE / "resting.c",
 )
 HEADERS = (
     GENERATED / "dynamics.h",
-    HERE / "loops.h",
-    HERE / "lanes.h",
-    HERE / "loop.h",
-    HERE / "exact.h",
+    *(HERE / name for name in ("loops.h", "lanes.h", "loop.h", "exact.h", "resting.h")),
 )
 # No -ffast-math: a NaN must stay one. -fno-math-errno: sqrt as one instruction.
 FLAGS = ("-std=gnu11", "-O3", "-march=native", "-fno-math-errno", "-fPIC", "-shared", "-Wno-psabi")
@@ -54,7 +52,7 @@ TRIAL = """
 import ctypes, json, sys
 library = ctypes.CDLL(sys.argv[1])
 library.certreg_euler_lanes, library.certreg_splitting_lanes, library.certreg_midpoint_single
-library.certreg_exact_sums
+library.certreg_exact_sums, library.certreg_rest_poses
 for name, sizes in json.load(open(sys.argv[2])).items():
     numbers = [(ctypes.c_double * n)() for n in sizes["arguments"] + sizes["results"]]
     getattr(library, name)(*numbers)

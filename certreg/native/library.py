@@ -5,21 +5,24 @@ from __future__ import annotations
 import ctypes
 import json
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from certreg.native.batch import Batch, Integrator, Log
+from certreg.native.clouds import RestPoses
 from certreg.native.compiler import SIGNATURES, CompilationError, compiled_library
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from certreg.native.clouds import Clouds
     from certreg.settings import SimulationSettings
 
 EXACT_SUMS, EXACT_WORDS, NOT_FINITE, NOWHERE = 28, 101, 2, 2**63 - 1  # as in exact.h
+SCRATCH = 56  # doubles per point: CERTREG_SCRATCH of native/resting.h
 PORTION = 512  # instances that one call takes: Ctrl-C is answered within milliseconds
 _POINTER = ctypes.c_void_p
 
@@ -61,6 +64,17 @@ class _Batch(ctypes.Structure):
         ("escapes", _POINTER),
         ("times", _POINTER),
         ("log", ctypes.POINTER(_Log)),
+    )
+
+
+class _Clouds(ctypes.Structure):
+    _fields_ = (
+        ("count", ctypes.c_long),
+        ("points", ctypes.c_long),
+        *((name, _POINTER) for name in ("sources", "targets", "weights")),
+        *((f"{name}_step", ctypes.c_long) for name in ("source", "target", "weight")),
+        ("scratch", _POINTER),
+        *((field.name, _POINTER) for field in fields(RestPoses)),
     )
 
 
@@ -113,6 +127,23 @@ class Library:
             integers=tuple(int.from_bytes(row, "little", signed=True) for row in rows),
             lowest=tuple(None if bit == NOWHERE else bit for bit in lowest.tolist()),
         )
+
+    def rest_poses(self, clouds: Clouds) -> RestPoses:
+        """What doubles say of the rest poses of many problems."""
+        given = (clouds.sources, clouds.targets, clouds.weights)
+        arrays = [np.ascontiguousarray(array, dtype=float) for array in given]
+        points = clouds.weights.shape[1]
+        scratch, found = np.empty(SCRATCH * points), RestPoses.empty(clouds.count)
+        passed = _Clouds(
+            clouds.count,
+            points,
+            *[array.ctypes.data for array in arrays],
+            *[0 if len(array) == 1 else array[0].size for array in arrays],
+            scratch.ctypes.data,
+            *[getattr(found, field.name).ctypes.data for field in fields(found)],
+        )
+        self.handle.certreg_rest_poses(ctypes.byref(passed))
+        return found
 
     def run(self, batch: Batch, settings: SimulationSettings, log: Log | None = None) -> None:
         """Integrate every instance; several run on all given threads, a log is for one instance."""

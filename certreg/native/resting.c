@@ -1,0 +1,364 @@
+/* Rest poses of many small problems, side by side in the lanes: moments, eigenvectors of Davenport's
+ * matrix, eigenvalues of the pencil (G, J). Linear algebra; the Hessian G is generated.
+ *
+ * What becomes of a lane does not depend on its neighbours: where one is done, it is left alone. */
+#include "resting.h"
+
+#define LANES CERTREG_SIDE_BY_SIDE
+#include "lanes.h"
+
+#define SWEEPS 16          /* of Jacobi's method; five are usual */
+#define NEGLIGIBLE 0x1p-60 /* of the norm: such an entry moves no eigenvalue by an ulp */
+
+typedef long long flags __attribute__((vector_size(8 * LANES))); /* -1 where it holds, else 0 */
+typedef lanes loose __attribute__((aligned(8), may_alias));
+
+static inline lanes all(double x) { return (lanes){0} + x; }
+
+static inline lanes chosen(flags which, lanes yes, lanes no)
+{
+    return (lanes)((which & (flags)yes) | (~which & (flags)no));
+}
+
+static inline lanes magnitude(lanes x) { return (lanes)((flags)x & 0x7fffffffffffffffll); }
+
+static inline int none(flags which)
+{
+    long long any = 0;
+    for (int lane = 0; lane < LANES; lane++)
+        any |= which[lane];
+    return !any;
+}
+
+/* Points of one cloud, over a power of two, less nearly their mean; what is left of the mean. */
+struct deviations {
+    loose *points; /* of all points the x, y, z of every lane */
+    lanes shift[3], rest[3], unit[2];
+    int exponents[LANES];
+};
+
+/* Powers of two that a product takes one after the other, so that neither leaves the doubles. */
+static inline void powers_of_two(const int exponents[LANES], int sign, lanes unit[2])
+{
+    for (int lane = 0; lane < LANES; lane++) {
+        const int exponent = sign * exponents[lane], half = exponent / 2;
+        unit[0][lane] = ldexp(1, half), unit[1][lane] = ldexp(1, exponent - half);
+    }
+}
+
+/* Numbers of all lanes side by side, over powers of two: the largest is in [1/2, 1). */
+static void scaled(const double *const from[LANES], long count, loose *to, int exponents[LANES],
+                   lanes unit[2])
+{
+    lanes largest = {0};
+    for (long k = 0; k < count; k++) {
+        lanes x;
+        for (int lane = 0; lane < LANES; lane++)
+            x[lane] = from[lane][k];
+        const lanes size = magnitude(x);
+        largest = chosen(size > largest, size, largest);
+        to[k] = x;
+    }
+    for (int lane = 0; lane < LANES; lane++)
+        frexp(largest[lane], exponents + lane);
+    powers_of_two(exponents, -1, unit);
+    for (long k = 0; k < count; k++)
+        to[k] = to[k] * unit[0] * unit[1];
+}
+
+static void shifted(struct deviations *cloud, const loose *w, lanes mass, long points)
+{
+    lanes sum[3] = {{0}}, rest[3] = {{0}};
+    for (long i = 0; i < points; i++)
+        for (int k = 0; k < 3; k++)
+            sum[k] += w[i] * cloud->points[3 * i + k];
+    for (int k = 0; k < 3; k++)
+        cloud->shift[k] = sum[k] / mass;
+    for (long i = 0; i < points; i++)
+        for (int k = 0; k < 3; k++) {
+            const lanes x = cloud->points[3 * i + k] - cloud->shift[k];
+            cloud->points[3 * i + k] = x;
+            rest[k] += w[i] * x;
+        }
+    for (int k = 0; k < 3; k++)
+        cloud->rest[k] = rest[k] / mass;
+}
+
+struct moments {
+    lanes cross[9], scatter[6], spreads[3];
+};
+
+static void products(const struct deviations *x, const struct deviations *y, const loose *w, lanes mass,
+                     long points, struct moments *found)
+{
+    static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
+    lanes cross[9] = {{0}}, scatter[6] = {{0}}, spread = {0};
+    for (long i = 0; i < points; i++) {
+        const loose *a = x->points + 3 * i, *b = y->points + 3 * i;
+        const lanes wa[3] = {w[i] * a[0], w[i] * a[1], w[i] * a[2]};
+        for (int k = 0; k < 9; k++)
+            cross[k] += wa[k % 3] * b[k / 3];
+        for (int k = 0; k < 6; k++)
+            scatter[k] += wa[row[k]] * a[column[k]];
+        spread += w[i] * (b[0] * b[0] + b[1] * b[1] + b[2] * b[2]);
+    }
+    for (int k = 0; k < 9; k++)
+        found->cross[k] = cross[k] / mass - y->rest[k / 3] * x->rest[k % 3];
+    for (int k = 0; k < 6; k++)
+        found->scatter[k] = scatter[k] / mass - x->rest[row[k]] * x->rest[column[k]];
+    found->spreads[0] = (scatter[0] + scatter[3] + scatter[5]) / mass;
+    found->spreads[1] = spread / mass;
+    found->spreads[2] = found->spreads[1] - y->rest[0] * y->rest[0] - y->rest[1] * y->rest[1] -
+                        y->rest[2] * y->rest[2];
+}
+
+/* The eigenvalues of a symmetric n x n matrix on its diagonal, by Jacobi's rotations; if there are
+ * vectors, the rows of the identity become the eigenvectors. */
+static inline __attribute__((always_inline)) void diagonalise(lanes *a, lanes *vectors, int n)
+{
+    lanes norm = {0};
+    flags turned;
+    for (int i = 0; i < n * n; i++)
+        norm += a[i] * a[i];
+    const lanes negligible = NEGLIGIBLE * lanes_sqrt(norm);
+    int sweep = 0;
+    do {
+        turned = (flags){0};
+        for (int p = 0; p < n - 1; p++)
+            for (int q = p + 1; q < n; q++) {
+                const lanes coupling = a[n * p + q], difference = a[n * q + q] - a[n * p + p];
+                const flags turn = magnitude(coupling) > negligible;
+                const lanes root = lanes_sqrt(difference * difference + 4 * coupling * coupling);
+                const lanes sum = difference + chosen(difference < 0, -root, root);
+                const lanes tangent = chosen(turn, 2 * coupling / sum, (lanes){0});
+                const lanes cosine = 1 / lanes_sqrt(1 + tangent * tangent), sine = tangent * cosine;
+                turned |= turn;
+                a[n * p + p] -= tangent * coupling;
+                a[n * q + q] += tangent * coupling;
+                a[n * p + q] = a[n * q + p] = chosen(turn, (lanes){0}, coupling);
+                for (int r = 0; r < n; r++) {
+                    if (r != p && r != q) {
+                        const lanes x = a[n * r + p], y = a[n * r + q];
+                        a[n * r + p] = a[n * p + r] = cosine * x - sine * y;
+                        a[n * r + q] = a[n * q + r] = sine * x + cosine * y;
+                    }
+                    if (vectors) {
+                        const lanes x = vectors[n * p + r], y = vectors[n * q + r];
+                        vectors[n * p + r] = cosine * x - sine * y;
+                        vectors[n * q + r] = sine * x + cosine * y;
+                    }
+                }
+            }
+    } while (!none(turned) && ++sweep < SWEEPS);
+}
+
+static inline void exchange(flags which, lanes *a, lanes *b)
+{
+    const lanes x = *a, y = *b;
+    *a = chosen(which, y, x), *b = chosen(which, x, y);
+}
+
+static inline void davenport(const lanes c[9], lanes k[16])
+{
+    const lanes w[3] = {c[7] - c[5], c[2] - c[6], c[3] - c[1]};
+    const lanes s[3] = {c[5] + c[7], c[2] + c[6], c[1] + c[3]};
+    k[0] = c[0] + c[4] + c[8], k[5] = c[0] - c[4] - c[8];
+    k[10] = c[4] - c[0] - c[8], k[15] = c[8] - c[0] - c[4];
+    k[1] = k[4] = w[0], k[2] = k[8] = w[1], k[3] = k[12] = w[2];
+    k[11] = k[14] = s[0], k[7] = k[13] = s[1], k[6] = k[9] = s[2];
+}
+
+/* Descending, with unit vectors whose first nonzero entry is positive. */
+static void eigenbasis(const lanes matrix[16], lanes values[4], lanes vectors[16])
+{
+    static const int pairs[5][2] = {{0, 1}, {2, 3}, {0, 2}, {1, 3}, {1, 2}};
+    lanes a[16];
+    for (int i = 0; i < 16; i++)
+        a[i] = matrix[i], vectors[i] = all(i % 5 == 0);
+    diagonalise(a, vectors, 4);
+    for (int i = 0; i < 4; i++)
+        values[i] = a[5 * i];
+    for (int i = 0; i < 5; i++) {
+        const int p = pairs[i][0], q = pairs[i][1];
+        const flags wrong = values[p] < values[q];
+        exchange(wrong, values + p, values + q);
+        for (int r = 0; r < 4; r++)
+            exchange(wrong, vectors + 4 * p + r, vectors + 4 * q + r);
+    }
+    for (int i = 0; i < 4; i++) {
+        lanes *v = vectors + 4 * i, first = v[3], squares = {0};
+        for (int r = 2; r >= 0; r--)
+            first = chosen(v[r] != 0, v[r], first);
+        for (int r = 0; r < 4; r++)
+            squares += v[r] * v[r];
+        const lanes factor = (3 - squares) / 2; /* 1 / sqrt(squares), so near to 1 */
+        for (int r = 0; r < 4; r++)
+            v[r] *= chosen(first < 0, -factor, factor);
+    }
+}
+
+/* |K V - V L| + |V^T V - I| (|K| + |L|), Frobenius norms. */
+static lanes residual_of(const lanes matrix[16], const lanes values[4], const lanes vectors[16])
+{
+    lanes moved = {0}, skew = {0}, size = {0}, range = {0};
+    for (int i = 0; i < 4; i++) {
+        const lanes *v = vectors + 4 * i;
+        range += values[i] * values[i];
+        for (int j = 0; j < 4; j++) {
+            const lanes *row = matrix + 4 * j, *u = vectors + 4 * j;
+            const lanes off = row[0] * v[0] + row[1] * v[1] + row[2] * v[2] + row[3] * v[3] - values[i] * v[j];
+            const lanes along = u[0] * v[0] + u[1] * v[1] + u[2] * v[2] + u[3] * v[3] - (i == j);
+            moved += off * off, skew += along * along, size += row[i] * row[i];
+        }
+    }
+    return lanes_sqrt(moved) + lanes_sqrt(skew) * (lanes_sqrt(size) + lanes_sqrt(range));
+}
+
+/* The lower factor 11 21 22 31 32 33 of J = tr(S) I - S; where it is positive definite. */
+static flags factor_of_inertia(const lanes s[6], lanes t[6])
+{
+    const lanes a = s[3] + s[5], d = s[0] + s[5], f = s[0] + s[3];
+    t[0] = lanes_sqrt(a), t[1] = -s[1] / t[0], t[3] = -s[2] / t[0];
+    t[2] = lanes_sqrt(d - t[1] * t[1]);
+    t[4] = (-s[4] - t[1] * t[3]) / t[2];
+    t[5] = lanes_sqrt(f - t[3] * t[3] - t[4] * t[4]);
+    return (t[0] > 0) & (t[2] > 0) & (t[5] > 0);
+}
+
+/* Each row of a matrix times T^-T. */
+static inline void reduced(const lanes t[6], lanes a[9])
+{
+    for (lanes *row = a; row < a + 9; row += 3) {
+        row[0] = row[0] / t[0];
+        row[1] = (row[1] - t[1] * row[0]) / t[2];
+        row[2] = (row[2] - t[3] * row[0] - t[4] * row[1]) / t[5];
+    }
+}
+
+/* The eigenvalues of T^-1 G T^-T, ascending, at each of four unit quaternions. */
+static void ratios_of(const struct moments *moments, const lanes vectors[16], lanes ratios[12])
+{
+    lanes factor[6], state[13] = {{0}}, body[23] = {{0}}, torque[3];
+    const flags definite = factor_of_inertia(moments->scatter, factor);
+    for (int i = 0; i < 9; i++)
+        body[i] = moments->cross[i];
+    for (int k = 0; k < 4; k++) {
+        lanes hessian[9], pencil[9], *g = ratios + 3 * k;
+        for (int i = 0; i < 4; i++)
+            state[3 + i] = vectors[4 * k + i];
+        certreg_quaternion_curvature(state, body, hessian, torque);
+        reduced(factor, hessian);
+        for (int i = 0; i < 9; i++)
+            pencil[i] = hessian[3 * (i % 3) + i / 3];
+        reduced(factor, pencil);
+        diagonalise(pencil, 0, 3);
+        for (int i = 0; i < 3; i++)
+            g[i] = chosen(definite, pencil[4 * i], all(NAN));
+        exchange(g[1] < g[0], g, g + 1);
+        exchange(g[2] < g[1], g + 1, g + 2);
+        exchange(g[1] < g[0], g, g + 1);
+    }
+}
+
+/* The mean of w |y - R x|^2 about the means, both in the larger unit. */
+static lanes square_of(const struct deviations *x, const struct deviations *y, const loose *weights, lanes mass,
+                       long points, const lanes q[4])
+{
+    lanes x_unit, y_unit, sum = {0}, turn[9], offset[3];
+    const lanes w = q[0], i = q[1], j = q[2], k = q[3];
+    for (int lane = 0; lane < LANES; lane++) {
+        const int difference = x->exponents[lane] - y->exponents[lane];
+        x_unit[lane] = ldexp(1, difference < 0 ? difference : 0);
+        y_unit[lane] = ldexp(1, difference < 0 ? 0 : -difference);
+    }
+    turn[0] = w * w + i * i - j * j - k * k, turn[1] = 2 * (i * j - w * k), turn[2] = 2 * (i * k + w * j);
+    turn[3] = 2 * (i * j + w * k), turn[4] = w * w - i * i + j * j - k * k, turn[5] = 2 * (j * k - w * i);
+    turn[6] = 2 * (i * k - w * j), turn[7] = 2 * (j * k + w * i), turn[8] = w * w - i * i - j * j + k * k;
+    for (int r = 0; r < 9; r++)
+        turn[r] *= x_unit;
+    for (int r = 0; r < 3; r++) {
+        const lanes *t = turn + 3 * r;
+        offset[r] = y->rest[r] * y_unit - (t[0] * x->rest[0] + t[1] * x->rest[1] + t[2] * x->rest[2]);
+    }
+    for (long n = 0; n < points; n++) {
+        const loose *a = x->points + 3 * n, *b = y->points + 3 * n;
+        lanes squares = {0};
+        for (int r = 0; r < 3; r++) {
+            const lanes *t = turn + 3 * r;
+            const lanes off = b[r] * y_unit - (t[0] * a[0] + t[1] * a[1] + t[2] * a[2]) - offset[r];
+            squares += off * off;
+        }
+        sum += weights[n] * squares;
+    }
+    return sum / mass;
+}
+
+/* Numbers of all lanes to where they belong; lanes beyond the last problem go nowhere. */
+static inline void put(const lanes *from, long size, double *to, long live)
+{
+    for (long lane = 0; lane < live; lane++)
+        for (long k = 0; k < size; k++)
+            to[lane * size + k] = from[k][lane];
+}
+
+static void put_means(const struct deviations *cloud, double *to, long live)
+{
+    lanes unit[2], means[3];
+    powers_of_two(cloud->exponents, 1, unit);
+    for (int k = 0; k < 3; k++)
+        means[k] = (cloud->shift[k] + cloud->rest[k]) * unit[0] * unit[1];
+    for (long lane = 0; lane < live; lane++)
+        for (int k = 0; k < 3; k++)
+            to[6 * lane + k] = means[k][lane];
+}
+
+static void rest_poses(const struct certreg_clouds *clouds, long first)
+{
+    const long left = clouds->count - first, live = left < LANES ? left : LANES, n = clouds->points;
+    loose *const w = (loose *)clouds->scratch;
+    struct deviations x = {.points = w + n}, y = {.points = w + 4 * n};
+    const double *sources[LANES], *targets[LANES], *weights[LANES];
+    int exponents[LANES];
+    for (int lane = 0; lane < LANES; lane++) {
+        const long i = first + (lane < live ? lane : live - 1);
+        sources[lane] = clouds->sources + i * clouds->source_step;
+        targets[lane] = clouds->targets + i * clouds->target_step;
+        weights[lane] = clouds->weights + i * clouds->weight_step;
+    }
+    scaled(weights, n, w, exponents, x.unit);
+    scaled(sources, 3 * n, x.points, x.exponents, x.unit);
+    scaled(targets, 3 * n, y.points, y.exponents, y.unit);
+    lanes mass = {0};
+    for (long i = 0; i < n; i++)
+        mass += w[i];
+    shifted(&x, w, mass, n);
+    shifted(&y, w, mass, n);
+    struct moments moments;
+    products(&x, &y, w, mass, n, &moments);
+    lanes matrix[16], values[4], vectors[16], ratios[12];
+    davenport(moments.cross, matrix);
+    eigenbasis(matrix, values, vectors);
+    ratios_of(&moments, vectors, ratios);
+    const lanes residual = residual_of(matrix, values, vectors);
+    const lanes square = square_of(&x, &y, w, mass, n, vectors);
+    for (long lane = 0; lane < live; lane++) {
+        clouds->exponents[2 * (first + lane)] = x.exponents[lane];
+        clouds->exponents[2 * (first + lane) + 1] = y.exponents[lane];
+    }
+    put_means(&x, clouds->means + 6 * first, live);
+    put_means(&y, clouds->means + 6 * first + 3, live);
+    put(moments.cross, 9, clouds->cross + 9 * first, live);
+    put(moments.scatter, 6, clouds->scatter + 6 * first, live);
+    put(moments.spreads, 3, clouds->spreads + 3 * first, live);
+    put(values, 4, clouds->values + 4 * first, live);
+    put(vectors, 16, clouds->vectors + 16 * first, live);
+    put(&residual, 1, clouds->residual + first, live);
+    put(ratios, 12, clouds->ratios + 12 * first, live);
+    put(&square, 1, clouds->square + first, live);
+}
+
+void certreg_rest_poses(const struct certreg_clouds *clouds)
+{
+    for (long first = 0; first < clouds->count; first += LANES)
+        rest_poses(clouds, first);
+}

@@ -1,0 +1,34 @@
+/* What the batches of small problems and their caller agree on; resting.py does the same. */
+#ifndef CERTREG_RESTING_H
+#define CERTREG_RESTING_H
+
+/* Problems one after another in every array; a step of 0 shares an array among all of them. What is
+ * written is described in native/clouds.py. */
+struct certreg_clouds {
+    long count;
+    long points;
+    const double *sources; /* points x 3 each */
+    const double *targets;
+    const double *weights; /* points each */
+    long source_step;      /* doubles from one problem to the next */
+    long target_step;
+    long weight_step;
+    double *scratch;   /* CERTREG_SCRATCH doubles per point */
+    int *exponents;    /* count x 2 */
+    double *means;     /* count x 6 */
+    double *cross;     /* count x 9 */
+    double *scatter;   /* count x 6 */
+    double *spreads;   /* count x 3 */
+    double *values;    /* count x 4 */
+    double *vectors;   /* count x 16 */
+    double *residual;  /* count */
+    double *ratios;    /* count x 12 */
+    double *square;    /* count */
+};
+
+#define CERTREG_SIDE_BY_SIDE 8 /* problems: one in each lane */
+#define CERTREG_SCRATCH (7 * CERTREG_SIDE_BY_SIDE)
+
+void certreg_rest_poses(const struct certreg_clouds *clouds);
+
+#endif
