@@ -21,14 +21,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.dynamics import SMALLEST_INERTIA
-from certreg.errors import DegenerateProblemError, InvalidProblemError
+from certreg.errors import DegenerateProblemError
+from certreg.instances import clouds, rest_poses
 from certreg.integration import integrate, step_parameters
 from certreg.native.batch import Batch, Ending, Integrator
 from certreg.settings import DEFAULT_DAMPING, SimulationSettings
-from certreg.so3 import davenport_matrix, rotation_matrix
+from certreg.so3 import rotation_matrix
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
+
+    from certreg.native.clouds import RestPoses
 
 TIE = 1e-13  # of l1 - l4: doubles do not tell such eigenvalues apart
 
@@ -85,28 +88,26 @@ def ensemble(
     """The bodies of many problems, each released at rest where its source is.
 
     sources, targets: (count, N, 3), or (N, 3) for the same in all; weights: (count, N) or (N,),
-    positive. Raises InvalidProblemError for other shapes and what is not finite,
+    not negative. Raises InvalidProblemError for other shapes and what is not finite,
     DegenerateProblemError where a source is collinear: its dynamics is undefined.
     """
-    x, y = _clouds(sources, "sources"), _clouds(targets, "targets")
-    if x.shape[1] != y.shape[1]:
-        message = f"sources have {x.shape[1]} points and targets {y.shape[1]}: they correspond"
-        raise InvalidProblemError(message)
-    w = np.ones(x.shape[1]) if weights is None else np.asarray(weights, dtype=float)
-    w = (w / w.sum(axis=-1, keepdims=True)).reshape(-1, x.shape[1], 1)
-    x_mean, y_mean = (w * x).sum(axis=1, keepdims=True), (w * y).sum(axis=1, keepdims=True)
-    arm, goal = x - x_mean, y - y_mean
-    cross = (w * goal).mT @ arm
-    scatter = (w * arm).mT @ arm
-    spread = np.trace(scatter, axis1=1, axis2=2) + (w * goal * goal).sum(axis=(1, 2))
-    exponents = np.frexp(spread)[1].astype(np.int64) // 2
-    unit = np.ldexp(1.0, -2 * exponents)
-    count = len(unit)
-    offsets = (x_mean - y_mean)[:, 0] * np.ldexp(1.0, -exponents)[:, np.newaxis]
+    found = rest_poses(clouds(sources, targets, weights))
+    exponents = _length_exponents(found)
+    units = found.exponents - exponents[:, np.newaxis]
+    unit = np.ldexp(1.0, units.sum(axis=1))[:, np.newaxis]  # of C and K
+    offsets = found.means[:, :3] - found.means[:, 3:]
+    count = len(offsets)
     return Ensemble(
-        bodies=_bodies(cross, scatter, spread, unit, damping),
-        basins=_basins(cross * unit[:, np.newaxis, np.newaxis]),
-        starts=np.hstack([offsets, np.tile([1.0] + [0.0] * 9, (count, 1))]),
+        bodies=np.hstack(
+            [found.cross * unit, _inertias(found, units), np.full((count, 1), damping)]
+        ),
+        basins=_basins(found.vectors, found.values * unit),
+        starts=np.hstack(
+            [
+                np.ldexp(offsets, -exponents[:, np.newaxis]),
+                np.tile([1.0] + [0.0] * 9, (count, 1)),
+            ]
+        ),
         length_exponents=exponents,
     )
 
@@ -141,43 +142,39 @@ def simulate_many(
     )
 
 
-def _clouds(given: ArrayLike, name: str) -> NDArray[np.float64]:
-    array = np.asarray(given, dtype=float)
-    array = array[np.newaxis] if array.ndim == 2 else array
-    if array.ndim != 3 or array.shape[2] != 3 or not np.isfinite(array).all():
-        message = f"{name} have the shape {array.shape}: give finite numbers, (count, N, 3)"
-        raise InvalidProblemError(message)
-    return array
+def _length_exponents(found: RestPoses) -> NDArray[np.int64]:
+    """Of the power of two next to the root-mean-square radius of both clouds, (count,)."""
+    largest = found.exponents.max(axis=1)
+    spread = _spreads(found, found.exponents - largest[:, np.newaxis])
+    return largest + np.frexp(spread)[1].astype(np.int64) // 2
 
 
-def _bodies(
-    cross: NDArray[np.float64],
-    scatter: NDArray[np.float64],
-    spread: NDArray[np.float64],
-    unit: NDArray[np.float64],
-    damping: float,
-) -> NDArray[np.float64]:
-    count, scale = len(unit), unit[:, np.newaxis, np.newaxis]
-    traces = np.trace(scatter, axis1=1, axis2=2)[:, np.newaxis, np.newaxis]
-    inertia = (traces * np.eye(3) - scatter) * scale
+def _spreads(found: RestPoses, units: NDArray[np.integer[Any]]) -> NDArray[np.float64]:
+    """The mean squares of both clouds about their means, (count,), in units of 2^units each."""
+    source = found.scatter[:, [0, 3, 5]].sum(axis=1)
+    return np.ldexp(source, 2 * units[:, 0]) + np.ldexp(found.spreads[:, 2], 2 * units[:, 1])
+
+
+def _inertias(found: RestPoses, units: NDArray[np.integer[Any]]) -> NDArray[np.float64]:
+    """The upper triangles of J and of its inverse, and the spread, (count, 13)."""
+    a, b, c, d, e, f = np.ldexp(found.scatter, 2 * units[:, :1]).T
+    upper = np.column_stack([d + f, -b, -c, a + f, -e, a + d])
+    inertia = upper[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].reshape(-1, 3, 3)
     flat = ~(np.linalg.eigvalsh(inertia)[:, 0] > SMALLEST_INERTIA)
     if flat.any():
         message = f"the source of instance {int(np.argmax(flat))} is collinear, or nearly so"
         raise DegenerateProblemError(message)
-    upper = (slice(None), *np.triu_indices(3))
     inverse = np.asarray(np.linalg.inv(inertia), dtype=np.float64)
-    rest = np.column_stack([spread * unit, np.full(count, damping)])
-    return np.hstack([(cross * scale).reshape(count, 9), inertia[upper], inverse[upper], rest])
+    return np.column_stack(
+        [upper, inverse[(slice(None), *np.triu_indices(3))], _spreads(found, units)]
+    )
 
 
-def _basins(cross: NDArray[np.float64]) -> NDArray[np.float64]:
+def _basins(vectors: NDArray[np.float64], values: NDArray[np.float64]) -> NDArray[np.float64]:
     """Eigenvectors and deficits of the Davenport matrices of C / M, (count, 20)."""
-    entries: Any = np.moveaxis(cross, 0, -1)  # arrays for numbers: only + and - are used
-    davenport = np.moveaxis(np.array(davenport_matrix(entries)), -1, 0)
-    values, vectors = np.linalg.eigh(davenport)
-    deficits = (values[:, -1:] - values)[:, ::-1]
+    deficits = values[:, :1] - values
     deficits[deficits < TIE * deficits[:, -1:]] = 0.0
-    return np.hstack([vectors[:, :, ::-1].mT.reshape(-1, 16), deficits])
+    return np.hstack([vectors.reshape(-1, 16), deficits])
 
 
 def _stepped(starts: NDArray[np.float64], integrator: Integrator) -> NDArray[np.float64]:

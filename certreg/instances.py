@@ -149,8 +149,7 @@ def solve_many(
     def solve(start: int) -> None:
         chosen = slice(start, start + PORTION)
         some = given.part(chosen)
-        found = engine().rest_poses(some)
-        _require_finite(found, some, start)
+        found = rest_poses(some, start)
         _write(solutions.part(chosen), found, some, damping)
 
     with ThreadPoolExecutor(threads) as pool:
@@ -186,6 +185,29 @@ def clouds(sources: ArrayLike, targets: ArrayLike, weights: ArrayLike | None) ->
     return Clouds(count=count, sources=x, targets=y, weights=w)
 
 
+def rest_poses(given: Clouds, first: int = 0) -> RestPoses:
+    """What doubles say of the rest poses of each problem, on one thread.
+
+    Raises InvalidProblemError, which names the instance, counted from `first`, for a number that is
+    not finite: it shows in the sums, and nothing else makes a NaN of them.
+    """
+    found = engine().rest_poses(given)
+    lost = np.isnan(found.cross).any(axis=1)
+    if lost.any():
+        k = int(np.argmax(lost))
+        raise InvalidProblemError(_infinite(given.part(slice(k, k + 1)), first + k))
+    return found
+
+
+def _infinite(one: Clouds, number: int) -> str:
+    """Where a number of a problem is not finite."""
+    clouds = {"sources": one.sources[0], "targets": one.targets[0]}
+    name = next(name for name, rows in clouds.items() if not np.isfinite(rows).all())
+    row = int(np.argmin(np.isfinite(clouds[name]).all(axis=1)))
+    place = f"{name} of instance {number}, row {row}, is {clouds[name][row].tolist()}"
+    return f"{place}: every value must be finite"
+
+
 def _points(given: ArrayLike, name: str) -> Array:
     array = _doubles(given, name)
     array = array[np.newaxis] if array.ndim == 2 else array
@@ -218,21 +240,6 @@ def _doubles(given: ArrayLike, name: str) -> Array:
     if array.dtype.kind not in "fiu":
         raise InvalidProblemError(f"{name} have entries of type {array.dtype}: give real numbers")
     return np.ascontiguousarray(array, dtype=np.float64)
-
-
-def _require_finite(found: RestPoses, some: Clouds, start: int) -> None:
-    """Refuse what is not finite, which shows in the sums: nothing else makes a NaN of them."""
-    lost = np.isnan(found.cross).any(axis=1)
-    if not lost.any():
-        return
-    k = int(np.argmax(lost))
-    one = some.part(slice(k, k + 1))
-    for name, rows in (("sources", one.sources), ("targets", one.targets)):
-        sound = np.isfinite(rows[0]).all(axis=1)
-        if not sound.all():
-            row = int(np.argmin(sound))
-            message = f"{name} of instance {start + k}, row {row}, is {rows[0, row].tolist()}"
-            raise InvalidProblemError(f"{message}: every value must be finite")
 
 
 def _write(solutions: Solutions, found: RestPoses, some: Clouds, damping: float) -> None:

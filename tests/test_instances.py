@@ -12,7 +12,8 @@ import pytest
 from strategies import ZOO, Specimen, random_problem
 
 from certreg import instances
-from certreg.dynamics import body
+from certreg.dynamics import body, start_at_rest
+from certreg.ensembles import ensemble
 from certreg.equilibria.spectral import Spectrum, spectrum
 from certreg.equilibria.stability import Oscillations, linearised_spectrum
 from certreg.errors import InvalidProblemError
@@ -21,7 +22,7 @@ from certreg.moments import exact_moments
 from certreg.native.engine import engine
 from certreg.native.evaluator import evaluator
 from certreg.problem import RegistrationProblem
-from certreg.so3 import rotation_matrix
+from certreg.so3 import davenport_matrix, rotation_matrix
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
     from certreg.native.clouds import RestPoses
 
 ARRAYS = ("quaternions", "translations", "rmse", "unstable", "margins", "decided", "eigenvalues")
-EPSILON = 2.0**-52
 
 
 def stacked(problems: list[RegistrationProblem]) -> dict[str, Any]:
@@ -45,6 +45,12 @@ def stacked(problems: list[RegistrationProblem]) -> dict[str, Any]:
 def some(count: int, *, n: int = 20, **options: float) -> dict[str, Any]:
     rng = np.random.default_rng(count + n)
     return stacked([random_problem(rng, n=n, noise=0.1, **options) for _ in range(count)])
+
+
+def problem_of(given: dict[str, Any], k: int) -> RegistrationProblem:
+    return RegistrationProblem(
+        given["sources"][k], given["targets"][k], weights=given["weights"][k]
+    )
 
 
 def assert_identical(one: Solutions, other: Solutions) -> None:
@@ -176,13 +182,7 @@ def test_every_pose_is_at_rest_with_the_spectrum_of_the_derived_jacobian():
     assert found.eigenvalues is not None
 
     for k in range(6):
-        problem = RegistrationProblem(*(given[name][k] for name in ("sources", "targets")))
-        moving = body(
-            exact_moments(
-                RegistrationProblem(problem.source, problem.target, weights=given["weights"][k])
-            ),
-            0.9,
-        )
+        moving = body(exact_moments(problem_of(given, k)), 0.9)
         for row, q in enumerate(found.quaternions[k]):
             turned = np.array(rotation_matrix(q.tolist())).ravel()
             state = np.concatenate([np.zeros(3), turned, np.zeros(6)])
@@ -191,6 +191,29 @@ def test_every_pose_is_at_rest_with_the_spectrum_of_the_derived_jacobian():
             distances = np.abs(spectrum_there[:, np.newaxis] - found.eigenvalues[k, row])
             assert distances.min(axis=0).max() <= 1e-6  # sqrt of rounding: double eigenvalues
             assert (spectrum_there.real > 0).sum() == found.unstable[k, row]
+
+
+@pytest.mark.parametrize("scale", [1e-140, 1.0, 1e140])
+def test_an_ensemble_has_the_body_and_the_start_of_each_problem(scale):
+    given = some(30, n=6, decades=2.0, scale=scale)
+    found = ensemble(**given, damping=0.7)
+
+    for k in range(30):
+        one = exact_moments(problem_of(given, k))
+        moving = body(one, 0.7)
+        finer = int(found.length_exponents[k]) - moving.length_exponent
+        assert finer in {0, 1}  # each takes a power of two next to the radius
+        units = 4.0 ** (finer * np.array([1.0] * 15 + [-1.0] * 6 + [1.0, 0.0]))
+        assert found.bodies[k] * units == pytest.approx(moving.parameters, rel=1e-11, abs=1e-14)
+        start = start_at_rest(one, moving.length_exponent)
+        assert found.starts[k, :3] * 2.0**finer == pytest.approx(start[:3], abs=1e-14)
+        deficits = solved_deficits(moving.cross_covariance)
+        assert found.basins[k, 16:] * 4.0**finer == pytest.approx(deficits, abs=1e-14)
+
+
+def solved_deficits(cross: NDArray[np.float64]) -> NDArray[np.float64]:
+    values = np.linalg.eigvalsh(np.array(davenport_matrix(cross.tolist())))[::-1]
+    return values[0] - values
 
 
 @pytest.mark.parametrize("damping", [1e-3, 1.0, np.sqrt(8.0), 1e3])

@@ -433,7 +433,7 @@ def test_what_is_no_ensemble_is_refused():
         (points, points[:-1], "they correspond"),
         (points[:, :2], points[:, :2], "give finite numbers"),
         (points[0], points, "give finite numbers"),
-        (points, points * np.nan, "targets have the shape"),
+        (points, points * np.nan, "targets of instance 0, row 0, is .nan, nan, nan.: every value"),
     ):
         with pytest.raises(InvalidProblemError, match=words):
             ensemble(sources, targets)
