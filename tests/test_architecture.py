@@ -39,7 +39,7 @@ io.npy io.npz io.ply_rows io.ply io.pcd io.pairs io.clouds io.poses io.trajector
 embedding derivation
 report.roads report.document report.folder report.summary report.claims
 campaign.manifest campaign.folder campaign.shards campaign.workers campaign.calls campaign.running
-campaign.table campaign.listing campaign.pairs
+campaign.table campaign.listing campaign.pairs campaign.montecarlo
 options progress
 commands.registering commands.judging commands.dynamics commands.derivations commands.campaigns
 cli __main__

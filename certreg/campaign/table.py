@@ -40,13 +40,13 @@ def write_table(
     if parquet:
         require_parquet()
     described = [["column", "unit", "meaning"], *([c.name, c.unit, c.meaning] for c in columns)]
-    write_atomically(folder / COLUMNS, _csv(described))
+    write_atomically(folder / COLUMNS, csv_bytes(described))
     with ExitStack() as stack:
         stream = stack.enter_context(written_atomically(folder / SUMMARY))
-        stream.write(_csv([[column.name for column in columns]]))
+        stream.write(csv_bytes([[column.name for column in columns]]))
         keep = stack.enter_context(_parquet(folder / PARQUET, columns)) if parquet else None
         for block in blocks:
-            stream.write(_csv(zip(*block, strict=True)))
+            stream.write(csv_bytes(zip(*block, strict=True)))
             if keep is not None:
                 keep(block)
 
@@ -60,7 +60,7 @@ def require_parquet() -> None:
         raise MissingToolError(message) from error
 
 
-def _csv(rows: Iterable[Iterable[Any]]) -> bytes:
+def csv_bytes(rows: Iterable[Iterable[Any]]) -> bytes:
     """Rows as CSV; a number is the shortest that reads back the same."""
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(rows)
