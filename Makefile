@@ -9,6 +9,9 @@ VENV ?= .venv
 RUN := $(VENV)/bin/python
 READY := $(VENV)/.ready
 ORACLES := build/oracles
+PEERS := build/peers
+# With the peers where `make peers` put them; another Python that has them can be named.
+BENCH ?= $(or $(wildcard $(PEERS)/bin/python),$(RUN))
 LOCKS := uv.lock requirements.lock
 # uv finds a Python by itself, unless the user names one.
 UV_PYTHON_OPTION = $(if $(filter environment command,$(origin PYTHON)),--python '$(PYTHON)')
@@ -16,7 +19,7 @@ UV_PYTHON_OPTION = $(if $(filter environment command,$(origin PYTHON)),--python 
 NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_EXTRA_INDEX_URL -u UV_FIND_LINKS
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test test-browser test-oracles proofs fuzz generate lint bench lock clean
+.PHONY: help demo docs test test-browser test-oracles proofs fuzz generate lint bench peers lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -61,8 +64,15 @@ lint: $(READY)  ## ruff with all rules, formatting, strict types
 	@$(RUN) -m ruff format --check .
 	@PYRIGHT_PYTHON_IGNORE_WARNINGS=1 $(RUN) -m pyright --pythonpath $(RUN)
 
-bench: $(READY)  ## measure speed
-	@$(RUN) -m benchmarks
+bench: $(READY)  ## measure speed and accuracy (ten minutes): benchmarks/results/latest.json and plots
+	@$(BENCH) -m benchmarks --json benchmarks/results/latest.json
+
+# Their packages are large and none of ours: an environment of their own, on the same locked versions.
+peers:  ## the libraries that `make bench` measures beside, into build/peers
+	@'$(PYTHON)' -m venv --clear $(PEERS)
+	@$(PEERS)/bin/pip --disable-pip-version-check install --quiet --require-hashes -r requirements.lock
+	@$(PEERS)/bin/pip --disable-pip-version-check install --quiet -r benchmarks/peers.txt
+	@$(PEERS)/bin/python -m benchmarks --peers
 
 lock:  ## make both lock files anew from pyproject.toml (needs uv; LOCK_OPTIONS=--upgrade for newer versions)
 	@test -n '$(UV)' || { echo "make lock needs uv: https://docs.astral.sh/uv/ or 'pip install uv'" >&2; exit 1; }

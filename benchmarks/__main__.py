@@ -3,25 +3,38 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from pathlib import Path
 
 from benchmarks import (
     accuracy,
     checking,
+    comparing,
     computing,
     importing,
     phases,
+    plots,
     relaxing,
     roads,
     simulating,
 )
-from benchmarks.measuring import Figure, machine
+from benchmarks.machine import load, machine, versions
+from benchmarks.peers import presences
+from benchmarks.run import Run, read
 
 MEASUREMENTS = {
     module.__name__.rpartition(".")[2]: module
-    for module in (computing, checking, importing, accuracy, phases, relaxing, roads, simulating)
+    for module in (
+        computing,
+        checking,
+        importing,
+        comparing,
+        accuracy,
+        phases,
+        relaxing,
+        roads,
+        simulating,
+    )
 }
 
 
@@ -31,34 +44,39 @@ def main() -> int:
         for name, module in MEASUREMENTS.items():
             print(f"{name:<12}{(module.__doc__ or '').splitlines()[0]}")
         return 0
-    place = machine()
-    print(", ".join(f"{key} {value}" for key, value in place.items()))
-    figures = {name: _run(name) for name in options.only or MEASUREMENTS}
+    _introduce()
+    if options.peers:
+        return 0
+    run = Run()
+    run.measure({name: MEASUREMENTS[name] for name in options.only or MEASUREMENTS})
+    print(f"\nload {load()}")
     if options.json:
-        results = {name: [figure.as_json() for figure in row] for name, row in figures.items()}
-        text = json.dumps({"machine": place, "figures": results}, indent=1, ensure_ascii=False)
-        options.json.write_text(text + "\n", encoding="utf-8")
-    missed = sum(figure.passed is False for row in figures.values() for figure in row)
-    print(f"\n{missed} missed" if missed else "\nall bounds kept")
-    return 1 if missed else 0
+        run.write(options.json)
+        print(f"written: {options.json}")
+        for plot in plots.write(read(options.json), options.json.parent):
+            print(f"written: {plot}")
+    for missed in run.missed:
+        print(f"missed: {missed}")
+    print("bounds were missed" if run.missed else "all bounds kept")
+    return 1 if run.missed else 0
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("--only", metavar="NAME", action="append", choices=MEASUREMENTS)
     parser.add_argument("--list", action="store_true", help="name the measurements")
-    parser.add_argument("--json", metavar="FILE", type=Path, help="write the figures to a file")
+    parser.add_argument("--peers", action="store_true", help="name the machine and the peers")
+    parser.add_argument(
+        "--json", metavar="FILE", type=Path, help="write the run to a file, its plots beside it"
+    )
     return parser
 
 
-def _run(name: str) -> list[Figure]:
-    module = MEASUREMENTS[name]
-    print(f"\n{name}: {(module.__doc__ or '').splitlines()[0]}")
-    figures: list[Figure] = []
-    for figure in module.measure():
-        print(figure, flush=True)
-        figures.append(figure)
-    return figures
+def _introduce() -> None:
+    facts = {**machine(), **versions(), "load": load()}
+    print("\n".join(f"{name:<10} {fact}" for name, fact in facts.items()))
+    for found in presences():
+        print(f"{found.peer.name:<16} {found.version or f'absent: {found.absent}'}")
 
 
 if __name__ == "__main__":

@@ -1,26 +1,29 @@
-"""The angle from an answer in doubles to the optimum in 60 digits: the worst of many problems."""
+"""The angle from an answer in doubles to the optimum in 60 digits: the worst of many problems.
+
+Weighted problems for the roads that take weights; then the same clouds without weights, for all.
+"""
 
 from __future__ import annotations
 
 import math
 import warnings
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from benchmarks.clouds import random_problem
+from benchmarks.clouds import random_clouds, random_problem
 from benchmarks.measuring import Figure, Quantity
-from benchmarks.reference import angle, optimal_quaternion
+from benchmarks.peers import PEERS, Peer, presence
+from benchmarks.reference import angle, angle_of_matrix, optimal_quaternion
 from certreg.equilibria.closed_form import arun, horn
 from certreg.moments import floating_moments
 from certreg.pipeline import solve
+from certreg.problem import RegistrationProblem
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from certreg.problem import RegistrationProblem
+    from collections.abc import Iterable, Iterator, Sequence
 
 USUAL, FAR = 2e-14, 2e-13  # radians; at an offset of 1e8 the points themselves hold 8 digits
 CASES = {
@@ -32,21 +35,31 @@ CASES = {
     "scale 1e150": ({"scale": 1e150}, USUAL),
 }
 SIZES, NOISES, SEEDS = (100, 1000), (0.01, 0.1), range(5)
+OURS = ("certreg", "Horn", "Arun")
 
 
 def measure() -> Iterator[Figure]:
-    for name, (options, bound) in CASES.items():
-        errors = [
-            _errors(random_problem(n, noise=noise, seed=seed, **options))
-            for n, noise, seed in product(SIZES, NOISES, SEEDS)
-        ]
-        worst = {road: _worst(each[road] for each in errors) for road in errors[0]}
-        yield Figure(
-            what=name,
-            value=Quantity(_worst(worst[road] for road in ("certreg", "Horn", "Arun")), "rad"),
-            bound=bound,
-            beside={road: Quantity(error, "rad") for road, error in worst.items()},
+    variants = list(product(SIZES, NOISES, SEEDS))
+    for name, (shape, bound) in CASES.items():
+        problems = (
+            random_problem(n, noise=noise, seed=seed, **shape) for n, noise, seed in variants
         )
+        yield _figure(name, bound, [_errors(problem) for problem in problems])
+    peers = [peer for peer in PEERS if not presence(peer).absent]
+    for name, (shape, bound) in CASES.items():
+        clouds = (random_clouds(n, noise=noise, seed=seed, **shape) for n, noise, seed in variants)
+        found = [_errors_of(peers, source, target) for source, target in clouds]
+        yield _figure(f"{name}, no weights", bound, found)
+
+
+def _figure(what: str, bound: float, errors: Sequence[dict[str, float]]) -> Figure:
+    worst = {road: _worst(each[road] for each in errors) for road in errors[0]}
+    return Figure(
+        what=what,
+        value=Quantity(_worst(worst[road] for road in OURS if road in worst), "rad"),
+        bound=bound,
+        beside={road: Quantity(error, "rad") for road, error in worst.items()},
+    )
 
 
 def _worst(errors: Iterable[float]) -> float:
@@ -65,6 +78,30 @@ def _errors(problem: RegistrationProblem) -> dict[str, float]:
     }
     errors = {road: angle(answer.tolist(), reference) for road, answer in answers.items()}
     return errors | {"SciPy": _scipy_error(problem, reference)}
+
+
+def _errors_of(peers: Sequence[Peer], source: Any, target: Any) -> dict[str, float]:
+    """Radians, of each peer; infinite where it refuses, or answers with no rotation."""
+    problem = RegistrationProblem(source, target)
+    reference = optimal_quaternion(problem.source, problem.target, problem.weights)
+    moments = floating_moments(problem)
+    errors = {
+        "certreg": angle(solve(problem).pose.quaternion_wxyz.tolist(), reference),
+        "Horn": angle(horn(moments.cross_covariance).tolist(), reference),
+    }
+    return errors | {peer.name: _peer_error(peer, source, target, reference) for peer in peers}
+
+
+def _peer_error(peer: Peer, source: Any, target: Any, reference: list) -> float:
+    try:
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")
+            found = np.asarray(peer.prepare(source, target)(), dtype=float)
+    except Exception:  # noqa: BLE001 (each library refuses with errors of its own)
+        return math.inf
+    if found.shape != (3, 3) or not np.isfinite(found).all():
+        return math.inf
+    return angle_of_matrix(found, reference)
 
 
 def _scipy_error(problem: RegistrationProblem, reference: list) -> float:

@@ -1,19 +1,16 @@
-"""Time by turns, and figures with the bounds that they must keep."""
+"""Time by turns; figures with the bounds that they must keep; times against a size."""
 
 from __future__ import annotations
 
 import math
-import os
-import platform
 import time
 from dataclasses import dataclass, field
-from importlib.metadata import version
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+SUPERSCRIPTS = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 SECONDS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs"))
 
 
@@ -30,7 +27,9 @@ class Quantity:
             return f"{self.value / size:.3g} {unit}"
         if self.unit == "rad":
             return f"{self.value:.1e} rad"
-        return f"{self.value:.1f}x" if self.unit == "x" else f"{self.value:g} {self.unit}"
+        if self.unit == "x":
+            return f"{self.value:.3g}x" if self.value < 1000 else f"{self.value:.0f}x"
+        return f"{self.value:.4g} {self.unit}".rstrip()
 
     def as_json(self) -> dict[str, Any]:
         """The number, null where it is none, and the unit."""
@@ -66,7 +65,7 @@ class Figure:
         if self.value is not None and self.least is not None:
             value += f" >= {Quantity(self.least, self.value.unit)}"
         beside = "  ".join(f"{name} {number!s:<8}" for name, number in self.beside.items())
-        return f"{mark:<4}  {self.what:<25}{value:<{28 if value else 0}}{beside}".rstrip()
+        return f"{mark:<4}  {self.what:<30}  {value:<{28 if value else 0}}  {beside}".rstrip()
 
     def as_json(self) -> dict[str, Any]:
         """All of it, for a file."""
@@ -78,6 +77,61 @@ class Figure:
             "passed": self.passed,
             "beside": {name: number.as_json() for name, number in self.beside.items()},
         }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Series:
+    """Seconds of several works against a size; the first line is certreg's.
+
+    size: what the sizes count. lines: name to size to seconds; not every line has every size.
+    """
+
+    what: str
+    size: str
+    lines: dict[str, dict[int, float]]
+
+    def __str__(self) -> str:
+        """A table: the seconds of the first line, and how many times those the others take."""
+        sizes = sorted({size for times in self.lines.values() for size in times})
+        ours = next(iter(self.lines.values()))
+        rows = [(self.what, [power_of_ten(size) for size in sizes])]
+        for name, times in self.lines.items():
+            shared = times.keys() & ours.keys()
+            cells = [f"{times[size] / ours[size]:.3g}x" if size in shared else "" for size in sizes]
+            if times is ours:
+                cells = [str(Quantity(ours[size], "s")) if size in ours else "" for size in sizes]
+            rows.append((name, cells))
+        return "\n".join(
+            f"      {name:<26}" + "".join(f"{cell:>9}" for cell in cells) for name, cells in rows
+        )
+
+    def as_json(self) -> dict[str, Any]:
+        """All of it, for a file."""
+        lines = [
+            {"name": name, "sizes": list(times), "seconds": list(times.values())}
+            for name, times in self.lines.items()
+        ]
+        return {"what": self.what, "size": self.size, "lines": lines}
+
+
+def power_of_ten(size: int) -> str:
+    """The size as people write it.
+
+    >>> power_of_ten(10_000_000), power_of_ten(64), power_of_ten(10)
+    ('10⁷', '64', '10')
+    """
+    digits = str(size)
+    if digits.rstrip("0") == "1" and size > 10:
+        return "10" + str(len(digits) - 1).translate(SUPERSCRIPTS)
+    return digits
+
+
+def exponent(times: dict[int, float]) -> float:
+    """The slope of a straight line through the logarithms: 1 where cost is linear in size."""
+    sizes, seconds = ([math.log(v) for v in values] for values in (times, times.values()))
+    middle, level = math.fsum(sizes) / len(sizes), math.fsum(seconds) / len(seconds)
+    along = math.fsum((a - middle) * (b - level) for a, b in zip(sizes, seconds, strict=True))
+    return along / math.fsum((a - middle) ** 2 for a in sizes)
 
 
 def fastest(*works: Callable[[], object], rounds: int, seconds: float = 0.02) -> list[float]:
@@ -98,21 +152,3 @@ def _turn(work: Callable[[], object], seconds: float) -> float:
         now = time.perf_counter()
         least = min(least, now - start)
     return least
-
-
-def machine() -> dict[str, str | int | None]:
-    """Where the figures come from."""
-    packages = {name: version(name) for name in ("numpy", "scipy")}
-    return {
-        "cpu": _cpu_model(),
-        "cores": os.cpu_count(),
-        "python": platform.python_version(),
-        **packages,
-    }
-
-
-def _cpu_model() -> str:
-    info = Path("/proc/cpuinfo")
-    lines = info.read_text(encoding="utf-8").splitlines() if info.exists() else []
-    models = (line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
-    return next(models, platform.processor() or platform.machine())

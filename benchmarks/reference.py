@@ -48,6 +48,21 @@ def angle(quaternion: Sequence[float], reference: Sequence[Any]) -> float:
         return float(2 * mpmath.atan2(mpmath.norm(across), abs(along)))
 
 
+def angle_of_matrix(found: NDArray[np.float64], reference: Sequence[Any]) -> float:
+    """The angle in radians between a rotation matrix (3, 3) of doubles and a unit quaternion."""
+    with mpmath.workdps(DIGITS):
+        turned = mpmath.matrix(found.tolist()) * _matrix(reference).T
+        axial = [turned[k, j] - turned[j, k] for j, k in ((1, 2), (2, 0), (0, 1))]
+        trace = mpmath.fsum(turned[k, k] for k in range(3))
+        return float(mpmath.atan2(mpmath.norm(axial) / 2, (trace - 1) / 2))
+
+
+def _matrix(q: Sequence[Any]) -> Any:
+    """The images q e q* of the axes e, as columns."""
+    turned = (_multiplied(_multiplied(q, e), (q[0], -q[1], -q[2], -q[3])) for e in UNITS[1:])
+    return mpmath.matrix([list(image[1:]) for image in turned]).T
+
+
 def _cross_covariance(
     source: NDArray[np.float64], target: NDArray[np.float64], weights: NDArray[np.float64]
 ) -> list[list[int]]:
@@ -79,7 +94,7 @@ def _form(C: list[list[int]]) -> list[list[int]]:
     return [[entry(i, j) for j in UNITS] for i in UNITS]
 
 
-def _multiplied(p: Quaternion, q: Quaternion) -> Quaternion:
+def _multiplied(p: Sequence[Any], q: Sequence[Any]) -> Any:
     (a, b, c, d), (w, x, y, z) = p, q
     return (
         a * w - b * x - c * y - d * z,

@@ -63,6 +63,7 @@ nb_execution_show_tb = True
 nb_execution_in_temp = True
 nb_execution_timeout = 60
 nb_merge_streams = True
+nb_render_markdown_format = "myst"  # tables that a cell makes are tables
 nb_ipywidgets_js = {}
 
 autodoc_member_order = "bysource"
