@@ -12,6 +12,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from certreg.alignment import register as register
     from certreg.assessment import Assessment as Assessment
     from certreg.assessment import assess as assess
     from certreg.certificate.checking import verify as verify
@@ -40,6 +41,7 @@ _HOMES = {
     "Verdict": "certreg.results",
     "certify": "certreg.pipeline",
     "equilibria": "certreg.enumeration",
+    "register": "certreg.alignment",
     "simulate": "certreg.pipeline",
     "verify": "certreg.certificate.checking",
 }
@@ -57,6 +59,7 @@ __all__ = [
     "assess",
     "certify",
     "equilibria",
+    "register",
     "simulate",
     "verify",
 ]

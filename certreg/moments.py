@@ -4,20 +4,24 @@ The only place where the number of points appears. The potential energy is a pol
 two in the points, so sums of products of degree up to two are enough, whatever N is. Spring
 matrices per point would add further sums here and change nothing below.
 
-`ExactMoments` are integers: they decide. `Moments` are doubles, shifted and rescaled so that
-offsets of 1e8 and scales of 1e+-150 cost no digits: they propose.
+`ExactMoments` are integers: they decide. `Moments` are doubles, taken in one pass and about the
+means, so that offsets of 1e8 and scales of 1e+-150 cost no digits: they propose.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from certreg.dyadic import power_of_two
+from certreg.errors import InvalidProblemError
 from certreg.exact_sums import sums
+from certreg.native.sums import Clouds, chunks, floating_sums
+from certreg.settings import PassSettings
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -26,8 +30,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.exact_sums import Sums
+    from certreg.native.sums import FloatingSums
     from certreg.problem import RegistrationProblem
     from certreg.so3 import Matrix3, Vector3
+
+MOST_EXPONENT = 1025  # two doubles are less than 2^1025 apart
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,10 +104,11 @@ class Moments:
     """Sums over the points in doubles; lengths over 2^source_exponent and 2^target_exponent.
 
     mass: total weight over 2^weight_exponent.
-    source_centroid, target_centroid: (3,), weighted means.
+    source_centroid, target_centroid: (3,), weighted means, in the user's unit.
     cross_covariance: (3, 3), C = sum w (y - mean)(x - mean)^T.
     source_scatter: (3, 3), S2 = sum w (x - mean)(x - mean)^T.
     target_spread: sum w |y - mean|^2.
+    rounding: no entry of `cross_covariance` is further from the exact one.
     """
 
     n: int
@@ -113,6 +121,7 @@ class Moments:
     cross_covariance: NDArray[np.float64]
     source_scatter: NDArray[np.float64]
     target_spread: float
+    rounding: float
 
     @property
     def inertia(self) -> NDArray[np.float64]:
@@ -143,27 +152,39 @@ def moments_of(found: Sums, n: int) -> ExactMoments:
     )
 
 
-def floating_moments(problem: RegistrationProblem) -> Moments:
-    """The moments of a problem in doubles, two passes: shift to the mean first, then multiply."""
-    w, weight_exponent = _rescaled(problem.weights)
-    x, source_exponent = _rescaled(problem.source)
-    y, target_exponent = _rescaled(problem.target)
-    mass = float(w.sum())
-    x_mean, dx = _shifted(x, w, mass)
-    y_mean, dy = _shifted(y, w, mass)
-    weighted = w[:, None] * dx
-    return Moments(
-        n=problem.n,
-        source_exponent=source_exponent,
-        target_exponent=target_exponent,
-        weight_exponent=weight_exponent,
-        mass=mass,
-        source_centroid=x_mean,
-        target_centroid=y_mean,
-        cross_covariance=dy.T @ weighted,
-        source_scatter=dx.T @ weighted,
-        target_spread=float(w @ (dy * dy).sum(axis=1)),
-    )
+def floating_moments(problem: RegistrationProblem, *, threads: int = 1) -> Moments:
+    """The moments of a problem in doubles, in one pass over the points."""
+    return moments_of_clouds(problem.source, problem.target, problem.weights, threads=threads)
+
+
+def moments_of_clouds(
+    source: NDArray[Any],
+    target: NDArray[Any],
+    weights: NDArray[Any] | None = None,
+    *,
+    threads: int = 1,
+) -> Moments:
+    """The moments in doubles of clouds (N, 3) of any real type and strides, none of them copied.
+
+    weights: (N,), or None where all are one. One pass, with deviations from the mean of a few
+    points; more where the mean turns out to be far from that, or sums leave the range of doubles.
+    Raises InvalidProblemError, with the row, for numbers that are not finite and weights < 0.
+    """
+    settings, factor, shift = PassSettings(), 1.0, 0
+    if weights is not None and weights.strides == (0,):  # one weight in the place of all
+        _require_numbers("weights", weights[:1], least=0.0)
+        (factor, shift), weights = math.frexp(weights[0]), None
+    origin = np.concatenate([_near_mean(source), _near_mean(target)])
+    clouds = Clouds(source=source, target=target, weights=weights, origin=origin)
+    clouds, found = _summed(clouds, threads)
+    for _ in range(settings.passes - 1):
+        if factor == 0.0 or found.mass == 0.0 or _is_near(found, settings.largest_lever):
+            break
+        clouds, found = _summed(replace(clouds, origin=_means(clouds, found)), threads)
+    if factor == 0.0 or found.mass == 0.0:
+        message = "all weights are zero: no correspondence counts, so every pose is as good"
+        raise InvalidProblemError(message)
+    return _about_means(clouds, found, factor=factor, weight_exponent=shift)
 
 
 def inertia(scatter: Matrix3[int]) -> Matrix3[int]:
@@ -200,17 +221,108 @@ def _centred(
     return (_vector(entries[:3]), _vector(entries[3:6]), _vector(entries[6:]))
 
 
-def _rescaled(values: NDArray[np.float64]) -> tuple[NDArray[np.float64], int]:
-    """The values over a power of two, so that the largest is in [1/2, 1): no product overflows."""
-    exponent = int(np.frexp(np.abs(values).max())[1])
-    return np.ldexp(values, -exponent), exponent
+def _summed(clouds: Clouds, threads: int) -> tuple[Clouds, FloatingSums]:
+    """The sums, of clouds over powers of two if they leave the range of doubles otherwise."""
+    found = floating_sums(clouds, threads=threads)
+    if found.negative or not _in_range(found):
+        _require_clouds(clouds)
+    if not _in_range(found):
+        clouds = _rescaled(clouds)
+        found = floating_sums(clouds, threads=threads)
+    return clouds, found
 
 
-def _shifted(
-    points: NDArray[np.float64], w: NDArray[np.float64], mass: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Mean and deviations. The second subtraction removes what rounding left of the mean."""
-    mean = (w @ points) / mass
-    deviations = points - mean
-    rest = (w @ deviations) / mass
-    return mean + rest, deviations - rest
+def _near_mean(points: NDArray[Any]) -> NDArray[np.float64]:
+    """The mean of a few points, or one of them where that is beyond the doubles."""
+    some = points[:: max(1, len(points) // PassSettings().sample_points)]
+    copied = np.array(some, dtype=np.float64, order="C")  # the same sum for every layout
+    with np.errstate(all="ignore"):
+        mean = np.add.reduce(copied) / len(copied)
+    return mean if np.isfinite(mean).all() else copied[0]
+
+
+def _in_range(found: FloatingSums) -> bool:
+    """Whether products are far from both ends of the doubles; False for what is no number."""
+    settings = PassSettings()
+    least, most = 2.0**settings.least_exponent, 2.0**settings.most_exponent
+    scatter = float(np.trace(found.scatter))
+    return all(least <= size <= most for size in (found.mass, found.spread, scatter))
+
+
+def _is_near(found: FloatingSums, lever: float) -> bool:
+    """Whether both origins are so near the means that deviations from them hold all digits."""
+    parts = ((found.source, float(np.trace(found.scatter))), (found.target, found.spread))
+    return all((1.0 + lever) * (s @ s) <= lever * found.mass * square for s, square in parts)
+
+
+def _means(clouds: Clouds, found: FloatingSums) -> NDArray[np.float64]:
+    """(6,) weighted means of source and target, in the user's unit."""
+    here, there, _ = clouds.exponents
+    shifts = np.ldexp(found.source / found.mass, here), np.ldexp(found.target / found.mass, there)
+    return clouds.origin + np.concatenate(shifts)
+
+
+def _about_means(
+    clouds: Clouds, found: FloatingSums, *, factor: float, weight_exponent: int
+) -> Moments:
+    """Moments about the means from sums about the origins.
+
+    Each sum is within e A of the exact one, e = 260 u and A the sum of the absolute terms. With
+    P = sqrt(sum w |x|^2 sum w |y|^2), Cauchy and Schwarz give A <= P for the products, and the same
+    for what the sums of x and y contribute: in all 3 e P, and little more for what is rounded here.
+    """
+    x, y, mass, means = found.source, found.target, found.mass, _means(clouds, found)
+    size = math.sqrt(float(np.trace(found.scatter))) * math.sqrt(found.spread)
+    return Moments(
+        n=clouds.n,
+        source_exponent=clouds.exponents[0],
+        target_exponent=clouds.exponents[1],
+        weight_exponent=clouds.exponents[2] + weight_exponent,
+        mass=factor * mass,
+        source_centroid=means[:3],
+        target_centroid=means[3:],
+        cross_covariance=factor * (found.cross - np.outer(y, x / mass)),
+        source_scatter=factor * (found.scatter - np.outer(x, x / mass)),
+        target_spread=factor * max(0.0, found.spread - float(y @ y) / mass),
+        rounding=800.0 * 2.0**-53 * factor * size,
+    )
+
+
+def _rescaled(clouds: Clouds) -> Clouds:
+    """The clouds over powers of two, so that no product of their deviations overflows."""
+    origins = (clouds.origin[:3], clouds.origin[3:], np.zeros(1))
+    arrays = (clouds.source, clouds.target, clouds.weights)
+    a, b, c = (_exponent(*pair) for pair in zip(arrays, origins, strict=True))
+    return replace(clouds, exponents=(a, b, c))
+
+
+def _exponent(values: NDArray[Any] | None, origin: NDArray[np.float64]) -> int:
+    """The exponent of a power of two above all distances, by coordinate, from the origin."""
+    if values is None:
+        return 0
+    with np.errstate(over="ignore"):
+        farthest = max(float(np.abs(part - origin).max()) for part in chunks(values))
+    return math.frexp(farthest)[1] if farthest < math.inf else MOST_EXPONENT
+
+
+def _require_clouds(clouds: Clouds) -> None:
+    _require_numbers("source", clouds.source)
+    _require_numbers("target", clouds.target)
+    if clouds.weights is not None:
+        _require_numbers("weights", clouds.weights, least=0.0)
+
+
+def _require_numbers(name: str, array: NDArray[Any], *, least: float = -math.inf) -> None:
+    """Raises InvalidProblemError for the first row that is not finite, or below the least."""
+    first = 0
+    for part in chunks(array):
+        good = (np.isfinite(part) & (part >= least)).reshape(len(part), -1).all(axis=1)
+        if not good.all():
+            row = int(np.argmin(good))
+            message = (
+                f"{name} row {first + row} (counting from 0) is {part[row].tolist()}: every value "
+                f"must be finite{' and >= 0' if least == 0.0 else ''}; remove the correspondence "
+                "from both clouds"
+            )
+            raise InvalidProblemError(message)
+        first += len(part)

@@ -70,8 +70,8 @@ class RegistrationProblem:
         if sigma is not None and weights is not None:
             message = "both sigma and weights were given: give one (weights = 1/sigma^2)"
             raise InvalidProblemError(message)
-        source_points = _points(source, "source")
-        target_points = _points(target, "target")
+        source_points = finite_doubles(cloud_array(source, "source"), "source")
+        target_points = finite_doubles(cloud_array(target, "target"), "target")
         n = len(source_points)
         if n != len(target_points):
             message = (
@@ -214,13 +214,13 @@ def lift(values: NDArray[np.float64]) -> Lifted:
     return Lifted(integers=[m << s for m, s in pairs], exponent=common)
 
 
-def _points(cloud: Any, name: str) -> NDArray[np.float64]:
-    """A finite (N, 3) array of doubles, fresh or mapped from a file."""
+def cloud_array(cloud: Any, name: str) -> NDArray[Any]:
+    """An array (N, 3), N >= 1, of real numbers of any type, not copied if it is one."""
     for attribute in ("points", "vertices"):
         if not isinstance(cloud, np.ndarray) and hasattr(cloud, attribute):
             cloud = getattr(cloud, attribute)
             break
-    array = _real_numbers(cloud, name)
+    array = real_numbers(cloud, name)
     if array.ndim != 2 or array.shape[1] != 3:
         hint = "; transpose it" if array.ndim == 2 and array.shape[0] == 3 else ""
         message = f"{name} has shape {array.shape}: expected (N, 3), one point per row{hint}"
@@ -228,10 +228,10 @@ def _points(cloud: Any, name: str) -> NDArray[np.float64]:
     if len(array) == 0:
         message = f"{name} has no points: at least one correspondence is needed"
         raise InvalidProblemError(message)
-    return _finite_doubles(array, name)
+    return array
 
 
-def _real_numbers(values: Any, name: str) -> NDArray[Any]:
+def real_numbers(values: Any, name: str) -> NDArray[Any]:
     """The values as an array of real numbers of any type, not copied if they are one."""
     if np.ma.isMaskedArray(values):
         message = f"{name} is a masked array: drop the masked rows from both clouds first"
@@ -247,7 +247,7 @@ def _real_numbers(values: Any, name: str) -> NDArray[Any]:
     return array
 
 
-def _finite_doubles(array: NDArray[Any], name: str) -> NDArray[np.float64]:
+def finite_doubles(array: NDArray[Any], name: str) -> NDArray[np.float64]:
     """The finite values of an array as doubles, -0.0 as 0.0: fresh, or mapped from a file as it is.
 
     Refused where a conversion would lose or invent something. In blocks: no second copy is made.
@@ -304,13 +304,13 @@ def as_doubles(array: NDArray[Any]) -> tuple[NDArray[np.float64], NDArray[np.boo
 
 def _per_point(values: ArrayLike, name: str, n: int) -> NDArray[np.float64]:
     """(n,) finite doubles, or (1,) that stands for all."""
-    array = _real_numbers(values, name)
+    array = real_numbers(values, name)
     if array.ndim == 0:
-        return _finite_doubles(array.reshape(1), name)
+        return finite_doubles(array.reshape(1), name)
     if array.shape != (n,):
         message = f"{name} has shape {array.shape}: expected one number, or ({n},), one per point"
         raise InvalidProblemError(message)
-    return _finite_doubles(array, name)
+    return finite_doubles(array, name)
 
 
 def _first_row(

@@ -18,11 +18,11 @@ verify
 so3 definite
 codegen.translate codegen.emit
 native.batch native.clouds native.resting native.cache native.compiler native.library
-native.evaluator native.engine
+native.evaluator native.engine native.sums
 problem
 exact_sums moments energy pose
 equilibria.classification equilibria.components equilibria.eigenbasis equilibria.stability
-equilibria.spectral equilibria.closed_form
+equilibria.spectral equilibria.closed_form alignment
 equilibria.quadratics equilibria.exports equilibria.balls equilibria.tracking
 equilibria.reference equilibria.groebner equilibria.homotopy equilibria.krawczyk equilibria.counting
 equilibria.roads

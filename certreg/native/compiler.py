@@ -37,10 +37,11 @@ UNITS = (
     HERE / "lanes.c",
     HERE / "exact.c",
     HERE / "resting.c",
+    HERE / "sums.c",
 )
 HEADERS = (
     GENERATED / "dynamics.h",
-    *(HERE / name for name in ("loops.h", "lanes.h", "loop.h", "exact.h", "resting.h")),
+    *(HERE / name for name in ("loops.h", "lanes.h", "loop.h", "exact.h", "resting.h", "sums.h")),
 )
 # No -ffast-math: a NaN must stay one. -fno-math-errno: sqrt as one instruction.
 FLAGS = ("-std=gnu11", "-O3", "-march=native", "-fno-math-errno", "-fPIC", "-shared", "-Wno-psabi")
@@ -52,7 +53,7 @@ TRIAL = """
 import ctypes, json, sys
 library = ctypes.CDLL(sys.argv[1])
 library.certreg_euler_lanes, library.certreg_splitting_lanes, library.certreg_midpoint_single
-library.certreg_exact_sums, library.certreg_rest_poses
+library.certreg_exact_sums, library.certreg_rest_poses, library.certreg_sums
 for name, sizes in json.load(open(sys.argv[2])).items():
     numbers = [(ctypes.c_double * n)() for n in sizes["arguments"] + sizes["results"]]
     getattr(library, name)(*numbers)

@@ -1,0 +1,93 @@
+"""The best pose of two clouds in floating point: fast, and not certified."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from certreg.errors import DegenerateProblemError, InvalidProblemError
+from certreg.moments import moments_of_clouds
+from certreg.pose import Pose
+from certreg.problem import cloud_array, finite_doubles, real_numbers
+from certreg.settings import PassSettings
+from certreg.so3 import canonical, davenport_matrix, rotation_matrix
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from certreg.moments import Moments
+
+EIGENVALUE_ROUNDING = 64.0 * 2.0**-53  # of the norm of a 4x4 matrix: more than LAPACK loses
+
+
+def register(
+    source: ArrayLike, target: ArrayLike, weights: ArrayLike | None = None, *, threads: int = 1
+) -> Pose:
+    """The pose that takes `source` to `target`, row i to row i, in floating point: not certified.
+
+    For those who need only the pose, fast: one pass over the points, with no copy of them, then
+    Horn's closed form [Horn1987]. `certreg.certify` proves its pose, and finds all equilibria.
+
+    source, target: (N, 3) in one unit of length. Arrays of float64 and float32 are read where they
+        stand, with any strides: slices, transposes of 3xN arrays (`cloud.T`), arrays that are
+        mapped from files. weights: (N,), >= 0; None: all are one. threads: the pose is the same to
+        the bit for every number of them.
+
+    Raises InvalidProblemError for arrays that are no clouds in correspondence, and
+    DegenerateProblemError where rounding may turn the pose by more than 1e-3 rad: above all where
+    the best rotation is not unique, as for points on one line.
+
+    >>> pose = register([[0, 0, 0], [1, 0, 0], [0, 2, 0]], [[5, 0, 0], [5, 1, 0], [3, 0, 0]])
+    >>> pose.translation.round(9)
+    array([5., 0., 0.])
+    """
+    x = _readable(cloud_array(source, "source"), "source")
+    y = _readable(cloud_array(target, "target"), "target")
+    if len(x) != len(y):
+        message = (
+            f"source has {len(x)} points, target has {len(y)}: correspondences pair row i with "
+            "row i, so both need the same number"
+        )
+        raise InvalidProblemError(message)
+    w = None if weights is None else _readable(real_numbers(weights, "weights"), "weights")
+    if w is not None and w.shape != (len(x),):
+        message = f"weights has shape {w.shape}: expected ({len(x)},), one per point"
+        raise InvalidProblemError(message)
+    moments = moments_of_clouds(x, y, w, threads=threads)
+    quaternion = _optimal_quaternion(moments)
+    rotation = np.array(rotation_matrix(tuple(quaternion.tolist())))
+    return Pose(
+        rotation=rotation,
+        translation=moments.target_centroid - rotation @ moments.source_centroid,
+        quaternion_wxyz=quaternion,
+    )
+
+
+def _optimal_quaternion(moments: Moments) -> NDArray[np.float64]:
+    """The unit eigenvector (4,) of the largest eigenvalue of the Davenport matrix K.
+
+    With every entry of C off by at most r, K is off by at most 3 sqrt(3) r, since K(E) has the
+    eigenvalues s1 +- s2 +- s3 of the singular values of E. If e bounds that and the rounding of the
+    eigenvalues, sin(theta / 2) <= e / (l1 - l2 - e) for the angle theta of the pose [Davis1970].
+    """
+    davenport = np.array(davenport_matrix(moments.cross_covariance.tolist()))
+    values, vectors = np.linalg.eigh(davenport)
+    gap = float(values[-1] - values[-2])
+    error = 3.0 * math.sqrt(3.0) * moments.rounding
+    error += EIGENVALUE_ROUNDING * float(np.linalg.norm(davenport))
+    if not 2.0 * error < PassSettings().largest_turn * (gap - error):
+        message = (
+            "floating point does not tell the rotation: the two largest eigenvalues of the "
+            f"Davenport matrix are {gap:.3g} apart, and rounding may move them by {error:.3g}; "
+            "certreg.certify decides exactly whether the best rotation is unique"
+        )
+        raise DegenerateProblemError(message)
+    return canonical(vectors[:, -1])
+
+
+def _readable(array: NDArray[Any], name: str) -> NDArray[Any]:
+    """The array, if every entry of its type is a double; else its values, if they all are."""
+    floating = array.dtype.kind == "f" and array.dtype.itemsize <= 8
+    return array if floating else finite_doubles(array, name)

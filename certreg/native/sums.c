@@ -1,0 +1,261 @@
+/* One pass over the points of two clouds, at the speed of memory.
+ *
+ * Points are taken side by side in lanes, shifted by the origin, and summed: 256 of them plainly,
+ * and such blocks with what rounding takes from each sum kept [Knuth1997, 4.2.2]. So the error is
+ * that of a sum of 256 terms, however many there are. All arithmetic is on lanes of doubles, the
+ * same for every type and layout, to the bit. */
+#include "sums.h"
+#include <string.h>
+
+#define BLOCK 256
+#define INLINE static inline __attribute__((always_inline))
+#ifdef __AVX512F__
+#define LANES 8
+#define EACH(which, k) \
+    which(0, k), which(1, k), which(2, k), which(3, k), which(4, k), which(5, k), which(6, k), which(7, k)
+#else
+#define LANES 4
+#define EACH(which, k) which(0, k), which(1, k), which(2, k), which(3, k)
+#endif
+
+typedef double lanes __attribute__((vector_size(8 * LANES)));
+typedef float singles __attribute__((vector_size(4 * LANES)));
+typedef long long places __attribute__((vector_size(8 * LANES)));
+
+/* Coordinate k of point l stands at 3 l + k: in the first two vectors of three, or in the last. */
+#define EARLY(l, k) (3 * l + k < 2 * LANES ? 3 * l + k : 0)
+#define LATE(l, k) (3 * l + k < 2 * LANES ? l : 3 * l + k - LANES)
+#ifdef __clang__
+#define PICKED(a, b, which, k) __builtin_shufflevector(a, b, EACH(which, k))
+#else
+#define PICKED(a, b, which, k) __builtin_shuffle(a, b, (places){EACH(which, k)})
+#endif
+
+/* How points stand in memory; the first three are taken as vectors. */
+enum layout { ROWS, ROWS_OF_SINGLES, COLUMNS, ANY };
+
+/* Sums over the points of a block. */
+struct block {
+    places signs;
+    lanes mass, spread, source[3], target[3], scatter[6], cross[9];
+};
+
+struct total {
+    places signs;
+    lanes value[CERTREG_SUMS];
+    lanes rest[CERTREG_SUMS];
+};
+
+INLINE double entry(const struct certreg_columns *from, long row, long column)
+{
+    const char *place = from->data + row * from->row + column * from->column;
+    double value;
+    float single;
+    if (from->single) {
+        memcpy(&single, place, sizeof single);
+        return single;
+    }
+    memcpy(&value, place, sizeof value);
+    return value;
+}
+
+INLINE lanes doubles(const char *data)
+{
+    lanes values;
+    memcpy(&values, data, sizeof values);
+    return values;
+}
+
+INLINE lanes widened(const char *data)
+{
+    singles values;
+    memcpy(&values, data, sizeof values);
+    return __builtin_convertvector(values, lanes);
+}
+
+INLINE void unpack(lanes a, lanes b, lanes c, lanes out[3])
+{
+    out[0] = PICKED(PICKED(a, b, EARLY, 0), c, LATE, 0);
+    out[1] = PICKED(PICKED(a, b, EARLY, 1), c, LATE, 1);
+    out[2] = PICKED(PICKED(a, b, EARLY, 2), c, LATE, 2);
+}
+
+/* Coordinates of LANES points less the origin; `count` of them are there, the others get 0. */
+INLINE void load(const struct certreg_columns *from, long first, int count, enum layout layout,
+                 const double origin[3], lanes out[3])
+{
+    const char *data = from->data + first * from->row;
+    if (layout == ROWS)
+        unpack(doubles(data), doubles(data + 8 * LANES), doubles(data + 16 * LANES), out);
+    else if (layout == ROWS_OF_SINGLES)
+        unpack(widened(data), widened(data + 4 * LANES), widened(data + 8 * LANES), out);
+    else if (layout == COLUMNS)
+        for (int k = 0; k < 3; k++)
+            out[k] = doubles(data + k * from->column);
+    else
+        for (int l = 0; l < LANES; l++)
+            for (int k = 0; k < 3; k++)
+                out[k][l] = l < count ? entry(from, first + l, k) : origin[k];
+    for (int k = 0; k < 3; k++)
+        out[k] -= origin[k];
+}
+
+INLINE lanes load_weights(const struct certreg_columns *from, long first, int count,
+                          enum layout layout)
+{
+    lanes w = {0};
+    if (layout != ANY)
+        return doubles(from->data + 8 * first);
+    for (int l = 0; l < count; l++)
+        w[l] = entry(from, first + l, 0);
+    return w;
+}
+
+/* LANES points from the one with the number `first` on. */
+INLINE void take(struct block *sum, const struct certreg_points *points, long first, int count,
+                 enum layout layout, int weighted)
+{
+    lanes x[3] = {{0}}, y[3] = {{0}}, w = {0};
+    load(&points->source, first, count, layout, points->origin, x);
+    load(&points->target, first, count, layout, points->origin + 3, y);
+    if (weighted)
+        w = load_weights(&points->weights, first, count, layout);
+    lanes spread = {0};
+    sum->mass += w;
+    sum->signs |= (places)w;
+    for (int k = 0; k < 3; k++) {
+        lanes weighed = weighted ? w * y[k] : y[k];
+        sum->target[k] += weighed;
+        spread += weighed * y[k];
+        for (int j = 0; j < 3; j++)
+            sum->cross[3 * k + j] += weighed * x[j];
+    }
+    sum->spread += spread;
+    for (int k = 0, at = 0; k < 3; k++) {
+        lanes weighed = weighted ? w * x[k] : x[k];
+        sum->source[k] += weighed;
+        for (int j = k; j < 3; j++)
+            sum->scatter[at++] += weighed * x[j];
+    }
+}
+
+/* The sum of a block, added with its rounding error. */
+INLINE void add(struct total *total, int which, lanes block)
+{
+    lanes before = total->value[which], sum = before + block, part = sum - before;
+    total->value[which] = sum;
+    total->rest[which] += (before - (sum - part)) + (block - part);
+}
+
+/* Not inline, to be compiled once; it takes a copy, so that a loop's own sums stay in registers. */
+static __attribute__((noinline)) void add_block(struct total *total, const struct block *sum)
+{
+    total->signs |= sum->signs;
+    add(total, 0, sum->mass);
+    add(total, 1, sum->spread);
+    for (int k = 0; k < 3; k++) {
+        add(total, 2 + k, sum->source[k]);
+        add(total, 5 + k, sum->target[k]);
+    }
+    for (int k = 0; k < 6; k++)
+        add(total, 8 + k, sum->scatter[k]);
+    for (int k = 0; k < 9; k++)
+        add(total, 14 + k, sum->cross[k]);
+}
+
+/* At most a block of points in any layout. */
+INLINE void add_some(struct total *total, const struct certreg_points *points, long first, long count,
+                     int weighted)
+{
+    struct block sum = {0};
+    long at = 0;
+    for (; at + LANES <= count; at += LANES)
+        take(&sum, points, first + at, LANES, ANY, weighted);
+    if (at < count)
+        take(&sum, points, first + at, (int)(count - at), ANY, weighted);
+    struct block copy = sum;
+    add_block(total, &copy);
+}
+
+static __attribute__((noinline)) void add_any(struct total *total, const struct certreg_points *points,
+                                              long first, long count)
+{
+    if (points->weights.data)
+        add_some(total, points, first, count, 1);
+    else
+        add_some(total, points, first, count, 0);
+}
+
+/* Layout and presence of weights are constants here: each caller gets a loop of its own. */
+INLINE void pass(const struct certreg_points *points, enum layout layout, int weighted,
+                 struct total *total)
+{
+    long first = 0;
+    for (; first + BLOCK <= points->count; first += BLOCK) {
+        struct block sum = {0};
+        for (long at = 0; at < BLOCK; at += LANES)
+            take(&sum, points, first + at, LANES, layout, weighted);
+        struct block copy = sum;
+        add_block(total, &copy);
+    }
+    add_any(total, points, first, points->count - first);
+}
+
+static enum layout layout_of(const struct certreg_columns *points)
+{
+    if (points->single)
+        return points->row == 12 && points->column == 4 ? ROWS_OF_SINGLES : ANY;
+    if (points->row == 8)
+        return COLUMNS;
+    return points->row == 24 && points->column == 8 ? ROWS : ANY;
+}
+
+static void pass_any(const struct certreg_points *points, struct total *total)
+{
+    enum layout layout = layout_of(&points->source);
+    int weighted = points->weights.data != 0;
+    if (layout != layout_of(&points->target) ||
+        (weighted && (points->weights.row != 8 || points->weights.single)))
+        layout = ANY;
+#define CASE(LAYOUT)                                                                                \
+    case LAYOUT:                                                                                    \
+        if (weighted)                                                                               \
+            pass(points, LAYOUT, 1, total);                                                         \
+        else                                                                                        \
+            pass(points, LAYOUT, 0, total);                                                         \
+        break;
+    switch (layout) {
+        CASE(ROWS)
+        CASE(ROWS_OF_SINGLES)
+        CASE(COLUMNS)
+    case ANY:
+        for (long first = 0; first < points->count; first += BLOCK)
+            add_any(total, points, first,
+                    points->count - first < BLOCK ? points->count - first : BLOCK);
+    }
+}
+
+/* The lanes of a sum, added in the same way. */
+static void fold(const struct total *total, int which, double sum[2])
+{
+    sum[0] = sum[1] = 0.0;
+    for (int lane = 0; lane < LANES; lane++) {
+        double before = sum[0], term = total->value[which][lane];
+        sum[0] = before + term;
+        double part = sum[0] - before;
+        sum[1] += (before - (sum[0] - part)) + (term - part) + total->rest[which][lane];
+    }
+}
+
+void certreg_sums(const struct certreg_points *points, double sums[CERTREG_SUMS][2], int *negative)
+{
+    struct total total = {0};
+    pass_any(points, &total);
+    for (int which = 0; which < CERTREG_SUMS; which++)
+        fold(&total, which, sums[which]);
+    if (!points->weights.data)
+        sums[0][0] = (double)points->count;
+    *negative = 0;
+    for (int lane = 0; lane < LANES; lane++)
+        *negative |= total.signs[lane] < 0;
+}

@@ -1,0 +1,29 @@
+/* What the pass over the points and its caller agree on. */
+#ifndef CERTREG_SUMS_H
+#define CERTREG_SUMS_H
+
+/* With deviations x, y of source and target from their origins, each times the weight and summed:
+ * 1; y.y; x (3), y (3); xx, xy, xz, yy, yz, zz of the source; y x^T row by row (9). */
+#define CERTREG_SUMS 23
+
+/* Columns of numbers anywhere in memory: entry (i, k) stands `i * row + k * column` bytes on. */
+struct certreg_columns {
+    const char *data;
+    long row;
+    long column;
+    int single; /* nonzero: of type float; otherwise double */
+};
+
+struct certreg_points {
+    long count;
+    struct certreg_columns source;  /* three columns */
+    struct certreg_columns target;  /* three columns */
+    struct certreg_columns weights; /* one; no data: all weights are one */
+    double origin[6];               /* of the source, of the target */
+};
+
+/* Each sum as a value and what rounding left of it; and whether any weight has the sign of -1. A
+ * coordinate or weight that is no finite number makes its sum (x, y, 1) none, too. */
+void certreg_sums(const struct certreg_points *points, double sums[CERTREG_SUMS][2], int *negative);
+
+#endif
