@@ -10,7 +10,7 @@ import enum
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from itertools import islice
 from operator import mul
 from typing import TYPE_CHECKING
@@ -23,7 +23,7 @@ from certreg.problem import lift, row_blocks
 from certreg.settings import SumSettings
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from numpy.typing import NDArray
 
@@ -104,13 +104,14 @@ def other_road(problem: RegistrationProblem) -> Road:
 def sums_by(road: Road, problem: RegistrationProblem) -> Sums:
     """The sums over all points by one road. Raises CompilationError where it needs a compiler."""
     if road is Road.COMPILED:
-        return _on_threads(library(), problem)
-    one = _by_integers if road is Road.INTEGERS else _by_limbs
+        return _on_threads(partial(_by_compiled, library()), problem)
+    if road is Road.LIMBS:
+        return _on_threads(_by_limbs, problem)
     blocks = (problem.block(rows) for rows in row_blocks(problem.n))
-    return sum((one(block) for block in blocks), start=EMPTY)
+    return sum((_by_integers(block) for block in blocks), start=EMPTY)
 
 
-def _on_threads(compiled: Library, problem: RegistrationProblem) -> Sums:
+def _on_threads(summed: Callable[[Block], Sums], problem: RegistrationProblem) -> Sums:
     """Each thread takes every so manieth block; all of them end when one fails, or at Ctrl-C."""
     count, end = SumSettings().threads, threading.Event()
 
@@ -119,7 +120,7 @@ def _on_threads(compiled: Library, problem: RegistrationProblem) -> Sums:
         for rows in islice(row_blocks(problem.n), first, None, count):
             if end.is_set():
                 break
-            total += _by_compiled(compiled, problem.block(rows))
+            total += summed(problem.block(rows))
         return total
 
     with ThreadPoolExecutor(count) as pool:
@@ -258,7 +259,10 @@ def _table(left: NDArray[np.float64], right: _Limbs) -> list[list[int]]:
     """3x3: the sums of the products of rows of both; no product of matrices rounds (2^53)."""
     rows, many, count = left.shape
     few = right.limbs.shape[1]
-    product = left.reshape(-1, count) @ right.limbs.reshape(-1, count).T
+    one, other = left.reshape(-1, count), right.limbs.reshape(-1, count).T
+    product, size = np.zeros((len(one), other.shape[1])), SumSettings().product_points
+    for k in range(0, count, size):
+        product += one[:, k : k + size] @ other[k : k + size]
     parts = product.astype(np.int64).reshape(rows, many, -1, few)
     by_place = np.zeros((rows, parts.shape[2], many + few - 1), dtype=np.int64)
     for k in range(few):

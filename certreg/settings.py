@@ -38,9 +38,10 @@ class SumSettings:
 
     many_points: int = 2048  # from here on: 25 ms of Python's own integers
     block_points: int = 1 << 16  # read at a time: 3.5 MB; a share of a second, for Ctrl-C
-    threads: int = 2  # compiled sums of that many blocks at once
+    threads: int = 2  # so many blocks at once, by compiled code and by NumPy
     limb_bits: int = 20  # products of two limbs, 2^13 of them, add up within 2^53
     limb_points: int = 1 << 13  # as above
+    product_points: int = 512  # of one product of matrices: for more, BLAS would start threads
     most_limbs: int = 12  # of a coordinate: beyond a range of 2^187, Python's integers are faster
 
 

@@ -91,6 +91,8 @@ def test_the_integers_do_not_depend_on_how_the_points_are_divided(problem):
     ("source", "weight"),
     [
         (LARGEST, LARGEST),
+        (4.0 - 2.0**-51, 4.0 - 2.0**-51),  # 2^56 - 8 in the compiled loop: the largest there is
+        (2.0**-51 - 4.0, 4.0 - 2.0**-51),
         (-LARGEST, 1.0),
         (LEAST, LEAST),
         (-LEAST, LARGEST),
@@ -117,6 +119,15 @@ def test_many_points_of_many_scales_on_threads_sum_up_to_the_same_integers(monke
         monkeypatch.setattr(module, "SumSettings", lambda: few)
 
     assert [sums_by(road, problem) for road in Road] == [expected] * 3
+
+
+def test_products_of_the_largest_limbs_do_not_round():
+    rng = np.random.default_rng(9)
+    n = SumSettings().limb_points
+    source, target, weights = (rng.uniform(0.9, 1.0, size) for size in ((n, 3), (n, 3), n))
+    problem = RegistrationProblem(source, target, weights=weights)
+
+    assert sums_by(Road.LIMBS, problem) == sums_by(Road.INTEGERS, problem)
 
 
 def test_limbs_are_used_where_they_are_said_to_be(monkeypatch):

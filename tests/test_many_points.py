@@ -1,0 +1,172 @@
+"""Certificates of many points: the file in pieces, their own check by a second road, in blocks."""
+
+from __future__ import annotations
+
+import base64
+import json
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+import strategies
+from hypothesis import given
+from hypothesis import strategies as st
+
+import certreg
+from certreg import RegistrationProblem
+from certreg.certificate import blockwise, checking
+from certreg.certificate.blockwise import check_in_blocks, check_on_sums
+from certreg.certificate.counting import count_certificate
+from certreg.certificate.types import PIECE, file_pieces
+from certreg.dyadic import Dyadic
+from certreg.errors import RefusedCertificateError
+from certreg.exact_sums import Road, sums_by
+from certreg.pipeline import solve
+from certreg.results import Optimality, Ruling
+from certreg.settings import CertificateSettings
+from certreg.verify import check, moments
+
+CHECKS = (check_in_blocks, check_on_sums)
+texts = st.text(max_size=20) | st.sampled_from(['"data": null', '"data": ', "null", '"'])
+
+
+def random_problem(**options) -> RegistrationProblem:
+    return strategies.random_problem(np.random.default_rng(2), **options)
+
+
+@given(st.binary(max_size=20), texts, st.dictionaries(texts, texts | st.none(), max_size=3))
+def test_a_file_in_pieces_is_the_json_of_its_document(data, kind, about):
+    def document(text):
+        return {"about": about, "kind": kind, "problem": {"data": text, "n": 1}, "sdp": {"nu": 1}}
+
+    for content, text in ((data, base64.b64encode(data).decode()), (None, None)):
+        whole = json.dumps(document(text), sort_keys=True, indent=1) + "\n"
+        assert b"".join(file_pieces(document(None), content)) == whole.encode()
+
+
+def test_data_larger_than_a_piece_is_encoded_as_one():
+    data = np.random.default_rng(0).bytes(2 * PIECE + 5)
+
+    *_, last = written = list(file_pieces({"data": None}, data))
+    assert len(written) == 5
+    assert json.loads(b"".join(written)) == {"data": base64.b64encode(data).decode()}
+    assert last.endswith(b'"\n}\n')
+
+
+@given(strategies.problems())
+def test_sums_by_either_way_are_the_moments_of_the_checker(problem):
+    """The table is filled from i <= j, over one power of two."""
+    m, e = moments(problem.data_bytes()[26:], problem.n)
+    expected = [[Fraction(entry) * Fraction(2) ** e for entry in row] for row in m]
+
+    for table in (blockwise._added_moments, blockwise._table_of_sums):
+        found, unit = table(problem)
+        assert [[Fraction(k) * Fraction(2) ** unit for k in row] for row in found] == expected
+
+
+@given(strategies.problems())
+def test_many_points_are_accepted_with_the_theorems_that_the_checker_finds(problem):
+    certificate = solve(problem).certificate
+    counted = count_certificate(problem)
+    for made in (certificate, counted):
+        if made is not None:
+            content, bare = made.to_json(), replace(made, data=None).to_json()
+            assert check(content).verified
+            for way in CHECKS:
+                assert way(content, problem) == way(bare, problem) == check(content)
+
+
+@pytest.mark.parametrize("way", CHECKS)
+def test_a_certificate_of_other_points_or_of_too_strong_a_claim_is_refused(way):
+    problem = random_problem()
+    certificate = solve(problem).certificate
+    assert certificate is not None
+    moved = problem.target.copy()
+    moved[3, 1] = np.nextafter(moved[3, 1], 9.0)
+    half = replace(certificate.claims, gap=certificate.claims.gap.scaled(-1))
+    forged = {
+        "other points": (certificate, RegistrationProblem(problem.source, moved)),
+        "another number": (certificate, random_problem(n=19)),
+        "2 delta": (replace(certificate, claims=half), problem),
+        "delta and mu": (replace(certificate, delta=Dyadic(mantissa=1, exponent=-4000)), problem),
+        "not canonical": (replace(certificate, data=bytes(26 + 56 * 20)), problem),
+        "the digest is not theirs": (
+            replace(certificate, data=random_problem(noise=1.0).data_bytes()),
+            problem,
+        ),
+    }
+    for words, (claimed, about) in forged.items():
+        outcome = way(claimed.to_json(), about)
+        assert not outcome.verified
+        assert words in outcome.reason
+
+
+def test_its_own_certificate_of_many_points_is_checked_on_sums_by_another_road(monkeypatch):
+    problem = random_problem(n=CertificateSettings().python_points + 1)
+    roads: list[Road] = []
+
+    def noted(road, problem):
+        roads.append(road)
+        return sums_by(road, problem)
+
+    monkeypatch.setattr(blockwise, "sums_by", noted)
+    monkeypatch.setattr(checking, "check", None)
+    registration = certreg.certify(problem, relaxation=False, simulation=False)
+
+    assert roads == [Road.LIMBS]
+    assert registration.status is Optimality.CERTIFIED
+    assert registration.certificate is not None
+    assert check(registration.certificate.to_json()).theorems == registration.verdict.theorems
+
+
+def test_sums_that_err_are_refused_by_the_other_road(monkeypatch):
+    problem = random_problem(n=CertificateSettings().python_points + 1)
+
+    def wrong(road, about):
+        found = sums_by(road, about)
+        return replace(found, integers=(*found.integers[:7], *found.integers[8:], 0))
+
+    monkeypatch.setattr(blockwise, "sums_by", wrong)
+    with pytest.raises(RefusedCertificateError):
+        certreg.certify(problem, relaxation=False, simulation=False)
+
+
+@pytest.mark.parametrize("way", CHECKS)
+@pytest.mark.parametrize("part", ["source", "target", "weights"])
+def test_a_file_that_is_changed_during_a_check_is_noticed(tmp_path, monkeypatch, way, part):
+    arrays = {name: getattr(random_problem(n=50), name) for name in ("source", "target", "weights")}
+    for name, array in arrays.items():
+        np.save(tmp_path / f"{name}.npy", array)
+    x, y, w = (np.load(tmp_path / f"{name}.npy", mmap_mode="r") for name in arrays)
+    problem = RegistrationProblem(x, y, weights=w)
+    content = solve(problem).certificate.to_json()
+    assert way(content, problem).verified
+    name = "_added_moments" if way is check_in_blocks else "_table_of_sums"
+    table = getattr(blockwise, name)
+
+    def meanwhile(problem):
+        np.load(tmp_path / f"{part}.npy", mmap_mode="r+")[17] += 1.0
+        return table(problem)
+
+    monkeypatch.setattr(blockwise, name, meanwhile)
+    outcome = way(content, problem)
+    assert not outcome.verified
+    assert "changed while they were read" in outcome.reason
+
+
+def test_beyond_the_inline_limit_a_certificate_needs_its_points(monkeypatch, tmp_path):
+    problem = random_problem(n=40)
+    small = CertificateSettings(inline_points=39)
+    monkeypatch.setattr("certreg.certificate.producing.CertificateSettings", lambda: small)
+    monkeypatch.setattr(checking, "INLINE_MAX", 39)
+    certificate = solve(problem).certificate
+    certificate.save(tmp_path / "certificate.json")
+
+    assert certificate.data is None
+    assert (tmp_path / "certificate.json").stat().st_size < 2000
+    alone = certreg.verify(tmp_path / "certificate.json")
+    assert alone.ruling is Ruling.REFUTED
+    assert "give SOURCE and TARGET" in alone.words
+    monkeypatch.setattr(checking, "check", None)  # it would hold all points at once
+    assert certreg.verify(tmp_path / "certificate.json", problem).proved
