@@ -313,7 +313,7 @@ def _per_point(values: ArrayLike, name: str, n: int) -> NDArray[np.float64]:
     return finite_doubles(array, name)
 
 
-def _first_row(
+def first_row(
     array: NDArray[np.float64], wrong: Callable[[NDArray[np.float64]], NDArray[np.bool_]]
 ) -> int | None:
     """The first row where something is wrong, None if nowhere."""
@@ -327,11 +327,11 @@ def _first_row(
 def _given_weights(weights: ArrayLike | None, n: int) -> NDArray[np.float64]:
     """(n,) weights >= 0, not all zero; equal ones take the place of one."""
     array = np.ones(1) if weights is None else _per_point(weights, "weights", n)
-    row = _first_row(array, lambda block: block < 0)
+    row = first_row(array, lambda block: block < 0)
     if row is not None:
         message = f"weights[{row}] is {array[row]}: weights must be >= 0"
         raise InvalidProblemError(message)
-    if _first_row(array, lambda block: block > 0) is None:
+    if first_row(array, lambda block: block > 0) is None:
         message = "all weights are zero: no correspondence counts, so every pose is as good"
         raise InvalidProblemError(message)
     return np.broadcast_to(array, (n,))
@@ -340,7 +340,7 @@ def _given_weights(weights: ArrayLike | None, n: int) -> NDArray[np.float64]:
 def _weights_from_sigma(sigma: ArrayLike, n: int) -> NDArray[np.float64]:
     """(n,) weights in memory, even if the sigmas are mapped; equal ones take the place of one."""
     array = _per_point(sigma, "sigma", n)
-    row = _first_row(array, lambda block: block <= 0)
+    row = first_row(array, lambda block: block <= 0)
     if row is not None:
         place = "sigma" if np.ndim(sigma) == 0 else f"sigma[{row}]"
         message = f"{place} is {array[row]}: a standard deviation must be > 0"

@@ -94,6 +94,8 @@ class FileSettings:
     max_pose_bytes: int = 1 << 20  # a result without its points is a few kilobytes
     max_header_bytes: int = 1 << 16  # of .ply and .pcd, directory of .npz: a hundred lines suffice
     max_binary_bytes: int = 1 << 32  # a hundred million points in doubles, with some colour
+    mapped_bytes: int = 1 << 26  # from here on floats of .npy and binary .ply stay in their file
+    max_mapped_bytes: int = 1 << 44  # of such a file: nothing but its own pages is ever in memory
     max_unpacked_bytes: int = 1 << 30  # forty million points: a megabyte can unpack to a gigabyte
     max_arrays: int = 64  # in one .npz: points and what goes with them
 

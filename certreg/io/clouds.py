@@ -19,7 +19,7 @@ from certreg.io.pcd import parse_pcd
 from certreg.io.ply import parse_ply, write_ply
 from certreg.io.streams import reading
 from certreg.io.text import TEXT_FORMATS, ignored_note, parse_points, read_numbers
-from certreg.problem import RegistrationProblem
+from certreg.problem import RegistrationProblem, first_row
 from certreg.settings import DEFAULT_DAMPING, CertificateSettings
 from certreg.verify import shown
 
@@ -36,7 +36,11 @@ WRITTEN_FORMATS = (".csv", ".txt", ".ply", ".npy")
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Cloud:
-    """Points read from a file: (N, 3), labels if the file has them, names of columns not read."""
+    """Points read from a file: (N, 3), labels if the file has them, names of columns not read.
+
+    Points of a large .npy or binary .ply file are mapped from it: they stay there, as doubles or
+    floats, and nobody may change the file meanwhile.
+    """
 
     path: Path
     points: NDArray[np.float64]
@@ -61,7 +65,7 @@ class Pair:
 
     source: Cloud
     target: Cloud
-    source_rows: NDArray[np.int64]
+    source_rows: NDArray[np.int64] | None  # None: all, in their order
     sizes: tuple[int, int]  # of the files
 
     @property
@@ -78,7 +82,7 @@ class Pair:
         """What the user should know about how the files were read."""
         notes = (ignored_note(c.path, c.ignored) for c in (self.source, self.target))
         found = [note for note in notes if note is not None]
-        n = len(self.source_rows)
+        n = len(self.source.points)
         if self.sizes != (n, n):
             first, second = (size - n for size in self.sizes)
             names = shown(self.source.path), shown(self.target.path)
@@ -137,7 +141,7 @@ def read_pair(
         )
         raise InvalidFileError(message)
     else:
-        rows = np.arange(sizes[0]), np.arange(sizes[1])
+        return Pair(source=first, target=second, source_rows=None, sizes=sizes)
     here, there = (np.asarray(side, dtype=np.int64) for side in rows)
     return Pair(
         source=_taken(first, here), target=_taken(second, there), source_rows=here, sizes=sizes
@@ -165,11 +169,13 @@ def read_problem(
             "points: give one weight per row of the source"
         )
         raise InvalidFileError(message)
+    if numbers is not None and pair.source_rows is not None:
+        numbers = numbers[pair.source_rows]
     problem = RegistrationProblem(
         pair.source.points,
         pair.target.points,
         sigma=sigma,
-        weights=None if numbers is None else numbers[pair.source_rows],
+        weights=numbers,
         damping=damping,
     )
     return problem, pair
@@ -188,11 +194,11 @@ def read_weights(path: str | os.PathLike[str]) -> NDArray[np.float64]:
     if len(weights) == 0:
         message = f"{file}: holds no weights: give one number per row of the source"
         raise InvalidFileError(message)
-    if (weights < 0).any():
-        row = int(np.argmax(weights < 0))
+    row = first_row(weights, lambda block: block < 0)
+    if row is not None:
         message = f"{file}: weight {row} (counting from 0) is {weights[row]}: weights must be >= 0"
         raise InvalidFileError(message)
-    if not weights.any():
+    if first_row(weights, lambda block: block > 0) is None:
         message = f"{file}: all weights are zero: give a positive weight to the points that count"
         raise InvalidFileError(message)
     return weights

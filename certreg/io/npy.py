@@ -6,14 +6,16 @@ import io
 import math
 import tokenize
 import warnings
-from typing import TYPE_CHECKING, Any, BinaryIO, cast
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple, cast
 
 import numpy as np
 
 from certreg.errors import InvalidFileError
 from certreg.files import write_atomically
-from certreg.io.streams import held_bytes, reading
-from certreg.problem import as_doubles
+from certreg.io.streams import held_bytes, large_file, reading
+from certreg.mapping import let_go, mapped_file
+from certreg.problem import as_doubles, row_blocks
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -33,6 +35,14 @@ NOT_NPY = (  # what numpy raises for headers that it cannot read
 )
 
 
+class Header(NamedTuple):
+    """What a header declares; `fortran`: column after column."""
+
+    shape: tuple[int, ...]
+    fortran: bool
+    dtype: np.dtype[Any]
+
+
 def read_array(file: Path) -> NDArray[np.float64]:
     """The finite doubles of a .npy file, of any shape. Raises InvalidFileError."""
     with reading(file) as stream:
@@ -45,18 +55,23 @@ def parse_array(stream: BinaryIO, file: Path) -> NDArray[np.float64]:
 
 
 def parse_npy(stream: BinaryIO, file: Path) -> NDArray[Any]:
-    """The real numbers of a .npy file, as they are."""
+    """The real numbers of a .npy file, as they are; those of a large one stay there if floating."""
     start = stream.tell()
     try:
-        shape, dtype = read_header(stream, file)
-        declared = math.prod(shape) * dtype.itemsize
-        held = held_bytes(stream, file)
+        header = read_header(stream, file)
+        declared = math.prod(header.shape) * header.dtype.itemsize
+        mapped = large_file(stream, file) if is_float(header.dtype) else None
+        first = stream.tell()
+        held = held_bytes(stream, file) if mapped is None else len(mapped) - first
         if declared != held:
             message = (
                 f"{shown(file)}: the header declares {declared} bytes of data, the file holds "
                 f"{held}: it is truncated or corrupt; save it again"
             )
             raise InvalidFileError(message)
+        if mapped is not None:
+            order = "F" if header.fortran else "C"
+            return np.ndarray(header.shape, header.dtype, mapped, first, order=order)
         stream.seek(start)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # as in read_header
@@ -65,8 +80,13 @@ def parse_npy(stream: BinaryIO, file: Path) -> NDArray[Any]:
         raise not_npy(file, error) from error
 
 
-def read_header(stream: BinaryIO, file: Path) -> tuple[tuple[int, ...], np.dtype[Any]]:
-    """Shape and type of real numbers in a .npy file; the stream is left at the data.
+def is_float(dtype: np.dtype[Any]) -> bool:
+    """Whether all values of a type, NaN and infinities aside, are doubles."""
+    return dtype.kind == "f" and dtype.itemsize <= 8
+
+
+def read_header(stream: BinaryIO, file: Path) -> Header:
+    """Shape, order and type of real numbers in a .npy file; the stream is left at the data.
 
     Raises InvalidFileError, and what is in NOT_NPY.
     """
@@ -80,11 +100,11 @@ def read_header(stream: BinaryIO, file: Path) -> tuple[tuple[int, ...], np.dtype
         raise InvalidFileError(message)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # a header of Python 2 is read right all the same
-        shape, _, dtype = reader(stream)
+        shape, fortran, dtype = reader(stream)
     if dtype.kind not in "fiu":
         message = f"{shown(file)}: holds {shown(dtype)}, not real numbers: save float64"
         raise InvalidFileError(message)
-    return tuple(map(int, shape)), dtype
+    return Header(tuple(map(int, shape)), bool(fortran), dtype)
 
 
 def not_npy(file: Path, error: BaseException) -> InvalidFileError:
@@ -101,7 +121,12 @@ def write_array(file: Path, array: NDArray[np.float64]) -> None:
 
 
 def doubles(file: Path, array: NDArray[Any]) -> NDArray[np.float64]:
-    """Real numbers as doubles, refused where a value is not finite or would change."""
+    """Real numbers as doubles, refused where a value is not finite or would change.
+
+    Those that are mapped from a file stay there, as doubles or floats.
+    """
+    if mapped_file(array) is not None:
+        return _finite(file, array)
     converted, kept = as_doubles(array)
     kept &= np.isfinite(converted)
     if not kept.all():
@@ -111,7 +136,13 @@ def doubles(file: Path, array: NDArray[Any]) -> NDArray[np.float64]:
 
 
 def points_of_columns(file: Path, columns: Sequence[NDArray[Any]]) -> NDArray[np.float64]:
-    """Columns x, y, z of any real types as points (N, 3), refused as in `doubles`."""
+    """Columns x, y, z of any real types as points (N, 3), refused as in `doubles`.
+
+    Those that are mapped from a file and stand evenly in its rows stay there.
+    """
+    points = side_by_side(columns)
+    if points is not None:
+        return _finite(file, points)
     converted, kept = zip(*map(as_doubles, columns), strict=True)
     points = np.column_stack(converted)
     whole = np.logical_and.reduce(kept) & np.isfinite(points).all(axis=1)
@@ -119,6 +150,28 @@ def points_of_columns(file: Path, columns: Sequence[NDArray[Any]]) -> NDArray[np
         row = int(np.argmin(whole))
         raise _not_kept(file, row, [column[row].item() for column in columns])
     return points
+
+
+def side_by_side(columns: Sequence[NDArray[Any]]) -> NDArray[Any] | None:
+    """Columns of a mapped file as the points (N, 3) that they are there, if they are."""
+    x = columns[0]
+    apart = {b.ctypes.data - a.ctypes.data for a, b in pairwise(columns)}
+    alike = {column.dtype for column in columns} == {x.dtype} and is_float(x.dtype)
+    if mapped_file(x) is None or not alike or len(apart) != 1:
+        return None
+    strides = (x.strides[0], *apart)
+    return np.lib.stride_tricks.as_strided(x, (len(x), 3), strides, writeable=False)
+
+
+def _finite(file: Path, array: NDArray[Any]) -> NDArray[Any]:
+    """A mapped array, looked through block by block."""
+    for rows in row_blocks(len(array)):
+        finite = np.isfinite(array[rows])
+        let_go(array[rows])
+        if not finite.all():
+            row = rows.start + int(np.argwhere(~finite)[0][0])
+            raise _not_kept(file, row, array[row].tolist())
+    return array
 
 
 def _not_kept(file: Path, row: int, values: object) -> InvalidFileError:

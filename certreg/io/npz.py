@@ -122,7 +122,7 @@ def _member(archive: zipfile.ZipFile, info: zipfile.ZipInfo, file: Path) -> Memb
     with archive.open(info) as packed:
         head = io.BytesIO(packed.read(FileSettings().max_header_bytes))
     try:
-        shape, dtype = read_header(head, file)
+        shape, _, dtype = read_header(head, file)
     except (InvalidFileError, *NOT_NPY):
         return Member(info, None, 0)
     return Member(info, shape, head.tell() + math.prod(shape) * dtype.itemsize)

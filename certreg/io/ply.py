@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from certreg.errors import InvalidFileError
 from certreg.files import write_atomically
-from certreg.io.npy import points_of_columns
+from certreg.io.npy import points_of_columns, side_by_side
 from certreg.io.ply_rows import Element, Property, ascii_columns, binary_columns
-from certreg.io.streams import HeaderLine, count, header, held_bytes, rows_of_words
+from certreg.io.streams import HeaderLine, count, header, held_bytes, large_file, rows_of_words
+from certreg.settings import FileSettings
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -60,14 +61,24 @@ def parse_ply(stream: BinaryIO, file: Path) -> tuple[NDArray[np.float64], tuple[
             message = f"{place}: more rows than the header declares: mend the header"
             raise InvalidFileError(message)
     else:
-        data, offset = stream.read(held_bytes(stream, file)), 0
+        start = stream.tell()
+        mapped = large_file(stream, file)
+        data = stream.read(held_bytes(stream, file)) if mapped is None else mapped
+        first = offset = 0 if mapped is None else start
         for element in declared.elements:
             found, offset = binary_columns(data, offset, element, declared.order, name)
             columns = found if element is vertex else columns
         if offset != len(data):
             message = (
-                f"{name}: the header declares {offset} bytes of data, the file holds {len(data)}: "
-                "it is corrupt; save it again"
+                f"{name}: the header declares {offset - first} bytes of data, the file holds "
+                f"{len(data) - first}: it is corrupt; save it again"
+            )
+            raise InvalidFileError(message)
+        too_large = mapped is not None and len(mapped) > FileSettings().max_binary_bytes
+        if too_large and side_by_side(columns) is None:
+            message = (
+                f"{name}: {len(data)} bytes are too many: save x, y, z of one type, double or "
+                "float, one behind the other"
             )
             raise InvalidFileError(message)
     others = [p.name for p in vertex.properties if p.name not in {"x", "y", "z"}]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import mmap
 import struct
 from array import array
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ import numpy as np
 
 from certreg.errors import InvalidFileError
 from certreg.io.streams import COUNT, number
+from certreg.mapping import let_go
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+Bytes = bytes | mmap.mmap
 CODES = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I", "f4": "f", "f8": "d"}
 
 
@@ -81,7 +84,7 @@ def typed_number(place: str, text: str, kind: str) -> float:
 
 
 def binary_columns(
-    data: bytes, offset: int, element: Element, order: str, name: str
+    data: Bytes, offset: int, element: Element, order: str, name: str
 ) -> tuple[list[NDArray[Any]], int]:
     """Columns x, y, z, where the element has them, and where the data behind its rows begin."""
     if not element.count:
@@ -110,7 +113,7 @@ def _step(order: str, item: Property) -> tuple[struct.Struct, int, bool]:
 
 
 def _row(
-    data: bytes, offset: int, steps: list[tuple[struct.Struct, int, bool]]
+    data: Bytes, offset: int, steps: list[tuple[struct.Struct, int, bool]]
 ) -> tuple[list[float], list[int], int]:
     """The kept numbers of a row, the lengths of its lists, its end. Raises struct.error."""
     values: list[float] = []
@@ -146,7 +149,7 @@ def _row_type(element: Element, order: str, lengths: list[int]) -> np.dtype[Any]
 
 
 def _uniform(
-    data: bytes, offset: int, element: Element, order: str, lengths: list[int]
+    data: Bytes, offset: int, element: Element, order: str, lengths: list[int]
 ) -> NDArray[Any] | None:
     """All rows at once if every row's lists have these lengths; otherwise None."""
     row = _row_type(element, order, lengths)
@@ -157,11 +160,13 @@ def _uniform(
     for k, length in zip(listed, lengths, strict=True):
         if (rows[f"length {k}"] != length).any():
             return None
+    if listed:
+        let_go(rows)
     return rows
 
 
 def _walked(
-    data: bytes,
+    data: Bytes,
     offset: int,
     element: Element,
     steps: list[tuple[struct.Struct, int, bool]],

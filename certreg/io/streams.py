@@ -7,6 +7,7 @@ it refuses is an InvalidFileError of one line: file, place, remedy.
 from __future__ import annotations
 
 import errno
+import mmap
 import re
 from contextlib import contextmanager
 from functools import partial
@@ -47,6 +48,25 @@ def reading(path: str | os.PathLike[str]) -> Generator[BinaryIO]:
         what = f"cannot be read ({error.strerror or error})"
         message = f"{shown(path)}: {what}: give a readable file"
         raise InvalidFileError(message) from error
+
+
+def large_file(stream: BinaryIO, file: Path) -> mmap.mmap | None:
+    """The whole of a large file, mapped for reading; None for what is to be read.
+
+    Whoever shortens the file meanwhile ends this process: replace files, do not overwrite them.
+    """
+    settings, start = FileSettings(), stream.tell()
+    size = stream.seek(0, 2)
+    stream.seek(start)
+    if size < settings.mapped_bytes:
+        return None
+    if size > settings.max_mapped_bytes:
+        message = f"{shown(file)}: {size} bytes are too many: is it a cloud?"
+        raise InvalidFileError(message)
+    try:
+        return mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ)
+    except (OSError, ValueError):  # a stream without a file, a system without maps
+        return None
 
 
 def held_bytes(stream: BinaryIO, file: Path) -> int:
