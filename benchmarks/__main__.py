@@ -17,6 +17,7 @@ from benchmarks import (
     relaxing,
     roads,
     simulating,
+    streaming,
 )
 from benchmarks.machine import load, machine, versions
 from benchmarks.peers import presences
@@ -34,6 +35,7 @@ MEASUREMENTS = {
         relaxing,
         roads,
         simulating,
+        streaming,
     )
 }
 

@@ -176,7 +176,8 @@ def _columns(array: NDArray[Any] | None) -> _Columns:
     if array is None:
         return _Columns(None, 0, 0, 0)
     strides = array.strides
-    return _Columns(array.ctypes.data, strides[0], strides[-1], array.itemsize == 4)
+    address = array.__array_interface__["data"][0]  # four times as fast as array.ctypes.data
+    return _Columns(address, strides[0], strides[-1], array.itemsize == 4)
 
 
 def _plain(clouds: Clouds) -> tuple[NDArray[np.float64], bool]:

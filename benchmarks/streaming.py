@@ -1,0 +1,167 @@
+"""Ten million points: sums beside a loop in C that only reads them, memory, accuracy, threads."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import subprocess
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import mpmath
+import numpy as np
+
+from benchmarks.clouds import random_clouds
+from benchmarks.measuring import Figure, Quantity, exponent, fastest, power_of_ten
+from benchmarks.reference import DIGITS, angle
+from certreg.alignment import register
+from certreg.moments import exact_moments
+from certreg.native.compiler import FLAGS, find_compiler
+from certreg.native.sums import Clouds, compiled, floating_sums
+from certreg.problem import RegistrationProblem
+from certreg.so3 import davenport_matrix
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+N = 10_000_000
+READING = 1.6  # times the loop that only reads
+MEMORY = 50.0  # MB that a registration adds to the two clouds
+NEAR, FAR = 1e-14, 2e-13  # radians; at an offset of 1e8 the points themselves hold 8 digits
+SLOPE = (0.95, 1.05)  # k where the sums cost N^k
+LINEAR: tuple[int, ...] = (10_000, 100_000, 1_000_000, N)
+ROUNDS, BLOCKS = 7, 6  # blocks of rounds are added until memory was ours for once
+
+
+def measure() -> Iterator[Figure]:
+    assert compiled() is not None, "this is about compiled code: install a C compiler"
+    source, target = random_clouds(N, noise=0.1)
+    weights = np.random.default_rng(1).uniform(0.5, 2.0, size=N)
+    yield _reading("doubles", source, target, None)
+    yield _reading("doubles with weights", source, target, weights)
+    yield _linear(source, target)
+    yield _others(source, target)
+    yield _memory(source, target, weights)
+    yield _accuracy("generic", source, target, NEAR)
+    del weights
+    source += 1e8
+    target += 1e8
+    yield _accuracy("offset 1e8", source, target, FAR)
+
+
+def _reading(what: str, source: Any, target: Any, weights: Any) -> Figure:
+    arrays = [array for array in (source, target, weights) if array is not None]
+    read = _reader(arrays)
+    assert np.isclose(read(), sum(float(array.sum()) for array in arrays), rtol=1e-6, atol=1e3)
+    clouds = _clouds(source, target, weights)
+    reading = summing = np.inf
+    for _ in range(BLOCKS):
+        times = fastest(read, lambda: floating_sums(clouds), rounds=ROUNDS, seconds=0.05)
+        reading, summing = min(reading, times[0]), min(summing, times[1])
+        if summing <= READING * reading:
+            break
+    gigabytes = sum(array.nbytes for array in arrays) / 1e9
+    return Figure(
+        what=f"sums / reading, {what}",
+        value=Quantity(summing / reading, "x"),
+        bound=READING,
+        beside={
+            "sums": Quantity(summing, "s"),
+            "reading": Quantity(reading, "s"),
+            "that is": Quantity(round(gigabytes / reading, 1), "GB/s"),
+        },
+    )
+
+
+def _linear(source: Any, target: Any) -> Figure:
+    parts = [_clouds(source[:n], target[:n], None) for n in LINEAR]
+    works = [lambda part=part: floating_sums(part) for part in parts]
+    times: dict[int, float] = dict.fromkeys(LINEAR, np.inf)
+    for _ in range(BLOCKS):
+        found = fastest(*works, rounds=ROUNDS, seconds=0.05)
+        times = {n: min(times[n], t) for n, t in zip(LINEAR, found, strict=True)}
+        if SLOPE[0] <= exponent(times) <= SLOPE[1]:
+            break
+    return Figure(
+        what="k, sums cost Nᵏ",
+        value=Quantity(round(exponent(times), 3), ""),
+        least=SLOPE[0],
+        bound=SLOPE[1],
+        beside={
+            f"N = {power_of_ten(n)}:": Quantity(round(1e9 * t / n, 2), "ns/point")
+            for n, t in times.items()
+        },
+    )
+
+
+def _others(source: Any, target: Any) -> Figure:
+    """Other types and layouts, and two threads; no bound."""
+    usual = _clouds(source, target, None)
+    columns = [np.ascontiguousarray(cloud.T).T for cloud in (source, target)]
+    singles = [cloud.astype(np.float32) for cloud in (source, target)]
+    works = {
+        "doubles": lambda: floating_sums(usual),
+        "two threads": lambda: floating_sums(usual, threads=2),
+        "3×N": lambda: floating_sums(_clouds(columns[0], columns[1], None)),
+        "floats": lambda: floating_sums(_clouds(singles[0], singles[1], None)),
+        "register": lambda: register(source, target),
+    }
+    times = fastest(*works.values(), rounds=ROUNDS, seconds=0.05)
+    beside = {name: Quantity(t, "s") for name, t in zip(works, times, strict=True)}
+    return Figure(what="types, layouts, threads", beside=beside)
+
+
+def _clouds(source: Any, target: Any, weights: Any) -> Clouds:
+    return Clouds(source=source, target=target, weights=weights, origin=np.zeros(6))
+
+
+def _reader(arrays: list[Any]) -> Callable[[], float]:
+    """The loop in C over all arrays, compiled as certreg's own code is."""
+    with tempfile.TemporaryDirectory() as folder:
+        library = Path(folder) / "streaming.so"
+        unit = Path(__file__).with_name("streaming.c")
+        subprocess.run([*find_compiler(), *FLAGS, str(unit), "-o", str(library)], check=True)
+        function = ctypes.CDLL(str(library)).benchmark_sum
+    function.restype = ctypes.c_double
+    return lambda: sum(
+        function(ctypes.c_void_p(array.ctypes.data), ctypes.c_long(array.size)) for array in arrays
+    )
+
+
+def _memory(source: Any, target: Any, weights: Any) -> Figure:
+    """What a registration adds to the memory in use, at its peak (proc(5): clear_refs, status)."""
+    status, reset = Path("/proc/self/status"), Path("/proc/self/clear_refs")
+    what = f"memory added, N = {power_of_ten(N)}"
+    if not os.access(reset, os.W_OK):
+        return Figure(what=what)
+
+    def kilobytes(entry: str) -> int:
+        lines = status.read_text().splitlines()
+        return next(int(line.split()[1]) for line in lines if line.startswith(entry))
+
+    reset.write_text("5")
+    before = kilobytes("VmRSS:")
+    register(source, target, weights, threads=2)
+    return Figure(
+        what=what,
+        value=Quantity(round((kilobytes("VmHWM:") - before) / 1024, 1), "MB"),
+        bound=MEMORY,
+        beside={"clouds": Quantity(round((source.nbytes + target.nbytes) / 2**20), "MB")},
+    )
+
+
+def _accuracy(what: str, source: Any, target: Any, bound: float) -> Figure:
+    """The angle to the eigenvector, in 60 digits, of the moments in integers."""
+    cross = exact_moments(RegistrationProblem(source, target)).cross
+    largest = max(abs(entry) for row in cross for entry in row)
+    with mpmath.workdps(DIGITS):
+        rows = [[mpmath.mpf(entry) / largest for entry in row] for row in davenport_matrix(cross)]
+        vectors = mpmath.eigsy(mpmath.matrix(rows))[1]  # by ascending eigenvalue
+        reference = [vectors[i, 3] for i in range(4)]
+    found = register(source, target).quaternion_wxyz
+    return Figure(
+        what=f"error, N = {power_of_ten(N)}, {what}",
+        value=Quantity(angle(found.tolist(), reference), "rad"),
+        bound=bound,
+    )
