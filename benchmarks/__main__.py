@@ -12,6 +12,7 @@ from benchmarks import (
     comparing,
     computing,
     importing,
+    instances,
     phases,
     plots,
     relaxing,
@@ -36,6 +37,7 @@ MEASUREMENTS = {
         roads,
         simulating,
         streaming,
+        instances,
     )
 }
 

@@ -63,7 +63,6 @@ from certreg.native.clouds import Clouds
 from certreg.native.engine import engine
 from certreg.problem import RegistrationProblem
 from certreg.settings import DEFAULT_DAMPING
-from certreg.so3 import rotation_matrix
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -73,7 +72,7 @@ if TYPE_CHECKING:
 
 Array = Any  # NDArray[np.float64]
 MODES = 12  # of the linearised dynamics
-PORTION = 512  # instances that a thread takes at a time: what is found of them fits its cache
+PORTION = 1024  # instances that a thread takes at a time: fewer, and handing over costs more
 ROUNDING = 2.0**-53
 FLOOR = 2.0**-1000  # far above N times the least normal double
 LEAST_SPREAD = 2.0**-400  # mean squares below: squares of their rounding errors would underflow
@@ -152,8 +151,13 @@ def solve_many(
         found = rest_poses(some, start)
         _write(solutions.part(chosen), found, some, damping)
 
+    starts = range(0, given.count, PORTION)
+    if threads == 1 or len(starts) == 1:
+        for start in starts:
+            solve(start)
+        return solutions
     with ThreadPoolExecutor(threads) as pool:
-        for done in [pool.submit(solve, k) for k in range(0, given.count, PORTION)]:
+        for done in [pool.submit(solve, start) for start in starts]:
             done.result()
     return solutions
 
@@ -250,13 +254,12 @@ def _write(solutions: Solutions, found: RestPoses, some: Clouds, damping: float)
     solutions.margins[:] = np.divide(least, span, out=np.zeros_like(least), where=span > 0.0)
     solutions.decided[:] = least > 2.0 * bounds.eigenvalue
     solutions.quaternions[:] = found.vectors
-    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-        solutions.translations[:] = _translations(found)
-        solutions.rmse[:] = _rmse(found)
-        modes = Oscillations.of(_springs(found), damping)
+    solutions.translations[:] = found.translations
+    solutions.rmse[:] = found.rmse
+    modes = Oscillations.of(_springs(found), damping)
+    growing = modes.growing
     certain = np.abs(found.ratios).min(axis=2) > bounds.ratio[:, np.newaxis]
     certain &= solutions.decided[:, np.newaxis]
-    growing = modes.growing
     certain &= growing + modes.decaying == MODES  # none overflowed or underflowed
     solutions.unstable[:] = np.where(certain, growing, -1)
     if solutions.eigenvalues is not None:
@@ -296,23 +299,8 @@ class Bounds:
         )
 
 
-def _translations(found: RestPoses) -> Array:
-    """The mean of y - R mean of x, (count, 4, 3)."""
-    turn: Any = np.array(rotation_matrix(list(np.moveaxis(found.vectors, 2, 0))))
-    source, target = found.means[:, :3], found.means[:, 3:]
-    turned = np.moveaxis(turn, (0, 1), (2, 3)) @ source[:, np.newaxis, :, np.newaxis]
-    return target[:, np.newaxis] - turned[..., 0]
-
-
-def _rmse(found: RestPoses) -> Array:
-    """From the residuals at the first pose, and the differences of the eigenvalues."""
-    largest = found.exponents.max(axis=1)
-    unit = np.ldexp(1.0, found.exponents.sum(axis=1) - 2 * largest)
-    losses = 2.0 * unit[:, np.newaxis] * (found.values[:, :1] - found.values)
-    return np.ldexp(np.sqrt(found.square[:, np.newaxis] + losses), largest[:, np.newaxis])
-
-
 def _springs(found: RestPoses) -> Array:
     """The ratios in the units given: G scales as source times target, J as the source squared."""
     exponents = found.exponents[:, 1] - found.exponents[:, 0]
-    return np.ldexp(found.ratios, exponents[:, np.newaxis, np.newaxis])
+    with np.errstate(over="ignore"):
+        return np.ldexp(found.ratios, exponents[:, np.newaxis, np.newaxis])

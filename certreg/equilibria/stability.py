@@ -130,16 +130,18 @@ class Oscillations:
 
     @classmethod
     def of(cls, ratios: NDArray[np.float64], damping: float) -> Oscillations:
-        """From the spring ratios (..., 3); not a number where a ratio is none."""
-        springs = np.concatenate([ratios, np.full_like(ratios, TRANSLATION_STIFFNESS)], axis=-1)
+        """From the spring ratios (..., 3); what is no number, or too large for one, stays so."""
+        springs = np.empty((*ratios.shape[:-1], 6))
+        springs[..., :3], springs[..., 3:] = ratios, TRANSLATION_STIFFNESS
         half = damping / 2.0
-        discriminant = half * half - springs
-        root = np.sqrt(np.abs(discriminant))
-        swings = discriminant < 0.0
-        reals = np.empty((*springs.shape, 2))
-        large = np.where(swings, -half, -half - root)
-        reals[..., 0], reals[..., 1] = large, np.where(swings, -half, springs / large)
-        return cls(reals=reals, heights=np.where(swings, root, 0.0))
+        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+            discriminant = half * half - springs
+            root = np.sqrt(np.abs(discriminant))
+            swings = discriminant < 0.0
+            reals = np.empty((*springs.shape, 2))
+            reals[..., 0] = np.where(swings, -half, -half - root)
+            reals[..., 1] = np.where(swings, -half, springs / reals[..., 0])
+            return cls(reals=reals, heights=np.where(swings, root, 0.0))
 
     @property
     def growing(self) -> NDArray[np.intp]:

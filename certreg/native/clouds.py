@@ -46,7 +46,8 @@ class RestPoses:
     residual: (count,), how far K is from having exactly these values.
     ratios: (count, 4, 3), eigenvalues of the pencil (G, J) at each vector, ascending; NaN where J
         is not positive definite to rounding.
-    square: (count,), the mean square residual at the first vector, over 4^max(exponents).
+    translations: (count, 4, 3), target from source, and rmse: (count, 4), sqrt(sum w r^2 / sum w),
+        at each vector, in the units given: the first by its residuals, the others by the energy.
     Not a number, all of them, where a coordinate or a weight is not finite.
     """
 
@@ -59,7 +60,8 @@ class RestPoses:
     vectors: NDArray[np.float64]
     residual: NDArray[np.float64]
     ratios: NDArray[np.float64]
-    square: NDArray[np.float64]
+    translations: NDArray[np.float64]
+    rmse: NDArray[np.float64]
 
     @classmethod
     def empty(cls, count: int) -> RestPoses:
@@ -79,5 +81,6 @@ SHAPES = {
     "vectors": (4, 4),
     "residual": (),
     "ratios": (4, 3),
-    "square": (),
+    "translations": (4, 3),
+    "rmse": (4,),
 }

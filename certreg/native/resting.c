@@ -260,37 +260,77 @@ static void ratios_of(const struct moments *moments, const lanes vectors[16], la
     }
 }
 
-/* The mean of w |y - R x|^2 about the means, both in the larger unit. */
-static lanes square_of(const struct deviations *x, const struct deviations *y, const loose *weights, lanes mass,
-                       long points, const lanes q[4])
+static inline void rotation(const lanes q[4], lanes turn[9])
 {
-    lanes x_unit, y_unit, sum = {0}, turn[9], offset[3];
-    const lanes w = q[0], i = q[1], j = q[2], k = q[3];
-    for (int lane = 0; lane < LANES; lane++) {
-        const int difference = x->exponents[lane] - y->exponents[lane];
-        x_unit[lane] = ldexp(1, difference < 0 ? difference : 0);
-        y_unit[lane] = ldexp(1, difference < 0 ? 0 : -difference);
-    }
-    turn[0] = w * w + i * i - j * j - k * k, turn[1] = 2 * (i * j - w * k), turn[2] = 2 * (i * k + w * j);
-    turn[3] = 2 * (i * j + w * k), turn[4] = w * w - i * i + j * j - k * k, turn[5] = 2 * (j * k - w * i);
-    turn[6] = 2 * (i * k - w * j), turn[7] = 2 * (j * k + w * i), turn[8] = w * w - i * i - j * j + k * k;
+    const lanes w = q[0], x = q[1], y = q[2], z = q[3];
+    turn[0] = w * w + x * x - y * y - z * z, turn[1] = 2 * (x * y - w * z), turn[2] = 2 * (x * z + w * y);
+    turn[3] = 2 * (x * y + w * z), turn[4] = w * w - x * x + y * y - z * z, turn[5] = 2 * (y * z - w * x);
+    turn[6] = 2 * (x * z - w * y), turn[7] = 2 * (y * z + w * x), turn[8] = w * w - x * x - y * y + z * z;
+}
+
+static inline lanes along(const lanes row[3], const loose *x)
+{
+    return row[0] * x[0] + row[1] * x[1] + row[2] * x[2];
+}
+
+/* The mean of w |y - R x|^2 about the means, of clouds in these units. */
+static lanes square_of(const struct deviations *x, const struct deviations *y, const lanes units[2],
+                       const loose *w, lanes mass, long points, const lanes q[4])
+{
+    lanes sum = {0}, turn[9], offset[3];
+    rotation(q, turn);
     for (int r = 0; r < 9; r++)
-        turn[r] *= x_unit;
-    for (int r = 0; r < 3; r++) {
-        const lanes *t = turn + 3 * r;
-        offset[r] = y->rest[r] * y_unit - (t[0] * x->rest[0] + t[1] * x->rest[1] + t[2] * x->rest[2]);
-    }
+        turn[r] *= units[0];
+    for (int r = 0; r < 3; r++)
+        offset[r] = y->rest[r] * units[1] - along(turn + 3 * r, x->rest);
     for (long n = 0; n < points; n++) {
         const loose *a = x->points + 3 * n, *b = y->points + 3 * n;
         lanes squares = {0};
         for (int r = 0; r < 3; r++) {
-            const lanes *t = turn + 3 * r;
-            const lanes off = b[r] * y_unit - (t[0] * a[0] + t[1] * a[1] + t[2] * a[2]) - offset[r];
+            const lanes off = b[r] * units[1] - along(turn + 3 * r, a) - offset[r];
             squares += off * off;
         }
-        sum += weights[n] * squares;
+        sum += w[n] * squares;
     }
     return sum / mass;
+}
+
+/* Root mean squares at four eigenvectors: by the residuals at the first, the others by the energy. */
+static void errors_of(const struct deviations *x, const struct deviations *y, const loose *w, lanes mass,
+                      long points, const lanes values[4], const lanes vectors[16], lanes errors[4])
+{
+    int largest[LANES];
+    lanes units[2], unit[2];
+    for (int lane = 0; lane < LANES; lane++) {
+        const int i = x->exponents[lane], j = y->exponents[lane];
+        largest[lane] = i > j ? i : j;
+        units[0][lane] = ldexp(1, i - largest[lane]), units[1][lane] = ldexp(1, j - largest[lane]);
+    }
+    powers_of_two(largest, 1, unit);
+    const lanes square = square_of(x, y, units, w, mass, points, vectors);
+    for (int k = 0; k < 4; k++) {
+        const lanes loss = 2 * (values[0] - values[k]) * units[0] * units[1];
+        errors[k] = lanes_sqrt(square + loss) * unit[0] * unit[1];
+    }
+}
+
+/* The means of a cloud in the units given. */
+static void means_of(const struct deviations *cloud, lanes means[3])
+{
+    lanes unit[2];
+    powers_of_two(cloud->exponents, 1, unit);
+    for (int k = 0; k < 3; k++)
+        means[k] = (cloud->shift[k] + cloud->rest[k]) * unit[0] * unit[1];
+}
+
+static void translations_of(const lanes means[6], const lanes vectors[16], lanes translations[12])
+{
+    for (int k = 0; k < 4; k++) {
+        lanes turn[9];
+        rotation(vectors + 4 * k, turn);
+        for (int r = 0; r < 3; r++)
+            translations[3 * k + r] = means[3 + r] - along(turn + 3 * r, means);
+    }
 }
 
 /* Numbers of all lanes to where they belong; lanes beyond the last problem go nowhere. */
@@ -299,17 +339,6 @@ static inline void put(const lanes *from, long size, double *to, long live)
     for (long lane = 0; lane < live; lane++)
         for (long k = 0; k < size; k++)
             to[lane * size + k] = from[k][lane];
-}
-
-static void put_means(const struct deviations *cloud, double *to, long live)
-{
-    lanes unit[2], means[3];
-    powers_of_two(cloud->exponents, 1, unit);
-    for (int k = 0; k < 3; k++)
-        means[k] = (cloud->shift[k] + cloud->rest[k]) * unit[0] * unit[1];
-    for (long lane = 0; lane < live; lane++)
-        for (int k = 0; k < 3; k++)
-            to[6 * lane + k] = means[k][lane];
 }
 
 static void rest_poses(const struct certreg_clouds *clouds, long first)
@@ -335,18 +364,20 @@ static void rest_poses(const struct certreg_clouds *clouds, long first)
     shifted(&y, w, mass, n);
     struct moments moments;
     products(&x, &y, w, mass, n, &moments);
-    lanes matrix[16], values[4], vectors[16], ratios[12];
+    lanes matrix[16], values[4], vectors[16], ratios[12], means[6], translations[12], errors[4];
     davenport(moments.cross, matrix);
     eigenbasis(matrix, values, vectors);
     ratios_of(&moments, vectors, ratios);
     const lanes residual = residual_of(matrix, values, vectors);
-    const lanes square = square_of(&x, &y, w, mass, n, vectors);
+    means_of(&x, means);
+    means_of(&y, means + 3);
+    translations_of(means, vectors, translations);
+    errors_of(&x, &y, w, mass, n, values, vectors, errors);
     for (long lane = 0; lane < live; lane++) {
         clouds->exponents[2 * (first + lane)] = x.exponents[lane];
         clouds->exponents[2 * (first + lane) + 1] = y.exponents[lane];
     }
-    put_means(&x, clouds->means + 6 * first, live);
-    put_means(&y, clouds->means + 6 * first + 3, live);
+    put(means, 6, clouds->means + 6 * first, live);
     put(moments.cross, 9, clouds->cross + 9 * first, live);
     put(moments.scatter, 6, clouds->scatter + 6 * first, live);
     put(moments.spreads, 3, clouds->spreads + 3 * first, live);
@@ -354,7 +385,8 @@ static void rest_poses(const struct certreg_clouds *clouds, long first)
     put(vectors, 16, clouds->vectors + 16 * first, live);
     put(&residual, 1, clouds->residual + first, live);
     put(ratios, 12, clouds->ratios + 12 * first, live);
-    put(&square, 1, clouds->square + first, live);
+    put(translations, 12, clouds->translations + 12 * first, live);
+    put(errors, 4, clouds->rmse + 4 * first, live);
 }
 
 void certreg_rest_poses(const struct certreg_clouds *clouds)

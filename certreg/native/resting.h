@@ -13,17 +13,18 @@ struct certreg_clouds {
     long source_step;      /* doubles from one problem to the next */
     long target_step;
     long weight_step;
-    double *scratch;   /* CERTREG_SCRATCH doubles per point */
-    int *exponents;    /* count x 2 */
-    double *means;     /* count x 6 */
-    double *cross;     /* count x 9 */
-    double *scatter;   /* count x 6 */
-    double *spreads;   /* count x 3 */
-    double *values;    /* count x 4 */
-    double *vectors;   /* count x 16 */
-    double *residual;  /* count */
-    double *ratios;    /* count x 12 */
-    double *square;    /* count */
+    double *scratch;      /* CERTREG_SCRATCH doubles per point */
+    int *exponents;       /* count x 2 */
+    double *means;        /* count x 6 */
+    double *cross;        /* count x 9 */
+    double *scatter;      /* count x 6 */
+    double *spreads;      /* count x 3 */
+    double *values;       /* count x 4 */
+    double *vectors;      /* count x 16 */
+    double *residual;     /* count */
+    double *ratios;       /* count x 12 */
+    double *translations; /* count x 12 */
+    double *rmse;         /* count x 4 */
 };
 
 #define CERTREG_SIDE_BY_SIDE 8 /* problems: one in each lane */

@@ -38,6 +38,9 @@ def rest_poses(clouds: Clouds, hessians: Callable[[Array, Array], Array]) -> Res
         values, vectors = _eigenbasis(davenport)
         spreads = (source_spread, target_spread, np.trace(target_scatter, axis1=1, axis2=2))
         exponents = np.column_stack(_same(source.exponents, target.exponents))
+        turns = np.moveaxis(
+            np.array(rotation_matrix(list(np.moveaxis(vectors, 2, 0)))), (0, 1), (2, 3)
+        )
         found = {
             "means": np.column_stack(_same(source.means, target.means)),
             "cross": cross.reshape(-1, 9),
@@ -47,7 +50,9 @@ def rest_poses(clouds: Clouds, hessians: Callable[[Array, Array], Array]) -> Res
             "vectors": vectors,
             "residual": _residual(davenport, values, vectors),
             "ratios": _ratios(cross, scatter, vectors, hessians),
-            "square": _square(source, target, exponents, vectors[:, 0]),
+            "translations": target.means[:, None]
+            - (turns @ source.means[:, None, :, None])[..., 0],
+            "rmse": _errors(source, target, exponents, turns[:, 0], values),
         }
         return RestPoses(
             exponents=np.broadcast_to(exponents, (clouds.count, 2)).astype(np.int32),
@@ -146,14 +151,18 @@ def _cholesky(matrices: Array) -> tuple[Array, Array]:
     return np.where(definite[:, None, None], factors, np.eye(3)), definite
 
 
-def _square(source: _Deviations, target: _Deviations, exponents: Array, optimum: Array) -> Array:
-    """The mean of w |y - R x|^2 about the means, over 4^max(exponents), (count,)."""
-    units = np.ldexp(1.0, exponents - exponents.max(axis=1, keepdims=True))[:, :, None, None]
-    turn = np.moveaxis(np.array(rotation_matrix(list(optimum.T))), -1, 0)
-    x = (source.points - source.rest[:, np.newaxis]) * units[:, 0]
-    y = (target.points - target.rest[:, np.newaxis]) * units[:, 1]
-    off = y - x @ turn.mT
-    return (source.shares * (off * off).sum(axis=2)).sum(axis=1)
+def _errors(
+    source: _Deviations, target: _Deviations, exponents: Array, turns: Array, values: Array
+) -> Array:
+    """Root mean squares (count, 4): by residuals at the first pose, by the energy at the others."""
+    largest = exponents.max(axis=1, keepdims=True)
+    units = np.ldexp(1.0, exponents - largest)
+    x = (source.points - source.rest[:, np.newaxis]) * units[:, None, :1]
+    y = (target.points - target.rest[:, np.newaxis]) * units[:, None, 1:]
+    off = y - x @ turns.mT
+    square = (source.shares * (off * off).sum(axis=2)).sum(axis=1, keepdims=True)
+    losses = 2.0 * (values[:, :1] - values) * units.prod(axis=1, keepdims=True)
+    return np.ldexp(np.sqrt(square + losses), largest)
 
 
 def _same(*arrays: Array) -> list[Array]:
