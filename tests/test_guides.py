@@ -16,7 +16,8 @@ from certreg.native.compiler import CompilationError, find_compiler
 from certreg.native.evaluator import evaluator
 
 ROOT = Path(__file__).parent.parent
-GUIDES = [ROOT / "docs" / "howto" / f"{name}.md" for name in ("embed-the-c-code", "simulate")]
+NAMES = ("embed-the-c-code", "simulate", "many-problems")
+GUIDES = [ROOT / "docs" / "howto" / f"{name}.md" for name in NAMES]
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 each_guide = pytest.mark.parametrize("guide", GUIDES, ids=lambda path: path.stem)
 
