@@ -120,7 +120,7 @@ def test_residuals_of_clouds_that_fit_exactly_are_rounding():
 
     found = solve_many(x, x[:, :, [1, 2, 0]] + 7.0)
 
-    assert np.abs(found.rmse[:, 0]).max() <= 1e-13
+    assert np.abs(found.rmse[:, 0]).max() <= 1e-12  # of 200
     assert found.rmse[:, 1:].min() > 1.0
 
 
@@ -129,7 +129,13 @@ def test_a_weight_of_zero_leaves_a_point_out():
     given["weights"][:, -1] = 0.0
     without = {name: array[:, :-1] for name, array in given.items()}
 
-    assert_identical(solve_many(**without, spectrum=True), solve_many(**given, spectrum=True))
+    one, other = solve_many(**without), solve_many(**given)
+
+    for name in ("quaternions", "translations", "rmse", "margins"):
+        assert getattr(one, name) == pytest.approx(getattr(other, name), abs=1e-11), name
+    assert (
+        np.abs(one.rmse - solve_many(given["sources"], given["targets"]).rmse).min() > 1e-4
+    )  # it was counted, else
 
 
 def test_one_cloud_for_all_is_that_cloud_in_each():
