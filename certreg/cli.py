@@ -17,6 +17,7 @@ from certreg.commands.derivations import codegen, derive, info
 from certreg.commands.dynamics import equilibria, simulate
 from certreg.commands.judging import apply, assess, verify
 from certreg.commands.registering import certify, demo
+from certreg.commands.reproducing import reproduce
 from certreg.errors import CertregError
 from certreg.exits import DONE, MISUSED, code_of_error
 from certreg.options import EXIT_CODES, printable, warnings_as_notes
@@ -47,6 +48,7 @@ COMMANDS = (
     apply,
     batch,
     demo,
+    reproduce,
     derive,
     codegen,
     info,

@@ -50,13 +50,26 @@ def outcomes(names: Sequence[str] = ()) -> Iterator[Any]:
     return (prove(book.claim(name)) for name in (names or book.names()))
 
 
+def verdict(name: str) -> Verdict:
+    """The verdict on one claim of the book, proved anew; for a process of its own."""
+    (outcome,) = outcomes([name])
+    found: Verdict = outcome.verdict
+    return found
+
+
+def paper_claims() -> tuple[Any, ...]:
+    """The claims of the paper (audit.Row), in its order."""
+    rows: tuple[Any, ...] = _module("audit").rows()
+    return rows
+
+
 def audit(proved: Sequence[Any]) -> list[tuple[Any, Verdict]]:
     """The paper's claims (audit.Row), each with whether its finding stands.
 
     proved: the outcomes of all claims of the book, on which the findings rest.
     """
     verdicts = {outcome.claim.name: outcome.verdict for outcome in proved}
-    return [(row, row.stands(verdicts)) for row in _module("audit").rows()]
+    return [(row, row.stands(verdicts)) for row in paper_claims()]
 
 
 def all_hold(found: Sequence[Any], audited: Sequence[tuple[Any, Verdict]]) -> bool:

@@ -104,15 +104,18 @@ class Body:
         return engine().evaluate(name, state, self.parameters)[0]
 
 
-def body(moments: ExactMoments, damping: float) -> Body:
+def body(moments: ExactMoments, damping: float, *, length_exponent: int | None = None) -> Body:
     """The body of a problem whose source is not collinear (J positive definite).
 
-    The unit of length is the power of two next to the root-mean-square radius of both clouds.
-    Raises DegenerateProblemError where no double matrix is the inverse of J.
+    The unit of length is 2^length_exponent, 0 for the user's own; None: the power of two next to
+    the root-mean-square radius of both clouds. Raises DegenerateProblemError where no double
+    matrix is the inverse of J.
     """
     a, c = moments.source_exponent, moments.weight_exponent
     square = moments.spread / moments.total_weight
-    exponent = (square.numerator.bit_length() - square.denominator.bit_length()) // 2
+    exponent = length_exponent
+    if exponent is None:
+        exponent = (square.numerator.bit_length() - square.denominator.bit_length()) // 2
     unit = power_of_two(-2 * exponent) / moments.total_weight
     cross_unit = moments.cross_unit * unit
     inertia_unit = power_of_two(c + 2 * a) / moments.mass * unit

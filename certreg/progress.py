@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from certreg.campaign.running import Watch
 
 PATIENCE = 1.0  # seconds before a long run says that it is at work
+ERASE_LINE = "\r\033[K"
 
 
 class Progress:
@@ -71,6 +72,31 @@ class Progress:
         traceback: TracebackType | None,
     ) -> None:
         self._stack.__exit__(kind, error, traceback)
+
+
+class Stages:
+    """A line that names the stage of a run, and is gone at its end.
+
+    Shown as `Progress` is: after a second, to a terminal.
+    """
+
+    def __init__(self) -> None:
+        self._start = time.monotonic()
+        self._shown = False
+
+    def at(self, stage: str, done: int = 0, total: int = 1) -> None:
+        """`done` of `total` parts of a stage are done."""
+        if sys.stderr.isatty() and time.monotonic() - self._start > PATIENCE:
+            count = f" {done:,} of {total:,}" if total > 1 else ""
+            click.echo(f"{ERASE_LINE}{stage}{count} ...", nl=False, err=True)
+            self._shown = True
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._shown:
+            click.echo(ERASE_LINE, nl=False, err=True)
 
 
 def note(words: str) -> None:

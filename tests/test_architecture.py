@@ -40,8 +40,16 @@ embedding derivation
 report.roads report.document report.folder report.summary report.claims
 campaign.manifest campaign.folder campaign.shards campaign.workers campaign.calls campaign.running
 campaign.table campaign.listing campaign.pairs campaign.montecarlo
+experiments.particles experiments.scheme experiments.comparisons
+experiments.equilibria experiments.simulations experiments.polygons
+experiments.construction experiments.poses
+experiments.observations
+experiments.evidence experiments.statics experiments.motions experiments.proofs experiments.verdicts
+experiments.style experiments.figures experiments.pictures experiments.drawings
+report.reproduction report.exhibition
 options progress
 commands.registering commands.judging commands.dynamics commands.derivations commands.campaigns
+commands.reproducing
 cli __main__
 """
 PROVERS = ("certificate", "verify")  # the only places that speak of proof

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 CHECKER = Path(package.__file__).parent / "verify.py"
 COMMANDS = (
     *("demo", "certify", "assess", "verify", "equilibria", "simulate"),
-    *("apply", "batch", "derive", "codegen", "info"),
+    *("apply", "batch", "reproduce", "derive", "codegen", "info"),
 )
 FILES = ["certificate.json", "pose.txt", "result.json", "trajectory.npz"]
 

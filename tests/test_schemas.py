@@ -17,7 +17,15 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 KINDS = ("result", "assessment", "certificate", "equilibria", "simulation", "roads", "count")
-SCHEMAS = ("result", "assessment", "certificate", "equilibria", "simulation", "count")
+SCHEMAS = (
+    "result",
+    "assessment",
+    "certificate",
+    "equilibria",
+    "simulation",
+    "count",
+    "reproduction",
+)
 each_specimen = pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: specimen.name)
 
 

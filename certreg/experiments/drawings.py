@@ -1,0 +1,25 @@
+"""All figures of the reproduction, in the order of the paper."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from certreg.experiments.figures import angle_drawing, eigenvalue_drawing, simulation_drawing
+from certreg.experiments.pictures import construction_drawing, polygon_drawing, pose_drawing
+
+if TYPE_CHECKING:
+    from certreg.experiments.observations import Observations
+    from certreg.experiments.style import Drawing
+
+
+def drawings(seen: Observations) -> tuple[Drawing, ...]:
+    """The figures, drawn."""
+    return (
+        construction_drawing(seen),
+        polygon_drawing(seen),
+        eigenvalue_drawing(seen, ambient=False),
+        eigenvalue_drawing(seen, ambient=True),
+        angle_drawing(seen),
+        simulation_drawing(seen),
+        pose_drawing(seen),
+    )

@@ -1,0 +1,57 @@
+"""What was measured of a claim, in words, and whether it agrees with the finding of the audit."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from certreg.problem import RegistrationProblem
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+Clouds = list[RegistrationProblem]
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Evidence:
+    """What was measured, in words, and whether it agrees with the finding on the claim."""
+
+    words: str
+    agrees: bool
+
+
+def in_doubles(cloud: Any, damping: float) -> RegistrationProblem:
+    """A cloud of a counterexample (rationals.ExactCloud) in doubles: small integers, so exactly."""
+    source = [[float(e) for e in point] for point in cloud.source]
+    target = [[float(e) for e in point] for point in cloud.target]
+    weights = [float(mass) for mass in cloud.weights]
+    return RegistrationProblem(source, target, weights=weights, damping=damping)
+
+
+def tally(count: int, of: Sequence[Any], words: str) -> Evidence:
+    """`count` of all, which agrees if it is all of them."""
+    return Evidence(words=f"{share(count, of)} {words}", agrees=count == len(of))
+
+
+def share(count: int, of: Sequence[Any]) -> str:
+    """How many of how many."""
+    return f"{count:,} of {len(of):,}"
+
+
+def listed(counts: Sequence[int | None]) -> str:
+    """Numbers of equilibria in a row of words."""
+    words = ["infinitely many" if count is None else str(count) for count in counts]
+    return " and ".join(filter(None, [", ".join(words[:-1]), words[-1]]))
+
+
+def rough(value: float) -> str:
+    """A positive number rounded up to one digit, as powers of ten are printed."""
+    if value == 0.0 or not math.isfinite(value):
+        return f"{value:g}"
+    exponent = math.floor(math.log10(value))
+    digit = math.ceil(value / 10.0**exponent * (1.0 - 1e-12))  # 1e-12: the quotient is rounded
+    digit, exponent = (1, exponent + 1) if digit == 10 else (digit, exponent)
+    return f"{digit}·10{str(exponent).translate(SUPERSCRIPTS)}"

@@ -1,0 +1,159 @@
+"""The verdicts and the figures as one page of HTML, and the folder that holds everything."""
+
+from __future__ import annotations
+
+import base64
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from certreg.errors import InvalidFileError
+from certreg.experiments.style import written
+from certreg.files import write_atomically
+from certreg.report.claims import plain
+from certreg.report.document import dumps
+from certreg.report.reproduction import (
+    FIGURES,
+    KINDS,
+    closing_text,
+    markdown,
+    proof_words,
+    reproduction_document,
+    setup_words,
+    verdict_word,
+)
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Sequence
+
+    from certreg.experiments.style import Drawing
+    from certreg.experiments.verdicts import ClaimVerdict, Reproduction
+
+PAGE, TABLE, DOCUMENT = "verdicts.html", "verdicts.md", "verdicts.json"
+SIGNS = {"true": "✓", "true under a condition": "◐", "false as stated": "✗"}
+STYLE = """
+:root { color-scheme: light; }
+body { font: 16px/1.55 system-ui, sans-serif; color: #1c1c1c; background: #fff;
+  max-width: 68rem; margin: 2.5rem auto; padding: 0 1.2rem; }
+h1 { font-size: 1.7rem; line-height: 1.25; margin: 0 0 .6rem; }
+h2 { font-size: 1.25rem; margin: 2.6rem 0 .8rem; }
+.lead { max-width: 46rem; }
+.setup { color: #555; max-width: 46rem; font-size: .92rem; }
+article { border-top: 1px solid #d8d8d8; padding: .9rem 0 1rem; display: grid;
+  grid-template-columns: 14.5rem 1fr; gap: .2rem 1.4rem; }
+article > header { grid-row: span 6; }
+.number { font-weight: 700; margin-right: .5rem; }
+.finding { display: inline-block; font-size: .86rem; padding: .1rem .55rem; border: 1px solid;
+  border-radius: 1rem; white-space: nowrap; }
+.true { color: #00507a; background: #e8f2f9; }
+.true-under-a-condition { color: #7a4a00; background: #fdf3df; }
+.false-as-stated { color: #9c3b00; background: #fdeae0; }
+.state { font-size: .86rem; margin: .45rem 0 0; }
+.failed { color: #fff; background: #9c1c00; padding: .1rem .5rem; border-radius: .3rem; }
+.claim { font-weight: 600; margin: 0; }
+article p { margin: .25rem 0 0; max-width: 48rem; }
+.label { color: #555; font-size: .86rem; }
+.place { color: #555; font-size: .9rem; }
+figure { margin: 1.6rem 0 2.4rem; break-inside: avoid; }
+figure img { width: 100%; max-width: 58rem; height: auto; display: block; }
+figcaption { max-width: 48rem; font-size: .94rem; margin-top: .5rem; }
+code { font-size: .88em; }
+@media (max-width: 46rem) { article { display: block; } article > header { margin-bottom: .4rem; } }
+@media print { body { font-size: 11pt; margin: 0; max-width: none; }
+  article { break-inside: avoid; } }
+"""
+
+
+def page(made: Reproduction, drawn: Sequence[Drawing]) -> str:
+    """One file of HTML that needs no other: the verdicts, then the figures with captions."""
+    lead = escape(closing_text(made)).replace("\n", " ")
+    claims = "\n".join(_article(claim) for claim in made.claims)
+    figures = "\n".join(_figure(number, drawing) for number, drawing in enumerate(drawn, 1))
+    return f"""<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>The claims of the paper, with verdicts</title>
+<style>{STYLE}</style>
+</head>
+<body>
+<h1>A Dynamical Perspective on Point Cloud Registration: its claims and experiments, checked</h1>
+<p class="lead">{lead}</p>
+<p class="setup">{escape(setup_words(made.observations))}</p>
+<h2>Claims</h2>
+<p class="lead">Each claim is true, or true under a condition that the paper does not state, or
+false as stated. The finding rests on proofs; what was measured in this run stands beside them.</p>
+{claims}
+<h2>Figures</h2>
+{figures}
+</body>
+</html>
+"""
+
+
+def make_folder(folder: Path) -> None:
+    """The folder with its place for figures. Raises InvalidFileError."""
+    try:
+        (folder / FIGURES).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        message = f"{folder}: cannot be made a folder ({error.strerror}): choose another place"
+        raise InvalidFileError(message) from error
+
+
+def write_reproduction(
+    made: Reproduction, drawn: Sequence[Drawing], folder: str | os.PathLike[str]
+) -> Path:
+    """Write figures, captions and verdicts; the path of the page.
+
+    Each file is written under a temporary name and renamed. Raises InvalidFileError.
+    """
+    place = Path(folder)
+    contents = {
+        TABLE: markdown(made, drawn).encode(),
+        PAGE: page(made, drawn).encode(),
+        DOCUMENT: (dumps(reproduction_document(made, drawn)) + "\n").encode(),
+    }
+    for drawing in drawn:
+        stem = f"{FIGURES}/{drawing.name}"
+        contents |= {f"{stem}.{kind}": written(drawing, kind) for kind in KINDS}
+        contents[f"{stem}.txt"] = f"{drawing.title}. {drawing.caption}\n".encode()
+    make_folder(place)
+    for name, content in contents.items():
+        write_atomically(place / name, content)
+    return place / PAGE
+
+
+def _article(claim: ClaimVerdict) -> str:
+    row = claim.row
+    finding = row.finding.value
+    state = verdict_word(claim).lower()
+    shown = state if claim.stands else f'<strong class="failed">{state}</strong>'
+    parts = [
+        ("holds", plain(row.holds)),
+        ("counterexample", "" if row.counterexample is None else row.counterexample.words),
+        ("measured", claim.evidence.words),
+        ("proved in this run", proof_words(claim)),
+    ]
+    lines = [
+        f'<p><span class="label">{name}:</span> {escape(words)}</p>'
+        for name, words in parts
+        if words
+    ]
+    return f"""<article id="claim-{row.number}">
+<header><span class="number">{row.number}</span><span class="finding {finding.replace(" ", "-")}">\
+{SIGNS[finding]} {finding}</span><p class="state">{shown}</p></header>
+<p class="claim">{escape(plain(row.claim))}</p>
+<p class="place">{escape(row.place)}</p>
+{"".join(lines)}
+</article>"""
+
+
+def _figure(number: int, drawing: Drawing) -> str:
+    data = base64.b64encode(written(drawing, "svg")).decode()
+    title, caption = escape(drawing.title), escape(drawing.caption)
+    return f"""<figure id="{drawing.name}">
+<img src="data:image/svg+xml;base64,{data}" alt="{title}">
+<figcaption><strong>Figure {number}. {title}.</strong> {caption}</figcaption>
+</figure>"""

@@ -1,0 +1,216 @@
+"""The verdicts on the paper's claims as text, as Markdown and as a JSON document."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from certreg import __version__
+from certreg.experiments.statics import unstable_counts
+from certreg.report.claims import plain
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from certreg.experiments.observations import Observations
+    from certreg.experiments.style import Drawing
+    from certreg.experiments.verdicts import ClaimVerdict, Reproduction
+
+REPRODUCTION_SCHEMA = "certreg-reproduction/1"
+FIGURES, KINDS = "figures", ("pdf", "png")
+TERMINAL = 100  # characters
+PATTERN = (0, 1, 2, 3)
+NOT_PROVED_NOW = "the proofs were left out: `certreg derive` runs them"
+
+Document = dict[str, Any]
+
+
+def verdict_word(claim: ClaimVerdict) -> str:
+    """What became of a claim's finding, in capitals."""
+    if not claim.stands:
+        return "NOT CONFIRMED"
+    return "MEASURED" if claim.proof is None else "CONFIRMED"
+
+
+def claim_text(claim: ClaimVerdict) -> str:
+    """A claim for a terminal: number, finding and verdict, then proof and measurement."""
+    row = claim.row
+    lines = [f"{row.number:>4}  {row.finding.value}: {verdict_word(claim)}"]
+    parts = (
+        ("claim", plain(row.claim)),
+        ("holds", "" if row.counterexample is None else plain(row.holds)),
+        ("proof", proof_words(claim)),
+        ("measured", claim.evidence.words),
+    )
+    for name, words in parts:
+        if words:
+            head = f"      {name:9} "
+            lines += textwrap.wrap(words, TERMINAL, initial_indent=head, subsequent_indent=" " * 16)
+    return "\n".join(lines)
+
+
+def proof_words(claim: ClaimVerdict) -> str:
+    """What was proved of a finding in this run; empty if that was left out."""
+    if claim.proof is None:
+        return ""
+    if not claim.proof.proved:
+        return claim.proof.words
+    recomputed = "" if claim.row.counterexample is None else "; counterexample, in fractions"
+    return ", ".join(claim.row.because) + recomputed
+
+
+def closing_text(made: Reproduction) -> str:
+    """How many claims have which finding, and the paper's own counts, measured."""
+    findings: dict[str, int] = {}
+    for claim in made.claims:
+        findings[claim.row.finding.value] = findings.get(claim.row.finding.value, 0) + 1
+    told = ", ".join(f"{count} {finding}" for finding, count in findings.items())
+    confirmed = sum(claim.stands for claim in made.claims)
+    resting, moving = _equilibria(made.observations), _simulations(made.observations)
+    return (
+        f"{confirmed} of {len(made.claims)} findings confirmed ({told}).\n"
+        f"Four equilibria with 0, 1, 2, 3 unstable eigenvalues in {resting['pattern_0123']:,} of "
+        f"{resting['runs']:,} runs; {moving['at_optimum']:,} of {moving['runs']:,} simulations end "
+        "at the optimum."
+    )
+
+
+def markdown(made: Reproduction, drawn: Sequence[Drawing]) -> str:
+    """The verdicts as a Markdown table, then the figures."""
+    head = ("", "The paper's claim", "Where", "Finding", "What holds", "Measured", "Proof", "")
+    lines = ["# The claims of the paper, with verdicts", "", setup_words(made.observations), ""]
+    lines += [_line(head), _line(["---"] * len(head))]
+    for claim in made.claims:
+        row = claim.row
+        cells = (row.number, row.claim, row.place, row.finding.value, row.holds)
+        proof = ", ".join(row.because)
+        lines.append(_line((*cells, claim.evidence.words, proof, verdict_word(claim).lower())))
+    examples = [c.row for c in made.claims if c.row.counterexample is not None]
+    lines += ["", "## Counterexamples", ""]
+    lines += [f"- **{row.number}.** {row.counterexample.words}" for row in examples]
+    lines += ["", "## Figures", ""]
+    for drawing in drawn:
+        image = f"![{drawing.title}]({FIGURES}/{drawing.name}.png)"
+        lines += [image, "", f"**{drawing.title}.** {_escaped(drawing.caption)}", ""]
+    return "\n".join(lines)
+
+
+def reproduction_document(made: Reproduction, drawn: Sequence[Drawing]) -> Document:
+    """The reproduction as `certreg-reproduction/1`."""
+    setup = made.observations.setup
+    proofs_left_out = any(claim.proof is None for claim in made.claims)
+    return {
+        "schema": REPRODUCTION_SCHEMA,
+        "certreg": __version__,
+        "setup": {
+            "points": setup.points,
+            "noise": setup.noise,
+            "damping": setup.damping,
+            "seed": setup.seed,
+            "step": setup.settings.step,
+            "stop": setup.settings.stop,
+        },
+        "confirmed": made.stands,
+        "claims": [_claim_fields(claim) for claim in made.claims],
+        "equilibria": _equilibria(made.observations),
+        "simulations": _simulations(made.observations),
+        "figures": [
+            {
+                "name": drawing.name,
+                "title": drawing.title,
+                "caption": drawing.caption,
+                "files": [f"{FIGURES}/{drawing.name}.{kind}" for kind in KINDS],
+            }
+            for drawing in drawn
+        ],
+        "reasons": {"claims.proved": NOT_PROVED_NOW} if proofs_left_out else {},
+    }
+
+
+def setup_words(seen: Observations) -> str:
+    """What the instances were, in a sentence."""
+    setup = seen.setup
+    return (
+        f"certreg {__version__}: {len(seen.equilibria):,} instances for the equilibria and "
+        f"{len(seen.simulations):,} for the simulations, N = {setup.points} points, "
+        f"σ = {setup.noise:g}, μ = {setup.damping:g}, explicit Euler with the step "
+        f"{setup.settings.step:g}, seed {setup.seed}. The paper states neither N nor μ."
+    )
+
+
+def _claim_fields(claim: ClaimVerdict) -> Document:
+    row = claim.row
+    return {
+        "number": row.number,
+        "claim": row.claim,
+        "place": row.place,
+        "finding": row.finding.value,
+        "holds": row.holds,
+        "counterexample": None if row.counterexample is None else row.counterexample.words,
+        "proofs": list(row.because),
+        "proved": None if claim.proof is None else claim.proof.proved,
+        "measured": claim.evidence.words,
+        "agrees": claim.evidence.agrees,
+        "confirmed": claim.stands,
+    }
+
+
+def _equilibria(seen: Observations) -> Document:
+    runs = seen.equilibria
+    regular = [run.count == 4 and unstable_counts(run) == (PATTERN, PATTERN) for run in runs]
+    spurious = [rest for run in runs for rest in run.rests[1:]]
+    return {
+        "runs": len(runs),
+        "four": sum(run.count == 4 for run in runs),
+        "unique_optimum": sum(run.unique for run in runs),
+        "pattern_0123": sum(regular),
+        "exceptions": [
+            {"run": k, "count": run.count, "unstable": list(unstable_counts(run)[0])}
+            for k, (run, normal) in enumerate(zip(runs, regular, strict=True))
+            if not normal
+        ],
+        "half_turn_error_deg": _spread([rest.half_turn_error for rest in spurious]),
+        "arccos_error_deg": _spread([abs(180.0 - rest.arccos_angle) for rest in spurious]),
+    }
+
+
+def _simulations(seen: Observations) -> Document:
+    runs, near = seen.simulations, seen.setup.settings.near
+    return {
+        "runs": len(runs),
+        "stopped": sum(run.stopped for run in runs),
+        "at_optimum": sum(run.stopped and run.distance <= near for run in runs),
+        "energy_rose_in_first_step": sum(run.first_rise > 0.0 for run in runs),
+        "steps": _spread([run.steps for run in runs]),
+        "closed_form_error_deg": _spread([run.closed_form_error for run in runs]),
+        "simulation_error_deg": _spread([run.error for run in runs]),
+        "simulation_to_closed_form_deg": _spread([run.distance for run in runs]),
+    }
+
+
+def _spread(values: Sequence[float]) -> Document:
+    return {
+        "min": float(np.min(values)),
+        "median": float(np.median(values)),
+        "max": float(np.max(values)),
+    }
+
+
+def _line(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(map(_escaped, cells)) + " |"
+
+
+def _escaped(words: str) -> str:
+    """Words in which Markdown sees no table, emphasis or mathematics."""
+    return re.sub(r"([|*_])", r"\\\1", words)
+
+
+def texts(made: Reproduction) -> Iterator[str]:
+    """Every claim, then the closing lines, for a terminal."""
+    yield setup_words(made.observations)
+    for claim in made.claims:
+        yield "\n" + claim_text(claim)
+    yield "\n" + closing_text(made)
