@@ -24,6 +24,7 @@ SCHEMAS = (
     "equilibria",
     "simulation",
     "count",
+    "error",
     "reproduction",
 )
 each_specimen = pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: specimen.name)

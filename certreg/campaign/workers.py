@@ -6,6 +6,7 @@ at once when its other end closes, so none outlives a campaign that is killed.
 
 from __future__ import annotations
 
+import logging
 import multiprocessing
 import os
 import signal
@@ -147,6 +148,7 @@ def _connected(address: str, timeout: float) -> Any:
     except ImportError as error:
         message = "--scheduler needs dask: pip install 'certreg[campaign]'"
         raise MissingToolError(message) from error
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what it logs is raised, too
     try:
         return Client(address, timeout=timeout, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:

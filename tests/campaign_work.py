@@ -1,0 +1,99 @@
+"""Workers and work for the tests of campaigns; importable where a worker process looks for it."""
+
+from __future__ import annotations
+
+import os
+import signal
+from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+from certreg.campaign.calls import Call, Yield
+from certreg.campaign.folder import occupied
+from certreg.campaign.manifest import Manifest, current_versions
+from certreg.campaign.montecarlo import MonteCarlo
+from certreg.campaign.running import CERTIFICATES, SHARDS, Watch, run
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+VERSIONS = current_versions()
+
+
+class Cut(MonteCarlo):
+    """The same in shards of ten."""
+
+    def manifest(self) -> Manifest:
+        return replace(super().manifest(), shard_size=10)
+
+
+class InProcess:
+    """Workers that are threads of this process: no start-up, same interface."""
+
+    losses: tuple[type[BaseException], ...] = (BrokenExecutor,)
+
+    def __init__(self, count: int = 1) -> None:
+        self.count, self.renewals = count, 0
+        self.executor: Executor = ThreadPoolExecutor(count)
+
+    def require_alive(self) -> None: ...
+
+    def renew(self) -> None:
+        self.renewals += 1
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.executor.shutdown()
+
+
+class Fragile(Executor):
+    """Breaks down at every call whose turn is among `deaths`, counted over all calls."""
+
+    def __init__(self, deaths: set[int]) -> None:
+        self.deaths, self.sent = deaths, 0
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        future = Future[Any]()
+        if self.sent in self.deaths:
+            future.set_exception(BrokenExecutor("a worker was killed"))
+        else:
+            future.set_result(fn(*args, **kwargs))
+        self.sent += 1
+        return future
+
+
+def echo(*, words: str) -> Yield:
+    return Yield(content=words.encode())
+
+
+def numbered(count: int) -> Iterator[Call]:
+    return (Call(shard=k, function=echo, arguments={"words": str(k)}) for k in range(count))
+
+
+def die_once(*, folder: str, words: str) -> Yield:
+    """Kills the process that it runs in, the first time that it is called with a folder."""
+    marker = Path(folder) / f"died-{words}"
+    if not marker.exists():
+        marker.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return Yield(content=words.encode())
+
+
+def finish(
+    kind: Any, folder: Path, workers: Any = None, advanced: Callable[[int], None] = lambda _: None
+) -> list[str]:
+    """A campaign run to its end in this process; the notes it gave."""
+    notes: list[str] = []
+    watch = Watch(begun=lambda _: None, advanced=advanced, noted=notes.append)
+    with workers or InProcess() as crew, occupied(folder, kind.manifest(), SHARDS, CERTIFICATES):
+        run(kind, folder, crew, watch)
+    return notes
+
+
+def tree(folder: Path) -> dict[str, bytes]:
+    """Every file below a folder, by its path from there."""
+    files = (path for path in sorted(folder.rglob("*")) if path.is_file())
+    return {str(path.relative_to(folder)): path.read_bytes() for path in files}

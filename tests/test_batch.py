@@ -1,0 +1,288 @@
+"""`certreg batch`: each pair as `certify` does it, each broken one a clear error in its place."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from campaign_work import InProcess, tree
+from commands import certreg, strict_json, write_csv
+from jsonschema import Draft202012Validator
+
+import certreg as package
+
+SCHEMAS = Path(package.__file__).parent / "schemas"
+TURN = [1, 2, 0]
+
+
+@pytest.fixture(autouse=True)
+def in_process(monkeypatch):
+    """No worker processes: they would each load the solver for a second."""
+    monkeypatch.setattr("certreg.campaign.workers.workers_at", lambda _: InProcess(1))
+
+
+@pytest.fixture
+def folder(tmp_path) -> Path:
+    """Six pairs of clouds, a0 and b0 to a5 and b5."""
+    rng = np.random.default_rng(0)
+    for k in range(6):
+        source = rng.normal(size=(6, 3))
+        write_csv(tmp_path / f"a{k}.csv", source.tolist())
+        target = source[:, TURN] + 0.01 * rng.normal(size=(6, 3))
+        write_csv(tmp_path / f"b{k}.csv", target.tolist())
+    return tmp_path
+
+
+def listing(folder: Path, *rows: str, header: str = "source,target") -> Path:
+    path = folder / "pairs.csv"
+    path.write_text("\n".join((header, *rows)) + "\n")
+    return path
+
+
+def lines(text: str | bytes) -> list[dict]:
+    return [strict_json(line) for line in text.splitlines()]
+
+
+def valid(entry: dict) -> bool:
+    name = entry["schema"].replace("/", "-")
+    schema = json.loads((SCHEMAS / f"{name}.json").read_text())
+    return Draft202012Validator(schema).is_valid(entry)
+
+
+def test_a_pair_of_a_batch_is_what_certify_makes_of_it(folder):
+    path = listing(folder, "a0.csv,b0.csv,0.01", header="source,target,sigma")
+    (entry,) = lines(certreg("batch", path).out)
+    alone = certreg(
+        "certify", folder / "a0.csv", folder / "b0.csv", "--sigma", "0.01", "--json"
+    ).document
+
+    for own in ("name", "place", "exit_code", "notes"):
+        entry.pop(own)
+    assert entry.pop("timings_ms") == {}
+    assert alone.pop("timings_ms")
+    assert entry == alone
+
+
+def test_lines_come_in_the_order_of_the_list(folder):
+    rows = [f"a{k % 6}.csv,b{k % 6}.csv,p{k}" for k in range(70)]
+    run = certreg("batch", listing(folder, *rows, header="source,target,name"))
+
+    assert (run.code, run.err) == (0, "")
+    assert [entry["name"] for entry in lines(run.out)] == [f"p{k}" for k in range(70)]
+
+
+BROKEN = {
+    "a0.csv,none.csv,,,,,,": "none.csv: cannot be read",
+    "a0.csv": "1 columns, not 8: mend the row",
+    ",b0.csv,,,,,,": "line 5: give source: a file",
+    "a0.csv,nan.csv,,,,,,": "nan.csv, line 2: 'nan' is not a number",
+    "a0.csv,b0.csv,-1,,,,,": "sigma is -1.0: a standard deviation must be > 0",
+    "a0.csv,b0.csv,abc,,,,,": "line 8, sigma: 'abc' is not a number",
+    "a0.csv,short.csv,,,,,,": "a0.csv has 6 points, .*short.csv has 1",
+    "a0.csv,b0.csv,,,,,,twin": "the name 'twin' is that of line 2, too",
+    "a0.csv,b0.csv,0.1,w.txt,,,,": "sigma and weights exclude each other",
+    "a0.csv,b0.csv,,,,some,,": "match is 'some': write all or common",
+    "a0.csv,b0.csv,,,p.csv,common,,": "pairs and match exclude each other",
+    "a0.csv,b0.csv,,,,,-2,": "damping is -2.0: it must be a positive",
+    "a0.txt\u00e9,b0.csv,,,,,,": "is not known: use one of",
+}
+
+
+def test_a_broken_pair_is_an_error_in_its_place_and_the_others_go_on(folder):
+    write_csv(folder / "nan.csv", [[0.0, 0.0, 1.0], [float("nan"), 0.0, 0.0]])
+    write_csv(folder / "short.csv", [[1.0, 2.0, 3.0]])
+    rows = ["a1.csv,b1.csv,,,,,,twin", *BROKEN, "a2.csv,b2.csv,,,,,,last"]
+    header = "source,target,sigma,weights,pairs,match,damping,name"
+    run = certreg("batch", listing(folder, *rows, header=header))
+    entries = lines(run.out)
+
+    assert run.code == 2
+    assert (
+        run.err == f"certreg: {len(BROKEN)} of {len(rows)} pairs could not be registered: "
+        'look for "error" in the results\n'
+    )
+    assert [entry["schema"] for entry in (entries[0], entries[-1])] == ["certreg-result/1"] * 2
+    for number, (entry, (_, words)) in enumerate(zip(entries[1:-1], BROKEN.items(), strict=True)):
+        assert entry["schema"] == "certreg-error/1"
+        assert re.search(words, entry["error"]["message"]), entry
+        assert entry["place"].endswith(f"line {number + 3}")
+        assert entry["exit_code"] == 2
+    assert all(map(valid, entries))
+
+
+def test_the_exit_code_is_the_worst_of_the_contract(folder):
+    line = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]
+    write_csv(folder / "line.csv", line)
+    good, not_unique, broken = "a0.csv,b0.csv", "line.csv,line.csv", "a0.csv,none.csv"
+
+    assert certreg("batch", listing(folder, good)).code == 0
+    run = certreg("batch", listing(folder, good, not_unique))
+    assert run.code == 3
+    assert [entry["exit_code"] for entry in lines(run.out)] == [0, 3]
+    assert certreg("batch", listing(folder, broken, not_unique, good)).code == 2
+
+
+def test_defects_met_by_one_pair_do_not_cost_the_others(folder, monkeypatch):
+    from certreg.campaign import pairs
+
+    real = pairs.certify
+
+    def failing(problem, **more):
+        if problem.n == 1:
+            raise ZeroDivisionError("nobody thought of it")
+        return real(problem, **more)
+
+    monkeypatch.setattr(pairs, "certify", failing)
+    write_csv(folder / "one.csv", [[1.0, 2.0, 3.0]])
+    run = certreg("batch", listing(folder, "one.csv,one.csv", "a0.csv,b0.csv"))
+    bad, good = lines(run.out)
+
+    assert run.code == 1
+    assert "a defect of certreg (ZeroDivisionError: nobody" in bad["error"]["message"]
+    assert good["optimality"]["status"] == "certified"
+
+
+LISTS = {
+    "": "name each column once in a header",
+    "source,target\n": "lists no pairs: add rows",
+    "a.csv,b.csv\n": "name each column once in a header, source and target among them",
+    "source,target,source\na,b,c\n": "look at source",
+    'source,target\n"a,b\n': "mend the text",
+}
+
+
+@pytest.mark.parametrize("text", LISTS)
+def test_a_list_that_is_none_is_refused_before_anything_is_done(tmp_path, text):
+    (tmp_path / "pairs.csv").write_text(text)
+    run = certreg("batch", tmp_path / "pairs.csv", "--out", tmp_path / "out")
+
+    assert (run.code, run.out) == (2, "")
+    assert re.fullmatch(r"certreg: \S+pairs.csv[^\n]*\n", run.err)
+    assert LISTS[text] in run.err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_list_that_is_no_text_or_not_there_is_refused(tmp_path):
+    (tmp_path / "pairs.csv").write_bytes(b"source,target\n\xff\xfe,b\n")
+
+    run = certreg("batch", tmp_path / "pairs.csv")
+    assert run.code == 2
+    assert re.search("line 2: .*save the file as UTF-8", run.err)
+    assert certreg("batch", tmp_path / "none.csv").code == 2
+    assert "is a .csv file" in certreg("batch", tmp_path / "pairs.json").err
+
+
+def test_columns_that_are_not_read_are_told_once(folder):
+    path = listing(folder, "a0.csv,b0.csv,me,x", header="source,target,operator,label")
+    run = certreg("batch", path)
+
+    assert run.err == f"note: {path}: columns not read: operator\n"
+    assert lines(run.out)[0]["name"] == "x"
+
+
+def test_the_folder_holds_lines_certificates_and_a_table(folder):
+    rows = ["a0.csv,b0.csv,../../up", "a1.csv,none.csv,b", "a2.csv,b2.csv,c d\u00e9"]
+    path, out = listing(folder, *rows, header="source,target,name"), folder / "out"
+    run = certreg("batch", path, "--out", out)
+    entries = lines((out / "results.jsonl").read_bytes())
+    with (out / "summary.csv").open() as stream:
+        table = list(csv.DictReader(stream))
+
+    assert run.code == 2
+    assert "2 of 3 pairs registered" in run.out
+    assert re.match("error: b: .*none.csv: cannot be read", run.err)
+    assert [row["name"] for row in table] == ["../../up", "b", "c d\u00e9"]
+    assert all(map(valid, entries))
+    for entry, row in zip(entries, table, strict=True):
+        assert entry["name"] == row["name"]
+        if entry["schema"] == "certreg-error/1":
+            assert row["error"] == entry["error"]["message"]
+            continue
+        place = out / entry["certificate"]
+        assert place.parent == out / "certificates"
+        assert re.fullmatch(r"[0-9]{6}-[A-Za-z0-9_-]+\.json", place.name)
+        assert package.verify(place).proved
+        assert strict_json(place.read_bytes())["problem"]["digest"] == entry["digest"]
+        assert float(row["rmse"]) == entry["rmse"]
+    assert {path.name for path in folder.parent.iterdir() if "up" in path.name} == set()
+
+
+def test_what_was_mended_is_done_when_the_same_is_run_again(folder):
+    path, out = listing(folder, "a0.csv,b0.csv", "a1.csv,none.csv"), folder / "out"
+    assert certreg("batch", path, "--out", out).code == 2
+    (folder / "none.csv").write_bytes((folder / "b1.csv").read_bytes())
+
+    run = certreg("batch", path, "--out", out)
+    assert run.code == 0
+    assert run.err == "note: 1 of 2 pairs were there already\n"
+    assert len(lines((out / "results.jsonl").read_bytes())) == 2
+    assert certreg("batch", path, "--out", folder / "new").code == 0
+    assert tree(out) == tree(folder / "new")
+
+
+def test_parquet_goes_with_a_folder(folder):
+    pytest.importorskip("pyarrow")
+    path = listing(folder, "a0.csv,b0.csv", "a1.csv,none.csv")
+
+    assert certreg("batch", path, "--parquet").code == 2
+    assert certreg("batch", path, "--parquet", "--out", folder / "out").code == 2
+    from pyarrow import parquet
+
+    table = parquet.read_table(folder / "out" / "summary.parquet")
+    assert table["status"].to_pylist() == ["certified", "error"]
+    assert table["n"].to_pylist() == [6, None]
+
+
+def test_a_long_list_is_never_held_as_objects(folder):
+    """Rows are drawn as workers ask for them: many cost what their bytes cost."""
+    from certreg.campaign.listing import read_listing
+    from certreg.campaign.pairs import PairCampaign
+
+    rows = (f"a0.csv,b0.csv,p{k}" for k in range(20_000))
+    campaign = PairCampaign(
+        listing=read_listing(listing(folder, *rows, header="source,target,name")),
+        certificates=False,
+    )
+    calls = campaign.calls(done=())
+    first = next(calls)
+
+    assert campaign.manifest().shards == 1250
+    assert [row.name for row in first.arguments["rows"]] == [f"p{k}" for k in range(16)]
+    assert next(campaign.calls(done=range(1200))).arguments["rows"][0].name == "p19200"
+
+
+@pytest.mark.slow
+def test_ctrl_c_ends_cleanly_and_says_how_to_go_on(folder):
+    rows = [f"a{k % 6}.csv,b{k % 6}.csv" for k in range(2000)]
+    path, out = listing(folder, *rows), folder / "out"
+    root = Path(package.__file__).parents[1]
+    run = subprocess.Popen(
+        [sys.executable, "-W", "error", "-m", "certreg", "batch", path, "--out", out],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(root)},
+        start_new_session=True,
+    )
+    while run.poll() is None and not list((out / "shards").glob("0*")):
+        time.sleep(0.01)
+    os.killpg(run.pid, signal.SIGINT)
+    said, complained = run.communicate(timeout=60)
+
+    assert (run.returncode, said) == (130, "")
+    assert [line for line in complained.splitlines() if line] == [
+        f"{out}: what is done is kept: run the same to go on",
+        "interrupted",
+    ]
+    assert not (out / "results.jsonl").exists()
+    assert not list(out.rglob(".certreg-*"))

@@ -1,0 +1,430 @@
+"""Campaigns survive what kills them, and their results depend on their manifests alone."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import json
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from unittest import mock
+
+import numpy as np
+import pytest
+from campaign_work import (
+    VERSIONS,
+    Cut,
+    Fragile,
+    InProcess,
+    die_once,
+    echo,
+    finish,
+    numbered,
+    tree,
+)
+from hypothesis import given
+from hypothesis import strategies as st
+
+import certreg
+from certreg.campaign.calls import Call, in_order, outcomes, performed
+from certreg.campaign.folder import MANIFEST, occupied
+from certreg.campaign.manifest import Manifest
+from certreg.campaign.montecarlo import (
+    INSTANCE_COLUMNS,
+    MonteCarlo,
+    pieces,
+    unpacked,
+    write_instance_results,
+)
+from certreg.campaign.running import CERTIFICATES, SHARDS
+from certreg.campaign.shards import Shards
+from certreg.campaign.table import Column, write_table
+from certreg.campaign.workers import LocalWorkers, workers_at
+from certreg.errors import (
+    CampaignError,
+    ContradictionError,
+    InvalidFileError,
+    InvalidProblemError,
+    MissingToolError,
+    RefusedCertificateError,
+)
+from certreg.instances import solve_many
+from certreg.results import Ruling, Verdict
+from certreg.settings import CampaignSettings
+
+SMALL = Cut(count=45, points=5)  # five shards
+FLAT = MonteCarlo(count=3, points=2)  # two points: every instance is an exception
+FEW = MonteCarlo(count=300, points=4, seed=7)
+
+
+def contents(count, workers, limit=None):
+    found = outcomes(numbered(count), workers, VERSIONS)
+    return [result.content.decode() for _, result in found]
+
+
+def test_the_work_is_done_once_each():
+    with InProcess(3) as workers:
+        assert sorted(map(int, contents(50, workers))) == list(range(50))
+
+
+def test_results_can_be_had_in_order():
+    with InProcess(4) as workers:
+        found = in_order(outcomes(numbered(200), workers, VERSIONS))
+        assert [result.content.decode() for result in found] == [str(k) for k in range(200)]
+
+
+def test_few_calls_are_drawn_ahead_of_what_is_asked_for():
+    drawn = 0
+
+    def calls():
+        nonlocal drawn
+        for call in numbered(10_000):
+            drawn += 1
+            yield call
+
+    with InProcess(2) as workers:
+        found = outcomes(calls(), workers, VERSIONS)
+        for _ in range(5):
+            next(found)
+        found.close()
+
+    assert drawn <= 5 + 2 * CampaignSettings().under_way
+
+
+def test_nothing_runs_far_ahead_of_a_slow_shard():
+    """While shard 0 does not end, others do, but only so many must be held for their turn."""
+    import threading
+
+    release, seen = threading.Event(), list[int]()
+
+    def slow(*, words):
+        release.wait()
+        return echo(words=words)
+
+    def calls():
+        yield Call(shard=0, function=slow, arguments={"words": "0"})
+        yield from (dataclasses.replace(call, shard=call.shard + 1) for call in numbered(5000))
+
+    with InProcess(2) as workers, mock.patch("certreg.campaign.calls.CampaignSettings") as settings:
+        settings.return_value = CampaignSettings(spread=10, tick=0.05)
+        workers.require_alive = release.set  # the tick: nothing else is left to do
+        seen = [call.shard for call, _ in outcomes(calls(), workers, VERSIONS)]
+
+    assert len(seen) == 5001
+    assert max(seen[: seen.index(0)]) <= 2 * 10
+
+
+@given(st.sets(st.integers(0, 40), max_size=3))
+def test_what_dead_workers_held_is_done_by_others(deaths):
+    workers = InProcess(2)
+    workers.executor = Fragile(deaths)
+
+    assert sorted(map(int, contents(30, workers))) == list(range(30))
+    assert (workers.renewals > 0) == bool(deaths & set(range(30 + len(deaths))))
+
+
+def test_a_campaign_gives_up_where_workers_do_nothing_but_die():
+    workers = InProcess(1)
+    workers.executor = Fragile(set(range(1000)))
+
+    with pytest.raises(
+        CampaignError, match=r"workers died 4 times in a row.*shards 0, 1, 2"
+    ) as told:
+        contents(5, workers)
+    assert "run the same command" in str(told.value)
+    assert workers.renewals == CampaignSettings().breakdowns
+
+
+@pytest.mark.slow
+def test_a_killed_process_of_the_pool_is_replaced(tmp_path):
+    calls = (
+        Call(
+            shard=k,
+            function=die_once if k in {1, 6} else echo,
+            arguments={"words": str(k)} | ({"folder": str(tmp_path)} if k in {1, 6} else {}),
+        )
+        for k in range(9)
+    )
+    with LocalWorkers(2) as workers:
+        found = [result.content.decode() for _, result in outcomes(calls, workers, VERSIONS)]
+
+    assert sorted(map(int, found)) == list(range(9))
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_a_worker_with_other_versions_is_refused():
+    call = next(numbered(1))
+
+    assert performed(call, VERSIONS).content == b"0"
+    with pytest.raises(CampaignError, match=r"a worker has certreg .*, the campaign certreg 9\.9"):
+        performed(call, VERSIONS | {"certreg": "9.9"})
+
+
+def test_a_failure_of_a_worker_is_one_clear_error():
+    call = Call(shard=3, function=echo, arguments={"no": "such keyword"})
+    with InProcess() as workers, pytest.raises(CampaignError, match=r"shard 3 \(TypeError: .*same"):
+        list(outcomes(iter([call]), workers, VERSIONS))
+
+
+def test_a_contradiction_travels_between_processes():
+    verdict = Verdict(ruling=Ruling.REFUTED, words="wrong")
+
+    def refused(*, words):
+        raise RefusedCertificateError(words, verdict=verdict)
+
+    with pytest.raises(ContradictionError, match="refused it"):
+        performed(Call(shard=0, function=refused, arguments={"words": "refused it"}), VERSIONS)
+
+
+def test_a_manifest_is_the_same_bytes_for_the_same_campaign():
+    assert FEW.manifest().to_json() == MonteCarlo(count=300, points=4, seed=7).manifest().to_json()
+    for change in ({"seed": 8}, {"sigma": 0.02}, {"points": 5}, {"count": 301}, {"damping": 1.0}):
+        assert dataclasses.replace(FEW, **change).manifest().identity() != FEW.manifest().identity()
+
+
+@given(st.integers(1, 500), st.integers(1, 60))
+def test_shards_cover_the_items_without_overlap(count, size):
+    manifest = Manifest(kind="any", count=count, shard_size=size, settings={}, versions=VERSIONS)
+
+    assert [k for s in range(manifest.shards) for k in manifest.items(s)] == list(range(count))
+
+
+@pytest.mark.parametrize("wrong", [{"count": 0}, {"points": 0}, {"seed": -1}])
+def test_what_is_no_campaign_is_refused(wrong):
+    with pytest.raises(InvalidProblemError, match="at least one instance"):
+        dataclasses.replace(FEW, **wrong).manifest()
+
+
+def test_another_campaign_in_the_folder_is_refused(tmp_path):
+    finish(FEW, tmp_path / "out")
+    before = tree(tmp_path)
+
+    with pytest.raises(InvalidFileError, match=r"campaign.json.*settings.seed is 7, here it is 8"):
+        finish(dataclasses.replace(FEW, seed=8), tmp_path / "out")
+    assert tree(tmp_path) == before
+
+
+@pytest.mark.parametrize("text", [b"[]", b"{", b"\xff", b"null", b"[" * 50_000])
+def test_a_manifest_that_is_none_is_refused(tmp_path, text):
+    (tmp_path / MANIFEST).write_bytes(text)
+
+    with pytest.raises(InvalidFileError, match="choose another folder"):
+        finish(FEW, tmp_path)
+
+
+def test_a_folder_with_other_files_is_refused(tmp_path):
+    (tmp_path / "thesis.tex").write_text("mine")
+
+    with pytest.raises(InvalidFileError, match="holds other files: choose a new folder"):
+        finish(FEW, tmp_path)
+    assert tree(tmp_path) == {"thesis.tex": b"mine"}
+
+
+def test_a_folder_that_is_a_file_is_refused(tmp_path):
+    (tmp_path / "out").write_text("mine")
+
+    with pytest.raises(InvalidFileError, match=r"out.*choose another folder"):
+        finish(FEW, tmp_path / "out")
+
+
+def test_half_written_files_of_a_killed_run_are_swept_away(tmp_path):
+    (tmp_path / "out" / SHARDS).mkdir(parents=True)
+    finish(FEW, tmp_path / "whole")
+    (tmp_path / "out" / ".certreg-x1").write_text("half")
+    (tmp_path / "out" / MANIFEST).write_bytes(FEW.manifest().to_json())
+    (tmp_path / "out" / SHARDS / ".certreg-x2").write_text("half")
+
+    finish(FEW, tmp_path / "out")
+    assert tree(tmp_path / "out") == tree(tmp_path / "whole")
+
+
+def test_two_processes_do_not_share_a_folder(tmp_path):
+    with (
+        occupied(tmp_path / "out", FEW.manifest()),
+        pytest.raises(CampaignError, match="another process is at work there"),
+        occupied(tmp_path / "out", FEW.manifest()),
+    ):
+        pass
+
+
+@given(st.data())
+def test_damage_to_a_shard_is_seen(tmp_path_factory, data):
+    folder = tmp_path_factory.mktemp("shards")
+    shards = Shards(folder=folder, identity="a" * 64, suffix=".bin")
+    content = data.draw(st.binary(min_size=1, max_size=40))
+    shards.replace(5, content)
+    (path,) = folder.iterdir()
+    assert dict(shards.sound()) == {5: content}
+
+    how = data.draw(st.sampled_from(["flip", "cut", "longer", "renamed", "other campaign"]))
+    if how == "flip":
+        place = data.draw(st.integers(0, len(content) - 1))
+        bent = bytearray(content)
+        bent[place] ^= 1 << data.draw(st.integers(0, 7))
+        path.write_bytes(bent)
+    elif how == "cut":
+        path.write_bytes(content[:-1])
+    elif how == "longer":
+        path.write_bytes(content + b"\0")
+    elif how == "renamed":
+        path.rename(folder / path.name.replace("00000005", "00000006"))
+    other = dataclasses.replace(shards, identity="b" * 64) if how == "other campaign" else shards
+
+    assert dict(other.sound()) == {}
+    assert len(other.drop_damaged()) == 1
+    assert list(folder.iterdir()) == []
+
+
+def test_a_damaged_shard_is_computed_anew_with_a_note(tmp_path):
+    finish(SMALL, tmp_path / "whole")
+    finish(SMALL, tmp_path / "out")
+    shards = sorted((tmp_path / "out" / SHARDS).iterdir())
+    shards[1].write_bytes(shards[1].read_bytes()[:-7])
+    shards[3].unlink()
+
+    notes = finish(SMALL, tmp_path / "out")
+    assert len(notes) == 1
+    assert shards[1].name in notes[0]
+    assert tree(tmp_path / "out") == tree(tmp_path / "whole")
+
+
+def test_results_do_not_depend_on_who_computes_them(tmp_path):
+    for count in (1, 4):
+        finish(SMALL, tmp_path / str(count), InProcess(count))
+
+    assert tree(tmp_path / "1") == tree(tmp_path / "4")
+
+
+def test_only_what_is_missing_is_computed(tmp_path):
+    finish(SMALL, tmp_path)
+    (gone, *_) = (tmp_path / SHARDS).iterdir()
+    gone.unlink()
+    with mock.patch.object(ThreadPoolExecutor, "submit", autospec=True) as submit:
+        submit.side_effect = RuntimeError
+        with pytest.raises(RuntimeError):
+            finish(SMALL, tmp_path)
+        assert submit.call_count == 1
+        assert f"{submit.call_args.args[2].shard:08d}" == gone.name[:8]
+
+
+def test_a_shard_has_the_seed_of_a_spawned_child():
+    manifest = MonteCarlo(count=9000, points=4, seed=11).manifest()
+    child = np.random.SeedSequence(11).spawn(manifest.shards)[2]
+    first, made = next(pieces(manifest, 2))
+
+    assert (first, manifest.shards) == (2 * manifest.shard_size, 3)
+    rng = np.random.default_rng(child)
+    expected = rng.standard_normal(made.sources.shape)  # the first draw of the generator
+    shift = expected - made.sources
+    assert np.abs(shift - shift[:, :1]).max() < 1e-14
+
+
+def test_a_shard_holds_what_the_solver_says_of_its_instances(tmp_path):
+    finish(FEW, tmp_path)
+    totals = write_instance_results(FEW, tmp_path)
+    (path,) = (tmp_path / SHARDS).iterdir()
+    arrays = unpacked(path.read_bytes())
+    _, made = next(pieces(FEW.manifest(), 0))
+    found = solve_many(made.sources, made.targets, damping=FEW.damping, threads=1)
+
+    assert len(arrays["instance"]) == 300
+    assert (arrays["rmse"] == found.rmse[:300]).all()
+    best = [
+        certreg.certify(certreg.RegistrationProblem(x, y), relaxation=False, simulation=False)
+        for x, y in zip(made.sources[:3], made.targets[:3], strict=True)
+    ]
+    for k, registration in enumerate(best):
+        error = made.rotations[k].T @ registration.pose.rotation
+        angle = np.arccos(np.clip((np.trace(error) - 1) / 2, -1, 1))
+        assert arrays["rotation_error_rad"][k] == pytest.approx(angle, abs=1e-7)
+        assert arrays["rmse"][k] == pytest.approx(
+            [c.rmse for c in registration.equilibria.components]
+        )
+    assert totals.count == totals.regular == 300
+    assert totals.largest["half_turn_error_rad"] < 1e-12
+
+
+def test_what_doubles_do_not_decide_is_listed_with_its_certificate(tmp_path):
+    finish(FLAT, tmp_path)
+    totals = write_instance_results(FLAT, tmp_path)
+    with (tmp_path / "exceptions.csv").open() as stream:
+        rows = list(csv.DictReader(stream))
+
+    assert (totals.regular, totals.exceptions, len(rows)) == (0, 3, 3)
+    for k, row in enumerate(rows):
+        assert (row["instance"], row["pattern"], row["unstable"]) == (str(k), "2 2", "")
+        assert certreg.verify(tmp_path / row["certificate"]).proved
+        document = json.loads((tmp_path / row["certificate"]).read_text())
+        assert document["about"]["instance"] == k
+    _, made = next(pieces(FLAT.manifest(), 0))
+    problem = certreg.RegistrationProblem(made.sources[1], made.targets[1])
+    assert document["problem"]["digest"] != problem.digest()
+    second = json.loads((tmp_path / rows[1]["certificate"]).read_text())
+    assert second["problem"]["digest"] == problem.digest()
+
+
+def test_a_lost_certificate_is_written_anew(tmp_path):
+    finish(FLAT, tmp_path)
+    before = tree(tmp_path)
+    gone, bent, _ = sorted((tmp_path / CERTIFICATES).iterdir())
+    gone.unlink()
+    bent.write_bytes(b"{}")
+
+    finish(FLAT, tmp_path)
+    assert tree(tmp_path) == before
+
+
+def test_the_table_is_the_same_in_both_formats(tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    finish(FEW, tmp_path)
+    write_instance_results(FEW, tmp_path, parquet=True)
+    with (tmp_path / "summary.csv").open() as stream:
+        rows = list(csv.DictReader(stream))
+    table = parquet.read_table(tmp_path / "summary.parquet")
+    with (tmp_path / "columns.csv").open() as stream:
+        described = list(csv.DictReader(stream))
+
+    assert len(rows) == table.num_rows == FEW.count
+    assert list(rows[0]) == table.column_names == [column["column"] for column in described]
+    for name in table.column_names:
+        assert [float(row[name]) for row in rows] == table[name].to_pylist()
+    for column, told in zip(INSTANCE_COLUMNS, described, strict=True):
+        field = table.schema.field(column.name).metadata
+        assert field == {b"unit": column.unit.encode(), b"meaning": column.meaning.encode()}
+        assert (told["unit"], told["meaning"]) == (column.unit, column.meaning)
+
+
+def test_a_missing_extra_is_one_clear_error(tmp_path):
+    with mock.patch.dict(sys.modules, {"pyarrow": None, "pyarrow.parquet": None}):
+        with pytest.raises(MissingToolError, match=r"pip install 'certreg\[parquet\]'"):
+            write_table(tmp_path, [Column("a", int, "", "")], [[[1]]], parquet=True)
+        assert list(tmp_path.iterdir()) == []
+    with (
+        mock.patch.dict(sys.modules, {"distributed": None}),
+        pytest.raises(MissingToolError, match=r"pip install 'certreg\[campaign\]'"),
+    ):
+        workers_at("tcp://127.0.0.1:1")
+
+
+def test_a_full_disk_leaves_nothing_half_written(tmp_path):
+    finish(SMALL, tmp_path / "whole")
+    written = 0
+
+    def full(descriptor, mode):
+        nonlocal written
+        written += 1
+        if written == 4:
+            raise OSError(28, "No space left on device")
+        return real(descriptor, mode)
+
+    import os
+
+    real = os.fdopen
+    with (
+        mock.patch("certreg.files.os.fdopen", full),
+        pytest.raises(InvalidFileError, match="No space left on device"),
+    ):
+        finish(SMALL, tmp_path / "out")
+    assert len(list((tmp_path / "out" / SHARDS).iterdir())) == 2
+    finish(SMALL, tmp_path / "out")
+    assert tree(tmp_path / "out") == tree(tmp_path / "whole")

@@ -1,0 +1,138 @@
+"""Campaigns in processes of their own: killed as a whole, killed in part, on a cluster."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from campaign_kills import KIND, begin, resumed_alike, shards
+from campaign_work import Cut, finish, tree
+
+from certreg.campaign.workers import workers_at
+from certreg.errors import CampaignError
+from certreg.settings import CampaignSettings
+
+HERE = Path(__file__).parent
+pytestmark = pytest.mark.slow
+
+
+def test_a_campaign_killed_at_any_moment_ends_with_the_same_bytes():
+    assert resumed_alike(KIND, trials=2, seed=2) == 2
+
+
+def children(parent: int) -> set[int]:
+    """Processes whose parent is the given one, from /proc."""
+    found = set()
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            _, _, rest = stat.read_text().rpartition(")")
+        except OSError:
+            continue
+        if int(rest.split()[1]) == parent and rest.split()[0] != "Z":
+            found.add(int(stat.parent.name))
+    return found
+
+
+def is_running(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="there is no /proc here")
+def test_workers_end_with_the_campaign_that_is_killed(tmp_path):
+    run = begin(KIND, tmp_path / "out")
+    while run.poll() is None and shards(tmp_path / "out") < 3:
+        time.sleep(0.005)
+    workers = children(run.pid)
+    run.kill()  # it alone, not its group
+    run.wait()
+
+    assert len(workers) >= 2
+    deadline = time.monotonic() + 20
+    while any(map(is_running, workers)):
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+@contextmanager
+def started(*command: str, until: str):
+    """A process of dask, once it has said what it says when it is ready."""
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, (HERE, HERE.parent)))}
+    process = subprocess.Popen(
+        [sys.executable, "-m", "distributed.cli." + command[0], *command[1:]],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        env=environment,
+        start_new_session=True,
+    )
+    assert process.stdout is not None
+    try:
+        for line in process.stdout:
+            found = re.search(until, line)
+            if found:
+                break
+        else:
+            raise AssertionError(command)
+        yield process, found
+    finally:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+        process.stdout.close()
+
+
+@contextmanager
+def cluster():
+    """A scheduler's address and its two workers, started by hand."""
+    pytest.importorskip("distributed", reason="the extra `campaign` is not installed")
+    local = ("--host", "127.0.0.1", "--no-dashboard")
+    worker = ("--nthreads", "1", "--no-nanny", "--no-dashboard", "--host", "127.0.0.1")
+    with started("dask_scheduler", *local, "--port", "0", until=r"(tcp://\S+:\d+)") as (_, found):
+        address = found[1]
+        ready = r"Starting established connection|Registered to"
+        with (
+            started("dask_worker", address, *worker, until=ready) as (one, _),
+            started("dask_worker", address, *worker, until=ready) as (two, _),
+        ):
+            yield address, one, two
+
+
+def test_a_campaign_on_a_cluster_survives_a_killed_worker(tmp_path):
+    kind = Cut(count=900, points=5, seed=3)
+    finish(kind, tmp_path / "whole")
+
+    with cluster() as (address, one, _):
+
+        class Killing:
+            """Counts what is done, and kills one of the workers in the middle of it."""
+
+            done = 0
+
+        def advanced(count):
+            Killing.done += count
+            if Killing.done == 300:
+                os.killpg(one.pid, signal.SIGKILL)
+
+        finish(kind, tmp_path / "out", workers_at(address), advanced)
+        assert one.poll() is not None or one.wait(10) is not None
+
+    assert tree(tmp_path / "out") == tree(tmp_path / "whole")
+
+
+def test_a_scheduler_that_is_not_there_is_one_clear_error(monkeypatch):
+    pytest.importorskip("distributed", reason="the extra `campaign` is not installed")
+    hasty = CampaignSettings(connecting=0.5)
+    monkeypatch.setattr("certreg.campaign.workers.CampaignSettings", lambda: hasty)
+    for address in ("tcp://127.0.0.1:9", "nonsense://x"):
+        with pytest.raises(CampaignError, match="no dask scheduler answers"):
+            workers_at(address)
