@@ -19,7 +19,7 @@ UV_PYTHON_OPTION = $(if $(filter environment command,$(origin PYTHON)),--python 
 NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_EXTRA_INDEX_URL -u UV_FIND_LINKS
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test test-browser test-oracles proofs fuzz generate lint bench peers lock clean
+.PHONY: help demo docs test test-browser test-oracles proofs fuzz kills generate lint bench peers lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -55,6 +55,9 @@ proofs: $(READY)  ## check the Coq proofs and the verified checker (installs Coq
 
 fuzz: $(READY)  ## a million broken files for the readers (two minutes)
 	@$(RUN) tests/fuzz_readers.py
+
+kills: $(READY)  ## kill campaigns at 20 random moments each and resume them (a few minutes)
+	@$(RUN) tests/campaign_kills.py
 
 generate: $(READY)  ## write certreg/generated anew from the derivations
 	@$(RUN) -m derivations.emit

@@ -7,6 +7,7 @@ import dataclasses
 import json
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from unittest import mock
 
 import numpy as np
@@ -36,6 +37,7 @@ from certreg.campaign.montecarlo import (
     unpacked,
     write_instance_results,
 )
+from certreg.campaign.pairs import PAIR_COLUMNS
 from certreg.campaign.running import CERTIFICATES, SHARDS
 from certreg.campaign.shards import Shards
 from certreg.campaign.table import Column, write_table
@@ -392,6 +394,14 @@ def test_the_table_is_the_same_in_both_formats(tmp_path):
         field = table.schema.field(column.name).metadata
         assert field == {b"unit": column.unit.encode(), b"meaning": column.meaning.encode()}
         assert (told["unit"], told["meaning"]) == (column.unit, column.meaning)
+
+
+@pytest.mark.parametrize("columns", [PAIR_COLUMNS, INSTANCE_COLUMNS], ids=["pairs", "instances"])
+def test_the_page_on_campaign_files_describes_every_column(columns):
+    page = Path(certreg.__file__).parents[1] / "docs" / "reference" / "campaign-files.md"
+    rows = page.read_text("utf-8").splitlines()
+
+    assert [c for c in columns if f"| `{c.name}` | {c.unit} | {c.meaning} |" not in rows] == []
 
 
 def test_a_missing_extra_is_one_clear_error(tmp_path):

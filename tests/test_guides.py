@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -16,7 +17,7 @@ from certreg.native.compiler import CompilationError, find_compiler
 from certreg.native.evaluator import evaluator
 
 ROOT = Path(__file__).parent.parent
-NAMES = ("embed-the-c-code", "simulate", "many-problems")
+NAMES = ("embed-the-c-code", "simulate", "many-problems", "cluster")
 GUIDES = [ROOT / "docs" / "howto" / f"{name}.md" for name in NAMES]
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 each_guide = pytest.mark.parametrize("guide", GUIDES, ids=lambda path: path.stem)
@@ -37,6 +38,12 @@ def test_the_python_of_a_guide_runs(guide):
         exec(compile(block, guide.name, "exec"), namespace)  # noqa: S102 - our own page
 
 
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
 @each_guide
 def test_the_commands_of_a_guide_run(guide, tmp_path, data):
     """`certreg` is this checkout's; the shell stops at the first command that fails."""
@@ -44,17 +51,20 @@ def test_the_commands_of_a_guide_run(guide, tmp_path, data):
         find_compiler()
     except CompilationError as error:
         pytest.skip(str(error))
+    if guide.stem == "cluster":
+        pytest.importorskip("distributed", reason="the extra `campaign` is not installed")
     for name in ("survey_source.csv", "survey_target.csv"):
         shutil.copy(data / name, tmp_path)
     (tmp_path / "bin").mkdir()
-    command = tmp_path / "bin" / "certreg"
-    command.write_text(f'#!/bin/sh\nexec {sys.executable} -m certreg "$@"\n')
-    command.chmod(0o755)
+    for name in ("certreg", "dask"):
+        command = tmp_path / "bin" / name
+        command.write_text(f'#!/bin/sh\nexec {sys.executable} -m {name} "$@"\n')
+        command.chmod(0o755)
     path = f"{tmp_path / 'bin'}{os.pathsep}{os.environ['PATH']}"
 
     run = subprocess.run(
         ["sh", "-e"],
-        input="\n".join(blocks(guide, "sh")),
+        input="\n".join(blocks(guide, "sh")).replace("8786", str(free_port())),
         cwd=tmp_path,
         capture_output=True,
         text=True,
@@ -63,6 +73,9 @@ def test_the_commands_of_a_guide_run(guide, tmp_path, data):
     )
 
     assert (run.returncode, run.stderr) == (0, "")
+    if guide.stem == "cluster":
+        assert "2 of 2 pairs registered: results/results.jsonl" in run.stdout
+        assert len(list((tmp_path / "results" / "certificates").iterdir())) == 2
     if guide.stem == "embed-the-c-code":
         assert run.stdout.split()[-1] == "2346"
         assert {"dynamics.c", "dynamics.h", "example.c", "survey.txt"} <= set(run.stdout.split())

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from collections.abc import Container, Iterator
 
     from certreg.campaign.listing import Listing, PairRow
+    from certreg.io.clouds import Pair
     from certreg.problem import RegistrationProblem
 
 ERROR_SCHEMA = "certreg-error/1"
@@ -181,9 +182,8 @@ def _row(entry: dict[str, Any]) -> dict[str, Any]:
 def _entry(row: PairRow, folder: Path) -> tuple[dict[str, Any], bytes | None]:
     """The result of a row, or its error, and the bytes of its certificate."""
     try:
-        problem, notes = _problem(row, folder)
-        about = {"certreg": __version__, "name": row.name}
-        about |= {side: Path(row.fields[side]).name for side in ("source", "target")}
+        problem, pair = _problem(row, folder)
+        about = {"certreg": __version__, "name": row.name, **pair.about}
         registration = certify(problem, about=about)
     except CertregError as error:
         return _error(row, error, code_of_error(error)), None
@@ -201,13 +201,13 @@ def _entry(row: PairRow, folder: Path) -> tuple[dict[str, Any], bytes | None]:
         "place": row.place,
         "exit_code": code_of_registration(registration),
     }
-    head["notes"] = notes
+    head["notes"] = pair.notes
     certificate = registration.certificate
     return head | document, None if certificate is None else certificate.to_json()
 
 
-def _problem(row: PairRow, folder: Path) -> tuple[RegistrationProblem, list[str]]:
-    """The problem that a row states, and notes on how its files were read."""
+def _problem(row: PairRow, folder: Path) -> tuple[RegistrationProblem, Pair]:
+    """The problem that a row states, and how its files were read."""
     fields = row.fields
     fault = row.fault or next((f"give {n}: a file" for n in NEEDED if n not in fields), None)
     if fields.keys() >= {"sigma", "weights"}:
@@ -230,7 +230,7 @@ def _problem(row: PairRow, folder: Path) -> tuple[RegistrationProblem, list[str]
             pairs=None if pairs is None else folder / pairs, match=Match(fields.get("match", "all"))
         ),
     )
-    return optimally_damped(problem) if damping == OPTIMAL else problem, pair.notes
+    return optimally_damped(problem) if damping == OPTIMAL else problem, pair
 
 
 def _error(row: PairRow, error: Exception, code: int) -> dict[str, Any]:
