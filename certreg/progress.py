@@ -29,7 +29,8 @@ class Progress:
 
     def __init__(self, total: int, *, items: str = "instances") -> None:
         self._todo, self._items = total, items
-        self._made, self._shown = 0, 0
+        self.made, self.seconds = 0, 0.0  # items done since the beginning, and the time they took
+        self._shown = 0
         self._start = time.monotonic()
         self._bar: Any = None
         self._stack = ExitStack()
@@ -49,18 +50,18 @@ class Progress:
 
     def advance(self, count: int) -> None:
         """So many more items are done."""
-        self._made += count
-        elapsed = time.monotonic() - self._start
-        if not sys.stderr.isatty() or elapsed < PATIENCE:
+        self.made += count
+        self.seconds = time.monotonic() - self._start
+        if not sys.stderr.isatty() or self.seconds < PATIENCE:
             return
         if self._bar is None:
             self._bar = self._stack.enter_context(
                 click.progressbar(range(self._todo), file=sys.stderr, item_show_func=str)
             )
-            self._bar.start -= elapsed
-        rate = f"{self._made / elapsed:,.0f} {self._items}/s"
-        self._bar.update(self._made - self._shown, rate)
-        self._shown = self._made
+            self._bar.start -= self.seconds
+        rate = f"{self.made / self.seconds:,.0f} {self._items}/s"
+        self._bar.update(self.made - self._shown, rate)
+        self._shown = self.made
 
     def __enter__(self) -> Self:
         return self

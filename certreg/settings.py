@@ -251,7 +251,8 @@ class CampaignSettings:
     shard_instances: int = 4096  # 400 kB of results
     piece_points: int = 1 << 13  # of instances made at a time: 400 kB stay in the cache
     shard_pairs: int = 16  # of the user's pairs: a second of work
-    shard_share: int = 64  # shards at least, where there are that many pairs: all workers have work
+    shard_share: int = 64  # shards at least, where there are so many items: all workers have work
+    least_instances: int = 256  # in a shard all the same: milliseconds of work
     under_way: int = 3  # calls per worker: one at work, two that wait for it
     spread: int = 64  # shards from the first that is under way: bounds what must wait for its turn
     breakdowns: int = 3  # of the pool in a row, without one result in between
@@ -268,6 +269,7 @@ class ReproductionSettings:
     Differences are relative to the size of what is compared.
     """
 
+    largest_runs: int = 1000  # in one process, with figures: beyond, a campaign
     equilibrium_runs: int = 50  # [Yang2020]
     simulation_runs: int = 100  # [Yang2020]
     step: float = 0.01  # [Yang2020]

@@ -85,11 +85,12 @@ class MonteCarlo:
             message = "give at least one instance of at least one point, and a seed >= 0"
             raise InvalidProblemError(message)
         settings, given = CampaignSettings(), asdict(self)
-        shard_size = max(1, min(settings.shard_instances, settings.shard_points // self.points))
+        fair = max(settings.least_instances, self.count // settings.shard_share)
+        most = min(settings.shard_instances, settings.shard_points // self.points)
         return Manifest(
             kind="monte-carlo",
             count=given.pop("count"),
-            shard_size=shard_size,
+            shard_size=max(1, min(fair, most)),
             settings={**given, "piece": max(1, settings.piece_points // self.points)},
             versions=current_versions(),
         )

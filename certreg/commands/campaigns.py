@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Generator
     from pathlib import Path
 
+    from certreg.campaign.montecarlo import MonteCarlo, Totals
     from certreg.campaign.pairs import PairCampaign, Tally
 
 
@@ -98,6 +99,47 @@ def _kept(campaign: PairCampaign, scheduler: str | None, out: Path, *, parquet: 
     click.echo(f"{done} of {manifest.count} pairs registered: {place}/{RESULTS}")
     click.echo(f"Table: {place}/{SUMMARY}, certificates: {place}/{CERTIFICATES}")
     return tally
+
+
+def run_instances(
+    campaign: MonteCarlo, out: Path, scheduler: str | None, *, parquet: bool
+) -> Totals:
+    """A campaign over random instances, begun or gone on with in a folder; says what it found."""
+    from certreg.campaign.folder import occupied
+    from certreg.campaign.montecarlo import EXCEPTIONS, write_instance_results
+    from certreg.campaign.running import CERTIFICATES, SHARDS, run
+    from certreg.campaign.table import SUMMARY, require_parquet
+    from certreg.campaign.workers import workers_at
+
+    if parquet:
+        require_parquet()
+    manifest = campaign.manifest()
+    with (
+        occupied(out, manifest, SHARDS, CERTIFICATES),
+        workers_at(scheduler) as workers,
+        Progress(manifest.count) as progress,
+        resumable(out),
+    ):
+        timings = run(campaign, out, workers, progress.watch())
+        totals = write_instance_results(campaign, out, parquet=parquet)
+    click.echo(
+        f"{totals.regular:,} of {totals.count:,} random instances have four equilibria, "
+        "with 0, 1, 2 and 3 unstable eigenvalues"
+    )
+    place = printable(out)
+    if totals.exceptions:
+        click.echo(
+            f"{totals.exceptions:,} were decided in exact arithmetic, each with its certificate: "
+            f"{place}/{EXCEPTIONS}"
+        )
+    if progress.made:
+        rate, alone = progress.made / progress.seconds, progress.made / timings["solving"]
+        click.echo(
+            f"{progress.made:,} in {progress.seconds:.1f} s: {rate:,.0f} a second; without making "
+            f"them {alone * workers.count:,.0f}, with {workers.count} at work"
+        )
+    click.echo(f"Table: {place}/{SUMMARY}")
+    return totals
 
 
 @contextmanager

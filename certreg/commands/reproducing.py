@@ -6,9 +6,12 @@ from pathlib import Path
 
 import click
 
+from certreg.commands.campaigns import run_instances
 from certreg.exits import DONE, REFUSED
 from certreg.options import FOLDER, printable
 from certreg.progress import Stages
+
+CAMPAIGN = "campaign"  # folder, within that of the reproduction
 
 
 @click.command(epilog="Exit code 0 when every finding is confirmed, 1 if one is not.")
@@ -22,8 +25,13 @@ from certreg.progress import Stages
 @click.option(
     "--runs",
     type=click.IntRange(min=1),
-    help="Instances of either experiment; default 50 and 100, as in the paper.",
+    help="Instances of either experiment; default 50 and 100, as in the paper. More than 1000: "
+    "beside these, as a campaign.",
 )
+@click.option(
+    "--scheduler", metavar="ADDRESS", help="As a campaign, on the workers of a dask scheduler."
+)
+@click.option("--parquet", is_flag=True, help="As a campaign, its table as Parquet, too.")
 @click.option(
     "--points",
     type=click.IntRange(min=3),
@@ -56,21 +64,33 @@ def reproduce(
     damping: float,
     seed: int,
     *,
+    scheduler: str | None,
+    parquet: bool,
     no_proofs: bool,
 ) -> int:
     """Every experiment and figure of the paper, and its claims with verdicts.
 
     The claims are proved and measured anew; figures, and the verdicts as HTML, Markdown and JSON,
-    go to the folder.
+    go to the folder. A campaign is kept in the folder `campaign` there: begun again, it goes on.
     """
+    from certreg.campaign.montecarlo import MonteCarlo
     from certreg.experiments.drawings import drawings
     from certreg.experiments.observations import Setup
     from certreg.experiments.verdicts import reproduce as run
     from certreg.report.exhibition import make_folder, write_reproduction
     from certreg.report.reproduction import texts
+    from certreg.settings import ReproductionSettings
 
-    setup = Setup(points=points, noise=noise, damping=damping, seed=seed, runs=runs)
+    apart = scheduler is not None or parquet or (runs or 0) > ReproductionSettings().largest_runs
+    setup = Setup(
+        points=points, noise=noise, damping=damping, seed=seed, runs=None if apart else runs
+    )
     make_folder(out)
+    if apart:
+        count = runs or setup.equilibrium_runs
+        drawn = MonteCarlo(count=count, points=points, sigma=noise, damping=damping, seed=seed)
+        run_instances(drawn, out / CAMPAIGN, scheduler, parquet=parquet)
+        click.echo()
     with Stages() as stages:
         made = run(setup, stages.at, proofs=not no_proofs)
         stages.at("figures")
