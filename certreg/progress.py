@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from certreg.options import printable
+from certreg.report.markup import printable
 
 if TYPE_CHECKING:
     from types import TracebackType

@@ -280,3 +280,15 @@ class ReproductionSettings:
     same_angle: float = 1e-9  # degrees, of two eigenvectors of a 4x4 matrix: their rounding
     no_eigenvalue: float = 1e-9  # of the largest: a computed zero is below, a true one far above
     near: float = 1.0  # degrees: a simulation stops near its end, not at it; saddles are at 180
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReportSettings:
+    """What the report shows of a run, and how much it carries."""
+
+    frames: int = 240  # of a motion; the page interpolates between them
+    visible_energy: float = 1e-6  # of what a run loses: a thousandth of the first displacement
+    push: float = 0.02  # radians off a saddle: hardly seen, and soon on its way
+    escape_steps: int = 20_000  # of explicit Euler; some five hundred are usual
+    packing_level: int = 1  # of zlib: digits of measurements do not compress further
+    sample: int = 100_000  # points shown where the certificate does not hold them

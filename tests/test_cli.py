@@ -32,10 +32,10 @@ if TYPE_CHECKING:
 
 CHECKER = Path(package.__file__).parent / "verify.py"
 COMMANDS = (
-    *("demo", "certify", "assess", "verify", "equilibria", "simulate"),
+    *("demo", "certify", "assess", "verify", "report", "equilibria", "simulate"),
     *("apply", "batch", "reproduce", "derive", "codegen", "info"),
 )
-FILES = ["certificate.json", "pose.txt", "result.json", "trajectory.npz"]
+FILES = ["certificate.json", "pose.txt", "report.html", "result.json", "trajectory.npz"]
 
 
 @dataclass(frozen=True)
@@ -460,6 +460,7 @@ def test_damping_changes_the_eigenvalues_and_nothing_else(data: Path):
     sums = [[sum(re for re, _ in spectrum) for spectrum in found] for found in eigenvalues]
     assert sums[0] == pytest.approx([-6 * math.sqrt(8)] * 4)
     assert sums[1] == pytest.approx([-3.0] * 4)
+    assert [document.pop("damping") for document in documents] == [math.sqrt(8), 0.5]
     for document in documents:
         for key in ("timings_ms", "simulation", "agreement", "theorems"):
             document.pop(key)
@@ -510,7 +511,8 @@ def test_a_pose_without_a_certificate_ends_with_code_4(data: Path, tmp_path: Pat
     keeps(run.document, RESULT)
     assert run.document["optimality"]["status"] == "not-certified"
     assert "without --out" not in run.document["reasons"]["certificate"]
-    assert sorted(path.name for path in tmp_path.iterdir()) == FILES[1:]
+    written = sorted(path.name for path in tmp_path.iterdir())
+    assert written == ["pose.txt", "result.json", "trajectory.npz"]
 
 
 def test_two_roads_that_disagree_end_with_code_1(data: Path, monkeypatch):

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import click
 
 from certreg.exits import worst
-from certreg.options import CLOUD, EXIT_CODES, FOLDER, printable
+from certreg.options import CLOUD, EXIT_CODES, FOLDER
 from certreg.progress import Progress
+from certreg.report.markup import printable
 
 if TYPE_CHECKING:
     from collections.abc import Generator

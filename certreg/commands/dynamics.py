@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import click
 
 from certreg.exits import DONE, NOT_CERTIFIED, NOT_UNIQUE
-from certreg.options import CLOUD, EXIT_CODES, cloud_options, printable
+from certreg.options import CLOUD, EXIT_CODES, cloud_options
+from certreg.report.markup import printable
 
 if TYPE_CHECKING:
     from pathlib import Path

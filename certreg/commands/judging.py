@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import click
 
 from certreg.exits import DONE, REFUSED
-from certreg.options import CLOUD, cloud_options, pairing_options, printable
+from certreg.options import CLOUD, cloud_options, pairing_options
+from certreg.report.markup import printable
 
 if TYPE_CHECKING:
     from certreg.io.clouds import Pair, Pairing
@@ -130,4 +131,24 @@ def apply(result: Path, cloud: Path, *, out: Path) -> int:
     pose, points = read_result_pose(result), read_cloud(cloud)
     write_cloud(out, pose.apply(points.points), points.labels)
     click.echo(f"{len(points.points)} points written to {printable(out)}")
+    return DONE
+
+
+@click.command(epilog="Exit code 0 when the report was written, 1 if the checker refuses, else 2.")
+@click.argument("certificate", type=CLOUD)
+@click.option("--out", type=CLOUD, help="File to write; default: report.html beside CERTIFICATE.")
+def report(certificate: Path, *, out: Path | None) -> int:
+    """One HTML file that shows the registration and its proof, for any browser, offline.
+
+    CERTIFICATE is checked first. The simulated motion is taken from the files that certify wrote
+    beside it, if they belong to it, and computed anew otherwise.
+    """
+    from certreg.files import write_atomically
+    from certreg.report.folder import REPORT
+    from certreg.report.page import page
+    from certreg.report.revisiting import report_of
+
+    place = certificate.with_name(REPORT) if out is None else out
+    write_atomically(place, page(report_of(certificate)))
+    click.echo(f"{printable(place)}: open it in a browser; it needs no network")
     return DONE

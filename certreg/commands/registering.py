@@ -14,8 +14,8 @@ from certreg.options import (
     EXIT_CODES,
     FOLDER,
     cloud_options,
-    printable,
 )
+from certreg.report.markup import printable
 
 if TYPE_CHECKING:
     from certreg.io.clouds import Pair
@@ -40,7 +40,7 @@ def certify(
     """Register SOURCE to TARGET and certify the result."""
     from certreg.pipeline import certify as run
     from certreg.report.document import dumps, result_document
-    from certreg.report.folder import write_folder
+    from certreg.report.folder import REPORT, write_folder
     from certreg.report.summary import registration_summary
 
     registration = run(
@@ -58,6 +58,7 @@ def certify(
         if path is not None:
             place = printable(path)
             click.echo(f"\nCertificate: {place}  (re-check it: certreg verify {place})")
+            click.echo(f"Report: {printable(path.with_name(REPORT))}  (open it in a browser)")
     return code_of_registration(registration)
 
 
@@ -72,7 +73,7 @@ def certify(
 def demo(out: Path) -> int:
     """The main job on packaged real data: survey, electrodes, protein."""
     from certreg.demo import STORIES, differences, tell
-    from certreg.report.folder import write_folder
+    from certreg.report.folder import REPORT, write_folder
     from certreg.report.summary import registration_summary
     from certreg.verify import shown
 
@@ -84,7 +85,9 @@ def demo(out: Path) -> int:
         for difference in differences(story, registration):
             click.echo(f"NOT AS TOLD: {difference}", err=True)
             code = REFUSED
-        click.echo(f"  certificate: {path}\n")
+        click.echo(f"  certificate: {path}")
+        if path is not None:
+            click.echo(f"  report:      {path.with_name(REPORT)}\n")
     click.echo("Every certificate above was accepted by the checker. Check them yourself:")
     certificate = shown(out / STORIES[0].name / "certificate.json")
     click.echo(f"  {shown(sys.argv[0])} verify {certificate}")

@@ -8,8 +8,9 @@ import click
 
 from certreg.commands.campaigns import run_instances
 from certreg.exits import DONE, REFUSED
-from certreg.options import FOLDER, printable
+from certreg.options import FOLDER
 from certreg.progress import Stages
+from certreg.report.markup import printable
 
 CAMPAIGN = "campaign"  # folder, within that of the reproduction
 

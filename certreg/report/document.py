@@ -62,6 +62,7 @@ def result_document(registration: Registration, certificate_path: str | None = N
     return {
         "schema": RESULT_SCHEMA,
         "n": registration.problem.n,
+        "damping": registration.problem.damping,
         "pose": {
             "rotation": pose.rotation.tolist(),
             "translation": pose.translation.tolist(),

@@ -1,4 +1,4 @@
-"""The folder that `certify --out` and `demo` write: certificate, result, pose, trajectory."""
+"""The folder that `certify --out` and `demo` write: certificate, result, pose, motion, report."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from certreg.errors import InvalidFileError
 from certreg.files import write_atomically
 from certreg.io.trajectories import Record
 from certreg.report.document import dumps, result_document
+from certreg.report.page import Report, page
+from certreg.report.panel import Roads
 
 if TYPE_CHECKING:
     import os
@@ -17,7 +19,7 @@ if TYPE_CHECKING:
     from certreg.pipeline import Registration
 
 CERTIFICATE, RESULT, POSE = "certificate.json", "result.json", "pose.txt"
-TRAJECTORY = "trajectory.npz"
+TRAJECTORY, REPORT = "trajectory.npz", "report.html"
 
 
 def write_folder(registration: Registration, folder: str | os.PathLike[str]) -> Path | None:
@@ -41,9 +43,17 @@ def write_folder(registration: Registration, folder: str | os.PathLike[str]) -> 
     trajectory = registration.solution.trajectory
     if trajectory is not None:
         contents[TRAJECTORY] = Record.of(registration.problem, trajectory).to_bytes()
-    if registration.certificate is not None:
-        contents[CERTIFICATE] = registration.certificate.pieces()
-    for name in (CERTIFICATE, RESULT, POSE, TRAJECTORY):
+    if registration.certificate is not None and registration.verdict is not None:
+        contents[CERTIFICATE] = registration.certificate.to_json()
+        report = Report(
+            registration=registration,
+            certificate=contents[CERTIFICATE],
+            verdict=registration.verdict,
+            logged=trajectory,
+            roads=Roads.of(registration.solution.agreement),
+        )
+        contents[REPORT] = page(report)
+    for name in (CERTIFICATE, RESULT, POSE, TRAJECTORY, REPORT):
         if name in contents:
             write_atomically(place / name, contents[name])
         else:  # one of an earlier run must not stand beside results that it does not belong to

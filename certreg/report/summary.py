@@ -38,10 +38,10 @@ def registration_summary(registration: Registration) -> str:
             f"  correspondences   {registration.problem.n}",
             f"  rotation (wxyz)   {' '.join(map(repr, pose.quaternion_wxyz.tolist()))}",
             f"  translation       {' '.join(map(repr, pose.translation.tolist()))}",
-            f"  RMSE              {_number(registration.rmse)}  (weighted, unit of the clouds)",
+            f"  RMSE              {number(registration.rmse)}  (weighted, unit of the clouds)",
             f"  ambiguity margin  {margin_words(registration.equilibria)}",
             *_road_lines(registration),
-            *_warnings(registration),
+            *(f"  warning           {words}" for words in warnings(registration)),
             "",
             equilibria_summary(registration.equilibria),
         )
@@ -60,8 +60,8 @@ def simulation_summary(simulated: SimulatedRegistration, energies: dict[str, flo
             f"  steps             {trajectory.steps} of at most {trajectory.step:.6g}",
             f"  time              {trajectory.times[-1]:.6g}  (unit of the springs)",
             f"  escapes           {trajectory.escapes}  (kicked off a saddle)",
-            f"  initial energy    {_number(energies['initial'])}  (kinetic and potential)",
-            f"  final energy      {_number(energies['final'])}",
+            f"  initial energy    {number(energies['initial'])}  (kinetic and potential)",
+            f"  final energy      {number(energies['final'])}",
             f"  residual          {trajectory.speed:.3g}  (norm of the 18 rates of change)",
             f"  decay rate        {measured}  (predicted {predicted})",
             f"  end               {_away(simulated.angle_to_optimum)}",
@@ -131,8 +131,8 @@ def assessment_summary(assessment: Assessment) -> str:
     away = math.degrees(assessment.angle_to_optimum or 0.0)
     lines += [
         "",
-        f"  RMSE               {_number(assessment.rmse)}  (weighted, unit of the clouds)",
-        f"  objective          {_number(assessment.objective)}",
+        f"  RMSE               {number(assessment.rmse)}  (weighted, unit of the clouds)",
+        f"  objective          {number(assessment.objective)}",
         f"  above the minimum  {_interval(assessment.gap_lower, assessment.gap_upper)}",
         f"  angle to optimum   {away:.3g} degrees",
     ]
@@ -144,34 +144,49 @@ def _interval(lower: float | None, upper: float | None) -> str:
     if lower is None or upper is None:
         return "(not certified)"
     if lower == 0.0:
-        return f"at most {_upper(upper)} (proved)"
+        return f"at most {bounded(upper)} (proved)"
     low, high = _rounded(lower, 9, ROUND_FLOOR), _rounded(upper, 9, ROUND_CEILING)
     return f"between {low} and {high} (proved)"
 
 
-def _status_lines(registration: Registration) -> list[str]:
+def verdict_words(registration: Registration) -> list[str]:
+    """What is proved of the pose: a headline, then what else must be said before any number."""
     if registration.status is Optimality.NOT_CERTIFIED:
         return ["NOT CERTIFIED: the pose is computed, but its optimality was not proved."]
-    bounds, ambiguity = registration.bounds, registration.equilibria.classification.ambiguity
-    gap = "(beyond doubles)" if bounds is None else _upper(bounds.gap_upper)
-    proved = f"  proved gap        objective - minimum <= {gap}, at the pose below"
+    ambiguity = registration.equilibria.classification.ambiguity
     if ambiguity is not None:
         return [
             "CERTIFIED, BUT NOT UNIQUE: no pose is better, and infinitely many are as good:",
             f"{ambiguity.value}.",
             "The pose below is the one of them that turns the source least.",
-            proved,
         ]
-    angle = 0.0 if bounds is None or bounds.angle_upper is None else bounds.angle_upper
-    headline = "CERTIFIED: this is the global optimum, and it is unique."
     if registration.equilibria.margin.relative < WEAK_MARGIN:
-        headline = (
-            "CERTIFIED, BUT NEARLY AMBIGUOUS: this is the global optimum of exactly these numbers, "
-            "and\na very different pose fits almost as well. Do not rely on the rotation."
-        )
-    degrees = _upper(math.degrees(angle) * DEGREE_SLACK)
-    turn = f"  proved angle      rotation (wxyz) within {degrees} degrees of the optimum"
-    return [headline, proved, turn]
+        return [
+            "CERTIFIED, BUT NEARLY AMBIGUOUS: this is the global optimum of exactly these numbers,",
+            "and a very different pose fits almost as well. Do not rely on the rotation.",
+        ]
+    return ["CERTIFIED: this is the global optimum, and it is unique."]
+
+
+def _status_lines(registration: Registration) -> list[str]:
+    lines, bounds = verdict_words(registration), registration.bounds
+    if registration.status is Optimality.NOT_CERTIFIED:
+        return lines
+    gap = "(beyond doubles)" if bounds is None else bounded(bounds.gap_upper)
+    lines.append(f"  proved gap        objective - minimum <= {gap}, at the pose below")
+    degrees = proved_degrees(registration)
+    if degrees is not None:
+        lines.append(f"  proved angle      rotation (wxyz) within {degrees} degrees of the optimum")
+    return lines
+
+
+def proved_degrees(registration: Registration) -> str | None:
+    """The proved bound on the angle to the optimum; None where there is not one optimum."""
+    if not registration.equilibria.classification.unique:
+        return None
+    bounds = registration.bounds
+    angle = 0.0 if bounds is None or bounds.angle_upper is None else bounds.angle_upper
+    return bounded(math.degrees(angle) * DEGREE_SLACK)
 
 
 def _road_lines(registration: Registration) -> list[str]:
@@ -180,7 +195,7 @@ def _road_lines(registration: Registration) -> list[str]:
     relaxation, trajectory, agreement = solution.relaxation, solution.trajectory, solution.agreement
     if relaxation is not None and agreement.relaxation is not None:
         gap = None if solution.certificate is None else solution.certificate.claims.sdp_gap
-        bound = "" if gap is None else f", proved gap {_upper(double_above(gap.value))}"
+        bound = "" if gap is None else f", proved gap {bounded(double_above(gap.value))}"
         lines.append(
             f"  relaxation (SDP)  rank {relaxation.rank}, {_away(agreement.relaxation)}{bound}"
         )
@@ -199,23 +214,23 @@ def _away(angle: float) -> str:
     return f"{math.degrees(angle):.1g} degrees from the optimum"
 
 
-def _warnings(registration: Registration) -> list[str]:
+def warnings(registration: Registration) -> list[str]:
     """What is true of the data and would be a pity to overlook."""
-    equilibria, bounds, warnings = registration.equilibria, registration.bounds, list[str]()
+    equilibria, bounds, found = registration.equilibria, registration.bounds, list[str]()
     gap, minimum = equilibria.margin.eigenvalue_gap, equilibria.components[0].energy
     unique = equilibria.classification.unique
     if _looks_mirrored(equilibria):
-        warnings.append("the target looks mirrored: is an axis flipped?")
+        found.append("the target looks mirrored: is an axis flipped?")
     noisy = unique and registration.problem.noise_given and gap is not None
     if noisy and 2.0 * (gap or 0.0) < DISTINGUISHABLE:
-        warnings.append("at the given noise the next equilibrium is as likely as the optimum")
+        found.append("at the given noise the next equilibrium is as likely as the optimum")
     costs = 0.0 if bounds is None else ROUNDING_SHARE * bounds.gap_upper
     if minimum is not None and costs > max(minimum, gap or 0.0):
-        warnings.append(
+        found.append(
             "the rounding of the translation to doubles costs more than a millionth of the fit: "
             "move the origin to the clouds"
         )
-    return [f"  warning           {words}" for words in warnings]
+    return found
 
 
 def _looks_mirrored(equilibria: EquilibriumSet) -> bool:
@@ -236,15 +251,16 @@ def _row(component: Component) -> tuple[str, ...]:
     return (
         str(component.morse_index),
         KINDS[component.kind],
-        _number(component.rmse),
-        _number(component.energy),
+        number(component.rmse),
+        number(component.energy),
         f"{math.degrees(component.angle_to_optimum):.6g} deg",
         "undefined" if unstable is None else str(unstable),
         "optimal" if component.optimal else "",
     )
 
 
-def _number(value: float | None) -> str:
+def number(value: float | None) -> str:
+    """A length or an energy, in few digits."""
     if value is None:
         return "(beyond doubles)"
     plain = 1e-4 <= abs(value) < 1e7 or value == 0
@@ -255,7 +271,7 @@ def _rate(value: float | None) -> str:
     return "unknown" if value is None else f"{value:.4g}"
 
 
-def _upper(value: float, digits: int = 3) -> str:
+def bounded(value: float, digits: int = 3) -> str:
     """An upper bound in few digits, rounded up: what is printed is still a bound."""
     return _rounded(value, digits, ROUND_CEILING)
 

@@ -1,0 +1,316 @@
+"""The report: one HTML file that shows a registration and its proof, and asks no other host."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import math
+from dataclasses import dataclass
+from importlib.resources import files
+from typing import TYPE_CHECKING, Any
+
+from certreg import __version__
+from certreg.report.captions import component_name, factor_words, motion_words
+from certreg.report.markup import (
+    Markup,
+    asset_block,
+    data_block,
+    element,
+    json_block,
+)
+from certreg.report.panel import NOT_CLAIMED, THEOREMS, Roads, Sentence, sentences
+from certreg.report.scene import Names, packed, sample_of, scene_document
+from certreg.report.summary import bounded, margin_words, number, verdict_words, warnings
+from certreg.results import Optimality
+from certreg.verify import parse
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from certreg.io.trajectories import Record
+    from certreg.pipeline import Registration
+    from certreg.results import Verdict
+    from certreg.simulation import Trajectory
+
+ASSETS = files("certreg.report") / "assets"
+STAMPS = {
+    Optimality.CERTIFIED: "good",
+    Optimality.CERTIFIED_NOT_UNIQUE: "open",
+    Optimality.NOT_CERTIFIED: "bad",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Report:
+    """What a page shows.
+
+    certificate: the bytes of the file that the page carries. verdict: the checker's, on these.
+    logged: the simulated motion, if there is one. documentation: where its pages lie, to link to.
+    """
+
+    registration: Registration
+    certificate: bytes
+    verdict: Verdict
+    logged: Trajectory | Record | None
+    roads: Roads
+    documentation: str | None = None
+
+    @property
+    def claims(self) -> dict[str, Any]:
+        """The fields of the certificate."""
+        return parse(self.certificate)
+
+
+def page(report: Report) -> bytes:
+    """The file's content, in UTF-8."""
+    claims = report.claims
+    names = Names.of(claims["about"], report.registration.problem.n)
+    style, script = ((ASSETS / name).read_text("utf-8") for name in ("report.css", "report.js"))
+    head = (
+        element("meta", charset="utf-8"),
+        element("meta", http_equiv="Content-Security-Policy", content=_policy(style, script)),
+        element("meta", name="viewport", content="width=device-width, initial-scale=1"),
+        element("meta", name="color-scheme", content="light dark"),
+        element("meta", name="generator", content=f"certreg {__version__}"),
+        element("title", f"{_stamp(report.registration)}: {names.source} to {names.target}"),
+        asset_block("style", style),
+    )
+    body = (
+        _header(report, names),
+        element("main", *_sections(report, claims)),
+        _footer(),
+        *_blocks(report, claims, names),
+        asset_block("script", script),
+    )
+    whole = element("html", element("head", *head), element("body", *body), lang="en")
+    return f"<!doctype html>\n{whole}\n".encode()
+
+
+def _policy(style: str, script: str) -> str:
+    """Nothing is loaded from anywhere; only these two texts are style and script."""
+    hashes = [base64.b64encode(hashlib.sha256(t.encode()).digest()) for t in (style, script)]
+    styles, scripts = (f"'sha256-{digest.decode('ascii')}'" for digest in hashes)
+    return (
+        f"default-src 'none'; style-src {styles}; script-src {scripts}; img-src data:; "
+        "base-uri 'none'; form-action 'none'"
+    )
+
+
+def _blocks(report: Report, claims: dict[str, Any], names: Names) -> Iterator[Markup]:
+    problem = report.registration.problem
+    document = scene_document(report.registration, report.logged, names)
+    yield json_block("scene", document)
+    yield data_block("certificate", "text/plain", packed(report.certificate))
+    if claims["data"] is None:
+        yield data_block("sample", "text/plain", sample_of(problem))
+
+
+def _stamp(registration: Registration) -> str:
+    return verdict_words(registration)[0].partition(": ")[0].capitalize()
+
+
+def _header(report: Report, names: Names) -> Markup:
+    registration = report.registration
+    stamp, _, said = " ".join(verdict_words(registration)).partition(": ")
+    weak = stamp != "CERTIFIED"
+    kind = "open" if weak else STAMPS[registration.status]
+    n = registration.problem.n
+    return element(
+        "header",
+        element(
+            "p",
+            element("bdi", names.source),
+            " → ",
+            element("bdi", names.target),
+            f" · {n} pair{'s' * (n != 1)}",
+            class_="files",
+        ),
+        element("p", stamp, class_=f"stamp {kind}"),
+        element("h1", said[:1].upper() + said[1:]),
+        *(
+            element("p", f"{w[:1].upper()}{w[1:]}", class_="warning")
+            for w in warnings(registration)
+        ),
+        element("p", motion_words(registration.pose), class_="lead"),
+        element("dl", *_facts(registration), class_="facts"),
+    )
+
+
+def _facts(registration: Registration) -> Iterator[Markup]:
+    """The figures that one asks for first."""
+    equilibria, bounds = registration.equilibria, registration.bounds
+    others = equilibria.classification.spurious
+    counted = "infinitely many" if others is None else str(others)
+    facts = [("RMSE", number(registration.rmse), "of the pairs, in the unit of the clouds")]
+    if bounds is not None:
+        gap = bounded(bounds.gap_upper)
+        facts.append(("Proved gap", f"≤ {gap}", "of the objective above the global minimum"))
+    facts += [
+        ("Wrong poses at rest", counted, "where the springs balance and the fit is not the best"),
+        ("Ambiguity margin", *_split(margin_words(equilibria))),
+    ]
+    for name, value, words in facts:
+        yield element(
+            "div", element("dt", name), element("dd", value), element("dd", words, class_="note")
+        )
+
+
+def _split(words: str) -> tuple[str, str]:
+    value, _, rest = words.partition(": ")
+    figure, percent, unit = value.partition(" % ")
+    return (f"{figure}{' %' if percent else ''}", f"{unit}{': ' if unit else ''}{rest}")
+
+
+def _sections(report: Report, claims: dict[str, Any]) -> Iterator[Markup]:
+    yield _section("see", "See it", _stage(report.registration))
+    yield _section("charts", "In numbers", *_charts())
+    known = sentences(report.registration, claims, report.roads)
+    yield _section(
+        "proof",
+        "What is proved, and how we know",
+        element("ol", *(_sentence(one, report.documentation) for one in known), class_="known"),
+        element("h3", "Not claimed"),
+        element("ul", *(element("li", words) for words in NOT_CLAIMED)),
+    )
+    yield _section("check", "Check it yourself", *_check(report))
+    yield _section("pose", "The pose", *_pose(report.registration))
+
+
+def _section(name: str, title: str, *content: Markup) -> Markup:
+    heading = element("h2", title, id=f"{name}-title")
+    return element("section", heading, *content, id=name, aria_labelledby=f"{name}-title")
+
+
+def _stage(registration: Registration) -> Markup:
+    equilibria = registration.equilibria
+    view = element(
+        "div",
+        element("canvas", id="view", tabindex=0, role="img", aria_label="The two clouds in space"),
+        element("div", id="tags", aria_hidden="true"),
+        element("p", id="view-note", role="status"),
+        element("p", id="legend", aria_hidden="true"),
+        class_="view",
+    )
+    bar = element(
+        "div",
+        element("button", "Play", id="play", type="button"),
+        element("label", "Time", for_="time", class_="unseen"),
+        element("input", id="time", type="range", min=0, max=1000, value=0, step="any"),
+        element("output", id="clock", for_="time"),
+        class_="bar",
+    )
+    rests = [_rest(registration, i) for i in range(len(equilibria.components))]
+    released = element(
+        "button",
+        element("span", "From the start", class_="name"),
+        element("span", "the source as it was given, released", class_="note"),
+        id="released",
+        type="button",
+        aria_pressed="false",
+    )
+    return element(
+        "div",
+        element("div", view, bar, class_="film"),
+        element(
+            "div",
+            element("h3", "Watch the registration"),
+            released,
+            element("h3", "Every pose at which it can rest"),
+            element("div", *rests, class_="rests", role="group", aria_label="Poses at rest"),
+            element("div", id="along"),
+            element("p", id="caption", role="status"),
+            element("button", "Push it", id="push", type="button", hidden=True),
+            class_="choices",
+        ),
+        element("noscript", element("p", "The pictures need JavaScript; the words do not.")),
+        class_="stage",
+    )
+
+
+def _rest(registration: Registration, index: int) -> Markup:
+    equilibria = registration.equilibria
+    component = equilibria.components[index]
+    away = math.degrees(component.angle_to_optimum)
+    notes = [f"index {component.morse_index}"]
+    if not component.optimal:
+        notes.append(f"{away:.4g}° from the optimum")
+    factor = "" if component.optimal else factor_words(equilibria, index)
+    return element(
+        "button",
+        element("span", component_name(equilibria, index), class_="name"),
+        element("span", f"RMSE {number(component.rmse)}", class_="rmse"),
+        element("span", " · ".join(notes), class_="note"),
+        element("span", factor, class_="note factor"),
+        type="button",
+        class_="rest best" if component.optimal else "rest wrong",
+        data_component=index,
+        aria_pressed="false",
+    )
+
+
+def _charts() -> Iterator[Markup]:
+    charts = (
+        ("energy", "Energy along the motion", "It falls until the body rests."),
+        ("spectrum", "Eigenvalues at this pose at rest", "Right of the line: a push grows."),
+        ("residuals", "Distances of the pairs", "At the pose shown, the worst first."),
+        ("margin", "Ambiguity margin", "How far the data are from a second best pose."),
+    )
+    for name, title, words in charts:
+        caption = element("figcaption", element("b", title), " ", element("span", words))
+        yield element("figure", caption, element("div", class_="chart"), id=name)
+
+
+def _sentence(known: Sentence, documentation: str | None) -> Markup:
+    label = known.guarantee.label
+    how = [element("span", label, class_=f"how {label}")]
+    for theorem in known.theorems:
+        title = THEOREMS[theorem]
+        if documentation is not None:
+            how.append(element("a", title, href=f"{documentation}proofs/{theorem}.html"))
+        else:
+            how.append(element("span", f"{title}, ", element("code", f"certreg derive {theorem}")))
+    return element("li", element("p", known.words), element("p", *how, class_="rests-on"))
+
+
+def _check(report: Report) -> Iterator[Markup]:
+    yield element(
+        "p",
+        "The certificate is in this file. Save it, and let it be checked in exact integer "
+        "arithmetic, with certreg or with nothing but Python:",
+    )
+    yield element(
+        "p",
+        element("button", "Save certificate.json", id="save", type="button"),
+        element("span", id="saved", role="status"),
+    )
+    commands = "certreg verify certificate.json\npython3 -I -S verify.py certificate.json"
+    yield element("pre", element("code", commands))
+    digest = report.registration.problem.digest()
+    yield element("p", "SHA-256 of the points and weights: ", element("code", digest, id="digest"))
+    lines = "\n".join((*report.verdict.theorems, "VERIFIED"))
+    yield element(
+        "details",
+        element("summary", "What the checker said when this page was written"),
+        element("pre", lines, tabindex=0),
+    )
+
+
+def _pose(registration: Registration) -> Iterator[Markup]:
+    pose = registration.pose
+    rows = [" ".join(map(repr, row)) for row in pose.T_target_source.tolist()]
+    yield element("p", "The 4×4 matrix that takes source coordinates to target coordinates:")
+    yield element("pre", "\n".join(rows), tabindex=0, aria_label="4 by 4 matrix")
+    quaternion = " ".join(map(repr, pose.quaternion_wxyz.tolist()))
+    yield element("p", "Rotation as a unit quaternion, w x y z; the bounds hold for this one:")
+    yield element("pre", quaternion, tabindex=0, aria_label="quaternion")
+
+
+def _footer() -> Markup:
+    return element(
+        "footer",
+        element(
+            "p",
+            f"Written by certreg {__version__}. This file is complete: it loads nothing and sends "
+            "nothing. The scene is drawn by three.js (MIT licence, in the script).",
+        ),
+    )

@@ -1,0 +1,194 @@
+"""The proof panel: what is known, in sentences, each with how it is known and by which theorem."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from certreg.dyadic import double_above
+from certreg.report.summary import bounded, count_words, margin_words, proved_degrees
+from certreg.results import ComponentKind, Guarantee
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from fractions import Fraction
+
+    from certreg.agreement import Agreement
+    from certreg.pipeline import Registration
+
+THEOREMS = {  # claims of `certreg derive`, by the titles of their pages
+    "optimality_certificate": "The optimality certificate",
+    "translation_gap": "A translation that is off",
+    "classification": "The classification",
+    "eigenvectors": "Equilibria are eigenvectors",
+    "unstable_count": "As many growing modes as the index",
+    "instability": "Every spurious equilibrium is unstable",
+    "certified_basin": "The certified basin",
+    "dual_bound": "A multiplier that is proved is a bound",
+    "spectrum": "The spectrum",
+    "maximum_likelihood": "Maximum likelihood",
+}
+NOT_CLAIMED = (
+    "that the correspondences are right: a wrong pair is registered as faithfully as a right one;",
+    "that the noise is Gaussian, or the bodies rigid;",
+    "that the optimum is close to the truth: only that no pose fits these numbers better;",
+    "where the points come from, nor what the certificate says under `about`: names and labels.",
+)
+NAMES = {
+    ComponentKind.POINT: "one pose",
+    ComponentKind.CIRCLE: "a circle of poses",
+    ComponentKind.PROJECTIVE_PLANE: "a projective plane of poses",
+    ComponentKind.ROTATION_GROUP: "every rotation",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sentence:
+    """What is known, how it is known, and the names of the theorems that it rests on."""
+
+    words: str
+    guarantee: Guarantee
+    theorems: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Roads:
+    """How far independent roads ended from the pose, in degrees; None where not taken."""
+
+    closed_form: float
+    relaxation: float | None
+    simulation: float | None
+
+    @classmethod
+    def of(cls, agreement: Agreement) -> Roads:
+        """From the angles in radians."""
+        others = (agreement.relaxation, agreement.simulation)
+        relaxation, simulation = (None if a is None else math.degrees(a) for a in others)
+        return cls(
+            closed_form=math.degrees(agreement.closed_form),
+            relaxation=relaxation,
+            simulation=simulation,
+        )
+
+
+def sentences(registration: Registration, claims: dict[str, Any], roads: Roads) -> list[Sentence]:
+    """What the page says is known; `claims` as `certreg.verify.parse` gives them, accepted."""
+    return [
+        *_optimality(registration),
+        *_equilibria(registration),
+        *_motion(claims),
+        *_numbers(registration, roads),
+    ]
+
+
+def _optimality(registration: Registration) -> Iterator[Sentence]:
+    bounds = registration.bounds
+    if bounds is None:
+        return
+    yield Sentence(
+        words=(
+            "No rotation and translation fits these points better: the sum of weighted squared "
+            f"distances at the pose printed here exceeds the minimum by at most "
+            f"{bounded(bounds.gap_upper)}."
+        ),
+        guarantee=Guarantee.EXACT,
+        theorems=("optimality_certificate", "translation_gap"),
+    )
+    degrees = proved_degrees(registration)
+    if degrees is not None:
+        yield Sentence(
+            words=(
+                "The best rotation is unique, and the one printed here is within "
+                f"{degrees} degrees of it."
+            ),
+            guarantee=Guarantee.EXACT,
+            theorems=("optimality_certificate", "classification"),
+        )
+        return
+    kind = NAMES[registration.equilibria.components[0].kind]
+    yield Sentence(
+        words=f"The best rotation is not unique: the optima are {kind}, all exactly as good.",
+        guarantee=Guarantee.EXACT,
+        theorems=("classification",),
+    )
+
+
+def _equilibria(registration: Registration) -> Iterator[Sentence]:
+    equilibria = registration.equilibria
+    counted = count_words(equilibria).split(": ", 1)[1]
+    listed = ", ".join(f"{NAMES[c.kind]} of index {c.morse_index}" for c in equilibria.components)
+    yield Sentence(
+        words=f"There are {counted[:-1]}: {listed}. The list is complete.",
+        guarantee=equilibria.guarantee,
+        theorems=("eigenvectors", "classification"),
+    )
+    unstable = equilibria.classification.unstable
+    if unstable is None:
+        yield Sentence(
+            words=(
+                "The source points are on one line, so the dynamics of the body is not defined. "
+                "The energy falls in as many directions as the index says."
+            ),
+            guarantee=equilibria.guarantee,
+            theorems=("classification",),
+        )
+    elif len(unstable) > 1:
+        counts = ", ".join(map(str, unstable))
+        yield Sentence(
+            words=(
+                f"In this order they have {counts} growing modes: whatever is not optimal is "
+                "unstable, and the smallest push makes a body leave it."
+            ),
+            guarantee=equilibria.guarantee,
+            theorems=("unstable_count", "instability"),
+        )
+
+
+def _motion(claims: dict[str, Any]) -> Iterator[Sentence]:
+    if claims["basin"]:
+        yield Sentence(
+            words=(
+                "The simulated body ended in a state from which the exact motion can end nowhere "
+                "but at the optimum."
+            ),
+            guarantee=Guarantee.EXACT,
+            theorems=("certified_basin",),
+        )
+    gap: Fraction | None = claims["sdp_gap"]
+    if gap is not None:
+        yield Sentence(
+            words=(
+                "The dual of the semidefinite relaxation, rounded outwards, bounds the gap "
+                f"independently: at most {bounded(double_above(gap))}."
+            ),
+            guarantee=Guarantee.EXACT,
+            theorems=("dual_bound",),
+        )
+
+
+def _numbers(registration: Registration, roads: Roads) -> Iterator[Sentence]:
+    yield Sentence(
+        words=(
+            "Poses, energies and RMSE are rounded to doubles from at least 57 digits. The "
+            "eigenvalues in the chart are computed in double precision; the signs of their real "
+            "parts are exact."
+        ),
+        guarantee=Guarantee.NUMERICAL,
+        theorems=("spectrum",),
+    )
+    others = {
+        "the closed form": roads.closed_form,
+        "the semidefinite relaxation": roads.relaxation,
+        "the simulation": roads.simulation,
+    }
+    taken = [f"{name} to {angle:.1g}°" for name, angle in others.items() if angle is not None]
+    yield Sentence(
+        words=f"Independent roads lead to the same rotation: {', '.join(taken)}.",
+        guarantee=Guarantee.NUMERICAL,
+    )
+    yield Sentence(
+        words=f"The ambiguity margin is {margin_words(registration.equilibria)}.",
+        guarantee=Guarantee.NUMERICAL,
+        theorems=("classification",),
+    )

@@ -1,0 +1,113 @@
+"""Simulated motions thinned for display: the registration itself, and an escape from each saddle.
+
+Poses and energies are sent to the page, never points.
+"""
+
+from __future__ import annotations
+
+import base64
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from certreg.errors import DegenerateProblemError
+from certreg.settings import ReportSettings, SimulationSettings
+from certreg.simulation import simulate
+from certreg.so3 import quaternion_from_matrix, rotation_matrix
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from certreg.io.trajectories import Record
+    from certreg.pipeline import Solution
+    from certreg.simulation import Trajectory
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Run:
+    """A motion of the body, released at rest.
+
+    start: the component that it was pushed off; None: released where the source was given.
+    times (F,), in the time unit of the springs; quaternions (F, 4); offsets (F, 3), of the source's
+    centroid from the target's, over 2^length_exponent; potential, kinetic (F,), per unit of mass,
+    over 4^length_exponent. last: when the simulation ended, seen or not.
+    """
+
+    start: int | None
+    times: NDArray[np.float64]
+    quaternions: NDArray[np.float64]
+    offsets: NDArray[np.float64]
+    potential: NDArray[np.float64]
+    kinetic: NDArray[np.float64]
+    length_exponent: int
+    last: float
+
+    @property
+    def fields(self) -> dict[str, Any]:
+        """What the page reads: each array as base64 of little-endian floats of 32 bits."""
+        arrays = ("times", "quaternions", "offsets", "potential", "kinetic")
+        return {
+            "start": self.start,
+            "length_exponent": self.length_exponent,
+            "last": self.last,
+            **{name: _packed(getattr(self, name)) for name in arrays},
+        }
+
+
+def shown_run(logged: Trajectory | Record, start: int | None = None) -> Run:
+    """The part of a trajectory in which something is seen to move, in evenly spaced frames."""
+    settings = ReportSettings()
+    times, energy = logged.times, logged.potential + logged.kinetic
+    above = energy - energy[-1]
+    moving = np.flatnonzero(above > settings.visible_energy * above[0])
+    end = min(len(times) - 1, int(moving[-1]) + 1 if len(moving) else len(times) - 1)
+    wanted: NDArray[np.float64] = np.arange(settings.frames) / (settings.frames - 1)
+    wanted = times[0] + wanted * (times[end] - times[0])
+    rows = np.unique(np.searchsorted(times, wanted).clip(0, end))
+    states = logged.states[rows]
+    return Run(
+        start=start,
+        times=times[rows],
+        quaternions=np.array(
+            [quaternion_from_matrix(R) for R in states[:, 3:12].reshape(-1, 3, 3)]
+        ),
+        offsets=states[:, :3],
+        potential=logged.potential[rows],
+        kinetic=logged.kinetic[rows],
+        length_exponent=logged.length_exponent,
+        last=float(times[-1]),
+    )
+
+
+def escapes(solution: Solution, damping: float) -> list[Run]:
+    """From each component that is not optimal, a run that begins a small turn off it.
+
+    The turn is about the axis along which the energy falls fastest. Empty where the dynamics is not
+    defined, or too stiff to be simulated.
+    """
+    components = solution.equilibria.components
+    try:
+        return [
+            _escape(solution, damping, index, witness)
+            for index, component in enumerate(components)
+            if (witness := component.witness) is not None
+        ]
+    except DegenerateProblemError:
+        return []
+
+
+def _escape(solution: Solution, damping: float, index: int, axis: NDArray[np.float64]) -> Run:
+    settings, component = ReportSettings(), solution.equilibria.components[index]
+    half = settings.push / 2.0
+    turn = np.array([np.cos(half), *(np.sin(half) * axis)])
+    pushed = component.rotation @ np.array(rotation_matrix(turn.tolist()))
+    start = np.array([0.0, 0.0, 0.0, *pushed.ravel(), *(0.0,) * 6])
+    limits = SimulationSettings(max_steps=settings.escape_steps)
+    return shown_run(simulate(solution.spectrum, damping, start=start, settings=limits), index)
+
+
+def _packed(values: NDArray[np.float64]) -> str:
+    limit = float(np.finfo(np.float32).max)
+    floats = np.ascontiguousarray(values.clip(-limit, limit), dtype="<f4")
+    return base64.b64encode(floats.tobytes()).decode("ascii")

@@ -1,0 +1,130 @@
+"""What the page's script draws: equilibria, motions, labels. The points are in the certificate."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from certreg.dyadic import nearest_double
+from certreg.energy import potential_energy
+from certreg.report.captions import component_name, component_words
+from certreg.report.markup import printable
+from certreg.report.runs import escapes, shown_run
+from certreg.report.summary import margin_words
+from certreg.settings import ReportSettings
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from certreg.io.trajectories import Record
+    from certreg.pipeline import Registration
+    from certreg.problem import RegistrationProblem
+    from certreg.simulation import Trajectory
+
+NO_MOTION = "Nothing moves here: "
+COLLINEAR = "the source points are on one line, so the dynamics of the body is not defined."
+NOT_SIMULATED = "the motion was not simulated."
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Names:
+    """What the certificate says of the points, unproved: names of the files, labels if it has them.
+
+    Control characters are escaped.
+    """
+
+    source: str
+    target: str
+    labels: tuple[str, ...] | None
+
+    @classmethod
+    def of(cls, about: dict[str, Any], n: int) -> Names:
+        """The names in the `about` of a certificate, whatever else it holds."""
+        labels: Any = about.get("labels")
+        named = [about.get(key) for key in ("source", "target")]
+        source, target = (
+            printable(name) if isinstance(name, str) and name else default
+            for name, default in zip(named, ("source", "target"), strict=True)
+        )
+        if not isinstance(labels, list) or len(cast("list[Any]", labels)) != n:
+            labels = []
+        texts = [label for label in cast("list[Any]", labels) if isinstance(label, str)]
+        whole = len(texts) == n
+        return cls(
+            source=source, target=target, labels=tuple(map(printable, texts)) if whole else None
+        )
+
+
+def scene_document(
+    registration: Registration, logged: Trajectory | Record | None, names: Names
+) -> dict[str, Any]:
+    """What the script of the page reads beside the certificate."""
+    problem, solution = registration.problem, registration.solution
+    equilibria = registration.equilibria
+    runs = [] if logged is None else [shown_run(logged)]
+    runs += escapes(solution, problem.damping)
+    exponent = runs[0].length_exponent if runs else 0
+    unit = solution.moments.total_weight * (4**exponent if exponent >= 0 else 1)
+    if exponent < 0:
+        unit /= 4**-exponent
+    defined = equilibria.classification.inertia_definite
+    return {
+        "n": problem.n,
+        "labels": names.labels,
+        "components": [
+            {
+                "name": component_name(equilibria, i),
+                "words": component_words(equilibria, i),
+                "dimension": component.kind.dimension,
+                "basis": component.basis.T.tolist(),
+                "quaternion": component.quaternion_wxyz.tolist(),
+                "index": component.morse_index,
+                "optimal": component.optimal,
+                "eigenvalues": _pairs(component.eigenvalues),
+                "level": nearest_double(potential_energy(solution.moments, q) / unit),
+            }
+            for i, (component, q) in enumerate(
+                zip(equilibria.components, solution.spectrum.quaternions, strict=True)
+            )
+        ],
+        "runs": [run.fields for run in runs],
+        "still": None if runs else NO_MOTION + (NOT_SIMULATED if defined else COLLINEAR),
+        "energy_unit": nearest_double(unit),
+        "margin": {"relative": equilibria.margin.relative, "words": margin_words(equilibria)},
+        "axes": _axes(problem.target).tolist(),
+    }
+
+
+def sample_of(problem: RegistrationProblem) -> str:
+    """Evenly chosen pairs, for the page of a certificate that does not hold its points."""
+    step = -(-problem.n // ReportSettings().sample)
+    rows = slice(None, None, step)
+    parts = (problem.source[rows], problem.target[rows], problem.weights[rows])
+    body = b"".join(np.ascontiguousarray(part, dtype="<f8").tobytes() for part in parts)
+    return base64.b64encode(body).decode("ascii")
+
+
+def packed(certificate: bytes) -> str:
+    """The bytes of a file for a page: gzip, then base64."""
+    level = ReportSettings().packing_level
+    return base64.b64encode(gzip.compress(certificate, level, mtime=0)).decode("ascii")
+
+
+def _pairs(values: NDArray[np.complex128] | None) -> list[list[float]] | None:
+    if values is None or not np.isfinite(values).all():
+        return None
+    return [[value.real, value.imag] for value in values.tolist()]
+
+
+def _axes(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The principal axes of a cloud as rows, the longest first, right-handed."""
+    unit = float(np.abs(points).max()) or 1.0
+    scaled = points / unit
+    centred = scaled - scaled.mean(axis=0)
+    spread = float(np.abs(centred).max()) or 1.0
+    rows = np.linalg.eigh((centred / spread).T @ (centred / spread))[1].T[::-1]
+    return rows * np.sign(np.linalg.det(rows))

@@ -1,0 +1,220 @@
+// The report's page: what was written into it is drawn, and follows the controls.
+
+import { drawMargin, drawResiduals, drawSpectrum, EnergyChart, note } from "./charts.js";
+import { Clouds } from "./clouds.js";
+import { certificateBytes, pointBytes, sceneDocument } from "./contents.js";
+import { Orbit } from "./orbit.js";
+import { Player } from "./player.js";
+import { matrix } from "./rotation.js";
+import { Run } from "./runs.js";
+import { Stage } from "./stage.js";
+import { figure } from "./svg.js";
+
+const TAGGED = 12; // points with their labels in the scene; more would hide it
+const MANY = 20_000; // pairs, whose distances are measured in every fourth frame only
+
+const part = (id) => document.getElementById(id);
+const chart = (id) => part(id).querySelector(".chart");
+
+/** The scene, or null where the browser has no WebGL; then the page says so. */
+function openStage(clouds, axes, redraw) {
+  try {
+    const orbit = new Orbit(part("view"), axes, redraw);
+    return new Stage(part("view"), clouds, orbit);
+  } catch {
+    part("view").hidden = true;
+    part("view-note").textContent =
+      "This browser has no WebGL, which the scene needs. All else on this page works.";
+    return null;
+  }
+}
+
+/** Labels at the points of small clouds. */
+function tags(stage, clouds, labels) {
+  if (!stage || !labels || clouds.n > TAGGED) return () => {};
+  const made = ["target", "source"].map((cloud) =>
+    labels.map((words) => {
+      const tag = document.createElement("bdi");
+      tag.className = `tag ${cloud}`;
+      tag.textContent = words.length > 12 ? `${words.slice(0, 11)}…` : words;
+      part("tags").append(tag);
+      return tag;
+    }),
+  );
+  return () => {
+    made.forEach((tags_, moved) => {
+      tags_.forEach((tag, row) => {
+        const [x, y] = stage.seen(moved ? clouds.source : clouds.target, row, Boolean(moved));
+        tag.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
+      });
+    });
+  };
+}
+
+/** Sliders along the component that was chosen, if it is more than one pose. */
+function sliders(player, component) {
+  const place = part("along");
+  if (place.dataset.component === String(player.rest)) return;
+  place.dataset.component = player.rest;
+  const inputs = Array.from({ length: component.dimension }, (_, k) => {
+    const input = document.createElement("input");
+    Object.assign(input, { type: "range", min: 0, max: 180, step: 0.5, value: 0 });
+    input.setAttribute("aria-label", `Move along, ${k + 1} of ${component.dimension}`);
+    input.addEventListener("input", () => {
+      player.choose(player.rest, inputs.map((one) => (Number(one.value) * Math.PI) / 180));
+    });
+    return input;
+  });
+  const words = document.createElement("p");
+  words.className = "note";
+  words.textContent = "Move along these poses:";
+  place.replaceChildren(...(inputs.length ? [words, ...inputs] : []));
+}
+
+function wire(player, scene) {
+  part("play").addEventListener("click", () => player.toggle());
+  part("time").addEventListener("input", (event) => {
+    player.scrub((Number(event.target.value) / 1000) * (player.run ?? player.runs[0]).end);
+  });
+  part("released").addEventListener("click", () => {
+    player.begin(player.runs.find((run) => run.start === null), { play: true });
+  });
+  part("push").addEventListener("click", () => {
+    player.begin(player.runs.find((run) => run.start === player.rest), { play: true });
+  });
+  for (const button of document.querySelectorAll("[data-component]:is(button)")) {
+    button.addEventListener("click", () => player.choose(Number(button.dataset.component)));
+  }
+  part("view").addEventListener("keydown", (event) => {
+    if (event.key !== " " || !player.runs.length) return;
+    event.preventDefault();
+    player.toggle();
+  });
+  if (!player.runs.length) part("view-note").textContent = scene.still;
+  part("play").disabled = part("time").disabled = !player.runs.length;
+  part("released").hidden = !player.runs.some((run) => run.start === null);
+}
+
+/** Buttons, slider and words as they belong to what is shown. */
+function mark(player) {
+  const { run, rest } = player;
+  part("play").textContent = player.playing ? "Pause" : "Play";
+  part("released").setAttribute("aria-pressed", String(Boolean(run) && run.start === null));
+  for (const button of document.querySelectorAll("[data-component]:is(button)")) {
+    const chosen = !run && Number(button.dataset.component) === rest;
+    button.setAttribute("aria-pressed", String(chosen));
+  }
+  const component = player.components[rest];
+  sliders(player, component);
+  part("push").hidden = Boolean(run) || !player.runs.some((one) => one.start === rest);
+  part("caption").textContent = run ? motionWords(player) : component.words;
+}
+
+function motionWords({ run, components }) {
+  const end = "It comes to rest at the optimum, and nowhere else.";
+  if (run.start === null) return `The source moves as a rigid body, drawn by the springs. ${end}`;
+  const name = components[run.start].name.toLowerCase();
+  return `Pushed off the ${name} (index ${components[run.start].index}) by a turn of 1°, it leaves. ${end}`;
+}
+
+function clock({ run, time }, rmse) {
+  part("time").value = run ? (1000 * time) / (run.end || 1) : 0;
+  const words = run ? `t = ${time.toFixed(2)} · ` : "";
+  part("clock").textContent = `${words}RMSE ${figure(rmse, 7)}`;
+}
+
+function saving(bytes) {
+  part("save").addEventListener("click", () => {
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([bytes], { type: "application/json" }));
+    link.download = "certificate.json";
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+    part("saved").textContent = ` ${bytes.length.toLocaleString("en")} bytes, as certreg wrote them.`;
+  });
+}
+
+async function main() {
+  const scene = sceneDocument();
+  const certificate = await certificateBytes();
+  saving(certificate);
+  const { bytes, sampled } = pointBytes(certificate);
+  const clouds = new Clouds(bytes);
+  const runs = scene.runs.map((fields) => new Run(fields, clouds.length));
+  const player = new Player(scene.components, runs);
+  let wanted = false;
+  const redraw = () => {
+    if (wanted) return;
+    wanted = true;
+    requestAnimationFrame(() => {
+      wanted = false;
+      stage?.draw();
+      retag();
+    });
+  };
+  const stage = openStage(clouds, scene.axes, redraw);
+  const retag = tags(stage, clouds, sampled ? null : scene.labels);
+  const energy = energyChart(player, scene);
+  let frames = 0;
+  const show = (moved) => {
+    const { quaternion, offset } = player.pose;
+    stage?.show(quaternion, offset);
+    redraw();
+    if (!moved) {
+      mark(player);
+      drawSpectrum(chart("spectrum"), scene.components[player.rest]);
+      energy?.draw(player.run ?? runs[0]);
+    }
+    energy?.follow(player.run ? player.time : null);
+    frames += 1;
+    if (moved && clouds.n > MANY && frames % 4) return;
+    const rmse = clouds.measure(matrix(quaternion), offset);
+    clock(player, rmse);
+    drawResiduals(chart("residuals"), clouds, sampled ? null : scene.labels, rmse);
+  };
+  player.listen(show);
+  wire(player, scene);
+  legend(stage, clouds, scene, sampled);
+  drawMargin(chart("margin"), scene.margin);
+  show(false);
+  if (stage) {
+    new ResizeObserver(redraw).observe(part("view"));
+    const recolour = () => {
+      stage.recolour();
+      redraw();
+    };
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", recolour);
+  }
+  document.documentElement.dataset.ready = "yes";
+}
+
+function energyChart(player, scene) {
+  if (!player.runs.length) {
+    note(chart("energy"), scene.still);
+    return null;
+  }
+  return new EnergyChart(chart("energy"), {
+    levels: scene.components.map(({ level, name, index }) => [level, `${name}, index ${index}`]),
+    unit: scene.energy_unit ?? 1,
+    scrub: (time) => player.scrub(time),
+  });
+}
+
+function legend(stage, clouds, scene, sampled) {
+  const entries = [["target", "target"], ["source", "source, moved"], ["spring", "springs"]];
+  for (const [kind, words] of entries) {
+    const entry = document.createElement("span");
+    entry.className = `entry ${kind}`;
+    entry.textContent = words;
+    part("legend").append(entry);
+  }
+  const words = [];
+  if (sampled) words.push(`The certificate does not hold its ${scene.n} points: an even sample is shown.`);
+  if (stage && stage.shown < clouds.n) words.push(`${stage.shown} of ${scene.n} points are drawn.`);
+  if (stage && stage.ends.length < clouds.n) {
+    words.push(`${stage.ends.length} of ${clouds.n} springs are drawn; all of them count.`);
+  }
+  if (words.length) part("view-note").textContent = [part("view-note").textContent, ...words].join(" ");
+}
+
+main();

@@ -1,0 +1,155 @@
+// The scene: both clouds, the springs between them, the moving body. A pose moves one matrix.
+
+import {
+  ColorManagement,
+  Group,
+  LinearSRGBColorSpace,
+  Matrix4,
+  PerspectiveCamera,
+  Scene,
+  Color,
+  Vector3,
+  WebGLRenderer,
+} from "three";
+import { LineMaterial } from "three/addons/lines/LineMaterial.js";
+import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
+import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
+
+import { discs } from "./discs.js";
+import { matrix } from "./rotation.js";
+
+const SHOWN_POINTS = 100_000; // of each cloud; a graphics card draws ten times as many
+const SHOWN_SPRINGS = 2_000; // more hide the clouds
+const BODY_POINTS = 60; // bodies of few points are drawn with lines from their centre
+const FIELD = 35; // degrees
+const FARTHEST = 4; // how far off the body is followed, in radii
+
+/** Draws one pose at a time; `orbit` says from where. Throws where there is no WebGL. */
+export class Stage {
+  constructor(canvas, clouds, orbit) {
+    ColorManagement.enabled = false;
+    this.canvas = canvas;
+    this.clouds = clouds;
+    this.orbit = orbit;
+    this.renderer = new WebGLRenderer({
+      canvas,
+      alpha: true,
+      antialias: true,
+      preserveDrawingBuffer: true, // so that the page prints what it shows
+    });
+    this.renderer.outputColorSpace = LinearSRGBColorSpace;
+    this.camera = new PerspectiveCamera(FIELD, 1, 0.01, 100);
+    this.scene = new Scene();
+    this.body = new Group();
+    this.body.matrixAutoUpdate = false;
+    this.scene.add(this.body);
+    this.#fill();
+    this.reach = 1;
+    this.recolour();
+  }
+
+  #fill() {
+    const { clouds } = this;
+    const rows = clouds.rows(SHOWN_POINTS);
+    const pixels = Math.max(2, 13 - 2.4 * Math.log10(rows.length)) * ratio();
+    this.shown = rows.length;
+    this.fixed = discs(chosen(clouds.target, rows), pixels * (pixels > 5 ? 1.35 : 1), pixels > 5 ? 0.62 : 0);
+    this.moving = discs(chosen(clouds.source, rows), pixels);
+    this.ends = clouds.rows(SHOWN_SPRINGS);
+    this.springs = lines(new Float32Array(6 * this.ends.length), clouds.n <= BODY_POINTS ? 2 : 1);
+    this.scene.add(this.springs, this.fixed);
+    this.body.add(this.moving);
+    this.frames = [];
+    if (clouds.n <= BODY_POINTS) {
+      this.frames = [clouds.target, clouds.source].map((points) => lines(spokes(points), 1.5));
+      this.scene.add(this.frames[0]);
+      this.body.add(this.frames[1]);
+    }
+  }
+
+  /** Takes the colours of the page, which may have turned dark. */
+  recolour() {
+    const colour = (name) =>
+      new Color(getComputedStyle(this.canvas).getPropertyValue(name).trim());
+    this.fixed.material.uniforms.color.value = colour("--target");
+    this.moving.material.uniforms.color.value = colour("--source");
+    this.springs.material.color = colour("--spring");
+    this.frames.forEach((frame, i) => {
+      frame.material.color = colour(i ? "--source" : "--target");
+      frame.material.opacity = 0.45;
+    });
+  }
+
+  /** Shows a pose, quaternion and offset of the centroids. */
+  show(quaternion, offset) {
+    const R = matrix(quaternion);
+    const [a, b, c] = offset;
+    this.body.matrix = new Matrix4().set(
+      R[0], R[1], R[2], a, R[3], R[4], R[5], b, R[6], R[7], R[8], c, 0, 0, 0, 1,
+    );
+    this.body.matrixWorldNeedsUpdate = true;
+    this.reach = Math.min(Math.hypot(a, b, c), FARTHEST) + 1;
+    this.#stretch(R, offset);
+  }
+
+  #stretch(R, [a, b, c]) {
+    const { source: x, target: y } = this.clouds;
+    const { data } = this.springs.geometry.attributes.instanceStart;
+    this.ends.forEach((row, k) => {
+      const [i, j] = [3 * row, 6 * k];
+      for (let d = 0; d < 3; d += 1) data.array[j + d] = y[i + d];
+      data.array[j + 3] = R[0] * x[i] + R[1] * x[i + 1] + R[2] * x[i + 2] + a;
+      data.array[j + 4] = R[3] * x[i] + R[4] * x[i + 1] + R[5] * x[i + 2] + b;
+      data.array[j + 5] = R[6] * x[i] + R[7] * x[i + 1] + R[8] * x[i + 2] + c;
+    });
+    data.needsUpdate = true;
+  }
+
+  draw() {
+    const { canvas, camera, renderer } = this;
+    const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+    if (!width || !height) return;
+    renderer.setPixelRatio(ratio());
+    renderer.setSize(width, height, false);
+    camera.aspect = width / height;
+    const half = (FIELD * Math.PI) / 360;
+    const narrow = Math.atan(Math.tan(half) * Math.min(1, camera.aspect));
+    this.orbit.place(camera, (this.reach * 1.04) / Math.sin(narrow));
+    camera.updateProjectionMatrix();
+    renderer.render(this.scene, camera);
+  }
+
+  /** Where a point of a cloud is seen, in pixels of the canvas. */
+  seen(points, row, moved) {
+    const at = new Vector3(points[3 * row], points[3 * row + 1], points[3 * row + 2]);
+    if (moved) at.applyMatrix4(this.body.matrix);
+    at.project(this.camera);
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    return [((at.x + 1) / 2) * width, ((1 - at.y) / 2) * height];
+  }
+}
+
+function ratio() {
+  return Math.min(2, window.devicePixelRatio || 1);
+}
+
+function chosen(points, rows) {
+  const kept = new Float32Array(3 * rows.length);
+  rows.forEach((row, k) => kept.set(points.subarray(3 * row, 3 * row + 3), 3 * k));
+  return kept;
+}
+
+function spokes(points) {
+  const ends = new Float32Array(2 * points.length);
+  for (let i = 0; i < points.length; i += 3) ends.set(points.subarray(i, i + 3), 2 * i + 3);
+  return ends;
+}
+
+function lines(ends, width) {
+  const geometry = new LineSegmentsGeometry();
+  geometry.setPositions(ends);
+  const material = new LineMaterial({ linewidth: width, transparent: true, opacity: 0.8 });
+  const segments = new LineSegments2(geometry, material);
+  segments.frustumCulled = false;
+  return segments;
+}
