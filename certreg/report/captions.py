@@ -10,7 +10,7 @@ from certreg.results import ComponentKind
 
 if TYPE_CHECKING:
     from certreg.equilibria.components import Component, EquilibriumSet
-    from certreg.pose import Pose
+    from certreg.pipeline import Registration
 
 PLURALS = {
     ComponentKind.CIRCLE: "a circle of them",
@@ -22,16 +22,34 @@ LARGE_FACTOR = 1.05  # below, a factor says nothing that the two numbers do not
 LARGEST_FACTOR = 1e6  # above, it says nothing to anyone
 
 
-def motion_words(pose: Pose) -> str:
+def motion_words(registration: Registration) -> str:
     """The pose as a turn about an axis and a shift."""
+    pose, unique = registration.pose, registration.equilibria.classification.unique
+    which = "The best motion" if unique else "That pose"
     w, *axial = pose.quaternion_wxyz.tolist()
     length = math.hypot(*axial)
     shift = ", ".join(f"{entry:.6g}" for entry in pose.translation.tolist())
     if length == 0.0:
-        return f"Do not turn the source; shift it by ({shift})."
+        return f"{which} turns nothing and shifts the source by ({shift})."
     degrees = math.degrees(2.0 * math.atan2(length, w))
     axis = ", ".join(f"{entry / length:.3f}" for entry in axial)
-    return f"Turn the source by {degrees:.4g}° about the axis ({axis}), then shift it by ({shift})."
+    turn = f"turns the source by {degrees:.4g}° about the axis ({axis})"
+    return f"{which} {turn} and shifts it by ({shift})."
+
+
+def trap_words(equilibria: EquilibriumSet) -> str | None:
+    """How wrong the worst pose at rest is, and that a body leaves it; None if all are optimal."""
+    worst, last = equilibria.components[-1], len(equilibria.components) - 1
+    if worst.optimal or None in {worst.rmse, equilibria.components[0].rmse}:
+        return None
+    factor = factor_words(equilibria, last)
+    unstable = worst.unstable_eigenvalues is not None
+    return (
+        f"The worst rotation, {math.degrees(worst.angle_to_optimum):.4g}° off, balances the "
+        f"springs, too. It is wrong, with an RMSE of {number(worst.rmse)} instead of "
+        f"{number(equilibria.components[0].rmse)}{f' ({factor})' if factor else ''}"
+        f"{', and unstable: the smallest push ends it' if unstable else ''}."
+    )
 
 
 def component_name(equilibria: EquilibriumSet, index: int) -> str:
@@ -75,7 +93,7 @@ def _growth_words(component: Component) -> str:
     modes = "1 of the 12 eigenvalues has" if count == 1 else f"{count} of the 12 eigenvalues have"
     return (
         f"and so {modes} a positive real part: the smallest push grows, and the body leaves. "
-        "Push it and watch."
+        "Push it, and watch."
     )
 
 

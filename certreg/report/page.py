@@ -10,7 +10,7 @@ from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from certreg import __version__
-from certreg.report.captions import component_name, factor_words, motion_words
+from certreg.report.captions import component_name, factor_words, motion_words, trap_words
 from certreg.report.markup import (
     Markup,
     asset_block,
@@ -21,7 +21,6 @@ from certreg.report.markup import (
 from certreg.report.panel import NOT_CLAIMED, THEOREMS, Roads, Sentence, sentences
 from certreg.report.scene import Names, packed, sample_of, scene_document
 from certreg.report.summary import bounded, margin_words, number, verdict_words, warnings
-from certreg.results import Optimality
 from certreg.verify import parse
 
 if TYPE_CHECKING:
@@ -33,11 +32,15 @@ if TYPE_CHECKING:
     from certreg.simulation import Trajectory
 
 ASSETS = files("certreg.report") / "assets"
-STAMPS = {
-    Optimality.CERTIFIED: "good",
-    Optimality.CERTIFIED_NOT_UNIQUE: "open",
-    Optimality.NOT_CERTIFIED: "bad",
-}
+SPRINGS_WORDS = (
+    "Each pair is joined by a spring, and the source moves as one rigid body, with friction, until "
+    "it rests. Where it can rest is known completely."
+)
+GUARANTEE_WORDS = (
+    "Exact: integer arithmetic and a theorem. Numerical: computed with rounding that nobody has "
+    "bounded. Each theorem has a page in the documentation; certreg derive NAME proves it anew."
+)
+INDEX_WORDS = "The index counts the independent turns that lower the energy: 0 only at the best."
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -111,10 +114,10 @@ def _stamp(registration: Registration) -> str:
 
 def _header(report: Report, names: Names) -> Markup:
     registration = report.registration
-    stamp, _, said = " ".join(verdict_words(registration)).partition(": ")
-    weak = stamp != "CERTIFIED"
-    kind = "open" if weak else STAMPS[registration.status]
-    n = registration.problem.n
+    headline, *further = verdict_words(registration)
+    stamp, _, said = headline.partition(": ")
+    kind = "good" if stamp == "CERTIFIED" else "open"
+    n, trap = registration.problem.n, trap_words(registration.equilibria)
     return element(
         "header",
         element(
@@ -126,14 +129,17 @@ def _header(report: Report, names: Names) -> Markup:
             class_="files",
         ),
         element("p", stamp, class_=f"stamp {kind}"),
-        element("h1", said[:1].upper() + said[1:]),
-        *(
-            element("p", f"{w[:1].upper()}{w[1:]}", class_="warning")
-            for w in warnings(registration)
-        ),
-        element("p", motion_words(registration.pose), class_="lead"),
+        element("h1", _begun(said)),
+        *(element("p", _begun(words), class_="lead") for words in further),
+        *(element("p", _begun(words), class_="warning") for words in warnings(registration)),
+        element("p", motion_words(registration), class_="lead"),
+        *([] if trap is None else [element("p", trap, class_="lead")]),
         element("dl", *_facts(registration), class_="facts"),
     )
+
+
+def _begun(words: str) -> str:
+    return words[:1].upper() + words[1:]
 
 
 def _facts(registration: Registration) -> Iterator[Markup]:
@@ -168,6 +174,7 @@ def _sections(report: Report, claims: dict[str, Any]) -> Iterator[Markup]:
     yield _section(
         "proof",
         "What is proved, and how we know",
+        element("p", GUARANTEE_WORDS, class_="note"),
         element("ol", *(_sentence(one, report.documentation) for one in known), class_="known"),
         element("h3", "Not claimed"),
         element("ul", *(element("li", words) for words in NOT_CLAIMED)),
@@ -183,15 +190,65 @@ def _section(name: str, title: str, *content: Markup) -> Markup:
 
 def _stage(registration: Registration) -> Markup:
     equilibria = registration.equilibria
-    view = element(
+    rests = [_rest(registration, i) for i in range(len(equilibria.components))]
+    film = element(
         "div",
-        element("canvas", id="view", tabindex=0, role="img", aria_label="The two clouds in space"),
+        element("div", _view(), _bar(), class_="film"),
+        element("p", id="caption", role="status"),
+        element("button", "Push it", id="push", type="button", hidden=True),
+        element("div", id="along"),
+    )
+    choices = element(
+        "div",
+        element(
+            "div",
+            element("h3", "Watch the registration"),
+            _button("From the start", "the source as it was given, released", id="released"),
+            id="watch",
+        ),
+        element("h3", "Every pose at which it can rest"),
+        element("div", *rests, class_="rests", role="group", aria_label="Poses at rest"),
+        element("p", INDEX_WORDS, class_="note"),
+        class_="choices",
+    )
+    silent = element("noscript", element("p", "The pictures need JavaScript; the words do not."))
+    return element(
+        "div",
+        element("p", SPRINGS_WORDS, class_="note"),
+        silent,
+        element("div", film, choices, class_="stage"),
+    )
+
+
+def _view() -> Markup:
+    zooms = (("+", "Closer"), ("−", "Farther"), ("⟲", "As at first"))
+    return element(
+        "div",
+        element(
+            "canvas",
+            id="view",
+            tabindex=0,
+            role="img",
+            aria_label="The two clouds in space. Arrow keys turn, + and - zoom, Home resets, "
+            "space plays.",
+        ),
         element("div", id="tags", aria_hidden="true"),
         element("p", id="view-note", role="status"),
         element("p", id="legend", aria_hidden="true"),
+        element(
+            "div",
+            *(
+                element("button", sign, type="button", title=words, aria_label=words)
+                for sign, words in zooms
+            ),
+            id="zoom",
+        ),
         class_="view",
     )
-    bar = element(
+
+
+def _bar() -> Markup:
+    return element(
         "div",
         element("button", "Play", id="play", type="button"),
         element("label", "Time", for_="time", class_="unseen"),
@@ -199,52 +256,33 @@ def _stage(registration: Registration) -> Markup:
         element("output", id="clock", for_="time"),
         class_="bar",
     )
-    rests = [_rest(registration, i) for i in range(len(equilibria.components))]
-    released = element(
-        "button",
-        element("span", "From the start", class_="name"),
-        element("span", "the source as it was given, released", class_="note"),
-        id="released",
-        type="button",
-        aria_pressed="false",
-    )
-    return element(
-        "div",
-        element("div", view, bar, class_="film"),
-        element(
-            "div",
-            element("h3", "Watch the registration"),
-            released,
-            element("h3", "Every pose at which it can rest"),
-            element("div", *rests, class_="rests", role="group", aria_label="Poses at rest"),
-            element("div", id="along"),
-            element("p", id="caption", role="status"),
-            element("button", "Push it", id="push", type="button", hidden=True),
-            class_="choices",
-        ),
-        element("noscript", element("p", "The pictures need JavaScript; the words do not.")),
-        class_="stage",
-    )
 
 
 def _rest(registration: Registration, index: int) -> Markup:
     equilibria = registration.equilibria
     component = equilibria.components[index]
     away = math.degrees(component.angle_to_optimum)
-    notes = [f"index {component.morse_index}"]
+    fit = [f"RMSE {number(component.rmse)}"]
     if not component.optimal:
-        notes.append(f"{away:.4g}° from the optimum")
-    factor = "" if component.optimal else factor_words(equilibria, index)
-    return element(
-        "button",
-        element("span", component_name(equilibria, index), class_="name"),
-        element("span", f"RMSE {number(component.rmse)}", class_="rmse"),
-        element("span", " · ".join(notes), class_="note"),
-        element("span", factor, class_="note factor"),
-        type="button",
+        fit += filter(None, [factor_words(equilibria, index), f"{away:.4g}° from the optimum"])
+    return _button(
+        component_name(equilibria, index),
+        *fit,
+        badge=f"index {component.morse_index}",
         class_="rest best" if component.optimal else "rest wrong",
         data_component=index,
+    )
+
+
+def _button(name: str, *notes: str, badge: str = "", **attributes: str | int) -> Markup:
+    return element(
+        "button",
+        element("span", name, class_="name"),
+        element("span", badge, class_="badge"),
+        *(element("span", note, class_="note") for note in notes),
+        type="button",
         aria_pressed="false",
+        **attributes,
     )
 
 
@@ -262,14 +300,17 @@ def _charts() -> Iterator[Markup]:
 
 def _sentence(known: Sentence, documentation: str | None) -> Markup:
     label = known.guarantee.label
-    how = [element("span", label, class_=f"how {label}")]
-    for theorem in known.theorems:
-        title = THEOREMS[theorem]
-        if documentation is not None:
-            how.append(element("a", title, href=f"{documentation}proofs/{theorem}.html"))
-        else:
-            how.append(element("span", f"{title}, ", element("code", f"certreg derive {theorem}")))
-    return element("li", element("p", known.words), element("p", *how, class_="rests-on"))
+    rests = [_theorem(name, documentation) for name in known.theorems]
+    how = element("p", element("span", label, class_=f"how {label}"), *rests, class_="rests-on")
+    return element("li", element("p", known.words), how)
+
+
+def _theorem(name: str, documentation: str | None) -> Markup:
+    """A theorem by its title: a link to its page, or the name by which it is found and proved."""
+    title = THEOREMS[name]
+    if documentation is not None:
+        return element("a", title, href=f"{documentation}proofs/{name}.html")
+    return element("span", f"{title} (", element("code", name), ")")
 
 
 def _check(report: Report) -> Iterator[Markup]:

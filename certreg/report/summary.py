@@ -162,8 +162,8 @@ def verdict_words(registration: Registration) -> list[str]:
         ]
     if registration.equilibria.margin.relative < WEAK_MARGIN:
         return [
-            "CERTIFIED, BUT NEARLY AMBIGUOUS: this is the global optimum of exactly these numbers,",
-            "and a very different pose fits almost as well. Do not rely on the rotation.",
+            "CERTIFIED, BUT NEARLY AMBIGUOUS: this is the global optimum of exactly these numbers.",
+            "A very different pose fits almost as well: do not rely on the rotation.",
         ]
     return ["CERTIFIED: this is the global optimum, and it is unique."]
 

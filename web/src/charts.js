@@ -2,14 +2,20 @@
 
 import { drawing, figure, label, path, steps, svg } from "./svg.js";
 
-const WIDTH = 460;
 const HEIGHT = 260;
-const AREA = { left: 58, right: 446, top: 14, bottom: 222 };
+const APART = 13; // pixels between the names of two levels
+const SAME = 1e-6; // of the largest: eigenvalues that are drawn as one
 const KINDS = [
   ["total", "V, all of it"],
   ["potential", "V_p, in the springs"],
   ["kinetic", "V_k, in the motion"],
 ];
+
+/** Where a chart is drawn: as wide as its place, so that its letters are as large as the page's. */
+function frame(place, height = HEIGHT) {
+  const width = Math.max(240, Math.min(560, place.clientWidth || 460));
+  return { width, height, left: 54, right: width - 12, top: 14, bottom: height - 38 };
+}
 
 /** Energies of a run against time, the levels of the equilibria, and a cursor that follows. */
 export class EnergyChart {
@@ -19,31 +25,27 @@ export class EnergyChart {
 
   draw(run) {
     this.run = run;
+    this.area = frame(this.place);
+    const { left, right, top, bottom, width, height } = this.area;
     const values = {
       potential: run.potential,
       kinetic: run.kinetic,
       total: run.potential.map((value, i) => value + run.kinetic[i]),
     };
-    const top = Math.max(...values.total, ...values.potential) || 1;
-    const x = (time) => AREA.left + ((AREA.right - AREA.left) * time) / (run.end || 1);
-    const y = (value) => AREA.bottom - ((AREA.bottom - AREA.top) * value) / (1.06 * top);
+    const most = Math.max(...values.total) || 1;
+    const x = (time) => left + ((right - left) * time) / (run.end || 1);
+    const y = (value) => bottom - ((bottom - top) * value) / (1.06 * most);
     this.x = x;
-    const parts = [...axes(run.end, top * this.unit, x, (v) => y(v / this.unit))];
-    for (const [level, name] of this.levels) {
-      if (level === null || level > 1.06 * top) continue;
-      parts.push(path([[AREA.left, y(level)], [AREA.right, y(level)]], { class: "level" }));
-      const words = label(AREA.right, y(level) - 4, name, { class: "tick", "text-anchor": "end" });
-      parts.push(words);
-    }
+    const parts = [...axes(this.area, run.end, most * this.unit, x, (v) => y(v / this.unit))];
+    parts.push(...this.#levels(y, 1.06 * most));
     for (const [kind] of KINDS) {
       const points = Array.from(run.times, (time, i) => [x(time), y(values[kind][i])]);
       parts.push(path(points, { class: `line ${kind}` }));
     }
-    this.cursor = svg("line", { y1: AREA.top, y2: AREA.bottom, class: "cursor" });
-    const words = `Energies against time, from ${figure(this.unit * values.total[0])} to ${figure(
-      this.unit * values.total.at(-1),
-    )}`;
-    this.box = drawing(WIDTH, HEIGHT, words, ...parts, this.cursor);
+    this.cursor = svg("line", { y1: top, y2: bottom, class: "cursor" });
+    const [first, last] = [values.total[0], values.total.at(-1)].map((v) => figure(this.unit * v));
+    const words = `Energies against time; all of it falls from ${first} to ${last}`;
+    this.box = drawing(width, height, words, ...parts, this.cursor);
     this.box.addEventListener("pointerdown", (event) => this.#scrub(event));
     this.box.addEventListener("pointermove", (event) => event.buttons && this.#scrub(event));
     this.key = document.createElement("p");
@@ -51,11 +53,25 @@ export class EnergyChart {
     this.place.replaceChildren(this.box, this.key);
   }
 
+  /** Lines at the energies of the equilibria, with names where there is room. */
+  *#levels(y, most) {
+    const { left, right } = this.area;
+    const [best, ...others] = this.levels.filter(([level]) => level !== null && level <= most);
+    const taken = [];
+    for (const [level, name] of [...(best ? [best] : []), ...others.reverse()]) {
+      const height = y(level);
+      yield path([[left, height], [right, height]], { class: "level" });
+      if (taken.some((other) => Math.abs(other - height) < APART)) continue;
+      taken.push(height);
+      yield label(right, height - 4, name, { class: "tick halo", "text-anchor": "end" });
+    }
+  }
+
   #scrub(event) {
-    const frame = this.box.getBoundingClientRect();
-    const place = ((event.clientX - frame.left) / frame.width) * WIDTH;
-    const share = (place - AREA.left) / (AREA.right - AREA.left);
-    this.scrub(Math.min(1, Math.max(0, share)) * this.run.end);
+    const box = this.box.getBoundingClientRect();
+    const { width, left, right } = this.area;
+    const place = ((event.clientX - box.left) / box.width) * width;
+    this.scrub(Math.min(1, Math.max(0, (place - left) / (right - left))) * this.run.end);
   }
 
   /** Moves the cursor; without a time there is none. */
@@ -71,24 +87,21 @@ export class EnergyChart {
       ...KINDS.map(([kind, name]) => {
         const entry = document.createElement("span");
         entry.className = `entry ${kind}`;
-        entry.textContent = `${name}: ${figure(this.unit * now[kind])}`;
+        entry.textContent = time === null ? name : `${name}: ${figure(this.unit * now[kind])}`;
         return entry;
       }),
     );
   }
 }
 
-function* axes(end, top, x, y) {
-  const { left, right, bottom } = AREA;
+function* axes({ left, right, bottom }, end, most, x, y) {
   yield path([[left, bottom], [right, bottom]], { class: "axis" });
   for (const time of steps(end)) {
     yield label(x(time), bottom + 16, figure(time), { class: "tick", "text-anchor": "middle" });
   }
-  yield label(right, bottom + 32, "time, in units of the springs", {
-    class: "tick",
-    "text-anchor": "end",
-  });
-  for (const value of steps(top)) {
+  const words = "time, in units of the springs";
+  yield label(right, bottom + 32, words, { class: "tick", "text-anchor": "end" });
+  for (const value of steps(most)) {
     if (value) yield path([[left, y(value)], [right, y(value)]], { class: "grid" });
     yield label(left - 6, y(value) + 4, figure(value), { class: "tick", "text-anchor": "end" });
   }
@@ -101,40 +114,47 @@ export function drawSpectrum(place, component) {
     note(place, "Double precision does not give them here, or the dynamics is not defined.");
     return;
   }
-  const size = Math.max(...values.flat().map(Math.abs)) * 1.15 || 1;
-  const [middle, centre] = [WIDTH / 2, (AREA.top + AREA.bottom) / 2];
-  const x = (re) => middle + (re / size) * (WIDTH / 2 - 14);
-  const y = (im) => centre - (im / size) * (AREA.bottom - centre);
+  const { width, height, top, bottom } = frame(place, HEIGHT - 14);
+  const most = Math.max(...values.flat().map(Math.abs)) || 1;
+  const [middle, centre] = [width / 2, (top + bottom) / 2];
+  const x = (re) => middle + (re / (1.15 * most)) * (width / 2 - 14);
+  const y = (im) => centre - (im / (1.15 * most)) * (bottom - centre);
   const growing = values.filter(([re]) => re > 0).length;
+  const half = { x: middle, y: top, width: width / 2 - 2, height: bottom - top };
+  const end = { class: "tick", "text-anchor": "end" };
   const parts = [
-    svg("rect", {
-      x: middle,
-      y: AREA.top,
-      width: WIDTH / 2 - 14,
-      height: AREA.bottom - AREA.top,
-      class: "unstable",
-    }),
-    path([[14, centre], [WIDTH - 14, centre]], { class: "axis" }),
-    path([[middle, AREA.top], [middle, AREA.bottom]], { class: "axis" }),
-    label(20, AREA.top + 14, "decays", { class: "tick" }),
-    label(WIDTH - 20, AREA.top + 14, "grows", { class: "tick", "text-anchor": "end" }),
-    label(WIDTH - 14, AREA.bottom + 16, `real part, to ±${figure(size, 3)}`, {
-      class: "tick",
-      "text-anchor": "end",
-    }),
-    ...values.map(([re, im]) =>
-      svg(
-        "circle",
-        { cx: x(re), cy: y(im), r: 5, class: re > 0 ? "mode growing" : "mode" },
-        svg("title", {}, `${figure(re)} ${im < 0 ? "−" : "+"} ${figure(Math.abs(im))} i`),
-      ),
-    ),
+    svg("rect", { ...half, class: "unstable" }),
+    path([[2, centre], [width - 2, centre]], { class: "axis" }),
+    path([[middle, top], [middle, bottom]], { class: "axis" }),
+    label(8, top + 15, "a push decays", { class: "tick" }),
+    label(width - 8, top + 15, "a push grows", end),
+    label(width - 8, centre + 16, "real part", end),
+    label(middle + 6, bottom - 6, "imaginary part", { class: "tick" }),
   ];
+  for (const { re, im, times } of alike(values, SAME * most)) {
+    const words = `${figure(re)} ${im < 0 ? "−" : "+"} ${figure(Math.abs(im))} i`;
+    const title = svg("title", {}, words);
+    const kind = re > 0 ? "mode growing" : "mode";
+    parts.push(svg("circle", { cx: x(re), cy: y(im), r: 5, class: kind }, title));
+    if (times === 1) continue;
+    parts.push(label(x(re) + 5, y(im) + 17, `×${times}`, { class: "tick" }));
+  }
   const words = `${growing} of ${values.length} eigenvalues have a positive real part`;
   const key = document.createElement("p");
   key.className = "key";
-  key.textContent = `${component.name}: ${words}.`;
-  place.replaceChildren(drawing(WIDTH, HEIGHT - 14, words, ...parts), key);
+  key.textContent = `${component.name}, index ${component.index}: ${words}.`;
+  place.replaceChildren(drawing(width, height - 24, words, ...parts), key);
+}
+
+/** Eigenvalues that are drawn at one place, and how many they are. */
+function alike(values, distance) {
+  const found = [];
+  for (const [re, im] of values) {
+    const same = found.find((one) => Math.hypot(one.re - re, one.im - im) <= distance);
+    if (same) same.times += 1;
+    else found.push({ re, im, times: 1 });
+  }
+  return found;
 }
 
 /** The largest distances of pairs, as a list of bars. */
@@ -170,26 +190,29 @@ const LEAST = -5; // of the logarithm of a margin that has a place of its own
 
 /** The margin on a logarithmic gauge from "not unique" to "clear". */
 export function drawMargin(place, { relative, words }) {
-  const x = (share) => {
-    const power = Math.max(LEAST, Math.log10(share));
-    return AREA.left + ((power - LEAST) / -LEAST) * (AREA.right - AREA.left);
-  };
-  const y = 46;
+  const { width, right } = frame(place);
+  const [start, zero, y] = [64, 14, 40];
+  const x = (share) => start + (1 - Math.max(LEAST, Math.log10(share)) / LEAST) * (right - 16 - start);
   const zones = [[10 ** LEAST, 1e-3, "weak"], [1e-3, 1e-2, "fair"], [1e-2, 1, "clear"]];
   const parts = zones.map(([from, to, kind]) =>
     svg("rect", { x: x(from), y, width: x(to) - x(from), height: 16, class: `zone ${kind}` }),
   );
-  parts.push(svg("rect", { x: 14, y, width: AREA.left - 18, height: 16, class: "zone none" }));
-  for (const [share, words_] of [[1e-5, "0.001 %"], [1e-3, "0.1 %"], [1e-2, "1 %"], [1, "100 %"]]) {
-    parts.push(label(x(share), y + 34, words_, { class: "tick", "text-anchor": "middle" }));
+  parts.push(svg("rect", { x: zero, y, width: start - zero - 4, height: 16, class: "zone none" }));
+  const ticks = { "0.1 %": 1e-3, "1 %": 1e-2, "100 %": 1 };
+  for (const [text, share] of Object.entries(ticks)) {
+    parts.push(label(x(share), y + 32, text, { class: "tick", "text-anchor": "middle" }));
   }
-  parts.push(label(14, y + 34, "0", { class: "tick" }));
-  const at = relative > 0 ? x(relative) : 14 + (AREA.left - 18) / 2;
+  parts.push(label((zero + start) / 2 - 2, y + 32, "0", { class: "tick", "text-anchor": "middle" }));
+  const at = relative > 0 ? x(relative) : (zero + start) / 2 - 2;
   parts.push(svg("path", { d: `M${at} ${y - 3}l-7 -13h14z`, class: "needle" }));
   const key = document.createElement("p");
   key.className = "key";
   key.textContent = `${words[0].toUpperCase()}${words.slice(1)}.`;
-  place.replaceChildren(drawing(WIDTH, 96, words, ...parts), key);
+  const meaning = document.createElement("p");
+  meaning.className = "key";
+  meaning.textContent =
+    "Red: not unique. Brown: by a hair, and the noise may decide. Green: the farther right, the clearer.";
+  place.replaceChildren(drawing(width, 84, words, ...parts), key, meaning);
 }
 
 /** Words where a chart would be. */

@@ -20,7 +20,12 @@ const chart = (id) => part(id).querySelector(".chart");
 function openStage(clouds, axes, redraw) {
   try {
     const orbit = new Orbit(part("view"), axes, redraw);
-    return new Stage(part("view"), clouds, orbit);
+    const stage = new Stage(part("view"), clouds, orbit);
+    const keys = ["+", "-", "Home"];
+    [...part("zoom").children].forEach((button, i) => {
+      button.addEventListener("click", () => orbit.press(keys[i]));
+    });
+    return stage;
   } catch {
     part("view").hidden = true;
     part("view-note").textContent =
@@ -92,7 +97,7 @@ function wire(player, scene) {
   });
   if (!player.runs.length) part("view-note").textContent = scene.still;
   part("play").disabled = part("time").disabled = !player.runs.length;
-  part("released").hidden = !player.runs.some((run) => run.start === null);
+  part("watch").hidden = !player.runs.some((run) => run.start === null);
 }
 
 /** Buttons, slider and words as they belong to what is shown. */
@@ -150,9 +155,11 @@ async function main() {
       wanted = false;
       stage?.draw();
       retag();
+      document.documentElement.dataset.ready ??= String(Math.round(performance.now()));
     });
   };
   const stage = openStage(clouds, scene.axes, redraw);
+  stage?.hold(scene.components.map((component) => component.quaternion));
   const retag = tags(stage, clouds, sampled ? null : scene.labels);
   const energy = energyChart(player, scene);
   let frames = 0;
@@ -175,8 +182,12 @@ async function main() {
   player.listen(show);
   wire(player, scene);
   legend(stage, clouds, scene, sampled);
-  drawMargin(chart("margin"), scene.margin);
   show(false);
+  const resized = new ResizeObserver(() => {
+    drawMargin(chart("margin"), scene.margin);
+    show(false);
+  });
+  resized.observe(chart("margin"));
   if (stage) {
     new ResizeObserver(redraw).observe(part("view"));
     const recolour = () => {
@@ -185,7 +196,6 @@ async function main() {
     };
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", recolour);
   }
-  document.documentElement.dataset.ready = "yes";
 }
 
 function energyChart(player, scene) {

@@ -21,11 +21,9 @@ export class Orbit {
     this.changed = changed;
     Object.assign(this, START);
     canvas.addEventListener("keydown", (event) => {
-      const turn = KEYS[event.key];
-      if (!turn || event.ctrlKey || event.metaKey || event.altKey) return;
+      if (!(event.key in KEYS) || event.ctrlKey || event.metaKey || event.altKey) return;
       event.preventDefault();
-      turn(this);
-      this.#settle();
+      this.press(event.key);
     });
     canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
     canvas.addEventListener("pointermove", (event) => {
@@ -35,10 +33,13 @@ export class Orbit {
       this.#settle();
     });
     canvas.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
-    canvas.addEventListener("dblclick", () => {
-      Object.assign(this, START);
-      this.#settle();
-    });
+    canvas.addEventListener("dblclick", () => this.press("Home"));
+  }
+
+  /** As if a key had been pressed. */
+  press(key) {
+    KEYS[key](this);
+    this.#settle();
   }
 
   /** Zooms with Ctrl or a pinch only: a wheel alone scrolls the page. */
@@ -55,18 +56,37 @@ export class Orbit {
     this.changed();
   }
 
+  /** The direction to the eye at an azimuth and elevation. */
+  #towards({ azimuth, elevation }) {
+    const [x, y, z] = this.axes;
+    const flat = Math.cos(elevation);
+    return new Vector3()
+      .addScaledVector(x, flat * Math.sin(azimuth))
+      .addScaledVector(y, -flat * Math.cos(azimuth))
+      .addScaledVector(z, Math.sin(elevation));
+  }
+
+  /** How far points (x, y, z, ...) reach to the side and up, as first seen. */
+  extents(points) {
+    const eye = this.#towards(START);
+    const right = this.axes[2].clone().cross(eye).normalize();
+    const up = eye.clone().cross(right);
+    const point = new Vector3();
+    const most = [0, 0];
+    for (let i = 0; i < points.length; i += 3) {
+      point.fromArray(points, i);
+      most[0] = Math.max(most[0], Math.abs(point.dot(right)));
+      most[1] = Math.max(most[1], Math.abs(point.dot(up)));
+    }
+    return most;
+  }
+
   /** Puts a camera at a distance, looking at the centre. */
   place(camera, distance) {
-    const [x, y, z] = this.axes;
-    const flat = Math.cos(this.elevation);
-    camera.position.set(0, 0, 0);
-    camera.position.addScaledVector(x, flat * Math.sin(this.azimuth));
-    camera.position.addScaledVector(y, -flat * Math.cos(this.azimuth));
-    camera.position.addScaledVector(z, Math.sin(this.elevation));
-    camera.position.multiplyScalar(distance / this.zoom);
-    camera.near = (0.01 * distance) / this.zoom;
-    camera.far = (10 * distance) / Math.min(1, this.zoom) + 20;
-    camera.up.copy(z);
+    camera.position.copy(this.#towards(this)).multiplyScalar(distance / this.zoom);
+    camera.near = 0.005;
+    camera.far = 10 * (distance / this.zoom) + 20;
+    camera.up.copy(this.axes[2]);
     camera.lookAt(0, 0, 0);
     camera.updateMatrixWorld();
   }

@@ -23,6 +23,7 @@ const SHOWN_SPRINGS = 2_000; // more hide the clouds
 const BODY_POINTS = 60; // bodies of few points are drawn with lines from their centre
 const FIELD = 35; // degrees
 const FARTHEST = 4; // how far off the body is followed, in radii
+const NEARER = 0.5; // what is nearer than the centre looks larger: room for it
 
 /** Draws one pose at a time; `orbit` says from where. Throws where there is no WebGL. */
 export class Stage {
@@ -44,8 +45,18 @@ export class Stage {
     this.body.matrixAutoUpdate = false;
     this.scene.add(this.body);
     this.#fill();
-    this.reach = 1;
+    this.away = 0;
+    this.room = orbit.extents(chosen(clouds.target, this.ends));
     this.recolour();
+  }
+
+  /** Makes room for the body at the poses where it may rest. */
+  hold(quaternions) {
+    const source = chosen(this.clouds.source, this.ends);
+    for (const q of quaternions) {
+      const found = this.orbit.extents(turned(source, matrix(q)));
+      this.room = this.room.map((most, k) => Math.max(most, found[k]));
+    }
   }
 
   #fill() {
@@ -88,7 +99,7 @@ export class Stage {
       R[0], R[1], R[2], a, R[3], R[4], R[5], b, R[6], R[7], R[8], c, 0, 0, 0, 1,
     );
     this.body.matrixWorldNeedsUpdate = true;
-    this.reach = Math.min(Math.hypot(a, b, c), FARTHEST) + 1;
+    this.away = Math.min(Math.hypot(a, b, c), FARTHEST);
     this.#stretch(R, offset);
   }
 
@@ -112,9 +123,9 @@ export class Stage {
     renderer.setPixelRatio(ratio());
     renderer.setSize(width, height, false);
     camera.aspect = width / height;
-    const half = (FIELD * Math.PI) / 360;
-    const narrow = Math.atan(Math.tan(half) * Math.min(1, camera.aspect));
-    this.orbit.place(camera, (this.reach * 1.04) / Math.sin(narrow));
+    const [side, up] = this.room.map((most) => most + this.away);
+    const size = Math.max(side / camera.aspect, up, 0.1);
+    this.orbit.place(camera, (1.18 * size) / Math.tan((FIELD * Math.PI) / 360) + NEARER);
     camera.updateProjectionMatrix();
     renderer.render(this.scene, camera);
   }
@@ -137,6 +148,16 @@ function chosen(points, rows) {
   const kept = new Float32Array(3 * rows.length);
   rows.forEach((row, k) => kept.set(points.subarray(3 * row, 3 * row + 3), 3 * k));
   return kept;
+}
+
+function turned(points, R) {
+  const moved = new Float32Array(points.length);
+  for (let i = 0; i < points.length; i += 3) {
+    for (let k = 0; k < 3; k += 1) {
+      moved[i + k] = R[3 * k] * points[i] + R[3 * k + 1] * points[i + 1] + R[3 * k + 2] * points[i + 2];
+    }
+  }
+  return moved;
 }
 
 function spokes(points) {

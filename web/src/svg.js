@@ -40,6 +40,7 @@ export function figure(value, digits = 4) {
 
 /** Round steps of an axis from 0 to a limit, about so many. */
 export function steps(limit, count = 4) {
+  if (!(limit > 0)) return [0];
   const rough = limit / count;
   const power = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].find((factor) => factor * power >= rough) * power;
