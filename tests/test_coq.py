@@ -139,7 +139,7 @@ def test_the_page_shows_every_theorem_as_the_proofs_state_it():
 
 def test_every_theorem_that_the_page_names_in_its_tables_exists():
     table = page.PAGE.read_text().partition(page.MARK)[0]
-    named = set(re.findall(r"`([a-z]+(?:_[a-z]+)+)`", table))
+    named = set(re.findall(r"`([a-z0-9]+(?:_[a-z0-9]+)+)`", table))
     known = {theorem for _, theorem in check.theorems(PROOFS)}
 
     assert named - known == {"functional_extensionality_dep"}
@@ -160,7 +160,7 @@ def test_the_table_of_levels_names_every_claim_and_its_theorems():
     table = page.PAGE.read_text().partition(page.MARK)[0].partition("Every claim of the project")[2]
     linked = dict[str, set[str]]()
     for row in table.splitlines():
-        named = set(re.findall(r"`([a-z]+(?:_[a-z]+)+)`", row))
+        named = set(re.findall(r"`([a-z0-9]+(?:_[a-z0-9]+)+)`", row))
         claims = re.findall(r"\(proofs/(\w+)\.md\)", row)
         for name in claims:
             linked[name] = linked.get(name, set()) | named
