@@ -1,12 +1,17 @@
 """From two clouds to the rotation, beside every peer and beside reading the points once.
 
-All of them in turn, on the same clouds, from ten points to ten million. Each peer comes with the
-threads that it takes by itself; reading is one thread's. That the rotations agree is asserted
-before anything is timed; how many digits they have is measured by `accuracy`.
+All of them in turn, on the same clouds. First on one core, from ten points to ten million, in a
+process that has no other: so no tool is ahead by its threads. Then on all cores, at ten million.
+That the rotations agree is asserted before anything is timed; `accuracy` counts their digits.
 """
 
 from __future__ import annotations
 
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,92 +19,126 @@ import numpy as np
 from benchmarks.clouds import random_clouds
 from benchmarks.measuring import Figure, Quantity, Series, exponent, fastest, power_of_ten
 from benchmarks.peers import PEERS, presence
-from certreg.equilibria.closed_form import horn
-from certreg.moments import floating_moments
+from certreg.alignment import register
+from certreg.native.sums import Clouds, floating_sums
 from certreg.pipeline import solve
 from certreg.problem import RegistrationProblem
-from certreg.so3 import rotation_matrix
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
+
+    Times = dict[str, dict[int, float]]
 
 SIZES = (10, 100, 1000, 10_000, 100_000, 1_000_000, 10_000_000)
-PROVED = (10, 100, 1000, 10_000, 100_000)  # more points take minutes with all rounds
+LARGEST = SIZES[-1]
+PROVED = SIZES[:-1]
 LINEAR = (10_000, 100_000, 1_000_000, 10_000_000)
-SLOPE = (0.95, 1.05)  # of the cost against the number of points
-PEER, SCIPY = 10.0, 30.0  # times faster than the fastest library and than SciPy, at the last size
-OURS, PROOF, READING = "certreg", "certreg, with proof", "reading once"
-AGREE = 1e-9  # radians, to a peer; raw sums keep no more of clouds at the origin
+SLOPE = (0.95, 1.05)  # k where the sums cost N^k
+PEER, SCIPY = 10.0, 30.0  # times faster than the fastest library and than SciPy, on one core
+READ = 1.6  # times the time of reading
+OURS, SUMS, PROOF = "certreg", "certreg, sums alone", "certreg, with proof"
+READING = "reading once"
+AGREE = 1e-9  # radians, to a peer, on clouds at the origin
+ROOT = Path(__file__).parent.parent
+ONE_THREAD = dict.fromkeys(
+    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS"), "1"
+)
 
 
 def measure() -> Iterator[Figure | Series]:
-    lines: dict[str, dict[int, float]] = {name: {} for name in (OURS, READING, PROOF)}
-    for n in SIZES:
-        works = _works(n)
-        times = fastest(*works.values(), rounds=_rounds(n), seconds=0.02 if n < 10**6 else 0.1)
+    lines = _on_one_core()
+    yield Series(what="one registration, on one core", size="points", lines=lines)
+    yield from _powers(lines)
+    last = {name: times[LARGEST] for name, times in lines.items() if LARGEST in times}
+    yield from _ratios(last, "one core", bounded=True)
+    alone = {name: line[LARGEST] for name, line in times_of((LARGEST,), threads=_cores()).items()}
+    yield from _ratios(alone, f"{_cores()} cores", bounded=False)
+
+
+def times_of(sizes: Sequence[int], *, threads: int) -> Times:
+    """Seconds of every way to register clouds of so many points, certreg on so many threads."""
+    lines: Times = {}
+    for n in sizes:
+        works = _works(n, threads)
+        many = n >= 10**6
+        times = fastest(*works.values(), rounds=3 if many else 5, seconds=0.1 if many else 0.02)
         for name, seconds in zip(works, times, strict=True):
             lines.setdefault(name, {})[n] = seconds
-    yield Series(what="one registration", size="points", lines=lines)
-    yield _linear({n: lines[OURS][n] for n in LINEAR})
-    yield from _ratios({name: times[SIZES[-1]] for name, times in lines.items() if name != PROOF})
+    return lines
 
 
-def _rounds(n: int) -> int:
-    return 5 if n <= 10**6 else 3
-
-
-def _works(n: int) -> dict[str, Callable[[], Any]]:
-    """Every way to register clouds of n points that is installed, each seen to be right."""
+def _works(n: int, threads: int) -> dict[str, Callable[[], Any]]:
+    """Every way that is installed, each seen to be right; then sums, proof and reading."""
     source, target = random_clouds(n, noise=0.1)
-    works = {OURS: lambda: registered(source, target)} | {
+    works: dict[str, Callable[[], Any]] = {
+        OURS: lambda: register(source, target, threads=threads).rotation
+    }
+    works |= {
         peer.name: peer.prepare(source, target) for peer in PEERS if not presence(peer).absent
     }
-    turn = registered(source, target)
+    turn = works[OURS]()
     for name, work in works.items():
         assert np.abs(work() - turn).max() < AGREE, f"{name} finds another rotation, N = {n}"
-    if n in PROVED:
-        works[PROOF] = lambda: solve(RegistrationProblem(source, target))
-    return works | {READING: lambda: (source.max(), target.max())}
-
-
-def registered(source: Any, target: Any) -> Any:
-    """The rotation (3, 3) by certreg: validation, moments, closed form."""
-    moments = floating_moments(RegistrationProblem(source, target))
-    return np.array(rotation_matrix(horn(moments.cross_covariance).tolist()))
-
-
-def _linear(times: dict[int, float]) -> Figure:
-    least, bound = SLOPE
-    return Figure(
-        what="k, cost grows as Nᵏ",
-        value=Quantity(exponent(times), ""),
-        least=least,
-        bound=bound,
-        beside={
-            f"N = {power_of_ten(n)}:": Quantity(1e9 * seconds / n, "ns/point")
-            for n, seconds in times.items()
-        },
-    )
-
-
-def _ratios(times: dict[str, float]) -> Iterator[Figure]:
-    """At the largest size: beside SciPy, the fastest library, and reading."""
-    libraries = {
-        peer.name: times[peer.name] for peer in PEERS if peer.library if peer.name in times
+    clouds = Clouds(source=source, target=target, weights=None, origin=np.zeros(6))
+    further: dict[str, Callable[[], Any]] = {
+        SUMS: lambda: floating_sums(clouds, threads=threads),
+        READING: lambda: (source.max(), target.max()),
     }
-    quickest = min(libraries, key=libraries.__getitem__)
+    if n in PROVED and threads == 1:
+        further[PROOF] = lambda: solve(RegistrationProblem(source, target))
+    return {OURS: works.pop(OURS), **further, **works}
+
+
+def _on_one_core() -> Times:
+    """`times_of` in a process that is tied to one core before it loads anything."""
+    command = [sys.executable, "-m", "benchmarks.comparing"]
+    run = subprocess.run(
+        command, cwd=ROOT, env={**os.environ, **ONE_THREAD}, check=True, stdout=subprocess.PIPE
+    )
+    found = json.loads(run.stdout)
+    return {name: {int(n): t for n, t in times.items()} for name, times in found.items()}
+
+
+def _cores() -> int:
+    tied = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return tied or 1
+
+
+def _powers(lines: Times) -> Iterator[Figure]:
+    """Of the sums, which is claimed; and of a whole call, which begins with a constant."""
+    for name, (least, bound) in ((SUMS, SLOPE), (OURS, (None, None))):
+        times = {n: lines[name][n] for n in LINEAR}
+        per_point = {
+            f"N = {power_of_ten(n)}:": Quantity(1e9 * t / n, "ns/point") for n, t in times.items()
+        }
+        what = f"k, {name}: cost as Nᵏ"
+        value = Quantity(exponent(times), "")
+        yield Figure(what=what, value=value, least=least, bound=bound, beside=per_point)
+
+
+def _ratios(times: dict[str, float], where: str, *, bounded: bool) -> Iterator[Figure]:
+    """At the largest size: beside the fastest library, SciPy, and reading."""
+    libraries = [peer.name for peer in PEERS if peer.library and peer.name in times]
+    quickest = min(libraries, key=times.__getitem__)
     beside = {name: Quantity(seconds, "s") for name, seconds in times.items()}
-    for what, name, least in (
-        (f"fastest library ({quickest})", quickest, PEER),
-        ("SciPy", "SciPy", SCIPY),
-    ):
+    at = f"N = {power_of_ten(LARGEST)}, {where}"
+    for name, least in ((quickest, PEER), ("SciPy", SCIPY)):
+        kind = "fastest library, " if name == quickest else ""
         yield Figure(
-            what=f"{what} / certreg, N = {power_of_ten(SIZES[-1])}",
+            what=f"{kind}{name} / certreg, {at}",
             value=Quantity(times[name] / times[OURS], "x"),
-            least=least,
+            least=least if bounded else None,
             beside=beside,
         )
+        beside = {}
     yield Figure(
-        what=f"certreg / reading once, N = {power_of_ten(SIZES[-1])}",
+        what=f"certreg / {READING}, {at}",
         value=Quantity(times[OURS] / times[READING], "x"),
+        bound=READ if bounded else None,
     )
+
+
+if __name__ == "__main__":
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+    print(json.dumps(times_of(SIZES, threads=1)))

@@ -36,6 +36,12 @@ def bounds(run: dict[str, Any]) -> str:
     return _table(["by", "what", "figure", "bound", ""], rows, left=2)
 
 
+def figures(run: dict[str, Any], name: str, *, containing: str) -> str:
+    """The figures of one measurement whose names contain some words, without bounds."""
+    found = [figure for figure in run["figures"][name] if containing in figure["what"]]
+    return _table(["what", "figure"], [[each["what"], _quantity(each)] for each in found])
+
+
 def peers(run: dict[str, Any]) -> str:
     """What certreg was measured beside, and why a peer is missing."""
     rows = [
