@@ -30,6 +30,7 @@ from certreg.certificate.coqc import (
     axioms_in,
     compiled_proofs,
     find_coqc,
+    is_compiled,
     needed,
     run_coqc,
 )
@@ -297,7 +298,30 @@ def test_an_answer_that_lists_no_assumptions_is_no_answer():
     assert axioms_in("Closed under the global context\n") == ()
     assert axioms_in("") is None
     assert axioms_in("Axioms:\n") is None
+    assert axioms_in("Theory:\nType hierarchy is collapsed (logic is inconsistent)\n") is None
     assert axioms_in("Axioms:\na.b : False\n  -> c : d\nE.f\n  : g\n") == ("a.b", "E.f")
+
+
+@pytest.mark.parametrize("late", ["Vectors.v", "Vectors.vo", "Checker.v"])
+def test_proofs_of_which_a_part_is_newer_than_the_last_are_compiled_again(tmp_path, late):
+    for name in needed(PROOFS):
+        shutil.copyfile(PROOFS / f"{name}.v", tmp_path / f"{name}.v")
+        (tmp_path / f"{name}.vo").touch()
+    assert is_compiled(tmp_path, needed(PROOFS), PROOFS)
+
+    after = (tmp_path / "Checker.vo").stat().st_mtime + 5
+    os.utime(tmp_path / late, (after, after))
+    assert not is_compiled(tmp_path, needed(PROOFS), PROOFS)
+
+
+def test_compiled_proofs_of_other_sources_are_not_taken(tmp_path):
+    for name in needed(PROOFS):
+        shutil.copyfile(PROOFS / f"{name}.v", tmp_path / f"{name}.v")
+    (tmp_path / "Vectors.v").write_text("Axiom planted : 1 = 2.")
+    for name in needed(PROOFS):
+        (tmp_path / f"{name}.vo").touch()
+
+    assert not is_compiled(tmp_path, needed(PROOFS), PROOFS)
 
 
 # With Coq
@@ -487,6 +511,29 @@ def test_a_hundred_points_take_at_most_five_seconds(proofs, tmp_path):
 
     # Processor seconds: the machine may be busy with something else.
     assert sum(after[:4]) - sum(before[:4]) <= SECONDS
+
+
+UNGUARDED = """From Certreg Require Import Checker.
+Axiom classic : forall P : Prop, P \\/ ~ P.
+Unset Guard Checking.
+Fixpoint endless (n : nat) : 1 = 2 := endless n.
+Set Guard Checking.
+Theorem planted : (1 = 2) /\\ (True \\/ ~ True).
+Proof. exact (conj (endless 0) (classic True)). Qed.
+Print Assumptions planted.
+"""
+
+
+@needs_coq
+@pytest.mark.slow
+def test_a_recursion_that_no_one_checked_is_an_assumption(proofs):
+    done = run_coqc(find_coqc(), proofs, UNGUARDED, seconds=60)
+
+    assert done.returncode == 0, done.stderr
+    expected = ("endless is assumed to be guarded.", "classic")
+    assert axioms_in(done.stdout) is not None
+    assert sorted(axioms_in(done.stdout) or ()) == sorted(expected)
+    assert sorted(check.assumed(done.stdout)) == sorted(expected)
 
 
 PLANTED = """From Certreg Require Import Checker.

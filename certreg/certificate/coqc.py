@@ -136,22 +136,23 @@ def compiled_proofs(coqc: str, *, tell: Callable[[str], None] = print) -> Path:
     folder = proofs_folder()
     modules = needed(folder)
     built = folder.parent.parent / "build" / "coq"
-    if _is_compiled(built, modules, folder):
+    if is_compiled(built, modules, folder):
         return built
     cache = _cache(coqc, folder, modules)
-    if not _is_compiled(cache, modules, folder):
+    if not is_compiled(cache, modules, folder):
         tell(f"compiling the proofs into {cache}, once (about two minutes) ...")
         _compile(coqc, folder, modules, cache)
     return cache
 
 
-def _is_compiled(folder: Path, modules: list[str], sources: Path) -> bool:
-    """Whether the folder holds what these sources compile to."""
+def is_compiled(folder: Path, modules: list[str], sources: Path) -> bool:
+    """Whether the folder holds what these sources compile to, the last of them compiled last."""
     stamps = [(folder / f"{name}.v", folder / f"{name}.vo") for name in modules]
+    if not all(v.is_file() and vo.is_file() for v, vo in stamps):
+        return False
+    last = stamps[-1][1].stat().st_mtime
     return all(
-        v.is_file()
-        and vo.is_file()
-        and vo.stat().st_mtime >= v.stat().st_mtime
+        v.stat().st_mtime <= vo.stat().st_mtime <= last
         and v.read_bytes() == (sources / v.name).read_bytes()
         for v, vo in stamps
     )
@@ -206,24 +207,31 @@ def axioms(coqc: str, proofs: Path) -> tuple[str, ...]:
     kept = proofs / f"{GOAL}.axioms"
     digest = hashlib.sha256((proofs / f"{GOAL}.vo").read_bytes()).hexdigest()
     if kept.is_file():
-        known, *found = kept.read_text(encoding="utf-8", errors="replace").split() or [""]
+        known, *names = kept.read_text(encoding="utf-8", errors="replace").split() or [""]
         if known == digest:
-            return _known(tuple(found))
+            return _known(tuple(names))
     done = run_coqc(coqc, proofs, ASSUMPTIONS, seconds=CoqSettings().seconds)
     listed = axioms_in(done.stdout)
     if done.returncode != 0 or listed is None:
         raise MissingToolError(f"coqc failed: {_first_error(done.stderr)}: {HOW_TO_GET}")
+    found = _known(listed)
     with contextlib.suppress(InvalidFileError):  # cannot be written: asked again next time
-        write_atomically(kept, " ".join([digest, *listed]).encode())
-    return _known(listed)
+        write_atomically(kept, " ".join([digest, *found]).encode())
+    return found
 
 
 def axioms_in(stdout: str) -> tuple[str, ...] | None:
-    """The axioms that `Print Assumptions` lists; None if that cannot be read."""
-    if stdout.startswith("Closed under the global context"):
+    """What `Print Assumptions` lists; None if that cannot be read.
+
+    Axioms by name; of other assumptions, as that a recursion ends, the whole line.
+    """
+    head, *lines = stdout.splitlines() or [""]
+    if head == "Closed under the global context":
         return ()
-    _, _, printed = stdout.partition("Axioms:\n")
-    return tuple(re.findall(r"^([\w.]+)\s*:", printed, flags=re.MULTILINE)) or None
+    listed = [line for line in lines if not line.startswith(" ")]
+    named = [re.match(r"[\w.]+(?=\s*(?::|$))", line) for line in listed]
+    found = tuple(name[0] if name else line for name, line in zip(named, listed, strict=True))
+    return found if head == "Axioms:" and found else None
 
 
 def _known(found: tuple[str, ...]) -> tuple[str, ...]:

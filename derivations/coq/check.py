@@ -169,12 +169,21 @@ def assumptions(folder: Path, listed: list[tuple[str, str]]) -> str:
     lines = []
     for part in output.split("## ")[1:]:
         theorem, _, printed = part.partition("\n")
-        axioms = re.findall(r"^([\w.]+)\s*:", printed.partition("Axioms:\n")[2], re.MULTILINE)
-        closed = "Closed under the global context" in printed
+        axioms = assumed(printed)
+        closed = printed.strip() == "Closed under the global context"
         if not axioms and not closed:
             raise ProofError(f"{theorem}: what it assumes cannot be read: {printed[:200]}")
         lines.append(f"{theorem}: {', '.join(sorted(axioms)) or 'nothing'}\n")
     return "".join(sorted(lines))
+
+
+def assumed(printed: str) -> list[str]:
+    """The axioms that are listed, by name; of other assumptions the whole line."""
+    head, *lines = printed.splitlines() or [""]
+    listed = [line for line in lines if line.strip() and not line.startswith(" ")]
+    named = [re.match(r"[\w.]+(?=\s*(?::|$))", line) for line in listed]
+    found = [name[0] if name else line for name, line in zip(named, listed, strict=True)]
+    return found if head == "Axioms:" else []
 
 
 def compare(recorded: str, found: str) -> None:
