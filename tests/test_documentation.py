@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import html as markup
 import importlib
 import re
 import subprocess
@@ -15,6 +16,8 @@ from test_guides import GUIDES
 
 import certreg
 from certreg.cli import cli
+from derivations import book
+from derivations.coq.theorems import theorems
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -37,6 +40,7 @@ extensions = [
     "myst_nb", "citations", "command_lines", "contents", "disclosure", "leftovers", "proofs"
 ]
 myst_enable_extensions = ["dollarmath"]
+myst_heading_anchors = 3
 nb_execution_mode = "force"
 nb_execution_raise_on_error = False
 nb_execution_show_tb = True
@@ -87,6 +91,10 @@ def built(folder: Path, page: str, settings: str = "") -> subprocess.CompletedPr
         "```{entry} Davenport1968\nDavenport.\n```\n",
         "utf-8",
     )
+    listed = "".join(f"### {name}\n\n" for name in theorems())
+    (folder / "machine-checked-proofs.md").write_text(
+        f"---\norphan: true\n---\n# Theorems\n\n## All\n\n{listed}", "utf-8"
+    )
     command = [sys.executable, "-m", "sphinx", "-q", "-W", "-b", "html", folder, folder / "html"]
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
@@ -134,6 +142,29 @@ def test_a_claim_becomes_a_theorem_with_steps_and_controls(tmp_path: Path):
     assert 'href="bibliography.html#cite-horn1987"' in html
     assert "K of the transpose of C" in html
     assert "PROVED" in html
+
+
+def test_a_claim_shows_its_theorems_in_coq_as_their_files_state_them(tmp_path: Path):
+    done = built(tmp_path, "# Page\n\n```{proof} eigenvectors\n```\n")
+    page = (tmp_path / "html" / "index.html").read_text("utf-8")
+    words = markup.unescape(re.sub(r"<[^>]*>", "", page))
+
+    assert "xref_missing" not in done.stderr
+    assert "Not proved in Coq:" in words
+    for name in book.claim("eigenvectors").coq:
+        theorem = theorems()[name]
+        assert theorem.statement in words
+        assert f'href="machine-checked-proofs.html#{name.replace("_", "-")}"' in page
+        assert all(words.count(each) >= 2 for each in theorem.hypotheses)
+        assert all(axiom in words for axiom in theorem.axioms)
+
+
+def test_a_claim_without_a_theorem_in_coq_says_so(tmp_path: Path):
+    done = built(tmp_path, "# Page\n\n```{proof} polar_projection\n```\n")
+    page = (tmp_path / "html" / "index.html").read_text("utf-8")
+
+    assert "xref_missing" not in done.stderr
+    assert "<strong>Not machine-checked.</strong>" in page
 
 
 @pytest.mark.parametrize("name", ["optimality_certificate", "spectrum"])
