@@ -117,6 +117,7 @@ def test_its_own_certificate_of_many_points_is_checked_on_sums_by_another_road(m
     assert roads == [Road.LIMBS]
     assert registration.status is Optimality.CERTIFIED
     assert registration.certificate is not None
+    assert registration.verdict is not None
     assert check(registration.certificate.to_json()).theorems == registration.verdict.theorems
 
 
@@ -140,7 +141,9 @@ def test_a_file_that_is_changed_during_a_check_is_noticed(tmp_path, monkeypatch,
         np.save(tmp_path / f"{name}.npy", array)
     x, y, w = (np.load(tmp_path / f"{name}.npy", mmap_mode="r") for name in arrays)
     problem = RegistrationProblem(x, y, weights=w)
-    content = solve(problem).certificate.to_json()
+    certificate = solve(problem).certificate
+    assert certificate is not None
+    content = certificate.to_json()
     assert way(content, problem).verified
     name = "_added_moments" if way is check_in_blocks else "_table_of_sums"
     table = getattr(blockwise, name)
@@ -161,6 +164,7 @@ def test_beyond_the_inline_limit_a_certificate_needs_its_points(monkeypatch, tmp
     monkeypatch.setattr("certreg.certificate.producing.CertificateSettings", lambda: small)
     monkeypatch.setattr(checking, "INLINE_MAX", 39)
     certificate = solve(problem).certificate
+    assert certificate is not None
     certificate.save(tmp_path / "certificate.json")
 
     assert certificate.data is None
