@@ -101,19 +101,24 @@ def other_road(problem: RegistrationProblem) -> Road:
     return Road.LIMBS if road_for(problem) is Road.COMPILED else Road.INTEGERS
 
 
-def sums_by(road: Road, problem: RegistrationProblem) -> Sums:
-    """The sums over all points by one road. Raises CompilationError where it needs a compiler."""
+def sums_by(road: Road, problem: RegistrationProblem, *, threads: int | None = None) -> Sums:
+    """The sums over all points by one road. Raises CompilationError where it needs a compiler.
+
+    threads: how many may work at once, None for the settings' number; integers are for one.
+    """
+    threads = threads or SumSettings().threads
     if road is Road.COMPILED:
-        return _on_threads(partial(_by_compiled, library()), problem)
+        return _on_threads(partial(_by_compiled, library()), problem, threads)
     if road is Road.LIMBS:
-        return _on_threads(_by_limbs, problem)
-    blocks = (problem.block(rows) for rows in row_blocks(problem.n))
-    return sum((_by_integers(block) for block in blocks), start=EMPTY)
+        return _on_threads(_by_limbs, problem, threads)
+    return _on_threads(_by_integers, problem, 1)
 
 
-def _on_threads(summed: Callable[[Block], Sums], problem: RegistrationProblem) -> Sums:
+def _on_threads(
+    summed: Callable[[Block], Sums], problem: RegistrationProblem, threads: int
+) -> Sums:
     """Each thread takes every so manieth block; all of them end when one fails, or at Ctrl-C."""
-    count, end = SumSettings().threads, threading.Event()
+    count, end = min(threads, -(-problem.n // SumSettings().block_points)), threading.Event()
 
     def share(first: int) -> Sums:
         total = EMPTY
@@ -123,6 +128,8 @@ def _on_threads(summed: Callable[[Block], Sums], problem: RegistrationProblem) -
             total += summed(problem.block(rows))
         return total
 
+    if count == 1:
+        return share(0)
     with ThreadPoolExecutor(count) as pool:
         shares = [pool.submit(share, first) for first in range(count)]
         try:

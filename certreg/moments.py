@@ -20,6 +20,7 @@ import numpy as np
 from certreg.dyadic import power_of_two
 from certreg.errors import InvalidProblemError
 from certreg.exact_sums import sums
+from certreg.mapping import let_go, mapped_file
 from certreg.native.sums import Clouds, chunks, floating_sums
 from certreg.settings import PassSettings
 
@@ -235,7 +236,10 @@ def _summed(clouds: Clouds, threads: int) -> tuple[Clouds, FloatingSums]:
 def _near_mean(points: NDArray[Any]) -> NDArray[np.float64]:
     """The mean of a few points, or one of them where that is beyond the doubles."""
     some = points[:: max(1, len(points) // PassSettings().sample_points)]
-    copied = np.array(some, dtype=np.float64, order="C")  # the same sum for every layout
+    copied = np.empty(some.shape)  # the same sum for every layout
+    for copy, point in zip(copied, some, strict=True) if mapped_file(points) else [(copied, some)]:
+        copy[:] = point
+        let_go(point)  # the system may show two megabytes around each
     with np.errstate(all="ignore"):
         mean = np.add.reduce(copied) / len(copied)
     return mean if np.isfinite(mean).all() else copied[0]

@@ -1,0 +1,34 @@
+"""The small brother of `make test-huge`: two clouds of 25 MB in the place of 8 GB."""
+
+from __future__ import annotations
+
+import numpy as np
+from huge import Run, size, turn, write_clouds
+
+from certreg import RegistrationProblem, verify
+from certreg.certificate.blockwise import check_on_sums
+
+POINTS = 1_050_000  # more than a certificate holds
+MEGABYTES = 30  # of the 50 that both files have
+
+
+def test_mapped_clouds_are_certified_in_less_memory_than_they_take(tmp_path):
+    files = write_clouds(tmp_path, POINTS)
+    run = Run.of(*files, tmp_path / "certificate.json")
+
+    assert run.n == POINTS
+    assert run.status == "CERTIFIED"
+    assert np.abs(run.rotation - turn()).max() < 1e-3
+    assert sum(file.stat().st_size for file in files) > 1.6e6 * MEGABYTES
+    assert run.peak - run.before < MEGABYTES
+
+    content = (tmp_path / "certificate.json").read_bytes()
+    mapped = RegistrationProblem(*(np.load(file, mmap_mode="r") for file in files))
+    assert len(content) < 2000
+    assert "give SOURCE and TARGET" in verify(content).words
+    assert check_on_sums(content, mapped).verified
+
+
+def test_the_size_is_what_the_disk_allows():
+    assert size(1000.0, 8.0) == 8.0
+    assert size(8.0, 8.0) == 3.0
