@@ -21,7 +21,7 @@ from certreg.errors import InvalidFileError
 from certreg.io import streams
 from certreg.io.clouds import read_cloud, read_problem, read_weights
 from certreg.mapping import mapped_file
-from certreg.settings import FileSettings
+from certreg.settings import FileSettings, SumSettings
 
 EVERY = FileSettings(mapped_bytes=1)
 POINTS = np.random.default_rng(5).normal(size=(500, 3)).astype(np.float32)
@@ -156,7 +156,9 @@ def test_a_file_changed_anywhere_is_read_or_refused_as_if_it_were_small(place, d
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize("suffix", ["npy", "ply"])
-def test_a_row_that_is_no_number_is_named(tmp_path, suffix, bad, all_large):
+def test_a_row_that_is_no_number_is_named(tmp_path, suffix, bad, all_large, monkeypatch):
+    blocks = SumSettings(block_points=100)
+    monkeypatch.setattr("certreg.problem.SumSettings", lambda: blocks)
     points = POINTS.copy()
     points[417, 1] = bad
     path = tmp_path / f"a.{suffix}"

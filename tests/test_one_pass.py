@@ -73,7 +73,7 @@ def test_every_sum_is_within_260_units_of_its_terms(name, n, weighted):
 
 
 def test_blocks_lose_nothing_however_many_there_are():
-    # Next to 2^52 a double is whole: plain sums lose what 32 points add, 0.4, in each of 512 blocks.
+    # Next to 2^52 a double is whole: plain sums lose what 32 points add, 0.4, in all 512 blocks.
     # Only in the blocks of the two large numbers may something be lost: 510 times 0.013 at most.
     n = 1 << 17
     x = np.full((n, 3), 0.013)
@@ -339,6 +339,15 @@ def test_the_row_that_is_no_number_is_named(bad, which, name, n):
     arrays = pair(n)
     arrays[which][7] = bad
     with pytest.raises(InvalidProblemError, match=f"^{name} row 7 "):
+        certreg.register(*arrays)
+
+
+@pytest.mark.parametrize(("which", "bad"), [(0, np.nan), (2, -1e-3)])
+def test_the_row_is_counted_over_all_chunks(which, bad, monkeypatch):
+    monkeypatch.setattr(sums, "PassSettings", Small)
+    arrays = pair(5000)
+    arrays[which][4321] = bad
+    with pytest.raises(InvalidProblemError, match=r"^(source|weights) row 4321 "):
         certreg.register(*arrays)
 
 
