@@ -90,7 +90,8 @@ class Solutions:
     unstable: (count, 4), of the 12 eigenvalues of the linearised dynamics those with a positive
         real part, counted; -1 where doubles do not decide.
     margins: (count,), the least difference of neighbouring eigenvalues over that of the outermost.
-    decided: (count,), proved: four equilibria, and three source points are not collinear.
+    decided: (count,), proved: four equilibria, and three source points are not collinear. Never
+        where a cloud is smaller than 2^-200 of its largest coordinate, points without weight, too.
     eigenvalues: (count, 4, 12) of the linearised dynamics, by descending real part; NaN where J is
         singular to rounding. None unless asked for.
     """

@@ -84,7 +84,7 @@ def assert_same(
 
 
 @pytest.mark.parametrize("points", [3, 4, 20, 100, 10_000])
-@pytest.mark.parametrize("offset", [0.0, 1e8])
+@pytest.mark.parametrize("offset", [0.0, 1e8, 1e13])
 def test_many_are_solved_as_each_alone(points, offset):
     rng = np.random.default_rng(points)
     problems = [
@@ -180,6 +180,23 @@ def test_the_evaluator_finds_the_same(monkeypatch):
         difference = np.abs(getattr(found, name) - getattr(by_engine, name)).max(axis=(1, 2))
         assert (difference <= 30.0 * near).all(), name
     assert found.rmse == pytest.approx(by_engine.rmse, rel=1e-11)
+
+
+@pytest.mark.parametrize("machine", [engine, evaluator])
+def test_residuals_and_ratios_are_what_they_are_called(machine):
+    found = machine().rest_poses(instances.clouds(**some(70)))
+    entries: Any = np.moveaxis(found.cross.reshape(-1, 3, 3), 0, -1)
+    K = np.moveaxis(np.array(davenport_matrix(entries)), -1, 0)
+
+    L, V = found.values[:, np.newaxis], found.vectors.mT
+    moved = np.linalg.norm(K @ V - V * L, axis=(1, 2))
+    skew = np.linalg.norm(V.mT @ V - np.eye(4), axis=(1, 2))
+    sizes = np.linalg.norm(K, axis=(1, 2)) + np.linalg.norm(L, axis=(1, 2))
+    rounding = 40.0 * instances.ROUNDING * sizes  # of a residual that is rounding itself
+
+    assert (np.abs(found.residual - moved - skew * sizes) <= rounding).all()
+    assert found.residual.min() > 1e-17
+    assert (np.diff(found.ratios, axis=2) >= 0.0).all()
 
 
 def test_every_pose_is_at_rest_with_the_spectrum_of_the_derived_jacobian():
@@ -382,6 +399,15 @@ def test_a_count_that_rounding_could_change_is_not_given(monkeypatch):
     monkeypatch.setattr(instances, "engine", Flat)
 
     assert (solve_many(**some(40)).unstable == [0, 1, -1, 3]).all()
+
+
+def test_squares_that_could_underflow_leave_a_problem_undecided():
+    given = some(8)
+    assert solve_many(**given).decided.all()
+    given["sources"][:, 0] = 1e100  # the scale of a cloud is that of its farthest point
+    given["weights"][:, 0] = 0.0
+
+    assert not solve_many(**given).decided.any()
 
 
 def test_modes_that_no_double_holds_are_not_counted():
