@@ -460,3 +460,19 @@ def test_many_runs_of_reproduce_are_a_campaign_that_goes_on(tmp_path, monkeypatc
     assert {settings[name] for name in ("points", "sigma", "seed", "damping")} == {5, 0.1, 4, 2.0}
     table = (tmp_path / "campaign" / "summary.csv").read_text()
     assert table.count("\n") == 1501
+
+
+def test_a_shard_that_is_there_twice_is_made_one(tmp_path):
+    """As a kill leaves it between a new shard and the end of its former one."""
+    finish(SMALL, tmp_path / "whole")
+    finish(SMALL, tmp_path / "out")
+    shards = Shards(
+        folder=tmp_path / "out" / SHARDS, identity=SMALL.manifest().identity(), suffix=".npz"
+    )
+    (second,) = shards.files()[1]
+    shards.replace(1, longer := second.read_bytes() + b"\0")
+    assert {len(paths) for paths in shards.files().values()} == {1, 2}
+    assert longer in [content for _, content in shards.sound()]
+
+    finish(SMALL, tmp_path / "out")
+    assert tree(tmp_path / "out") == tree(tmp_path / "whole")

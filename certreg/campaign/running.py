@@ -67,13 +67,13 @@ def run(kind: Kind, folder: Path, workers: Workers, watch: Watch) -> dict[str, f
     shards = Shards(folder=folder / SHARDS, identity=manifest.identity(), suffix=kind.suffix)
     for note in shards.drop_damaged():
         watch.noted(note)
-    done = _done(kind, shards, folder)
+    done, former = _done(kind, shards, folder), shards.files()
     watch.begun(sum(len(manifest.items(shard)) for shard in done))
     timings: Counter[str] = Counter()
     for call, found in outcomes(kind.calls(done), workers, manifest.versions):
         for name, content in found.files.items():
             write_atomically(folder / CERTIFICATES / name, content)
-        shards.replace(call.shard, found.content)
+        shards.replace(call.shard, found.content, former.get(call.shard, ()))
         timings.update(found.timings)
         watch.advanced(len(manifest.items(call.shard)))
     return dict(timings)

@@ -17,7 +17,7 @@ from certreg.settings import CampaignSettings
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
 DIGITS = 32  # of the digest, hexadecimal: no accident makes two contents agree in 128 bits
@@ -32,13 +32,20 @@ class Shards:
     identity: str
     suffix: str
 
-    def replace(self, number: int, content: bytes) -> None:
-        """Put a shard in place, whole; another of that number goes. Raises InvalidFileError."""
-        name = self._name(number, content)
-        write_atomically(self.folder / name, content)
-        for path in self.folder.glob(f"{number:08d}-*"):
-            if path.name != name:
+    def replace(self, number: int, content: bytes, former: Sequence[Path] = ()) -> None:
+        """Put a shard in place, whole; its former files go then. Raises InvalidFileError."""
+        place = self.folder / self._name(number, content)
+        write_atomically(place, content)
+        for path in former:
+            if path != place:
                 path.unlink()
+
+    def files(self) -> dict[int, list[Path]]:
+        """The files of each shard; more than one where a run was killed between the two."""
+        found: dict[int, list[Path]] = {}
+        for path in self.folder.iterdir():
+            found.setdefault(int(path.name.partition("-")[0]), []).append(path)
+        return found
 
     def sound(self) -> Iterator[tuple[int, bytes]]:
         """Number and content of each shard that is there and whole, in order."""
