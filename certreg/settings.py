@@ -249,7 +249,7 @@ class CampaignSettings:
 
     shard_points: int = 1 << 19  # a tenth of a second of work on random instances
     shard_instances: int = 4096  # 400 kB of results
-    piece_points: int = 1 << 13  # of instances made at a time: 400 kB stay in the cache
+    piece_points: int = 1 << 15  # of instances made at a time: two megabytes stay in the cache
     shard_pairs: int = 16  # of the user's pairs: a second of work
     shard_share: int = 64  # shards at least, where there are so many items: all workers have work
     least_instances: int = 256  # in a shard all the same: milliseconds of work

@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import io
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError
@@ -20,7 +21,6 @@ from certreg.verify import shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
 NEEDED = ("source", "target")
 OPTIONAL = ("name", "sigma", "weights", "pairs", "match", "damping")
@@ -31,7 +31,7 @@ COLUMNS = (*NEEDED, *OPTIONAL)
 class PairRow:
     """A row of a list, as it is written: nothing is read or checked yet.
 
-    place: file and line, for errors. fault: why the row is none, where it is none.
+    place: name of the list and line, for errors. fault: why the row is none, where it is none.
     """
 
     number: int  # from 0
@@ -57,7 +57,7 @@ class Listing:
 
     def rows(self) -> Iterator[PairRow]:
         """The rows, one after the other; a row whose name stands before is at fault."""
-        header, rows = _headed(self.path, self.content)
+        header, rows = _headed(Path(self.path.name), self.content)
         first: dict[str, str] = {}
         for number, (place, values) in enumerate(rows):
             fields = dict(zip(header, map(str.strip, values), strict=False))
