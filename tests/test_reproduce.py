@@ -28,6 +28,7 @@ from certreg.experiments.style import DPI, WIDTH, written
 from certreg.experiments.verdicts import MEASURED, reproduce
 from certreg.native.engine import engine
 from certreg.problem import RegistrationProblem
+from certreg.progress import Stages
 from certreg.report.exhibition import page
 from certreg.report.reproduction import closing_text, markdown, reproduction_document
 from certreg.results import Ruling, Verdict
@@ -63,7 +64,7 @@ def drawn(seen):
 def evidence(number: str, seen: Observations, clouds: list[RegistrationProblem] | None = None):
     if clouds is None:
         example = ROWS[number].counterexample
-        clouds = [in_doubles(c, seen.setup.damping) for c in (example.clouds if example else ())]
+        clouds = [in_doubles(c) for c in (example.clouds if example else ())]
     return MEASURED[number](seen, clouds)
 
 
@@ -102,12 +103,7 @@ FAULTS = {
     "1": lambda seen: replace(seen, comparisons=worse(seen.comparisons, objective=1e-9)),
     "2": lambda seen: replace(seen, comparisons=worse(seen.comparisons, rate=1e-9)),
     "3": lambda seen: replace(seen, comparisons=worse(seen.comparisons, dissipation=1e-9)),
-    "4b": lambda seen: replace(
-        seen,
-        simulations=worse(
-            seen.simulations, descent=replace(seen.simulations[-1].descent, stopped=False)
-        ),
-    ),
+    "4b": lambda seen: replace(seen, simulations=worse(seen.simulations, midpoint_rests=False)),
     "5": lambda seen: worse_rest(seen, 2, balance=1e-9),
     "6a": lambda seen: replace(seen, equilibria=worse(seen.equilibria, unique=False)),
     "6b": lambda seen: worse_rest(seen, 0, angle=1e-6),
@@ -248,6 +244,20 @@ def test_an_eigenvalue_counted_on_the_wrong_side_is_seen(monkeypatch, seen):
 
     assert evidence("11", seen).agrees is False
     assert evidence("12", seen).agrees is False
+
+
+def test_a_damping_that_explicit_euler_cannot_follow_is_told_and_confirms_the_condition(drawn):
+    found = reproduce(Setup(runs=1, damping=250.0), quiet, proofs=False)
+    document = reproduction_document(found, drawn)
+    box_plot, *_ = drawings(found.observations)[5].figure.axes
+
+    assert found.stands
+    assert document["simulations"]["diverged"] == 1
+    assert document["simulations"]["steps"]["max"] < 1000
+    assert document["simulations"]["simulation_error_deg"]["max"] is None
+    assert "simulations" in document["reasons"]
+    assert Draft202012Validator(SCHEMA).is_valid(document)
+    assert box_plot.has_data()
 
 
 # proofs
@@ -562,3 +572,51 @@ def test_rough_numbers_are_rounded_up(value: float, words: str):
 def test_counts_are_listed_in_words():
     assert listed([1, 2, None]) == "1, 2 and infinitely many"
     assert listed([None]) == "infinitely many"
+
+
+def paths_of(value: Any, path: tuple[str, ...] = ()):
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield (*path, key)
+            yield from paths_of(inner, (*path, key))
+
+
+def test_no_key_of_the_document_may_be_missing_or_of_another_type(made, drawn):
+    document = reproduction_document(made, drawn)
+    validator = Draft202012Validator(SCHEMA)
+    free = {("reasons", key) for key in document["reasons"]}
+
+    for path in set(paths_of(document)) - free:
+        for wrong in (None, {"not": [1]} if path != ("reasons",) else 1, [[[[]]]]):
+            changed = json.loads(json.dumps(document))
+            part = changed
+            for key in path[:-1]:
+                part = part[key]
+            if wrong is None:
+                del part[path[-1]]
+            else:
+                part[path[-1]] = wrong
+            assert not validator.is_valid(changed), (path, wrong)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("finding", "maybe"), ("proved", 1), ("proofs", []), ("number", "x"), ("measured", "")],
+)
+def test_a_claim_that_is_wrong_is_not_valid(key: str, value: Any, made, drawn):
+    document = reproduction_document(made, drawn)
+    document["claims"][0][key] = value
+
+    assert not Draft202012Validator(SCHEMA).is_valid(document)
+
+
+def test_the_stage_of_a_long_run_is_shown_to_a_terminal_only(monkeypatch, capsys):
+    monkeypatch.setattr("certreg.progress.PATIENCE", -1.0)
+    for watched in (True, False):
+        monkeypatch.setattr("sys.stderr.isatty", lambda watched=watched: watched)
+        with Stages() as stages:
+            stages.at("equilibria", 3, 50)
+            stages.at("figures")
+        shown = capsys.readouterr().err
+        assert ("equilibria 3 of 50 ..." in shown) is watched
+        assert shown.endswith("\033[K") is watched

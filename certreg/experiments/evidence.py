@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from certreg.experiments.generator import PAPER_DAMPING
 from certreg.problem import RegistrationProblem
 
 if TYPE_CHECKING:
@@ -23,12 +24,12 @@ class Evidence:
     agrees: bool
 
 
-def in_doubles(cloud: Any, damping: float) -> RegistrationProblem:
+def in_doubles(cloud: Any) -> RegistrationProblem:
     """A cloud of a counterexample (rationals.ExactCloud) in doubles: small integers, so exactly."""
     source = [[float(e) for e in point] for point in cloud.source]
     target = [[float(e) for e in point] for point in cloud.target]
     weights = [float(mass) for mass in cloud.weights]
-    return RegistrationProblem(source, target, weights=weights, damping=damping)
+    return RegistrationProblem(source, target, weights=weights, damping=PAPER_DAMPING)
 
 
 def tally(count: int, of: Sequence[Any], words: str) -> Evidence:

@@ -34,7 +34,8 @@ class Descent:
     """One simulation; energies in the paper's units, after each of the steps, the start first.
 
     times, potential, kinetic: (steps + 1,). state: (18,), the last, in the paper's order.
-    stopped: whether the rates became small before the steps ran out.
+    stopped: whether the rates became small. diverged: whether they went beyond the doubles; else
+    the steps ran out.
     """
 
     times: NDArray[np.float64]
@@ -42,6 +43,7 @@ class Descent:
     kinetic: NDArray[np.float64]
     state: NDArray[np.float64]
     stopped: bool
+    diverged: bool
 
     @property
     def steps(self) -> int:
@@ -83,6 +85,7 @@ def descend(
     log = Log.of_capacity(limit + 1, Integrator.EULER)
     loop = SimulationSettings(speed_tolerance=settings.stop, max_steps=limit)
     engine().run(batch, loop, log)
+    stopped = Ending(int(batch.status[0])) is not Ending.OUT_OF_STEPS
     samples, size = log.samples, Integrator.EULER.state_size
     per_mass = dict(zip(ENERGIES, samples[:, 1 + size :].T, strict=True))
     mass = float(moments.total_weight)
@@ -91,5 +94,6 @@ def descend(
         potential=mass * per_mass["potential"],
         kinetic=mass * (per_mass["translation"] + per_mass["rotation"]),
         state=batch.states[0],
-        stopped=Ending(int(batch.status[0])) is not Ending.OUT_OF_STEPS,
+        stopped=stopped,
+        diverged=not stopped and int(batch.taken[0]) < limit,
     )

@@ -38,7 +38,9 @@ class SimulationRun:
     distance: between the two. stopped: by the paper's rule. least: V_p at the optimum, not over the
     start's. first_rise: of V in the first step of explicit Euler; told_rise: the same by
     h^2/2 (M |a|^2 + alpha^T J alpha). rises: how many steps raise V by more than rounding;
-    potential_rises: V_p. midpoint_rise: the largest of V in a step of the implicit midpoint rule.
+    potential_rises: V_p. midpoint_rests, midpoint_rise: of the implicit midpoint rule, whether it
+    came to rest and the largest rise of V in a step. Errors are not a number where the steps went
+    beyond the doubles.
     """
 
     descent: Descent
@@ -50,12 +52,18 @@ class SimulationRun:
     told_rise: float
     rises: int
     potential_rises: int
+    midpoint_rests: bool
     midpoint_rise: float
 
     @property
     def steps(self) -> int:
         """How many steps the simulation took."""
         return self.descent.steps
+
+    @property
+    def diverged(self) -> bool:
+        """Whether the steps went beyond the doubles."""
+        return self.descent.diverged
 
     @property
     def stopped(self) -> bool:
@@ -75,7 +83,9 @@ def simulation_run(
     descent = descend(problem, settings)
     particles = Particles.of(problem)
     best, truth = horn(moving.cross_covariance), quaternion_from_matrix(true_rotation)
-    end = quaternion_from_matrix(descent.rotation)
+    end = np.full(4, np.nan)
+    if not descent.diverged:
+        end = quaternion_from_matrix(descent.rotation)
     energy, least = descent.energy, settings.same_sum
     midpoint = simulate(spectrum(moments), problem.damping, Integrator.MIDPOINT)
     falling = midpoint.potential + midpoint.kinetic
@@ -87,10 +97,16 @@ def simulation_run(
         least=particles.potential(at_rest(np.array(rotation_matrix(best.tolist())))),
         first_rise=float((energy[1] - energy[0]) / energy[0]) if descent.steps else 0.0,
         told_rise=_told_rise(particles, settings.step) / float(energy[0]),
-        rises=int((np.diff(energy) > least * energy[0]).sum()),
-        potential_rises=int((np.diff(descent.potential) > least * energy[0]).sum()),
+        rises=_rises(energy, least * energy[0]),
+        potential_rises=_rises(descent.potential, least * energy[0]),
+        midpoint_rests=midpoint.speed < settings.stop,
         midpoint_rise=float(np.diff(falling).max(initial=-np.inf) / falling[0]),
     )
+
+
+def _rises(energies: NDArray[np.float64], least: float) -> int:
+    """How many steps raise an energy by more than `least`."""
+    return int((energies[1:] > energies[:-1] + least).sum())
 
 
 def _told_rise(particles: Particles, step: float) -> float:

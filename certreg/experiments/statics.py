@@ -48,7 +48,7 @@ def energy_rate(seen: Observations, clouds: Clouds) -> Evidence:
     """Row 3: dV/dt on the rotations, and at a shear."""
     worst = max(each.dissipation for each in seen.comparisons)
     sheared = np.array([[1.0, 1, 0], [0, 1, 0], [0, 0, 1]])
-    particles = Particles.of(clouds[0].damped(2.0))
+    particles = Particles.of(clouds[0])
     state = np.concatenate([np.zeros(3), sheared.ravel(), np.zeros(5), [-0.1]])
     rises, told = particles.energy_rate(state), particles.dissipation(state)
     return Evidence(

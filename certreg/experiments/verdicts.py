@@ -99,7 +99,7 @@ def reproduce(setup: Setup, progress: Progress, *, proofs: bool = True) -> Repro
 def _claim(row: Any, proof: Verdict | None, seen: Observations) -> ClaimVerdict:
     counterexample = row.counterexample
     clouds = () if counterexample is None else counterexample.clouds
-    doubles = [in_doubles(cloud, seen.setup.damping) for cloud in clouds]
+    doubles = [in_doubles(cloud) for cloud in clouds]
     return ClaimVerdict(row=row, proof=proof, evidence=MEASURED[row.number](seen, doubles))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import textwrap
 from typing import TYPE_CHECKING, Any
@@ -24,6 +25,8 @@ FIGURES, KINDS = "figures", ("pdf", "png")
 TERMINAL = 100  # characters
 PATTERN = (0, 1, 2, 3)
 NOT_PROVED_NOW = "the proofs were left out: `certreg derive` runs them"
+
+ALL_DIVERGED = "every simulation went beyond the doubles: the step is too large for the damping"
 
 Document = dict[str, Any]
 
@@ -101,7 +104,11 @@ def markdown(made: Reproduction, drawn: Sequence[Drawing]) -> str:
 def reproduction_document(made: Reproduction, drawn: Sequence[Drawing]) -> Document:
     """The reproduction as `certreg-reproduction/1`."""
     setup = made.observations.setup
-    proofs_left_out = any(claim.proof is None for claim in made.claims)
+    reasons: dict[str, str] = {}
+    if any(claim.proof is None for claim in made.claims):
+        reasons["claims.proved"] = NOT_PROVED_NOW
+    if all(run.diverged for run in made.observations.simulations):
+        reasons["simulations"] = ALL_DIVERGED
     return {
         "schema": REPRODUCTION_SCHEMA,
         "certreg": __version__,
@@ -126,7 +133,7 @@ def reproduction_document(made: Reproduction, drawn: Sequence[Drawing]) -> Docum
             }
             for drawing in drawn
         ],
-        "reasons": {"claims.proved": NOT_PROVED_NOW} if proofs_left_out else {},
+        "reasons": reasons,
     }
 
 
@@ -182,6 +189,7 @@ def _simulations(seen: Observations) -> Document:
     return {
         "runs": len(runs),
         "stopped": sum(run.stopped for run in runs),
+        "diverged": sum(run.diverged for run in runs),
         "at_optimum": sum(run.stopped and run.distance <= near for run in runs),
         "energy_rose_in_first_step": sum(run.first_rise > 0.0 for run in runs),
         "steps": _spread([run.steps for run in runs]),
@@ -192,11 +200,11 @@ def _simulations(seen: Observations) -> Document:
 
 
 def _spread(values: Sequence[float]) -> Document:
-    return {
-        "min": float(np.min(values)),
-        "median": float(np.median(values)),
-        "max": float(np.max(values)),
-    }
+    """The least, middle and largest of the numbers that are some; null if there are none."""
+    numbers = [value for value in values if not math.isnan(value)]
+    if not numbers:
+        return dict.fromkeys(("min", "median", "max"))
+    return {"min": min(numbers), "median": float(np.median(numbers)), "max": max(numbers)}
 
 
 def _line(cells: Sequence[str]) -> str:
