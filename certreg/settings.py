@@ -287,7 +287,7 @@ class ReportSettings:
     """What the report shows of a run, and how much it carries."""
 
     frames: int = 240  # of a motion; the page interpolates between them
-    visible_energy: float = 1e-6  # of what a run loses: a thousandth of the first displacement
+    visible_energy: float = 1e-8  # of what a run loses: 1e-4 of the first displacement
     push: float = 0.02  # radians off a saddle: hardly seen, and soon on its way
     escape_steps: int = 20_000  # of explicit Euler; some five hundred are usual
     packing_level: int = 1  # of zlib: digits of measurements do not compress further

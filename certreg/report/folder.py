@@ -10,7 +10,6 @@ from certreg.files import write_atomically
 from certreg.io.trajectories import Record
 from certreg.report.document import dumps, result_document
 from certreg.report.page import Report, page
-from certreg.report.panel import Roads
 
 if TYPE_CHECKING:
     import os
@@ -43,16 +42,9 @@ def write_folder(registration: Registration, folder: str | os.PathLike[str]) -> 
     trajectory = registration.solution.trajectory
     if trajectory is not None:
         contents[TRAJECTORY] = Record.of(registration.problem, trajectory).to_bytes()
-    if registration.certificate is not None and registration.verdict is not None:
+    if registration.certificate is not None:
         contents[CERTIFICATE] = registration.certificate.to_json()
-        report = Report(
-            registration=registration,
-            certificate=contents[CERTIFICATE],
-            verdict=registration.verdict,
-            logged=trajectory,
-            roads=Roads.of(registration.solution.agreement),
-        )
-        contents[REPORT] = page(report)
+        contents[REPORT] = page(Report.of(registration))
     for name in (CERTIFICATE, RESULT, POSE, TRAJECTORY, REPORT):
         if name in contents:
             write_atomically(place / name, contents[name])

@@ -58,6 +58,22 @@ class Report:
     roads: Roads
     documentation: str | None = None
 
+    @classmethod
+    def of(cls, registration: Registration, *, documentation: str | None = None) -> Report:
+        """The report of a registration just made. Raises ValueError where it is not certified."""
+        certificate, verdict = registration.certificate, registration.verdict
+        if certificate is None or verdict is None:
+            message = "the registration is not certified: there is no certificate to report"
+            raise ValueError(message)
+        return cls(
+            registration=registration,
+            certificate=certificate.to_json(),
+            verdict=verdict,
+            logged=registration.solution.trajectory,
+            roads=Roads.of(registration.solution.agreement),
+            documentation=documentation,
+        )
+
     @property
     def claims(self) -> dict[str, Any]:
         """The fields of the certificate."""

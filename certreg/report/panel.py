@@ -19,15 +19,14 @@ if TYPE_CHECKING:
 
 THEOREMS = {  # claims of `certreg derive`, by the titles of their pages
     "optimality_certificate": "The optimality certificate",
-    "translation_gap": "A translation that is off",
-    "classification": "The classification",
+    "translation_gap": "What a translation costs",
+    "classification": "The eight kinds of equilibrium set",
     "eigenvectors": "Equilibria are eigenvectors",
     "unstable_count": "As many growing modes as the index",
     "instability": "Every spurious equilibrium is unstable",
     "certified_basin": "The certified basin",
     "dual_bound": "A multiplier that is proved is a bound",
-    "spectrum": "The spectrum",
-    "maximum_likelihood": "Maximum likelihood",
+    "spectrum": "The spectrum of Davenport's matrix",
 }
 NOT_CLAIMED = (
     "that the correspondences are right: a wrong pair is registered as faithfully as a right one;",

@@ -11,11 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-from pages import CHROMIUM, LOADED, OPTIONS, elsewhere, faults
+from pages import CHROMIUM, LOADED, elsewhere, faults
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from playwright.sync_api import Page
 
 ROOT = Path(__file__).parents[2]
@@ -33,22 +31,6 @@ pytestmark = pytest.mark.skipif(
     not REQUIRED and not CHROMIUM.exists(), reason=f"no browser at {CHROMIUM}"
 )
 site = pytest.mark.skipif(not REQUIRED, reason="opens every page: make test-browser")
-
-
-@pytest.fixture(scope="module")
-def page() -> Iterator[Page]:
-    """A page of a browser that reaches files of this machine, and nothing else."""
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=OPTIONS)
-        context = browser.new_context(offline=True, service_workers="block")
-        context.route(
-            lambda url: not url.startswith("file:"),
-            lambda route: route.abort(),
-        )
-        yield context.new_page()
-        browser.close()
 
 
 @site

@@ -1,0 +1,422 @@
+"""The report in a browser, without a network: what it shows is what certreg computed.
+
+Part of `make test-browser`; where there is a chromium, of the usual tests only the first few.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from commands import checked
+from pages import PATIENCE
+from strategies import ZOO
+
+from certreg.demo import STORIES, tell
+from certreg.pipeline import certify
+from certreg.problem import RegistrationProblem
+from certreg.report.page import Report
+from certreg.report.page import page as page_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+    from playwright.sync_api import BrowserContext, ConsoleMessage, Page
+
+    from certreg.pipeline import Registration
+
+REQUIRED = bool(os.environ.get("CERTREG_BROWSER"))
+if not REQUIRED:
+    pytest.importorskip("playwright")
+pytestmark = pytest.mark.skipif(not REQUIRED, reason="drives the report: make test-browser")
+
+HOSTILE = [
+    "</script><script>document.title='owned'</script>",
+    "<img src=x onerror=\"document.title='owned'\">",
+    "\"'`&amp;{{}}\\u003c",
+    "\u202egnol " + "ä€𝄞" * 300,
+    "--><!--<script>",
+]
+DRAWN = """() => {
+  const view = document.getElementById('view');
+  const copy = document.createElement('canvas');
+  [copy.width, copy.height] = [view.width, view.height];
+  const context = copy.getContext('2d');
+  context.drawImage(view, 0, 0);
+  const seen = context.getImageData(0, 0, copy.width, copy.height).data;
+  let count = 0;
+  for (let i = 3; i < seen.length; i += 4) count += seen[i] > 0;
+  return count;
+}"""
+SIGHT = "() => document.getElementById('view').toDataURL()"
+
+
+def problem_of(n: int) -> RegistrationProblem:
+    rng = np.random.default_rng(n)
+    source = rng.normal(size=(n, 3)) * [3.0, 2.0, 1.0]
+    return RegistrationProblem(source, -source[:, [1, 0, 2]] + 0.01 * rng.normal(size=(n, 3)))
+
+
+class Opened:
+    """A report in a browser, and all that went wrong in it."""
+
+    def __init__(self, context: BrowserContext, path: Path) -> None:
+        self.faults = list[str]()
+        self.page: Page = context.new_page()
+        self.page.set_default_timeout(PATIENCE)
+        self.page.on("console", self._heard)
+        self.page.on("pageerror", lambda error: self.faults.append(str(error)))
+        self.page.on("request", lambda request: self.faults.append(request.url))
+        self.page.goto(path.as_uri())
+        self.page.wait_for_selector("html[data-ready]", state="attached")
+        assert self.faults.pop(0) == path.as_uri()
+
+    def _heard(self, message: ConsoleMessage) -> None:
+        if "GPU stall due to ReadPixels" not in message.text:  # rendering in software: what it is
+            self.faults.append(message.text)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.page, name)
+
+    @property
+    def rmse(self) -> float:
+        """What the page says of the pose that it shows, from the points that it decoded."""
+        return float(self.page.inner_text("#clock").split("RMSE ")[1])
+
+    def choose(self, index: int) -> None:
+        self.page.click(f"button[data-component='{index}']")
+
+    def sight(self) -> str:
+        self.page.wait_for_timeout(60)  # one frame
+        return self.page.evaluate(SIGHT)
+
+
+@pytest.fixture(scope="module")
+def survey() -> Registration:
+    return tell(STORIES[0])
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Registration], Path]:
+    folder = tmp_path_factory.mktemp("reports")
+
+    def write(registration: Registration) -> Path:
+        path = folder / f"{registration.problem.digest()[:12]}.html"
+        path.write_bytes(page_of(Report.of(registration)))
+        return path
+
+    return write
+
+
+@pytest.fixture
+def shown(
+    opened: Callable[..., BrowserContext], written: Callable[[Registration], Path]
+) -> Iterator[Callable[..., Opened]]:
+    contexts: list[BrowserContext] = []
+
+    def show(registration: Registration, **options: object) -> Opened:
+        contexts.append(opened(**options))
+        return Opened(contexts[-1], written(registration))
+
+    yield show
+    for context in contexts:
+        context.close()
+
+
+def test_the_first_thing_said_is_the_verdict(shown, survey):
+    report = shown(survey)
+
+    assert report.inner_text("header .stamp") == "CERTIFIED"
+    assert report.inner_text("h1") == "This is the global optimum, and it is unique."
+    assert "RMSE of 2395.550956 instead of 5.838987" in report.inner_text("header")
+    assert report.faults == []
+
+
+def test_every_button_shows_its_pose_and_its_words(shown, survey):
+    report = shown(survey)
+    sights = set[str]()
+    for index, component in enumerate(survey.equilibria.components):
+        report.choose(index)
+        growing = report.locator("#spectrum circle.growing").count()
+
+        assert report.rmse == pytest.approx(component.rmse, rel=1e-6)
+        assert f"RMSE {component.rmse:.6f}" in report.inner_text("#caption")
+        assert report.is_visible("#push") == (not component.optimal)
+        assert (growing > 0) == (not component.optimal)
+        assert f"{index} of 12 eigenvalues" in report.inner_text("#spectrum")
+        sights.add(report.sight())
+
+    assert len(sights) == 4
+    assert report.faults == []
+
+
+def test_the_canvas_is_not_blank_and_follows_the_page_into_the_dark(shown, survey):
+    report = shown(survey)
+    bright = report.sight()
+    assert report.evaluate(DRAWN) > 300
+
+    report.emulate_media(color_scheme="dark")
+    assert report.sight() != bright
+    assert report.faults == []
+
+
+def test_play_moves_the_body_to_the_optimum_and_stops_there(shown, survey):
+    report = shown(survey)
+    report.click("#released")
+    start, before = report.rmse, report.sight()
+    report.wait_for_timeout(700)
+
+    assert report.inner_text("#play") == "Pause"
+    assert report.sight() != before
+    assert report.rmse != start
+    report.locator("#play", has_text="Play").wait_for()
+    assert report.rmse == pytest.approx(survey.rmse, rel=0.01)
+    assert report.faults == []
+
+
+def test_a_pushed_saddle_is_left(shown, survey):
+    report = shown(survey)
+    report.choose(3)
+    report.click("#push")
+    report.click("#play")  # pause
+    scrub(report, 1000)
+
+    assert "it leaves" in report.inner_text("#caption")
+    assert report.rmse == pytest.approx(survey.rmse, rel=0.01)
+    assert report.faults == []
+
+
+def scrub(report: Any, value: float) -> None:
+    report.evaluate(
+        """(value) => {
+          const slider = document.getElementById('time');
+          slider.value = value;
+          slider.dispatchEvent(new Event('input'));
+        }""",
+        value,
+    )
+
+
+def test_scrubbing_moves_the_charts_with_the_scene(shown, survey):
+    report = shown(survey)
+    seen = list[tuple[str, ...]]()
+    for value in (0, 300, 900):
+        scrub(report, value)
+        cursor = report.locator("#energy line.cursor")
+        seen.append(
+            (str(cursor.get_attribute("x1")), *map(report.inner_text, ("#energy", "#residuals")))
+        )
+    energies = [float(re.findall(r"V, all of it: ([\d.e-]+)", words)[0]) for _, words, _ in seen]
+
+    assert len(set(seen)) == 3
+    assert energies == sorted(energies, reverse=True)
+    trajectory, unit = survey.solution.trajectory, float(survey.solution.energy_unit)
+    assert energies[0] == pytest.approx(unit * trajectory.potential[0], rel=1e-3)
+
+    box = report.locator("#energy svg").bounding_box()
+    report.mouse.click(box["x"] + 0.3 * box["width"], box["y"] + 0.5 * box["height"])
+    assert re.match(r"t = \d", report.inner_text("#clock"))
+    assert report.faults == []
+
+
+def test_the_worst_pairs_come_first_under_their_labels(shown):
+    head = tell(STORIES[1])
+    report = shown(head)
+    labels = checked(head.certificate).about["labels"]
+    distances = np.linalg.norm(head.problem.target - head.pose.apply(head.problem.source), axis=1)
+    worst = np.argsort(-distances)[:8]
+
+    assert report.locator("#residuals bdi").all_inner_texts() == [labels[row] for row in worst]
+    told = [float(words) for words in report.locator("#residuals .value").all_inner_texts()]
+    assert told == pytest.approx(distances[worst], rel=1e-4)
+    assert report.faults == []
+
+
+def test_the_certificate_is_saved_byte_by_byte(shown, survey, tmp_path):
+    report = shown(survey)
+    with report.expect_download() as waiting:
+        report.click("#save")
+    waiting.value.save_as(tmp_path / "certificate.json")
+
+    assert waiting.value.suggested_filename == "certificate.json"
+    assert (tmp_path / "certificate.json").read_bytes() == survey.certificate.to_json()
+
+
+def test_all_can_be_done_with_the_keyboard(shown, survey):
+    report = shown(survey)
+    report.focus("#view")
+    sights = [report.sight()]
+    for key in ("ArrowLeft", "ArrowUp", "+", "Home"):
+        report.keyboard.press(key)
+        sights.append(report.sight())
+    assert len(set(sights)) == 4
+    assert sights[0] == sights[-1]
+
+    report.keyboard.press("Space")
+    assert report.inner_text("#play") == "Pause"
+    report.focus("button[data-component='2']")
+    report.keyboard.press("Enter")
+    assert report.get_attribute("button[data-component='2']", "aria-pressed") == "true"
+    assert report.inner_text("#play") == "Play"
+    report.focus("#time")
+    report.keyboard.press("End")
+    assert report.rmse == pytest.approx(survey.rmse, rel=0.01)
+    assert report.faults == []
+
+
+def test_everything_that_can_be_pressed_has_a_name(shown, survey):
+    report = shown(survey)
+    nameless = report.evaluate(
+        """() => [...document.querySelectorAll('button, input, canvas, svg')].filter((node) =>
+          !(node.textContent.trim() || node.ariaLabel || node.labels?.length)).length"""
+    )
+
+    assert nameless == 0
+
+
+@pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: specimen.name)
+def test_degenerate_data_are_shown_as_what_they_are(shown, specimen):
+    registration = certify(specimen.problem, relaxation=False)
+    report = shown(registration)
+    unique = registration.equilibria.classification.unique
+    components = registration.equilibria.components
+
+    assert report.inner_text(".stamp") == ("CERTIFIED" if unique else "CERTIFIED, BUT NOT UNIQUE")
+    assert report.locator("button.rest").count() == len(components)
+    for index, component in enumerate(components):
+        report.choose(index)
+        sliders = report.locator("#along input")
+        assert sliders.count() == component.kind.dimension
+        for k in range(sliders.count()):
+            sliders.nth(k).fill("57.5")
+            assert report.rmse == pytest.approx(component.rmse, rel=1e-6, abs=1e-9)
+    assert report.is_visible("#watch") == (registration.solution.trajectory is not None)
+    assert report.evaluate(DRAWN) > 10
+    assert report.faults == []
+
+
+def test_moving_along_a_circle_moves_the_body(shown):
+    registration = certify(
+        next(s for s in ZOO if s.name == "mirrored tall").problem, relaxation=False
+    )
+    report = shown(registration)
+    before = report.sight()
+    report.fill("#along input", "57")
+
+    assert report.sight() != before
+    assert report.rmse == pytest.approx(registration.rmse)
+
+
+@pytest.mark.parametrize("n", [1, 2, 3])
+def test_few_points_are_enough(shown, n):
+    registration = certify(problem_of(n), relaxation=False)
+    report = shown(registration)
+
+    assert report.rmse == pytest.approx(registration.rmse, rel=1e-6, abs=1e-9)
+    assert report.faults == []
+
+
+@pytest.mark.parametrize("exponent", [-150, 0, 150])
+def test_any_scale_can_be_shown(shown, exponent):
+    problem = problem_of(30)
+    scale = 10.0**exponent
+    registration = certify(
+        RegistrationProblem(problem.source * scale, problem.target * scale), relaxation=False
+    )
+    report = shown(registration)
+    report.choose(3)
+
+    assert report.rmse == pytest.approx(registration.equilibria.components[3].rmse, rel=1e-6)
+    assert report.evaluate(DRAWN) > 300
+    assert report.faults == []
+
+
+def test_hostile_labels_are_only_text(shown):
+    problem = problem_of(len(HOSTILE))
+    about = {"source": HOSTILE[0], "target": HOSTILE[1], "labels": HOSTILE}
+    report = shown(certify(problem, relaxation=False, about=about))
+    texts = report.locator("#residuals bdi").all_inner_texts()
+
+    assert sorted(texts) != []
+    assert HOSTILE[0] in texts
+    assert HOSTILE[0] in report.inner_text(".files")
+    assert any("\\u202e" in words for words in texts)
+    assert "owned" not in report.title().replace(HOSTILE[0], "").replace(HOSTILE[1], "")
+    assert report.locator("img").count() == 0
+    assert report.evaluate("document.documentElement.scrollWidth") <= 1280
+    assert report.faults == []
+
+
+@pytest.mark.parametrize("width", [320, 390])
+def test_a_phone_shows_all_of_it(shown, survey, width):
+    report = shown(survey, viewport={"width": width, "height": 800})
+    for index in range(4):
+        report.choose(index)
+        assert report.evaluate("document.documentElement.scrollWidth") == width
+    assert report.faults == []
+
+
+def test_without_webgl_all_else_works(opened, written, survey):
+    context = opened()
+    context.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
+    report = Opened(context, written(survey))
+    report.choose(3)
+
+    assert "no WebGL" in report.inner_text("#view-note")
+    assert report.rmse == pytest.approx(2395.550956, rel=1e-6)
+    scrub(report, 500)
+    assert "V, all of it: " in report.inner_text("#energy")
+    context.close()
+
+
+def test_without_javascript_the_proof_can_be_read(opened, written, survey):
+    context = opened(java_script_enabled=False)
+    page = context.new_page()
+    page.goto(written(survey).as_uri())
+
+    assert "unique" in page.inner_text("h1")
+    assert "exactly four equilibria" in page.inner_text("#proof")
+    assert "The pictures need JavaScript" in page.inner_text("noscript")
+    context.close()
+
+
+def test_it_prints_on_a_few_pages_with_its_scene(shown, survey):
+    report = shown(survey)
+    pages = len(re.findall(rb"/Type\s*/Page\b", report.pdf(format="A4")))
+
+    assert 1 < pages <= 5
+
+
+def test_the_network_is_forbidden_to_the_page(shown, survey):
+    report = shown(survey)
+    failed = report.evaluate(
+        """async () => {
+          const image = new Image();
+          image.src = 'file:///etc/passwd';
+          const script = document.createElement('script');
+          script.textContent = 'window.owned = 1';
+          document.body.append(script);
+          try { await fetch('https://nowhere.invalid'); } catch { return window.owned ?? 'none'; }
+        }"""
+    )
+
+    assert failed == "none"
+    assert sum("Content Security Policy" in fault for fault in report.faults) >= 2
+
+
+def test_ten_thousand_points_fit_into_a_small_file_and_move(shown, written):
+    registration = certify(problem_of(10_000), relaxation=False)
+    path = written(registration)
+    report = shown(registration)
+    assert path.stat().st_size <= 1_500_000
+    assert "2000 of 10000 springs are drawn" in report.inner_text("#view-note")
+    report.choose(1)
+
+    rmse = registration.equilibria.components[1].rmse
+    assert report.rmse == pytest.approx(rmse, rel=1e-6)
+    scrub(report, 500)
+    assert report.faults == []

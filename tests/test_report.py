@@ -1,0 +1,376 @@
+"""The report says what was computed, embeds the certificate, and is made of nothing unescaped."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import hashlib
+import html
+import json
+import re
+import shutil
+from html.parser import HTMLParser
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from commands import certreg, checked, write_csv
+from hypothesis import given
+from hypothesis import strategies as st
+from strategies import ZOO
+
+from certreg import pipeline
+from certreg.demo import STORIES, tell
+from certreg.pipeline import certify
+from certreg.problem import RegistrationProblem
+from certreg.report import revisiting
+from certreg.report.markup import Markup, asset_block, data_block, element, json_block
+from certreg.report.page import Report, page
+from certreg.report.panel import THEOREMS
+from certreg.report.runs import escapes, shown_run
+from certreg.report.scene import Names
+
+if TYPE_CHECKING:
+    from certreg.pipeline import Registration
+
+ROOT = Path(__file__).parents[1]
+SURVEY = ("survey_source.csv", "survey_target.csv")
+
+
+class Outline(HTMLParser):
+    """The elements of a page and their texts, as a browser would take them."""
+
+    def __init__(self, content: bytes) -> None:
+        super().__init__()
+        self.blocks = dict[str, str]()  # of scripts, by their id; "" has none
+        self.tags = list[str]()
+        self.words = ""
+        self._inside: str | None = None
+        self.feed(content.decode())
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        given = dict(attrs)
+        if tag in {"script", "style"}:
+            self._inside = tag if tag == "style" else (given.get("id") or "")
+            self.blocks[self._inside] = ""
+        if given.get("http-equiv"):
+            self.policy = given["content"] or ""
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag in {"script", "style"}:
+            self._inside = None
+
+    def handle_data(self, data: str) -> None:
+        if self._inside is None:
+            self.words += data
+        else:
+            self.blocks[self._inside] += data
+
+    @property
+    def certificate(self) -> bytes:
+        return gzip.decompress(base64.b64decode(self.blocks["certificate"]))
+
+    @property
+    def scene(self) -> dict[str, Any]:
+        return json.loads(self.blocks["scene"])
+
+
+@pytest.fixture(scope="module")
+def survey() -> Registration:
+    return tell(STORIES[0])
+
+
+@pytest.fixture
+def folder(data: Path, tmp_path: Path) -> Path:
+    run = certreg(
+        "certify", *(data / name for name in SURVEY), "--out", tmp_path, "--no-relaxation"
+    )
+    assert run.code == 0
+    return tmp_path
+
+
+@given(st.text(), st.text())
+def test_every_text_is_escaped(words: str, value: str):
+    made = element("p", words, element("b", words), title=value)
+
+    assert (
+        made
+        == f'<p title="{html.escape(value)}">{html.escape(words)}<b>{html.escape(words)}</b></p>'
+    )
+
+
+@given(st.dictionaries(st.text(), st.text()))
+def test_no_data_end_their_block(document: dict[str, str]):
+    block = json_block("scene", document)
+    content = block.removeprefix('<script id="scene" type="application/json">').removesuffix(
+        "</script>"
+    )
+
+    assert json.loads(content) == document
+    assert "<" not in content
+    assert "<" not in data_block("x", "y", "</script>")[len('<script id="x" type="y">') :][:12]
+
+
+def test_an_asset_that_would_end_its_own_element_is_refused():
+    for content in ("a </script b", "</SCRIPT>", "<!-- a"):
+        with pytest.raises(ValueError, match="would end"):
+            asset_block("script", content)
+    assert isinstance(asset_block("script", "a < b"), Markup)
+
+
+def test_the_policy_admits_these_two_texts_and_nothing_else(survey: Registration):
+    outline = Outline(page(Report.of(survey)))
+    hashes = {
+        kind: base64.b64encode(hashlib.sha256(outline.blocks[name].encode()).digest()).decode()
+        for kind, name in (("style-src", "style"), ("script-src", ""))
+    }
+
+    assert outline.policy.split("; ") == [
+        "default-src 'none'",
+        f"style-src 'sha256-{hashes['style-src']}'",
+        f"script-src 'sha256-{hashes['script-src']}'",
+        "img-src data:",
+        "base-uri 'none'",
+        "form-action 'none'",
+    ]
+
+
+def test_the_certificate_stands_in_the_page_byte_by_byte(folder: Path):
+    content = (folder / "certificate.json").read_bytes()
+    outline = Outline((folder / "report.html").read_bytes())
+
+    assert outline.certificate == content
+    assert json.loads(content)["problem"]["digest"] in outline.words
+
+
+def test_the_words_are_those_of_the_summary_and_the_checker(survey: Registration):
+    words = re.sub(r"\s+", " ", Outline(page(Report.of(survey))).words)
+
+    assert "This is the global optimum, and it is unique." in words
+    for sentence in checked(survey.verdict).theorems:
+        assert sentence in words
+    assert "the pose printed here exceeds the minimum by at most 1.51e-26." in words
+    assert "within 3.98e-18 degrees" in words
+
+
+@pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: specimen.name)
+def test_what_is_not_unique_is_said_first(specimen):
+    registration = certify(specimen.problem, relaxation=False, simulation=False)
+    words = Outline(page(Report.of(registration))).words
+    ambiguity = registration.equilibria.classification.ambiguity
+
+    assert ("CERTIFIED, BUT NOT UNIQUE" in words) == (ambiguity is not None)
+    if ambiguity is not None:
+        place = words.index(ambiguity.value[1:])
+        assert place < words.index("RMSE")
+        assert "The best rotation is not unique" in words
+
+
+def test_every_theorem_has_its_page_under_its_title():
+    from derivations.book import CHAPTERS
+
+    names = {name for chapter in CHAPTERS for name in chapter.names}
+    for name, title in THEOREMS.items():
+        text = (ROOT / "docs" / "proofs" / f"{name}.md").read_text()
+        assert name in names
+        assert f"# {title}\n" in text
+
+
+def test_with_documentation_the_theorems_are_links(survey: Registration):
+    made = page(Report.of(survey, documentation="../")).decode()
+
+    assert '<a href="../proofs/optimality_certificate.html">The optimality certificate</a>' in made
+    assert "<a " not in page(Report.of(survey)).decode()
+
+
+def test_the_report_again_is_the_same_and_takes_what_lies_beside_it(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+):
+    first = (folder / "report.html").read_bytes()
+    taken = list[dict[str, Any]]()
+    real = pipeline.certify
+
+    def spy(problem: RegistrationProblem, **options: Any) -> Registration:
+        taken.append(options)
+        return real(problem, **options)
+
+    monkeypatch.setattr(revisiting, "certify", spy)
+    run = certreg("report", folder / "certificate.json")
+
+    assert (run.code, run.err) == (0, "")
+    assert (folder / "report.html").read_bytes() == first
+    assert taken == [{"relaxation": False, "simulation": False}]
+
+
+def break_digest(folder: Path) -> None:
+    text = (folder / "result.json").read_text()
+    digest = json.loads(text)["digest"]
+    (folder / "result.json").write_text(text.replace(digest, digest[::-1]))
+
+
+def break_numbers(folder: Path) -> None:
+    text = (folder / "result.json").read_text()
+    (folder / "result.json").write_text(re.sub(r'"damping": [\d.]+', '"damping": NaN', text))
+
+
+def break_json(folder: Path) -> None:
+    (folder / "result.json").write_text("[" * 100_000)
+
+
+def remove_all(folder: Path) -> None:
+    (folder / "result.json").unlink()
+    (folder / "trajectory.npz").unlink()
+
+
+@pytest.mark.parametrize("spoil", [break_digest, break_numbers, break_json, remove_all])
+def test_what_does_not_belong_to_the_certificate_is_computed_anew(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, spoil: Any
+):
+    spoil(folder)
+    taken = list[dict[str, Any]]()
+
+    def spy(problem: RegistrationProblem, **options: Any) -> Registration:
+        taken.append(options)
+        return pipeline.certify(problem, simulation=True, relaxation=False)
+
+    monkeypatch.setattr(revisiting, "certify", spy)
+    first = (folder / "report.html").read_bytes()
+    run = certreg("report", folder / "certificate.json", "--out", folder / "again.html")
+
+    assert run.code == 0
+    assert taken == [{"relaxation": True, "simulation": True}]
+    assert (folder / "again.html").read_bytes() == first
+
+
+def test_a_trajectory_of_other_data_is_not_shown(folder: Path, data: Path, tmp_path: Path):
+    other = tmp_path / "other.npz"
+    pair = (data / "abeta_2beg_model01.csv", data / "abeta_2beg_model02.csv")
+    assert certreg("simulate", *pair, "--out", other).code == 0
+    first = (folder / "report.html").read_bytes()
+    shutil.copy(other, folder / "trajectory.npz")
+
+    assert certreg("report", folder / "certificate.json").code == 0
+    assert (folder / "report.html").read_bytes() == first
+
+
+def test_the_damping_of_the_result_is_kept(data: Path, tmp_path: Path):
+    pair = [data / name for name in SURVEY]
+    certreg("certify", *pair, "--damping", "0.7", "--no-relaxation", "--out", tmp_path)
+    first = (tmp_path / "report.html").read_bytes()
+
+    assert certreg("report", tmp_path / "certificate.json").code == 0
+    assert (tmp_path / "report.html").read_bytes() == first
+    sums = [sum(re for re, _ in c["eigenvalues"]) for c in Outline(first).scene["components"]]
+    assert sums == pytest.approx([-6 * 0.7] * 4)
+
+
+def test_a_refused_certificate_gives_no_report(folder: Path):
+    file = folder / "certificate.json"
+    document = json.loads(file.read_text())
+    document["claims"]["pattern"] = [1, 2, 1]
+    file.write_text(json.dumps(document))
+    (folder / "report.html").unlink()
+    run = certreg("report", file)
+
+    assert run.code == 1
+    assert re.fullmatch(r"certreg: [^\n]*REFUSED: claims.pattern is wrong[^\n]*\n", run.err)
+    assert not (folder / "report.html").exists()
+
+
+def test_what_is_no_certificate_of_a_pose_is_refused(folder: Path, data: Path):
+    count = folder / "count.json"
+    certreg("equilibria", *(data / name for name in SURVEY), "--out", count)
+    run = certreg("report", count)
+    assert (run.code, run.out) == (2, "")
+    assert "kind count" in run.err
+    assert "give the certificate.json" in run.err
+
+    document = json.loads((folder / "certificate.json").read_text())
+    document["problem"]["data"] = None
+    count.write_text(json.dumps(document))
+    run = certreg("report", count)
+    assert run.code == 2
+    assert "holds no points" in run.err
+
+    assert certreg("report", folder / "missing.json").code == 2
+    assert certreg("report", folder / "pose.txt").code == 1
+
+
+def test_labels_stand_in_the_certificate_unless_they_are_too_many(tmp_path: Path):
+    rng = np.random.default_rng(5)
+    points = rng.normal(size=(6, 3)).tolist()
+    labels = ["a,b", '<"&', "ä", "  ,", "e" * 50, "f"]
+    for names, kept in ((labels, True), ([f"{name}{',' * 5000}" for name in labels], False)):
+        quoted = ['"' + name.replace('"', '""') + '"' for name in names]
+        source = write_csv(tmp_path / "a.csv", points, quoted)
+        run = certreg("certify", source, source, "--out", tmp_path / "out", "--no-relaxation")
+        about = json.loads((tmp_path / "out" / "certificate.json").read_text())["about"]
+
+        assert run.code == 0
+        assert about["source"] == "a.csv"
+        assert ("labels" in about) == kept
+        if kept:
+            assert about["labels"] == [name.strip() for name in names]
+            assert Outline((tmp_path / "out" / "report.html").read_bytes()).scene["labels"] == [
+                name.strip() for name in names
+            ]
+
+
+@pytest.mark.parametrize(
+    "about",
+    [
+        {},
+        {"labels": "ab", "source": 1},
+        {"labels": [1, 2], "source": None, "target": ""},
+        {"labels": ["a"], "source": []},
+        {"labels": {"a": 1}},
+    ],
+)
+def test_any_about_is_borne(about: dict[str, Any]):
+    names = Names.of(about, 2)
+
+    assert names == Names(source="source", target="target", labels=None)
+
+
+def test_a_run_begins_and_ends_where_the_simulation_does(survey: Registration):
+    trajectory = checked(survey.solution.trajectory)
+    run = shown_run(trajectory)
+
+    assert len(run.times) <= 240
+    assert run.times[0] == 0.0
+    assert run.times[-1] <= run.last == trajectory.times[-1]
+    total = run.potential + run.kinetic
+    drop = trajectory.potential[0] - trajectory.potential[-1]
+    assert 0 <= total[-1] - trajectory.potential[-1] <= 2e-8 * drop
+    assert np.linalg.norm(run.quaternions, axis=1) == pytest.approx(np.ones(len(run.times)))
+
+
+def test_a_pushed_body_leaves_every_saddle_for_the_optimum(survey: Registration):
+    runs = escapes(survey.solution, survey.problem.damping)
+    best = survey.equilibria.components[0].quaternion_wxyz
+
+    assert [run.start for run in runs] == [1, 2, 3]
+    for run in runs:
+        start = survey.equilibria.components[checked(run.start)].quaternion_wxyz
+        assert abs(run.quaternions[0] @ start) == pytest.approx(np.cos(0.01))
+        assert abs(run.quaternions[-1] @ best) == pytest.approx(1.0, abs=1e-4)
+
+
+def test_ten_thousand_points_make_a_file_of_at_most_a_megabyte_and_a_half():
+    rng = np.random.default_rng(7)
+    x = rng.normal(size=(10_000, 3))
+    registration = certify(RegistrationProblem(x, x + 1.0, weights=rng.uniform(size=10_000)))
+    made = page(Report.of(registration))
+
+    assert len(made) <= 1_500_000
+    assert Outline(made).certificate == checked(registration.certificate).to_json()
+
+
+def test_three_js_comes_with_its_licence():
+    script = (files("certreg.report") / "assets" / "report.js").read_text()
+
+    assert "Copyright © 2010-20" in script[:400]
+    assert "Permission is hereby granted, free of charge" in script[:600]
