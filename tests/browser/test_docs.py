@@ -6,12 +6,14 @@ what sees their faults is tested, on planted ones.
 
 from __future__ import annotations
 
+import functools
 import os
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-from pages import CHROMIUM, LOADED, elsewhere, faults
+from pages import CHROMIUM, elsewhere, faults
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
@@ -39,10 +41,37 @@ def test_there_is_a_site_and_a_browser():
     assert {"index.html", "search.html", "tutorial.html"} <= {path.name for path in PAGES}
 
 
+@dataclass(frozen=True)
+class Visit:
+    """What is seen of a page while it is open; to open it takes longer than all the looking."""
+
+    faults: list[str]
+    cut_off: list[str]  # in a narrow window
+    theorem: dict[str, int]
+    verdict: str
+
+
+@functools.cache
+def visited(page: Page, path: Path) -> Visit:
+    found = faults(page, path)
+    theorem = {
+        "formulas": "div.theorem span.math, div.theorem div.math",
+        "steps": "ol.steps > li",
+        "controls": "table.controls tbody tr",
+    }
+    counted = {name: page.locator(where).count() for name, where in theorem.items()}
+    verdicts = page.locator(".claim-verdict")
+    verdict = verdicts.first.inner_text() if verdicts.count() else ""
+    page.set_viewport_size({"width": 400, "height": 800})
+    cut_off = page.evaluate(CUT_OFF)
+    page.set_viewport_size({"width": 1280, "height": 720})
+    return Visit(found, cut_off, counted, verdict)
+
+
 @site
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: str(path.relative_to(SITE)))
 def test_a_page_opens_without_network_and_without_errors(page: Page, path: Path):
-    assert faults(page, path) == []
+    assert visited(page, path).faults == []
 
 
 @site
@@ -58,11 +87,9 @@ def test_pages_of_proofs_have_formulas_and_verdicts(page: Page):
 
     assert proofs
     for path in proofs:
-        page.goto(path.as_uri())
-        assert page.locator("div.theorem span.math, div.theorem div.math").count() > 0, path
-        assert page.locator("ol.steps > li").count() > 0, path
-        assert page.locator("table.controls tbody tr").count() > 0, path
-        assert page.locator(".claim-verdict").inner_text().upper().startswith("PROVED"), path
+        seen = visited(page, path)
+        assert min(seen.theorem.values()) > 0, path
+        assert seen.verdict.upper().startswith("PROVED"), path
 
 
 @site
@@ -83,14 +110,8 @@ CUT_OFF = """() => {
 
 @site
 def test_a_narrow_window_cuts_nothing_off(page: Page):
-    page.set_viewport_size({"width": 400, "height": 800})
-    wide = dict[str, list[str]]()
-    for path in PAGES:
-        if not {"_modules", "modules"} & set(path.parts):
-            page.goto(path.as_uri())
-            page.evaluate(LOADED)
-            wide[str(path.relative_to(SITE))] = page.evaluate(CUT_OFF)
-    page.set_viewport_size({"width": 1280, "height": 720})
+    read = [path for path in PAGES if not {"_modules", "modules"} & set(path.parts)]
+    wide = {str(path.relative_to(SITE)): visited(page, path).cut_off for path in read}
 
     assert {path: found for path, found in wide.items() if found} == {}
 
