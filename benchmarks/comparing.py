@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.clouds import random_clouds
-from benchmarks.measuring import Figure, Quantity, Series, exponent, fastest, power_of_ten
+from benchmarks.measuring import Figure, Quantity, Series, fastest, power_of_ten
 from benchmarks.peers import PEERS, presence
 from certreg.alignment import register
 from certreg.native.sums import Clouds, floating_sums
@@ -32,10 +32,7 @@ if TYPE_CHECKING:
 SIZES = (10, 100, 1000, 10_000, 100_000, 1_000_000, 10_000_000)
 LARGEST = SIZES[-1]
 PROVED = SIZES[:-1]
-LINEAR = (10_000, 100_000, 1_000_000, 10_000_000)
-SLOPE = (0.95, 1.05)  # k where the sums cost N^k
 PEER, SCIPY = 10.0, 30.0  # times faster than the fastest library and than SciPy, on one core
-READ = 1.6  # times the time of reading
 OURS, SUMS, PROOF = "certreg", "certreg, sums alone", "certreg, with proof"
 READING = "reading once"
 AGREE = 1e-9  # radians, to a peer, on clouds at the origin
@@ -48,7 +45,6 @@ ONE_THREAD = dict.fromkeys(
 def measure() -> Iterator[Figure | Series]:
     lines = _on_one_core()
     yield Series(what="one registration, on one core", size="points", lines=lines)
-    yield from _powers(lines)
     last = {name: times[LARGEST] for name, times in lines.items() if LARGEST in times}
     yield from _ratios(last, "one core", bounded=True)
     alone = {name: line[LARGEST] for name, line in times_of((LARGEST,), threads=_cores()).items()}
@@ -104,20 +100,8 @@ def _cores() -> int:
     return tied or 1
 
 
-def _powers(lines: Times) -> Iterator[Figure]:
-    """Of the sums, which is claimed; and of a whole call, which begins with a constant."""
-    for name, (least, bound) in ((SUMS, SLOPE), (OURS, (None, None))):
-        times = {n: lines[name][n] for n in LINEAR}
-        per_point = {
-            f"N = {power_of_ten(n)}:": Quantity(1e9 * t / n, "ns/point") for n, t in times.items()
-        }
-        what = f"k, {name}: cost as Nᵏ"
-        value = Quantity(exponent(times), "")
-        yield Figure(what=what, value=value, least=least, bound=bound, beside=per_point)
-
-
 def _ratios(times: dict[str, float], where: str, *, bounded: bool) -> Iterator[Figure]:
-    """At the largest size: beside the fastest library, SciPy, and reading."""
+    """At the largest size: the fastest library, and SciPy."""
     libraries = [peer.name for peer in PEERS if peer.library and peer.name in times]
     quickest = min(libraries, key=times.__getitem__)
     beside = {name: Quantity(seconds, "s") for name, seconds in times.items()}
@@ -130,12 +114,7 @@ def _ratios(times: dict[str, float], where: str, *, bounded: bool) -> Iterator[F
             least=least if bounded else None,
             beside=beside,
         )
-        beside = {}
-    yield Figure(
-        what=f"certreg / {READING}, {at}",
-        value=Quantity(times[OURS] / times[READING], "x"),
-        bound=READ if bounded else None,
-    )
+        beside = {}  # once is enough
 
 
 if __name__ == "__main__":

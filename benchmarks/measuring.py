@@ -97,7 +97,8 @@ class Series:
         rows = [(self.what, [power_of_ten(size) for size in sizes])]
         for name, times in self.lines.items():
             shared = times.keys() & ours.keys()
-            cells = [f"{times[size] / ours[size]:.3g}x" if size in shared else "" for size in sizes]
+            ratios = {size: Quantity(times[size] / ours[size], "x") for size in shared}
+            cells = [str(ratios.get(size, "")) for size in sizes]
             if times is ours:
                 cells = [str(Quantity(ours[size], "s")) if size in ours else "" for size in sizes]
             rows.append((name, cells))

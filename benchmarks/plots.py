@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # Colours of Okabe and Ito for what certreg does; peers are grey, told apart by labels and marks.
-BLUE, ORANGE, BLACK, GREY = "#0072B2", "#D55E00", "#000000", "#8a8a8a"
+BLUE, SKY, ORANGE, BLACK, GREY = "#0072B2", "#56B4E9", "#D55E00", "#000000", "#8a8a8a"
 MARKS = "os^vD<>phX*P"  # the peers' lines carry them, and so do their names
 CASES = {  # of `accuracy`, with colour and mark
     "generic, no weights": ("at the origin", "#0072B2", "o"),
@@ -26,6 +26,7 @@ CASES = {  # of `accuracy`, with colour and mark
     "offset as in UTM, no weights": ("offset as in UTM", "#009E73", "^"),
     "offset 1e8, no weights": ("offset 10⁸", "#CC79A7", "D"),
 }
+ROOM = 100  # times the size at the end of a line: there its name fits beside it
 ROUNDING = 1.1e-16  # half a unit in the last place of 1
 STYLE: Any = {
     "axes.spines.right": False,
@@ -117,8 +118,10 @@ def _look(name: str, number: int) -> dict[str, Any]:
     """The first line is certreg's and stands out; the bound of nature is dashed; peers are grey."""
     if not number:
         return {"color": BLUE, "lw": 2.6, "marker": "o", "ms": 6, "zorder": 4}
-    if name.startswith("certreg"):
+    if name == "certreg, with proof":
         return {"color": ORANGE, "lw": 1.8, "marker": "s", "ms": 5, "zorder": 3}
+    if name.startswith("certreg"):
+        return {"color": SKY, "lw": 1.4, "marker": "o", "ms": 4, "zorder": 3}
     if name.startswith("reading"):
         return {"color": BLACK, "lw": 1.4, "ls": "--", "zorder": 3}
     return {"color": GREY, "lw": 0.9, "marker": MARKS[number % len(MARKS)], "ms": 4, "zorder": 2}
@@ -136,9 +139,11 @@ def _name_lines(
         end, look = (line["sizes"][-1], line["seconds"][-1]), looks[line["name"]]
         words = {"color": "0.3" if look["color"] == GREY else look["color"], "va": "center"}
         if line not in long:
-            axes.annotate(
-                line["name"], end, (0, 9), textcoords="offset points", ha="right", **words
+            beside = end[0] * ROOM <= last
+            place = (
+                {"xytext": (8, 0), "ha": "left"} if beside else {"xytext": (0, 9), "ha": "right"}
             )
+            axes.annotate(line["name"], end, textcoords="offset points", **place, **words)
             continue
         height = spread(heights, gap=0.055)[long.index(line)]
         axes.annotate(

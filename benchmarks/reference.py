@@ -31,12 +31,7 @@ def optimal_quaternion(
     source, target: (N, 3). The moments are exact; 60 digits are right where the optimum is unique
     and not within 1e-10 of being ambiguous, relative to the size of the clouds.
     """
-    return optimum_of(_cross_covariance(source, target, weights))
-
-
-def optimum_of(cross: Sequence[Sequence[int]]) -> list[Any]:
-    """The same, of a positive multiple of C = sum w (y - mean)(x - mean)^T in integers."""
-    form = _form(cross)
+    form = _form(_cross_covariance(source, target, weights))
     largest = max(abs(entry) for row in form for entry in row)
     with mpmath.workdps(DIGITS):
         matrix = mpmath.matrix([[mpmath.mpf(entry) / largest for entry in row] for row in form])
@@ -89,7 +84,7 @@ def _columns(values: NDArray[np.float64]) -> list[list[int]]:
     return [[n * (common // d) for n, d in column] for column in ratios]
 
 
-def _form(C: Sequence[Sequence[int]]) -> list[list[int]]:
+def _form(C: list[list[int]]) -> list[list[int]]:
     def entry(i: Quaternion, j: Quaternion) -> int:
         return sum(
             C[a][b] * _dot(_multiplied(UNITS[a + 1], i), _multiplied(j, UNITS[b + 1]))
