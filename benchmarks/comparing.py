@@ -35,7 +35,7 @@ PROVED = SIZES[:-1]
 PEER, SCIPY = 10.0, 30.0  # times faster than the fastest library and than SciPy, on one core
 OURS, SUMS, PROOF = "certreg", "certreg, sums alone", "certreg, with proof"
 READING = "reading once"
-AGREE = 1e-9  # radians, to a peer, on clouds at the origin
+AGREE = 1e-9  # largest difference of entries; the clouds are at the origin
 ROOT = Path(__file__).parent.parent
 ONE_THREAD = dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS"), "1"
@@ -106,10 +106,10 @@ def _ratios(times: dict[str, float], where: str, *, bounded: bool) -> Iterator[F
     quickest = min(libraries, key=times.__getitem__)
     beside = {name: Quantity(seconds, "s") for name, seconds in times.items()}
     at = f"N = {power_of_ten(LARGEST)}, {where}"
-    for name, least in ((quickest, PEER), ("SciPy", SCIPY)):
-        kind = "fastest library, " if name == quickest else ""
+    fastest_library = f"fastest library, {quickest}"
+    for what, name, least in ((fastest_library, quickest, PEER), ("SciPy", "SciPy", SCIPY)):
         yield Figure(
-            what=f"{kind}{name} / certreg, {at}",
+            what=f"{what} / certreg, {at}",
             value=Quantity(times[name] / times[OURS], "x"),
             least=least if bounded else None,
             beside=beside,
@@ -117,7 +117,12 @@ def _ratios(times: dict[str, float], where: str, *, bounded: bool) -> Iterator[F
         beside = {}  # once is enough
 
 
-if __name__ == "__main__":
+def tie_to_one_core() -> None:
+    """Before any library starts threads; where the system cannot, they are asked for one each."""
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+
+
+if __name__ == "__main__":
+    tie_to_one_core()
     print(json.dumps(times_of(SIZES, threads=1)))

@@ -37,9 +37,10 @@ def bounds(run: dict[str, Any]) -> str:
 
 
 def figures(run: dict[str, Any], name: str, *, containing: str) -> str:
-    """The figures of one measurement whose names contain some words, without bounds."""
+    """The figures of one measurement whose names contain some words, and what stands beside."""
     found = [figure for figure in run["figures"][name] if containing in figure["what"]]
-    return _table(["what", "figure"], [[each["what"], _quantity(each)] for each in found])
+    rows = [[each["what"], _quantity(each), _beside(each)] for each in found]
+    return _table(["what", "figure", "beside it"], rows)
 
 
 def peers(run: dict[str, Any]) -> str:
@@ -98,6 +99,10 @@ def _ratio(ratio: float) -> str:
 def _quantity(figure: dict[str, Any]) -> str:
     value = figure["value"]
     return NO_ANSWER if value is None else str(Quantity(value, figure["unit"]))
+
+
+def _beside(figure: dict[str, Any]) -> str:
+    return ", ".join(f"{name.rstrip(':')} {_quantity(q)}" for name, q in figure["beside"].items())
 
 
 def _bound(figure: dict[str, Any]) -> str:

@@ -5,7 +5,10 @@ from __future__ import annotations
 import copy
 import json
 import math
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -17,7 +20,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from benchmarks import __main__ as command
-from benchmarks import accuracy, plots, tables
+from benchmarks import accuracy, comparing, plots, tables
 from benchmarks.clouds import random_clouds, random_problem
 from benchmarks.measuring import Figure, Quantity, Series, exponent, fastest
 from benchmarks.peers import PEERS, Peer, presence
@@ -102,6 +105,33 @@ def test_every_peer_that_is_installed_finds_the_optimal_rotation():
     assert {peer.name for peer in installed} >= {"SciPy", "NumPy"}
     for peer in installed:
         assert angle_of_matrix(peer.prepare(source, target)(), reference) < 1e-12, peer.name
+
+
+def test_every_way_is_timed_on_the_same_clouds():
+    lines = comparing.times_of((10,), threads=1)
+
+    assert next(iter(lines)) == comparing.OURS
+    assert set(lines) >= {comparing.SUMS, comparing.READING, comparing.PROOF, "SciPy", "NumPy"}
+    assert all(times.keys() == {10} and times[10] > 0 for times in lines.values())
+
+
+def test_a_ratio_is_to_the_fastest_library_and_claimed_on_one_core_only():
+    """NumPy is faster than both, and no library that registers."""
+    times = {"certreg": 1.0, "reading once": 0.5, "NumPy": 2.0, "SciPy": 40.0, "gtsam": 9.0}
+    for bounded, passed in ((True, [False, True]), (False, [None, None])):
+        found = list(comparing._ratios(times, "here", bounded=bounded))
+        assert [each.passed for each in found] == passed
+        assert [each.value for each in found] == [Quantity(9.0, "x"), Quantity(40.0, "x")]
+        assert "gtsam" in found[0].what
+
+
+def test_one_core_is_one_core():
+    """Of the process that measures: what it loads sees one, and starts no more threads."""
+    words = "from benchmarks import comparing as c; c.tie_to_one_core(); print(c._cores())"
+    script = [sys.executable, "-c", words]
+    done = subprocess.run(script, cwd=ROOT, capture_output=True, text=True, check=True)
+
+    assert int(done.stdout) == (1 if hasattr(os, "sched_setaffinity") else os.cpu_count())
 
 
 def test_a_peer_is_absent_with_a_reason_and_never_dropped():
@@ -270,6 +300,10 @@ def test_names_in_a_column_do_not_overlap():
 
     assert min(np.diff(sorted(placed))) >= 0.05 - 1e-12
     assert placed[3:5] == [0.9, 0.1]
+    crowd = [0, 1, 2, 5]  # a stack stands where its names would be
+    assert np.mean([placed[k] for k in crowd]) == pytest.approx(
+        np.mean([heights[k] for k in crowd])
+    )
 
 
 def test_the_drawings_are_svg_without_a_date(small_run, tmp_path):
