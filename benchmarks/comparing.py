@@ -70,7 +70,9 @@ def _works(n: int, threads: int) -> dict[str, Callable[[], Any]]:
         OURS: lambda: register(source, target, threads=threads).rotation
     }
     works |= {
-        peer.name: peer.prepare(source, target) for peer in PEERS if not presence(peer).absent
+        peer.name: peer.prepare(source, target)
+        for peer in PEERS
+        if n <= (peer.most or n) and not presence(peer).absent
     }
     turn = works[OURS]()
     for name, work in works.items():

@@ -32,6 +32,7 @@ class Peer:
     package: as the index names it. call: what is timed, for the reader.
     prepare: takes source and target; raises ImportError where the tool is not there.
     library: a call that somebody ships, not formulas written for this comparison.
+    most: points; more would take too much memory beside the others.
     """
 
     name: str
@@ -39,6 +40,7 @@ class Peer:
     call: str
     prepare: Callable[[Cloud, Cloud], Registration]
     library: bool = True
+    most: int | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -164,6 +166,7 @@ PEERS = (
         package="open3d",
         call="pipelines.registration.TransformationEstimationPointToPoint",
         prepare=_open3d_legacy,
+        most=10**6,  # it needs copies of all points, and is not the faster of the two there
     ),
     Peer(name="gtsam", package="gtsam", call="Pose3.Align on matrices", prepare=_gtsam),
     Peer(

@@ -29,6 +29,7 @@ class Run:
 
     start: datetime = field(default_factory=lambda: datetime.now(UTC))
     load: list[float] | None = field(default_factory=load)
+    commit: dict[str, Any] | None = field(default_factory=commit)
     figures: dict[str, list[Figure]] = field(default_factory=dict)
     series: dict[str, list[Series]] = field(default_factory=dict)
 
@@ -59,7 +60,7 @@ class Run:
             "schema": NAME,
             "date": self.start.isoformat(timespec="seconds"),
             "seconds": round((datetime.now(UTC) - self.start).total_seconds(), 1),
-            "commit": commit(),
+            "commit": self.commit,
             "machine": machine(),
             "load": {"start": self.load, "end": load()},
             "versions": versions(),
