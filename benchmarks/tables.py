@@ -40,7 +40,7 @@ def figures(run: dict[str, Any], name: str, *, containing: str) -> str:
     """The figures of one measurement whose names contain some words, and what stands beside."""
     found = [figure for figure in run["figures"][name] if containing in figure["what"]]
     rows = [[each["what"], _quantity(each), _beside(each)] for each in found]
-    return _table(["what", "figure", "beside it"], rows)
+    return _table(["what", "figure", "beside it"], rows, left=3)
 
 
 def peers(run: dict[str, Any]) -> str:
