@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+AROUND = 1 << 21  # bytes: with a page the system may show the rest of a huge page
 DONT_NEED: int | None = getattr(mmap, "MADV_DONTNEED", None)  # not on Windows
 
 
@@ -29,15 +30,17 @@ def mapped_file(array: NDArray[Any]) -> mmap.mmap | None:
 def let_go(array: NDArray[Any]) -> None:
     """Give back the memory in which the system shows the part of a file that an array views.
 
-    Nothing happens to an array that is not mapped for reading only. The array stays as it is.
+    And of what lies around it, which the system has shown, too: of two threads that read parts side
+    by side the later one clears up between them. The array stays as it is; nothing happens to one
+    that is not mapped for reading only.
     """
     file = mapped_file(array)
     if file is None or DONT_NEED is None or array.size == 0:
         return
     first = _address(file)
     low, high = _bounds(array)
-    start = (low - first) // mmap.PAGESIZE * mmap.PAGESIZE
-    file.madvise(DONT_NEED, start, min(high - first, len(file)) - start)
+    start = max(0, low - first - AROUND) // mmap.PAGESIZE * mmap.PAGESIZE
+    file.madvise(DONT_NEED, start, min(high - first + AROUND, len(file)) - start)
 
 
 def _address(file: mmap.mmap) -> int:

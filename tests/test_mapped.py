@@ -106,6 +106,17 @@ def test_a_mapped_zero_with_a_sign_is_a_plain_zero(tmp_path):
     assert RegistrationProblem(signed, np.eye(2, 3)).digest() == plain.digest()
 
 
+def test_blocks_read_in_any_order_leave_nothing_between_them(tmp_path):
+    """As threads do it: the later block shows the start of one that was let go of before."""
+    n, size, most = 2**20, 2**13, 512  # kilobytes; a page beside each block would be more
+    target = np.broadcast_to(1.0, (n, 3))
+    mapped = RegistrationProblem(saved(tmp_path, "s.npy", np.ones((n, 3))), target)
+
+    for first in range(n - size, -1, -size):
+        mapped.block(slice(first, first + size))
+    assert resident_kilobytes(mapped.source) < most
+
+
 def test_reading_a_mapped_problem_leaves_little_of_it_in_memory(tmp_path):
     n, least, most = 2**20, 16 * 1024, 3 * 1024  # kilobytes: one block, and what is read ahead
     target, weights = np.broadcast_to(1.0, (n, 3)), np.broadcast_to(1.0, n)
