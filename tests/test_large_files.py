@@ -196,6 +196,39 @@ def test_the_problem_and_its_certificate_are_those_of_small_files(tmp_path, monk
     assert (run.code, run.err) == (0, "")
 
 
+@pytest.mark.parametrize("suffix", ["npy", "ply", "csv"])
+def test_a_large_cloud_is_moved_block_by_block_to_the_same_bytes(tmp_path, suffix, monkeypatch):
+    np.save(tmp_path / "a.npy", POINTS)
+    (tmp_path / "pose.txt").write_text("0.5 0.5 0.5 0.5 1 2 3\n")
+    words = ("apply", tmp_path / "pose.txt", tmp_path / "a.npy", "--out")
+    first = certreg(*words, tmp_path / f"small.{suffix}")
+    blocks = SumSettings(block_points=100)
+    monkeypatch.setattr("certreg.problem.SumSettings", lambda: blocks)
+    monkeypatch.setattr(streams, "FileSettings", lambda: EVERY)
+    second = certreg(*words, tmp_path / f"large.{suffix}")
+    contents = [(tmp_path / f"{size}.{suffix}").read_bytes() for size in ("small", "large")]
+
+    assert (first.code, second.code) == (0, 0)
+    assert contents[0] == contents[1]
+    assert np.allclose(
+        read_cloud(tmp_path / f"large.{suffix}").points, POINTS[:, [2, 0, 1]] + [1.0, 2.0, 3.0]
+    )
+
+
+def test_a_moved_row_beyond_the_doubles_is_named_and_nothing_is_written(tmp_path, monkeypatch):
+    points = POINTS.astype(float)
+    points[417] = 1.7e308
+    np.save(tmp_path / "a.npy", points)
+    (tmp_path / "pose.txt").write_text("1 0 0 0 1.7e308 0 0\n")
+    blocks = SumSettings(block_points=100)
+    monkeypatch.setattr("certreg.problem.SumSettings", lambda: blocks)
+    run = certreg("apply", tmp_path / "pose.txt", tmp_path / "a.npy", "--out", tmp_path / "b.npy")
+
+    assert run.code == 2
+    assert "b.npy: row 417 (counting from 0) would be [inf" in run.err
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.npy", "pose.txt"]
+
+
 def test_a_file_beyond_all_bounds_is_refused(tmp_path, monkeypatch):
     np.save(tmp_path / "a.npy", POINTS)
     bounds = FileSettings(mapped_bytes=1, max_mapped_bytes=100)

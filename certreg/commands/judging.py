@@ -129,7 +129,7 @@ def apply(result: Path, cloud: Path, *, out: Path) -> int:
     from certreg.io.poses import read_result_pose
 
     pose, points = read_result_pose(result), read_cloud(cloud)
-    write_cloud(out, pose.apply(points.points), points.labels)
+    write_cloud(out, points.points, points.labels, move=pose.apply)
     click.echo(f"{len(points.points)} points written to {printable(out)}")
     return DONE
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from dataclasses import dataclass, replace
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
@@ -19,15 +20,17 @@ from certreg.io.pcd import parse_pcd
 from certreg.io.ply import parse_ply, write_ply
 from certreg.io.streams import reading
 from certreg.io.text import TEXT_FORMATS, ignored_note, parse_points, read_numbers
-from certreg.problem import RegistrationProblem, first_row
+from certreg.problem import RegistrationProblem, contiguous, first_row, row_blocks
 from certreg.settings import DEFAULT_DAMPING, CertificateSettings
 from certreg.verify import shown
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from numpy.typing import NDArray
+
+    Motion = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 PARSERS = {".ply": parse_ply, ".pcd": parse_pcd, ".npz": parse_npz}
 FORMATS = (*TEXT_FORMATS, ".ply", ".pcd", ".npy", ".npz")
@@ -205,33 +208,61 @@ def read_weights(path: str | os.PathLike[str]) -> NDArray[np.float64]:
 
 
 def write_cloud(
-    path: str | os.PathLike[str], points: NDArray[np.float64], labels: tuple[str, ...] | None
+    path: str | os.PathLike[str],
+    points: NDArray[np.float64],
+    labels: tuple[str, ...] | None,
+    *,
+    move: Motion | None = None,
 ) -> None:
-    """Write a cloud as .csv (labels kept), .txt, .ply or .npy, every double as it is."""
+    """Write a cloud as .csv (labels kept), .txt, .ply or .npy, every double as it is.
+
+    move: takes points (k, 3) to where they are to be written, if not where they are. That is done
+    block by block: mapped points stay in their file.
+    """
     file = Path(path)
     suffix = file.suffix.lower()
-    finite = np.isfinite(points).all(axis=1)
-    if not finite.all():
-        row = int(np.argmin(finite))
-        message = (
-            f"{file}: row {row} (counting from 0) would be {points[row].tolist()}, beyond the "
-            "doubles: change the unit of length"
-        )
-        raise InvalidFileError(message)
     if suffix not in WRITTEN_FORMATS:
         what = f"the format {shown(suffix) or '(none)'} cannot be written"
         message = f"{shown(file)}: {what}: use {' '.join(WRITTEN_FORMATS)}"
         raise InvalidFileError(message)
-    if suffix in {".npy", ".ply"}:
-        (write_array if suffix == ".npy" else write_ply)(file, points)
-        return
-    separator = "," if suffix == ".csv" else " "
-    rows = [separator.join(map(repr, row)) for row in points.tolist()]
-    if suffix == ".csv":
-        names = None if labels is None else [_quoted(file, label) for label in labels]
-        rows = rows if names is None else [f"{n},{r}" for n, r in zip(names, rows, strict=True)]
-        rows.insert(0, "x,y,z" if labels is None else "label,x,y,z")
-    write_atomically(file, ("\n".join(rows) + "\n").encode())
+    pieces = _written(file, points, move)
+    if suffix == ".npy":
+        write_array(file, pieces, len(points))
+    elif suffix == ".ply":
+        write_ply(file, pieces, len(points))
+    else:
+        _write_text(file, pieces, labels)
+
+
+def _written(
+    file: Path, points: NDArray[np.float64], move: Motion | None
+) -> Iterator[NDArray[np.float64]]:
+    """The points, block by block, in doubles. Raises InvalidFileError where one is not finite."""
+    for rows in row_blocks(len(points)):
+        part = contiguous(points, rows)
+        with np.errstate(over="ignore", invalid="ignore"):  # it is refused in one line
+            part = part if move is None else move(part)
+        finite = np.isfinite(part).all(axis=1)
+        if not finite.all():
+            row = int(np.argmin(finite))
+            message = (
+                f"{file}: row {rows.start + row} (counting from 0) would be {part[row].tolist()}, "
+                "beyond the doubles: change the unit of length"
+            )
+            raise InvalidFileError(message)
+        yield part
+
+
+def _write_text(
+    file: Path, pieces: Iterable[NDArray[np.float64]], labels: tuple[str, ...] | None
+) -> None:
+    comma = file.suffix.lower() == ".csv"
+    rows = ((",".join if comma else " ".join)(map(repr, row)) for p in pieces for row in p.tolist())
+    if comma and labels is not None:
+        names = [_quoted(file, label) for label in labels]
+        rows = (f"{name},{row}" for name, row in zip(names, rows, strict=True))
+    top = ["x,y,z" if labels is None else "label,x,y,z"] if comma else []
+    write_atomically(file, (f"{row}\n".encode() for row in chain(top, rows)))
 
 
 def _quoted(file: Path, label: str) -> str:

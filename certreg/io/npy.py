@@ -6,7 +6,7 @@ import io
 import math
 import tokenize
 import warnings
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple, cast
 
 import numpy as np
@@ -19,7 +19,7 @@ from certreg.problem import as_doubles, row_blocks
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
     from pathlib import Path
 
     from numpy.typing import NDArray
@@ -113,11 +113,13 @@ def not_npy(file: Path, error: BaseException) -> InvalidFileError:
     return InvalidFileError(f"{shown(file)}: {what}: save it with numpy.save")
 
 
-def write_array(file: Path, array: NDArray[np.float64]) -> None:
-    """Write a .npy file, whole or not at all."""
-    buffer = io.BytesIO()
-    np.save(buffer, array, allow_pickle=False)
-    write_atomically(file, buffer.getvalue())
+def write_array(file: Path, pieces: Iterable[NDArray[np.float64]], n: int) -> None:
+    """Write n points (N, 3) that come in pieces to a .npy file, whole or not at all."""
+    top = io.BytesIO()
+    header = {"descr": "<f8", "fortran_order": False, "shape": (n, 3)}
+    np.lib.format.write_array_header_1_0(top, header)
+    doubles = (piece.astype("<f8", copy=False).tobytes() for piece in pieces)
+    write_atomically(file, chain([top.getvalue()], doubles))
 
 
 def doubles(file: Path, array: NDArray[Any]) -> NDArray[np.float64]:

@@ -7,6 +7,7 @@ written counts, also where its type is `float`: it is read as the nearest double
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import chain
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from certreg.errors import InvalidFileError
@@ -18,6 +19,7 @@ from certreg.settings import FileSettings
 from certreg.verify import shown
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
     from pathlib import Path
 
     import numpy as np
@@ -86,12 +88,13 @@ def parse_ply(stream: BinaryIO, file: Path) -> tuple[NDArray[np.float64], tuple[
     return points_of_columns(file, columns), tuple(others)
 
 
-def write_ply(file: Path, points: NDArray[np.float64]) -> None:
-    """Write doubles x, y, z, binary and little-endian, whole or not at all."""
-    top = ["ply", "format binary_little_endian 1.0", f"element vertex {len(points)}"]
+def write_ply(file: Path, pieces: Iterable[NDArray[np.float64]], n: int) -> None:
+    """Write n points that come in pieces, binary, doubles, little-endian, whole or not at all."""
+    top = ["ply", "format binary_little_endian 1.0", f"element vertex {n}"]
     top += [f"property double {axis}" for axis in "xyz"]
     content = "\n".join([*top, "end_header\n"]).encode()
-    write_atomically(file, content + points.astype("<f8").tobytes())
+    doubles = (piece.astype("<f8", copy=False).tobytes() for piece in pieces)
+    write_atomically(file, chain([content], doubles))
 
 
 def _declared(name: str, top: list[HeaderLine]) -> Header:
