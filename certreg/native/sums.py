@@ -13,6 +13,7 @@ import math
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import cache
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -82,21 +83,22 @@ class FloatingSums:
     negative: bool = field(default=False)
 
 
-class _Columns(ctypes.Structure):
-    _fields_ = (
-        ("data", ctypes.c_void_p),
-        ("row", ctypes.c_long),
-        ("column", ctypes.c_long),
-        ("single", ctypes.c_int),
-    )
+_COLUMNS = (  # struct certreg_columns; three of them one behind the other are made in one go
+    ("data", ctypes.c_void_p),
+    ("row", ctypes.c_long),
+    ("column", ctypes.c_long),
+    ("single", ctypes.c_int),
+)
 
 
 class _Points(ctypes.Structure):
     _fields_ = (
         ("count", ctypes.c_long),
-        ("source", _Columns),
-        ("target", _Columns),
-        ("weights", _Columns),
+        *(
+            (f"{of}_{name}", kind)
+            for of in ("source", "target", "weights")
+            for name, kind in _COLUMNS
+        ),
         ("origin", ctypes.c_double * 6),
     )
 
@@ -113,7 +115,8 @@ def floating_sums(clouds: Clouds, *, threads: int = 1) -> FloatingSums:
     starts = range(0, clouds.n, settings.chunk_points)
 
     def of_chunk(start: int) -> tuple[NDArray[np.float64], bool]:
-        part = clouds.part(slice(start, start + settings.chunk_points))
+        rows = slice(start, start + settings.chunk_points)
+        part = clouds if len(starts) == 1 else clouds.part(rows)
         found = one_pass(part)
         for array in (part.source, part.target, part.weights):
             if array is not None:
@@ -161,7 +164,8 @@ def compiled() -> Callable[[Clouds], tuple[NDArray[np.float64], bool]] | None:
     def one_pass(clouds: Clouds) -> tuple[NDArray[np.float64], bool]:
         kept = [_readable(array) for array in (clouds.source, clouds.target, clouds.weights)]
         found, negative = np.empty((COUNT, 2)), ctypes.c_int()
-        passed = _Points(clouds.n, *map(_columns, kept), tuple(clouds.origin.tolist()))
+        columns = chain.from_iterable(map(_columns, kept))
+        passed = _Points(clouds.n, *columns, tuple(clouds.origin.tolist()))
         function(ctypes.byref(passed), ctypes.c_void_p(found.ctypes.data), ctypes.byref(negative))
         return found, bool(negative.value)
 
@@ -172,12 +176,12 @@ def _readable(array: NDArray[Any] | None) -> NDArray[Any] | None:
     return array if array is None or array.dtype in TAKEN else array.astype(np.float64)
 
 
-def _columns(array: NDArray[Any] | None) -> _Columns:
+def _columns(array: NDArray[Any] | None) -> tuple[int | None, int, int, bool]:
     if array is None:
-        return _Columns(None, 0, 0, 0)
+        return None, 0, 0, False
     strides = array.strides
     address = array.__array_interface__["data"][0]  # four times as fast as array.ctypes.data
-    return _Columns(address, strides[0], strides[-1], array.itemsize == 4)
+    return address, strides[0], strides[-1], array.itemsize == 4
 
 
 def _plain(clouds: Clouds) -> tuple[NDArray[np.float64], bool]:
