@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from certreg.errors import InvalidFileError
 from certreg.exits import worst
 from certreg.options import CLOUD, EXIT_CODES, FOLDER
 from certreg.progress import Progress
@@ -145,9 +146,11 @@ def run_instances(
 
 @contextmanager
 def resumable(out: Path) -> Generator[None]:
-    """Says on Ctrl-C that nothing is lost."""
+    """Says on Ctrl-C, and where a file cannot be written, that nothing is lost."""
     try:
         yield
-    except KeyboardInterrupt:
-        click.echo(f"\n{printable(out)}: what is done is kept: run the same to go on", err=True)
+    except (KeyboardInterrupt, InvalidFileError) as error:
+        start = "\n" if isinstance(error, KeyboardInterrupt) else ""  # below the ^C of a terminal
+        kept = f"{start}{printable(out)}: what is done is kept: run the same to go on"
+        click.echo(kept, err=True)
         raise
