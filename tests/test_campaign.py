@@ -476,3 +476,13 @@ def test_a_shard_that_is_there_twice_is_made_one(tmp_path):
 
     finish(SMALL, tmp_path / "out")
     assert tree(tmp_path / "out") == tree(tmp_path / "whole")
+
+
+def test_a_file_that_is_no_shard_is_left_alone(tmp_path):
+    finish(SMALL, tmp_path)
+    for name in (".nfs0001", "notes.txt", "00000001-mine.npz"):
+        (tmp_path / SHARDS / name).write_text("mine")
+    before = tree(tmp_path)
+
+    assert finish(SMALL, tmp_path) == []
+    assert tree(tmp_path) == before

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 DIGITS = 32  # of the digest, hexadecimal: no accident makes two contents agree in 128 bits
-NAME = re.compile(rf"([0-9]{{8}})-([0-9a-f]{{{DIGITS}}})")
+NAME = re.compile(rf"([0-9]{{8}})-[0-9a-f]{{{DIGITS}}}\.[a-z]+")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,36 +43,37 @@ class Shards:
     def files(self) -> dict[int, list[Path]]:
         """The files of each shard; more than one where a run was killed between the two."""
         found: dict[int, list[Path]] = {}
-        for path in self.folder.iterdir():
-            found.setdefault(int(path.name.partition("-")[0]), []).append(path)
+        for number, path in self._numbered():
+            found.setdefault(number, []).append(path)
         return found
 
     def sound(self) -> Iterator[tuple[int, bytes]]:
         """Number and content of each shard that is there and whole, in order."""
-        for path in sorted(self.folder.iterdir()):
-            content = self._content(path)
+        for number, path in self._numbered():
+            content = self._content(number, path)
             if content is not None:
-                yield int(path.name.partition("-")[0]), content
+                yield number, content
 
     def drop_damaged(self) -> list[str]:
         """Delete what is no whole shard of this campaign; a note on each."""
         notes: list[str] = []
-        for path in sorted(self.folder.iterdir()):
-            if self._content(path) is None:
+        for number, path in self._numbered():
+            if self._content(number, path) is None:
                 path.unlink()
                 notes.append(f"{shown(path)}: damaged, or not of this campaign: computed anew")
         return notes
+
+    def _numbered(self) -> list[tuple[int, Path]]:
+        """What is called as a shard is, in order; other files are nobody's business."""
+        files = ((NAME.fullmatch(path.name), path) for path in self.folder.iterdir())
+        return sorted((int(name[1]), path) for name, path in files if name is not None)
 
     def _name(self, number: int, content: bytes) -> str:
         digest = hashlib.sha256(f"{self.identity} {number}\n".encode() + content).hexdigest()
         return f"{number:08d}-{digest[:DIGITS]}{self.suffix}"
 
-    def _content(self, path: Path) -> bytes | None:
+    def _content(self, number: int, path: Path) -> bytes | None:
         """The content of a file if its name is what it should be."""
-        match = NAME.fullmatch(path.stem)
-        limit = CampaignSettings().max_bytes
-        if match is None or path.stat().st_size > limit:
-            return None
         with path.open("rb") as stream:
-            content = stream.read(limit)
-        return content if path.name == self._name(int(match[1]), content) else None
+            content = stream.read(CampaignSettings().max_bytes)
+        return content if path.name == self._name(number, content) else None
