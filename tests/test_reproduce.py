@@ -501,7 +501,7 @@ def test_the_command_confirms_every_finding_and_writes_everything(
     run = certreg("reproduce", "--runs", "2", "--out", tmp_path / "out")
 
     assert (run.code, run.err) == (0, "")
-    assert "24 of 24 findings confirmed" in run.out
+    assert "24 of 24 findings are confirmed" in run.out
     assert "in 2 of 2 runs; 2 of 2 simulations" in run.out
     written_files = {str(p.relative_to(tmp_path / "out")) for p in tmp_path.rglob("*.*")}
     assert {"verdicts.html", "verdicts.md", "verdicts.json"} <= written_files
@@ -520,7 +520,7 @@ def test_a_finding_that_is_not_confirmed_is_exit_code_1(tmp_path: Path, monkeypa
 
     assert run.code == 1
     assert "15b  true under a condition: NOT CONFIRMED" in run.out
-    assert "23 of 24 findings confirmed" in run.out
+    assert "23 of 24 findings agree with what was measured" in run.out
     assert strict_json((tmp_path / "verdicts.json").read_bytes())["confirmed"] is False
 
 

@@ -73,8 +73,10 @@ def closing_text(made: Reproduction) -> str:
     told = ", ".join(f"{count} {finding}" for finding, count in findings.items())
     confirmed = sum(claim.stands for claim in made.claims)
     resting, moving = _equilibria(made.observations), _simulations(made.observations)
+    proved = all(claim.proof is not None for claim in made.claims)
+    word = "are confirmed" if proved else "agree with what was measured, the proofs left out"
     return (
-        f"{confirmed} of {len(made.claims)} findings confirmed ({told}).\n"
+        f"{confirmed} of {len(made.claims)} findings {word} ({told}).\n"
         f"Four equilibria with 0, 1, 2, 3 unstable eigenvalues in {resting['pattern_0123']:,} of "
         f"{resting['runs']:,} runs; {moving['at_optimum']:,} of {moving['runs']:,} simulations end "
         "at the optimum."
