@@ -99,8 +99,8 @@ lock:  ## make both lock files anew from pyproject.toml (needs uv; LOCK_OPTIONS=
 	     --no-emit-project --all-groups --format requirements.txt; } > requirements.lock.new
 	@mv requirements.lock.new requirements.lock
 
-clean:  ## remove the environment, caches, builds and the demo's folder
-	rm -rf $(VENV) build dist certreg-demo docs/_build docs/reference/modules .hypothesis .pytest_cache .ruff_cache
+clean:  ## remove the environment, caches, builds and the folders of demo and reproduce
+	rm -rf $(VENV) build dist certreg-demo certreg-reproduce docs/_build docs/reference/modules .hypothesis .pytest_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # The stamp goes first and comes back last: a set-up that was cut short is done again.

@@ -146,8 +146,8 @@ def _flipped_polygon(panel: Any, polygon: Polygon) -> None:
             arrowprops={
                 "arrowstyle": "-|>",
                 "linestyle": line,
-                "color": GREY,
-                "linewidth": 1.2,
+                "color": BLACK,
+                "linewidth": 0.9,
                 "shrinkA": 4,
                 "shrinkB": 5,
             },
