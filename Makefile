@@ -19,7 +19,7 @@ UV_PYTHON_OPTION = $(if $(filter environment command,$(origin PYTHON)),--python 
 NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_EXTRA_INDEX_URL -u UV_FIND_LINKS
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test test-browser test-huge test-oracles proofs fuzz kills generate report-asset check-report-asset lint bench peers lock clean
+.PHONY: help demo docs test chromium test-browser test-huge test-oracles proofs fuzz kills generate report-asset check-report-asset lint bench peers lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -36,8 +36,14 @@ docs: $(READY)  ## run all proofs and examples and build the documentation: docs
 	  --builder html --doctree-dir docs/_build/doctrees docs docs/_build/html
 	@echo "docs/_build/html/index.html"
 
-test-browser: docs  ## open every built page in chromium, without a network
-	@CERTREG_BROWSER=1 $(RUN) -m pytest tests/browser
+CHROMIUM ?= /usr/bin/chromium
+
+chromium:
+	@test -x '$(CHROMIUM)' || { test "$$(id -u)" = 0 || { echo "install it first: sudo apt-get install chromium" >&2; exit 1; }; \
+	   apt-get update -q && DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends chromium; }
+
+test-browser: chromium docs  ## open every built page and the reports in chromium, without a network
+	@CERTREG_BROWSER=1 CHROMIUM='$(CHROMIUM)' $(RUN) -m pytest tests/browser
 
 # Singular and PHCpack are Debian packages; msolve comes as a wheel, into an environment of its own.
 test-oracles: $(READY)  ## compare the equilibria with Singular, PHCpack and msolve, installed first

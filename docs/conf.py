@@ -45,6 +45,7 @@ extensions = [
     "leftovers",
     "modules",
     "proofs",
+    "reports",
 ]
 exclude_patterns = ["_build", "_ext", "_static"]
 

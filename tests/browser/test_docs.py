@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).parents[2]
 SITE = ROOT / "docs" / "_build" / "html"
 REQUIRED = bool(os.environ.get("CERTREG_BROWSER"))
-PAGES = sorted(SITE.rglob("*.html"))
+REPORTS = sorted((SITE / "reports").glob("*.html"))  # they are no pages of Sphinx's
+PAGES = sorted(set(SITE.rglob("*.html")) - set(REPORTS))
 STYLES = sorted(SITE.rglob("*.css"))
 MATHJAX = ROOT / "docs" / "_static" / "vendor" / "tex-svg-full.js"
 NOWHERE = "https://nowhere.invalid"
@@ -75,7 +76,9 @@ def test_a_page_opens_without_network_and_without_errors(page: Page, path: Path)
 
 
 @site
-@pytest.mark.parametrize("path", PAGES + STYLES, ids=lambda path: str(path.relative_to(SITE)))
+@pytest.mark.parametrize(
+    "path", PAGES + REPORTS + STYLES, ids=lambda path: str(path.relative_to(SITE))
+)
 def test_a_file_refers_to_no_other_host(path: Path):
     assert elsewhere(path) == []
 
@@ -114,6 +117,25 @@ def test_a_narrow_window_cuts_nothing_off(page: Page):
     wide = {str(path.relative_to(SITE)): visited(page, path).cut_off for path in read}
 
     assert {path: found for path, found in wide.items() if found} == {}
+
+
+@site
+def test_the_gallery_leads_to_reports_and_they_to_the_proofs(page: Page):
+    page.goto((SITE / "gallery.html").as_uri())
+    where = "a => a.map(a => a.href)"
+    led = page.eval_on_selector_all("article table a", where)
+
+    assert sorted(map(led_path, led)) == list(map(str, REPORTS))
+    assert len(led) == 10
+    for path in REPORTS:
+        page.goto(path.as_uri())
+        proofs = page.eval_on_selector_all("#proof a", where)
+        assert len(proofs) > 3
+        assert all(Path(led_path(address)).exists() for address in proofs)
+
+
+def led_path(address: str) -> str:
+    return address.removeprefix("file://")
 
 
 def planted(folder: Path, body: str) -> Path:

@@ -5,6 +5,7 @@ Part of `make test-browser`; where there is a chromium, of the usual tests only 
 
 from __future__ import annotations
 
+import functools
 import os
 import re
 from typing import TYPE_CHECKING, Any
@@ -15,11 +16,14 @@ from commands import checked
 from pages import PATIENCE
 from strategies import ZOO
 
+from certreg.certificate import producing
 from certreg.demo import STORIES, tell
 from certreg.pipeline import certify
 from certreg.problem import RegistrationProblem
+from certreg.report import scene
 from certreg.report.page import Report
 from certreg.report.page import page as page_of
+from certreg.settings import CertificateSettings, ReportSettings
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -419,4 +423,20 @@ def test_ten_thousand_points_fit_into_a_small_file_and_move(shown, written):
     rmse = registration.equilibria.components[1].rmse
     assert report.rmse == pytest.approx(rmse, rel=1e-6)
     scrub(report, 500)
+    assert report.faults == []
+
+
+def test_points_that_the_certificate_does_not_hold_are_shown_as_a_sample(
+    shown, written, monkeypatch
+):
+    bounded = functools.partial(CertificateSettings, inline_points=100)
+    monkeypatch.setattr(producing, "CertificateSettings", bounded)
+    monkeypatch.setattr(scene, "ReportSettings", functools.partial(ReportSettings, sample=50))
+    registration = certify(problem_of(101), relaxation=False)
+    report = shown(registration)
+
+    assert "does not hold its 101 points: an even sample is shown" in report.inner_text(
+        "#view-note"
+    )
+    assert report.rmse == pytest.approx(registration.rmse, rel=0.5)
     assert report.faults == []

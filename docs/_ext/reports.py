@@ -1,0 +1,117 @@
+"""`{reports}` writes certreg's own reports while the page is built, and a table that leads to them.
+
+Each line of its content names an exhibit and says what to look at; every exhibit must be named. The
+reports lie in `reports/` beside the pages, so that their theorems lead to the pages of the proofs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from docutils import nodes
+from sphinx.errors import ExtensionError
+from sphinx.util.docutils import SphinxDirective
+
+from certreg.demo import STORIES, tell
+from certreg.pipeline import certify
+from certreg.problem import RegistrationProblem
+from certreg.report.page import Report, page
+
+if TYPE_CHECKING:
+    from sphinx.application import Sphinx
+    from sphinx.util.typing import ExtensionMetadata
+
+    from certreg.pipeline import Registration
+
+FOLDER = "reports"  # beside the page and in the built documentation
+
+
+@dataclass(frozen=True)
+class Exhibit:
+    """A problem of exact coordinates that shows one row of the classification."""
+
+    source: list[list[float]]
+    target: list[list[float]]
+
+    def register(self) -> Registration:
+        """The certified registration."""
+        problem = RegistrationProblem(self.source, self.target)
+        return certify(problem, relaxation=False, about={"source": "source", "target": "target"})
+
+
+SQUARE = [[1.0, 1, 0], [1, -1, 0], [-1, -1, 0], [-1, 1, 0]]
+TETRAHEDRON = [[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]
+TALL = [[1.0, 1, 2], [1, -1, -2], [-1, 1, -2], [-1, -1, 2]]
+LINE = [[0.0, 0, 0], [1, 2, 3], [2, 4, 6], [5, 10, 15]]
+BENT = [[0.0, 0, 0], [1, 2, 3], [2, 4, 7], [5, 9, 15]]
+OCTAHEDRON = [[1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]]
+
+
+def quarter(points: list[list[float]]) -> list[list[float]]:
+    """The points after a quarter turn about z."""
+    return [[-y, x, z] for x, y, z in points]
+
+
+def mirrored(points: list[list[float]]) -> list[list[float]]:
+    """The points with x reversed."""
+    return [[-x, y, z] for x, y, z in points]
+
+
+EXHIBITS = {
+    "square": Exhibit(SQUARE, quarter(SQUARE)),
+    "tall": Exhibit(TALL, quarter(TALL)),
+    "tetrahedron": Exhibit(TETRAHEDRON, quarter(TETRAHEDRON)),
+    "mirrored-tall": Exhibit(TALL, mirrored(TALL)),
+    "mirrored-tetrahedron": Exhibit(TETRAHEDRON, mirrored(TETRAHEDRON)),
+    "line": Exhibit(BENT, LINE),
+    "nothing": Exhibit(OCTAHEDRON, [[abs(x), abs(y), abs(z)] for x, y, z in OCTAHEDRON]),
+}
+
+
+class Reports(SphinxDirective):
+    """Reports and a table of them: kind of equilibrium set, the report, what to look at in it."""
+
+    has_content = True
+
+    def run(self) -> list[nodes.Node]:
+        """Write the reports and show the table."""
+        told = dict(line.split(": ", 1) for line in self.content if line.strip())
+        registrations = {story.name: lambda story=story: tell(story) for story in STORIES}
+        registrations |= {name: exhibit.register for name, exhibit in EXHIBITS.items()}
+        if told.keys() != registrations.keys():
+            missed = ", ".join(sorted(told.keys() ^ registrations.keys()))
+            raise ExtensionError(
+                f"{self.env.docname}: reports that are not on both lists: {missed}"
+            )
+        body = nodes.tbody()
+        for name, words in told.items():
+            registration = registrations[name]()
+            self.write(name, registration)
+            pattern = ", ".join(map(str, registration.equilibria.classification.pattern))
+            link = nodes.reference("", name.replace("-", " "), refuri=f"{FOLDER}/{name}.html")
+            inlines, _ = self.state.inline_text(words, self.lineno)
+            body += row([nodes.Text(pattern)], [link], inlines)
+        titles = ("multiplicities", "report", "what to look at")
+        head = nodes.thead("", row(*([nodes.Text(words)] for words in titles)))
+        widths = [nodes.colspec(colwidth=width) for width in (20, 25, 55)]
+        return [nodes.table("", nodes.tgroup("", *widths, head, body, cols=3))]
+
+    def write(self, name: str, registration: Registration) -> None:
+        """Write a report whose theorems lead to the pages of the proofs."""
+        folder = Path(self.env.app.outdir) / FOLDER
+        folder.mkdir(parents=True, exist_ok=True)
+        content = page(Report.of(registration, documentation="../"))
+        (folder / f"{name}.html").write_bytes(content)
+
+
+def row(*cells: list[nodes.Node]) -> nodes.row:
+    """A row of a table."""
+    return nodes.row("", *(nodes.entry("", nodes.paragraph("", "", *cell)) for cell in cells))
+
+
+def setup(app: Sphinx) -> ExtensionMetadata:
+    """Called by Sphinx."""
+    app.add_directive("reports", Reports)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
