@@ -45,7 +45,8 @@ experiments.particles experiments.scheme experiments.comparisons
 experiments.equilibria experiments.simulations experiments.polygons
 experiments.construction experiments.poses
 experiments.observations
-experiments.evidence experiments.statics experiments.motions experiments.proofs experiments.verdicts
+experiments.evidence experiments.exhibits
+experiments.statics experiments.motions experiments.proofs experiments.verdicts
 experiments.style experiments.figures experiments.pictures experiments.drawings
 report.reproduction report.exhibition
 options progress

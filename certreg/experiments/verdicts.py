@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from certreg import derivation
 from certreg.experiments import motions, statics
 from certreg.experiments.evidence import Clouds, Evidence, in_doubles
+from certreg.experiments.exhibits import Exhibit, exhibits
 from certreg.experiments.observations import observe
 from certreg.experiments.proofs import proving
 
@@ -51,17 +52,19 @@ class ClaimVerdict:
     """One claim (audit.Row): whether its finding is proved, and whether the measurements agree.
 
     proof: on the finding, the book's claims proved and the counterexample recomputed in fractions;
-    None where the proofs were left out.
+    None where the proofs were left out. exhibits: the clouds of the counterexample, certified.
     """
 
     row: Any
     proof: Verdict | None
     evidence: Evidence
+    exhibits: tuple[Exhibit, ...]
 
     @property
     def stands(self) -> bool:
-        """Whether nothing that was asked contradicts the finding."""
-        return self.evidence.agrees and (self.proof is None or self.proof.proved)
+        """Whether nothing that was asked contradicts the finding, and all exhibits are proved."""
+        certified = all(each.verdict.proved for each in self.exhibits)
+        return certified and self.evidence.agrees and (self.proof is None or self.proof.proved)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -100,7 +103,8 @@ def _claim(row: Any, proof: Verdict | None, seen: Observations) -> ClaimVerdict:
     counterexample = row.counterexample
     clouds = () if counterexample is None else counterexample.clouds
     doubles = [in_doubles(cloud) for cloud in clouds]
-    return ClaimVerdict(row=row, proof=proof, evidence=MEASURED[row.number](seen, doubles))
+    evidence = MEASURED[row.number](seen, doubles)
+    return ClaimVerdict(row=row, proof=proof, evidence=evidence, exhibits=exhibits(row))
 
 
 def _waited(coming: Mapping[str, Future[Verdict]], progress: Progress) -> list[tuple[str, Verdict]]:

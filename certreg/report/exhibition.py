@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import re
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,9 +14,12 @@ from certreg.files import write_atomically
 from certreg.report.claims import plain
 from certreg.report.document import dumps
 from certreg.report.reproduction import (
+    CERTIFICATES,
+    EXHIBITS_TOLD,
     FIGURES,
     KINDS,
     closing_text,
+    exhibit_words,
     markdown,
     proof_words,
     reproduction_document,
@@ -27,6 +31,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Sequence
 
+    from certreg.experiments.exhibits import Exhibit
     from certreg.experiments.style import Drawing
     from certreg.experiments.verdicts import ClaimVerdict, Reproduction
 
@@ -42,7 +47,7 @@ h2 { font-size: 1.25rem; margin: 2.6rem 0 .8rem; }
 .setup { color: #555; max-width: 46rem; font-size: .92rem; }
 article { border-top: 1px solid #d8d8d8; padding: .9rem 0 1rem; display: grid;
   grid-template-columns: 14.5rem 1fr; gap: .2rem 1.4rem; }
-article > header { grid-row: span 6; }
+article > header { grid-row: span 9; }
 .number { font-weight: 700; margin-right: .5rem; }
 .finding { display: inline-block; font-size: .86rem; padding: .1rem .55rem; border: 1px solid;
   border-radius: 1rem; white-space: nowrap; }
@@ -69,6 +74,7 @@ def page(made: Reproduction, drawn: Sequence[Drawing]) -> str:
     """One file of HTML that needs no other: the verdicts, then the figures with captions."""
     lead = escape(closing_text(made)).replace("\n", " ")
     claims = "\n".join(_article(claim) for claim in made.claims)
+    told = re.sub("`([^`]*)`", r"<code>\1</code>", escape(EXHIBITS_TOLD))
     figures = "\n".join(_figure(number, drawing) for number, drawing in enumerate(drawn, 1))
     return f"""<!DOCTYPE html>
 <html lang="en">
@@ -84,7 +90,8 @@ def page(made: Reproduction, drawn: Sequence[Drawing]) -> str:
 <p class="setup">{escape(setup_words(made.observations))}</p>
 <h2>Claims</h2>
 <p class="lead">Each claim is true, or true under a condition that the paper does not state, or
-false as stated. The finding rests on proofs; what was measured in this run stands beside them.</p>
+false as stated. The finding rests on proofs; what was measured in this run stands beside them.
+{told}</p>
 {claims}
 <h2>Figures</h2>
 {figures}
@@ -94,9 +101,10 @@ false as stated. The finding rests on proofs; what was measured in this run stan
 
 
 def make_folder(folder: Path) -> None:
-    """The folder with its place for figures. Raises InvalidFileError."""
+    """The folder with its places for figures and certificates. Raises InvalidFileError."""
     try:
-        (folder / FIGURES).mkdir(parents=True, exist_ok=True)
+        for name in (FIGURES, CERTIFICATES):
+            (folder / name).mkdir(parents=True, exist_ok=True)
     except OSError as error:
         message = f"{folder}: cannot be made a folder ({error.strerror}): choose another place"
         raise InvalidFileError(message) from error
@@ -105,7 +113,7 @@ def make_folder(folder: Path) -> None:
 def write_reproduction(
     made: Reproduction, drawn: Sequence[Drawing], folder: str | os.PathLike[str]
 ) -> Path:
-    """Write figures, captions and verdicts; the path of the page.
+    """Write figures, captions, certificates and verdicts; the path of the page.
 
     Each file is written under a temporary name and renamed. Raises InvalidFileError.
     """
@@ -119,6 +127,10 @@ def write_reproduction(
         stem = f"{FIGURES}/{drawing.name}"
         contents |= {f"{stem}.{kind}": written(drawing, kind) for kind in KINDS}
         contents[f"{stem}.txt"] = f"{drawing.title}. {drawing.caption}\n".encode()
+    for claim in made.claims:
+        for exhibit in claim.exhibits:
+            files = exhibit.files.items()
+            contents |= {f"{CERTIFICATES}/{name}": content for name, content in files}
     make_folder(place)
     for name, content in contents.items():
         write_atomically(place / name, content)
@@ -141,6 +153,7 @@ def _article(claim: ClaimVerdict) -> str:
         for name, words in parts
         if words
     ]
+    lines += [f'<p><span class="label">certified:</span> {_linked(e)}</p>' for e in claim.exhibits]
     return f"""<article id="claim-{row.number}">
 <header><span class="number">{row.number}</span><span class="finding {finding.replace(" ", "-")}">\
 {SIGNS[finding]} {finding}</span><p class="state">{shown}</p></header>
@@ -148,6 +161,15 @@ def _article(claim: ClaimVerdict) -> str:
 <p class="place">{escape(row.place)}</p>
 {"".join(lines)}
 </article>"""
+
+
+def _linked(exhibit: Exhibit) -> str:
+    """The words of an exhibit, its files as links that hold them."""
+    words = escape(exhibit_words(exhibit))
+    for name, content in exhibit.files.items():
+        data = f"data:application/json;base64,{base64.b64encode(content).decode()}"
+        words = words.replace(name, f'<a download="{name}" href="{data}">{name}</a>', 1)
+    return words
 
 
 def _figure(number: int, drawing: Drawing) -> str:

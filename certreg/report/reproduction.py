@@ -16,14 +16,23 @@ from certreg.report.claims import plain
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from certreg.experiments.exhibits import Exhibit
     from certreg.experiments.observations import Observations
     from certreg.experiments.style import Drawing
     from certreg.experiments.verdicts import ClaimVerdict, Reproduction
 
 REPRODUCTION_SCHEMA = "certreg-reproduction/1"
 FIGURES, KINDS = "figures", ("pdf", "png")
+CERTIFICATES = "counterexamples"
 TERMINAL = 100  # characters
 PATTERN = (0, 1, 2, 3)
+EXHIBITS_TOLD = (
+    "Each cloud has a certificate of its optimum and of the pattern of its equilibria (the "
+    "multiplicities of the eigenvalues), and where these are four one of at most four. Where the "
+    "claim is about the motion (3, 4a, 12, 13b, 15) the certificate tells which pose is right; the "
+    "refutation is computed in fractions. Anyone can check a certificate: `certreg verify FILE`, "
+    "or `python verify.py FILE`, one file of standard Python."
+)
 NOT_PROVED_NOW = "the proofs were left out: `certreg derive` runs them"
 
 ALL_DIVERGED = "every simulation went beyond the doubles: the step is too large for the damping"
@@ -47,6 +56,7 @@ def claim_text(claim: ClaimVerdict) -> str:
         ("holds", "" if row.counterexample is None else plain(row.holds)),
         ("proof", proof_words(claim)),
         ("measured", claim.evidence.words),
+        *(("certified", exhibit_words(each)) for each in claim.exhibits),
     )
     for name, words in parts:
         if words:
@@ -63,6 +73,12 @@ def proof_words(claim: ClaimVerdict) -> str:
         return claim.proof.words
     recomputed = "" if claim.row.counterexample is None else "; counterexample, in fractions"
     return ", ".join(claim.row.because) + recomputed
+
+
+def exhibit_words(exhibit: Exhibit) -> str:
+    """What the certificates of a counterexample's cloud prove, in which files."""
+    proved = exhibit.words if exhibit.verdict.proved else f"REFUSED: {exhibit.verdict.words}"
+    return f"{', '.join(exhibit.files)}: {proved}"
 
 
 def closing_text(made: Reproduction) -> str:
@@ -93,9 +109,11 @@ def markdown(made: Reproduction, drawn: Sequence[Drawing]) -> str:
         cells = (row.number, row.claim, row.place, row.finding.value, row.holds)
         proof = ", ".join(row.because)
         lines.append(_line((*cells, claim.evidence.words, proof, verdict_word(claim).lower())))
-    examples = [c.row for c in made.claims if c.row.counterexample is not None]
-    lines += ["", "## Counterexamples", ""]
-    lines += [f"- **{row.number}.** {row.counterexample.words}" for row in examples]
+    examples = [claim for claim in made.claims if claim.row.counterexample is not None]
+    lines += ["", "## Counterexamples", "", EXHIBITS_TOLD, ""]
+    for claim in examples:
+        lines.append(f"- **{claim.row.number}.** {claim.row.counterexample.words}")
+        lines += [f"  - {_linked(each)}" for each in claim.exhibits]
     lines += ["", "## Figures", ""]
     for drawing in drawn:
         image = f"![{drawing.title}]({FIGURES}/{drawing.name}.png)"
@@ -162,6 +180,14 @@ def _claim_fields(claim: ClaimVerdict) -> Document:
         "proofs": list(row.because),
         "proved": None if claim.proof is None else claim.proof.proved,
         "measured": claim.evidence.words,
+        "certificates": [
+            {
+                "files": [f"{CERTIFICATES}/{name}" for name in exhibit.files],
+                "proves": exhibit.words,
+                "verified": exhibit.verdict.proved,
+            }
+            for exhibit in claim.exhibits
+        ],
         "agrees": claim.evidence.agrees,
         "confirmed": claim.stands,
     }
@@ -207,6 +233,14 @@ def _spread(values: Sequence[float]) -> Document:
     if not numbers:
         return dict.fromkeys(("min", "median", "max"))
     return {"min": min(numbers), "median": float(np.median(numbers)), "max": max(numbers)}
+
+
+def _linked(exhibit: Exhibit) -> str:
+    """The words of an exhibit, its files as links."""
+    words = exhibit_words(exhibit)
+    for name in exhibit.files:
+        words = words.replace(name, f"[{name}]({CERTIFICATES}/{name})", 1)
+    return words
 
 
 def _line(cells: Sequence[str]) -> str:
