@@ -59,7 +59,7 @@ proofs: $(READY)  ## check the Coq proofs and the verified checker (installs Coq
 	@$(RUN) derivations/coq/check.py
 	@CERTREG_PROOFS=1 $(RUN) -m pytest -q tests/test_coq.py
 
-test-huge: $(READY)  ## certify two mapped clouds of 8 GB each in 500 MB of memory (ten minutes, 16 GB of disk)
+test-huge: $(READY)  ## certify two mapped clouds of 8 GB each in 500 MB of memory (ten minutes of a quiet machine, 16 GB of disk)
 	@$(RUN) tests/huge.py
 
 fuzz: $(READY)  ## a million broken files for the readers (two minutes)
