@@ -1,7 +1,7 @@
 """`{reports}` writes certreg's own reports while the page is built, and a table that leads to them.
 
 Each line of its content names an exhibit and says what to look at; every exhibit must be named. The
-reports lie in `reports/` beside the pages, so that their theorems lead to the pages of the proofs.
+reports lie in `gallery/` beside the pages, so that their theorems lead to the pages of the proofs.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from certreg.pipeline import Registration
 
-FOLDER = "reports"  # beside the page and in the built documentation
+FOLDER = "gallery"  # beside the page, in the built documentation
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).parents[2]
 SITE = ROOT / "docs" / "_build" / "html"
 REQUIRED = bool(os.environ.get("CERTREG_BROWSER"))
-REPORTS = sorted((SITE / "reports").glob("*.html"))  # they are no pages of Sphinx's
+REPORTS = sorted((SITE / "gallery").glob("*.html"))  # they are no pages of Sphinx's
 PAGES = sorted(set(SITE.rglob("*.html")) - set(REPORTS))
 STYLES = sorted(SITE.rglob("*.css"))
 MATHJAX = ROOT / "docs" / "_static" / "vendor" / "tex-svg-full.js"
