@@ -436,6 +436,14 @@ def test_it_prints_on_a_few_pages_with_its_scene(shown, survey):
     assert 1 < pages <= 5
 
 
+def test_it_prints_in_bright_colours_whatever_the_screen_has(shown, survey):
+    dark, bright = shown(survey, color_scheme="dark"), shown(survey)
+    for report in (dark, bright):
+        report.emulate_media(media="print")
+
+    assert dark.sight() == bright.sight()
+
+
 def test_the_network_is_forbidden_to_the_page(shown, survey):
     report = shown(survey)
     failed = report.evaluate(

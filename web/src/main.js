@@ -190,11 +190,12 @@ async function main() {
   resized.observe(chart("margin"));
   if (stage) {
     new ResizeObserver(redraw).observe(part("view"));
-    const recolour = () => {
-      stage.recolour();
-      redraw();
-    };
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", recolour);
+    for (const media of ["(prefers-color-scheme: dark)", "print"]) {
+      matchMedia(media).addEventListener("change", () => {
+        stage.recolour();
+        stage.draw(); // at once: a printer waits for no frame
+      });
+    }
   }
 }
 
