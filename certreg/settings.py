@@ -283,6 +283,17 @@ class ReproductionSettings:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class MapSettings:
+    """How much the maps beyond the paper measure."""
+
+    instances: int = 200  # at each value: the median is known to a tenth of the spread
+    full_points: int = 10_000  # of clouds larger than that fewer instances are made
+    least_instances: int = 10  # all the same
+    portion_points: int = 1 << 19  # made at a time: 25 MB
+    escape_step: float = 0.04  # of the time in which a displacement grows by e: wrong by 10^-4
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ReportSettings:
     """What the report shows of a run, and how much it carries."""
 

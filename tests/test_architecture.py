@@ -44,11 +44,12 @@ campaign.table campaign.listing campaign.pairs campaign.montecarlo
 experiments.particles experiments.scheme experiments.comparisons
 experiments.equilibria experiments.simulations experiments.polygons
 experiments.construction experiments.poses
+experiments.families experiments.maps
 experiments.observations
 experiments.evidence experiments.exhibits
 experiments.statics experiments.motions experiments.proofs experiments.verdicts
-experiments.style experiments.figures experiments.pictures experiments.drawings
-report.reproduction report.exhibition
+experiments.style experiments.figures experiments.pictures experiments.drawings experiments.charts
+report.maps report.reproduction report.exhibition
 options progress
 commands.registering commands.judging commands.dynamics commands.derivations commands.campaigns
 commands.reproducing

@@ -56,6 +56,12 @@ CAMPAIGN = "campaign"  # folder, within that of the reproduction
     help="Viscous damping per mass; not stated in the paper.",
 )
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
+@click.option(
+    "--beyond",
+    is_flag=True,
+    help="Also maps over damping, noise, points, symmetry and start, `--runs` instances at each "
+    "value, default 200: figures and maps.csv.",
+)
 @click.option("--no-proofs", is_flag=True, help="Leave the proofs out; `certreg derive` runs them.")
 def reproduce(
     out: Path,
@@ -67,6 +73,7 @@ def reproduce(
     *,
     scheduler: str | None,
     parquet: bool,
+    beyond: bool,
     no_proofs: bool,
 ) -> int:
     """Every experiment and figure of the paper, and its claims with verdicts.
@@ -75,7 +82,9 @@ def reproduce(
     go to the folder. A campaign is kept in the folder `campaign` there: begun again, it goes on.
     """
     from certreg.campaign.montecarlo import MonteCarlo
+    from certreg.experiments.charts import map_drawings
     from certreg.experiments.drawings import drawings
+    from certreg.experiments.maps import maps
     from certreg.experiments.observations import Setup
     from certreg.experiments.verdicts import reproduce as run
     from certreg.report.exhibition import make_folder, write_reproduction
@@ -94,8 +103,10 @@ def reproduce(
         click.echo()
     with Stages() as stages:
         made = run(setup, stages.at, proofs=not no_proofs)
+        found = maps(seed, runs, stages.at) if beyond else ()
         stages.at("figures")
-        path = write_reproduction(made, drawings(made.observations), out)
+        drawn = (*drawings(made.observations), *map_drawings(found))
+        path = write_reproduction(made, drawn, out, found)
     for text in texts(made):
         click.echo(text)
     click.echo(f"\nFigures and verdicts: {printable(path)}")

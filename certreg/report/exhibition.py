@@ -13,6 +13,7 @@ from certreg.experiments.style import written
 from certreg.files import write_atomically
 from certreg.report.claims import plain
 from certreg.report.document import dumps
+from certreg.report.maps import MAPS, table
 from certreg.report.reproduction import (
     CERTIFICATES,
     EXHIBITS_TOLD,
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.experiments.exhibits import Exhibit
+    from certreg.experiments.maps import Map
     from certreg.experiments.style import Drawing
     from certreg.experiments.verdicts import ClaimVerdict, Reproduction
 
@@ -111,22 +113,28 @@ def make_folder(folder: Path) -> None:
 
 
 def write_reproduction(
-    made: Reproduction, drawn: Sequence[Drawing], folder: str | os.PathLike[str]
+    made: Reproduction,
+    drawn: Sequence[Drawing],
+    folder: str | os.PathLike[str],
+    found: Sequence[Map] = (),
 ) -> Path:
     """Write figures, captions, certificates and verdicts; the path of the page.
 
+    found: the maps whose numbers are to be written, too.
     Each file is written under a temporary name and renamed. Raises InvalidFileError.
     """
     place = Path(folder)
     contents = {
         TABLE: markdown(made, drawn).encode(),
         PAGE: page(made, drawn).encode(),
-        DOCUMENT: (dumps(reproduction_document(made, drawn)) + "\n").encode(),
+        DOCUMENT: (dumps(reproduction_document(made, drawn, found)) + "\n").encode(),
     }
     for drawing in drawn:
         stem = f"{FIGURES}/{drawing.name}"
         contents |= {f"{stem}.{kind}": written(drawing, kind) for kind in KINDS}
         contents[f"{stem}.txt"] = f"{drawing.title}. {drawing.caption}\n".encode()
+    if found:
+        contents[MAPS] = table(found)
     for claim in made.claims:
         for exhibit in claim.exhibits:
             files = exhibit.files.items()

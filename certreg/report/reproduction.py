@@ -12,11 +12,13 @@ import numpy as np
 from certreg import __version__
 from certreg.experiments.statics import unstable_counts
 from certreg.report.claims import plain
+from certreg.report.maps import rows
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from certreg.experiments.exhibits import Exhibit
+    from certreg.experiments.maps import Map
     from certreg.experiments.observations import Observations
     from certreg.experiments.style import Drawing
     from certreg.experiments.verdicts import ClaimVerdict, Reproduction
@@ -121,7 +123,9 @@ def markdown(made: Reproduction, drawn: Sequence[Drawing]) -> str:
     return "\n".join(lines)
 
 
-def reproduction_document(made: Reproduction, drawn: Sequence[Drawing]) -> Document:
+def reproduction_document(
+    made: Reproduction, drawn: Sequence[Drawing], found: Sequence[Map] = ()
+) -> Document:
     """The reproduction as `certreg-reproduction/1`."""
     setup = made.observations.setup
     reasons: dict[str, str] = {}
@@ -153,6 +157,7 @@ def reproduction_document(made: Reproduction, drawn: Sequence[Drawing]) -> Docum
             }
             for drawing in drawn
         ],
+        "maps": list(rows(found)),
         "reasons": reasons,
     }
 

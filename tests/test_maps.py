@@ -1,0 +1,288 @@
+"""Maps beyond the paper: what is measured obeys the theory beside it, and is what is drawn."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from commands import certreg, strict_json
+from jsonschema import Draft202012Validator
+from test_reproduce import SCHEMA, shown_texts
+
+from certreg.ensembles import ensemble, simulate_many
+from certreg.experiments import maps as mapping
+from certreg.experiments.charts import map_drawings
+from certreg.experiments.families import CUBE, FAMILIES, Family, limit_margin, margin
+from certreg.experiments.generator import gaussian_instances
+from certreg.experiments.maps import MEASURES, Map, instances, level, maps
+from certreg.instances import solve_many
+from certreg.native.batch import Integrator
+from certreg.report.maps import rows, table
+from certreg.settings import DEFAULT_DAMPING, MapSettings, SimulationSettings
+
+COUNT = 40
+
+
+def quiet(stage: str, done: int, total: int) -> None:
+    """Nobody watches."""
+
+
+def measured(name: str, value: float, count: int = COUNT):
+    return level(FAMILIES[name], value, np.random.default_rng(1), count)
+
+
+def short(family: Family) -> Family:
+    values = family.values
+    return replace(family, values=(values[0], *values[len(values) // 2 :: 3][:2], values[-1]))
+
+
+@pytest.fixture(scope="module")
+def found() -> tuple[Map, ...]:
+    """All maps at few values, of few and small clouds."""
+    kept = dict(FAMILIES)
+    patch = pytest.MonkeyPatch()
+    for name, family in kept.items():
+        few = short(family)
+        if name == "points":
+            few = replace(few, values=(3.0, 100.0, 1000.0))
+        patch.setitem(FAMILIES, name, few)
+    try:
+        return maps(0, 8, quiet)
+    finally:
+        patch.undo()
+
+
+@pytest.fixture(scope="module")
+def drawn(found):
+    return map_drawings(found)
+
+
+# theory
+
+
+@pytest.mark.parametrize("mu", [0.1, 0.5, 1.0, 10.0])
+def test_the_motion_dies_out_at_the_rate_of_the_slowest_mode(mu: float):
+    """Between two stops a million apart: explicit Euler multiplies by |1 + h s| in each step."""
+    made = gaussian_instances(np.random.default_rng(2), count=COUNT)
+    modes = solve_many(made.sources, made.targets, damping=mu, spectrum=True).eigenvalues
+    assert modes is not None
+    bodies = ensemble(made.sources, made.targets, damping=mu)
+    first, last = (
+        simulate_many(
+            bodies, Integrator.EULER, settings=SimulationSettings(speed_tolerance=tolerance)
+        ).steps
+        for tolerance in (1e-4, 1e-10)
+    )
+
+    told = math.log(1e6) / -np.log(np.abs(1.0 + 0.01 * modes[:, 0, 0]))
+
+    np.testing.assert_allclose(np.median((last - first) / told), 1.0, atol=0.03)
+
+
+@pytest.mark.parametrize("mu", [0.1, 1.0, 2.2, 10.0])
+def test_the_steps_are_those_that_the_slowest_mode_tells(mu: float):
+    found = measured("damping", mu)
+
+    ratios = found.steps / found.told_steps
+    assert found.converged.all()
+    assert 1.0 < np.median(ratios) < 1.3
+
+
+def test_the_fewest_steps_are_made_near_optimal_damping():
+    steps = {mu: np.median(measured("damping", mu).steps) for mu in FAMILIES["damping"].values}
+
+    best = min(steps, key=lambda mu: steps[mu])
+    assert abs(math.log10(best / DEFAULT_DAMPING)) < 1 / 6  # of a decade: the values' distance
+
+
+def test_the_escape_time_is_logarithmic_in_the_distance_from_the_saddle():
+    made = gaussian_instances(np.random.default_rng(1), count=COUNT)
+    modes = solve_many(made.sources, made.targets, damping=2.0, spectrum=True).eigenvalues
+    assert modes is not None
+    near, far = (measured("start", distance) for distance in (1e-8, 1e-4))
+
+    slope = (near.escape_times - far.escape_times) / math.log(1e4)
+
+    np.testing.assert_allclose(slope, 1.0 / modes[:, 1, 0].real, rtol=0.02)
+    np.testing.assert_allclose(near.escape_times, near.told_escape_times, rtol=0.03)
+
+
+def test_the_papers_rule_stops_at_a_saddle_and_certreg_does_not():
+    near, far = measured("start", 1e-6), measured("start", 1e-2)
+
+    assert near.lost.all()
+    assert near.converged.all()
+    assert not far.lost.any()
+
+
+def test_the_margin_is_proportional_to_the_break_of_symmetry():
+    for value in (1e-10, 1e-6, 1e-3):
+        found = measured("symmetry", value)
+        np.testing.assert_allclose(found.margins, found.told_margins, rtol=0.02 + 30 * value)
+        assert found.four.all()
+
+
+def test_a_cube_that_is_not_moved_has_no_margin_but_rounding():
+    found = measured("symmetry", 0.0)
+
+    assert found.margins.max() < 1e-15
+    assert not found.told_margins.any()
+
+
+def test_four_are_not_taken_for_granted_where_doubles_do_not_decide():
+    """The cube onto itself, exactly: infinitely many equilibria."""
+    sample = replace(FAMILIES["symmetry"].sample(np.random.default_rng(0), 0.0, 2))
+    still = replace(sample, sources=np.array([CUBE] * 2), targets=np.array([CUBE] * 2))
+
+    four = mapping._four(still, np.array([True, False]))
+
+    assert four.tolist() == [False, False]
+
+
+def test_near_a_mirror_image_times_grow_as_one_over_the_distance():
+    near, far = measured("degeneracy", 0.01), measured("degeneracy", 0.1)
+
+    np.testing.assert_allclose(near.margins, near.told_margins, rtol=1e-9)
+    np.testing.assert_allclose(near.margins, 0.01 / 3.0, rtol=1e-9)
+    assert 9.0 < np.median(near.escape_times) / np.median(far.escape_times) < 11.0
+    np.testing.assert_allclose(near.escape_times, near.told_escape_times, rtol=0.06)
+
+
+@pytest.mark.parametrize(("points", "sigma"), [(100, 0.0), (100, 3.2), (1000, 10.0)])
+def test_the_margin_is_that_of_the_central_limit(points: int, sigma: float):
+    count = 2000
+    made = gaussian_instances(np.random.default_rng(3), points=points, sigma=sigma, count=count)
+    margins = solve_many(made.sources, made.targets).margins
+
+    told = limit_margin(points, sigma)
+
+    assert abs((margins < told).mean() - 0.5) < 3 * 0.5 / math.sqrt(count) + 0.02
+
+
+def test_the_limit_falls_as_one_over_the_root_of_the_points():
+    assert limit_margin(10**6, 0.01) / limit_margin(10**4, 0.01) == pytest.approx(0.1, rel=0.02)
+
+
+def test_the_margin_of_a_diagonal_is_that_of_its_singular_values():
+    assert margin(np.diag([2.0, 1.0, -0.9])) == pytest.approx(2 * 0.1 / 6.0)
+    assert margin(np.eye(3)) == pytest.approx(0.0, abs=1e-15)
+
+
+# measuring
+
+
+def test_portions_are_of_one_stream_and_all_there():
+    whole = measured("noise", 0.1, 12)
+    family, rng = FAMILIES["noise"], np.random.default_rng(1)
+
+    parts = level(family, 0.1, rng, 12, MapSettings(portion_points=500))
+
+    assert [len(array) for array in (whole.steps, parts.steps, parts.four)] == [12] * 3
+    assert parts.converged.all()
+
+
+def test_of_large_clouds_there_are_fewer_instances():
+    settings = MapSettings()
+
+    assert [instances(n, 200, settings) for n in (3, 10_000, 100_000)] == [200, 200, 20]
+    assert instances(100_000, 1, settings) == 1
+    assert instances(100_000, 2000, settings) == 200
+
+
+def test_one_seed_gives_the_same_maps(found):
+    family = replace(FAMILIES["noise"], values=(0.01,))
+
+    one, other = (level(family, 0.01, np.random.default_rng(5), 4) for _ in range(2))
+
+    for name in ("steps", "escape_times", "margins"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+
+
+# figures and files
+
+
+def test_every_family_has_a_figure_with_three_panels(drawn):
+    assert [drawing.name for drawing in drawn] == [f"map-{name}" for name in FAMILIES]
+    assert all(len(drawing.figure.axes) == len(MEASURES) for drawing in drawn)
+
+
+def test_the_curves_are_medians_and_worsts_of_the_instances(found, drawn):
+    for one, drawing in zip(found, drawn, strict=True):
+        for panel, measure in zip(drawing.figure.axes, MEASURES, strict=True):
+            values = [getattr(each, measure.name) for each in one.levels]
+            medians, worsts = (np.array([f(v) for v in values]) for f in (np.median, measure.worst))
+            for line, expected in zip(panel.lines, (medians, worsts), strict=False):
+                shown = np.asarray(line.get_ydata())
+                np.testing.assert_array_equal(shown[~np.isnan(shown)], expected[expected > 0.0])
+    assert MEASURES[2].worst(np.array([1.0, 2.0])) == 1.0
+
+
+def test_theory_is_drawn_where_there_is_one(found, drawn):
+    for one, drawing in zip(found, drawn, strict=True):
+        for panel, measure in zip(drawing.figure.axes, MEASURES, strict=True):
+            told = one.curves(measure).told
+            labels = [line.get_label() for line in panel.lines]
+            assert ("theory" in labels) == bool(np.isfinite(told).any())
+
+
+def test_labels_are_whole_apart_and_large_enough(drawn):
+    for drawing in drawn:
+        renderer = drawing.figure._get_renderer()
+        frame = drawing.figure.bbox.padded(0.5)
+        texts = shown_texts(drawing.figure)
+        boxes = [text.get_window_extent(renderer) for text in texts]
+        for k, (text, box) in enumerate(zip(texts, boxes, strict=True)):
+            whole = [frame.x0 <= box.x0, box.x1 <= frame.x1, frame.y0 <= box.y0, box.y1 <= frame.y1]
+            assert all(whole), (drawing.name, text)
+            assert text.get_fontsize() >= 7.5
+            over = [texts[j].get_text() for j in range(k) if box.overlaps(boxes[j])]
+            assert over == [], (drawing.name, text.get_text())
+
+
+def test_captions_tell_the_counts(found, drawn):
+    for one, drawing in zip(found, drawn, strict=True):
+        assert drawing.caption.startswith(f"{len(one.levels[0].steps)} random instances")
+    total = sum(len(each.four) for each in found[1].levels)
+    assert f"{total} of {total} instances" in drawn[1].caption
+
+
+def test_the_table_has_a_row_for_each_value_and_the_documents_fields(found):
+    listed = list(csv.DictReader(io.StringIO(table(found).decode())))
+    fields = SCHEMA["properties"]["maps"]["items"]["properties"]
+
+    assert [(row["map"], float(row["value"])) for row in listed] == [
+        (one.family.name, each.value) for one in found for each in one.levels
+    ]
+    assert all(list(row) == list(fields) for row in listed)
+    for row, values in zip(listed, rows(found), strict=True):
+        assert float(row["steps_median"]) == values["steps_median"]
+        assert (row["margins_told"] == "") == (values["margins_told"] is None)
+
+
+def test_a_run_that_never_escapes_is_no_number(found):
+    last = found[0].levels[-1]
+    stuck = replace(last, escape_times=np.full_like(last.escape_times, math.inf))
+
+    (row,) = rows([replace(found[0], levels=(stuck,))])
+
+    assert row["escape_times_median"] is None
+    assert row["escape_times_worst"] is None
+
+
+def test_the_command_writes_the_maps_when_asked(tmp_path, monkeypatch, found, drawn):
+    monkeypatch.setattr("certreg.experiments.maps.maps", lambda *_: found)
+    monkeypatch.setattr("certreg.experiments.charts.map_drawings", lambda _: drawn[:1])
+    monkeypatch.setattr("certreg.experiments.drawings.drawings", lambda _: ())
+
+    run = certreg("reproduce", "--runs", "1", "--no-proofs", "--beyond", "--out", tmp_path)
+
+    assert run.code == 0
+    assert (tmp_path / "maps.csv").read_bytes() == table(found)
+    assert (tmp_path / "figures" / "map-damping.png").exists()
+    document = strict_json((tmp_path / "verdicts.json").read_bytes())
+    assert Draft202012Validator(SCHEMA).is_valid(document)
+    assert document["maps"] == list(rows(found))
