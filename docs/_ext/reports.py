@@ -20,6 +20,8 @@ from certreg.problem import RegistrationProblem
 from certreg.report.page import Report, page
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from sphinx.application import Sphinx
     from sphinx.util.typing import ExtensionMetadata
 
@@ -106,7 +108,7 @@ class Reports(SphinxDirective):
         (folder / f"{name}.html").write_bytes(content)
 
 
-def row(*cells: list[nodes.Node]) -> nodes.row:
+def row(*cells: Sequence[nodes.Node]) -> nodes.row:
     """A row of a table."""
     return nodes.row("", *(nodes.entry("", nodes.paragraph("", "", *cell)) for cell in cells))
 

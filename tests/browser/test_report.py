@@ -193,10 +193,11 @@ def test_the_body_is_drawn_where_the_pose_puts_it(shown):
 
     def distances() -> list[float]:
         report.wait_for_timeout(60)  # one frame
-        places = [
-            [report.evaluate(TAG, [c, row]) for row in range(5)] for c in ("source", "target")
-        ]
-        return np.linalg.norm(np.subtract(*places), axis=1).tolist()
+        source, target = (
+            np.array([report.evaluate(TAG, [cloud, row]) for row in range(5)])
+            for cloud in ("source", "target")
+        )
+        return np.linalg.norm(source - target, axis=1).tolist()
 
     assert max(distances()) < 1.0  # of a pixel: without noise the clouds lie on one another
     report.choose(3)
