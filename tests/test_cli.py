@@ -6,6 +6,7 @@ import copy
 import json
 import math
 import re
+import shlex
 import subprocess
 import sys
 from dataclasses import dataclass, replace
@@ -560,6 +561,16 @@ def test_the_demo_comes_out_as_told(tmp_path: Path, monkeypatch):
     names = sorted(pair.name for pair in PACKAGED)
     assert written == [f"certreg-demo/{name}/{file}" for name in names for file in FILES]
     assert [demo.STORIES[k].told_rmse for k in range(3)] == [pair.rmse for pair in PACKAGED]
+
+
+def test_the_demo_names_commands_that_run(tmp_path: Path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    alone = next(line for line in certreg("demo").out.splitlines() if "python3 -I" in line)
+    program, *arguments = shlex.split(alone)
+    done = subprocess.run([sys.executable, *arguments], capture_output=True, text=True, check=False)
+
+    assert program == "python3"
+    assert (done.returncode, done.stdout.rstrip().endswith("VERIFIED")) == (0, True)
 
 
 def test_a_demo_that_comes_out_otherwise_ends_with_code_1(tmp_path: Path, monkeypatch):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -92,5 +93,5 @@ def demo(out: Path) -> int:
     certificate = shown(out / STORIES[0].name / "certificate.json")
     click.echo(f"  {shown(sys.argv[0])} verify {certificate}")
     click.echo("or, with nothing but Python, anywhere:")
-    click.echo(f"  python3 -I -S {shown(Path(__file__).with_name('verify.py'))} {certificate}")
+    click.echo(f"  python3 -I -S {shown(Path(str(files('certreg') / 'verify.py')))} {certificate}")
     return code

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pytest
-from pages import CHROMIUM, OPTIONS
+
+from browser.pages import CHROMIUM, OPTIONS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-from pages import CHROMIUM, elsewhere, faults
+
+from browser.pages import CHROMIUM, elsewhere, faults
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page

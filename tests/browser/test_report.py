@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 from commands import checked
-from pages import PATIENCE
 from strategies import ZOO, random_rotation
 
+from browser.pages import PATIENCE
 from certreg.certificate import producing
 from certreg.demo import STORIES, tell
 from certreg.pipeline import certify
