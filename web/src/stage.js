@@ -1,9 +1,13 @@
 // The scene: both clouds, the springs between them, the moving body. A pose moves one matrix.
 
 import {
+  BufferAttribute,
+  BufferGeometry,
   ColorManagement,
   Group,
   LinearSRGBColorSpace,
+  LineBasicMaterial,
+  LineSegments,
   Matrix4,
   PerspectiveCamera,
   Scene,
@@ -67,7 +71,8 @@ export class Stage {
     this.fixed = discs(chosen(clouds.target, rows), pixels * (pixels > 5 ? 1.35 : 1), pixels > 5 ? 0.62 : 0);
     this.moving = discs(chosen(clouds.source, rows), pixels);
     this.ends = clouds.rows(SHOWN_SPRINGS);
-    this.springs = lines(new Float32Array(6 * this.ends.length), clouds.n <= BODY_POINTS ? 2 : 1);
+    const springs = new Float32Array(6 * this.ends.length);
+    this.springs = clouds.n <= BODY_POINTS ? lines(springs, 2) : hairlines(springs);
     this.scene.add(this.springs, this.fixed);
     this.body.add(this.moving);
     this.frames = [];
@@ -105,7 +110,8 @@ export class Stage {
 
   #stretch(R, [a, b, c]) {
     const { source: x, target: y } = this.clouds;
-    const { data } = this.springs.geometry.attributes.instanceStart;
+    const { instanceStart, position } = this.springs.geometry.attributes;
+    const data = instanceStart?.data ?? position;
     this.ends.forEach((row, k) => {
       const [i, j] = [3 * row, 6 * k];
       for (let d = 0; d < 3; d += 1) data.array[j + d] = y[i + d];
@@ -164,6 +170,16 @@ function spokes(points) {
   const ends = new Float32Array(2 * points.length);
   for (let i = 0; i < points.length; i += 3) ends.set(points.subarray(i, i + 3), 2 * i + 3);
   return ends;
+}
+
+/** Lines of one pixel, which cost a tenth of wide ones. */
+function hairlines(ends) {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(ends, 3));
+  const material = new LineBasicMaterial({ transparent: true, opacity: 0.8 });
+  const segments = new LineSegments(geometry, material);
+  segments.frustumCulled = false;
+  return segments;
 }
 
 function lines(ends, width) {
