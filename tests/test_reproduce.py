@@ -510,6 +510,10 @@ def test_the_command_confirms_every_finding_and_writes_everything(
     for figure in document["figures"]:
         assert {*figure["files"], f"figures/{figure['name']}.txt"} <= written_files
     assert all(claim["proved"] for claim in document["claims"])
+    certificates = [each for claim in document["claims"] for each in claim["certificates"]]
+    assert {file for each in certificates for file in each["files"]} <= written_files
+    assert all(each["verified"] for each in certificates)
+    assert (document["maps"], "maps.csv" in written_files) == ([], False)
 
 
 def test_a_finding_that_is_not_confirmed_is_exit_code_1(tmp_path: Path, monkeypatch, drawn):

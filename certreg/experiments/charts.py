@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg.experiments.evidence import rough
 from certreg.experiments.maps import MEASURES, Curves
 from certreg.experiments.style import (
     BLACK,
@@ -205,7 +206,9 @@ def _start(found: Map) -> str:
     values, escape = found.family.values, found.curves(ESCAPE).median
     decades = math.log10(values[-2] / values[0])
     lost = [each.value for each in found.levels if each.lost.all()]
-    stopped = f"stops every run at the saddle from {max(lost):g} radians down" if lost else "holds"
+    stopped = (
+        f"stops every run at the saddle from {rough(max(lost))} radians down" if lost else "holds"
+    )
     return (
         "the body is released at rest, that far from the best saddle. For each decade nearer it "
         f"needs {(escape[0] - escape[-2]) / decades:.2f} units of time more, as the linearised "

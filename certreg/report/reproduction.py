@@ -29,8 +29,9 @@ CERTIFICATES = "counterexamples"
 TERMINAL = 100  # characters
 PATTERN = (0, 1, 2, 3)
 EXHIBITS_TOLD = (
-    "Each cloud has a certificate of its optimum and of the pattern of its equilibria (the "
-    "multiplicities of the eigenvalues), and where these are four one of at most four. Where the "
+    "Each cloud of a counterexample has a certificate of its optimum and of the pattern of its "
+    "equilibria (the multiplicities of the eigenvalues), and where these are four one of at most "
+    "four. Where the "
     "claim is about the motion (3, 4a, 12, 13b, 15) the certificate tells which pose is right; the "
     "refutation is computed in fractions. Anyone can check a certificate: `certreg verify FILE`, "
     "or `python verify.py FILE`, one file of standard Python."
