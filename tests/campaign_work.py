@@ -6,6 +6,7 @@ import os
 import signal
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 from dataclasses import replace
+from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -71,6 +72,17 @@ def echo(*, words: str) -> Yield:
 
 def numbered(count: int) -> Iterator[Call]:
     return (Call(shard=k, function=echo, arguments={"words": str(k)}) for k in range(count))
+
+
+def die_while_sending() -> bytes:
+    """Nothing: its process dies with half of the result in the pipe."""
+
+    def half(self: Connection, content: bytes) -> None:
+        os.write(self.fileno(), content[: len(content) // 2])
+        os._exit(1)
+
+    Connection._send = half  # pyright: ignore[reportAttributeAccessIssue]
+    return bytes(1000)
 
 
 def die_once(*, folder: str, words: str) -> Yield:

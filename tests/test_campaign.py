@@ -6,7 +6,7 @@ import csv
 import dataclasses
 import json
 import sys
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
 from unittest import mock
 
@@ -18,6 +18,7 @@ from campaign_work import (
     Fragile,
     InProcess,
     die_once,
+    die_while_sending,
     echo,
     finish,
     numbered,
@@ -154,6 +155,15 @@ def test_a_killed_process_of_the_pool_is_replaced(tmp_path):
 
     assert sorted(map(int, found)) == list(range(9))
     assert len(list(tmp_path.iterdir())) == 2
+
+
+@pytest.mark.slow
+def test_a_process_that_dies_while_it_sends_is_noticed():
+    with LocalWorkers(1) as workers:
+        lost = workers.executor.submit(die_while_sending)
+        while not wait([lost], timeout=0.1).done:
+            workers.require_alive()
+        assert isinstance(lost.exception(), workers.losses)
 
 
 def test_a_worker_with_other_versions_is_refused():

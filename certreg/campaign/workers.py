@@ -14,6 +14,7 @@ import threading
 import time
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, ProcessPoolExecutor
 from contextlib import suppress
+from multiprocessing.connection import wait
 from typing import TYPE_CHECKING, Any, Protocol
 
 from certreg.errors import CampaignError, MissingToolError
@@ -22,6 +23,7 @@ from certreg.verify import shown
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
+    from multiprocessing.process import BaseProcess
     from typing import Self
 
 
@@ -65,7 +67,14 @@ class LocalWorkers:
         self._reader = reader
 
     def require_alive(self) -> None:
-        """Nothing to do: the pool itself notices when one of its processes dies."""
+        """End all processes if one has died unnoticed: the calls under way are then lost, and told.
+
+        The pool sees a death by itself, but not while it waits for the rest of a result that a
+        worker was sending when it died.
+        """
+        sentinels = self._sentinels()
+        if wait(sentinels, timeout=0):
+            self._end(sentinels)
 
     def renew(self) -> None:
         """A new pool of processes in place of the old one."""
@@ -73,9 +82,28 @@ class LocalWorkers:
         self._open()
 
     def _close(self) -> None:
-        self._lifeline.close()
+        self._end(self._sentinels())
         self.executor.shutdown(wait=True, cancel_futures=True)
         self._reader.close()
+
+    def _end(self, sentinels: list[int]) -> None:
+        """End the processes now, whatever they are doing.
+
+        Half a result may be left in the pipe. The pool would wait for the other half for ever, as
+        this process could still write it: once nobody can, it learns that there is no more.
+        """
+        self._lifeline.close()
+        while sentinels:
+            done = wait(sentinels)
+            sentinels = [each for each in sentinels if each not in done]
+        results: Any = getattr(self.executor, "_result_queue", None)
+        if results is not None:
+            results._writer.close()  # noqa: SLF001 - the public interface has no way to end a pool
+
+    def _sentinels(self) -> list[int]:
+        """One for each process of the pool: ready once it has died."""
+        processes: dict[int, BaseProcess] | None = getattr(self.executor, "_processes", None)
+        return [process.sentinel for process in (processes or {}).values()]
 
     def __enter__(self) -> Self:
         return self
@@ -176,9 +204,9 @@ def _end_with(lifeline: Connection) -> None:
     """Bind a worker to its campaign: it leaves Ctrl-C to it, and ends when it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
-    def wait() -> None:
+    def stay() -> None:
         with suppress(OSError):
             lifeline.poll(None)  # nothing is ever sent: it returns when the other end closes
         os._exit(1)
 
-    threading.Thread(target=wait, daemon=True).start()
+    threading.Thread(target=stay, daemon=True).start()
