@@ -11,6 +11,7 @@ import subprocess
 import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -23,6 +24,7 @@ from strategies import BENT, LINE, ZOO, random_problem, random_rotation
 
 import certreg as package
 from certreg import RegistrationProblem, agreement, cli, demo, pipeline
+from certreg.commands import registering
 from certreg.io.clouds import read_problem
 from certreg.results import Ruling, Verdict
 
@@ -571,6 +573,16 @@ def test_the_demo_names_commands_that_run(tmp_path: Path, monkeypatch):
 
     assert program == "python3"
     assert (done.returncode, done.stdout.rstrip().endswith("VERIFIED")) == (0, True)
+
+
+def test_the_demo_of_a_module_names_the_module(tmp_path: Path, monkeypatch):
+    main_file = str(Path(package.__file__).with_name("__main__.py"))
+    monkeypatch.setattr(registering, "sys", SimpleNamespace(argv=[main_file], executable="/e/py 3"))
+    monkeypatch.setattr(demo, "STORIES", (demo.STORIES[0],))
+    run = certreg("demo", "--out", tmp_path)
+
+    assert f"  '/e/py 3' -m certreg verify {tmp_path}/survey/certificate.json\n" in run.out
+    assert "__main__.py" not in run.out
 
 
 def test_a_demo_that_comes_out_otherwise_ends_with_code_1(tmp_path: Path, monkeypatch):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from importlib.resources import files
 from pathlib import Path
@@ -91,7 +92,17 @@ def demo(out: Path) -> int:
             click.echo(f"  report:      {path.with_name(REPORT)}\n")
     click.echo("Every certificate above was accepted by the checker. Check them yourself:")
     certificate = shown(out / STORIES[0].name / "certificate.json")
-    click.echo(f"  {shown(sys.argv[0])} verify {certificate}")
+    click.echo(f"  {_own_name()} verify {certificate}")
     click.echo("or, with nothing but Python, anywhere:")
     click.echo(f"  python3 -I -S {shown(Path(str(files('certreg') / 'verify.py')))} {certificate}")
     return code
+
+
+def _own_name() -> str:
+    """What to type to run this program again: `python -m certreg` runs a file that cannot run."""
+    from certreg.verify import shown
+
+    program = sys.argv[0]
+    if Path(program).name == "__main__.py":
+        return f"{shlex.quote(shown(sys.executable))} -m certreg"
+    return shlex.quote(shown(program))
