@@ -963,7 +963,9 @@ WRONG_POSES = {
     "NaN quaternion": ("nan 0 0 0 0 0 0\n", "norm nan"),
     "infinite translation": ("1 0 0 0 inf 0 0\n", "finite"),
     "column vectors": ("1 0 0 0\n0 1 0 0\n0 0 1 0\n5 6 7 1\n", "transpose it"),
-    "last row": ("1 0 0 0\n0 1 0 0\n0 0 1 0\n5 6 7 2\n", "last row"),
+    "last row": ("1 0 0 0\n0 1 0 0\n0 0 1 0\n5 6 7 2\n", "found 5 6 7 2"),
+    "last row scaled": ("1 0 0 3\n0 1 0 4\n0 0 1 5\n0 0 0 2\n", "found 0 0 0 2"),
+    "last row lost": ("1 0 0 3\n0 1 0 4\n0 0 1 5\n0 0 1 1\n", "found 0 0 1 1: give the 3x4"),
     "scalar last": ("0.5 0.5 0.5 0.6 0 0 0\n", "scalar first"),
     "zero quaternion": ("0 0 0 0 0 0 0\n", "norm 0"),
     "JSON cut short": ('{"rotation": [[1', "JSON"),
@@ -995,6 +997,7 @@ def test_a_wrong_pose_file_is_one_clear_line(data: Path, tmp_path: Path, name: s
 
     assert (run.code, run.out) == (2, "")
     assert re.fullmatch(r"certreg: \S+given\.pose: [^\n]{1,300}\n", run.err), run.err
+    assert ("transpose" in run.err) is (word == "transpose it")
     assert word in run.err
 
 

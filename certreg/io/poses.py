@@ -153,7 +153,9 @@ def _from_matrix(file: Path, rows: Any) -> GivenPose:
         rows = [*rows, [0.0, 0.0, 0.0, 1.0]]
     matrix = _array(file, rows, (4, 4), "the pose matrix")
     if not np.array_equal(matrix[3], [0.0, 0.0, 0.0, 1.0]):
-        hint = "; transpose it" if np.array_equal(matrix[:, 3], [0.0, 0.0, 0.0, 1.0]) else ""
-        message = f"{file}: the last row of the pose matrix must be 0 0 0 1{hint}"
+        row = " ".join(f"{entry:.6g}" for entry in matrix[3].tolist())
+        transposed = np.array_equal(matrix[:, 3], [0.0, 0.0, 0.0, 1.0])
+        remedy = "transpose it" if transposed else "give the 3x4 matrix [R | t], or mend that row"
+        message = f"{file}: the last row of the pose matrix must be 0 0 0 1, found {row}: {remedy}"
         raise InvalidFileError(message)
     return GivenPose(rotation=matrix[:3, :3], translation=matrix[:3, 3])
