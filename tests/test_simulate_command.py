@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from commands import certreg, write_csv
+from commands import certreg, strict_json, write_csv
 from strategies import AXES, BENT, LINE, MIRROR, TALL, ZOO
 
 import certreg as package
 from certreg import RegistrationProblem, settings
 from certreg.io.clouds import read_problem
+from certreg.io.trajectories import read_record
 from certreg.simulation import SimulationStatus
 
 if TYPE_CHECKING:
@@ -207,3 +209,17 @@ def test_the_python_function_takes_what_the_command_takes():
     for step in (0.0, -1.0, math.nan, math.inf):
         with pytest.raises(ValueError, match="give a finite number above 0"):
             package.simulate(problem, step=step)
+
+
+def test_the_trajectory_is_written_as_npz_only_and_told_where(data: Path, tmp_path: Path):
+    refused = certreg("simulate", *survey(data), "--out", tmp_path / "tr.txt")
+    told = certreg("simulate", *survey(data), "--out", tmp_path / "tr.NPZ")
+    silent = certreg("simulate", *survey(data), "--out", tmp_path / "tr.npz", "--json")
+
+    assert (refused.code, refused.out) == (2, "")
+    assert re.search(r"tr\.txt: [^\n]*\.npz", refused.err)
+    assert not (tmp_path / "tr.txt").exists()
+    count = len(read_record(tmp_path / "tr.NPZ").times)
+    assert f"{count} states written to {tmp_path}/tr.NPZ" in told.out
+    assert strict_json(silent.out)["converged"]
+    assert (tmp_path / "tr.npz").read_bytes() == (tmp_path / "tr.NPZ").read_bytes()

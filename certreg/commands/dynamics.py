@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from certreg.io.clouds import Pair
     from certreg.problem import RegistrationProblem
 
+TRAJECTORY = ".npz"  # the one format of a trajectory
+
 
 @click.command()
 @cloud_options
@@ -81,7 +83,9 @@ def _write_count(problem: RegistrationProblem, out: Path) -> None:
     show_default=True,
 )
 @click.option("--step", type=float, help="Largest step, in the time unit of the springs.")
-@click.option("--out", type=CLOUD, help="File to write the trajectory to: .npz.")
+@click.option(
+    "--out", type=CLOUD, help="File to write the trajectory to, .npz: times, states, energies."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def simulate(
     problem: RegistrationProblem,
@@ -103,9 +107,16 @@ def simulate(
     if step is not None and not 0.0 < step < float("inf"):
         message = f"--step is {step}: give a finite number above 0"
         raise click.UsageError(message)
+    if out is not None and out.suffix.lower() != TRAJECTORY:
+        message = (
+            f"--out {printable(out)}: a trajectory is written as {TRAJECTORY}: end the name so"
+        )
+        raise click.UsageError(message)
     end = simulated(problem, integrator, step=step)
     if out is not None:
         write_atomically(out, Record.of(problem, end.trajectory).to_bytes())
     document = simulation_document(end)
     click.echo(dumps(document) if as_json else simulation_summary(end, document["energy"]))
+    if out is not None and not as_json:
+        click.echo(f"Trajectory: {len(end.trajectory.times)} states written to {printable(out)}")
     return DONE if end.trajectory.converged else NOT_CERTIFIED
