@@ -7,6 +7,7 @@ not before. Nothing in the package imports them otherwise.
 
 from __future__ import annotations
 
+import difflib
 import importlib
 import importlib.util
 import sys
@@ -45,7 +46,9 @@ def outcomes(names: Sequence[str] = ()) -> Iterator[Any]:
     book, prove = _module("book"), _module("kernel").prove
     for name in names:
         if name not in book.names():
-            message = f"there is no claim {name!r}: `certreg derive` prints the names"
+            meant = difflib.get_close_matches(name, book.names(), n=1)
+            near = f"did you mean {meant[0]!r}? " if meant else ""
+            message = f"there is no claim {name!r}: {near}`certreg derive --list` prints the names"
             raise UnknownClaimError(message)
     return (prove(book.claim(name)) for name in (names or book.names()))
 

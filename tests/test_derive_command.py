@@ -29,6 +29,34 @@ def test_an_unknown_claim_is_bad_usage_before_anything_is_run():
     assert "there is no claim 'perpetual_motion'" in run.err
 
 
+def test_an_unknown_claim_is_told_what_may_be_meant_and_where_the_names_are():
+    near = certreg("derive", "davenprot")
+    far = certreg("derive", "zzz")
+
+    assert "there is no claim 'davenprot': did you mean 'davenport'?" in near.err
+    assert "did you mean" not in far.err
+    for run in (near, far):
+        assert (run.code, run.out) == (2, "")
+        assert "`certreg derive --list`" in run.err
+
+
+def test_the_names_are_listed_and_nothing_is_run(monkeypatch):
+    monkeypatch.setattr(derivation, "outcomes", lambda _names: pytest.fail("a claim is run"))
+    run = certreg("derive", "--list")
+
+    assert (run.code, run.err) == (0, "")
+    assert run.out.split("\n\n")[0].splitlines()[0] == book.CHAPTERS[0].title
+    listed = [line.split()[0] for line in run.out.splitlines() if line.startswith("  ")]
+    assert listed == list(book.names())
+
+
+def test_a_list_goes_with_no_names():
+    run = certreg("derive", "--list", "davenport")
+
+    assert (run.code, run.out) == (2, "")
+    assert "--list" in run.err
+
+
 def test_out_takes_the_latex_and_the_code(tmp_path: Path):
     run = certreg("derive", "davenport", "--out", tmp_path / "proofs")
 

@@ -22,15 +22,22 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("names", nargs=-1, metavar="[CLAIM]...")
 @click.option("--out", type=FOLDER, help="Folder for the LaTeX of the claims and the generated C.")
-def derive(names: tuple[str, ...], out: Path | None) -> int:
+@click.option("--list", "listing", is_flag=True, help="Print the names of all claims, no more.")
+def derive(names: tuple[str, ...], out: Path | None, *, listing: bool) -> int:
     """Prove the derivations anew: every claim, or the ones named. Exit code 1 if one fails.
 
     Each claim prints its verdict, how many steps were checked, how many mutated statements were
     refuted, and the time. Then the claims of the paper, with theirs.
     """
     from certreg import derivation
-    from certreg.report.claims import audit_lines, claim_line, closing_line
+    from certreg.report.claims import audit_lines, chapters_text, claim_line, closing_line
 
+    if listing:
+        if names or out is not None:
+            message = "--list goes with nothing else"
+            raise click.UsageError(message)
+        click.echo(chapters_text(derivation.chapters()))
+        return DONE
     found: list[Any] = []
     for outcome in derivation.outcomes(names):
         click.echo(claim_line(outcome))

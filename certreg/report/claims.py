@@ -23,6 +23,13 @@ def claim_line(outcome: Any) -> str:
     return f"{line}\n{'':{WIDTH}} {outcome.verdict.words}{rests}"
 
 
+def chapters_text(chapters: Iterable[Any]) -> str:
+    """The names of the claims, by chapter (book.Chapter)."""
+    return "\n\n".join(
+        "\n".join((chapter.title, *(f"  {name}" for name in chapter.names))) for chapter in chapters
+    )
+
+
 def audit_lines(audited: Iterable[tuple[Any, Verdict]]) -> Iterator[str]:
     """The claims of the paper (audit.Row), each with its finding and whether that stands."""
     for position, (row, verdict) in enumerate(audited):
