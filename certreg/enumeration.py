@@ -26,15 +26,20 @@ def equilibria(problem: RegistrationProblem, method: str = "spectral") -> Equili
     Raises UndecidedError where the homotopy comes to no list, and ContradictionError where two
     roads disagree.
     """
-    from certreg.equilibria.roads import Method, road
-
     if method == ALL:
         return road_equilibria(problem, equilibrium_roads(problem).roads[0])
+    return road_equilibria(problem, equilibrium_road(problem, method))
+
+
+def equilibrium_road(problem: RegistrationProblem, method: str) -> Road:
+    """One road to the equilibria, by name. Raises ValueError and UndecidedError: `equilibria`."""
+    from certreg.equilibria.roads import Method, road
+
     if method not in {known.value for known in Method}:
         known = ", ".join(repr(each.value) for each in Method)
         message = f"method is {method!r}: this version knows {known} and {ALL!r}"
         raise ValueError(message)
-    return road_equilibria(problem, road(exact_moments(problem), Method(method)))
+    return road(exact_moments(problem), Method(method))
 
 
 def equilibrium_roads(problem: RegistrationProblem) -> RoadAgreement:

@@ -615,6 +615,29 @@ def test_equilibria_are_those_of_certify(specimen, tmp_path: Path):
     assert WORDS.get(specimen.name, "Equilibria (exact, complete): ") in told.out
 
 
+@each_specimen
+def test_what_is_numerical_is_not_called_exact(specimen, tmp_path: Path):
+    source = write_csv(tmp_path / "source.csv", specimen.source)
+    target = write_csv(tmp_path / "target.csv", specimen.target)
+    run = certreg("equilibria", source, target, "--method", "homotopy")
+    headline = run.out.splitlines()[0]
+
+    assert "(numerical, " not in headline or "exactly" not in headline
+    assert ("(numerical, " in headline) is (specimen.pattern != (1, 1, 1, 1))
+
+
+@pytest.mark.parametrize("method", ["groebner", "homotopy"])
+def test_one_road_shows_the_columns_of_all(data: Path, method: str):
+    def rows(chosen: str) -> dict[str, list[str]]:
+        out = certreg("equilibria", *SURVEY.paths(data), "--method", chosen).out
+        lines = [re.split("  +", line.strip()) for line in out.partition("\n\n")[2].splitlines()]
+        return {line[0]: line for line in lines}
+
+    one, every = rows(method), rows("all")
+    assert one["road"] == every["road"]
+    assert one[method][:4] + one[method][5:] == every[method][:4] + every[method][5:]
+
+
 # verify ------------------------------------------------------------------------------------------
 
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from certreg.io.clouds import Pair
     from certreg.problem import RegistrationProblem
 
+SPECTRAL = "spectral"  # the road that the table of equilibria alone speaks of
 TRAJECTORY = ".npz"  # the one format of a trajectory
 
 
@@ -23,8 +24,8 @@ TRAJECTORY = ".npz"  # the one format of a trajectory
 @cloud_options
 @click.option(
     "--method",
-    type=click.Choice(["spectral", "groebner", "homotopy", "all"]),
-    default="spectral",
+    type=click.Choice([SPECTRAL, "groebner", "homotopy", "all"]),
+    default=SPECTRAL,
     show_default=True,
     help="Eigenspaces; exact elimination; proved continuation; all three, compared.",
 )
@@ -39,15 +40,15 @@ def equilibria(
     as_json: bool,
 ) -> int:
     """All equilibria of the registration dynamics, with their stability."""
-    from certreg.enumeration import equilibria as run
-    from certreg.enumeration import equilibrium_roads, road_equilibria
+    from certreg.enumeration import equilibrium_road, equilibrium_roads, road_equilibria
     from certreg.report.document import dumps, equilibria_document
-    from certreg.report.roads import roads_summary
+    from certreg.report.roads import roads_summary, roads_table
     from certreg.report.summary import equilibria_words
 
     del pair
     roads = equilibrium_roads(problem) if method == "all" else None
-    found = run(problem, method) if roads is None else road_equilibria(problem, roads.roads[0])
+    taken = equilibrium_road(problem, method) if roads is None else roads.roads[0]
+    found = road_equilibria(problem, taken)
     if out is not None:
         _write_count(problem, out)
     if as_json:
@@ -56,6 +57,8 @@ def equilibria(
         click.echo(equilibria_words(found))
         if roads is not None:
             click.echo(f"\n{roads_summary(roads)}")
+        elif method != SPECTRAL:
+            click.echo(f"\n{roads_table([taken])}")
     if not found.complete:
         return NOT_CERTIFIED
     return DONE if found.classification.unique else NOT_UNIQUE

@@ -10,6 +10,8 @@ from certreg.energy import potential_energy
 from certreg.results import ComponentKind
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from certreg.equilibria.roads import Road, RoadAgreement, UndecidedRoad
 
 PLURALS = {
@@ -24,12 +26,7 @@ NO_LIST = "-"
 
 def roads_summary(agreement: RoadAgreement) -> str:
     """The table of all roads, and what their agreement amounts to."""
-    rows = [HEADINGS, *map(_row, agreement.roads), *map(_undecided_row, agreement.undecided)]
-    widths = [max(len(row[k]) for row in rows) for k in range(len(HEADINGS))]
-    lines = [
-        ("  " + "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True))).rstrip()
-        for row in rows
-    ]
+    lines = [roads_table(agreement.roads, agreement.undecided)]
     decided = [each.method.value for each in agreement.roads if each.doubt is None]
     if len(decided) > 1:
         lines.append(
@@ -39,6 +36,16 @@ def roads_summary(agreement: RoadAgreement) -> str:
     doubts = [each.doubt for each in agreement.roads if each.doubt is not None]
     doubts += [each.reason for each in agreement.undecided]
     return "\n".join((*lines, *(f"Not decided by {doubt}" for doubt in doubts)))
+
+
+def roads_table(roads: Sequence[Road], undecided: Sequence[UndecidedRoad] = ()) -> str:
+    """A line for each road: what it found, how long it took, how it knows."""
+    rows = [HEADINGS, *map(_row, roads), *map(_undecided_row, undecided)]
+    widths = [max(len(row[k]) for row in rows) for k in range(len(HEADINGS))]
+    return "\n".join(
+        ("  " + "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True))).rstrip()
+        for row in rows
+    )
 
 
 def roads_fields(agreement: RoadAgreement, reasons: dict[str, str]) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import TYPE_CHECKING
 
 from certreg.dyadic import double_above
-from certreg.results import ComponentKind, Optimality
+from certreg.results import ComponentKind, Guarantee, Optimality
 
 if TYPE_CHECKING:
     from certreg.assessment import Assessment
@@ -96,14 +96,15 @@ def count_words(equilibria: EquilibriumSet) -> str:
     """How many equilibria there are and how that is known, in one sentence."""
     classification = equilibria.classification
     spurious = classification.spurious
+    exactly = "" if equilibria.guarantee is Guarantee.NUMERICAL else "exactly "
     if classification.finite:
-        what = "exactly four equilibria: the optimum and three spurious ones"
+        what = f"{exactly}four equilibria: the optimum and three spurious ones"
     elif spurious == 0:
         what = "every pose is an equilibrium, and every one is optimal"
     elif spurious is None:
         what = "infinitely many spurious equilibria"
     else:
-        what = f"infinitely many optima and exactly {COUNTS[spurious]} spurious equilibri" + (
+        what = f"infinitely many optima and {exactly}{COUNTS[spurious]} spurious equilibri" + (
             "um" if spurious == 1 else "a"
         )
     if not classification.unique and spurious is None:
