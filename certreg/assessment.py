@@ -235,7 +235,7 @@ def _words(facts: _Findings, verdict: PoseVerdict) -> str:
         return _optimal_words(equilibria)
     if verdict is PoseVerdict.NEAR_OPTIMAL:
         return (
-            f"This is near the global optimum, {away:.3g} degrees from it{_shift_words(facts)}, "
+            f"This is near the global optimum, {away:.4g} degrees from it{_shift_words(facts)}, "
             "but not at it."
         )
     if verdict is PoseVerdict.SPURIOUS_EQUILIBRIUM:
@@ -244,10 +244,10 @@ def _words(facts: _Findings, verdict: PoseVerdict) -> str:
     words = "This is no equilibrium: a body released here would move. "
     if facts.nearest > 0:
         degrees = math.degrees(facts.angles[facts.nearest])
-        words += f"The nearest one has index {nearest.morse_index}, {degrees:.3g} degrees away; "
+        words += f"The nearest one has index {nearest.morse_index}, {degrees:.4g} degrees away; "
     else:
         words += "The nearest one is the optimum; "
-    return f"{words}the global optimum is {away:.3g} degrees away{_shift_words(facts)}."
+    return f"{words}the global optimum is {away:.4g} degrees away{_shift_words(facts)}."
 
 
 def _spurious_words(facts: _Findings) -> str:

@@ -902,6 +902,23 @@ def test_a_pose_a_little_off_is_near_optimal(data: Path, tmp_path: Path):
     assert 0 < document["gap_lower"] <= document["gap_upper"]
 
 
+@pytest.mark.parametrize(
+    ("turn", "told"), [(179.79, "179.8"), (179.94, "179.9"), (179.4, "179.4"), (12.3456, "12.35")]
+)
+def test_an_angle_is_not_rounded_to_half_a_turn_that_it_is_not(
+    data: Path, tmp_path: Path, turn: float, told: str
+):
+    optimum = certreg("certify", *SURVEY.paths(data), "--json").document["pose"]
+    axis = Rotation.from_rotvec([0.0, 0.0, math.radians(turn)])
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.array(optimum["rotation"]) @ axis.as_matrix()
+    np.savetxt(tmp_path / "pose.txt", matrix, fmt="%.17g")
+    run = certreg("assess", *SURVEY.paths(data), "--pose", tmp_path / "pose.txt")
+
+    assert f"angle to optimum   {told} degrees" in run.out
+    assert f"{told} degrees away" in run.out
+
+
 def test_what_is_no_rotation_is_called_so(data: Path, tmp_path: Path):
     problem, _ = read_problem(*SURVEY.paths(data))
     R, t = scipy_pose(problem)

@@ -135,7 +135,7 @@ def assessment_summary(assessment: Assessment) -> str:
         f"  RMSE               {number(assessment.rmse)}  (weighted, unit of the clouds)",
         f"  objective          {number(assessment.objective)}",
         f"  above the minimum  {_interval(assessment.gap_lower, assessment.gap_upper)}",
-        f"  angle to optimum   {away:.3g} degrees",
+        f"  angle to optimum   {away:.4g} degrees",
     ]
     return "\n".join(lines)
 
