@@ -13,6 +13,7 @@ from certreg.equilibria.stability import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
 from certreg.native.batch import Ending, Integrator
 from certreg.native.engine import engine
+from certreg.settings import DEFAULT_DAMPING
 from certreg.so3 import rotation_matrix
 
 if TYPE_CHECKING:
@@ -105,10 +106,34 @@ def _stable_euler_steps(
         stiffness = np.maximum(TRANSLATION_STIFFNESS, basins[:, 19] / least)
     mu = parameters[:, 22]
     limit = settings.stability_share * np.minimum(1.0 / mu, mu / stiffness)
-    if not (limit > settings.least_step).all():
-        message = (
-            "the two clouds differ so much in size, or the damping is so extreme, that explicit "
-            "Euler would need too small a step: bring both clouds to one unit of length"
-        )
-        raise DegenerateProblemError(message)
+    refused = np.flatnonzero(~(limit > settings.least_step))
+    if refused.size:
+        raise DegenerateProblemError(_why_no_euler(parameters, basins, refused[0], settings))
     return limit
+
+
+def _why_no_euler(
+    parameters: NDArray[np.float64],
+    basins: NDArray[np.float64],
+    instance: np.intp,
+    settings: SimulationSettings,
+) -> str:
+    """What makes an instance too stiff for explicit Euler: what, if usual, would make it easier."""
+    thin, _, thick = np.linalg.eigvalsh(inertias(parameters[[instance]]))[0].tolist()
+    mu, span = float(parameters[instance, 22]), float(basins[instance, 19])
+    share = settings.least_step / settings.stability_share  # of min(1 / mu, mu / stiffness)
+    usual = share * max(TRANSLATION_STIFFNESS, span / thick)  # had it no thin direction
+    if not share * mu < 1.0:
+        cause, remedy = f"the damping {mu:.3g} is so large", "take one nearer to sqrt(8)"
+    elif not usual < DEFAULT_DAMPING:
+        cause = "the target is so much larger than the source"
+        remedy = "bring both clouds to one unit of length"
+    elif not usual < mu:
+        cause, remedy = f"the damping {mu:.3g} is so small", "take one nearer to sqrt(8)"
+    else:
+        cause = (
+            "the source is so nearly collinear (its moment of inertia about its line is "
+            f"{thin / thick:.1g} of that across it)"
+        )
+        remedy = "run `certreg simulate --integrator splitting`, whose steps stay large"
+    return f"{cause} that explicit Euler would need too small a step: {remedy}"

@@ -12,7 +12,7 @@ from commands import certreg, strict_json, write_csv
 from strategies import AXES, BENT, LINE, MIRROR, TALL, ZOO
 
 import certreg as package
-from certreg import RegistrationProblem, settings
+from certreg import RegistrationProblem, pipeline, settings
 from certreg.io.clouds import read_problem
 from certreg.io.trajectories import read_record
 from certreg.simulation import SimulationStatus
@@ -223,3 +223,42 @@ def test_the_trajectory_is_written_as_npz_only_and_told_where(data: Path, tmp_pa
     assert f"{count} states written to {tmp_path}/tr.NPZ" in told.out
     assert strict_json(silent.out)["converged"]
     assert (tmp_path / "tr.npz").read_bytes() == (tmp_path / "tr.NPZ").read_bytes()
+
+
+def nearly_collinear(folder: Path) -> tuple[Path, Path]:
+    rng = np.random.default_rng(1)
+    source = np.outer(rng.normal(size=20), [1.0, 2.0, 3.0]) + 1e-4 * rng.normal(size=(20, 3))
+    return clouds(folder, source, source[:, [1, 2, 0]])
+
+
+def test_explicit_euler_names_why_it_cannot(data: Path, tmp_path: Path):
+    thin = nearly_collinear(tmp_path)
+    large = write_csv(tmp_path / "large.csv", 1e6 * np.array(TALL))
+    small = write_csv(tmp_path / "small.csv", TALL)
+    runs = {
+        "nearly collinear (its moment of inertia about its line is ": thin,
+        "the target is so much larger than the source": (small, large),
+        "the damping 1e-07 is so small": (*survey(data), "--damping", "1e-7"),
+        "the damping 1e+07 is so large": (*survey(data), "--damping", "1e7"),
+    }
+    for words, arguments in runs.items():
+        run = certreg("simulate", *arguments)
+
+        assert (run.code, run.out) == (2, "")
+        assert words in run.err
+        assert ("--integrator splitting" in run.err) is (arguments is thin)
+    assert certreg("simulate", *thin, "--integrator", "splitting").code == 0
+
+
+def test_certify_says_which_road_it_left_out_and_why(tmp_path: Path, monkeypatch):
+    thin = nearly_collinear(tmp_path)
+    told = certreg("certify", *thin)
+    reason = certreg("certify", *thin, "--json").document["reasons"]["simulation"]
+    asked = certreg("certify", *thin, "--no-simulation", "--no-relaxation")
+    monkeypatch.setattr(pipeline, "_relaxation", lambda _: (None, "out of luck"))
+    unlucky = certreg("certify", *thin, "--no-simulation")
+
+    assert f"  simulation        left out: {reason}\n" in told.out
+    assert "nearly collinear" in reason
+    assert "left out" not in asked.out
+    assert "  relaxation (SDP)  left out: out of luck\n" in unlucky.out

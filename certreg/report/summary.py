@@ -7,6 +7,7 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import TYPE_CHECKING
 
 from certreg.dyadic import double_above
+from certreg.pipeline import NOT_ASKED
 from certreg.results import ComponentKind, Guarantee, Optimality
 
 if TYPE_CHECKING:
@@ -208,6 +209,15 @@ def _road_lines(registration: Registration) -> list[str]:
         )
         if not trajectory.converged:
             lines.append(f"                    NOT CONVERGED: {trajectory.status.value}")
+    left_out = {
+        "relaxation (SDP)": solution.absences.relaxation,
+        "simulation": solution.absences.trajectory,
+    }
+    lines += [
+        f"  {name:16}  left out: {reason}"
+        for name, reason in left_out.items()
+        if reason not in {None, NOT_ASKED}
+    ]
     return lines
 
 
