@@ -30,7 +30,7 @@ from certreg.native.engine import engine
 from certreg.problem import RegistrationProblem
 from certreg.progress import Stages
 from certreg.report.exhibition import page
-from certreg.report.reproduction import closing_text, markdown, reproduction_document
+from certreg.report.reproduction import claim_text, closing_text, markdown, reproduction_document
 from certreg.results import Ruling, Verdict
 
 if TYPE_CHECKING:
@@ -470,6 +470,35 @@ def test_the_table_has_a_line_for_every_claim_and_equal_cells(made, drawn):
     assert {line.replace("\\|", "").count("|") for line in lines} == {9}
 
 
+def test_without_proofs_nothing_is_said_to_be_confirmed_or_proved(made, drawn):
+    spoken = map(claim_text, made.claims)
+    table = [line for line in markdown(made, drawn).splitlines() if line.startswith("| ")][2:]
+    document = reproduction_document(made, drawn)
+
+    assert all("(finding measured, not proved in this run)" in text for text in spoken)
+    assert [line.split(" | ")[-2:] for line in table[-len(ROWS) :]] == [
+        ["not in this run", "finding measured, not proved in this run |"]
+    ] * len(ROWS)
+    assert "confirmed" not in closing_text(made)
+    assert "none was proved in this run" in closing_text(made)
+    assert "finding measured, not proved in this run" in page(made, drawn[:1])
+    assert {c["verdict"] for c in document["claims"]} == {
+        "finding measured, not proved in this run"
+    }
+
+
+def test_a_false_claim_is_not_said_to_be_confirmed(made, drawn):
+    proved = replace(made, claims=tuple(replace(c, proof=PROVED) for c in made.claims))
+    false = [c for c in proved.claims if c.row.finding.value == "false as stated"]
+
+    assert false
+    for claim in false:
+        head = claim_text(claim).splitlines()[0].strip()
+        assert head == f"{claim.row.number}  FALSE AS STATED (finding confirmed)"
+    assert page(proved, drawn[:1]).count('<p class="state">finding confirmed</p>') == len(ROWS)
+    assert markdown(proved, drawn).count(" | finding confirmed |") == len(ROWS)
+
+
 def test_the_page_is_one_file_with_every_claim_and_figure(made, drawn):
     drawn = drawn[:2]
     html = page(made, drawn)
@@ -488,7 +517,7 @@ def test_the_page_shows_a_finding_that_is_not_confirmed(made, drawn):
 
     html = page(replace(made, claims=(*made.claims[:-1], wrong)), drawn[:1])
 
-    assert '<strong class="failed">not confirmed</strong>' in html
+    assert '<strong class="failed">finding NOT CONFIRMED</strong>' in html
     assert "a &lt; b &amp; c" in html
 
 
@@ -523,8 +552,8 @@ def test_a_finding_that_is_not_confirmed_is_exit_code_1(tmp_path: Path, monkeypa
     run = certreg("reproduce", "--runs", "1", "--no-proofs", "--out", tmp_path)
 
     assert run.code == 1
-    assert "15b  true under a condition: NOT CONFIRMED" in run.out
-    assert "23 of 24 findings agree with what was measured" in run.out
+    assert "15b  TRUE UNDER A CONDITION (finding NOT CONFIRMED)" in run.out
+    assert "23 of 24 findings agree with what was measured, none was proved in this run" in run.out
     assert strict_json((tmp_path / "verdicts.json").read_bytes())["confirmed"] is False
 
 

@@ -35,7 +35,7 @@ def audit_lines(audited: Iterable[tuple[Any, Verdict]]) -> Iterator[str]:
     for position, (row, verdict) in enumerate(audited):
         if position == 0:
             yield "\nThe claims of the paper [Yang2020]:"
-        told = "" if verdict.proved else f"  NOT CONFIRMED: {verdict.words}"
+        told = "" if verdict.proved else f"  finding NOT CONFIRMED: {verdict.words}"
         yield f"{row.number:>4}  {row.finding.value:23} {plain(row.claim)}{told}"
 
 

@@ -148,7 +148,7 @@ def write_reproduction(
 def _article(claim: ClaimVerdict) -> str:
     row = claim.row
     finding = row.finding.value
-    state = verdict_word(claim).lower()
+    state = verdict_word(claim)
     shown = state if claim.stands else f'<strong class="failed">{state}</strong>'
     parts = [
         ("holds", plain(row.holds)),

@@ -36,6 +36,7 @@ EXHIBITS_TOLD = (
     "refutation is computed in fractions. Anyone can check a certificate: `certreg verify FILE`, "
     "or `python verify.py FILE`, one file of standard Python."
 )
+MEASURED_ONLY = "measured, not proved in this run"
 NOT_PROVED_NOW = "the proofs were left out: `certreg derive` runs them"
 
 ALL_DIVERGED = "every simulation went beyond the doubles: the step is too large for the damping"
@@ -44,16 +45,16 @@ Document = dict[str, Any]
 
 
 def verdict_word(claim: ClaimVerdict) -> str:
-    """What became of a claim's finding, in capitals."""
+    """What became of a claim's finding, which may be that the claim is false."""
     if not claim.stands:
-        return "NOT CONFIRMED"
-    return "MEASURED" if claim.proof is None else "CONFIRMED"
+        return "finding NOT CONFIRMED"
+    return f"finding {MEASURED_ONLY}" if claim.proof is None else "finding confirmed"
 
 
 def claim_text(claim: ClaimVerdict) -> str:
     """A claim for a terminal: number, finding and verdict, then proof and measurement."""
     row = claim.row
-    lines = [f"{row.number:>4}  {row.finding.value}: {verdict_word(claim)}"]
+    lines = [f"{row.number:>4}  {row.finding.value.upper()} ({verdict_word(claim)})"]
     parts = (
         ("claim", plain(row.claim)),
         ("holds", "" if row.counterexample is None else plain(row.holds)),
@@ -93,7 +94,9 @@ def closing_text(made: Reproduction) -> str:
     confirmed = sum(claim.stands for claim in made.claims)
     resting, moving = _equilibria(made.observations), _simulations(made.observations)
     proved = all(claim.proof is not None for claim in made.claims)
-    word = "are confirmed" if proved else "agree with what was measured, the proofs left out"
+    word = (
+        "are confirmed" if proved else "agree with what was measured, none was proved in this run"
+    )
     return (
         f"{confirmed} of {len(made.claims)} findings {word} ({told}).\n"
         f"Four equilibria with 0, 1, 2, 3 unstable eigenvalues in {resting['pattern_0123']:,} of "
@@ -104,14 +107,23 @@ def closing_text(made: Reproduction) -> str:
 
 def markdown(made: Reproduction, drawn: Sequence[Drawing]) -> str:
     """The verdicts as a Markdown table, then the figures."""
-    head = ("", "The paper's claim", "Where", "Finding", "What holds", "Measured", "Proof", "")
+    head = (
+        "",
+        "The paper's claim",
+        "Where",
+        "Finding",
+        "What holds",
+        "Measured",
+        "Proof",
+        "Verdict",
+    )
     lines = ["# The claims of the paper, with verdicts", "", setup_words(made.observations), ""]
     lines += [_line(head), _line(["---"] * len(head))]
     for claim in made.claims:
         row = claim.row
         cells = (row.number, row.claim, row.place, row.finding.value, row.holds)
-        proof = ", ".join(row.because)
-        lines.append(_line((*cells, claim.evidence.words, proof, verdict_word(claim).lower())))
+        proof = proof_words(claim) or "not in this run"
+        lines.append(_line((*cells, claim.evidence.words, proof, verdict_word(claim))))
     examples = [claim for claim in made.claims if claim.row.counterexample is not None]
     lines += ["", "## Counterexamples", "", EXHIBITS_TOLD, ""]
     for claim in examples:
@@ -196,6 +208,7 @@ def _claim_fields(claim: ClaimVerdict) -> Document:
         ],
         "agrees": claim.evidence.agrees,
         "confirmed": claim.stands,
+        "verdict": verdict_word(claim),
     }
 
 
