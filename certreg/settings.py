@@ -295,8 +295,12 @@ class MapSettings:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReportSettings:
-    """What the report shows of a run, and how much it carries."""
+    """What summary and report say and show of a run, and how much a report carries."""
 
+    unnoted_cost: float = (
+        1e-24  # of the spread: a shift by 1e-12 of the clouds, finer than any data
+    )
+    comparable_step: float = 0.1  # h times the decay rate: a scheme's own differs by half of that
     frames: int = 240  # of a motion; the page interpolates between them
     visible_energy: float = 1e-8  # of what a run loses: 1e-4 of the first displacement
     push: float = 0.02  # radians off a saddle: hardly seen, and soon on its way

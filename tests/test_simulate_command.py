@@ -262,3 +262,15 @@ def test_certify_says_which_road_it_left_out_and_why(tmp_path: Path, monkeypatch
     assert "nearly collinear" in reason
     assert "left out" not in asked.out
     assert "  relaxation (SDP)  left out: out of luck\n" in unlucky.out
+
+
+def test_the_rates_are_compared_only_where_the_steps_are_small_beside_them(data: Path):
+    large = certreg("simulate", *survey(data), "--integrator", "splitting")
+    small = certreg("simulate", *survey(data))
+    told = [
+        next(line for line in run.out.splitlines() if "decay rate" in line)
+        for run in (large, small)
+    ]
+
+    assert re.search(r"\d  \(too few steps to compare with the predicted [\d.]+\)$", told[0])
+    assert re.search(r"\d  \(predicted [\d.]+\)$", told[1])

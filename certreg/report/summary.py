@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import math
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.dyadic import double_above
 from certreg.pipeline import NOT_ASKED
 from certreg.results import ComponentKind, Guarantee, Optimality
+from certreg.settings import ReportSettings
 
 if TYPE_CHECKING:
     from certreg.assessment import Assessment
     from certreg.equilibria.components import Component, EquilibriumSet
     from certreg.pipeline import Registration, SimulatedRegistration
+    from certreg.simulation import Trajectory
 
 COUNTS = {1: "one", 2: "two", 3: "three", 4: "four"}
 KINDS = {
@@ -53,7 +56,6 @@ def simulation_summary(simulated: SimulatedRegistration, energies: dict[str, flo
     """The result of `simulate`, readable; energies in objective units."""
     trajectory = simulated.trajectory
     proved = "Proved" if simulated.in_certified_basin else "Not proved"
-    measured, predicted = _rate(trajectory.decay_rate), _rate(trajectory.predicted_rate)
     return "\n".join(
         (
             trajectory.status.value,
@@ -64,7 +66,7 @@ def simulation_summary(simulated: SimulatedRegistration, energies: dict[str, flo
             f"  initial energy    {number(energies['initial'])}  (kinetic and potential)",
             f"  final energy      {number(energies['final'])}",
             f"  residual          {trajectory.speed:.3g}  (norm of the 18 rates of change)",
-            f"  decay rate        {measured}  (predicted {predicted})",
+            f"  decay rate        {_rate_words(trajectory)}",
             f"  end               {_away(simulated.angle_to_optimum)}",
             f"{proved}: from its last state the exact motion ends at the optimum.",
         )
@@ -236,7 +238,9 @@ def warnings(registration: Registration) -> list[str]:
     if noisy and 2.0 * (gap or 0.0) < DISTINGUISHABLE:
         found.append("at the given noise the next equilibrium is as likely as the optimum")
     costs = 0.0 if bounds is None else ROUNDING_SHARE * bounds.gap_upper
-    if minimum is not None and costs > max(minimum, gap or 0.0):
+    unnoted = Fraction(ReportSettings().unnoted_cost) * registration.solution.moments.spread
+    noted = bounds is not None and bounds.greatest_gap > unnoted
+    if noted and minimum is not None and costs > max(minimum, gap or 0.0):
         found.append(
             "the rounding of the translation to doubles costs more than a millionth of the fit: "
             "move the origin to the clouds"
@@ -280,6 +284,15 @@ def number(value: float | None) -> str:
 
 def _rate(value: float | None) -> str:
     return "unknown" if value is None else f"{value:.4g}"
+
+
+def _rate_words(trajectory: Trajectory) -> str:
+    """The measured rate beside the exact flow's, where the steps are small enough to tell."""
+    measured, predicted = _rate(trajectory.decay_rate), _rate(trajectory.predicted_rate)
+    advance = trajectory.step * (trajectory.predicted_rate or 0.0)
+    if trajectory.decay_rate is not None and advance > ReportSettings().comparable_step:
+        return f"{measured}  (too few steps to compare with the predicted {predicted})"
+    return f"{measured}  (predicted {predicted})"
 
 
 def bounded(value: float, digits: int = 3) -> str:
