@@ -297,9 +297,7 @@ class MapSettings:
 class ReportSettings:
     """What summary and report say and show of a run, and how much a report carries."""
 
-    unnoted_cost: float = (
-        1e-24  # of the spread: a shift by 1e-12 of the clouds, finer than any data
-    )
+    unnoted_cost: float = 1e-24  # of the spread: a shift of 1e-12, finer than any data
     comparable_step: float = 0.1  # h times the decay rate: a scheme's own differs by half of that
     frames: int = 240  # of a motion; the page interpolates between them
     visible_energy: float = 1e-8  # of what a run loses: 1e-4 of the first displacement

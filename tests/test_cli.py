@@ -343,11 +343,14 @@ def test_the_summary_tells_the_same_in_words(data: Path, pair: Packaged):
     ("shift", "warned"), [((0.0, 0.0, 0.0), False), ((0.1, 0.2, 0.3), False), ((1e9, 0, 0), True)]
 )
 def test_a_rounding_is_warned_of_only_where_it_moves_the_cloud(tmp_path: Path, shift, warned):
-    source = np.outer(np.random.default_rng(3).normal(size=20), [1.0, 2.0, 3.0])
-    target = source[:, [1, 2, 0]] + shift
-    turned = Rotation.from_rotvec([0.1, 0.2, 0.3]).as_matrix()
-    files = write_csv(tmp_path / "a.csv", source @ turned.T), write_csv(tmp_path / "b.csv", target)
-    run = certreg("certify", *files)
+    line = np.outer([0.0, 1.0, 3.0], [1.0, 2.0, 3.0])  # exactly: a perfect fit, and not unique
+    source = line + np.array([100.0, 200.0, 301.0])
+    target = line[:, [1, 2, 0]] + np.array(shift)
+    run = certreg(
+        "certify",
+        write_csv(tmp_path / "a.csv", source.tolist()),
+        write_csv(tmp_path / "b.csv", target.tolist()),
+    )
 
     assert ("move the origin to the clouds" in run.out) is warned
 

@@ -228,12 +228,12 @@ def test_the_trajectory_is_written_as_npz_only_and_told_where(data: Path, tmp_pa
 def nearly_collinear(folder: Path) -> tuple[Path, Path]:
     rng = np.random.default_rng(1)
     source = np.outer(rng.normal(size=20), [1.0, 2.0, 3.0]) + 1e-4 * rng.normal(size=(20, 3))
-    return clouds(folder, source, source[:, [1, 2, 0]])
+    return clouds(folder, source.tolist(), source[:, [1, 2, 0]].tolist())
 
 
 def test_explicit_euler_names_why_it_cannot(data: Path, tmp_path: Path):
     thin = nearly_collinear(tmp_path)
-    large = write_csv(tmp_path / "large.csv", 1e6 * np.array(TALL))
+    large = write_csv(tmp_path / "large.csv", (1e6 * np.array(TALL)).tolist())
     small = write_csv(tmp_path / "small.csv", TALL)
     runs = {
         "nearly collinear (its moment of inertia about its line is ": thin,
