@@ -59,7 +59,7 @@ def read(tmp_path, text, suffix="csv"):
         ("1,2,3\n4,5,6\n", ([1, 2, 3, 4, 5, 6], None, ())),
         ("1,2,3\r\n4,5,6", ([1, 2, 3, 4, 5, 6], None, ())),
         ("\n1,2,3\n\n4,5,6\n\n", ([1, 2, 3, 4, 5, 6], None, ())),
-        ("1,2,3,9,8\n4,5,6,x,\n", ([1, 2, 3, 4, 5, 6], None, ("column 4", "column 5"))),
+        ("x,y,z,r,\n1,2,3,9,8\n4,5,6,x,\n", ([1, 2, 3, 4, 5, 6], None, ("r", ""))),
         ("x,y,z\n1,2,3\n", ([1, 2, 3], None, ())),
         ("Z, X ,y\n1,2,3\n", ([2, 3, 1], None, ())),
         ("label,x,y,z\nb,1,2,3\na,4,5,6\n", ([1, 2, 3, 4, 5, 6], ("b", "a"), ())),
@@ -86,6 +86,27 @@ def test_a_txt_file_has_blanks_or_commas_and_comments(tmp_path, text, expected):
     assert read(tmp_path, text, "txt") == (expected, None, ())
 
 
+@pytest.mark.parametrize("suffix", ["txt", "xyz"])
+@pytest.mark.parametrize("first", ["0 1 2", "1 2 3", "101 102 103", "0e0 1.0 2.00"])
+def test_a_first_column_that_counts_the_rows_is_not_taken_for_x(tmp_path, suffix, first):
+    numbers = first.split()
+    text = "".join(f"{number} {k * k} 5 {7 - k}\n" for k, number in enumerate(numbers))
+    with pytest.raises(InvalidFileError, match=r"column 1 counts the rows .*label,x,y,z"):
+        read(tmp_path, text, suffix)
+    bare = "".join(line.rpartition(" ")[0] + "\n" for line in text.splitlines())
+    assert read(tmp_path, bare, suffix)[0][::3] == list(map(float, numbers))
+
+
+@pytest.mark.parametrize("suffix", ["txt", "xyz"])
+@pytest.mark.parametrize("first", ["0 2 3", "0.5 1.5 2.5", "3 2 1", "0 0 0", "1"])
+def test_columns_behind_z_are_left_out_where_the_first_counts_nothing(tmp_path, suffix, first):
+    numbers = first.split()
+    text = "".join(f"{number} 4 5 255 0 7\n" for number in numbers)
+    coordinates, labels, ignored = read(tmp_path, text, suffix)
+    assert coordinates == [x for number in numbers for x in (float(number), 4, 5)]
+    assert (labels, ignored) == (None, ("column 4", "column 5", "column 6"))
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
@@ -95,6 +116,8 @@ def test_a_txt_file_has_blanks_or_commas_and_comments(tmp_path, text, expected):
         ("1,2\n3,4\n", "line 1: give three columns"),
         ("x,y\n1,2\n", "line 1: give three columns"),
         ("a,b,c\n1,2,3\n", "line 1: give three columns"),
+        ("0,1,2,3\n1,4,5,6\n", "line 1: 4 columns and no header: which are x, y, z? Add a header"),
+        ("1.5,2,3,9,8\n4,5,6,9,8\n", "line 1: 5 columns and no header"),
         ("x,y,z,x\n1,2,3,4\n", "line 1: give three columns"),
         ("x,y,z,label,label\n1,2,3,a,b\n", "line 1: give three columns"),
         ("1,2,3\n4,5\n", "line 2: 2 columns, not 3: mend the row"),

@@ -3,6 +3,10 @@
 Strict: a number is what a person would call one, every row has the columns of the first, and an
 error names the file, the line and the remedy. An .xyz file is read as .txt unless its first line
 is a count alone: then it is chemical.
+
+Without a header, which columns are x, y, z? Of three, these. A .csv file with more is refused: the
+first may number the points. In .txt and .xyz others stand behind z by convention (intensity,
+colour); there more than three are refused only where the first counts the rows: 0, 1, 2, ...
 """
 
 from __future__ import annotations
@@ -11,7 +15,7 @@ import csv
 import re
 from array import array
 from dataclasses import dataclass
-from itertools import chain
+from itertools import chain, pairwise
 from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -44,7 +48,8 @@ class Points:
 def read_points(path: str | Path) -> Points:
     """Points of a .csv, .txt or .xyz file; x, y, z are the columns named so, or the first three.
 
-    Only a .csv may have a header, and with it a column `label`.
+    Only a .csv may have a header, and with it a column `label`. Raises InvalidFileError, also where
+    there is no header and the first three columns may be others than x, y, z.
     """
     file = _one_of(TEXT_FORMATS, path)
     with reading(file) as stream:
@@ -65,7 +70,9 @@ def parse_points(stream: BinaryIO, file: Path) -> Points:
 def _table(rows: Iterator[tuple[str, list[str]]], file: Path) -> Points:
     place, first = next(rows, (f"{shown(file)}, line 1", list[str]()))
     names = [name.strip().lower() for name in first]
-    if file.suffix.lower() != ".csv" or all(map(NUMBER.fullmatch, names)):
+    bare = file.suffix.lower() != ".csv" or all(map(NUMBER.fullmatch, names))
+    if bare:
+        _require_three(place, names, file)
         names = ["x", "y", "z", *(f"column {k}" for k in range(4, len(first) + 1))][: len(first)]
         rows = chain([(place, first)], rows)
     if [names.count(name) for name in "xyz"] != [1, 1, 1] or names.count("label") > 1:
@@ -84,8 +91,31 @@ def _table(rows: Iterator[tuple[str, list[str]]], file: Path) -> Points:
     if not coordinates:
         message = f"{place}: no points: add rows"
         raise InvalidFileError(message)
+    if bare and len(names) > 3:
+        _require_no_count(coordinates[::3], file)
     ignored = tuple(name for name in names if name not in {"x", "y", "z", "label"})
     return Points(coordinates, tuple(labels) if "label" in names else None, ignored)
+
+
+def _require_three(place: str, fields: list[str], file: Path) -> None:
+    """That a .csv file without a header leaves no doubt which columns are x, y, z."""
+    if file.suffix.lower() == ".csv" and len(fields) > 3:
+        message = (
+            f"{place}: {len(fields)} columns and no header: which are x, y, z? Add a header such "
+            "as label,x,y,z"
+        )
+        raise InvalidFileError(message)
+
+
+def _require_no_count(column: array[float], file: Path) -> None:
+    """That the first of more than three columns without a header does not count the rows."""
+    if len(column) > 1 and column[0].is_integer() and all(b - a == 1 for a, b in pairwise(column)):
+        message = (
+            f"{shown(file)}: column 1 counts the rows ({column[0]:.0f}, {column[1]:.0f}, ...): is "
+            "it x, or does it number the points? Leave out that column or those behind z, or save "
+            "a .csv file with a header such as label,x,y,z"
+        )
+        raise InvalidFileError(message)
 
 
 def read_numbers(path: str | Path) -> array[float]:
