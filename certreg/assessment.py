@@ -73,7 +73,7 @@ def assess(
     shape = (4,) if np.shape(rotation) == (4,) else (3, 3)
     turn = _finite(rotation, shape, "rotation")
     shift = _finite(translation, (3,), "translation")
-    fault = _why_no_rotation(turn, settings.rotation_tolerance)
+    fault = why_no_rotation(turn, settings.rotation_tolerance)
     if fault is not None:
         return Assessment(verdict=PoseVerdict.NOT_A_ROTATION, words=fault)
     registration = certify(problem, relaxation=False, simulation=False)
@@ -122,8 +122,11 @@ def _finite(values: ArrayLike, shape: tuple[int, ...], name: str) -> NDArray[np.
     return array
 
 
-def _why_no_rotation(matrix: NDArray[np.float64], tolerance: float) -> str | None:
-    """Why a matrix is no rotation, in words; None if it is one up to its printed digits."""
+def why_no_rotation(matrix: NDArray[np.float64], tolerance: float) -> str | None:
+    """Why a matrix (3, 3) or quaternion (4,) is no rotation, in words; None if it is one.
+
+    tolerance: what the digits that are not printed may make of a rotation.
+    """
     if matrix.shape == (4,):
         norm = math.hypot(*matrix.tolist())
         if abs(norm - 1.0) <= tolerance:
@@ -144,7 +147,7 @@ def _why_no_rotation(matrix: NDArray[np.float64], tolerance: float) -> str | Non
     if stretch[-1] > 0 and stretch[0] / stretch[-1] - 1 <= tolerance:
         return (
             f"The matrix scales by {stretch.mean():.6g}{' and reflects' * reflected}: it is "
-            "not a rotation. Divide the scale out if a similarity was meant, and assess again."
+            "not a rotation. Divide the scale out if a similarity was meant, and try again."
         )
     return (
         f"The matrix is not orthogonal (R^T R is off by {defect:.2g}, singular values "

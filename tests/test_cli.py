@@ -1112,6 +1112,30 @@ def test_apply_asks_for_a_place_it_can_write(data: Path, survey: Path, tmp_path:
     assert certreg("apply", survey, source).code == 2
 
 
+NO_ROTATIONS = {
+    "a reflection (determinant -1)": np.diag([1.0, 1.0, -1.0, 1.0]),
+    "scales by 2:": np.diag([2.0, 2.0, 2.0, 1.0]),
+    "not orthogonal": np.diag([1.0, 1.0, 3.0, 1.0]),
+}
+
+
+@pytest.mark.parametrize("words", NO_ROTATIONS)
+def test_apply_refuses_what_is_no_rotation_in_the_words_of_assess(
+    data: Path, tmp_path: Path, words: str
+):
+    pose, out = tmp_path / "pose.txt", tmp_path / "moved.csv"
+    np.savetxt(pose, NO_ROTATIONS[words])
+    clouds = SURVEY.paths(data)
+    run = certreg("apply", pose, clouds[0], "--out", out)
+    assessed = certreg("assess", *clouds, "--pose", pose)
+
+    assert (run.code, run.out) == (2, "")
+    assert run.err == f"certreg: {pose}: {assessed.out}"
+    assert assessed.out.startswith("NOT-A-ROTATION. ")
+    assert words in assessed.out
+    assert not out.exists()
+
+
 def test_apply_refuses_points_that_leave_the_doubles(survey: Path, tmp_path: Path):
     far = tmp_path / "far.npy"
     np.save(far, [[1.7e308, 1.7e308, 1.7e308], [-1.7e308, 1.7e308, 1.7e308]])

@@ -124,11 +124,24 @@ def _clouds_to_bind(
 @click.argument("cloud", type=CLOUD)
 @click.option("--out", required=True, type=CLOUD, help="File to write: .csv, .txt, .ply or .npy.")
 def apply(result: Path, cloud: Path, *, out: Path) -> int:
-    """Move CLOUD by the pose in RESULT: a result file or folder, or any pose file."""
+    """Move CLOUD by the pose in RESULT: a result file or folder, or any pose file.
+
+    What is no rotation (a reflection, a scaling) is refused.
+    """
+    from certreg.assessment import why_no_rotation
+    from certreg.errors import InvalidFileError
     from certreg.io.clouds import read_cloud, write_cloud
     from certreg.io.poses import read_result_pose
+    from certreg.results import PoseVerdict
+    from certreg.settings import AssessmentSettings
+    from certreg.verify import shown
 
-    pose, points = read_result_pose(result), read_cloud(cloud)
+    pose = read_result_pose(result)
+    fault = why_no_rotation(pose.turn, AssessmentSettings().rotation_tolerance)
+    if fault is not None:
+        message = f"{shown(result)}: {PoseVerdict.NOT_A_ROTATION.value.upper()}. {fault}"
+        raise InvalidFileError(message)
+    points = read_cloud(cloud)
     write_cloud(out, points.points, points.labels, move=pose.apply)
     click.echo(f"{len(points.points)} points written to {printable(out)}")
     return DONE
