@@ -157,6 +157,9 @@ LISTS = {
     "a.csv,b.csv\n": "name each column once in a header, source and target among them",
     "source,target,source\na,b,c\n": "look at source",
     'source,target\n"a,b\n': "mend the text",
+    "source,target,sigm\na,b,1\n": "column 'sigm' is not known: did you mean 'sigma'?",
+    "source,target,Weight,note\na,b,w,n\n": "did you mean 'weights'?",
+    "source,target,dampening\na,b,1\n": "did you mean 'damping'?",
 }
 
 
@@ -182,10 +185,11 @@ def test_a_list_that_is_no_text_or_not_there_is_refused(tmp_path):
 
 
 def test_columns_that_are_not_read_are_told_once(folder):
-    path = listing(folder, "a0.csv,b0.csv,me,x", header="source,target,operator,label")
+    header = "source,target,operator,label,sigma,sigma2,date"
+    path = listing(folder, "a0.csv,b0.csv,me,x,0.1,7,today", header=header)
     run = certreg("batch", path)
 
-    assert run.err == f"note: {path}: columns not read: operator\n"
+    assert run.err == f"note: {path}: columns not read: operator, sigma2, date\n"
     assert lines(run.out)[0]["name"] == "x"
 
 

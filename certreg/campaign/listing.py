@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import io
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 NEEDED = ("source", "target")
 OPTIONAL = ("name", "sigma", "weights", "pairs", "match", "damping")
 COLUMNS = (*NEEDED, *OPTIONAL)
+LIKENESS = 0.75  # of difflib, from 0 to 1: a name so like one that is read was meant to be it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,7 +91,21 @@ def read_listing(path: Path) -> Listing:
         message = f"{shown(path)}: lists no pairs: add rows below the header"
         raise InvalidFileError(message)
     ignored = tuple(name for name in header if name not in COLUMNS)
+    _require_unlike(path, header, ignored)
     return Listing(path=path.resolve(), content=content, count=count, ignored=ignored)
+
+
+def _require_unlike(path: Path, header: list[str], ignored: tuple[str, ...]) -> None:
+    """That no column that is not read is a misspelt one that is: `sigm` must not go unread."""
+    absent = [name for name in COLUMNS if name not in header]
+    for name in ignored:
+        meant = get_close_matches(name, absent, n=1, cutoff=LIKENESS)
+        if meant:
+            message = (
+                f"{shown(path)}: column '{shown(name)}' is not known: did you mean '{meant[0]}'? "
+                "Rename it, or give it another name if it is not to be read"
+            )
+            raise InvalidFileError(message)
 
 
 def _headed(path: Path, content: bytes) -> tuple[list[str], Iterator[tuple[str, list[str]]]]:
