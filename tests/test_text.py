@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from array import array
 from fractions import Fraction
+from pathlib import Path
 
 import certificates as oracle
 import numpy as np
@@ -15,6 +16,8 @@ from hypothesis import strategies as st
 from certreg.errors import InvalidFileError
 from certreg.io.text import Points, pair_by_label, read_numbers, read_points
 from certreg.settings import FileSettings
+
+FILES = (Path("a.csv"), Path("b.csv"))
 
 GENERIC = oracle.random_problem(seed=3)
 
@@ -198,7 +201,7 @@ def points(rows, labels=None):
 
 def test_labels_decide_the_order_where_both_clouds_have_them():
     a, b = [1, 2, 3], [4, 5, 6]
-    paired = pair_by_label(points([b, a], ("b", "a")), points([a, b], ("a", "b")))
+    paired = pair_by_label(points([b, a], ("b", "a")), points([a, b], ("a", "b")), FILES)
 
     assert paired == points([b, a], ("b", "a"))
     for source, target in (
@@ -206,15 +209,26 @@ def test_labels_decide_the_order_where_both_clouds_have_them():
         (points([a, b], ("a", "b")), points([b, a])),
         (points([a, b]), points([b, a])),
     ):
-        assert pair_by_label(source, target) is target
+        assert pair_by_label(source, target, FILES) is target
 
 
 @pytest.mark.parametrize(
     ("source", "target", "words"),
     [
-        (("a", "b"), ("a", "c"), "label 'b' occurs 0 times in the target"),
-        (("a",), ("a", "c"), "label 'c' occurs 0 times in the source"),
-        (("a", "b", "b"), ("b", "a", "c"), "label 'b' occurs 2 times in the source"),
+        (
+            ("a", "b", "d", "d"),
+            ("a", "c"),
+            (
+                "label 'b' occurs 0 times in the target b.csv, which lacks 2 of the 3 labels of "
+                "a.csv: each must occur once in both; drop it, or take --match common"
+            ),
+        ),
+        (
+            ("a",),
+            ("a", "c"),
+            "label 'c' occurs 0 times in the source a.csv, which lacks 1 of the 2 labels",
+        ),
+        (("a", "b", "b"), ("b", "a", "c"), "label 'b' occurs 2 times in the source a.csv: each"),
         (("a", "b"), ("b", "a", "a"), "label 'a' occurs 2 times in the target"),
         (("a", "b", "\x07"), ("b", "a", "\x08"), r"label '\x07' occurs 0 times"),
         (None, ("b", "a", "a"), "2 source but 3 target points"),
@@ -225,7 +239,7 @@ def test_clouds_that_do_not_pair_are_input_errors(source, target, words):
     first = points(np.zeros((len(source or "ab"), 3)), source)
     second = points(np.zeros((len(target or "abc"), 3)), target)
     with pytest.raises(InvalidFileError) as caught:
-        pair_by_label(first, second)
+        pair_by_label(first, second, FILES)
     assert words in str(caught.value)
 
 

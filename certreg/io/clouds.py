@@ -132,7 +132,8 @@ def read_pair(
     if pairing.pairs is not None:
         rows = tuple(read_pairs(pairing.pairs, sizes).T)
     elif first.labels is not None and second.labels is not None:
-        rows = rows_by_label(first.labels, second.labels, pairing.match)
+        files = (first.path, second.path)
+        rows = rows_by_label(first.labels, second.labels, pairing.match, files=files)
     elif pairing.match is Match.COMMON:
         bare = first if first.labels is None else second
         message = f"{shown(bare.path)}: has no labels to match: name a column label, or give pairs"

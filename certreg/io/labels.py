@@ -5,9 +5,15 @@ from __future__ import annotations
 import enum
 from collections import Counter
 from itertools import chain
+from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError
 from certreg.verify import shown
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+SIDES = ("source", "target")
 
 
 class Match(enum.Enum):
@@ -18,24 +24,32 @@ class Match(enum.Enum):
 
 
 def rows_by_label(
-    source: tuple[str, ...], target: tuple[str, ...], match: Match = Match.ALL
+    source: tuple[str, ...],
+    target: tuple[str, ...],
+    match: Match = Match.ALL,
+    *,
+    files: tuple[Path, Path],
 ) -> tuple[list[int], list[int]]:
     """Rows of the source in their order, and the row of the target with the same label for each.
 
     COMMON leaves out what is in one cloud only, and there a label may be repeated; a label of both
-    clouds must occur once in each. Raises InvalidFileError: the first label in the way.
+    clouds must occur once in each. Raises InvalidFileError: the first label in the way, in which of
+    the `files` of source and target, and how many are missing there.
     """
-    sides = {"source": Counter(source), "target": Counter(target)}
+    counters, names = (Counter(source), Counter(target)), tuple(map(shown, files))
     for label in chain(source, target):
-        times = {side: counter[label] for side, counter in sides.items()}
-        if match is Match.COMMON and 0 in times.values():
+        times = [counter[label] for counter in counters]
+        if times == [1, 1] or (match is Match.COMMON and 0 in times):
             continue
-        for side, count in times.items():
-            if count != 1:
-                where = f"label '{shown(label)}' occurs {count} times in the {side}"
-                remedy = "take --match common" if count == 0 else "rename it"
-                message = f"{where}: each must occur once in both; drop it, or {remedy}"
-                raise InvalidFileError(message)
+        k = int(times[0] == 1)
+        where = f"label '{shown(label)}' occurs {times[k]} times in the {SIDES[k]} {names[k]}"
+        remedy = "rename it"
+        if times[k] == 0:
+            missing, others = len(counters[1 - k].keys() - counters[k].keys()), len(counters[1 - k])
+            where += f", which lacks {missing} of the {others} labels of {names[1 - k]}"
+            remedy = "take --match common"
+        message = f"{where}: each must occur once in both; drop it, or {remedy}"
+        raise InvalidFileError(message)
     rows = {label: row for row, label in enumerate(target)}
     kept = [row for row, label in enumerate(source) if label in rows]
     if not kept:

@@ -135,15 +135,18 @@ def parse_rows(stream: BinaryIO, file: Path) -> Iterator[tuple[str, list[str]]]:
     return _rows(lines(stream, shown(file)), file)
 
 
-def pair_by_label(source: Points, target: Points) -> Points:
-    """Target in the source's order where both have labels; otherwise as it is, of the same n."""
+def pair_by_label(source: Points, target: Points, files: tuple[Path, Path]) -> Points:
+    """Target in the source's order where both have labels; otherwise as it is, of the same n.
+
+    files: of source and target, for errors.
+    """
     n, other = len(source.coordinates) // 3, len(target.coordinates) // 3
     if source.labels is None or target.labels is None:
         if n != other:
             message = f"{n} source but {other} target points: pair the rows, or add labels"
             raise InvalidFileError(message)
         return target
-    _, rows = rows_by_label(source.labels, target.labels)
+    _, rows = rows_by_label(source.labels, target.labels, files=files)
     moved = (3 * row + axis for row in rows for axis in range(3))
     coordinates = array("d", map(target.coordinates.__getitem__, moved))
     return Points(coordinates, source.labels, target.ignored)
@@ -163,7 +166,7 @@ def read_clouds(
     """Two text clouds, paired, with their weights if told, for the checker; and notes."""
     first, second = read_points(source), read_points(target)
     notes = (ignored_note(source, first.ignored), ignored_note(target, second.ignored))
-    second = pair_by_label(first, second)
+    second = pair_by_label(first, second, (source, target))
     masses = None if weights is None else read_numbers(weights)
     if sigma is not None:
         if not (isfinite(sigma) and sigma > 0 and 0 < weight_of_sigma(sigma) < inf):
