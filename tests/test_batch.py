@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import time
+from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -65,6 +66,8 @@ def test_a_pair_of_a_batch_is_what_certify_makes_of_it(folder):
         "certify", folder / "a0.csv", folder / "b0.csv", "--sigma", "0.01", "--json"
     ).document
 
+    digests = {n: sha256((folder / n).read_bytes()).hexdigest() for n in ("a0.csv", "b0.csv")}
+    assert entry.pop("inputs") == digests
     for own in ("name", "place", "exit_code", "notes"):
         entry.pop(own)
     assert entry.pop("timings_ms") == {}
@@ -231,6 +234,54 @@ def test_what_was_mended_is_done_when_the_same_is_run_again(folder):
     assert len(lines((out / "results.jsonl").read_bytes())) == 2
     assert certreg("batch", path, "--out", folder / "new").code == 0
     assert tree(out) == tree(folder / "new")
+
+
+CHANGES = {
+    "a cloud": ("b1.csv", lambda folder: (folder / "b2.csv").read_bytes(), 0),
+    "weights": ("w.txt", lambda _: b"1\n1\n1\n2\n1\n1\n", 0),
+    "pairs": ("p.csv", lambda _: b"0,0\n1,1\n2,2\n3,3\n", 0),
+    "a cloud, which is none now": ("b1.csv", lambda _: b"1,2,3\n4,nan,6\n", 2),
+    "a cloud, which is gone": ("b1.csv", None, 2),
+}
+
+
+@pytest.mark.parametrize("what", CHANGES)
+def test_a_pair_whose_files_have_changed_is_computed_anew_with_a_note(folder, what):
+    name, content, code = CHANGES[what]
+    (folder / "w.txt").write_text("1\n2\n3\n4\n5\n6\n")
+    (folder / "p.csv").write_text("0,0\n1,1\n2,2\n3,3\n4,4\n")
+    rows = ["a0.csv,b0.csv,,", "a1.csv,b1.csv,w.txt,", "a2.csv,b2.csv,,p.csv"]
+    path, out = listing(folder, *rows, header="source,target,weights,pairs"), folder / "out"
+    assert certreg("batch", path, "--out", out).code == 0
+    before = tree(out)
+
+    for file in (folder / "a0.csv", folder / name):  # another time alone is no change
+        os.utime(file, ns=(1, 1))
+    run = certreg("batch", path, "--out", out)
+    assert (run.code, run.err) == (0, "note: 3 of 3 pairs were there already\n")
+    assert tree(out) == before
+    if content is None:
+        (folder / name).unlink()
+    else:
+        (folder / name).write_bytes(content(folder))
+    run = certreg("batch", path, "--out", out)
+    assert run.code == code
+    assert run.err.startswith(
+        f"note: {name}: changed since the last run: computed anew\n"
+        "note: 2 of 3 pairs were there already\n"
+    )
+    assert certreg("batch", path, "--out", folder / "new").code == code
+    assert tree(out) == tree(folder / "new") != before
+
+
+def test_one_note_tells_of_all_files_that_have_changed(folder):
+    path, out = listing(folder, "a0.csv,b0.csv", "a0.csv,b1.csv"), folder / "out"
+    assert certreg("batch", path, "--out", out).code == 0
+    for name in ("a0.csv", "b1.csv"):
+        (folder / name).write_bytes((folder / "a3.csv").read_bytes())
+
+    run = certreg("batch", path, "--out", out)
+    assert run.err == "note: a0.csv and 1 more: changed since the last run: computed anew\n"
 
 
 def test_parquet_goes_with_a_folder(folder):

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 NEEDED = ("source", "target")
 OPTIONAL = ("name", "sigma", "weights", "pairs", "match", "damping")
 COLUMNS = (*NEEDED, *OPTIONAL)
+FILES = (*NEEDED, "weights", "pairs")
 LIKENESS = 0.75  # of difflib, from 0 to 1: a name so like one that is read was meant to be it
 
 

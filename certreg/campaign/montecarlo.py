@@ -118,6 +118,11 @@ class MonteCarlo:
         del content
         return True
 
+    def changed(self, content: bytes) -> tuple[str, ...]:
+        """Random instances are made of the manifest alone."""
+        del content
+        return ()
+
 
 def pieces(manifest: Manifest, shard: int) -> Iterator[tuple[int, Instances]]:
     """The instances of a shard, some at a time, with the number of the first of them.

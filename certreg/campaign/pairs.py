@@ -1,7 +1,8 @@
 """A campaign over the user's own pairs: each is certified as `certreg certify` does it.
 
 A pair that cannot be registered gives an object with its error, and the others go on. Its shard
-is computed again when the campaign is: by then the file may be mended.
+is computed again when the campaign is: by then the file may be mended. So is the shard of a pair
+whose files have changed: each line holds the digests of the files that it was computed from.
 """
 
 from __future__ import annotations
@@ -17,9 +18,9 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from certreg import __version__
 from certreg.campaign.calls import Call, Yield
-from certreg.campaign.listing import NEEDED
+from certreg.campaign.listing import FILES, NEEDED
 from certreg.campaign.manifest import Manifest, current_versions
-from certreg.campaign.running import contents
+from certreg.campaign.running import contents, digest_of
 from certreg.campaign.table import Block, Column, write_table
 from certreg.errors import CertregError, InvalidFileError
 from certreg.exits import MISUSED, REFUSED, code_of_error, code_of_registration
@@ -102,8 +103,16 @@ class PairCampaign:
         return {Path(e["certificate"]).name: e["certificate_sha256"] for e in found}
 
     def final(self, content: bytes) -> bool:
-        """Whether no pair of a shard had an error."""
-        return all(json.loads(line)["schema"] != ERROR_SCHEMA for line in content.splitlines())
+        """Whether no pair of a shard had an error, and each says what it was computed from."""
+        entries = map(json.loads, content.splitlines())
+        return all(e["schema"] != ERROR_SCHEMA and "inputs" in e for e in entries)
+
+    def changed(self, content: bytes) -> Iterator[str]:
+        """The files of pairs that were registered and are others now, as the list names them."""
+        folder = self.listing.path.parent
+        for line in content.splitlines():
+            inputs: dict[str, str | None] = json.loads(line).get("inputs", {})
+            yield from (n for n, digest in inputs.items() if digest_of(folder / n) != digest)
 
 
 def certified(*, rows: tuple[PairRow, ...], folder: str, certificates: bool) -> Yield:
@@ -181,6 +190,7 @@ def _row(entry: dict[str, Any]) -> dict[str, Any]:
 
 def _entry(row: PairRow, folder: Path) -> tuple[dict[str, Any], bytes | None]:
     """The result of a row, or its error, and the bytes of its certificate."""
+    inputs = _inputs(row, folder)  # before they are read: a later change is seen
     try:
         problem, pair = _problem(row, folder)
         about = {"certreg": __version__, "name": row.name, **pair.about}
@@ -201,9 +211,15 @@ def _entry(row: PairRow, folder: Path) -> tuple[dict[str, Any], bytes | None]:
         "place": row.place,
         "exit_code": code_of_registration(registration),
     }
-    head["notes"] = pair.notes
+    head |= {"notes": pair.notes, "inputs": inputs}
     certificate = registration.certificate
     return head | document, None if certificate is None else certificate.to_json()
+
+
+def _inputs(row: PairRow, folder: Path) -> dict[str, str | None]:
+    """The SHA-256 of each file that a row names; None where it is none, as a pipe."""
+    names = [row.fields[field] for field in FILES if field in row.fields]
+    return {name: digest_of(folder / name) for name in names}
 
 
 def _problem(row: PairRow, folder: Path) -> tuple[RegistrationProblem, Pair]:

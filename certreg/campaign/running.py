@@ -14,7 +14,7 @@ from certreg.files import write_atomically
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Container, Iterator, Mapping
+    from collections.abc import Callable, Container, Iterable, Iterator, Mapping
     from pathlib import Path
 
     from certreg.campaign.calls import Call
@@ -45,7 +45,11 @@ class Kind(Protocol):
         ...
 
     def final(self, content: bytes) -> bool:
-        """Whether a shard need not be computed again."""
+        """Whether a shard need not be computed again, if its inputs are as they were."""
+        ...
+
+    def changed(self, content: bytes) -> Iterable[str]:
+        """The inputs of a shard that are not as they were, by name."""
         ...
 
 
@@ -67,12 +71,17 @@ def run(kind: Kind, folder: Path, workers: Workers, watch: Watch) -> dict[str, f
     shards = Shards(folder=folder / SHARDS, identity=manifest.identity(), suffix=kind.suffix)
     for note in shards.drop_damaged():
         watch.noted(note)
-    done, former = _done(kind, shards, folder), shards.files()
+    kept, former = _kept(kind, shards, folder), shards.files()
+    done = kept.done
+    if kept.changed:
+        watch.noted(_changed_words(kept.changed))
     watch.begun(sum(len(manifest.items(shard)) for shard in done))
     timings: Counter[str] = Counter()
     for call, found in outcomes(kind.calls(done), workers, manifest.versions):
         for name, content in found.files.items():
             write_atomically(folder / CERTIFICATES / name, content)
+        for name in kept.files.get(call.shard, set()) - found.files.keys():
+            (folder / CERTIFICATES / name).unlink(missing_ok=True)
         shards.replace(call.shard, found.content, former.get(call.shard, ()))
         timings.update(found.timings)
         watch.advanced(len(manifest.items(call.shard)))
@@ -95,21 +104,50 @@ def contents(kind: Kind, folder: Path) -> Iterator[bytes]:
         raise InvalidFileError(message)
 
 
-def _done(kind: Kind, shards: Shards, folder: Path) -> set[int]:
-    """The shards that are final, with all the files that go with them, and there once."""
+def digest_of(path: Path) -> str | None:
+    """SHA-256 of a file; None where there is none that can be read more than once."""
+    try:
+        if not path.is_file():
+            return None
+        with path.open("rb") as stream:
+            return hashlib.file_digest(stream, "sha256").hexdigest()
+    except (OSError, ValueError):
+        return None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Kept:
+    """What an earlier run left.
+
+    done: shards that are final, of the inputs that are there now, with all the files that go with
+    them, and there once. files: those that go with each other shard. changed: inputs, by name.
+    """
+
+    done: set[int]
+    files: dict[int, set[str]]
+    changed: dict[str, None]  # in their order
+
+
+def _kept(kind: Kind, shards: Shards, folder: Path) -> _Kept:
     times: Counter[int] = Counter()
     final: set[int] = set()
+    named: dict[int, set[str]] = {}
+    changed: dict[str, None] = {}
     for number, content in shards.sound():
         times[number] += 1
-        files = kind.files(content).items()
-        if kind.final(content) and all(_is(folder / CERTIFICATES / n, d) for n, d in files):
+        files, other = kind.files(content), dict.fromkeys(kind.changed(content))
+        named.setdefault(number, set()).update(files)
+        changed |= other
+        sound = all(digest_of(folder / CERTIFICATES / n) == d for n, d in files.items())
+        if kind.final(content) and sound and not other:
             final.add(number)
-    return {number for number in final if times[number] == 1}
+    done = {number for number in final if times[number] == 1}
+    return _Kept(
+        done=done, files={k: names for k, names in named.items() if k not in done}, changed=changed
+    )
 
 
-def _is(path: Path, digest: str) -> bool:
-    try:
-        with path.open("rb") as stream:
-            return hashlib.file_digest(stream, "sha256").hexdigest() == digest
-    except OSError:
-        return False
+def _changed_words(names: dict[str, None]) -> str:
+    first, more = next(iter(names)), len(names) - 1
+    others = f" and {more} more" if more else ""
+    return f"{shown(first)}{others}: changed since the last run: computed anew"

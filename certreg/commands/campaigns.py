@@ -31,7 +31,7 @@ def batch(manifest: Path, *, scheduler: str | None, out: Path | None, parquet: b
 
     Columns source and target name the clouds, relative to MANIFEST; name, sigma, weights, pairs,
     match and damping are optional. A pair that cannot be registered gives an error in its place.
-    With --out, run the same command again to go on with what was interrupted or has been mended.
+    With --out, run the same command again to go on with what was interrupted, mended or changed.
     """
     from certreg.campaign.listing import read_listing
     from certreg.campaign.pairs import PairCampaign
