@@ -196,7 +196,7 @@ def test_numbers_are_read_one_a_line(tmp_path):
 
 
 def points(rows, labels=None):
-    return Points(array("d", np.ravel(rows).astype(float)), labels, ())
+    return Points(array("d", np.ravel(rows).astype(float)), labels, (), labels)
 
 
 def test_labels_decide_the_order_where_both_clouds_have_them():
@@ -294,3 +294,57 @@ def test_columns_left_out_are_noted_once(generic, tmp_path):
     done = certreg("verify", path, cloud, cloud)
     assert done.code == 1
     assert done.err.count("colour") == 2  # once for each of the two files
+
+
+def named(path, header, names):
+    rows = (f"{name},{k},{k * k},{k**3}\n" for k, name in enumerate(names))
+    path.write_text(f"{header},x,y,z\n" + "".join(rows), encoding="utf-8")
+    return path
+
+
+def both_ways(tmp_path, source, target):
+    """`equilibria`, which reads arrays, and `verify`, which reads text by itself."""
+    (tmp_path / "c.json").write_text("{}")
+    return (
+        certreg("equilibria", source, target),
+        certreg("verify", tmp_path / "c.json", source, target),
+    )
+
+
+@pytest.mark.parametrize(
+    ("first", "second"), [("id", "id"), ("Name", "POINT"), ("nr", "number"), ("label", "id")]
+)
+def test_the_same_points_in_another_order_are_not_paired_by_row(tmp_path, first, second):
+    source = named(tmp_path / "a.csv", first, ["p", "q", "r", "s"])
+    target = named(tmp_path / "b.csv", second, ["p", "s", "r", "q"])
+    for run in both_ways(tmp_path, source, target):
+        assert (run.code, run.out) == (2, "")
+        assert run.err.splitlines()[-1] == (
+            f"certreg: {source} and {target} name the same points in another order: point 1 "
+            "(counting from 0) is 'q' and 's': rename the column that names them to label in both "
+            "files, or give pairs"
+        )
+    (tmp_path / "pairs.csv").write_text("0,0\n1,3\n2,2\n3,1\n")
+    assert certreg("equilibria", source, target, "--pairs", tmp_path / "pairs.csv").code in {0, 3}
+
+
+@pytest.mark.parametrize(
+    ("header", "names"), [("id", "pqrs"), ("id", "pqrt"), ("colour", "spqr"), ("id", "pqsx")]
+)
+def test_the_same_order_or_other_points_are_paired_by_row_with_a_note(tmp_path, header, names):
+    source = named(tmp_path / "a.csv", header, "pqrs")
+    target = named(tmp_path / "b.csv", header, names)
+    for run, code in zip(both_ways(tmp_path, source, target), (0, 1), strict=True):
+        assert run.code == code
+        assert run.err.count(f"not used: {header} (only `label` pairs rows)") == 2
+
+
+def test_labels_in_one_file_only_are_told_to_be_of_no_use(tmp_path):
+    full = named(tmp_path / "a.csv", "label", "pqrs")
+    bare = tmp_path / "b.csv"
+    bare.write_text("0,0,0\n1,1,1\n2,4,8\n3,9,27\n")
+    note = f"note: {full}: labels not used, as {bare} has none: row i pairs with row i\n"
+    for clouds in ((full, bare), (bare, full)):
+        assert [run.err for run in both_ways(tmp_path, *clouds)] == [note, note]
+    for run in both_ways(tmp_path, full, full):
+        assert run.err == ""

@@ -12,7 +12,7 @@ import numpy as np
 
 from certreg.errors import InvalidFileError
 from certreg.files import write_atomically
-from certreg.io.labels import Match, rows_by_label
+from certreg.io.labels import Match, require_same_order, rows_by_label, unused_labels_note
 from certreg.io.npy import parse_array, read_array, write_array
 from certreg.io.npz import parse_npz
 from certreg.io.pairs import read_pairs
@@ -49,6 +49,7 @@ class Cloud:
     points: NDArray[np.float64]
     labels: tuple[str, ...] | None
     ignored: tuple[str, ...]
+    identifiers: tuple[str, ...] | None = None  # labels, or what a column not read calls the points
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,6 +86,9 @@ class Pair:
         """What the user should know about how the files were read."""
         notes = (ignored_note(c.path, c.ignored) for c in (self.source, self.target))
         found = [note for note in notes if note is not None]
+        if self.source_rows is None:
+            labelled = self.source.labels is not None, self.target.labels is not None
+            found += unused_labels_note(labelled, (self.source.path, self.target.path))
         n = len(self.source.points)
         if self.sizes != (n, n):
             first, second = (size - n for size in self.sizes)
@@ -110,7 +114,13 @@ def parse_cloud(stream: BinaryIO, file: Path) -> Cloud:
     if suffix in TEXT_FORMATS:
         text = parse_points(stream, file)
         coordinates = np.array(text.coordinates, dtype=np.float64).reshape(-1, 3)
-        return Cloud(path=file, points=coordinates, labels=text.labels, ignored=text.ignored)
+        return Cloud(
+            path=file,
+            points=coordinates,
+            labels=text.labels,
+            ignored=text.ignored,
+            identifiers=text.identifiers,
+        )
     if suffix in PARSERS:
         points, ignored = PARSERS[suffix](stream, file)
         return Cloud(path=file, points=points, labels=None, ignored=ignored)
@@ -145,6 +155,7 @@ def read_pair(
         )
         raise InvalidFileError(message)
     else:
+        require_same_order(first.identifiers, second.identifiers, (first.path, second.path))
         return Pair(source=first, target=second, source_rows=None, sizes=sizes)
     here, there = (np.asarray(side, dtype=np.int64) for side in rows)
     return Pair(
@@ -291,4 +302,4 @@ def _taken(cloud: Cloud, rows: NDArray[np.int64]) -> Cloud:
     order: list[int] = rows.tolist()
     kept = cloud.labels
     labels = None if kept is None else tuple(kept[row] for row in order)
-    return replace(cloud, points=cloud.points[rows], labels=labels)
+    return replace(cloud, points=cloud.points[rows], labels=labels, identifiers=labels)

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 SIDES = ("source", "target")
+IDENTIFIERS = ("id", "name", "point", "number", "nr", "no", "num", "index", "point_id", "marker")
 
 
 class Match(enum.Enum):
@@ -56,3 +57,32 @@ def rows_by_label(
         message = "the clouds have no label in common: check that they belong together"
         raise InvalidFileError(message)
     return kept, [rows[source[row]] for row in kept]
+
+
+def require_same_order(
+    source: tuple[str, ...] | None, target: tuple[str, ...] | None, files: tuple[Path, Path]
+) -> None:
+    """That rows which are to pair in order do not name the same points in another order.
+
+    source, target: what a column called as one of IDENTIFIERS, or `label`, says of each row; None
+    without such a column. Raises InvalidFileError.
+    """
+    if source is None or target is None or source == target or sorted(source) != sorted(target):
+        return
+    row = next(k for k, (a, b) in enumerate(zip(source, target, strict=True)) if a != b)
+    names = [shown(file) for file in files]
+    message = (
+        f"{names[0]} and {names[1]} name the same points in another order: point {row} (counting "
+        f"from 0) is '{shown(source[row])}' and '{shown(target[row])}': rename the column that "
+        "names them to label in both files, or give pairs"
+    )
+    raise InvalidFileError(message)
+
+
+def unused_labels_note(labelled: tuple[bool, bool], files: tuple[Path, Path]) -> list[str]:
+    """What the user should know where rows pair in order though one file has labels."""
+    if labelled[0] == labelled[1]:
+        return []
+    names = [shown(file) for file in files]
+    bare, full = names if labelled[1] else names[::-1]
+    return [f"{full}: labels not used, as {bare} has none: row i pairs with row i"]

@@ -22,7 +22,12 @@ from typing import TYPE_CHECKING
 
 from certreg.dyadic import weight_of_sigma
 from certreg.errors import InvalidFileError, InvalidProblemError
-from certreg.io.labels import rows_by_label
+from certreg.io.labels import (
+    IDENTIFIERS,
+    require_same_order,
+    rows_by_label,
+    unused_labels_note,
+)
 from certreg.io.streams import NUMBER, lines, number, reading
 from certreg.io.xyz import chemical, chemical_points
 from certreg.verify import Clouds, shown
@@ -38,11 +43,15 @@ BLANKS = re.compile(r"[ \t]+")
 
 @dataclass(frozen=True, slots=True)
 class Points:
-    """A cloud from a text file: 3n coordinates row by row, the rows' labels, columns left out."""
+    """A cloud from a text file: 3n coordinates row by row, the rows' labels, columns left out.
+
+    identifiers: the labels, or else what a column left out calls the points, if there is one.
+    """
 
     coordinates: array[float]
     labels: tuple[str, ...] | None
     ignored: tuple[str, ...]
+    identifiers: tuple[str, ...] | None = None
 
 
 def read_points(path: str | Path) -> Points:
@@ -81,20 +90,22 @@ def _table(rows: Iterator[tuple[str, list[str]]], file: Path) -> Points:
             "one column each x, y and z (and label)"
         )
         raise InvalidFileError(message)
-    axes, coordinates, labels = [names.index(name) for name in "xyz"], array("d"), list[str]()
+    axes, coordinates, called = [names.index(name) for name in "xyz"], array("d"), list[str]()
+    calling = next((names.index(name) for name in ("label", *IDENTIFIERS) if name in names), None)
     for place, row in rows:
         if len(row) != len(names):
             message = f"{place}: {len(row)} columns, not {len(names)}: mend the row"
             raise InvalidFileError(message)
         coordinates.extend(number(place, row[axis]) for axis in axes)
-        labels += [row[names.index("label")].strip()] if "label" in names else []
+        called += [] if calling is None else [row[calling].strip()]
     if not coordinates:
         message = f"{place}: no points: add rows"
         raise InvalidFileError(message)
     if bare and len(names) > 3:
         _require_no_count(coordinates[::3], file)
     ignored = tuple(name for name in names if name not in {"x", "y", "z", "label"})
-    return Points(coordinates, tuple(labels) if "label" in names else None, ignored)
+    identifiers = None if calling is None else tuple(called)
+    return Points(coordinates, identifiers if "label" in names else None, ignored, identifiers)
 
 
 def _require_three(place: str, fields: list[str], file: Path) -> None:
@@ -145,11 +156,12 @@ def pair_by_label(source: Points, target: Points, files: tuple[Path, Path]) -> P
         if n != other:
             message = f"{n} source but {other} target points: pair the rows, or add labels"
             raise InvalidFileError(message)
+        require_same_order(source.identifiers, target.identifiers, files)
         return target
     _, rows = rows_by_label(source.labels, target.labels, files=files)
     moved = (3 * row + axis for row in rows for axis in range(3))
     coordinates = array("d", map(target.coordinates.__getitem__, moved))
-    return Points(coordinates, source.labels, target.ignored)
+    return Points(coordinates, source.labels, target.ignored, source.labels)
 
 
 def ignored_note(path: Path, ignored: tuple[str, ...]) -> str | None:
@@ -165,8 +177,10 @@ def read_clouds(
 ) -> tuple[Clouds, list[str]]:
     """Two text clouds, paired, with their weights if told, for the checker; and notes."""
     first, second = read_points(source), read_points(target)
-    notes = (ignored_note(source, first.ignored), ignored_note(target, second.ignored))
-    second = pair_by_label(first, second, (source, target))
+    files = (source, target)
+    notes = [ignored_note(source, first.ignored), ignored_note(target, second.ignored)]
+    notes += unused_labels_note((first.labels is not None, second.labels is not None), files)
+    second = pair_by_label(first, second, files)
     masses = None if weights is None else read_numbers(weights)
     if sigma is not None:
         if not (isfinite(sigma) and sigma > 0 and 0 < weight_of_sigma(sigma) < inf):
