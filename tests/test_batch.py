@@ -134,6 +134,26 @@ def test_the_exit_code_is_the_worst_of_the_contract(folder):
     assert certreg("batch", listing(folder, broken, not_unique, good)).code == 2
 
 
+def test_near_ambiguity_is_told_to_machines_and_leaves_the_exit_code(folder):
+    rod = [[0, 0, 0], [1000, 0.001, 0], [2000, 0, 0.002], [3000, 0, 0]]
+    line = [[0, 0, 0], [1, 0, 0], [2, 0, 0]]
+    for name, points in (("rod", rod), ("line", line)):
+        write_csv(folder / f"{name}.csv", points)
+    pairs = ("rod.csv,rod.csv", "line.csv,line.csv", "a0.csv,b0.csv", "a0.csv,none.csv")
+    out = folder / "out"
+    certreg("batch", listing(folder, *pairs), "--out", out)
+    entries = lines((out / "results.jsonl").read_bytes())
+    with (out / "summary.csv").open() as stream:
+        table = list(csv.DictReader(stream))
+
+    assert [entry["exit_code"] for entry in entries] == [0, 3, 0, 2]
+    assert [row["nearly_ambiguous"] for row in table] == ["1", "0", "0", ""]
+    assert [e["margin"]["nearly_ambiguous"] for e in entries[:3]] == [True, False, False]
+    assert all(map(valid, entries))
+    alone = certreg("equilibria", folder / "rod.csv", folder / "rod.csv", "--json").document
+    assert alone["margin"] == entries[0]["margin"]
+
+
 def test_defects_met_by_one_pair_do_not_cost_the_others(folder, monkeypatch):
     from certreg.campaign import pairs
 

@@ -58,6 +58,7 @@ PAIR_COLUMNS = (
     Column("gap_bound", float, "objective", "proved: the objective exceeds the minimum by less"),
     Column("angle_bound_rad", float, "rad", "proved: the optimum is nearer; empty if not unique"),
     Column("margin", float, "1", "gap of the two best eigenvalues over their range"),
+    Column("nearly_ambiguous", int, "", "1: unique, but the margin is below 0.001; 0: not so"),
     Column("pattern", str, "", "multiplicities of the eigenvalues: 1 1 1 1 is four equilibria"),
     Column("certificate", str, "", "file, from the folder of the table"),
     Column("error", str, "", "why there is no result"),
@@ -183,6 +184,7 @@ def _row(entry: dict[str, Any]) -> dict[str, Any]:
         "gap_bound": optimality["gap_bound"],
         "angle_bound_rad": optimality["angle_bound_rad"],
         "margin": entry["margin"]["relative"],
+        "nearly_ambiguous": int(entry["margin"]["nearly_ambiguous"]),
         "pattern": " ".join(map(str, equilibria["pattern"])),
         "certificate": entry["certificate"],
     }

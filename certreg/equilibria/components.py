@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from certreg.results import ComponentKind, Guarantee
 
 
+WEAK_MARGIN = 1e-3  # of the range of energies: what separates right from wrong is less
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Component:
     """A connected component of the rest poses of the damped rigid body.
@@ -77,6 +80,11 @@ class EquilibriumSet:
     guarantee: Guarantee
     complete: bool
     doubt: str | None = None
+
+    @property
+    def nearly_ambiguous(self) -> bool:
+        """Whether the optimum is unique, but so narrowly that the noise may turn it over."""
+        return self.classification.unique and self.margin.relative < WEAK_MARGIN
 
     @property
     def count(self) -> int | None:

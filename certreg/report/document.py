@@ -320,7 +320,11 @@ def _margin(equilibria: EquilibriumSet, reasons: dict[str, str]) -> Document:
     margin = equilibria.margin
     if margin.eigenvalue_gap is None:
         reasons["margin.eigenvalue_gap"] = OUT_OF_RANGE
-    return {"eigenvalue_gap": margin.eigenvalue_gap, "relative": margin.relative}
+    return {
+        "eigenvalue_gap": margin.eigenvalue_gap,
+        "relative": margin.relative,
+        "nearly_ambiguous": equilibria.nearly_ambiguous,
+    }
 
 
 def _finite(value: float | None) -> float | None:

@@ -25,7 +25,6 @@ KINDS = {
     ComponentKind.PROJECTIVE_PLANE: "projective plane",
     ComponentKind.ROTATION_GROUP: "every rotation",
 }
-WEAK_MARGIN = 1e-3  # below: wording only; a thousandth of the range separates right from wrong
 DISTINGUISHABLE = 25.0  # twice the log-likelihood ratio of five standard deviations
 ROUNDING_SHARE = 1e6  # a gap above a millionth of the minimum is worth a word
 MIRRORED_SHARE = -0.3  # d3 / d2: planar clouds with noise are near 0, mirrored ones near -1
@@ -122,7 +121,7 @@ def margin_words(equilibria: EquilibriumSet) -> str:
     if not equilibria.classification.unique:
         return "0: the optimum is not unique"
     percent = f"{100 * margin.relative:.3g} % of the range of energies"
-    if margin.relative < WEAK_MARGIN:
+    if equilibria.nearly_ambiguous:
         return f"{percent}: unique, but a small change of the data may turn the answer over"
     return f"{percent}: unique"
 
@@ -164,7 +163,7 @@ def verdict_words(registration: Registration) -> list[str]:
             f"{ambiguity.value}.",
             "The pose below is the one of them that turns the source least.",
         ]
-    if registration.equilibria.margin.relative < WEAK_MARGIN:
+    if registration.equilibria.nearly_ambiguous:
         return [
             "CERTIFIED, BUT NEARLY AMBIGUOUS: this is the global optimum of exactly these numbers.",
             "A very different pose fits almost as well: do not rely on the rotation.",
