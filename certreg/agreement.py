@@ -72,7 +72,8 @@ def require_sound_trajectory(
     """Nothing, if a trajectory respects what is proved; ContradictionError if not.
 
     A run that came to rest inside the basin must be proved to lie there, and no logged V_p may be
-    below the certified minimum by more than rounding: 64 ulps of the terms of its sum.
+    below the certified minimum by more than rounding: 64 ulps of the terms of its sum, and one for
+    every step, as rotations multiplied add up theirs.
     """
     if trajectory.status is SimulationStatus.CONVERGED and not certificate.claims.basin:
         message = "the simulation ended where the basin could not be proved: please report this"
@@ -82,7 +83,8 @@ def require_sound_trajectory(
     minimum = potential_energy(moments, certificate.quaternion) - certificate.gap
     centres = np.square(trajectory.states[:, :3]).sum(axis=1)
     terms = 3.0 * float(moments.spread / unit) + centres
-    slack = AgreementSettings().energy_ulps * np.finfo(float).eps * terms
+    ulps = AgreementSettings().energy_ulps + trajectory.steps
+    slack = ulps * np.finfo(float).eps * terms
     if (trajectory.potential < float(minimum / unit) - slack).any():
         message = "the simulation went below the certified minimum: please report this"
         raise ContradictionError(message)

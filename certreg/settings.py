@@ -114,7 +114,8 @@ class SimulationSettings:
     stability_share: float = 0.25  # of the largest stable step of explicit Euler
     least_step: float = 1e-5  # below, a run would outlast anyone's patience
     basin_share: float = 0.4  # of the barrier: below the 1/2 that the certificate's mu proves
-    rest_height: float = 1e-6  # of the energy range: near enough to a continuum of optima
+    rest_angle: float = 1e-3  # radians from the optimum, beyond which a body at rest never gets
+    stalled_torque: float = 0.05  # of the curvature: above, a body is off the saddle, only slow
     first_kick: float = 1e-3  # radians, off a saddle
     kick_growth: float = 10.0  # slow saddles need larger ones
     largest_kick: float = 1.0  # radians
@@ -124,6 +125,11 @@ class SimulationSettings:
     halvings: int = 60  # of a midpoint step: from h = 1 down to rounding
     log_capacity: int = 2048  # samples of a trajectory that are kept
     threads: int = 1  # for many instances at once
+
+    @property
+    def rest_share(self) -> float:
+        """Height above the optimum, over l1 - l2, below which `rest_angle` is never exceeded."""
+        return math.sin(self.rest_angle / 2.0) ** 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -2,10 +2,10 @@
 
 Three integrators: explicit Euler with projection as in [Yang2020], the implicit midpoint rule whose
 energy never rises, and a splitting that takes a few large steps. A small |s'| alone proves nothing:
-near a saddle it is small, too. So a run ends only when |s'| is small *and* the state is in the
-certified basin (documented at `Basin`), from which the exact flow can end nowhere but at the
-optimum. A stop at a saddle is noticed from the curvature, kicked along the direction of escape, and
-continued.
+near a saddle it is small, too, and where springs are weak, everywhere. So a run ends only when |s'|
+is small *and* the state is in the certified basin (documented at `Basin`), from which the exact
+flow can end nowhere but at the optimum, *and* so deep in it that the flow stays near. A stop at a
+saddle is noticed from the curvature, kicked along the direction of escape, and continued.
 """
 
 from __future__ import annotations
@@ -46,8 +46,8 @@ class SimulationStatus(enum.Enum):
         "The body came to rest at one of the optima; where the optimum is not unique, no more."
     )
     OUT_OF_STEPS = (
-        "The body was still moving when the steps ran out. The certificate does not depend on it; "
-        "problems with an ambiguity margin below a few thousandths can be that slow."
+        "The steps ran out before the body was at rest at the optimum. The certificate does not "
+        "depend on it."
     )
 
 
@@ -58,7 +58,8 @@ class Basin:
     E = omega^T J omega / 2 - 2 q^T K q never rises along the exact flow, and at every spurious
     equilibrium E >= -2 l2. So a state with l1 - q^T K q + omega^T J omega / 4 < l1 - l2 has less
     energy than all of them, and by LaSalle's theorem ends at the optimum. The left side is a sum of
-    squares, (l1 - lk) (q . q_k)^2, and so has no cancellation. Proof: derivations, certified_basin.
+    squares, (l1 - lk) (q . q_k)^2, and so has no cancellation. Over l1 - l2 it bounds sin^2 of half
+    the angle to the optimum, now and ever after. Proof: derivations, certified_basin.
 
     quaternions: (4, 4), orthonormal rows, by descending eigenvalue.
     deficits: (4,), l1 - lk over the mass, lengths over the body's unit; exact zeros on the optima.

@@ -249,6 +249,32 @@ def test_what_converged_is_slow_and_in_the_certified_basin(registrations):
         assert (height < 0.4 * bodies.basins[:, 17])[ends.converged].all()
 
 
+def test_what_converged_is_within_a_thousandth_of_a_radian(registrations):
+    for clouds, _, ends in registrations:
+        off = angles(ends.rotations, best_rotations(clouds))
+
+        assert (off < 1e-3 + 1e-6)[ends.converged].all()
+
+
+@each_integrator
+@pytest.mark.parametrize(("scale", "damping"), [(1e-3, 2.8), (1e-5, 2.8), (1e-50, 2.8), (1, 1e5)])
+def test_a_body_that_is_slow_far_from_the_optimum_goes_on(scale, damping, integrator):
+    """Weak springs and heavy damping: |s'| < 1e-4 everywhere, or soon."""
+    clouds = random_clouds(np.random.default_rng(4), 9, 12)
+    sources, targets = (c - c.mean(axis=1, keepdims=True) for c in (clouds.sources, clouds.targets))
+    bodies = ensemble(sources, scale * targets, damping=damping)
+    few = SimulationSettings(max_steps=200, least_step=0.0)
+    ends = simulate_many(bodies, integrator, settings=few)
+    alone = simulate_many(
+        ensemble(sources[:1], scale * targets[:1], damping=damping), integrator, settings=few
+    )
+
+    assert (angles(ends.rotations, best_rotations(clouds)) > 0.1).all()
+    assert not ends.converged.any()
+    assert (ends.steps == 200).all()
+    assert np.array_equal(alone.states[0], ends.states[0])
+
+
 def test_ends_of_a_sample_are_proved(registrations):
     clouds, _, ends = registrations[0]
     for k in range(20):

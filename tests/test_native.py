@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 import os
 import shutil
 import subprocess
@@ -17,6 +18,7 @@ from typing import Any
 import numpy as np
 import pytest
 from commands import certreg
+from scipy.spatial.transform import Rotation
 from strategies import ZOO, random_problem
 from test_simulation import saddle_start
 
@@ -30,6 +32,7 @@ from certreg.native.compiler import CompilationError, compiled_library, find_com
 from certreg.native.engine import engine
 from certreg.native.evaluator import _least_curvature, evaluator
 from certreg.native.library import library
+from certreg.problem import RegistrationProblem
 from certreg.settings import SimulationSettings
 
 ROOT = Path(__file__).parent.parent
@@ -219,6 +222,28 @@ def test_the_evaluator_runs_out_of_steps_where_the_library_does(steps, integrato
 
     assert pair[0].status is simulation.SimulationStatus.OUT_OF_STEPS
     assert_same(*pair, tolerance=1e-12)
+
+
+@pytest.mark.usefixtures("made")
+@each_integrator
+@pytest.mark.parametrize(("turn", "kicks"), [(1.0, 0), (math.pi - 1e-3, 3)])
+def test_the_evaluator_goes_on_where_weak_springs_make_all_slow(
+    turn, kicks, integrator, monkeypatch
+):
+    rng = np.random.default_rng(6)
+    source = rng.normal(size=(12, 3))
+    source -= source.mean(axis=0)
+    source = source @ np.linalg.svd(source)[2].T  # half a turn about z is an equilibrium
+    weak = 1e-6 * Rotation.from_rotvec([0.0, 0.0, turn]).apply(source)
+    found = spectrum(exact_moments(RegistrationProblem(source, weak)))
+    settings = SimulationSettings(max_steps=20)
+
+    one, other = by_both(monkeypatch, found, 2.8, integrator, settings=settings)
+
+    assert one.status is simulation.SimulationStatus.OUT_OF_STEPS
+    assert_same(one, other, tolerance=1e-11)
+    assert one.escapes == kicks
+    assert one.speed < 1e-4
 
 
 @pytest.mark.usefixtures("made")

@@ -24,10 +24,12 @@ from certreg.dynamics import IDENTITY, body
 from certreg.energy import alignment
 from certreg.equilibria.spectral import rotation_double, spectrum, unit_double
 from certreg.errors import ContradictionError, DegenerateProblemError
+from certreg.exits import NOT_CERTIFIED, code_of_registration
 from certreg.moments import exact_moments
 from certreg.native.engine import engine
 from certreg.pipeline import _final_state, certify
-from certreg.problem import RegistrationProblem
+from certreg.problem import RegistrationProblem, lift
+from certreg.results import Optimality
 from certreg.settings import SimulationSettings
 from certreg.simulation import SimulationStatus, simulate
 
@@ -158,6 +160,7 @@ def test_no_basin_is_claimed_where_the_optimum_is_not_unique(specimen):
     assert trajectory.converged
     assert (trajectory.status is SimulationStatus.CONVERGED) == unique
     assert (certificate.claims.basin is True) == unique
+    assert found.angle_to_optimum(lift(trajectory.quaternion).integers) < 1e-3
 
 
 def test_too_few_steps_are_reported_and_claim_no_convergence():
@@ -168,6 +171,29 @@ def test_too_few_steps_are_reported_and_claim_no_convergence():
 
     assert trajectory.status is SimulationStatus.OUT_OF_STEPS
     assert not trajectory.converged
+
+
+def test_a_body_that_weak_springs_leave_far_away_contradicts_nothing():
+    rng = np.random.default_rng(2)
+    source = rng.normal(size=(12, 3))
+    problem = RegistrationProblem(source, 1e-5 * source @ random_rotation(rng).T)
+    registration: Any = certify(problem, relaxation=False)
+
+    assert registration.status is Optimality.CERTIFIED
+    assert registration.solution.agreement.simulation > 0.1
+    assert registration.solution.trajectory.status is SimulationStatus.OUT_OF_STEPS
+    assert code_of_registration(registration) == NOT_CERTIFIED
+
+
+def test_a_million_roundings_are_no_contradiction():
+    """Nearly a continuum of optima: explicit Euler hovers at the minimum."""
+    source = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1.0]])
+    target = source * [1, 1, -1]
+    target[0, 0] += 1e-10
+    problem = RegistrationProblem(source, target)
+    registration: Any = certify(problem, relaxation=False)
+
+    assert registration.solution.trajectory.steps == SimulationSettings().max_steps
 
 
 # What is refused --------------------------------------------------------------------------------

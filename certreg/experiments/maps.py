@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 SIMULATION = SimulationSettings(
     threads=2,
+    rest_angle=math.pi,  # the paper's stop, in the basin: rates alone say how near a body is
     least_step=0.0,  # a body too stiff for explicit Euler shows as one of very many steps
 )
 AT_ONCE = replace(

@@ -203,20 +203,25 @@ class _Run:
         deficits = self.basin[16:]
         above = float(deficits @ (self.basin[:16].reshape(4, 4) @ q) ** 2)
         above += float(energies[ROTATION]) / 2.0
-        if deficits[1] > 0.0:
-            if above < self.settings.basin_share * deficits[1]:
-                return Ending.CONVERGED, state
-        elif deficits[3] == 0.0 or above < self.settings.rest_height * deficits[3]:
+        worse = deficits[1:][deficits[1:] != 0.0]
+        if len(worse) == 0:
             return Ending.AT_REST, state
-        return self._kicked(state)
+        if not above < self.settings.basin_share * worse[0]:
+            return self._kicked(state)
+        if not above < self.settings.rest_share * worse[0]:
+            return Ending.OUT_OF_STEPS, state  # unless there are more
+        return (Ending.CONVERGED if len(worse) == 3 else Ending.AT_REST), state
 
     def _kicked(self, state: Array) -> tuple[Ending, Array]:
         hessian, torque = self.machine.evaluate(f"{self.prefix}curvature", state, self.body)
         least, axis = _least_curvature(hessian.reshape(3, 3))
         if least >= 0.0:
             return Ending.OUT_OF_STEPS, state
+        size = float(np.abs(hessian).max())
+        if float(np.abs(torque).max()) > self.settings.stalled_torque * size:
+            return Ending.OUT_OF_STEPS, state
         along = float(axis @ torque)
-        if abs(along) <= NO_TORQUE * float(np.abs(hessian).max()):
+        if abs(along) <= NO_TORQUE * size:
             along = float(axis[np.argmax(np.abs(axis))])
         half = math.copysign(self.kick / 2.0, along)
         self.kick = min(self.kick * self.settings.kick_growth, self.settings.largest_kick)

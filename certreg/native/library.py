@@ -31,7 +31,8 @@ class _Settings(ctypes.Structure):
     _fields_ = (
         ("squared_tolerance", ctypes.c_double),
         ("basin_share", ctypes.c_double),
-        ("rest_height", ctypes.c_double),
+        ("rest_share", ctypes.c_double),
+        ("stalled_torque", ctypes.c_double),
         ("first_kick", ctypes.c_double),
         ("kick_growth", ctypes.c_double),
         ("largest_kick", ctypes.c_double),
@@ -209,7 +210,8 @@ def _settings(settings: SimulationSettings) -> _Settings:
     return _Settings(
         settings.speed_tolerance**2,
         settings.basin_share,
-        settings.rest_height,
+        settings.rest_share,
+        settings.stalled_torque,
         settings.first_kick,
         settings.kick_growth,
         settings.largest_kick,

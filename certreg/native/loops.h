@@ -11,7 +11,8 @@ enum { CERTREG_GO_ON /* out of steps */, CERTREG_CONVERGED, CERTREG_AT_REST, CER
 struct certreg_settings {
     double squared_tolerance; /* of the 18 rates of change */
     double basin_share;       /* of the barrier */
-    double rest_height;       /* of the range of energies, where the optimum is not unique */
+    double rest_share;        /* of the barrier: sin^2 of half the angle that rest allows */
+    double stalled_torque;    /* of the curvature: above, a body is not at a saddle */
     double first_kick;        /* radians */
     double kick_growth;
     double largest_kick;

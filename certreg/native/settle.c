@@ -93,19 +93,28 @@ static void turn(double q[4], double c, const double a[3])
     q[3] = c * z - y * a[0] + x * a[1] + w * a[2];
 }
 
-/* Whether a body may stop at a quaternion; CERTREG_KICKED if it has to be kicked off. */
+/* Whether a slow body may stop at a quaternion; CERTREG_KICKED if it may be at a saddle.
+ *
+ * sin^2 of half the angle to the optima is at most the height over the barrier. The height never
+ * rises: the exact motion stays as near. In the basin but not near it only needs more time. */
 static int ending(const double q[4], double rotational, const double basin[20],
                   const struct certreg_settings *settings)
 {
-    const double above = height(q, rotational, basin), barrier = basin[17], range = basin[19];
-    if (barrier > 0)
-        return above < settings->basin_share * barrier ? CERTREG_CONVERGED : CERTREG_KICKED;
-    if (range == 0 || above < settings->rest_height * range)
+    const double above = height(q, rotational, basin), *deficits = basin + 16;
+    int k = 1; /* of the first level that is not optimal */
+    while (k < 4 && deficits[k] == 0)
+        k++;
+    if (k == 4)
         return CERTREG_AT_REST;
-    return CERTREG_KICKED;
+    if (!(above < settings->basin_share * deficits[k]))
+        return CERTREG_KICKED;
+    if (!(above < settings->rest_share * deficits[k]))
+        return CERTREG_GO_ON;
+    return k == 1 ? CERTREG_CONVERGED : CERTREG_AT_REST;
 }
 
-/* The half-angle quaternion of a kick downhill along the direction of lowest curvature; 0 in a valley. */
+/* The half-angle quaternion of a kick downhill along the direction of lowest curvature; 0 in a valley,
+ * and where the springs turn the body away themselves. */
 static int kick_of(const double hessian[9], const double torque[3], double *angle,
                    const struct certreg_settings *settings, double *cosine, double sine[3])
 {
@@ -115,9 +124,12 @@ static int kick_of(const double hessian[9], const double torque[3], double *angl
         return 0;
     for (int i = 0; i < 9; i++)
         size = fmax(size, fabs(hessian[i]));
-    for (int i = 1; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
+        if (fabs(torque[i]) > settings->stalled_torque * size)
+            return 0;
         if (fabs(axis[i]) > fabs(axis[largest]))
             largest = i;
+    }
     double along = axis[0] * torque[0] + axis[1] * torque[1] + axis[2] * torque[2];
     if (fabs(along) <= NO_TORQUE * size)
         along = axis[largest];
