@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
     from certreg.moments import ExactMoments
 
+SMALLEST_BARRIER = 1e-280  # of l1 - l2: shares of it, times squares of small angles, are doubles
 SMALLEST_INERTIA = 1e-14  # of the clouds' spread: below, rounding is larger than J itself
 IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 AT_REST = (0.0,) * 6

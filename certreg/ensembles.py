@@ -21,11 +21,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dynamics import SMALLEST_INERTIA
+from certreg.dynamics import SMALLEST_BARRIER, SMALLEST_INERTIA
 from certreg.errors import DegenerateProblemError
 from certreg.instances import clouds, rest_poses
 from certreg.integration import integrate, step_parameters
 from certreg.native.batch import Batch, Ending, Integrator
+from certreg.problem import checked_damping
 from certreg.settings import DEFAULT_DAMPING, SimulationSettings
 from certreg.so3 import rotation_matrix
 
@@ -89,9 +90,11 @@ def ensemble(
     """The bodies of many problems, each released at rest where its source is.
 
     sources, targets: (count, N, 3), or (N, 3) for the same in all; weights: (count, N) or (N,),
-    not negative. Raises InvalidProblemError for other shapes and what is not finite,
-    DegenerateProblemError where a source is collinear: its dynamics is undefined.
+    not negative; damping: mu > 0. Raises InvalidProblemError for others and what is not finite,
+    DegenerateProblemError where a source is collinear: its dynamics is undefined, or where its
+    springs are too weak for doubles.
     """
+    damping = checked_damping(damping)
     found = rest_poses(clouds(sources, targets, weights))
     exponents = _length_exponents(found)
     units = found.exponents - exponents[:, np.newaxis]
@@ -102,7 +105,7 @@ def ensemble(
         bodies=np.hstack(
             [found.cross * unit, _inertias(found, units), np.full((count, 1), damping)]
         ),
-        basins=_basins(found.vectors, found.values * unit),
+        basins=_basins(found.vectors, found.values, unit),
         starts=np.hstack(
             [
                 np.ldexp(offsets, -exponents[:, np.newaxis]),
@@ -171,10 +174,18 @@ def _inertias(found: RestPoses, units: NDArray[np.integer[Any]]) -> NDArray[np.f
     )
 
 
-def _basins(vectors: NDArray[np.float64], values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _basins(
+    vectors: NDArray[np.float64], values: NDArray[np.float64], unit: NDArray[np.float64]
+) -> NDArray[np.float64]:
     """Eigenvectors and deficits of the Davenport matrices of C / M, (count, 20)."""
-    deficits = values[:, :1] - values
-    deficits[deficits < TIE * deficits[:, -1:]] = 0.0
+    differences = values[:, :1] - values
+    differences[differences < TIE * differences[:, -1:]] = 0.0
+    deficits = differences * unit
+    lost = ((differences > 0.0) & (deficits < SMALLEST_BARRIER)).any(axis=1)
+    if lost.any():
+        where = f"the clouds of instance {int(np.argmax(lost))}"
+        message = f"{where} differ too much in size for double precision: bring both to one unit"
+        raise DegenerateProblemError(message)
     return np.hstack([vectors.reshape(-1, 16), deficits])
 
 

@@ -88,13 +88,13 @@ class RegistrationProblem:
             read_only = value.view()
             read_only.flags.writeable = False
             object.__setattr__(self, name, read_only)
-        object.__setattr__(self, "damping", _positive(damping))
+        object.__setattr__(self, "damping", checked_damping(damping))
         object.__setattr__(self, "noise_given", sigma is not None)
 
     def damped(self, damping: float) -> RegistrationProblem:
         """The same problem with another damping mu > 0; raises InvalidProblemError for others."""
         other = copy.copy(self)
-        object.__setattr__(other, "damping", _positive(damping))
+        object.__setattr__(other, "damping", checked_damping(damping))
         return other
 
     @property
@@ -277,7 +277,8 @@ def finite_doubles(array: NDArray[Any], name: str) -> NDArray[np.float64]:
     return found
 
 
-def _positive(damping: Any) -> float:
+def checked_damping(damping: Any) -> float:
+    """A damping mu > 0 as a double; raises InvalidProblemError for what is none."""
     try:
         value = float(damping)
     except (TypeError, ValueError, OverflowError):

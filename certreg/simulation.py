@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics import AT_REST, Body, body, start_at_rest
+from certreg.dynamics import AT_REST, SMALLEST_BARRIER, Body, body, start_at_rest
 from certreg.equilibria.spectral import unit_double
 from certreg.equilibria.stability import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
@@ -166,7 +166,10 @@ def optimal_damping(found: Spectrum) -> float:
 
 
 def certified_basin(found: Spectrum, length_exponent: int) -> Basin:
-    """The basin that belongs to a spectrum, in the body's unit of length."""
+    """The basin that belongs to a spectrum, in the body's unit of length.
+
+    Raises DegenerateProblemError where doubles do not tell the optima from what is none.
+    """
     values = found.basis.values
     scale = found.moments.total_weight * (4**length_exponent if length_exponent >= 0 else 1)
     deficits = [(values[0] - value) * found.unit / scale for value in values]
@@ -174,9 +177,16 @@ def certified_basin(found: Spectrum, length_exponent: int) -> Basin:
         deficits = [deficit * 4**-length_exponent for deficit in deficits]
     for k in range(found.classification.pattern[0]):
         deficits[k] *= 0
+    rounded = np.array([float(deficit) for deficit in deficits])
+    if (rounded[found.classification.pattern[0] :] < SMALLEST_BARRIER).any():
+        message = (
+            "not every pose is optimal, but by less than double precision can tell: the clouds "
+            "differ so much in size, or are so nearly uncorrelated, that springs hardly turn the "
+            "body; bring both clouds to one unit of length"
+        )
+        raise DegenerateProblemError(message)
     return Basin(
-        quaternions=np.array([unit_double(v) for v in found.basis.vectors]),
-        deficits=np.array([float(deficit) for deficit in deficits]),
+        quaternions=np.array([unit_double(v) for v in found.basis.vectors]), deficits=rounded
     )
 
 

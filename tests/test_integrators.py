@@ -469,6 +469,23 @@ def test_what_is_no_ensemble_is_refused():
         ensemble(sources, points)
 
 
+@pytest.mark.parametrize("damping", [-1.0, 0.0, np.nan, np.inf, 1e-300, 1e300, "2", None, [1, 2]])
+def test_a_damping_that_is_none_is_refused_an_ensemble(damping):
+    with pytest.raises(InvalidProblemError, match=r"^damping is .*: it must be a positive finite"):
+        ensemble(AXES, AXES, damping=damping)
+
+
+@pytest.mark.parametrize("scale", [1e-290, 1e-300])
+def test_springs_too_weak_for_doubles_are_refused(scale):
+    """Their deficits would vanish, as where every pose is optimal."""
+    source, target = np.array(AXES) * 1e150, np.array(AXES) @ np.diag([1, -1, -1]) * scale
+    found = spectrum(exact_moments(RegistrationProblem(source, target)))
+    with pytest.raises(DegenerateProblemError, match="less than double precision can tell"):
+        simulate(found, 2.8)
+    with pytest.raises(DegenerateProblemError, match="instance 0 differ too much in size"):
+        ensemble(source, target)
+
+
 def test_too_stiff_an_ensemble_is_refused_to_euler():
     points = np.array(AXES)
     with pytest.raises(DegenerateProblemError, match="one unit of length"):
