@@ -10,7 +10,7 @@ import numpy as np
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.moments import moments_of_clouds
 from certreg.pose import Pose
-from certreg.problem import cloud_array, finite_doubles, real_numbers
+from certreg.problem import checked_threads, cloud_array, finite_doubles, real_numbers
 from certreg.settings import PassSettings
 from certreg.so3 import canonical, davenport_matrix, rotation_matrix
 
@@ -35,14 +35,15 @@ def register(
         mapped from files. weights: (N,), >= 0; None: all are one. threads: the pose is the same to
         the bit for every number of them.
 
-    Raises InvalidProblemError for arrays that are no clouds in correspondence, and
-    DegenerateProblemError where rounding may turn the pose by more than 1e-3 rad: above all where
-    the best rotation is not unique, as for points on one line.
+    Raises InvalidProblemError for arrays that are no clouds in correspondence or a number of
+    threads that is none, and DegenerateProblemError where rounding may turn the pose by more than
+    1e-3 rad: above all where the best rotation is not unique, as for points on one line.
 
     >>> pose = register([[0, 0, 0], [1, 0, 0], [0, 2, 0]], [[5, 0, 0], [5, 1, 0], [3, 0, 0]])
     >>> pose.translation.round(9)
     array([5., 0., 0.])
     """
+    threads = checked_threads(threads)
     x = _readable(cloud_array(source, "source"), "source")
     y = _readable(cloud_array(target, "target"), "target")
     if len(x) != len(y):

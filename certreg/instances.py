@@ -61,7 +61,7 @@ from certreg.errors import InvalidProblemError
 from certreg.moments import exact_moments
 from certreg.native.clouds import Clouds
 from certreg.native.engine import engine
-from certreg.problem import RegistrationProblem
+from certreg.problem import RegistrationProblem, checked_damping, checked_threads
 from certreg.settings import DEFAULT_DAMPING
 
 if TYPE_CHECKING:
@@ -140,10 +140,7 @@ def solve_many(
     Raises InvalidProblemError, which names the instance, for other shapes and values.
     """
     given = clouds(sources, targets, weights)
-    if not 0.0 < damping < np.inf:
-        raise InvalidProblemError(f"damping is {damping!r}: it must be a positive finite number")
-    if threads < 1:
-        raise InvalidProblemError(f"threads is {threads!r}: at least one is needed")
+    damping, threads = checked_damping(damping), checked_threads(threads)
     solutions = Solutions.empty(given.count, spectrum=spectrum)
 
     def solve(start: int) -> None:

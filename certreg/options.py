@@ -64,8 +64,10 @@ def pairing_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def _damping(context: click.Context, parameter: click.Parameter, value: Any) -> Any:
     """The number given for the damping, the word 'optimal', or None; anything else is bad usage."""
-    if value is None or value == OPTIMAL:
-        return value
+    if value is None:
+        return None
+    if value.lower() == OPTIMAL:
+        return OPTIMAL
     return float(click.FLOAT.convert(value, parameter, context))
 
 

@@ -10,6 +10,7 @@ import copy
 import hashlib
 import io
 import math
+import operator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -287,6 +288,17 @@ def checked_damping(damping: Any) -> float:
         message = f"damping is {damping!r}: it must be a positive finite number, 1e-150 to 1e150"
         raise InvalidProblemError(message)
     return value
+
+
+def checked_threads(threads: Any) -> int:
+    """A number of threads; raises InvalidProblemError for what is none."""
+    try:
+        count = operator.index(threads)
+    except TypeError:
+        count = 0
+    if isinstance(threads, bool) or count < 1:
+        raise InvalidProblemError(f"threads is {threads!r}: it must be a whole number, 1 or more")
+    return count
 
 
 def as_doubles(array: NDArray[Any]) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:

@@ -455,6 +455,7 @@ def test_what_is_not_finite_is_named(name, value, machine, monkeypatch):
         ({"damping": 0.0}, "damping is 0.0"),
         ({"damping": np.nan}, "damping is nan"),
         ({"threads": 0}, "threads is 0"),
+        ({"threads": "2"}, "threads is '2'"),
     ],
 )
 def test_what_states_no_problem_is_refused(change, words):

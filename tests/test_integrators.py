@@ -554,6 +554,7 @@ def test_the_command_takes_the_optimal_damping(data):
 
     assert best["converged"] is best["in_certified_basin"] is True
     assert best["predicted_rate"] >= usual["predicted_rate"] > light["predicted_rate"]
+    assert certreg("simulate", *clouds, "--damping", "OPTIMAL", "--json").document == best
     assert certreg("simulate", *clouds, "--damping", "best").code == 2
 
 

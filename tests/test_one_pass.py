@@ -371,6 +371,13 @@ def test_what_is_no_pair_of_clouds_is_refused(change, words):
         certreg.register(*change(*pair()))
 
 
+@pytest.mark.parametrize("points", [5, 5000])
+@pytest.mark.parametrize("threads", [0, -1, "2", 1.0, None, True])
+def test_a_number_of_threads_that_is_none_is_refused(threads, points):
+    with pytest.raises(InvalidProblemError, match=f"^threads is {threads!r}: it must be"):
+        certreg.register(*pair(points), threads=threads)
+
+
 def test_minus_zero_is_no_negative_weight():
     x, y, w = pair()
     w[3] = -0.0
