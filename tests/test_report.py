@@ -7,8 +7,10 @@ import gzip
 import hashlib
 import html
 import json
+import os
 import re
 import shutil
+import signal
 from html.parser import HTMLParser
 from importlib.resources import files
 from pathlib import Path
@@ -243,6 +245,34 @@ def test_what_does_not_belong_to_the_certificate_is_computed_anew(
     assert run.code == 0
     assert taken == [{"relaxation": True, "simulation": True}]
     assert (folder / "again.html").read_bytes() == first
+
+
+@pytest.mark.parametrize("name", ["result.json", "trajectory.npz"])
+def test_a_pipe_beside_the_certificate_is_not_waited_for(folder: Path, name: str):
+    first = (folder / "report.html").read_bytes()
+    (folder / name).unlink()
+    os.mkfifo(folder / name)
+    signal.alarm(60)  # ends the process instead of hanging it
+    try:
+        run = certreg("report", folder / "certificate.json")
+    finally:
+        signal.alarm(0)
+
+    assert run.code == 0
+    assert Outline((folder / "report.html").read_bytes()).scene == Outline(first).scene
+
+
+@pytest.mark.parametrize("link", [None, Path.symlink_to, Path.hardlink_to])
+def test_the_certificate_is_not_overwritten_by_its_report(folder: Path, link: Any):
+    file = folder / "certificate.json"
+    content, out = file.read_bytes(), file if link is None else folder / "out.html"
+    if link is not None:
+        link(out, file)
+    run = certreg("report", file, "--out", out)
+
+    assert (run.code, run.out) == (2, "")
+    assert re.fullmatch(r"certreg: [^\n]*is the certificate itself[^\n]*\n", run.err)
+    assert file.read_bytes() == out.read_bytes() == content
 
 
 def test_a_trajectory_of_other_data_is_not_shown(folder: Path, data: Path, tmp_path: Path):

@@ -156,12 +156,16 @@ def report(certificate: Path, *, out: Path | None) -> int:
     CERTIFICATE is checked first. The simulated motion is taken from the files that certify wrote
     beside it, if they belong to it, and computed anew otherwise.
     """
+    from certreg.errors import InvalidFileError
     from certreg.files import write_atomically
     from certreg.report.folder import REPORT
     from certreg.report.page import page
     from certreg.report.revisiting import report_of
 
     place = certificate.with_name(REPORT) if out is None else out
+    if place.exists() and certificate.exists() and place.samefile(certificate):
+        message = f"{printable(place)}: is the certificate itself: give another --out"
+        raise InvalidFileError(message)
     write_atomically(place, page(report_of(certificate)))
     click.echo(f"{printable(place)}: open it in a browser; it needs no network")
     return DONE

@@ -108,6 +108,8 @@ def _problem(fields: dict[str, Any], damping: float) -> RegistrationProblem:
 
 def _known(file: Path, digest: str) -> Known | None:
     """What a result of this problem says; None if there is none, or of another, or broken."""
+    if not file.is_file():  # to open a pipe would wait for whoever writes to it
+        return None
     try:
         with reading(file) as stream:
             text = stream.read(FileSettings().max_pose_bytes + 1)
@@ -130,6 +132,8 @@ def _known(file: Path, digest: str) -> Known | None:
 
 def _logged(file: Path, problem: RegistrationProblem) -> Record | None:
     """The trajectory of this problem under this damping; None if there is none, or broken."""
+    if not file.is_file():
+        return None
     try:
         record = read_record(file)
     except InvalidFileError:
