@@ -309,4 +309,7 @@ class ReportSettings:
     visible_energy: float = 1e-8  # of what a run loses: 1e-4 of the first displacement
     push: float = 0.02  # radians off a saddle: hardly seen, and soon on its way
     escape_steps: int = 20_000  # of explicit Euler; some five hundred are usual
+    weaker: float = (
+        1e3  # times the bounds that certreg proves: the page warns of such a certificate
+    )
     sample: int = 100_000  # points shown where the certificate does not hold them

@@ -247,6 +247,50 @@ def test_what_does_not_belong_to_the_certificate_is_computed_anew(
     assert (folder / "again.html").read_bytes() == first
 
 
+def weak_claims(document: dict[str, Any]) -> None:
+    """Claims of less, of the same proof."""
+    document["claims"] |= {"gap": [1, 61], "sin2_half_angle": [1, -2], "unstable": None}
+    document["claims"] |= {"basin": None, "sdp_gap": None}
+
+
+def weak_proof(document: dict[str, Any]) -> None:
+    """The pose where the source was given, and a gap that any pose has."""
+    weak_claims(document)
+    document["pose"] = [1, 0, 0, 0]
+    document["optimality"] = {"delta": [1, 60], "mu": [0, 0]}
+    document["claims"] |= {"sin2_half_angle": None, "unique": False}
+
+
+@pytest.mark.parametrize(
+    ("weaken", "angle"),
+    [
+        (weak_claims, "its rotation is within 60.1 degrees of the best one"),
+        (weak_proof, "of its angle to the best one, it proves nothing"),
+    ],
+)
+def test_no_more_is_said_to_be_proved_than_the_certificate_in_the_page_proves(
+    folder: Path, weaken: Any, angle: str
+):
+    file = folder / "certificate.json"
+    strong = re.sub(r"\s+", " ", Outline((folder / "report.html").read_bytes()).words)
+    document = json.loads(file.read_bytes())
+    weaken(document)
+    file.write_text(json.dumps(document))
+    assert certreg("report", file).code == 0
+    outline = Outline((folder / "report.html").read_bytes())
+    words = re.sub(r"\s+", " ", outline.words)
+
+    assert outline.certificate == file.read_bytes()
+    assert words.startswith(" Proved in part")
+    assert words.index("PROVED IN PART") < words.index(angle) < words.index("RMSE")
+    for claim in ("1.51e-26", "3.98e-18", "This is the global optimum", "growing modes: whatever"):
+        assert claim in strong
+        assert claim not in words
+    assert "by at most 2.31e+18" in words  # 2^61
+    assert "can end nowhere but at the optimum" not in words
+    assert "The best rotation is unique" in words  # by the pattern, which the checker decides
+
+
 @pytest.mark.parametrize("name", ["result.json", "trajectory.npz"])
 def test_a_pipe_beside_the_certificate_is_not_waited_for(folder: Path, name: str):
     first = (folder / "report.html").read_bytes()

@@ -18,7 +18,15 @@ from certreg.report.markup import (
     element,
     json_block,
 )
-from certreg.report.panel import NOT_CLAIMED, THEOREMS, Roads, Sentence, sentences
+from certreg.report.panel import (
+    NOT_CLAIMED,
+    THEOREMS,
+    WEAK,
+    Roads,
+    Sentence,
+    sentences,
+    weak_words,
+)
 from certreg.report.scene import Names, packed, sample_of, scene_document
 from certreg.report.summary import bounded, margin_words, number, verdict_words, warnings
 from certreg.verify import parse
@@ -47,7 +55,8 @@ INDEX_WORDS = "The index counts the independent turns that lower the energy: 0 o
 class Report:
     """What a page shows.
 
-    certificate: the bytes of the file that the page carries. verdict: the checker's, on these.
+    certificate: the bytes of the file that the page carries. verdict: the checker's, on these, and
+    the registration's bounds are those that it proves. weak: they are far from what can be proved.
     logged: the simulated motion, if there is one. documentation: where its pages lie, to link to.
     """
 
@@ -56,6 +65,7 @@ class Report:
     verdict: Verdict
     logged: Trajectory | Record | None
     roads: Roads
+    weak: bool = False
     documentation: str | None = None
 
     @classmethod
@@ -79,6 +89,14 @@ class Report:
         """The fields of the certificate."""
         return parse(self.certificate)
 
+    @property
+    def verdict_words(self) -> list[str]:
+        """What this certificate proves of the pose: a headline, then what else comes first."""
+        headline, *further = verdict_words(self.registration)
+        if self.weak:
+            return [WEAK, weak_words(self.registration), *further]
+        return [headline, *further]
+
 
 def page(report: Report) -> bytes:
     """The file's content, in UTF-8."""
@@ -91,7 +109,7 @@ def page(report: Report) -> bytes:
         element("meta", name="viewport", content="width=device-width, initial-scale=1"),
         element("meta", name="color-scheme", content="light dark"),
         element("meta", name="generator", content=f"certreg {__version__}"),
-        element("title", f"{_stamp(report.registration)}: {names.source} to {names.target}"),
+        element("title", f"{_stamp(report)}: {names.source} to {names.target}"),
         asset_block("style", style),
     )
     body = (
@@ -124,13 +142,13 @@ def _blocks(report: Report, claims: dict[str, Any], names: Names) -> Iterator[Ma
         yield data_block("sample", "text/plain", sample_of(problem))
 
 
-def _stamp(registration: Registration) -> str:
-    return verdict_words(registration)[0].partition(": ")[0].capitalize()
+def _stamp(report: Report) -> str:
+    return report.verdict_words[0].partition(": ")[0].capitalize()
 
 
 def _header(report: Report, names: Names) -> Markup:
     registration = report.registration
-    headline, *further = verdict_words(registration)
+    headline, *further = report.verdict_words
     stamp, _, said = headline.partition(": ")
     kind = "good" if stamp == "CERTIFIED" else "open"
     n, trap = registration.problem.n, trap_words(registration.equilibria)

@@ -34,6 +34,7 @@ NOT_CLAIMED = (
     "that the optimum is close to the truth: only that no pose fits these numbers better;",
     "where the points come from, nor what the certificate says under `about`: names and labels.",
 )
+WEAK = "PROVED IN PART: the certificate in this file proves less than can be proved."
 NAMES = {
     ComponentKind.POINT: "one pose",
     ComponentKind.CIRCLE: "a circle of poses",
@@ -75,10 +76,24 @@ def sentences(registration: Registration, claims: dict[str, Any], roads: Roads) 
     """What the page says is known; `claims` as `certreg.verify.parse` gives them, accepted."""
     return [
         *_optimality(registration),
-        *_equilibria(registration),
+        *_equilibria(registration, claims),
         *_motion(claims),
         *_numbers(registration, roads),
     ]
+
+
+def weak_words(registration: Registration) -> str:
+    """What a certificate proves that proves less than could be proved."""
+    bounds, degrees = registration.bounds, proved_degrees(registration)
+    gap = "an amount beyond doubles" if bounds is None else bounded(bounds.gap_upper)
+    angle = "of its angle to the best one, it proves nothing"
+    if degrees is not None:
+        angle = f"its rotation is within {degrees} degrees of the best one"
+    return (
+        f"Of the pose printed here it proves this: its objective exceeds the minimum by at most "
+        f"{gap}, and {angle}. The certificate that certreg certify writes for these points proves "
+        "more."
+    )
 
 
 def _optimality(registration: Registration) -> Iterator[Sentence]:
@@ -105,6 +120,13 @@ def _optimality(registration: Registration) -> Iterator[Sentence]:
             theorems=("optimality_certificate", "classification"),
         )
         return
+    if registration.equilibria.classification.unique:
+        yield Sentence(
+            words="The best rotation is unique. How far it is from the one printed is not bounded.",
+            guarantee=Guarantee.EXACT,
+            theorems=("classification",),
+        )
+        return
     kind = NAMES[registration.equilibria.components[0].kind]
     yield Sentence(
         words=f"The best rotation is not unique: the optima are {kind}, all exactly as good.",
@@ -113,7 +135,7 @@ def _optimality(registration: Registration) -> Iterator[Sentence]:
     )
 
 
-def _equilibria(registration: Registration) -> Iterator[Sentence]:
+def _equilibria(registration: Registration, claims: dict[str, Any]) -> Iterator[Sentence]:
     equilibria = registration.equilibria
     counted = count_words(equilibria).split(": ", 1)[1]
     listed = ", ".join(f"{NAMES[c.kind]} of index {c.morse_index}" for c in equilibria.components)
@@ -132,7 +154,7 @@ def _equilibria(registration: Registration) -> Iterator[Sentence]:
             guarantee=equilibria.guarantee,
             theorems=("classification",),
         )
-    elif len(unstable) > 1:
+    elif len(unstable) > 1 and claims["unstable"] is not None:
         counts = ", ".join(map(str, unstable))
         yield Sentence(
             words=(

@@ -1,22 +1,26 @@
 """The report of a certificate in a folder: what is proved is proved anew, what is slow is reused.
 
 The certificate is checked, and the registration computed again from the points in it: nothing shown
-as exact rests on another file. Only the roads that take long are taken from `result.json` and
-`trajectory.npz` beside it, where the digest says that they belong to it.
+as exact rests on another file. Of the pose no more is said to be proved than the certificate given
+proves, be it less than certreg would prove. Only the roads that take long are taken from
+`result.json` and `trajectory.npz` beside it, where the digest says that they belong to it.
 """
 
 from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds
 from certreg.certificate.checking import verify
-from certreg.certificate.types import ISOTROPIC
+from certreg.certificate.types import ISOTROPIC, Certificate, Claims
+from certreg.dyadic import Dyadic
 from certreg.errors import InvalidFileError, RefusedCertificateError
 from certreg.io.streams import reading
 from certreg.io.trajectories import read_record
@@ -26,13 +30,14 @@ from certreg.report.document import RESULT_SCHEMA
 from certreg.report.folder import RESULT, TRAJECTORY
 from certreg.report.page import Report
 from certreg.report.panel import Roads
-from certreg.settings import DEFAULT_DAMPING, FileSettings
+from certreg.settings import DEFAULT_DAMPING, FileSettings, ReportSettings
 from certreg.verify import FILE_MAX, RefusalError, bound_doubles, parse, shown
 
 if TYPE_CHECKING:
     import os
 
     from certreg.io.trajectories import Record
+    from certreg.pipeline import Registration
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,13 +78,55 @@ def report_of(certificate: str | os.PathLike[str]) -> Report:
             relaxation=known.relaxation,
             simulation=known.simulation if roads.simulation is None else roads.simulation,
         )
+    given = _bounds(fields, registration)
     return Report(
-        registration=registration,
+        registration=replace(registration, bounds=given, verdict=verdict),
         certificate=content,
         verdict=verdict,
+        weak=_weaker(given, registration.bounds),
         logged=logged or registration.solution.trajectory,
         roads=roads,
     )
+
+
+def _bounds(fields: dict[str, Any], registration: Registration) -> PoseBounds:
+    """What the certificate given proves of the pose that was computed anew."""
+    claims = Claims(
+        gap=_dyadic(fields["gap"]),
+        sin2_half_angle=None if (sin2 := fields["sin2_half_angle"]) is None else _dyadic(sin2),
+        unique=fields["unique"],
+        pattern=tuple(fields["pattern"]),
+        unstable=None,
+    )
+    certificate = Certificate(
+        n=fields["n"],
+        digest=fields["digest"],
+        data=None,
+        quaternion=tuple(fields["pose"]),
+        mu=_dyadic(fields["mu"]),
+        delta=_dyadic(fields["delta"]),
+        claims=claims,
+    )
+    pose = registration.pose
+    place = ExactPose.of_doubles(pose.quaternion_wxyz, pose.translation)
+    return pose_bounds(registration.solution.moments, certificate, place)
+
+
+def _dyadic(value: Fraction) -> Dyadic:
+    """A number of a certificate, whose denominator is a power of two."""
+    return Dyadic(mantissa=value.numerator, exponent=1 - value.denominator.bit_length())
+
+
+def _weaker(given: PoseBounds, proved: PoseBounds | None) -> bool:
+    """Whether a certificate proves far less of a pose than certreg does."""
+    if proved is None:
+        return False
+    factor = ReportSettings().weaker
+    if given.greatest_gap > Fraction(factor) * proved.greatest_gap:
+        return True
+    if proved.angle_upper is None:
+        return False
+    return given.angle_upper is None or given.angle_upper > factor * proved.angle_upper
 
 
 def _require_points(content: bytes, file: Path) -> None:

@@ -184,11 +184,11 @@ def _status_lines(registration: Registration) -> list[str]:
 
 
 def proved_degrees(registration: Registration) -> str | None:
-    """The proved bound on the angle to the optimum; None where there is not one optimum."""
-    if not registration.equilibria.classification.unique:
-        return None
+    """The proved bound on the angle to the optimum; None without one, or without one optimum."""
     bounds = registration.bounds
-    angle = 0.0 if bounds is None or bounds.angle_upper is None else bounds.angle_upper
+    angle = None if bounds is None else bounds.angle_upper
+    if angle is None or angle >= math.pi or not registration.equilibria.classification.unique:
+        return None
     return bounded(math.degrees(angle) * DEGREE_SLACK)
 
 
