@@ -312,4 +312,5 @@ class ReportSettings:
     weaker: float = (
         1e3  # times the bounds that certreg proves: the page warns of such a certificate
     )
+    energy_share: float = 1e-9  # by which a logged energy may differ from that of its state
     sample: int = 100_000  # points shown where the certificate does not hold them

@@ -35,6 +35,8 @@ from certreg.report.runs import escapes, shown_run
 from certreg.report.scene import Names
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from certreg.pipeline import Registration
 
 ROOT = Path(__file__).parents[1]
@@ -222,12 +224,21 @@ def break_json(folder: Path) -> None:
     (folder / "result.json").write_text("[" * 100_000)
 
 
+def break_angles(folder: Path) -> None:
+    text = (folder / "result.json").read_text()
+    spoiled = re.sub(r'"simulation_deg": [^,\n]+', '"simulation_deg": 181.0', text)
+    assert spoiled != text
+    (folder / "result.json").write_text(spoiled)
+
+
 def remove_all(folder: Path) -> None:
     (folder / "result.json").unlink()
     (folder / "trajectory.npz").unlink()
 
 
-@pytest.mark.parametrize("spoil", [break_digest, break_numbers, break_json, remove_all])
+@pytest.mark.parametrize(
+    "spoil", [break_digest, break_numbers, break_json, break_angles, remove_all]
+)
 def test_what_does_not_belong_to_the_certificate_is_computed_anew(
     folder: Path, monkeypatch: pytest.MonkeyPatch, spoil: Any
 ):
@@ -243,6 +254,7 @@ def test_what_does_not_belong_to_the_certificate_is_computed_anew(
     run = certreg("report", folder / "certificate.json", "--out", folder / "again.html")
 
     assert run.code == 0
+    assert ("result.json: is broken, or does not belong" in run.err) == (spoil is not remove_all)
     assert taken == [{"relaxation": True, "simulation": True}]
     assert (folder / "again.html").read_bytes() == first
 
@@ -317,6 +329,58 @@ def test_the_certificate_is_not_overwritten_by_its_report(folder: Path, link: An
     assert (run.code, run.out) == (2, "")
     assert re.fullmatch(r"certreg: [^\n]*is the certificate itself[^\n]*\n", run.err)
     assert file.read_bytes() == out.read_bytes() == content
+
+
+def spoiled_trajectories(whole: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+    """One array at a time, with what no simulation of these points gives."""
+    states, last = whole["states"], len(whole["times"]) - 1
+    turned = states.copy()
+    turned[:, 3:6], turned[:, 6:9] = states[:, 6:9], states[:, 3:6]
+    yield "states", np.full_like(states, 1e308)
+    yield "states", np.full_like(states, np.nan)
+    yield "states", np.zeros_like(states)
+    yield "states", turned  # reflections
+    yield "states", states * np.where(np.arange(18) < 3, 2.0, 1.0)
+    yield "states", states[::-1].copy()
+    yield "times", whole["times"] + 1.0
+    yield "times", whole["times"][::-1].copy()
+    yield "times", np.where(np.arange(last + 1) == last, 0.0, whole["times"])
+    yield "times", np.full_like(whole["times"], np.inf)
+    yield "potential", whole["potential"] * 1.001
+    yield "kinetic", whole["kinetic"] + 0.1
+    yield "kinetic", np.full_like(whole["kinetic"], 1e308)
+    yield "length_exponent", whole["length_exponent"] + 0.5
+    yield "length_exponent", whole["length_exponent"] + 3
+    yield "digest", whole["digest"] + 256.0
+    yield "digest", whole["digest"] + 0.25
+
+
+def test_a_broken_trajectory_is_computed_anew_with_a_note(folder: Path):
+    first = (folder / "report.html").read_bytes()
+    whole = dict(np.load(folder / "trajectory.npz"))
+    for name, values in spoiled_trajectories(whole):
+        np.savez(folder / "trajectory.npz", **whole | {name: values})
+        run = certreg("report", folder / "certificate.json")
+
+        assert run.code == 0, name
+        assert re.fullmatch(r"note: \S*trajectory.npz: is broken, or does not [^\n]*\n", run.err), (
+            name
+        )
+        assert (folder / "report.html").read_bytes() == first, name
+
+
+@pytest.mark.parametrize("integrator", ["midpoint", "splitting"])
+def test_a_sound_trajectory_of_another_integrator_is_taken(
+    folder: Path, data: Path, integrator: str
+):
+    clouds = [data / name for name in SURVEY]
+    out = ("--out", folder / "trajectory.npz")
+    assert certreg("simulate", *clouds, "--integrator", integrator, *out).code == 0
+    first = (folder / "report.html").read_bytes()
+    run = certreg("report", folder / "certificate.json")
+
+    assert (run.code, run.err) == (0, "")
+    assert (folder / "report.html").read_bytes() != first
 
 
 def test_a_trajectory_of_other_data_is_not_shown(folder: Path, data: Path, tmp_path: Path):

@@ -158,6 +158,7 @@ def report(certificate: Path, *, out: Path | None) -> int:
     """
     from certreg.errors import InvalidFileError
     from certreg.files import write_atomically
+    from certreg.progress import note
     from certreg.report.folder import REPORT
     from certreg.report.page import page
     from certreg.report.revisiting import report_of
@@ -166,6 +167,6 @@ def report(certificate: Path, *, out: Path | None) -> int:
     if place.exists() and certificate.exists() and place.samefile(certificate):
         message = f"{printable(place)}: is the certificate itself: give another --out"
         raise InvalidFileError(message)
-    write_atomically(place, page(report_of(certificate)))
+    write_atomically(place, page(report_of(certificate, note)))
     click.echo(f"{printable(place)}: open it in a browser; it needs no network")
     return DONE

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 ARRAYS = ("times", "states", "potential", "kinetic", "length_exponent", "damping", "digest")
 STATE = 18  # as in certreg.dynamics
+LARGEST_STATE = 1e150  # of a position or velocity, in the body's unit: its square is a double
+ORTHONORMAL = 1e-6  # of R^T R - I: what is integrated is projected at every step
 LARGEST_EXPONENT = 1100  # of a unit of length: doubles reach from 2^-1074 to 2^1024
 
 
@@ -82,8 +84,8 @@ def read_record(path: str | os.PathLike[str]) -> Record:
     shapes |= dict.fromkeys(("times", "potential", "kinetic"), (count,))
     shapes |= {"states": (count, STATE), "digest": (32,)}
     wrong = [name for name in ARRAYS if arrays[name].shape != shapes[name]]
-    if not wrong and not abs(float(arrays["length_exponent"])) <= LARGEST_EXPONENT:
-        wrong = ["length_exponent"]
+    if not wrong and count:
+        wrong = _unsound(arrays)
     if wrong or count == 0:
         what = f"'{(wrong or ARRAYS)[0]}' is not that of a trajectory"
         message = f"{shown(file)}: {what}: write it anew with certreg simulate --out"
@@ -95,5 +97,26 @@ def read_record(path: str | os.PathLike[str]) -> Record:
         kinetic=arrays["kinetic"],
         length_exponent=int(arrays["length_exponent"]),
         damping=float(arrays["damping"]),
-        digest="".join(f"{int(byte) & 255:02x}" for byte in arrays["digest"]),
+        digest=bytes(map(int, arrays["digest"])).hex(),
     )
+
+
+def _unsound(arrays: dict[str, NDArray[np.float64]]) -> list[str]:
+    """The names of arrays whose numbers, finite as they are, no simulation gives."""
+    times, states, exponent = (arrays[name] for name in ("times", "states", "length_exponent"))
+    digest, sizes = arrays["digest"], np.abs(states)
+    rotations = states[:, 3:12].reshape(-1, 3, 3)
+    sound = {
+        "times": times[0] == 0.0 and bool((np.diff(times) > 0.0).all()),
+        "states": bool((sizes <= LARGEST_STATE).all())
+        and bool((np.abs(_products(rotations) - np.eye(3)) <= ORTHONORMAL).all())
+        and bool((np.linalg.det(rotations) > 0.0).all()),
+        "length_exponent": exponent == np.rint(exponent) and abs(exponent) <= LARGEST_EXPONENT,
+        "digest": bool(((digest == np.rint(digest)) & (digest >= 0) & (digest < 256)).all()),
+    }
+    return [name for name, holds in sound.items() if not holds]
+
+
+def _products(rotations: NDArray[np.float64]) -> NDArray[np.float64]:
+    """R^T R of each."""
+    return np.einsum("lji,ljk->lik", rotations, rotations)

@@ -8,12 +8,13 @@ proves, be it less than certreg would prove. Only the roads that take long are t
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -21,23 +22,32 @@ from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds
 from certreg.certificate.checking import verify
 from certreg.certificate.types import ISOTROPIC, Certificate, Claims
 from certreg.dyadic import Dyadic
-from certreg.errors import InvalidFileError, RefusedCertificateError
+from certreg.dynamics import body, start_at_rest
+from certreg.errors import DegenerateProblemError, InvalidFileError, RefusedCertificateError
 from certreg.io.streams import reading
 from certreg.io.trajectories import read_record
+from certreg.moments import exact_moments
 from certreg.pipeline import certify
-from certreg.problem import MAX_DAMPING, MIN_DAMPING, RegistrationProblem
+from certreg.problem import MAX_DAMPING, MIN_DAMPING, RegistrationProblem, lift
 from certreg.report.document import RESULT_SCHEMA
 from certreg.report.folder import RESULT, TRAJECTORY
 from certreg.report.page import Report
 from certreg.report.panel import Roads
 from certreg.settings import DEFAULT_DAMPING, FileSettings, ReportSettings
+from certreg.so3 import quaternion_from_matrix
 from certreg.verify import FILE_MAX, RefusalError, bound_doubles, parse, shown
 
 if TYPE_CHECKING:
     import os
+    from collections.abc import Callable
 
     from certreg.io.trajectories import Record
+    from certreg.moments import ExactMoments
     from certreg.pipeline import Registration
+
+Found = TypeVar("Found")
+NOT_USED = "is broken, or does not belong to the certificate: computed anew"
+HALF_TURN = 180.0  # degrees: no angle between rotations is larger
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,9 +59,12 @@ class Known:
     simulation: float | None
 
 
-def report_of(certificate: str | os.PathLike[str]) -> Report:
+def report_of(
+    certificate: str | os.PathLike[str], noted: Callable[[str], None] | None = None
+) -> Report:
     """The report of a certificate of optimality that holds its points.
 
+    noted: called with a sentence on each file beside the certificate that could not be used.
     Raises InvalidFileError for other files, RefusedCertificateError where the checker refuses.
     """
     file = Path(certificate)
@@ -63,9 +76,11 @@ def report_of(certificate: str | os.PathLike[str]) -> Report:
         message = f"{shown(file)}: REFUSED: {verdict.words}: there is nothing to report"
         raise RefusedCertificateError(message, verdict=verdict)
     fields = parse(content)
-    known = _known(file.with_name(RESULT), fields["digest"])
+    known = _beside(file.with_name(RESULT), lambda beside: _known(beside, fields["digest"]), noted)
     problem = _problem(fields, DEFAULT_DAMPING if known is None else known.damping)
-    logged = None if known is None else _logged(file.with_name(TRAJECTORY), problem)
+    logged = None
+    if known is not None:
+        logged = _beside(file.with_name(TRAJECTORY), lambda beside: _logged(beside, problem), noted)
     registration = certify(
         problem,
         relaxation=known is None,
@@ -73,11 +88,9 @@ def report_of(certificate: str | os.PathLike[str]) -> Report:
     )
     roads = Roads.of(registration.solution.agreement)
     if known is not None:
-        roads = Roads(
-            closed_form=roads.closed_form,
-            relaxation=known.relaxation,
-            simulation=known.simulation if roads.simulation is None else roads.simulation,
-        )
+        roads = replace(roads, relaxation=known.relaxation)
+    if logged is not None:
+        roads = replace(roads, simulation=_end(registration, logged))
     given = _bounds(fields, registration)
     return Report(
         registration=replace(registration, bounds=given, verdict=verdict),
@@ -153,37 +166,76 @@ def _problem(fields: dict[str, Any], damping: float) -> RegistrationProblem:
     )
 
 
-def _known(file: Path, digest: str) -> Known | None:
-    """What a result of this problem says; None if there is none, or of another, or broken."""
-    if not file.is_file():  # to open a pipe would wait for whoever writes to it
+def _beside(
+    file: Path, read: Callable[[Path], Found], noted: Callable[[str], None] | None
+) -> Found | None:
+    """What a file beside the certificate holds; None, with a note, if it is not to be used."""
+    if not file.exists():
         return None
+    with contextlib.suppress(InvalidFileError):
+        if file.is_file():  # to open a pipe would wait for whoever writes to it
+            return read(file)
+    if noted is not None:
+        noted(f"{shown(file)}: {NOT_USED}")
+    return None
+
+
+def _known(file: Path, digest: str) -> Known:
+    """What a result of this problem says. Raises InvalidFileError if it is not sound."""
+    with reading(file) as stream:
+        text = stream.read(FileSettings().max_pose_bytes + 1)
     try:
-        with reading(file) as stream:
-            text = stream.read(FileSettings().max_pose_bytes + 1)
         document: Any = json.loads(text)
-        if (document["schema"], document["digest"]) != (RESULT_SCHEMA, digest):
-            return None
+        mine = (document["schema"], document["digest"]) == (RESULT_SCHEMA, digest)
         agreement = document["agreement"]
         known = Known(
             damping=document["damping"],
             relaxation=agreement["relaxation_deg"],
             simulation=agreement["simulation_deg"],
         )
-    except (InvalidFileError, ValueError, RecursionError, KeyError, TypeError):
-        return None
+    except (ValueError, RecursionError, KeyError, TypeError) as error:
+        raise InvalidFileError(f"{shown(file)}: {NOT_USED}") from error
     angles = [angle for angle in (known.relaxation, known.simulation) if angle is not None]
-    numbers = cast("list[Any]", [known.damping, *angles])
-    plain = all(isinstance(value, float) and math.isfinite(value) for value in numbers)
-    return known if plain and MIN_DAMPING <= known.damping <= MAX_DAMPING else None
+    damped = _within(known.damping, MIN_DAMPING, MAX_DAMPING)
+    if not (mine and damped and all(_within(angle, 0.0, HALF_TURN) for angle in angles)):
+        raise InvalidFileError(f"{shown(file)}: {NOT_USED}")
+    return known
 
 
-def _logged(file: Path, problem: RegistrationProblem) -> Record | None:
-    """The trajectory of this problem under this damping; None if there is none, or broken."""
-    if not file.is_file():
-        return None
-    try:
-        record = read_record(file)
-    except InvalidFileError:
-        return None
+def _within(value: object, least: float, most: float) -> bool:
+    return isinstance(value, float) and least <= value <= most
+
+
+def _logged(file: Path, problem: RegistrationProblem) -> Record:
+    """The trajectory of this problem under this damping. Raises InvalidFileError for others."""
+    record = read_record(file)
     mine = (record.digest, record.damping) == (problem.digest(), problem.damping)
-    return record if mine else None
+    if not (mine and _simulated(record, exact_moments(problem))):
+        raise InvalidFileError(f"{shown(file)}: {NOT_USED}")
+    return record
+
+
+def _simulated(record: Record, moments: ExactMoments) -> bool:
+    """Whether a motion begins where the source was given, with the energies of its states."""
+    try:
+        moving = body(moments, record.damping)
+    except DegenerateProblemError:
+        return False
+    if record.length_exponent != moving.length_exponent:
+        return False
+    share = ReportSettings().energy_share
+    start = start_at_rest(moments, moving.length_exponent)
+    energies = [moving.energies(state) for state in record.states]
+    pairs = (
+        (record.states[0], start),
+        (record.potential, np.array([energy.potential for energy in energies])),
+        (record.kinetic, np.array([energy.kinetic for energy in energies])),
+    )
+    least = max(1.0, moving.spread)
+    return all(bool((abs(a - b) <= share * (least + abs(b))).all()) for a, b in pairs)
+
+
+def _end(registration: Registration, logged: Record) -> float:
+    """Degrees from the last rotation of a motion to the nearest optimum."""
+    q = lift(quaternion_from_matrix(logged.states[-1, 3:12].reshape(3, 3))).integers
+    return math.degrees(registration.solution.spectrum.angle_to_optimum(q))
