@@ -312,5 +312,6 @@ class ReportSettings:
     weaker: float = (
         1e3  # times the bounds that certreg proves: the page warns of such a certificate
     )
+    same_rotation: float = 0.1  # degrees: roads to it end nearer; a run stops a little before
     energy_share: float = 1e-9  # by which a logged energy may differ from that of its state
     sample: int = 100_000  # points shown where the certificate does not hold them

@@ -30,7 +30,7 @@ from certreg.problem import RegistrationProblem
 from certreg.report import revisiting
 from certreg.report.markup import Markup, asset_block, data_block, element, json_block
 from certreg.report.page import Report, page
-from certreg.report.panel import THEOREMS
+from certreg.report.panel import THEOREMS, Roads, sentences
 from certreg.report.runs import escapes, shown_run
 from certreg.report.scene import Names
 
@@ -171,6 +171,25 @@ def test_what_is_not_unique_is_said_first(specimen):
         place = words.index(ambiguity.value[1:])
         assert place < words.index("RMSE")
         assert "The best rotation is not unique" in words
+
+
+@given(*[st.none() | st.floats(0.0, 180.0)] * 2)
+def test_a_road_that_ends_elsewhere_is_not_said_to_lead_here(
+    survey: Registration, relaxation: float | None, simulation: float | None
+):
+    angles = {"relaxation": relaxation, "simulation": simulation}
+    roads = Roads(closed_form=1e-9, **angles)
+    claims = Report.of(survey).claims
+    said = [one.words for one in sentences(survey, claims, roads) if "roads lead" in one.words]
+    agreeing, _, others = said[0].partition("°. ")
+
+    assert len(said) == 1
+    for name, angle in angles.items():
+        near = angle is not None and angle <= 0.1
+        assert (name in agreeing) == near
+        assert (f"{name} does not: it ended {angle:.3g}°" in others if angle else False) == (
+            angle is not None and not near
+        )
 
 
 def test_every_theorem_has_its_page_under_its_title():

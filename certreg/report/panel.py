@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from certreg.dyadic import double_above
 from certreg.report.summary import bounded, count_words, margin_words, proved_degrees
 from certreg.results import ComponentKind, Guarantee
+from certreg.settings import ReportSettings
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -198,18 +199,28 @@ def _numbers(registration: Registration, roads: Roads) -> Iterator[Sentence]:
         guarantee=Guarantee.NUMERICAL,
         theorems=("spectrum",),
     )
-    others = {
-        "the closed form": roads.closed_form,
-        "the semidefinite relaxation": roads.relaxation,
-        "the simulation": roads.simulation,
-    }
-    taken = [f"{name} to {angle:.1g}°" for name, angle in others.items() if angle is not None]
-    yield Sentence(
-        words=f"Independent roads lead to the same rotation: {', '.join(taken)}.",
-        guarantee=Guarantee.NUMERICAL,
-    )
+    yield Sentence(words=_roads_words(roads), guarantee=Guarantee.NUMERICAL)
     yield Sentence(
         words=f"The ambiguity margin is {margin_words(registration.equilibria)}.",
         guarantee=Guarantee.NUMERICAL,
         theorems=("classification",),
     )
+
+
+def _roads_words(roads: Roads) -> str:
+    """Which roads lead to the rotation that is printed, and which do not."""
+    angles = {
+        "the closed form": roads.closed_form,
+        "the semidefinite relaxation": roads.relaxation,
+        "the simulation": roads.simulation,
+    }
+    taken = {name: angle for name, angle in angles.items() if angle is not None}
+    apart = [name for name, angle in taken.items() if not angle <= ReportSettings().same_rotation]
+    told = [f"{name} to {angle:.1g}°" for name, angle in taken.items() if name not in apart]
+    words = [f"Independent roads lead to the same rotation: {', '.join(told)}."] if told else []
+    words += [
+        f"{name[0].upper()}{name[1:]} does not: it ended {taken[name]:.3g}° from it. "
+        "No proof rests on it."
+        for name in apart
+    ]
+    return " ".join(words)
