@@ -25,6 +25,27 @@ def write_atomically(path: str | os.PathLike[str], content: bytes | Iterable[byt
         stream.writelines([content] if isinstance(content, bytes) else content)
 
 
+def write_together(contents: dict[Path, bytes | Iterable[bytes]], obsolete: Iterable[Path]) -> None:
+    """Write files that belong together: all under temporary names, then rename, the first one last.
+
+    Before anything is renamed, the `obsolete` ones are removed, then what stands there. So when the
+    disk fills all is as it was, and when a renaming fails nothing is left of what was there before.
+    Raises InvalidFileError.
+    """
+    former = [*obsolete, *(Path(os.path.realpath(path)) for path in contents)]
+    for path in former:
+        if path.is_dir() and not path.is_symlink():
+            message = f"{path}: is a folder where a file is to be: move it, or choose another place"
+            raise InvalidFileError(message)
+    with contextlib.ExitStack() as stack:  # which renames in the opposite order
+        for path, content in contents.items():
+            stream = stack.enter_context(written_atomically(path))
+            stream.writelines([content] if isinstance(content, bytes) else content)
+            stream.flush()
+        for path in former:
+            path.unlink(missing_ok=True)
+
+
 @contextlib.contextmanager
 def written_atomically(path: str | os.PathLike[str]) -> Generator[BinaryIO]:
     """As `write_atomically`, for what is written bit by bit; nothing stands there if it fails."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import errno
 import gzip
 import hashlib
 import html
@@ -335,6 +336,76 @@ def test_a_pipe_beside_the_certificate_is_not_waited_for(folder: Path, name: str
 
     assert run.code == 0
     assert Outline((folder / "report.html").read_bytes()).scene == Outline(first).scene
+
+
+class Full:
+    """A file on a disk that is full after some bytes."""
+
+    def __init__(self, stream: Any, room: list[int]) -> None:
+        self.stream, self.room = stream, room
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.stream, name)
+
+    def __enter__(self) -> Any:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stream.close()
+
+    def writelines(self, parts: Any) -> None:
+        for part in parts:
+            self.room[0] -= len(part)
+            if self.room[0] < 0:
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            self.stream.write(part)
+
+
+@pytest.mark.parametrize("room", [0, 3_000, 10_000, 20_000])
+def test_a_full_disk_leaves_the_files_of_the_run_before(
+    folder: Path, data: Path, monkeypatch: pytest.MonkeyPatch, room: int
+):
+    def contents() -> dict[str, bytes]:
+        return {file.name: file.read_bytes() for file in folder.iterdir()}
+
+    real, before, left = os.fdopen, contents(), [room]
+    monkeypatch.setattr(os, "fdopen", lambda *args: Full(real(*args), left))
+    pair = (data / "abeta_2beg_model01.csv", data / "abeta_2beg_model02.csv")
+    run = certreg("certify", *pair, "--no-relaxation", "--out", folder)
+
+    assert (run.code, run.out) == (2, "")
+    assert str(folder) in run.err
+    assert "No space left" in run.err
+    assert contents() == before
+
+
+@pytest.mark.parametrize("broken", range(5))
+def test_a_failure_between_two_files_leaves_none_of_another_problem(
+    folder: Path, data: Path, monkeypatch: pytest.MonkeyPatch, broken: int
+):
+    def stands(file: Path) -> bytes | None:
+        return file.read_bytes() if file.exists() else None
+
+    names = [file.name for file in folder.iterdir()]
+    before = {name: stands(folder / name) for name in names}
+    count, real = [0], Path.replace
+
+    def fails(self: Path, target: Path) -> Path:
+        count[0] += 1
+        if count[0] == broken + 1:
+            raise OSError(errno.EIO, os.strerror(errno.EIO))
+        return real(self, target)
+
+    monkeypatch.setattr(Path, "replace", fails)
+    pair = (data / "abeta_2beg_model01.csv", data / "abeta_2beg_model02.csv")
+    run = certreg("certify", *pair, "--no-relaxation", "--out", folder)
+
+    assert (run.code, run.out) == (2, "")
+    assert str(folder) in run.err
+    assert not (folder / "certificate.json").exists()
+    assert all(stands(folder / name) != before[name] for name in names)
+    assert sum((folder / name).exists() for name in names) == broken
+    assert not list(folder.glob(".*"))
 
 
 @pytest.mark.parametrize("link", [None, Path.symlink_to, Path.hardlink_to])

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError
-from certreg.files import write_atomically
+from certreg.files import write_together
 from certreg.io.trajectories import Record
 from certreg.report.document import dumps, result_document
 from certreg.report.page import Report, page
@@ -24,7 +24,8 @@ TRAJECTORY, REPORT = "trajectory.npz", "report.html"
 def write_folder(registration: Registration, folder: str | os.PathLike[str]) -> Path | None:
     """Write the files of a registration; the path of the certificate, None if there is none.
 
-    Each file is written under a temporary name and renamed. Raises InvalidFileError.
+    All are written under temporary names first. So a failure leaves the files of an earlier run as
+    they were, or none of them: files of two problems never stand together. Raises InvalidFileError.
     """
     place = Path(folder)
     try:
@@ -45,9 +46,13 @@ def write_folder(registration: Registration, folder: str | os.PathLike[str]) -> 
     if registration.certificate is not None:
         contents[CERTIFICATE] = registration.certificate.to_json()
         contents[REPORT] = page(Report.of(registration))
-    for name in (CERTIFICATE, RESULT, POSE, TRAJECTORY, REPORT):
-        if name in contents:
-            write_atomically(place / name, contents[name])
-        else:  # one of an earlier run must not stand beside results that it does not belong to
-            (place / name).unlink(missing_ok=True)
+    names = (CERTIFICATE, RESULT, POSE, TRAJECTORY, REPORT)
+    try:
+        write_together(
+            {place / name: contents[name] for name in names if name in contents},
+            obsolete=[place / name for name in names if name not in contents],
+        )
+    except InvalidFileError as error:
+        message = f"{place}: the files of this registration could not be written there: {error}"
+        raise InvalidFileError(message) from error
     return path
