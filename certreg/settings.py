@@ -314,4 +314,5 @@ class ReportSettings:
     )
     same_rotation: float = 0.1  # degrees: roads to it end nearer; a run stops a little before
     energy_share: float = 1e-9  # by which a logged energy may differ from that of its state
-    sample: int = 100_000  # points shown where the certificate does not hold them
+    embedded_bytes: int = 8 << 20  # of a certificate in its page; a larger one is named there
+    sample: int = 100_000  # points shown where the page holds no certificate with them

@@ -38,7 +38,8 @@ io.streams io.labels io.xyz io.text io.lzf
 io.npy io.npz io.ply_rows io.ply io.pcd io.pairs io.clouds io.poses io.trajectories demo
 embedding derivation
 report.markup report.roads report.document report.summary report.claims
-report.captions report.panel report.runs report.scene report.page report.folder report.revisiting
+report.captions report.panel report.runs report.scene report.stage report.page
+report.folder report.revisiting
 campaign.manifest campaign.folder campaign.shards campaign.workers campaign.calls campaign.running
 campaign.table campaign.listing campaign.pairs campaign.montecarlo
 experiments.particles experiments.scheme experiments.comparisons

@@ -12,6 +12,7 @@ import os
 import re
 import shutil
 import signal
+from functools import partial
 from html.parser import HTMLParser
 from importlib.resources import files
 from pathlib import Path
@@ -34,6 +35,7 @@ from certreg.report.page import Report, page
 from certreg.report.panel import THEOREMS, Roads, sentences
 from certreg.report.runs import escapes, shown_run
 from certreg.report.scene import Names
+from certreg.settings import ReportSettings
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -595,6 +597,28 @@ def test_ten_thousand_points_make_a_file_of_at_most_a_megabyte_and_a_half():
 
     assert len(made) <= 1_500_000
     assert Outline(made).certificate == checked(registration.certificate).to_json()
+
+
+def test_a_large_certificate_is_named_in_the_page_and_not_carried(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+):
+    content = (folder / "certificate.json").read_bytes()
+    size = len(content) - 1
+    monkeypatch.setattr(
+        "certreg.report.page.ReportSettings", partial(ReportSettings, embedded_bytes=size)
+    )
+    (folder / "certificate.json").rename(folder / "my.json")
+    assert certreg("report", folder / "my.json").code == 0
+    made = (folder / "report.html").read_bytes()
+    outline = Outline(made)
+
+    assert "certificate" not in outline.blocks
+    assert len(base64.b64decode(outline.blocks["sample"])) == 7 * 8 * 4
+    assert b'id="save"' not in made
+    assert "too large for a page" in outline.words
+    assert hashlib.sha256(content).hexdigest() in outline.words
+    assert "certreg verify my.json" in outline.words
+    assert ReportSettings().embedded_bytes == 8 << 20
 
 
 def test_three_js_comes_with_its_licence():

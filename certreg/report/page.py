@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import base64
 import hashlib
-import math
+import shlex
 from dataclasses import dataclass
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from certreg import __version__
-from certreg.report.captions import component_name, factor_words, motion_words, trap_words
+from certreg.report.captions import motion_words, trap_words
 from certreg.report.markup import (
     Markup,
     asset_block,
     data_block,
     element,
     json_block,
+    printable,
 )
 from certreg.report.panel import (
     NOT_CLAIMED,
@@ -28,7 +29,9 @@ from certreg.report.panel import (
     weak_words,
 )
 from certreg.report.scene import Names, packed, sample_of, scene_document
+from certreg.report.stage import stage
 from certreg.report.summary import bounded, margin_words, number, verdict_words, warnings
+from certreg.settings import ReportSettings
 from certreg.verify import parse
 
 if TYPE_CHECKING:
@@ -40,22 +43,18 @@ if TYPE_CHECKING:
     from certreg.simulation import Trajectory
 
 ASSETS = files("certreg.report") / "assets"
-SPRINGS_WORDS = (
-    "Each pair is joined by a spring, and the source moves as one rigid body, with friction, until "
-    "it rests. Where it can rest is known completely."
-)
 GUARANTEE_WORDS = (
     "Exact: integer arithmetic and a theorem. Numerical: computed with rounding that nobody has "
     "bounded. Each theorem has a page in the documentation; certreg derive NAME proves it anew."
 )
-INDEX_WORDS = "The index counts the independent turns that lower the energy: 0 only at the best."
+CHECKERS = ("certreg verify", "python3 -I -S verify.py")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Report:
     """What a page shows.
 
-    certificate: the bytes of the file that the page carries. verdict: the checker's, on these, and
+    certificate: the bytes of the file, name: what it is called. verdict: the checker's, on these;
     the registration's bounds are those that it proves. weak: they are far from what can be proved.
     logged: the simulated motion, if there is one. documentation: where its pages lie, to link to.
     """
@@ -65,6 +64,7 @@ class Report:
     verdict: Verdict
     logged: Trajectory | Record | None
     roads: Roads
+    name: str = "certificate.json"
     weak: bool = False
     documentation: str | None = None
 
@@ -88,6 +88,11 @@ class Report:
     def claims(self) -> dict[str, Any]:
         """The fields of the certificate."""
         return parse(self.certificate)
+
+    @property
+    def embedded(self) -> bool:
+        """Whether the page carries the certificate; a large one it only names."""
+        return len(self.certificate) <= ReportSettings().embedded_bytes
 
     @property
     def verdict_words(self) -> list[str]:
@@ -137,8 +142,9 @@ def _blocks(report: Report, claims: dict[str, Any], names: Names) -> Iterator[Ma
     problem = report.registration.problem
     document = scene_document(report.registration, report.logged, names)
     yield json_block("scene", document)
-    yield data_block("certificate", "text/plain", packed(report.certificate))
-    if claims["data"] is None:
+    if report.embedded:
+        yield data_block("certificate", "text/plain", packed(report.certificate))
+    if claims["data"] is None or not report.embedded:
         yield data_block("sample", "text/plain", sample_of(problem))
 
 
@@ -202,7 +208,7 @@ def _split(words: str) -> tuple[str, str]:
 
 
 def _sections(report: Report, claims: dict[str, Any]) -> Iterator[Markup]:
-    yield _section("see", "See it", _stage(report.registration))
+    yield _section("see", "See it", stage(report.registration))
     yield _section("charts", "In numbers", *_charts())
     known = sentences(report.registration, claims, report.roads)
     yield _section(
@@ -220,104 +226,6 @@ def _sections(report: Report, claims: dict[str, Any]) -> Iterator[Markup]:
 def _section(name: str, title: str, *content: Markup) -> Markup:
     heading = element("h2", title, id=f"{name}-title")
     return element("section", heading, *content, id=name, aria_labelledby=f"{name}-title")
-
-
-def _stage(registration: Registration) -> Markup:
-    equilibria = registration.equilibria
-    rests = [_rest(registration, i) for i in range(len(equilibria.components))]
-    film = element(
-        "div",
-        element("div", _view(), _bar(), class_="film"),
-        element("p", id="caption", role="status"),
-        element("button", "Push it", id="push", type="button", hidden=True),
-        element("div", id="along"),
-    )
-    choices = element(
-        "div",
-        element(
-            "div",
-            element("h3", "Watch the registration"),
-            _button("From the start", "the source as it was given, released", id="released"),
-            id="watch",
-        ),
-        element("h3", "Every pose at which it can rest"),
-        element("div", *rests, class_="rests", role="group", aria_label="Poses at rest"),
-        element("p", INDEX_WORDS, class_="note"),
-        class_="choices",
-    )
-    silent = element("noscript", element("p", "The pictures need JavaScript; the words do not."))
-    return element(
-        "div",
-        element("p", SPRINGS_WORDS, class_="note"),
-        silent,
-        element("div", film, choices, class_="stage"),
-    )
-
-
-def _view() -> Markup:
-    zooms = (("+", "Closer"), ("−", "Farther"), ("⟲", "As at first"))
-    return element(
-        "div",
-        element(
-            "canvas",
-            id="view",
-            tabindex=0,
-            role="img",
-            aria_label="The two clouds in space. Arrow keys turn, + and - zoom, Home resets, "
-            "space plays.",
-        ),
-        element("div", id="tags", aria_hidden="true"),
-        element("p", id="view-note", role="status"),
-        element("p", id="legend", aria_hidden="true"),
-        element(
-            "div",
-            *(
-                element("button", sign, type="button", title=words, aria_label=words)
-                for sign, words in zooms
-            ),
-            id="zoom",
-        ),
-        class_="view",
-    )
-
-
-def _bar() -> Markup:
-    return element(
-        "div",
-        element("button", "Play", id="play", type="button"),
-        element("label", "Time", for_="time", class_="unseen"),
-        element("input", id="time", type="range", min=0, max=1000, value=0, step="any"),
-        element("output", id="clock", for_="time"),
-        class_="bar",
-    )
-
-
-def _rest(registration: Registration, index: int) -> Markup:
-    equilibria = registration.equilibria
-    component = equilibria.components[index]
-    away = math.degrees(component.angle_to_optimum)
-    fit = [f"RMSE {number(component.rmse)}"]
-    if not component.optimal:
-        fit += filter(None, [factor_words(equilibria, index), f"{away:.4g}° from the optimum"])
-    return _button(
-        component_name(equilibria, index),
-        *fit,
-        badge=f"index {component.morse_index}",
-        class_="rest best" if component.optimal else "rest wrong",
-        data_component=index,
-    )
-
-
-def _button(name: str, *notes: str, badge: str = "", **attributes: str | int) -> Markup:
-    return element(
-        "button",
-        element("span", name, class_="name"),
-        element("span", badge, class_="badge"),
-        *(element("span", note, class_="note") for note in notes),
-        type="button",
-        aria_pressed="false",
-        **attributes,
-    )
 
 
 def _charts() -> Iterator[Markup]:
@@ -347,7 +255,7 @@ def _theorem(name: str, documentation: str | None) -> Markup:
     return element("span", f"{title} (", element("code", name), ")")
 
 
-def _check(report: Report) -> Iterator[Markup]:
+def _embedded() -> Iterator[Markup]:
     yield element(
         "p",
         "The certificate is in this file. Save it, and let it be checked in exact integer "
@@ -358,8 +266,28 @@ def _check(report: Report) -> Iterator[Markup]:
         element("button", "Save certificate.json", id="save", type="button"),
         element("span", id="saved", role="status"),
     )
-    commands = "certreg verify certificate.json\npython3 -I -S verify.py certificate.json"
-    yield element("pre", element("code", commands))
+
+
+def _named(report: Report) -> Iterator[Markup]:
+    size, limit = (
+        count / 2**20 for count in (len(report.certificate), ReportSettings().embedded_bytes)
+    )
+    yield element(
+        "p",
+        f"The certificate is too large for a page: {size:.1f} MiB, more than {limit:.0f}. It is "
+        "the file ",
+        element("bdi", printable(report.name)),
+        " that was written or given with this page, and has the SHA-256 below. Let it be checked "
+        "in exact integer arithmetic, with certreg or with nothing but Python:",
+    )
+    digest = hashlib.sha256(report.certificate).hexdigest()
+    yield element("p", "SHA-256 of the certificate: ", element("code", digest, id="file-digest"))
+
+
+def _check(report: Report) -> Iterator[Markup]:
+    name = "certificate.json" if report.embedded else shlex.quote(printable(report.name))
+    yield from _embedded() if report.embedded else _named(report)
+    yield element("pre", element("code", "\n".join(f"{c} {name}" for c in CHECKERS)))
     digest = report.registration.problem.digest()
     yield element("p", "SHA-256 of the points and weights: ", element("code", digest, id="digest"))
     lines = "\n".join((*report.verdict.theorems, "VERIFIED"))

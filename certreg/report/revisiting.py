@@ -96,6 +96,7 @@ def report_of(
         registration=replace(registration, bounds=given, verdict=verdict),
         certificate=content,
         verdict=verdict,
+        name=file.name,
         weak=_weaker(given, registration.bounds),
         logged=logged or registration.solution.trajectory,
         roads=roads,

@@ -101,7 +101,7 @@ def scene_document(
 
 
 def sample_of(problem: RegistrationProblem) -> str:
-    """Evenly chosen pairs, for the page of a certificate that does not hold its points."""
+    """Evenly chosen pairs, for a page that does not hold all points."""
     step = -(-problem.n // ReportSettings().sample)
     rows = slice(None, None, step)
     parts = (problem.source[rows], problem.target[rows], problem.weights[rows])

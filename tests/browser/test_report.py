@@ -20,6 +20,7 @@ from certreg.certificate import producing
 from certreg.demo import STORIES, tell
 from certreg.pipeline import certify
 from certreg.problem import RegistrationProblem
+from certreg.report import page as page_module
 from certreg.report import scene
 from certreg.report.page import Report
 from certreg.report.page import page as page_of
@@ -485,8 +486,23 @@ def test_points_that_the_certificate_does_not_hold_are_shown_as_a_sample(
     registration = certify(problem_of(101), relaxation=False)
     report = shown(registration)
 
-    assert "does not hold its 101 points: an even sample is shown" in report.inner_text(
+    assert "does not hold all 101 points: an even sample is shown" in report.inner_text(
         "#view-note"
     )
     assert report.rmse == pytest.approx(registration.rmse, rel=0.5)
+    assert report.faults == []
+
+
+def test_a_certificate_too_large_for_its_page_is_left_out_of_it(shown, monkeypatch):
+    monkeypatch.setattr(
+        page_module, "ReportSettings", functools.partial(ReportSettings, embedded_bytes=9)
+    )
+    problem = problem_of(40)
+    registration = certify(problem, relaxation=False)
+    report = shown(registration)
+
+    assert report.locator("#save").count() == 0
+    assert "too large for a page" in report.inner_text("#check")
+    assert "sample's RMSE" in report.inner_text("#clock")
+    assert report.rmse == pytest.approx(registration.rmse, rel=1e-6)
     assert report.faults == []

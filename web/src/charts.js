@@ -158,7 +158,7 @@ function alike(values, distance) {
 }
 
 /** The largest distances of pairs, as a list of bars. */
-export function drawResiduals(place, clouds, labels, rmse) {
+export function drawResiduals(place, clouds, { labels, rmse, sampled }) {
   const rows = clouds.worst(8);
   const most = clouds.distances[rows[0]] || 1;
   const list = document.createElement("ol");
@@ -166,7 +166,7 @@ export function drawResiduals(place, clouds, labels, rmse) {
   for (const row of rows) {
     const entry = document.createElement("li");
     const name = document.createElement("bdi");
-    name.textContent = labels ? labels[row] : `row ${row}`;
+    name.textContent = labels && !sampled ? labels[row] : `${sampled ? "sample" : "row"} ${row}`;
     name.title = name.textContent;
     const bar = document.createElement("span");
     bar.className = "bar-line";
@@ -182,7 +182,7 @@ export function drawResiduals(place, clouds, labels, rmse) {
   const key = document.createElement("p");
   key.className = "key";
   const others = clouds.n - rows.length;
-  key.textContent = `RMSE of all ${clouds.n}: ${figure(rmse, 7)}${others > 0 ? `; ${others} more are smaller` : ""}.`;
+  key.textContent = `RMSE of all ${clouds.n}${sampled ? " in the sample" : ""}: ${figure(rmse, 7)}${others > 0 ? `; ${others} more are smaller` : ""}.`;
   place.replaceChildren(list, key);
 }
 

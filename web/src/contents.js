@@ -1,4 +1,4 @@
-// What the file carries: the certificate, byte by byte, and in it the points.
+// What the file carries: the certificate, byte by byte, and in it the points; or a sample of them.
 
 const HEAD = 26; // "certreg-problem/1", a zero, n in eight bytes: the doubles begin here
 
@@ -7,14 +7,16 @@ export function sceneDocument() {
   return JSON.parse(document.getElementById("scene").textContent);
 }
 
-/** The bytes of the certificate's file, as they were. */
+/** The bytes of the certificate's file, as they were; null where it is too large for a page. */
 export async function certificateBytes() {
-  const packed = bytesOf(document.getElementById("certificate").textContent);
+  const block = document.getElementById("certificate");
+  if (!block) return null;
+  const packed = bytesOf(block.textContent);
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/** The bytes of the points: of the certificate or, where it holds none, of the sample beside it. */
+/** The bytes of the points: of the certificate, or of the sample that stands for it. */
 export function pointBytes(certificate) {
   const sample = document.getElementById("sample");
   if (sample) return { bytes: bytesOf(sample.textContent), sampled: true };

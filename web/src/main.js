@@ -122,10 +122,10 @@ function motionWords({ run, components }) {
   return `Pushed off the ${name} (index ${components[run.start].index}) by a turn of 1°, it leaves. ${end}`;
 }
 
-function clock({ run, time }, rmse) {
+function clock({ run, time }, rmse, sampled) {
   part("time").value = run ? (1000 * time) / (run.end || 1) : 0;
   const words = run ? `t = ${time.toFixed(2)} · ` : "";
-  part("clock").textContent = `${words}RMSE ${figure(rmse, 7)}`;
+  part("clock").textContent = `${words}${sampled ? "sample's " : ""}RMSE ${figure(rmse, 7)}`;
 }
 
 function saving(bytes) {
@@ -142,7 +142,7 @@ function saving(bytes) {
 async function main() {
   const scene = sceneDocument();
   const certificate = await certificateBytes();
-  saving(certificate);
+  if (certificate) saving(certificate);
   const { bytes, sampled } = pointBytes(certificate);
   const clouds = new Clouds(bytes);
   const runs = scene.runs.map((fields) => new Run(fields, clouds.length));
@@ -176,8 +176,8 @@ async function main() {
     frames += 1;
     if (moved && clouds.n > MANY && frames % 4) return;
     const rmse = clouds.measure(matrix(quaternion), offset);
-    clock(player, rmse);
-    drawResiduals(chart("residuals"), clouds, sampled ? null : scene.labels, rmse);
+    clock(player, rmse, sampled);
+    drawResiduals(chart("residuals"), clouds, { labels: scene.labels, rmse, sampled });
   };
   player.listen(show);
   wire(player, scene);
@@ -220,7 +220,7 @@ function legend(stage, clouds, scene, sampled) {
     part("legend").append(entry);
   }
   const words = [];
-  if (sampled) words.push(`The certificate does not hold its ${scene.n} points: an even sample is shown.`);
+  if (sampled) words.push(`This page does not hold all ${scene.n} points: an even sample is shown.`);
   if (stage && stage.shown < clouds.n) words.push(`${stage.shown} of ${scene.n} points are drawn.`);
   if (stage && stage.ends.length < clouds.n) {
     words.push(`${stage.ends.length} of ${clouds.n} springs are drawn; all of them count.`);
