@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from certreg.problem import RegistrationProblem
 
 
+GOOD = (PoseVerdict.OPTIMAL, PoseVerdict.NEAR_OPTIMAL)
 UNNOTED_DEFECT = 1e-12  # |R^T R - I| of a matrix of doubles: its own rounding
 UNNOTED_SHIFT = Fraction(1, 10**9)  # of the clouds' size
 
@@ -41,7 +42,7 @@ class Assessment:
     gap_lower, gap_upper: proved bounds on objective - minimum; None where it is no rotation.
     angle_to_optimum: radians, to the nearest optimum.
     nearest_index, nearest_angle: Morse index of the nearest component of equilibria; radians.
-    words: the verdict in one or two sentences.
+    words: the verdict in one or two sentences. hint: the mistake that explains it, if any.
     """
 
     verdict: PoseVerdict
@@ -53,6 +54,7 @@ class Assessment:
     angle_to_optimum: float | None = None
     nearest_index: int | None = None
     nearest_angle: float | None = None
+    hint: str | None = None
 
 
 def assess(
@@ -78,12 +80,36 @@ def assess(
         return Assessment(verdict=PoseVerdict.NOT_A_ROTATION, words=fault)
     registration = certify(problem, relaxation=False, simulation=False)
     if shape == (4,):
-        facts = _findings(registration, ExactPose.of_doubles(turn, shift))
+        pose = ExactPose.of_doubles(turn, shift)
     else:
-        facts = _findings(registration, _nearest_pose(registration.solution.moments, turn, shift))
+        pose = _nearest_pose(registration.solution.moments, turn, shift)
+    facts = _findings(registration, pose)
     found = _described(facts, _verdict(facts, settings))
     note = _projection_note(turn) if shape == (3, 3) else ""
-    return replace(found, words=found.words + note)
+    hint = None if found.verdict in GOOD else _hint(registration, pose, settings)
+    return replace(found, words=found.words + note, hint=hint)
+
+
+def _hint(registration: Registration, pose: ExactPose, settings: AssessmentSettings) -> str | None:
+    """What to try where the inverse of a pose is (nearly) right, the usual mistake."""
+    verdict = _verdict(_findings(registration, _inverse(pose)), settings)
+    if verdict not in GOOD:
+        return None
+    return f"Its inverse is {verdict.value}: this pose takes the target to the source."
+
+
+def _inverse(pose: ExactPose) -> ExactPose:
+    """The pose x = R^T (y - t)."""
+    w, *axial = pose.quaternion
+    q = (w, *(-entry for entry in axial))
+    norm = squared_norm(q)
+    shift = [
+        -sum(
+            (Fraction(a, norm) * t for a, t in zip(row, pose.translation, strict=True)), Fraction(0)
+        )
+        for row in rotation_matrix(q)
+    ]
+    return ExactPose(quaternion=q, translation=tuple(shift))
 
 
 def _nearest_pose(

@@ -935,6 +935,16 @@ def test_an_angle_is_not_rounded_to_half_a_turn_that_it_is_not(
     assert f"{told} degrees away" in run.out
 
 
+def test_an_inverse_pose_is_told_as_such(data: Path, tmp_path: Path):
+    R, t = scipy_pose(read_problem(*SURVEY.paths(data))[0])
+    _, right, _ = assess(data, SURVEY, homogeneous(R, t), tmp_path)
+    _, wrong, told = assess(data, SURVEY, homogeneous(R.T, -R.T @ t), tmp_path)
+
+    assert right["hint"] is None
+    assert wrong["hint"].startswith("Its inverse is optimal")
+    assert wrong["hint"] in told
+
+
 def test_what_is_no_rotation_is_called_so(data: Path, tmp_path: Path):
     problem, _ = read_problem(*SURVEY.paths(data))
     R, t = scipy_pose(problem)

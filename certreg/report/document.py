@@ -128,11 +128,14 @@ def assessment_document(assessment: Assessment) -> Document:
         "nearest": nearest,
         "verdict": assessment.verdict.value,
         "words": assessment.words,
+        "hint": assessment.hint,
     }
     reason = assessment.words if nearest is None else OUT_OF_RANGE
     document["reasons"] = {key: reason for key, value in document.items() if value is None}
     if nearest is not None and assessment.gap_lower is None:
         document["reasons"] |= dict.fromkeys(("gap_lower", "gap_upper"), "not certified")
+    if assessment.hint is None:
+        document["reasons"]["hint"] = "no usual mistake explains the verdict"
     return document
 
 

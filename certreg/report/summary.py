@@ -129,6 +129,8 @@ def margin_words(equilibria: EquilibriumSet) -> str:
 def assessment_summary(assessment: Assessment) -> str:
     """The result of `assess`, readable."""
     lines = [f"{assessment.verdict.value.upper()}. {assessment.words}"]
+    if assessment.hint is not None:
+        lines[0] += f"\n{assessment.hint}"
     if assessment.nearest_index is None:
         return lines[0]
     away = math.degrees(assessment.angle_to_optimum or 0.0)
