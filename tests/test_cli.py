@@ -935,6 +935,13 @@ def test_an_angle_is_not_rounded_to_half_a_turn_that_it_is_not(
     assert f"{told} degrees away" in run.out
 
 
+def test_a_folder_of_certify_is_a_pose(data: Path, survey: Path):
+    run = certreg("assess", *SURVEY.paths(data), "--pose", survey)
+
+    assert (run.code, run.err) == (0, "")
+    assert run.out.startswith("OPTIMAL")
+
+
 def test_an_inverse_pose_is_told_as_such(data: Path, tmp_path: Path):
     R, t = scipy_pose(read_problem(*SURVEY.paths(data))[0])
     _, right, _ = assess(data, SURVEY, homogeneous(R, t), tmp_path)

@@ -23,20 +23,20 @@ if TYPE_CHECKING:
     "--pose",
     "pose_file",
     required=True,
-    type=CLOUD,
-    help="4x4 text matrix, JSON, or 'w x y z tx ty tz'.",
+    type=click.Path(path_type=Path),
+    help="4x4 text matrix, JSON, 'w x y z tx ty tz', or a folder that certify wrote.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def assess(problem: RegistrationProblem, pair: Pair, *, pose_file: Path, as_json: bool) -> int:
     """Judge a pose that any other tool returned. Exit code 0 if it is optimal, else 1."""
     from certreg.assessment import assess as run
-    from certreg.io.poses import read_pose
+    from certreg.io.poses import read_result_pose
     from certreg.report.document import assessment_document, dumps
     from certreg.report.summary import assessment_summary
     from certreg.results import PoseVerdict
 
     del pair
-    pose = read_pose(pose_file)
+    pose = read_result_pose(pose_file)
     assessment = run(problem, pose.turn, pose.translation)
     click.echo(
         dumps(assessment_document(assessment)) if as_json else assessment_summary(assessment)
