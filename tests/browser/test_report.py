@@ -159,6 +159,35 @@ def test_every_button_shows_its_pose_and_its_words(shown, survey):
     assert report.faults == []
 
 
+DOTS = """() => [...document.querySelectorAll('#spectrum circle')].map((dot) =>
+  [dot.cx.baseVal.value, dot.cy.baseVal.value, Number(dot.classList.contains('growing'))])"""
+
+
+def blots(dots: list[list[float]]) -> int:
+    """How many spots there are of dots that touch, each of one colour."""
+    left, count = [tuple(dot) for dot in dots], 0
+    while left:
+        count, reached = count + 1, [left.pop()]
+        for x, y, kind in reached:
+            near = [d for d in left if d[2] == kind and np.hypot(d[0] - x, d[1] - y) < 10.0]
+            reached += near
+            left = [d for d in left if d not in near]
+    return count
+
+
+def test_spots_in_the_plane_of_eigenvalues_count_up_to_twelve(shown, survey):
+    for registration in (survey, tell(STORIES[2])):
+        report = shown(registration)
+        for index in range(4):
+            report.choose(index)
+            spots = blots(report.evaluate(DOTS))
+            counts = report.locator("#spectrum text.count").all_text_contents()
+            several = [int(words.removeprefix("×")) for words in counts]
+
+            assert all(count > 1 for count in several)
+            assert sum(several) + spots - len(several) == 12
+
+
 def test_the_canvas_is_not_blank_and_follows_the_page_into_the_dark(shown, survey):
     report = shown(survey)
     bright = report.sight()

@@ -5,6 +5,7 @@ import { drawing, figure, label, path, steps, svg } from "./svg.js";
 const HEIGHT = 260;
 const APART = 13; // pixels between the names of two levels
 const SAME = 1e-6; // of the largest: eigenvalues that are drawn as one
+const DOT = 5; // pixels, the radius of an eigenvalue
 const KINDS = [
   ["total", "V, all of it"],
   ["potential", "V_p, in the springs"],
@@ -131,13 +132,15 @@ export function drawSpectrum(place, component) {
     label(width - 8, centre + 16, "real part", end),
     label(middle + 6, bottom - 6, "imaginary part", { class: "tick" }),
   ];
-  for (const { re, im, times } of alike(values, SAME * most)) {
+  const found = alike(values, SAME * most);
+  for (const { re, im } of found) {
     const words = `${figure(re)} ${im < 0 ? "−" : "+"} ${figure(Math.abs(im))} i`;
     const title = svg("title", {}, words);
     const kind = re > 0 ? "mode growing" : "mode";
-    parts.push(svg("circle", { cx: x(re), cy: y(im), r: 5, class: kind }, title));
-    if (times === 1) continue;
-    parts.push(label(x(re) + 5, y(im) + 17, `×${times}`, { class: "tick" }));
+    parts.push(svg("circle", { cx: x(re), cy: y(im), r: DOT, class: kind }, title));
+  }
+  for (const { right, low, times } of touching(found, x, y)) {
+    if (times > 1) parts.push(label(right + 2, low + 17, `×${times}`, { class: "tick count" }));
   }
   const words = `${growing} of ${values.length} eigenvalues have a positive real part`;
   const key = document.createElement("p");
@@ -155,6 +158,25 @@ function alike(values, distance) {
     else found.push({ re, im, times: 1 });
   }
   return found;
+}
+
+/** Groups of dots that touch, where each ends at its right and below, and of how many eigenvalues. */
+function touching(found, x, y) {
+  const groups = [];
+  for (const { re, im, times } of found) {
+    const dot = { left: x(re), at: y(im), growing: re > 0 };
+    const near = (other) =>
+      other.growing === dot.growing && Math.hypot(other.left - dot.left, other.at - dot.at) < 2 * DOT;
+    const joined = groups.filter((group) => group.dots.some(near));
+    for (const group of joined) groups.splice(groups.indexOf(group), 1);
+    const dots = [dot, ...joined.flatMap((group) => group.dots)];
+    groups.push({ dots, times: joined.reduce((sum, group) => sum + group.times, times) });
+  }
+  return groups.map(({ dots, times }) => ({
+    right: Math.max(...dots.map((dot) => dot.left)),
+    low: Math.max(...dots.map((dot) => dot.at)),
+    times,
+  }));
 }
 
 /** The largest distances of pairs, as a list of bars. */
