@@ -230,7 +230,7 @@ def _section(name: str, title: str, *content: Markup) -> Markup:
 
 def _charts() -> Iterator[Markup]:
     charts = (
-        ("energy", "Energy along the motion", "It falls until the body rests."),
+        ("energy", "Energy along the motion", "Dashed: the poses at rest (index)."),
         ("spectrum", "Eigenvalues at this pose at rest", "Right of the line: a push grows."),
         ("residuals", "Distances of the pairs", "At the pose shown, the worst first."),
         ("margin", "Ambiguity margin", "How far the data are from a second best pose."),

@@ -6,6 +6,7 @@ Part of `make test-browser`; where there is a chromium, of the usual tests only 
 from __future__ import annotations
 
 import functools
+import itertools
 import os
 import re
 from typing import TYPE_CHECKING, Any
@@ -163,13 +164,19 @@ DOTS = """() => [...document.querySelectorAll('#spectrum circle')].map((dot) =>
   [dot.cx.baseVal.value, dot.cy.baseVal.value, Number(dot.classList.contains('growing'))])"""
 
 
+PLACES = """() => [...document.querySelectorAll('#spectrum text.count')].map((words) => {
+  const { x, y } = words.getBoundingClientRect();
+  return [x, y];
+})"""
+
+
 def blots(dots: list[list[float]]) -> int:
-    """How many spots there are of dots that touch, each of one colour."""
+    """How many spots there are of dots with no room for two numbers, each of one colour."""
     left, count = [tuple(dot) for dot in dots], 0
     while left:
         count, reached = count + 1, [left.pop()]
         for x, y, kind in reached:
-            near = [d for d in left if d[2] == kind and np.hypot(d[0] - x, d[1] - y) < 10.0]
+            near = [d for d in left if d[2] == kind and np.hypot(d[0] - x, d[1] - y) < 26.0]
             reached += near
             left = [d for d in left if d not in near]
     return count
@@ -184,8 +191,46 @@ def test_spots_in_the_plane_of_eigenvalues_count_up_to_twelve(shown, survey):
             counts = report.locator("#spectrum text.count").all_text_contents()
             several = [int(words.removeprefix("×")) for words in counts]
 
+            places = report.evaluate(PLACES)
+
             assert all(count > 1 for count in several)
+            assert all(
+                abs(a[0] - b[0]) > 20.0 or abs(a[1] - b[1]) > 10.0
+                for a, b in itertools.combinations(places, 2)
+            )
             assert sum(several) + spots - len(several) == 12
+
+
+LEVELS = """() => {
+  const box = (node) => node.getBoundingClientRect();
+  const names = [...document.querySelectorAll('#energy .level-name')].map((node) => {
+    const { top, bottom } = box(node);
+    return [node.textContent, top, bottom];
+  });
+  return [names, [...document.querySelectorAll('#energy .level')].map((node) => box(node).top)];
+}"""
+
+
+@pytest.mark.parametrize("width", [320, 1280])
+@pytest.mark.parametrize("story", range(3))
+def test_every_level_of_energy_is_named_and_no_name_struck_through(shown, story, width):
+    registration = tell(STORIES[story])
+    report = shown(registration, viewport={"width": width, "height": 800})
+    report.click("#released")
+    names, levels = report.evaluate(LEVELS)
+    told = [int(i) for words, *_ in names for i in re.findall(r"\d+", words)]
+    pixels = [middle for _, top, bottom in names for middle in [(top + bottom) / 2.0]]
+
+    assert len(told) == len(levels) > 0
+    assert told == sorted(told, reverse=True)
+    assert all(abs(level - middle) > 4.0 for level in levels for middle in pixels)
+    assert all(b - a > 10.0 for a, b in itertools.pairwise(sorted(pixels)))
+
+
+def test_the_lines_within_the_bodies_are_in_the_legend(shown, survey):
+    assert "bodies, from their centres" in shown(survey).inner_text("#legend")
+    cloud = certify(problem_of(61), relaxation=False)  # drawn without such lines
+    assert "bodies" not in shown(cloud).inner_text("#legend")
 
 
 def test_the_canvas_is_not_blank_and_follows_the_page_into_the_dark(shown, survey):

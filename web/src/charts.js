@@ -3,9 +3,11 @@
 import { drawing, figure, label, path, steps, svg } from "./svg.js";
 
 const HEIGHT = 260;
-const APART = 13; // pixels between the names of two levels
+const LETTER = 7; // pixels, of a name; most are narrower
+const APART = 17; // pixels from a level to the next that has a name of its own
 const SAME = 1e-6; // of the largest: eigenvalues that are drawn as one
 const DOT = 5; // pixels, the radius of an eigenvalue
+const CLUSTER = 26; // pixels between dots that have no room for a number each
 const KINDS = [
   ["total", "V, all of it"],
   ["potential", "V_p, in the springs"],
@@ -38,10 +40,17 @@ export class EnergyChart {
     const y = (value) => bottom - ((bottom - top) * value) / (1.06 * most);
     this.x = x;
     const parts = [...axes(this.area, run.end, most * this.unit, x, (v) => y(v / this.unit))];
-    parts.push(...this.#levels(y, 1.06 * most));
+    const levels = this.#levels(y, 1.06 * most);
+    for (const { height: at } of levels.flat()) {
+      parts.push(path([[left, at], [right, at]], { class: "level" }));
+    }
     for (const [kind] of KINDS) {
       const points = Array.from(run.times, (time, i) => [x(time), y(values[kind][i])]);
       parts.push(path(points, { class: `line ${kind}` }));
+    }
+    for (const group of levels) {
+      const end = { class: "tick halo level-name", "text-anchor": "end" };
+      parts.push(label(right, group[0].height - 4, levelWords(group, right - left), end));
     }
     this.cursor = svg("line", { y1: top, y2: bottom, class: "cursor" });
     const [first, last] = [values.total[0], values.total.at(-1)].map((v) => figure(this.unit * v));
@@ -54,18 +63,17 @@ export class EnergyChart {
     this.place.replaceChildren(this.box, this.key);
   }
 
-  /** Lines at the energies of the equilibria, with names where there is room. */
-  *#levels(y, most) {
-    const { left, right } = this.area;
-    const [best, ...others] = this.levels.filter(([level]) => level !== null && level <= most);
-    const taken = [];
-    for (const [level, name] of [...(best ? [best] : []), ...others.reverse()]) {
-      const height = y(level);
-      yield path([[left, height], [right, height]], { class: "level" });
-      if (taken.some((other) => Math.abs(other - height) < APART)) continue;
-      taken.push(height);
-      yield label(right, height - 4, name, { class: "tick halo", "text-anchor": "end" });
+  /** The energies of the equilibria from the top, those without room for two names together. */
+  #levels(y, most) {
+    const shown = this.levels.filter(({ level }) => level !== null && level <= most);
+    const placed = shown.map((one) => ({ ...one, height: y(one.level) }));
+    const groups = [];
+    for (const one of placed.sort((a, b) => a.height - b.height || b.index - a.index)) {
+      const group = groups.at(-1);
+      if (group && one.height - group.at(-1).height < APART) group.push(one);
+      else groups.push([one]);
     }
+    return groups;
   }
 
   #scrub(event) {
@@ -93,6 +101,13 @@ export class EnergyChart {
       }),
     );
   }
+}
+
+/** The names of levels that are next to one another, from the top; where room is scarce, indices. */
+function levelWords(group, width) {
+  const words = group.map(({ name, index }) => `${name} (${index})`).join(" · ");
+  if (group.length === 1 || words.length * LETTER <= width) return words;
+  return `index ${group.map(({ index }) => index).join(" · ")}`;
 }
 
 function* axes({ left, right, bottom }, end, most, x, y) {
@@ -139,8 +154,9 @@ export function drawSpectrum(place, component) {
     const kind = re > 0 ? "mode growing" : "mode";
     parts.push(svg("circle", { cx: x(re), cy: y(im), r: DOT, class: kind }, title));
   }
-  for (const { right, low, times } of touching(found, x, y)) {
-    if (times > 1) parts.push(label(right + 2, low + 17, `×${times}`, { class: "tick count" }));
+  for (const { across, low, times } of clusters(found, x, y)) {
+    const centred = { class: "tick count", "text-anchor": "middle" };
+    if (times > 1) parts.push(label(across, low + 18, `×${times}`, centred));
   }
   const words = `${growing} of ${values.length} eigenvalues have a positive real part`;
   const key = document.createElement("p");
@@ -160,20 +176,20 @@ function alike(values, distance) {
   return found;
 }
 
-/** Groups of dots that touch, where each ends at its right and below, and of how many eigenvalues. */
-function touching(found, x, y) {
+/** Dots near one another, where the number below them stands, and of how many eigenvalues. */
+function clusters(found, x, y) {
   const groups = [];
   for (const { re, im, times } of found) {
     const dot = { left: x(re), at: y(im), growing: re > 0 };
     const near = (other) =>
-      other.growing === dot.growing && Math.hypot(other.left - dot.left, other.at - dot.at) < 2 * DOT;
+      other.growing === dot.growing && Math.hypot(other.left - dot.left, other.at - dot.at) < CLUSTER;
     const joined = groups.filter((group) => group.dots.some(near));
     for (const group of joined) groups.splice(groups.indexOf(group), 1);
     const dots = [dot, ...joined.flatMap((group) => group.dots)];
     groups.push({ dots, times: joined.reduce((sum, group) => sum + group.times, times) });
   }
   return groups.map(({ dots, times }) => ({
-    right: Math.max(...dots.map((dot) => dot.left)),
+    across: (Math.min(...dots.map((dot) => dot.left)) + Math.max(...dots.map((dot) => dot.left))) / 2,
     low: Math.max(...dots.map((dot) => dot.at)),
     times,
   }));

@@ -205,7 +205,7 @@ function energyChart(player, scene) {
     return null;
   }
   return new EnergyChart(chart("energy"), {
-    levels: scene.components.map(({ level, name, index }) => [level, `${name}, index ${index}`]),
+    levels: scene.components,
     unit: scene.energy_unit ?? 1,
     scrub: (time) => player.scrub(time),
   });
@@ -213,6 +213,7 @@ function energyChart(player, scene) {
 
 function legend(stage, clouds, scene, sampled) {
   const entries = [["target", "target"], ["source", "source, moved"], ["spring", "springs"]];
+  if (stage?.frames.length) entries.push(["frame", "bodies, from their centres"]);
   for (const [kind, words] of entries) {
     const entry = document.createElement("span");
     entry.className = `entry ${kind}`;
