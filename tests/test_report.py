@@ -321,6 +321,8 @@ def test_no_more_is_said_to_be_proved_than_the_certificate_in_the_page_proves(
         assert claim in strong
         assert claim not in words
     assert "by at most 2.31e+18" in words  # 2^61
+    assert "fits these points better" not in words
+    assert "rounding of the translation" not in words  # which the large gap is not due to
     assert "can end nowhere but at the optimum" not in words
     assert "The best rotation is unique" in words  # by the pattern, which the checker decides
 

@@ -103,7 +103,7 @@ def _optimality(registration: Registration) -> Iterator[Sentence]:
         return
     yield Sentence(
         words=(
-            "No rotation and translation fits these points better: the sum of weighted squared "
+            "Over all rotations and translations: the sum of weighted squared "
             f"distances at the pose printed here exceeds the minimum by at most "
             f"{bounded(bounds.gap_upper)}."
         ),

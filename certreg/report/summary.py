@@ -238,7 +238,7 @@ def warnings(registration: Registration) -> list[str]:
     noisy = unique and registration.problem.noise_given and gap is not None
     if noisy and 2.0 * (gap or 0.0) < DISTINGUISHABLE:
         found.append("at the given noise the next equilibrium is as likely as the optimum")
-    costs = 0.0 if bounds is None else ROUNDING_SHARE * bounds.gap_upper
+    costs = 0.0 if bounds is None else ROUNDING_SHARE * bounds.gap_lower
     unnoted = Fraction(ReportSettings().unnoted_cost) * registration.solution.moments.spread
     noted = bounds is not None and bounds.greatest_gap > unnoted
     if noted and minimum is not None and costs > max(minimum, gap or 0.0):
