@@ -20,7 +20,7 @@ from benchmarks.clouds import random_clouds
 from benchmarks.measuring import Figure, Quantity, Series, fastest, power_of_ten
 from benchmarks.peers import PEERS, presence
 from certreg.alignment import register
-from certreg.native.sums import Clouds, floating_sums
+from certreg.native.sums import CloudPair, floating_sums
 from certreg.pipeline import solve
 from certreg.problem import RegistrationProblem
 
@@ -77,7 +77,7 @@ def _works(n: int, threads: int) -> dict[str, Callable[[], Any]]:
     turn = works[OURS]()
     for name, work in works.items():
         assert np.abs(work() - turn).max() < AGREE, f"{name} finds another rotation, N = {n}"
-    clouds = Clouds(source=source, target=target, weights=None, origin=np.zeros(6))
+    clouds = CloudPair(source=source, target=target, weights=None, origin=np.zeros(6))
     further: dict[str, Callable[[], Any]] = {
         SUMS: lambda: floating_sums(clouds, threads=threads),
         READING: lambda: (source.max(), target.max()),

@@ -18,7 +18,7 @@ from benchmarks.reference import DIGITS, angle
 from certreg.alignment import register
 from certreg.moments import exact_moments
 from certreg.native.compiler import FLAGS, find_compiler
-from certreg.native.sums import Clouds, compiled, floating_sums
+from certreg.native.sums import CloudPair, compiled, floating_sums
 from certreg.problem import RegistrationProblem
 from certreg.so3 import davenport_matrix
 
@@ -133,8 +133,8 @@ def _others(source: Any, target: Any) -> Figure:
     return Figure(what="types, layouts, threads", beside=beside)
 
 
-def _clouds(source: Any, target: Any, weights: Any) -> Clouds:
-    return Clouds(source=source, target=target, weights=weights, origin=np.zeros(6))
+def _clouds(source: Any, target: Any, weights: Any) -> CloudPair:
+    return CloudPair(source=source, target=target, weights=weights, origin=np.zeros(6))
 
 
 def _reader(arrays: list[Any]) -> Callable[[], float]:

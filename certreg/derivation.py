@@ -39,7 +39,7 @@ def chapters() -> tuple[Any, ...]:
 
 
 def outcomes(names: Sequence[str] = ()) -> Iterator[Any]:
-    """The outcome of each claim (kernel.Outcome), all of them if no names are given, as it is run.
+    """What became of each claim (kernel.ClaimOutcome), all if no names are given, as it is run.
 
     Raises UnknownClaimError before anything is run.
     """

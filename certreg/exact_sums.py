@@ -36,7 +36,7 @@ FACTORS = ((0, 0), *[(1, 0)] * 3, *[(0, 1)] * 3, *[(1, 1)] * 9, *[(2, 0)] * 6, *
 UPPER = tuple((i, j) for i in range(3) for j in range(i, 3))
 
 
-class Road(enum.Enum):
+class SumRoad(enum.Enum):
     """How the sums are taken."""
 
     INTEGERS = "Python's integers"
@@ -89,27 +89,27 @@ def sums(problem: RegistrationProblem) -> Sums:
     return sums_by(road_for(problem), problem)
 
 
-def road_for(problem: RegistrationProblem) -> Road:
+def road_for(problem: RegistrationProblem) -> SumRoad:
     """The road that is the fastest here."""
     if problem.n < SumSettings().many_points:
-        return Road.INTEGERS
-    return Road.LIMBS if _compiled() is None else Road.COMPILED
+        return SumRoad.INTEGERS
+    return SumRoad.LIMBS if _compiled() is None else SumRoad.COMPILED
 
 
-def other_road(problem: RegistrationProblem) -> Road:
+def other_road(problem: RegistrationProblem) -> SumRoad:
     """The fastest road here but one, for a second opinion."""
-    return Road.LIMBS if road_for(problem) is Road.COMPILED else Road.INTEGERS
+    return SumRoad.LIMBS if road_for(problem) is SumRoad.COMPILED else SumRoad.INTEGERS
 
 
-def sums_by(road: Road, problem: RegistrationProblem, *, threads: int | None = None) -> Sums:
+def sums_by(road: SumRoad, problem: RegistrationProblem, *, threads: int | None = None) -> Sums:
     """The sums over all points by one road. Raises CompilationError where it needs a compiler.
 
     threads: how many may work at once, None for the settings' number; integers are for one.
     """
     threads = threads or SumSettings().threads
-    if road is Road.COMPILED:
+    if road is SumRoad.COMPILED:
         return _on_threads(partial(_by_compiled, library()), problem, threads)
-    if road is Road.LIMBS:
+    if road is SumRoad.LIMBS:
         return _on_threads(_by_limbs, problem, threads)
     return _on_threads(_by_integers, problem, 1)
 

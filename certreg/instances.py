@@ -59,7 +59,7 @@ from certreg.equilibria.spectral import equilibrium_set, spectrum
 from certreg.equilibria.stability import Oscillations
 from certreg.errors import InvalidProblemError
 from certreg.moments import exact_moments
-from certreg.native.clouds import Clouds
+from certreg.native.clouds import ManyClouds
 from certreg.native.engine import engine
 from certreg.problem import RegistrationProblem, checked_damping, checked_threads
 from certreg.settings import DEFAULT_DAMPING
@@ -172,7 +172,7 @@ def exactly(
     return equilibrium_set(spectrum(exact_moments(problem)), problem.damping)
 
 
-def clouds(sources: ArrayLike, targets: ArrayLike, weights: ArrayLike | None) -> Clouds:
+def clouds(sources: ArrayLike, targets: ArrayLike, weights: ArrayLike | None) -> ManyClouds:
     """The arrays as the engines take them. Raises InvalidProblemError for other shapes."""
     x, y = _points(sources, "sources"), _points(targets, "targets")
     if x.shape[1] != y.shape[1]:
@@ -184,10 +184,10 @@ def clouds(sources: ArrayLike, targets: ArrayLike, weights: ArrayLike | None) ->
         if len(array) not in {1, count}:
             message = f"{name} are of {len(array)} instances, other arrays of {count}"
             raise InvalidProblemError(message)
-    return Clouds(count=count, sources=x, targets=y, weights=w)
+    return ManyClouds(count=count, sources=x, targets=y, weights=w)
 
 
-def rest_poses(given: Clouds, first: int = 0) -> RestPoses:
+def rest_poses(given: ManyClouds, first: int = 0) -> RestPoses:
     """What doubles say of the rest poses of each problem, on one thread.
 
     Raises InvalidProblemError, which names the instance, counted from `first`, for a number that is
@@ -201,7 +201,7 @@ def rest_poses(given: Clouds, first: int = 0) -> RestPoses:
     return found
 
 
-def _infinite(one: Clouds, number: int) -> str:
+def _infinite(one: ManyClouds, number: int) -> str:
     """Where a number of a problem is not finite."""
     clouds = {"sources": one.sources[0], "targets": one.targets[0]}
     name = next(name for name, rows in clouds.items() if not np.isfinite(rows).all())
@@ -244,7 +244,7 @@ def _doubles(given: ArrayLike, name: str) -> Array:
     return np.ascontiguousarray(array, dtype=np.float64)
 
 
-def _write(solutions: Solutions, found: RestPoses, some: Clouds, damping: float) -> None:
+def _write(solutions: Solutions, found: RestPoses, some: ManyClouds, damping: float) -> None:
     """Put what follows from the rest poses of some problems where it belongs."""
     bounds = Bounds.of(found, some.sources.shape[1])
     least = (found.values[:, :-1] - found.values[:, 1:]).min(axis=1)

@@ -21,7 +21,7 @@ from certreg.dyadic import power_of_two
 from certreg.errors import InvalidProblemError
 from certreg.exact_sums import sums
 from certreg.mapping import let_go, mapped_file
-from certreg.native.sums import Clouds, chunks, floating_sums
+from certreg.native.sums import CloudPair, chunks, floating_sums
 from certreg.settings import PassSettings
 
 if TYPE_CHECKING:
@@ -176,7 +176,7 @@ def moments_of_clouds(
         _require_numbers("weights", weights[:1], least=0.0)
         (factor, shift), weights = math.frexp(weights[0]), None
     origin = np.concatenate([_near_mean(source), _near_mean(target)])
-    clouds = Clouds(source=source, target=target, weights=weights, origin=origin)
+    clouds = CloudPair(source=source, target=target, weights=weights, origin=origin)
     clouds, found = _summed(clouds, threads)
     for _ in range(settings.passes - 1):
         if factor == 0.0 or found.mass == 0.0 or _is_near(found, settings.largest_lever):
@@ -222,7 +222,7 @@ def _centred(
     return (_vector(entries[:3]), _vector(entries[3:6]), _vector(entries[6:]))
 
 
-def _summed(clouds: Clouds, threads: int) -> tuple[Clouds, FloatingSums]:
+def _summed(clouds: CloudPair, threads: int) -> tuple[CloudPair, FloatingSums]:
     """The sums, of clouds over powers of two if they leave the range of doubles otherwise."""
     found = floating_sums(clouds, threads=threads)
     if found.negative or not _in_range(found):
@@ -259,7 +259,7 @@ def _is_near(found: FloatingSums, lever: float) -> bool:
     return all((1.0 + lever) * (s @ s) <= lever * found.mass * square for s, square in parts)
 
 
-def _means(clouds: Clouds, found: FloatingSums) -> NDArray[np.float64]:
+def _means(clouds: CloudPair, found: FloatingSums) -> NDArray[np.float64]:
     """(6,) weighted means of source and target, in the user's unit."""
     here, there, _ = clouds.exponents
     shifts = np.ldexp(found.source / found.mass, here), np.ldexp(found.target / found.mass, there)
@@ -267,7 +267,7 @@ def _means(clouds: Clouds, found: FloatingSums) -> NDArray[np.float64]:
 
 
 def _about_means(
-    clouds: Clouds, found: FloatingSums, *, factor: float, weight_exponent: int
+    clouds: CloudPair, found: FloatingSums, *, factor: float, weight_exponent: int
 ) -> Moments:
     """Moments about the means from sums about the origins.
 
@@ -292,7 +292,7 @@ def _about_means(
     )
 
 
-def _rescaled(clouds: Clouds) -> Clouds:
+def _rescaled(clouds: CloudPair) -> CloudPair:
     """The clouds over powers of two, so that no product of their deviations overflows."""
     origins = (clouds.origin[:3], clouds.origin[3:], np.zeros(1))
     arrays = (clouds.source, clouds.target, clouds.weights)
@@ -309,7 +309,7 @@ def _exponent(values: NDArray[Any] | None, origin: NDArray[np.float64]) -> int:
     return math.frexp(farthest)[1] if farthest < math.inf else MOST_EXPONENT
 
 
-def _require_clouds(clouds: Clouds) -> None:
+def _require_clouds(clouds: CloudPair) -> None:
     _require_numbers("source", clouds.source)
     _require_numbers("target", clouds.target)
     if clouds.weights is not None:

@@ -89,7 +89,7 @@ class Control:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Outcome:
+class ClaimOutcome:
     """A claim, the steps that were executed, and the verdict."""
 
     claim: Claim
@@ -104,7 +104,7 @@ class Outcome:
         return tuple(step for step in self.steps if step.kind is Kind.QUOTED)
 
 
-def prove(claim: Claim) -> Outcome:
+def prove(claim: Claim) -> ClaimOutcome:
     """The outcome of running a claim's proof and all its negative controls.
 
     PROVED if every step holds and every control is refuted; REFUTED at the first step that is not
@@ -113,7 +113,7 @@ def prove(claim: Claim) -> Outcome:
     start = time.perf_counter()
     steps = _until_refuted(claim.proof())
     controls = tuple(_control(name, proof) for name, proof in claim.controls.items())
-    return Outcome(
+    return ClaimOutcome(
         claim=claim,
         steps=steps,
         controls=controls,

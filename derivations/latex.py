@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from .kernel import Outcome, Step
+from .kernel import ClaimOutcome, Step
 
 _TOP = r"""\documentclass{article}
 \usepackage[utf8]{inputenc}
@@ -21,12 +21,12 @@ _ESCAPES = {"\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "#": r"\#", "_": 
 _ESCAPES |= {"{": r"\{", "}": r"\}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
 
 
-def document(outcomes: Sequence[Outcome]) -> str:
+def document(outcomes: Sequence[ClaimOutcome]) -> str:
     """A LaTeX document: each claim with its statement, its checked steps, what must fail."""
     return _TOP + "".join(map(_claim, outcomes)) + "\\end{document}\n"
 
 
-def _claim(outcome: Outcome) -> str:
+def _claim(outcome: ClaimOutcome) -> str:
     claim = outcome.claim
     steps = "".join(map(_step, outcome.steps))
     used = f"Used, not proved here: {text(' '.join(claim.standard))}\n\n" if claim.standard else ""

@@ -13,7 +13,7 @@ from hypothesis.extra.numpy import arrays
 
 from certreg import RegistrationProblem, exact_sums
 from certreg.errors import CertregError
-from certreg.exact_sums import EMPTY, FACTORS, UPPER, Road, road_for, sums, sums_by
+from certreg.exact_sums import EMPTY, FACTORS, UPPER, SumRoad, road_for, sums, sums_by
 from certreg.moments import exact_moments, moments_of
 from certreg.native import library as native
 from certreg.native.compiler import CompilationError
@@ -72,7 +72,7 @@ def values(found):
 @given(wild_problems())
 @settings(max_examples=150)
 def test_every_road_gives_the_same_integers_and_they_are_those_of_the_definition(problem):
-    one, *others = (sums_by(road, problem) for road in Road)
+    one, *others = (sums_by(road, problem) for road in SumRoad)
 
     assert others == [one, one]
     assert values(one) == by_definition(problem)
@@ -104,21 +104,21 @@ def test_accumulators_do_not_overflow_where_all_numbers_are_extreme(source, weig
     n = 40_000  # more than one portion of the compiled loop, and five of the limbs
     problem = RegistrationProblem(np.full((n, 3), source), np.full((n, 3), LARGEST), weights=weight)
     one = RegistrationProblem(np.full((1, 3), source), np.full((1, 3), LARGEST), weights=weight)
-    expected = [n * value for value in values(sums_by(Road.INTEGERS, one))]
+    expected = [n * value for value in values(sums_by(SumRoad.INTEGERS, one))]
 
-    for road in (Road.COMPILED, Road.LIMBS):
+    for road in (SumRoad.COMPILED, SumRoad.LIMBS):
         assert values(sums_by(road, problem)) == expected
 
 
 def test_many_points_of_many_scales_on_threads_sum_up_to_the_same_integers(monkeypatch):
     rng = np.random.default_rng(8)
     problem = strategies.random_problem(rng, n=20_011, offset=1e6, decades=9.0)
-    expected = sums_by(Road.INTEGERS, problem)
+    expected = sums_by(SumRoad.INTEGERS, problem)
     few = SumSettings(block_points=1000, threads=3, limb_points=777)
     for module in (exact_sums, __import__("certreg.problem", fromlist=["problem"])):
         monkeypatch.setattr(module, "SumSettings", lambda: few)
 
-    assert [sums_by(road, problem) for road in Road] == [expected] * 3
+    assert [sums_by(road, problem) for road in SumRoad] == [expected] * 3
 
 
 def test_products_of_the_largest_limbs_do_not_round():
@@ -127,7 +127,7 @@ def test_products_of_the_largest_limbs_do_not_round():
     source, target, weights = (rng.uniform(0.9, 1.0, size) for size in ((n, 3), (n, 3), n))
     problem = RegistrationProblem(source, target, weights=weights)
 
-    assert sums_by(Road.LIMBS, problem) == sums_by(Road.INTEGERS, problem)
+    assert sums_by(SumRoad.LIMBS, problem) == sums_by(SumRoad.INTEGERS, problem)
 
 
 def test_limbs_are_used_where_they_are_said_to_be(monkeypatch):
@@ -136,16 +136,16 @@ def test_limbs_are_used_where_they_are_said_to_be(monkeypatch):
     monkeypatch.setattr(exact_sums, "_by_integers", None)
 
     for scale in (1e-150, 1.0, 1e150):
-        assert sums_by(Road.LIMBS, strategies.random_problem(rng, n=300, scale=scale))
+        assert sums_by(SumRoad.LIMBS, strategies.random_problem(rng, n=300, scale=scale))
 
 
 def test_the_road_is_chosen_by_the_number_of_points_and_whether_there_is_a_compiler(monkeypatch):
     n = SumSettings().many_points
     few, many = (RegistrationProblem(np.eye(size, 3), np.eye(size, 3)) for size in (n - 1, n))
 
-    assert [road_for(few), road_for(many)] == [Road.INTEGERS, Road.COMPILED]
+    assert [road_for(few), road_for(many)] == [SumRoad.INTEGERS, SumRoad.COMPILED]
     monkeypatch.setattr(exact_sums, "_compiled", lambda: None)
-    assert [road_for(few), road_for(many)] == [Road.INTEGERS, Road.LIMBS]
+    assert [road_for(few), road_for(many)] == [SumRoad.INTEGERS, SumRoad.LIMBS]
 
 
 def test_without_integers_of_128_bits_there_is_no_compiled_road(monkeypatch):
@@ -163,8 +163,8 @@ def test_without_integers_of_128_bits_there_is_no_compiled_road(monkeypatch):
 def test_exact_moments_of_many_points_are_those_of_integers():
     problem = strategies.random_problem(np.random.default_rng(5), n=SumSettings().many_points)
 
-    assert road_for(problem) is Road.COMPILED
-    assert exact_moments(problem) == moments_of(sums_by(Road.INTEGERS, problem), problem.n)
+    assert road_for(problem) is SumRoad.COMPILED
+    assert exact_moments(problem) == moments_of(sums_by(SumRoad.INTEGERS, problem), problem.n)
 
 
 @pytest.mark.parametrize("bad", [np.inf, -np.inf, np.nan])
@@ -193,4 +193,4 @@ def test_a_failure_in_a_thread_ends_the_sums(monkeypatch):
     monkeypatch.setattr(native.Library, "exact_sums", fails)
     problem = strategies.random_problem(np.random.default_rng(5), n=30)
     with pytest.raises(CertregError, match="as planned"):
-        sums_by(Road.COMPILED, problem)
+        sums_by(SumRoad.COMPILED, problem)

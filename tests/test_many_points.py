@@ -21,7 +21,7 @@ from certreg.certificate.counting import count_certificate
 from certreg.certificate.types import PIECE, file_pieces
 from certreg.dyadic import Dyadic
 from certreg.errors import RefusedCertificateError
-from certreg.exact_sums import Road, sums_by
+from certreg.exact_sums import SumRoad, sums_by
 from certreg.pipeline import solve
 from certreg.results import Optimality, Ruling
 from certreg.settings import CertificateSettings
@@ -104,7 +104,7 @@ def test_a_certificate_of_other_points_or_of_too_strong_a_claim_is_refused(way):
 
 def test_its_own_certificate_of_many_points_is_checked_on_sums_by_another_road(monkeypatch):
     problem = random_problem(n=CertificateSettings().python_points + 1)
-    roads: list[Road] = []
+    roads: list[SumRoad] = []
 
     def noted(road, problem):
         roads.append(road)
@@ -114,7 +114,7 @@ def test_its_own_certificate_of_many_points_is_checked_on_sums_by_another_road(m
     monkeypatch.setattr(checking, "check", None)
     registration = certreg.certify(problem, relaxation=False, simulation=False)
 
-    assert roads == [Road.LIMBS]
+    assert roads == [SumRoad.LIMBS]
     assert registration.status is Optimality.CERTIFIED
     assert registration.certificate is not None
     assert registration.verdict is not None

@@ -11,7 +11,7 @@ import strategies
 
 from certreg import RegistrationProblem
 from certreg.errors import InvalidProblemError
-from certreg.exact_sums import Road, sums_by
+from certreg.exact_sums import SumRoad, sums_by
 from certreg.mapping import let_go, mapped_file
 from certreg.settings import SumSettings
 
@@ -56,7 +56,7 @@ def test_a_mapped_problem_is_the_same_problem(tmp_path, cloud):
         assert not array.flags.writeable
     assert mapped.digest() == cloud.digest()
     assert mapped.data_bytes() == cloud.data_bytes()
-    assert sums_by(Road.COMPILED, mapped) == sums_by(Road.LIMBS, cloud)
+    assert sums_by(SumRoad.COMPILED, mapped) == sums_by(SumRoad.LIMBS, cloud)
 
 
 @pytest.mark.parametrize("mode", ["r+", "c"])
@@ -85,7 +85,7 @@ def test_a_mapped_array_of_another_type_gives_the_problem_of_its_values(tmp_path
 
     assert mapped.source.dtype == points.dtype
     assert mapped.digest() == plain.digest()
-    assert sums_by(Road.COMPILED, mapped) == sums_by(Road.INTEGERS, plain)
+    assert sums_by(SumRoad.COMPILED, mapped) == sums_by(SumRoad.INTEGERS, plain)
 
 
 def test_columns_and_rows_backwards_may_be_mapped(tmp_path):
@@ -96,7 +96,7 @@ def test_columns_and_rows_backwards_may_be_mapped(tmp_path):
 
     assert mapped_file(problem.source) is not None
     assert problem.digest() == plain.digest()
-    assert sums_by(Road.COMPILED, problem) == sums_by(Road.COMPILED, plain)
+    assert sums_by(SumRoad.COMPILED, problem) == sums_by(SumRoad.COMPILED, plain)
 
 
 def test_a_mapped_zero_with_a_sign_is_a_plain_zero(tmp_path):
@@ -123,7 +123,7 @@ def test_reading_a_mapped_problem_leaves_little_of_it_in_memory(tmp_path):
     mapped = RegistrationProblem(saved(tmp_path, "s.npy", np.ones((n, 3))), target, weights=weights)
     assert resident_kilobytes(mapped.source) < most
 
-    sums_by(Road.COMPILED, mapped)
+    sums_by(SumRoad.COMPILED, mapped)
     assert resident_kilobytes(mapped.source) < most
     mapped.digest()
     assert resident_kilobytes(mapped.source) < most
@@ -162,7 +162,7 @@ def test_a_file_that_is_spoilt_meanwhile_is_noticed(tmp_path, cloud, name, value
     writable = np.load(tmp_path / f"{name}.npy", mmap_mode="r+")
     writable[66000] = value
 
-    for road in Road:
+    for road in SumRoad:
         with pytest.raises(InvalidProblemError, match="was changed"):
             sums_by(road, mapped)
 

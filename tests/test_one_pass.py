@@ -20,7 +20,7 @@ from certreg.equilibria.spectral import spectrum
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.moments import exact_moments, floating_moments, moments_of_clouds
 from certreg.native import sums
-from certreg.native.sums import Clouds, compiled, floating_sums
+from certreg.native.sums import CloudPair, compiled, floating_sums
 from certreg.so3 import angle_between, rotation_matrix
 
 ROOT = Path(__file__).parent.parent
@@ -36,7 +36,7 @@ def clouds(n, seed=0, *, weighted=True, single=False, offset=0.0):
     x, y = ((rng.normal(size=(n, 3)) + offset).astype(kind) for _ in range(2))
     weights: Any = rng.uniform(0.1, 2.0, size=n) if weighted else None
     origin = offset + rng.normal(size=6)
-    return Clouds(source=x, target=y, weights=weights, origin=origin)
+    return CloudPair(source=x, target=y, weights=weights, origin=origin)
 
 
 def exact_sums(given_):
@@ -78,7 +78,7 @@ def test_blocks_lose_nothing_however_many_there_are():
     n = 1 << 17
     x = np.full((n, 3), 0.013)
     x[0], x[-1] = 2.0**52, -(2.0**52)
-    given_ = Clouds(source=x, target=x, weights=None, origin=np.zeros(6))
+    given_ = CloudPair(source=x, target=x, weights=None, origin=np.zeros(6))
     exact = float(Fraction(0.013) * (n - 2))
 
     for one_pass in PASSES.values():
@@ -126,7 +126,7 @@ def test_the_place_in_memory_changes_no_bit(name, single, n):
     given_ = clouds(n, 5, single=single)
     expected = PASSES[name](given_)[0]
     for layout, x, y, w in layouts(given_.source, given_.target, given_.weights):
-        other = Clouds(source=x, target=y, weights=w, origin=given_.origin)
+        other = CloudPair(source=x, target=y, weights=w, origin=given_.origin)
 
         assert (PASSES[name](other)[0] == expected).all(), layout
 
@@ -137,8 +137,8 @@ def test_a_float_is_the_double_of_its_value(name):
     weights = np.asarray(given_.weights, dtype=np.float32)
     for kind in (np.float64, np.dtype(">f4"), np.dtype(">f8")):
         x, y, w = (a.astype(kind) for a in (given_.source, given_.target, weights))
-        wide = Clouds(source=x, target=y, weights=w, origin=given_.origin)
-        narrow = Clouds(
+        wide = CloudPair(source=x, target=y, weights=w, origin=given_.origin)
+        narrow = CloudPair(
             source=given_.source, target=given_.target, weights=weights, origin=given_.origin
         )
 

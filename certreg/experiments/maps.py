@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.experiments.families import Family, Sample
-    from certreg.experiments.observations import Progress
+    from certreg.experiments.observations import Announcer
     from certreg.instances import Solutions
 
 SIMULATION = SimulationSettings(
@@ -115,7 +115,7 @@ class Map:
 
 
 def maps(
-    seed: int, runs: int | None, progress: Progress, settings: MapSettings | None = None
+    seed: int, runs: int | None, progress: Announcer, settings: MapSettings | None = None
 ) -> tuple[Map, ...]:
     """All maps, `runs` instances at each value (of very large clouds fewer), from one seed."""
     settings = settings or MapSettings()

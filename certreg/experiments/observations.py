@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 
-class Progress(Protocol):
+class Announcer(Protocol):
     """Told how far a stage is; for whoever watches."""
 
     def __call__(self, stage: str, done: int, total: int) -> None:
@@ -83,7 +83,7 @@ class Observations:
     gallery: Gallery
 
 
-def observe(setup: Setup, progress: Progress) -> Observations:
+def observe(setup: Setup, progress: Announcer) -> Observations:
     """Every experiment. Raises InvalidProblemError for a setup that makes no instances."""
     seeds = np.random.SeedSequence(setup.seed).spawn(3)
     resting, moving, comparing = map(np.random.default_rng, seeds)
@@ -117,7 +117,7 @@ def _made(setup: Setup, rng: np.random.Generator, count: int) -> Instances:
 
 
 def _each(
-    observed: Callable[[int], Any], count: int, stage: str, progress: Progress
+    observed: Callable[[int], Any], count: int, stage: str, progress: Announcer
 ) -> Iterator[Any]:
     for index in range(count):
         progress(stage, index, count)

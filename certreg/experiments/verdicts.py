@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from concurrent.futures import Future
 
-    from certreg.experiments.observations import Observations, Progress, Setup
+    from certreg.experiments.observations import Announcer, Observations, Setup
     from certreg.results import Verdict
 
 MEASURED: dict[str, Callable[[Observations, Clouds], Evidence]] = {
@@ -80,7 +80,7 @@ class Reproduction:
         return all(claim.stands for claim in self.claims)
 
 
-def reproduce(setup: Setup, progress: Progress, *, proofs: bool = True) -> Reproduction:
+def reproduce(setup: Setup, progress: Announcer, *, proofs: bool = True) -> Reproduction:
     """Every experiment of the paper, and every claim with its verdict.
 
     proofs: whether the claims of the book that the findings rest on are proved anew, in processes
@@ -107,7 +107,9 @@ def _claim(row: Any, proof: Verdict | None, seen: Observations) -> ClaimVerdict:
     return ClaimVerdict(row=row, proof=proof, evidence=evidence, exhibits=exhibits(row))
 
 
-def _waited(coming: Mapping[str, Future[Verdict]], progress: Progress) -> list[tuple[str, Verdict]]:
+def _waited(
+    coming: Mapping[str, Future[Verdict]], progress: Announcer
+) -> list[tuple[str, Verdict]]:
     found: list[tuple[str, Verdict]] = []
     for done, (name, future) in enumerate(coming.items()):
         progress("proofs", done, len(coming))

@@ -11,7 +11,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.native.clouds import Clouds, RestPoses
+    from certreg.native.clouds import ManyClouds, RestPoses
     from certreg.settings import SimulationSettings
 
 BODY, BASIN = 23, 20  # doubles of a body (generated/dynamics.h) and of a basin (native/loops.h)
@@ -169,6 +169,6 @@ class Engine(Protocol):
         """Integrate every instance of a batch to its end; a log is for a single instance."""
         ...
 
-    def rest_poses(self, clouds: Clouds) -> RestPoses:
+    def rest_poses(self, clouds: ManyClouds) -> RestPoses:
         """What doubles say of the rest poses of many problems."""
         ...

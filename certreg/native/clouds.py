@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Clouds:
+class ManyClouds:
     """`count` problems of N points each; an array of length one is shared by all of them.
 
     sources, targets: (count or 1, N, 3); weights: (count or 1, N), not negative.
@@ -23,12 +23,12 @@ class Clouds:
     targets: NDArray[np.float64]
     weights: NDArray[np.float64]
 
-    def part(self, chosen: slice) -> Clouds:
+    def part(self, chosen: slice) -> ManyClouds:
         """Some of the problems."""
         arrays = (self.sources, self.targets, self.weights)
         sources, targets, weights = (a if len(a) == 1 else a[chosen] for a in arrays)
         count = len(range(*chosen.indices(self.count)))
-        return Clouds(count=count, sources=sources, targets=targets, weights=weights)
+        return ManyClouds(count=count, sources=sources, targets=targets, weights=weights)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

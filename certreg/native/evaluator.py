@@ -23,7 +23,7 @@ from certreg.so3 import quaternion_from_matrix, rotation_matrix
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.native.clouds import Clouds, RestPoses
+    from certreg.native.clouds import ManyClouds, RestPoses
     from certreg.settings import SimulationSettings
 
 Array = Any  # NDArray[np.float64]
@@ -49,7 +49,7 @@ class Evaluator:
         """The results of one generated function, flat. Raises ValueError for other sizes."""
         return self.calls[name](*arguments)
 
-    def rest_poses(self, clouds: Clouds) -> RestPoses:
+    def rest_poses(self, clouds: ManyClouds) -> RestPoses:
         """What doubles say of the rest poses of many problems."""
         return rest_poses(clouds, self._hessians)
 

@@ -18,7 +18,7 @@ from certreg.native.compiler import SIGNATURES, CompilationError, compiled_libra
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.native.clouds import Clouds
+    from certreg.native.clouds import ManyClouds
     from certreg.settings import SimulationSettings
 
 EXACT_SUMS, EXACT_WORDS, NOT_FINITE, NOWHERE = 28, 101, 2, 2**63 - 1  # as in exact.h
@@ -129,7 +129,7 @@ class Library:
             lowest=tuple(None if bit == NOWHERE else bit for bit in lowest.tolist()),
         )
 
-    def rest_poses(self, clouds: Clouds) -> RestPoses:
+    def rest_poses(self, clouds: ManyClouds) -> RestPoses:
         """What doubles say of the rest poses of many problems."""
         given = (clouds.sources, clouds.targets, clouds.weights)
         arrays = [np.ascontiguousarray(array, dtype=float) for array in given]

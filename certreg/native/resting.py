@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.native.clouds import Clouds
+    from certreg.native.clouds import ManyClouds
 
 Array = Any  # NDArray[np.float64]
 UPPER = (slice(None), *np.triu_indices(3))
 
 
-def rest_poses(clouds: Clouds, hessians: Callable[[Array, Array], Array]) -> RestPoses:
+def rest_poses(clouds: ManyClouds, hessians: Callable[[Array, Array], Array]) -> RestPoses:
     """What doubles say of each problem.
 
     hessians: the generated function; (count, 3, 3) of unit quaternions (count, 4) and C (count, 9).

@@ -35,7 +35,7 @@ TAKEN = (np.dtype(np.float64), np.dtype(np.float32))  # types that the compiled 
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Clouds:
+class CloudPair:
     """Two clouds in correspondence, as they stand in memory or in a mapped file.
 
     source, target: (N, 3), of any real type and strides. weights: (N,); None: all are one.
@@ -54,10 +54,10 @@ class Clouds:
         """Number of points."""
         return len(self.source)
 
-    def part(self, rows: slice) -> Clouds:
+    def part(self, rows: slice) -> CloudPair:
         """Some of the points."""
         weights = None if self.weights is None else self.weights[rows]
-        return Clouds(
+        return CloudPair(
             source=self.source[rows],
             target=self.target[rows],
             weights=weights,
@@ -103,7 +103,7 @@ class _Points(ctypes.Structure):
     )
 
 
-def floating_sums(clouds: Clouds, *, threads: int = 1) -> FloatingSums:
+def floating_sums(clouds: CloudPair, *, threads: int = 1) -> FloatingSums:
     """The sums over all points; the same to the bit for every number of threads.
 
     Sums that no double holds are infinite or NaN, and so are those of numbers that are.
@@ -153,7 +153,7 @@ def total(row: NDArray[np.float64]) -> float:
 
 
 @cache
-def compiled() -> Callable[[Clouds], tuple[NDArray[np.float64], bool]] | None:
+def compiled() -> Callable[[CloudPair], tuple[NDArray[np.float64], bool]] | None:
     """The pass in C; None where there is no compiler."""
     try:
         function = library().handle.certreg_sums
@@ -161,7 +161,7 @@ def compiled() -> Callable[[Clouds], tuple[NDArray[np.float64], bool]] | None:
         return None
     function.restype = None
 
-    def one_pass(clouds: Clouds) -> tuple[NDArray[np.float64], bool]:
+    def one_pass(clouds: CloudPair) -> tuple[NDArray[np.float64], bool]:
         kept = [_readable(array) for array in (clouds.source, clouds.target, clouds.weights)]
         found, negative = np.empty((COUNT, 2)), ctypes.c_int()
         columns = chain.from_iterable(map(_columns, kept))
@@ -184,7 +184,7 @@ def _columns(array: NDArray[Any] | None) -> tuple[int | None, int, int, bool]:
     return address, strides[0], strides[-1], array.itemsize == 4
 
 
-def _plain(clouds: Clouds) -> tuple[NDArray[np.float64], bool]:
+def _plain(clouds: CloudPair) -> tuple[NDArray[np.float64], bool]:
     """As the pass in C: block by block, and the blocks without rounding."""
     full = clouds.n // BLOCK * BLOCK
     found = [
@@ -198,7 +198,7 @@ def _plain(clouds: Clouds) -> tuple[NDArray[np.float64], bool]:
     return np.column_stack((rounded, np.zeros(COUNT))), negative
 
 
-def _blocks(clouds: Clouds, size: int) -> NDArray[np.float64]:
+def _blocks(clouds: CloudPair, size: int) -> NDArray[np.float64]:
     """The sums over each block, (blocks, 23)."""
     x = _deviations(clouds.source, clouds.origin[:3], clouds.exponents[0]).reshape(-1, size, 3)
     y = _deviations(clouds.target, clouds.origin[3:], clouds.exponents[1]).reshape(-1, size, 3)

@@ -22,7 +22,7 @@ from sphinx.util.docutils import SphinxDirective
 
 from derivations import book
 from derivations.coq.theorems import Theorem, theorems
-from derivations.kernel import Claim, Control, Kind, Outcome, Step, prove
+from derivations.kernel import Claim, ClaimOutcome, Control, Kind, Step, prove
 
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
@@ -145,12 +145,12 @@ class Proof(MarkdownDirective):
                 link = self._links([code.astext()])
                 code.parent.replace(code, list(link.children[0].children))
 
-    def _verdict(self, outcome: Outcome) -> nodes.paragraph:
+    def _verdict(self, outcome: ClaimOutcome) -> nodes.paragraph:
         words = f" {outcome.verdict.words}."
         ruling = nodes.strong(text=outcome.verdict.ruling.value.upper())
         return nodes.paragraph("", "", ruling, nodes.Text(words), classes=["claim-verdict"])
 
-    def _controls(self, outcome: Outcome) -> list[nodes.Node]:
+    def _controls(self, outcome: ClaimOutcome) -> list[nodes.Node]:
         opening = (
             "The same proof was run on these mutated statements. Had one of them come out as "
             "proved, this page would not exist."
@@ -159,7 +159,7 @@ class Proof(MarkdownDirective):
         header = [nodes.paragraph(text=words) for words in ("mutated", "refuted at", "because")]
         return [nodes.paragraph(text=opening), table(header, rows, (30, 20, 50), "controls")]
 
-    def _control(self, control: Control, outcome: Outcome) -> list[nodes.Node]:
+    def _control(self, control: Control, outcome: ClaimOutcome) -> list[nodes.Node]:
         step = control.refuted_at
         if step is None:  # `prove` would not have said PROVED
             raise ExtensionError(f"{outcome.claim.name}: the control {control.name!r} passed")
@@ -239,7 +239,7 @@ def _row(cells: Iterable[nodes.Node]) -> nodes.row:
 Facts = dict[str, Any]
 
 
-def summary_of(outcome: Outcome) -> Facts:
+def summary_of(outcome: ClaimOutcome) -> Facts:
     """What the index of all claims says of one; no times, so that a build can be repeated."""
     return {
         "verdict": outcome.verdict.ruling.value,
