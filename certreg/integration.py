@@ -41,7 +41,8 @@ def step_parameters(
     period = np.sqrt(TRANSLATION_STIFFNESS / fastest)  # 1 without noise
     if integrator is Integrator.MIDPOINT:
         own = settings.midpoint_share * period
-        return (np.full_like(own, settings.step) if settings.step else own)[:, np.newaxis]
+        given = np.minimum(settings.step or np.inf, settings.midpoint_most * own)
+        return (given if settings.step else own)[:, np.newaxis]
     h = np.minimum(settings.step or np.inf, settings.splitting_share * period)
     mu = parameters[:, 22]
     return np.column_stack([h, np.exp(-mu * h), -np.expm1(-mu * h) / mu])

@@ -175,8 +175,8 @@ def simulate(
 
     integrator: "euler", explicit with projection; "midpoint", whose energy never rises;
         "splitting", a few large steps.
-    step: in the time unit of the springs, None for the integrator's own; euler and splitting take
-        less where this is not stable.
+    step: in the time unit of the springs, None for the integrator's own; less is taken, and noted
+        in the trajectory, where this is not stable or gains nothing.
     Raises ValueError for other integrators or steps, and DegenerateProblemError where the dynamics
     is not defined or too stiff.
     """

@@ -107,6 +107,10 @@ class SimulationSettings:
     step: float | None = None  # of the springs' time; None: each integrator's own
     euler_step: float = 0.01  # [Yang2020]
     midpoint_share: float = 1.4  # of sqrt(2 / g_max): kills a critically damped mode in one step
+    midpoint_most: float = 1000.0  # of that: larger steps gain nothing; halving brings them back
+    short_step: float = 0.1  # of the integrator's own: below, a run that did not end is told so
+    far_damping: float = 4.0  # times the best one, or a fourth of it: as above
+    many_kicks: float = 0.5  # radians in all, from which on a run is told of them
     splitting_share: float = 0.8  # of sqrt(2 / g_max): 12 to 23 steps from anywhere
     splitting_halvings: int = 8  # of the step, from the start, where a fast spin lost the state
     speed_tolerance: float = 1e-4  # [Yang2020]: norm of the 18 rates of change

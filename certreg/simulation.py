@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import enum
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,6 +27,8 @@ from certreg.settings import SimulationSettings
 from certreg.so3 import quaternion_from_matrix, rotation_matrix
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from certreg.equilibria.spectral import Spectrum
@@ -88,6 +90,8 @@ class Trajectory:
     quaternion: (4,), angular_velocity: (3,), of the last state: what the basin proof is about.
     step: the largest; steps: how many; escapes: how often the body was kicked off a saddle.
     speed: |s'| at the end, the residual of the equilibrium equations.
+    notes: what else is to be known: a step that was not taken as given, kicks that did the work of
+        the springs, and, where the steps ran out, what makes them too few.
     predicted_rate: of the slowest mode at the optimum, from the linearised dynamics; None where the
         optimum is not unique. decay_rate: as measured in the logged energies; None where too few
         samples lie between a thousandth of the energy at the start and its rounding.
@@ -108,6 +112,7 @@ class Trajectory:
     speed: float
     predicted_rate: float | None
     decay_rate: float | None
+    notes: tuple[str, ...]
 
     @property
     def converged(self) -> bool:
@@ -126,7 +131,8 @@ def simulate(
     """The trajectory of the body of a problem, by default released at rest where it was given.
 
     start: (18,), see `certreg.dynamics`, lengths over 2^length_exponent of the body.
-    Raises DegenerateProblemError where the dynamics is undefined or too stiff for explicit Euler.
+    Raises DegenerateProblemError where the dynamics is undefined, too stiff for explicit Euler, or
+    so little damped that the integrator gains energy without end.
     """
     settings = settings or SimulationSettings()
     if not found.classification.inertia_definite:
@@ -146,7 +152,21 @@ def simulate(
     )
     log = Log.of_capacity(settings.log_capacity, integrator)
     integrate(batch, settings, log)
-    return _trajectory(moving, basin, batch, log)
+    _require_finite(begin, moving, batch)
+    return _trajectory(moving, basin, batch, log, settings)
+
+
+def _require_finite(begin: NDArray[np.float64], moving: Body, batch: Batch) -> None:
+    """DegenerateProblemError where a step too long for its spin drove a body beyond the doubles."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        end = moving.energies(_paper_states(batch.states, batch.integrator)[0])
+    if np.isfinite(begin).all() and not math.isfinite(end.kinetic + end.potential):
+        message = (
+            f"the {batch.integrator.value} integrator gained energy without end under the damping "
+            f"{moving.damping:.3g}: take the midpoint integrator, whose energy never rises, or "
+            "more damping"
+        )
+        raise DegenerateProblemError(message)
 
 
 def optimal_damping(found: Spectrum) -> float:
@@ -161,8 +181,7 @@ def optimal_damping(found: Spectrum) -> float:
         raise DegenerateProblemError(message)
     moving = body(found.moments, 1.0)
     basin = certified_basin(found, moving.length_exponent)
-    least = spring_ratios(moving.parameters[np.newaxis], basin.parameters[np.newaxis])[0, 0]
-    return 2.0 * math.sqrt(min(TRANSLATION_STIFFNESS, float(least)))
+    return _best_damping(moving.parameters[np.newaxis], basin.parameters[np.newaxis])
 
 
 def certified_basin(found: Spectrum, length_exponent: int) -> Basin:
@@ -214,7 +233,9 @@ _STATUSES = {
 }
 
 
-def _trajectory(moving: Body, basin: Basin, batch: Batch, log: Log) -> Trajectory:
+def _trajectory(
+    moving: Body, basin: Basin, batch: Batch, log: Log, settings: SimulationSettings
+) -> Trajectory:
     integrator, size = batch.integrator, batch.integrator.state_size
     samples = log.samples
     times, states = samples[:, 0], _paper_states(samples[:, 1 : 1 + size], integrator)
@@ -242,7 +263,52 @@ def _trajectory(moving: Body, basin: Basin, batch: Batch, log: Log) -> Trajector
         speed=float(np.linalg.norm(moving.rate(last))),
         predicted_rate=_predicted_rate(moving, basin) if unique else None,
         decay_rate=_decay_rate(times, potential + kinetic, moving, basin) if unique else None,
+        notes=tuple(_notes(basin, batch, settings)),
     )
+
+
+def _notes(basin: Basin, batch: Batch, settings: SimulationSettings) -> Iterator[str]:
+    """What is to be known of a run beside how it ended."""
+    step, escapes = float(batch.steps[0, 0]), int(batch.escapes[0])
+    if settings.step is not None and step < settings.step:
+        yield (
+            f"The step {settings.step:.6g} is longer than {batch.integrator.value} takes here: "
+            f"{step:.6g} was taken."
+        )
+    kicks = settings.first_kick * settings.kick_growth ** np.arange(min(escapes, 100.0))
+    turned = float(np.minimum(kicks, settings.largest_kick).sum())
+    if turned > settings.many_kicks:
+        yield (
+            f"{escapes} kicks turned the body by up to {math.degrees(turned):.0f} degrees in all: "
+            "where it was slow, they carried it, not the springs."
+        )
+    if batch.status[0] == Ending.OUT_OF_STEPS:
+        yield _delay(basin, batch, settings)
+
+
+def _delay(basin: Basin, batch: Batch, settings: SimulationSettings) -> str:
+    """What makes the steps too few."""
+    step, damping = float(batch.steps[0, 0]), float(batch.bodies[0, 22])
+    if int(batch.taken[0]) < settings.max_steps:
+        return "No step could be made from the last state."
+    own = replace(settings, step=None)
+    usual = float(step_parameters(batch.integrator, batch.bodies, batch.basins, own)[0, 0])
+    if settings.step is not None and step < settings.short_step * usual:
+        return f"The step {step:.3g} is short: {batch.integrator.value} itself takes {usual:.3g}."
+    if basin.barrier > 0.0:
+        best = _best_damping(batch.bodies, batch.basins)
+        if not best / settings.far_damping <= damping <= best * settings.far_damping:
+            far = f"The damping {damping:.3g} is far from the best one, {best:.3g}"
+            return f"{far}: try --damping optimal."
+    return (
+        "The springs turn the body slowly: the ambiguity margin is small, or the clouds differ "
+        "much in size, or are hardly correlated."
+    )
+
+
+def _best_damping(parameters: NDArray[np.float64], basins: NDArray[np.float64]) -> float:
+    least = float(spring_ratios(parameters, basins)[0, 0])
+    return 2.0 * math.sqrt(min(TRANSLATION_STIFFNESS, max(0.0, least)))
 
 
 def _predicted_rate(moving: Body, basin: Basin) -> float:

@@ -138,6 +138,58 @@ def test_a_run_that_does_not_converge_ends_with_code_four(data: Path, monkeypatc
     assert document["status"] == SimulationStatus.OUT_OF_STEPS.value
 
 
+@pytest.mark.slow  # a million steps: minutes without a compiler
+@pytest.mark.parametrize(
+    ("options", "note"),
+    [
+        (("--step", "1e-8"), "The step 1e-08 is short: euler itself takes 0.01."),
+        (("--damping", "1e4"), "The damping 1e+04 is far from the best one, 2."),
+        (
+            ("--damping", "1e6", "--integrator", "splitting"),
+            "The damping 1e+06 is far from the best one, 2.",
+        ),
+    ],
+)
+def test_a_run_that_does_not_arrive_says_why(data: Path, options, note):
+    run = certreg("simulate", *survey(data), *options, "--json")
+
+    assert run.code == 4
+    assert run.document["converged"] is False
+    assert f"note: {note}" in run.err
+
+
+@pytest.mark.slow  # a million steps: minutes without a compiler
+def test_an_integrator_that_loses_the_state_is_refused(data: Path):
+    run = certreg("simulate", *survey(data), "--damping", "1e-4", "--integrator", "splitting")
+
+    assert run.code == 2
+    assert "the splitting integrator gained energy without end under the damping 0.0001" in run.err
+
+
+@pytest.mark.slow  # a million steps: minutes without a compiler
+@pytest.mark.parametrize("integrator", ["euler", "midpoint", "splitting"])
+def test_a_step_that_is_too_long_is_shortened_with_a_note(data: Path, integrator):
+    run = certreg(
+        "simulate", *survey(data), "--step", "1e300", "--integrator", integrator, "--json"
+    )
+
+    assert run.code == 0
+    assert f"note: The step 1e+300 is longer than {integrator} takes here: " in run.err
+    assert f": {run.document['step']:.6g} was taken." in run.err
+
+
+@pytest.mark.slow  # a million steps: minutes without a compiler
+def test_kicks_that_do_the_work_of_the_springs_are_mentioned(tmp_path: Path):
+    tetrahedron = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1.0]])
+    mirrored = tetrahedron * [1, 1, -1]
+    mirrored[0, 0] += 1e-3
+    paths = clouds(tmp_path, tetrahedron, mirrored)
+    run = certreg("simulate", *paths, "--integrator", "splitting", "--json")
+
+    assert run.document["escapes"] == 4
+    assert "note: 4 kicks turned the body by up to 64 degrees in all" in run.err
+
+
 def test_an_optimum_that_is_not_unique_is_reached_but_no_basin_is_proved(tmp_path: Path):
     mirrored = (np.array(TALL) @ np.array(MIRROR).T).tolist()
     paths = clouds(tmp_path, TALL, mirrored)

@@ -173,6 +173,7 @@ def test_too_few_steps_are_reported_and_claim_no_convergence():
     assert not trajectory.converged
 
 
+@pytest.mark.slow  # a million steps: minutes without a compiler
 def test_a_body_that_weak_springs_leave_far_away_contradicts_nothing():
     rng = np.random.default_rng(2)
     source = rng.normal(size=(12, 3))
@@ -185,6 +186,7 @@ def test_a_body_that_weak_springs_leave_far_away_contradicts_nothing():
     assert code_of_registration(registration) == NOT_CERTIFIED
 
 
+@pytest.mark.slow  # a million steps: minutes without a compiler
 def test_a_million_roundings_are_no_contradiction():
     """Nearly a continuum of optima: explicit Euler hovers at the minimum."""
     source = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1.0]])

@@ -118,6 +118,8 @@ def simulate(
     end = simulated(problem, integrator, step=step)
     if out is not None:
         write_atomically(out, Record.of(problem, end.trajectory).to_bytes())
+    for note in end.trajectory.notes:
+        click.echo(f"note: {note}", err=True)
     document = simulation_document(end)
     click.echo(dumps(document) if as_json else simulation_summary(end, document["energy"]))
     if out is not None and not as_json:

@@ -211,7 +211,8 @@ def _road_lines(registration: Registration) -> list[str]:
             f"  simulation        {trajectory.steps} steps, {_away(agreement.simulation)}{where}"
         )
         if not trajectory.converged:
-            lines.append(f"                    NOT CONVERGED: {trajectory.status.value}")
+            words = " ".join((trajectory.status.value, *trajectory.notes))
+            lines.append(f"                    NOT CONVERGED: {words}")
     left_out = {
         "relaxation (SDP)": solution.absences.relaxation,
         "simulation": solution.absences.trajectory,
