@@ -335,13 +335,21 @@ def test_a_long_list_is_never_held_as_objects(folder):
     assert next(campaign.calls(done=range(1200))).arguments["rows"][0].name == "p19200"
 
 
+# What runs in the background of a shell is born deaf to Ctrl-C, and so are its children.
+HEARING = """
+import os, signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
+os.execv(sys.executable, [sys.executable, *sys.argv[1:]])
+"""
+
+
 @pytest.mark.slow
 def test_ctrl_c_ends_cleanly_and_says_how_to_go_on(folder):
     rows = [f"a{k % 6}.csv,b{k % 6}.csv" for k in range(2000)]
     path, out = listing(folder, *rows), folder / "out"
     root = Path(package.__file__).parents[1]
     run = subprocess.Popen(
-        [sys.executable, "-W", "error", "-m", "certreg", "batch", path, "--out", out],
+        [sys.executable, "-c", HEARING, "-W", "error", "-m", "certreg", "batch", path, "--out", out],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
