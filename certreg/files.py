@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-import tempfile
+import secrets
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
@@ -13,6 +13,7 @@ from certreg.errors import InvalidFileError
 if TYPE_CHECKING:
     from collections.abc import Generator, Iterable
 
+BINARY: int = getattr(os, "O_BINARY", 0)  # Windows alone tells text from bytes
 TEMPORARY = ".certreg-"  # how names of files begin that are not yet whole
 
 
@@ -50,21 +51,16 @@ def write_together(contents: dict[Path, bytes | Iterable[bytes]], obsolete: Iter
 def written_atomically(path: str | os.PathLike[str]) -> Generator[BinaryIO]:
     """As `write_atomically`, for what is written bit by bit; nothing stands there if it fails."""
     target = Path(os.path.realpath(path))
+    # Named before it is made: wherever Ctrl-C comes, it is known what to remove.
+    temporary = target.parent / f"{TEMPORARY}{secrets.token_hex(8)}"
     try:
-        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=TEMPORARY)
-    except OSError as error:
-        message = f"{target}: cannot be written ({error.strerror}): choose another place"
-        raise InvalidFileError(message) from error
-    try:
+        handle = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | BINARY, 0o666)
         with os.fdopen(handle, "wb") as stream:
             yield stream
-        umask = os.umask(0)
-        os.umask(umask)
-        Path(temporary).chmod(0o666 & ~umask)
-        Path(temporary).replace(target)
+        temporary.replace(target)
     except OSError as error:
         message = f"{target}: cannot be written ({error.strerror}): choose another place"
         raise InvalidFileError(message) from error
     finally:
-        with contextlib.suppress(FileNotFoundError):
-            Path(temporary).unlink()
+        with contextlib.suppress(FileNotFoundError, NotADirectoryError):
+            temporary.unlink()

@@ -240,7 +240,7 @@ def test_the_folder_holds_lines_certificates_and_a_table(folder):
         assert package.verify(place).proved
         assert strict_json(place.read_bytes())["problem"]["digest"] == entry["digest"]
         assert float(row["rmse"]) == entry["rmse"]
-    assert {path.name for path in folder.parent.iterdir() if "up" in path.name} == set()
+    assert {path.name for path in folder.parent.iterdir() if path.name.startswith("up")} == set()
 
 
 def test_what_was_mended_is_done_when_the_same_is_run_again(folder):
@@ -349,7 +349,19 @@ def test_ctrl_c_ends_cleanly_and_says_how_to_go_on(folder):
     path, out = listing(folder, *rows), folder / "out"
     root = Path(package.__file__).parents[1]
     run = subprocess.Popen(
-        [sys.executable, "-c", HEARING, "-W", "error", "-m", "certreg", "batch", path, "--out", out],
+        [
+            sys.executable,
+            "-c",
+            HEARING,
+            "-W",
+            "error",
+            "-m",
+            "certreg",
+            "batch",
+            path,
+            "--out",
+            out,
+        ],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -51,26 +51,23 @@ def outcomes(
 
     A bounded number is under way, and none far ahead of the first of them: calls are drawn, and
     results held, no faster than asked for. Raises CampaignError where workers keep dying, fail, or
-    have other versions than `versions`; ContradictionError where certreg contradicts itself.
+    have other versions than `versions`; ContradictionError where certreg contradicts itself. What
+    is under way then ends with the workers.
     """
     desk, breakdowns = _Desk(calls, workers, versions), 0
-    try:
-        while desk.fill():
-            for future in desk.ended():
-                call = desk.under_way.pop(future)
-                found = _result(future, call, workers)
-                if found is None:
-                    desk.again.append(call)
-                else:
-                    breakdowns = 0
-                    yield call, found
-            if desk.again:
-                breakdowns += 1
-                _require_hope(breakdowns, desk.again)
-                workers.renew()
-    finally:
-        for future in desk.under_way:
-            future.cancel()
+    while desk.fill():
+        for future in desk.ended():
+            call = desk.under_way.pop(future)
+            found = _result(future, call, workers)
+            if found is None:
+                desk.again.append(call)
+            else:
+                breakdowns = 0
+                yield call, found
+        if desk.again:
+            breakdowns += 1
+            _require_hope(breakdowns, desk.again)
+            workers.renew()
 
 
 def in_order(found: Iterable[tuple[Call, Yield]]) -> Iterator[Yield]:

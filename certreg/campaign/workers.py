@@ -113,7 +113,7 @@ class LocalWorkers:
 
 
 class ClusterWorkers:
-    """The workers of a dask scheduler at an address, such as tcp://10.0.0.1:8786.
+    """The workers of a dask scheduler at an address, as `dask scheduler` prints it.
 
     Workers may come and go; dask itself repeats the calls of those that die.
     """
