@@ -100,7 +100,9 @@ def test_pages_of_proofs_have_formulas_and_verdicts(page: Page):
 def test_the_search_finds_a_word_without_network(page: Page):
     page.goto(f"{(SITE / 'search.html').as_uri()}?q=quaternion")
 
-    page.locator("#search-results li").first.wait_for(timeout=20_000)
+    found = page.locator("#search-results li")
+    found.first.wait_for(timeout=20_000)
+    assert "uaternion" in " ".join(found.all_inner_texts())
 
 
 CUT_OFF = """() => {
