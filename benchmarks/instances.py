@@ -20,9 +20,9 @@ from benchmarks.measuring import Figure, Quantity, Series, fastest
 from certreg.dynamics import Body
 from certreg.ensembles import ensemble
 from certreg.experiments.generator import gaussian_instances
+from certreg.geometry.so3 import davenport_matrix, rotation_matrix
 from certreg.instances import Solutions, exactly, solve_many
 from certreg.native.engine import engine
-from certreg.so3 import davenport_matrix, rotation_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

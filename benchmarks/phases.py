@@ -11,10 +11,10 @@ from certreg.certificate.producing import produce
 from certreg.equilibria.classification import classify
 from certreg.equilibria.eigenbasis import eigenbasis
 from certreg.equilibria.spectral import equilibrium_set, spectrum
+from certreg.geometry.so3 import davenport_matrix
 from certreg.moments import exact_moments, floating_moments
 from certreg.pipeline import solve
 from certreg.problem import RegistrationProblem
-from certreg.so3 import davenport_matrix
 from certreg.verify import check
 
 if TYPE_CHECKING:

@@ -28,14 +28,14 @@ from certreg.equilibria.homotopy import HomotopyStatus, continuation
 from certreg.equilibria.krawczyk import EigenBalls, proved_root
 from certreg.equilibria.quadratics import multiplier_system, quaternion_system
 from certreg.equilibria.reference import rotation_ideal
+from certreg.geometry.so3 import davenport_matrix
 from certreg.io.clouds import read_problem
 from certreg.moments import exact_moments
-from certreg.so3 import davenport_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from certreg.so3 import Matrix3
+    from certreg.geometry.so3 import Matrix3
 
 CLASSIFICATION, CHART, SINGLE, BATCHED, ROOT = 50e-6, 1e-3, 3e-3, 0.5e-3, 0.1e-3  # seconds
 SLOWER = 100.0  # SymPy's R-form than the chart: at least

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from certreg.certificate.types import Certificate as Certificate
     from certreg.enumeration import equilibria as equilibria
     from certreg.errors import CertregError as CertregError
+    from certreg.geometry.pose import Pose as Pose
     from certreg.pipeline import Registration as Registration
     from certreg.pipeline import certify as certify
     from certreg.pipeline import simulate as simulate
-    from certreg.pose import Pose as Pose
     from certreg.problem import RegistrationProblem as RegistrationProblem
     from certreg.results import Verdict as Verdict
     from certreg.simulation import Trajectory as Trajectory
@@ -34,7 +34,7 @@ _HOMES = {
     "assess": "certreg.assessment",
     "Certificate": "certreg.certificate.types",
     "CertregError": "certreg.errors",
-    "Pose": "certreg.pose",
+    "Pose": "certreg.geometry.pose",
     "Registration": "certreg.pipeline",
     "RegistrationProblem": "certreg.problem",
     "Trajectory": "certreg.simulation",

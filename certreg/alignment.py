@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.errors import DegenerateProblemError, InvalidProblemError
+from certreg.geometry.pose import Pose
+from certreg.geometry.so3 import canonical, davenport_matrix, rotation_matrix
 from certreg.moments import moments_of_clouds
-from certreg.pose import Pose
 from certreg.problem import checked_threads, cloud_array, finite_doubles, real_numbers
 from certreg.settings import PassSettings
-from certreg.so3 import canonical, davenport_matrix, rotation_matrix
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

@@ -13,11 +13,11 @@ from certreg.certificate.bounds import ExactPose, pose_bounds, pose_energy
 from certreg.dyadic import nearest_double, nearest_root
 from certreg.energy import translation_energy
 from certreg.errors import InvalidProblemError
+from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix, squared_norm
 from certreg.pipeline import certify
 from certreg.problem import lift
 from certreg.results import ComponentKind, PoseVerdict
 from certreg.settings import AssessmentSettings
-from certreg.so3 import quaternion_from_matrix, rotation_matrix, squared_norm
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

@@ -19,14 +19,14 @@ import numpy as np
 from certreg.dyadic import nearest_double
 from certreg.energy import potential_energy
 from certreg.equilibria.spectral import rotation_double, unit_double
+from certreg.geometry.so3 import body_frame
 from certreg.problem import contiguous, row_blocks
-from certreg.so3 import body_frame
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.equilibria.spectral import Spectrum
-    from certreg.pose import Pose
+    from certreg.geometry.pose import Pose
     from certreg.problem import Block, RegistrationProblem
 
 PARAMETERS = 6  # of a pose

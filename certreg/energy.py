@@ -10,13 +10,19 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.dyadic import power_of_two
-from certreg.so3 import davenport_matrix, dot, quadratic_form, rotation_matrix, squared_norm
+from certreg.geometry.so3 import (
+    davenport_matrix,
+    dot,
+    quadratic_form,
+    rotation_matrix,
+    squared_norm,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from certreg.geometry.so3 import Vector3
     from certreg.moments import ExactMoments
-    from certreg.so3 import Vector3
 
 
 def alignment(moments: ExactMoments, q: Sequence[int]) -> Fraction:

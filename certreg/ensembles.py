@@ -23,12 +23,12 @@ import numpy as np
 
 from certreg.dynamics import SMALLEST_BARRIER, SMALLEST_INERTIA
 from certreg.errors import DegenerateProblemError
+from certreg.geometry.so3 import rotation_matrix
 from certreg.instances import clouds, rest_poses
 from certreg.integration import integrate, step_parameters
 from certreg.native.batch import Batch, Ending, Integrator
 from certreg.problem import checked_damping
 from certreg.settings import DEFAULT_DAMPING, SimulationSettings
-from certreg.so3 import rotation_matrix
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

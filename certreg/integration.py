@@ -11,10 +11,10 @@ import numpy as np
 
 from certreg.equilibria.stability import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
+from certreg.geometry.so3 import rotation_matrix
 from certreg.native.batch import Ending, Integrator
 from certreg.native.engine import engine
 from certreg.settings import DEFAULT_DAMPING
-from certreg.so3 import rotation_matrix
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

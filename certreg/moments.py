@@ -31,9 +31,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.exact_sums import Sums
+    from certreg.geometry.so3 import Matrix3, Vector3
     from certreg.native.sums import FloatingSums
     from certreg.problem import RegistrationProblem
-    from certreg.so3 import Matrix3, Vector3
 
 MOST_EXPONENT = 1025  # two doubles are less than 2^1025 apart
 

@@ -28,8 +28,8 @@ from certreg.errors import (
     DegenerateProblemError,
     OutOfRangeError,
 )
+from certreg.geometry.pose import Pose
 from certreg.moments import exact_moments
-from certreg.pose import Pose
 from certreg.problem import lift
 from certreg.results import Optimality
 

@@ -21,10 +21,10 @@ from certreg.dynamics import AT_REST, SMALLEST_BARRIER, Body, body, start_at_res
 from certreg.equilibria.spectral import unit_double
 from certreg.equilibria.stability import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
+from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
 from certreg.integration import integrate, spring_ratios, step_parameters
 from certreg.native.batch import ENERGIES, Batch, Ending, Integrator, Log
 from certreg.settings import SimulationSettings
-from certreg.so3 import quaternion_from_matrix, rotation_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

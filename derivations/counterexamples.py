@@ -14,8 +14,8 @@ from typing import Any
 
 import sympy
 
+from certreg.geometry.so3 import dot, squared_norm
 from certreg.results import Verdict
-from certreg.so3 import dot, squared_norm
 
 from .algebra import facts
 from .linearisation import ambient_jacobian

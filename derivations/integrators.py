@@ -13,7 +13,7 @@ from typing import Any
 
 import sympy
 
-from certreg.so3 import body_frame, davenport_matrix
+from certreg.geometry.so3 import body_frame, davenport_matrix
 
 from .motion import DAMPING, Body, State, rate
 from .notation import Array, Matrix, hat, quaternion, scalar, square, vector

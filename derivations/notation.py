@@ -12,7 +12,7 @@ from typing import Any
 import sympy
 from sympy.combinatorics.permutations import Permutation
 
-from certreg.so3 import body_frame, rotation_matrix
+from certreg.geometry.so3 import body_frame, rotation_matrix
 
 Array = Any  # a SymPy matrix of symbols: its own types do not pass a type checker
 Matrix: Any = sympy.Matrix

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from certreg.equilibria.classification import Classification, classify
+from certreg.geometry.so3 import dot, rotation_matrix, squared_norm
 from certreg.moments import exact_moments
 from certreg.problem import RegistrationProblem
-from certreg.so3 import dot, rotation_matrix, squared_norm
 
 Number = int | Fraction
 Vector = tuple[Any, ...]

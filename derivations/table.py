@@ -15,7 +15,7 @@ from typing import Any
 import sympy
 
 from certreg.equilibria.classification import Pattern
-from certreg.so3 import rotation_matrix
+from certreg.geometry.so3 import rotation_matrix
 
 from .algebra import ring_of
 from .notation import Array, Matrix, scalar

@@ -30,7 +30,7 @@ class Mutant:
     claims: tuple[str, ...]
 
 
-SO3, MOTION = "certreg/so3.py", "derivations/motion.py"
+SO3, MOTION = "certreg/geometry/so3.py", "derivations/motion.py"
 CLASSES = "certreg/equilibria/classification.py"
 LINEAR, STEPS = "derivations/linearisation.py", "derivations/integrators.py"
 

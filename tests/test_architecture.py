@@ -15,12 +15,12 @@ MAP = """
 results errors settings exits
 files dyadic mapping
 verify
-so3 definite
+geometry.so3 definite
 codegen.translate codegen.emit
 native.batch native.clouds native.resting native.cache native.compiler native.library
 native.evaluator native.engine native.sums
 problem
-exact_sums moments energy pose
+exact_sums moments energy geometry.pose
 equilibria.classification equilibria.components equilibria.eigenbasis equilibria.stability
 equilibria.spectral equilibria.closed_form alignment
 equilibria.quadratics equilibria.exports equilibria.balls equilibria.tracking
@@ -111,6 +111,7 @@ def sources() -> dict[str, str]:
 def test_every_module_stands_on_the_map():
     folders = {
         "certreg",
+        "certreg.geometry",
         "certreg.campaign",
         "certreg.equilibria",
         "certreg.experiments",
@@ -134,11 +135,11 @@ def test_imports_only_go_down_the_map():
 def test_a_planted_upward_import_is_seen():
     planted = sources()
     planted["certreg.moments"] += "\nfrom certreg import pipeline\n"
-    planted["certreg.so3"] += "\ndef f():\n    import certreg.moments\n"
+    planted["certreg.geometry.so3"] += "\ndef f():\n    import certreg.moments\n"
 
     assert upward_imports(planted) == [
         "certreg.moments imports certreg.pipeline",
-        "certreg.so3 imports certreg.moments",
+        "certreg.geometry.so3 imports certreg.moments",
     ]
 
 

@@ -26,7 +26,7 @@ from benchmarks.measuring import Figure, Quantity, Series, exponent, fastest
 from benchmarks.peers import PEERS, Peer, presence
 from benchmarks.reference import angle, angle_of_matrix, optimal_quaternion
 from benchmarks.run import LATEST, SCHEMA, Run, read
-from certreg.so3 import rotation_matrix
+from certreg.geometry.so3 import rotation_matrix
 
 ROOT = Path(__file__).parent.parent
 VALIDATOR = Draft202012Validator(json.loads(SCHEMA.read_text("utf-8")))

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from certreg.definite import is_positive_definite, rank
 from certreg.equilibria.classification import Ambiguity, classify, pattern_of
+from certreg.geometry.so3 import rotation_matrix
 from certreg.moments import exact_moments
-from certreg.so3 import rotation_matrix
 
 small = st.integers(-6, 6)
 integer_quaternions = st.tuples(small, small, small, small).filter(any)

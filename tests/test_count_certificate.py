@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 from certreg.certificate.checking import check_own
 from certreg.certificate.counting import count_certificate
 from certreg.enumeration import certified_count
-from certreg.so3 import rotation_matrix
+from certreg.geometry.so3 import rotation_matrix
 
 if TYPE_CHECKING:
     from pathlib import Path

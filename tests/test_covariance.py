@@ -20,9 +20,9 @@ from strategies import TETRAHEDRON, ZOO, random_rotation
 from certreg import problem as problems
 from certreg.covariance import pose_covariance, residual_distances, worst_residuals
 from certreg.equilibria.spectral import spectrum
+from certreg.geometry.pose import Pose
 from certreg.moments import exact_moments
 from certreg.pipeline import certify
-from certreg.pose import Pose
 from certreg.problem import RegistrationProblem
 from certreg.settings import SumSettings
 

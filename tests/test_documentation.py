@@ -64,7 +64,7 @@ STALE_CLAIM = """
 from derivations import book
 from derivations.claims import davenport
 
-book.claim = lambda name: dataclasses.replace(davenport.CLAIM, used_by=("certreg.so3.gone",))
+book.claim = lambda name: dataclasses.replace(davenport.CLAIM, used_by=("certreg.geometry.so3.gone",))
 """
 NOTEBOOK = """\
 ---
@@ -181,7 +181,7 @@ def test_formulas_are_set_as_formulas_wherever_they_stand(tmp_path: Path, name: 
     [
         ("```{proof} davenport\n```\n", FALSE_CLAIM, "is refuted, not proved"),
         ("```{proof} davenport\n```\n", TOOTHLESS_CLAIM, "is inconclusive, not proved"),
-        ("```{proof} davenport\n```\n", STALE_CLAIM, "no code is called certreg.so3.gone"),
+        ("```{proof} davenport\n```\n", STALE_CLAIM, "no code is called certreg.geometry.so3.gone"),
         ("```{proof} nonsense\n```\n", "", "the book has no claim 'nonsense'"),
         ("{claim}`nonsense`\n", "", "the book has no claim 'nonsense'"),
         ("As in [Nobody1999].\n", "", "[Nobody1999] is not in the bibliography"),

@@ -13,8 +13,8 @@ from certreg import RegistrationProblem
 from certreg.equilibria.closed_form import arun, horn
 from certreg.equilibria.eigenbasis import eigenbasis
 from certreg.equilibria.spectral import spectrum
+from certreg.geometry.so3 import angle_between, davenport_matrix, dot, quaternion_from_matrix
 from certreg.moments import exact_moments, floating_moments
-from certreg.so3 import angle_between, davenport_matrix, dot, quaternion_from_matrix
 
 PATTERNS = sorted({s.pattern for s in strategies.ZOO})
 
@@ -124,7 +124,7 @@ def test_the_whole_component_has_the_same_energy(pattern):
     for component in certreg.equilibria(problem).components:
         coefficients = rng.normal(size=component.basis.shape[1])
         q = component.basis @ (coefficients / np.linalg.norm(coefficients))
-        from certreg.so3 import rotation_matrix
+        from certreg.geometry.so3 import rotation_matrix
 
         R = np.array(rotation_matrix(q.tolist()))
         assert (w * (y - x @ R.T) ** 2).sum() == pytest.approx(component.energy, abs=1e-12)
@@ -265,7 +265,7 @@ def test_quaternions_and_matrices_go_back_and_forth():
     for _ in range(50):
         R = strategies.random_rotation(rng)
         q = quaternion_from_matrix(R)
-        from certreg.so3 import rotation_matrix
+        from certreg.geometry.so3 import rotation_matrix
 
         assert np.abs(np.array(rotation_matrix(q.tolist())) - R).max() < 1e-14
 

@@ -7,7 +7,7 @@ import pytest
 
 from certreg.errors import InvalidProblemError
 from certreg.experiments.generator import gaussian_instances
-from certreg.so3 import quaternion_from_matrix
+from certreg.geometry.so3 import quaternion_from_matrix
 
 
 def test_the_noise_is_what_the_motion_does_not_explain():

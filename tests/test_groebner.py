@@ -15,9 +15,9 @@ from certreg.equilibria.classification import pattern_of
 from certreg.equilibria.groebner import eliminate, fibres
 from certreg.equilibria.quadratics import quaternion_system
 from certreg.errors import ContradictionError
+from certreg.geometry.so3 import davenport_matrix
 from certreg.moments import exact_moments
 from certreg.settings import EliminationSettings
-from certreg.so3 import davenport_matrix
 
 GROEBNER = import_module("certreg.equilibria.groebner")
 small = st.integers(-6, 6)

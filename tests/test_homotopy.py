@@ -5,9 +5,9 @@ import pytest
 import strategies
 
 from certreg.equilibria.homotopy import HomotopyStatus, continuation
+from certreg.geometry.so3 import davenport_matrix
 from certreg.moments import exact_moments
 from certreg.settings import HomotopySettings, TrackerSettings
-from certreg.so3 import davenport_matrix
 
 
 def davenports(count, seed=0):

@@ -15,6 +15,7 @@ from certreg.dynamics import body
 from certreg.ensembles import Ends, Ensemble, ensemble, simulate_many
 from certreg.equilibria.spectral import spectrum
 from certreg.errors import DegenerateProblemError, InvalidProblemError
+from certreg.geometry.so3 import rotation_matrix
 from certreg.integration import _halved, inertias, spring_ratios, step_parameters
 from certreg.moments import exact_moments
 from certreg.native.batch import Batch, Ending, Integrator
@@ -23,7 +24,6 @@ from certreg.native.library import Library
 from certreg.problem import RegistrationProblem
 from certreg.settings import SimulationSettings
 from certreg.simulation import SimulationStatus, certified_basin, optimal_damping, simulate
-from certreg.so3 import rotation_matrix
 
 COMPILED = isinstance(engine(), Library)
 # instances; without a compiler each takes a millisecond

@@ -16,8 +16,8 @@ from certreg.equilibria.krawczyk import (
     proved_root,
     tightened,
 )
+from certreg.geometry.so3 import davenport_matrix
 from certreg.settings import KrawczykSettings
-from certreg.so3 import davenport_matrix
 
 C = [[3, 1, -2], [7, 2, 5], [0, -1, 4]]
 

@@ -18,10 +18,10 @@ from hypothesis import strategies as st
 import certreg
 from certreg.equilibria.spectral import spectrum
 from certreg.errors import DegenerateProblemError, InvalidProblemError
+from certreg.geometry.so3 import angle_between, rotation_matrix
 from certreg.moments import exact_moments, floating_moments, moments_of_clouds
 from certreg.native import sums
 from certreg.native.sums import CloudPair, compiled, floating_sums
-from certreg.so3 import angle_between, rotation_matrix
 
 ROOT = Path(__file__).parent.parent
 UNIT = Fraction(1, 2**53)

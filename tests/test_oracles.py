@@ -19,8 +19,8 @@ import strategies
 from certreg.equilibria.exports import as_msolve, as_phcpack, as_singular, value_unit
 from certreg.equilibria.groebner import eliminate, fibres
 from certreg.equilibria.quadratics import multiplier_system, quaternion_system, rotation_system
+from certreg.geometry.so3 import rotation_matrix
 from certreg.moments import exact_moments
-from certreg.so3 import rotation_matrix
 
 FOLDER = os.environ.get("CERTREG_ORACLES")
 SEEDS = range(12)

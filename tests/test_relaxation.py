@@ -25,6 +25,7 @@ from certreg.definite import rank
 from certreg.dyadic import Dyadic, power_of_two
 from certreg.energy import alignment, potential_energy
 from certreg.equilibria.spectral import spectrum
+from certreg.geometry.so3 import quadratic_form, rotation_matrix, squared_norm
 from certreg.moments import exact_moments
 from certreg.problem import lift
 from certreg.relaxation import conic
@@ -39,7 +40,6 @@ from certreg.relaxation.qcqp import (
 )
 from certreg.relaxation.shor import relax
 from certreg.settings import MultiplierSettings, RelaxationSettings
-from certreg.so3 import quadratic_form, rotation_matrix, squared_norm
 
 PACKAGE = Path(certreg.__file__).parent
 ACCURACY = 1e-7  # of value and multiplier, relative to the largest entry of C

@@ -18,11 +18,11 @@ from certreg.equilibria.krawczyk import EigenBalls, are_distinct, proved_root
 from certreg.equilibria.roads import Method, UndecidedRoad, agreement_of, all_roads, road
 from certreg.equilibria.spectral import spectrum, unit_double
 from certreg.errors import ContradictionError, UndecidedError
+from certreg.geometry.so3 import davenport_matrix
 from certreg.moments import exact_moments
 from certreg.problem import RegistrationProblem
 from certreg.report.roads import roads_fields, roads_summary
 from certreg.results import Guarantee
-from certreg.so3 import davenport_matrix
 
 # `equilibria` is a submodule and a function, and the function wins
 HOMOTOPY = import_module("certreg.equilibria.homotopy")

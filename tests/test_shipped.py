@@ -8,7 +8,7 @@ import pytest
 import sympy
 
 from certreg.definite import is_positive_definite
-from certreg.so3 import davenport_matrix
+from certreg.geometry.so3 import davenport_matrix
 from certreg.verify import positive_definite
 from derivations import shipped
 from derivations.notation import matrix, quaternion, scalar, symmetric, vector

@@ -30,11 +30,11 @@ from certreg.experiments.generator import (
     gaussian_instances,
 )
 from certreg.files import write_atomically
+from certreg.geometry.so3 import rotation_matrix
 from certreg.instances import solve_many
 from certreg.pipeline import certify
 from certreg.problem import RegistrationProblem
 from certreg.settings import CampaignSettings
-from certreg.so3 import rotation_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterator

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 
 from certreg.dyadic import double_above, double_below, half_angle_bound
 from certreg.energy import potential_energy, translation_energy
+from certreg.geometry.so3 import body_frame, squared_norm
 from certreg.problem import lift
-from certreg.so3 import body_frame, squared_norm
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 from certreg.definite import is_positive_definite
 from certreg.dyadic import Dyadic, dyadic_above, power_of_two
 from certreg.energy import alignment
+from certreg.geometry.so3 import davenport_matrix
 from certreg.settings import MultiplierSettings
-from certreg.so3 import davenport_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -17,8 +17,8 @@ from certreg.certificate.types import Certificate, Claims, RotationState
 from certreg.definite import is_positive_definite
 from certreg.dyadic import Dyadic, dyadic_above, dyadic_below, power_of_two
 from certreg.energy import alignment
+from certreg.geometry.so3 import davenport_matrix, dot, quadratic_form, squared_norm
 from certreg.settings import CertificateSettings
-from certreg.so3 import davenport_matrix, dot, quadratic_form, squared_norm
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -23,8 +23,8 @@ from certreg.results import ComponentKind
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from certreg.geometry.so3 import T
     from certreg.moments import ExactMoments
-    from certreg.so3 import T
 
 Pattern = tuple[int, ...]
 

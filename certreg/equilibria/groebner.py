@@ -29,8 +29,8 @@ from flint import acb, arb, arb_mat, ctx, fmpq_mat, fmpz_mat, fmpz_poly
 from certreg.equilibria.balls import orthonormal, radius_bits
 from certreg.equilibria.quadratics import COLUMNS, torque_table
 from certreg.errors import ContradictionError
+from certreg.geometry.so3 import davenport_matrix
 from certreg.settings import EliminationSettings
-from certreg.so3 import davenport_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

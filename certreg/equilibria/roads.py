@@ -22,9 +22,9 @@ from certreg.equilibria.classification import with_pattern
 from certreg.equilibria.eigenbasis import Eigenbasis
 from certreg.equilibria.spectral import Spectrum, resolved, spectrum
 from certreg.errors import ContradictionError, UndecidedError
+from certreg.geometry.so3 import davenport_matrix, dot
 from certreg.results import Guarantee
 from certreg.settings import RoadSettings
-from certreg.so3 import davenport_matrix, dot
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

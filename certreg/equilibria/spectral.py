@@ -27,10 +27,10 @@ from certreg.equilibria.stability import (
     linearised_spectrum,
     spring_ratios,
 )
+from certreg.geometry.so3 import canonical, davenport_matrix, dot, rotation_matrix, squared_norm
 from certreg.moments import trace
 from certreg.results import Guarantee
 from certreg.settings import SpectrumSettings
-from certreg.so3 import canonical, davenport_matrix, dot, rotation_matrix, squared_norm
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

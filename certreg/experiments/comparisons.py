@@ -10,8 +10,8 @@ import numpy as np
 from certreg.dynamics import body
 from certreg.experiments.particles import Particles, parts
 from certreg.experiments.scheme import RAW_UNIT
+from certreg.geometry.so3 import rotation_matrix
 from certreg.moments import exact_moments
-from certreg.so3 import rotation_matrix
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.experiments.particles import Particles
+from certreg.geometry.so3 import rotation_matrix
 from certreg.problem import RegistrationProblem
-from certreg.so3 import rotation_matrix
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -20,9 +20,9 @@ from certreg.equilibria.roads import Method, road
 from certreg.equilibria.spectral import rotation_double, unit_double
 from certreg.experiments.particles import Particles, at_rest
 from certreg.experiments.scheme import RAW_UNIT
+from certreg.geometry.so3 import rotation_matrix
 from certreg.moments import exact_moments
 from certreg.settings import ReproductionSettings
-from certreg.so3 import rotation_matrix
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -17,10 +17,10 @@ from certreg.certificate.counting import AT_MOST, count_certificate
 from certreg.certificate.producing import produce
 from certreg.equilibria.spectral import spectrum
 from certreg.errors import InvalidProblemError
+from certreg.geometry.so3 import squared_norm
 from certreg.moments import exact_moments
 from certreg.problem import RegistrationProblem
 from certreg.results import Ruling, Verdict
-from certreg.so3 import squared_norm
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -16,7 +16,7 @@ import numpy as np
 
 from certreg.experiments.generator import PAPER_DAMPING, PAPER_POINTS, PAPER_SIGMA
 from certreg.experiments.generator import gaussian_instances as gaussian
-from certreg.so3 import davenport_matrix, rotation_matrix
+from certreg.geometry.so3 import davenport_matrix, rotation_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Callable

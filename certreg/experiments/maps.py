@@ -15,10 +15,10 @@ import numpy as np
 from certreg.ensembles import Ensemble, ensemble, simulate_many
 from certreg.experiments.families import FAMILIES
 from certreg.experiments.scheme import NO_BASIN
+from certreg.geometry.so3 import rotation_matrix
 from certreg.instances import exactly, solve_many
 from certreg.native.batch import Integrator
 from certreg.settings import MapSettings, SimulationSettings
-from certreg.so3 import rotation_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -11,8 +11,8 @@ from certreg.enumeration import equilibria
 from certreg.experiments.equilibria import angle
 from certreg.experiments.evidence import Clouds, Evidence, rough, share, tally
 from certreg.experiments.scheme import descend
+from certreg.geometry.so3 import quaternion_from_matrix
 from certreg.problem import RegistrationProblem
-from certreg.so3 import quaternion_from_matrix
 
 if TYPE_CHECKING:
     from certreg.experiments.observations import Observations

@@ -17,11 +17,11 @@ from certreg.equilibria.spectral import spectrum
 from certreg.experiments.equilibria import angle
 from certreg.experiments.particles import Particles, at_rest
 from certreg.experiments.scheme import RAW_UNIT, descend
+from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
 from certreg.moments import exact_moments
 from certreg.native.batch import Integrator
 from certreg.settings import ReproductionSettings
 from certreg.simulation import simulate
-from certreg.so3 import quaternion_from_matrix, rotation_matrix
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

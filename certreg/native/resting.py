@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg.geometry.so3 import davenport_matrix, rotation_matrix
 from certreg.native.clouds import RestPoses
-from certreg.so3 import davenport_matrix, rotation_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Callable

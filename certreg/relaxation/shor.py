@@ -14,16 +14,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.dyadic import power_of_two
+from certreg.geometry.so3 import canonical, quaternion_from_matrix
 from certreg.relaxation.conic import ConicSolution, RelaxationStatus, solve, solver_name
 from certreg.relaxation.qcqp import Form
 from certreg.settings import RelaxationSettings
-from certreg.so3 import canonical, quaternion_from_matrix
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from certreg.geometry.so3 import Matrix3
     from certreg.moments import ExactMoments
-    from certreg.so3 import Matrix3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

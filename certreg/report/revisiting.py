@@ -24,6 +24,7 @@ from certreg.certificate.types import ISOTROPIC, Certificate, Claims
 from certreg.dyadic import Dyadic
 from certreg.dynamics import body, start_at_rest
 from certreg.errors import DegenerateProblemError, InvalidFileError, RefusedCertificateError
+from certreg.geometry.so3 import quaternion_from_matrix
 from certreg.io.streams import reading
 from certreg.io.trajectories import read_record
 from certreg.moments import exact_moments
@@ -34,7 +35,6 @@ from certreg.report.folder import RESULT, TRAJECTORY
 from certreg.report.page import Report
 from certreg.report.panel import Roads
 from certreg.settings import DEFAULT_DAMPING, FileSettings, ReportSettings
-from certreg.so3 import quaternion_from_matrix
 from certreg.verify import FILE_MAX, RefusalError, bound_doubles, parse, shown
 
 if TYPE_CHECKING:

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.errors import DegenerateProblemError
+from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
 from certreg.settings import ReportSettings, SimulationSettings
 from certreg.simulation import simulate
-from certreg.so3 import quaternion_from_matrix, rotation_matrix
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -8,7 +8,7 @@ from typing import Any
 
 import sympy
 
-from certreg.so3 import body_frame
+from certreg.geometry.so3 import body_frame
 
 from ..algebra import flat, identity, ring_of
 from ..kernel import Claim, Proof

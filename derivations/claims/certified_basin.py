@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy
 
-from certreg.so3 import body_frame, davenport_matrix, dot, quadratic_form
+from certreg.geometry.so3 import body_frame, davenport_matrix, dot, quadratic_form
 
 from ..algebra import Given, Square, combination, identity, nonnegative, quoted
 from ..hypotheses import SPECTRAL

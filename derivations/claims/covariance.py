@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import sympy
 
-from certreg.so3 import body_frame, davenport_matrix
+from certreg.geometry.so3 import body_frame, davenport_matrix
 
 from ..algebra import combination, contraction, identity, quoted
 from ..kernel import Claim, Proof, Step

@@ -10,7 +10,7 @@ from typing import Any
 import sympy
 
 from certreg.equilibria.classification import Invariants, invariants
-from certreg.so3 import davenport_matrix
+from certreg.geometry.so3 import davenport_matrix
 
 from ..algebra import identity
 from ..kernel import Claim, Proof

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
-from certreg.so3 import davenport_matrix, quadratic_form
+from certreg.geometry.so3 import davenport_matrix, quadratic_form
 from certreg.verify import proves_level
 
 from ..algebra import Given, Square, combination, facts, identity, nonnegative

@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy
 
-from certreg.so3 import davenport_matrix
+from certreg.geometry.so3 import davenport_matrix
 
 from ..algebra import Relation, combination, identity, modulo
 from ..hypotheses import SPECTRAL

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 import sympy
 
 from certreg.equilibria.classification import Classification
+from certreg.geometry.so3 import davenport_matrix
 from certreg.results import ComponentKind
-from certreg.so3 import davenport_matrix
 
 from ..algebra import facts, identity
 from ..hypotheses import SPECTRAL

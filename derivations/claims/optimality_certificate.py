@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from certreg.so3 import body_frame, davenport_matrix, dot, quadratic_form
+from certreg.geometry.so3 import body_frame, davenport_matrix, dot, quadratic_form
 
 from ..algebra import Given, Square, combination, contraction, identity, nonnegative
 from ..hypotheses import SPECTRAL

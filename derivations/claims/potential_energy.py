@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from certreg.so3 import davenport_matrix, quadratic_form
+from certreg.geometry.so3 import davenport_matrix, quadratic_form
 
 from ..algebra import combination, contraction, identity, modulo
 from ..hypotheses import moments, orthogonality, unit

@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy
 
-from certreg.so3 import body_frame, davenport_matrix, rotation_matrix
+from certreg.geometry.so3 import body_frame, davenport_matrix, rotation_matrix
 
 from ..algebra import combination, contraction, identity
 from ..hypotheses import cofactor_matrix
@@ -199,9 +199,9 @@ CLAIM = Claim(
     needs=("davenport",),
     standard=("The rank of a projector is its trace.",),
     used_by=(
-        "certreg.so3.rotation_matrix",
-        "certreg.so3.body_frame",
-        "certreg.so3.quaternion_from_matrix",
+        "certreg.geometry.so3.rotation_matrix",
+        "certreg.geometry.so3.body_frame",
+        "certreg.geometry.so3.quaternion_from_matrix",
     ),
     coq=(
         "unit_quaternions_rotate",

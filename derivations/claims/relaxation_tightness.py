@@ -12,13 +12,13 @@ from typing import Any
 
 import sympy
 
+from certreg.geometry.so3 import davenport_matrix, quadratic_form
 from certreg.relaxation.qcqp import (
     homogeneous,
     quaternion_program,
     rotation_program,
     rotation_quadratics,
 )
-from certreg.so3 import davenport_matrix, quadratic_form
 
 from ..algebra import Given, Square, facts, identity, nonnegative
 from ..hypotheses import SPECTRAL

@@ -15,9 +15,9 @@ from certreg.equilibria.classification import (
     invariants,
     pattern_of,
 )
+from certreg.geometry.so3 import rotation_matrix
 from certreg.moments import exact_moments
 from certreg.problem import RegistrationProblem
-from certreg.so3 import rotation_matrix
 
 from ..algebra import Relation, facts, identity, modulo
 from ..kernel import Claim, Proof, Step

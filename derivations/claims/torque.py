@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from certreg.so3 import davenport_matrix
+from certreg.geometry.so3 import davenport_matrix
 
 from ..algebra import identity
 from ..integrators import quaternion_torque

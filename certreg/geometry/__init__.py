@@ -1,0 +1,1 @@
+"""Rotations, poses and the quadratic constraints that make a matrix a rotation."""
