@@ -9,8 +9,8 @@ from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, fastest
 from certreg.certificate.producing import produce
 from certreg.equilibria.classification import classify
-from certreg.equilibria.eigenbasis import eigenbasis
 from certreg.equilibria.spectral import equilibrium_set, spectrum
+from certreg.exact.eigenbasis import eigenbasis
 from certreg.geometry.so3 import davenport_matrix
 from certreg.moments import exact_moments, floating_moments
 from certreg.pipeline import solve

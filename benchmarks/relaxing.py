@@ -20,8 +20,8 @@ import numpy as np
 from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, fastest
 from certreg.certificate.multiplier import multiplier_gap, proved_multiplier
-from certreg.dyadic import power_of_two
 from certreg.equilibria.spectral import spectrum
+from certreg.exact.dyadic import power_of_two
 from certreg.moments import exact_moments
 from certreg.problem import RegistrationProblem, lift
 from certreg.relaxation.conic import solve, statement

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.certificate.bounds import ExactPose, pose_bounds, pose_energy
-from certreg.dyadic import nearest_double, nearest_root
 from certreg.energy import translation_energy
 from certreg.errors import InvalidProblemError
+from certreg.exact.dyadic import nearest_double, nearest_root
 from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix, squared_norm
 from certreg.pipeline import certify
 from certreg.problem import lift

@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dyadic import power_of_two
 from certreg.errors import DegenerateProblemError
+from certreg.exact.dyadic import power_of_two
 from certreg.native.batch import ENERGIES
 from certreg.native.engine import engine
 

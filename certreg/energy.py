@@ -9,7 +9,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.dyadic import power_of_two
+from certreg.exact.dyadic import power_of_two
 from certreg.geometry.so3 import (
     davenport_matrix,
     dot,

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dyadic import power_of_two
 from certreg.errors import InvalidProblemError
+from certreg.exact.dyadic import power_of_two
 from certreg.exact_sums import sums
 from certreg.mapping import let_go, mapped_file
 from certreg.native.sums import CloudPair, chunks, floating_sums

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dyadic import weight_of_sigma
 from certreg.errors import InvalidProblemError
+from certreg.exact.dyadic import weight_of_sigma
 from certreg.mapping import let_go, mapped_file
 from certreg.settings import DEFAULT_DAMPING, SumSettings
 

@@ -13,17 +13,17 @@ PACKAGE = Path(certreg.__file__).parent
 # A module imports only from lines above its own, or from its left on the same line.
 MAP = """
 results errors settings exits
-files dyadic mapping
+files exact.dyadic mapping
 verify
-geometry.so3 definite
+geometry.so3 exact.elimination
 codegen.translate codegen.emit
 native.batch native.clouds native.resting native.cache native.compiler native.library
 native.evaluator native.engine native.sums
 problem
 exact_sums moments energy geometry.pose
-equilibria.classification equilibria.components equilibria.eigenbasis equilibria.stability
+equilibria.classification equilibria.components exact.eigenbasis equilibria.stability
 equilibria.spectral equilibria.closed_form alignment
-equilibria.quadratics equilibria.exports equilibria.balls equilibria.tracking
+equilibria.quadratics equilibria.exports exact.balls equilibria.tracking
 equilibria.reference equilibria.groebner equilibria.homotopy equilibria.krawczyk equilibria.counting
 equilibria.roads
 relaxation.qcqp relaxation.conic relaxation.shor
@@ -111,6 +111,7 @@ def sources() -> dict[str, str]:
 def test_every_module_stands_on_the_map():
     folders = {
         "certreg",
+        "certreg.exact",
         "certreg.geometry",
         "certreg.campaign",
         "certreg.equilibria",

@@ -5,8 +5,8 @@ import strategies
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from certreg.definite import is_positive_definite, rank
 from certreg.equilibria.classification import Ambiguity, classify, pattern_of
+from certreg.exact.elimination import is_positive_definite, rank
 from certreg.geometry.so3 import rotation_matrix
 from certreg.moments import exact_moments
 

@@ -6,7 +6,7 @@ from fractions import Fraction
 from hypothesis import given
 from hypothesis import strategies as st
 
-from certreg.dyadic import (
+from certreg.exact.dyadic import (
     double_above,
     double_below,
     dyadic_above,

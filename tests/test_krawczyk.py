@@ -7,7 +7,6 @@ import pytest
 from commands import checked
 from flint import acb, acb_mat, arb, arb_mat
 
-from certreg.equilibria.balls import exact_matrix, radius_bits
 from certreg.equilibria.counting import at_most_four, macaulay_matrix
 from certreg.equilibria.krawczyk import (
     EigenBalls,
@@ -16,6 +15,7 @@ from certreg.equilibria.krawczyk import (
     proved_root,
     tightened,
 )
+from certreg.exact.balls import exact_matrix, radius_bits
 from certreg.geometry.so3 import davenport_matrix
 from certreg.settings import KrawczykSettings
 

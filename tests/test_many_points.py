@@ -19,8 +19,8 @@ from certreg.certificate import blockwise, checking
 from certreg.certificate.blockwise import check_in_blocks, check_on_sums
 from certreg.certificate.counting import count_certificate
 from certreg.certificate.types import PIECE, file_pieces
-from certreg.dyadic import Dyadic
 from certreg.errors import RefusedCertificateError
+from certreg.exact.dyadic import Dyadic
 from certreg.exact_sums import SumRoad, sums_by
 from certreg.pipeline import solve
 from certreg.results import Optimality, Ruling

@@ -7,7 +7,7 @@ import pytest
 import strategies
 from hypothesis import given
 
-from certreg.dyadic import power_of_two
+from certreg.exact.dyadic import power_of_two
 from certreg.moments import exact_moments, floating_moments
 
 

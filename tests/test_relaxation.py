@@ -21,10 +21,10 @@ from hypothesis import strategies as st
 import certreg
 from certreg import RegistrationProblem
 from certreg.certificate.multiplier import multiplier_gap, proved_multiplier, proves_multiplier
-from certreg.definite import rank
-from certreg.dyadic import Dyadic, power_of_two
 from certreg.energy import alignment, potential_energy
 from certreg.equilibria.spectral import spectrum
+from certreg.exact.dyadic import Dyadic, power_of_two
+from certreg.exact.elimination import rank
 from certreg.geometry.so3 import quadratic_form, rotation_matrix, squared_norm
 from certreg.moments import exact_moments
 from certreg.problem import lift

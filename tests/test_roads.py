@@ -11,13 +11,13 @@ import strategies
 from commands import certreg, checked, write_csv
 
 import certreg as package
-from certreg.equilibria.balls import exact_matrix
 from certreg.equilibria.groebner import eliminate, fibres
 from certreg.equilibria.homotopy import HomotopyStatus, continuation
 from certreg.equilibria.krawczyk import EigenBalls, are_distinct, proved_root
 from certreg.equilibria.roads import Method, UndecidedRoad, agreement_of, all_roads, road
 from certreg.equilibria.spectral import spectrum, unit_double
 from certreg.errors import ContradictionError, UndecidedError
+from certreg.exact.balls import exact_matrix
 from certreg.geometry.so3 import davenport_matrix
 from certreg.moments import exact_moments
 from certreg.problem import RegistrationProblem

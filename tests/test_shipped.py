@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 import sympy
 
-from certreg.definite import is_positive_definite
+from certreg.exact.elimination import is_positive_definite
 from certreg.geometry.so3 import davenport_matrix
 from certreg.verify import positive_definite
 from derivations import shipped

@@ -19,11 +19,11 @@ from certreg.certificate.checking import check_own, verify
 from certreg.certificate.producing import produce, proves_basin
 from certreg.certificate.types import RotationState
 from certreg.demo import STORIES, tell
-from certreg.dyadic import dyadic_below
 from certreg.dynamics import IDENTITY, body
 from certreg.energy import alignment
 from certreg.equilibria.spectral import rotation_double, spectrum, unit_double
 from certreg.errors import ContradictionError, DegenerateProblemError
+from certreg.exact.dyadic import dyadic_below
 from certreg.exits import NOT_CERTIFIED, code_of_registration
 from certreg.moments import exact_moments
 from certreg.native.engine import engine

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.dyadic import double_above, double_below, half_angle_bound
 from certreg.energy import potential_energy, translation_energy
+from certreg.exact.dyadic import double_above, double_below, half_angle_bound
 from certreg.geometry.so3 import body_frame, squared_norm
 from certreg.problem import lift
 

@@ -10,9 +10,9 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.definite import is_positive_definite
-from certreg.dyadic import Dyadic, dyadic_above, power_of_two
 from certreg.energy import alignment
+from certreg.exact.dyadic import Dyadic, dyadic_above, power_of_two
+from certreg.exact.elimination import is_positive_definite
 from certreg.geometry.so3 import davenport_matrix
 from certreg.settings import MultiplierSettings
 

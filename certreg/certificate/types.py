@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from fractions import Fraction
 
-    from certreg.dyadic import Dyadic
+    from certreg.exact.dyadic import Dyadic
 
 FORMAT = "certreg-certificate/1"
 ISOTROPIC = "isotropic"

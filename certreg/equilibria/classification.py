@@ -17,7 +17,7 @@ from enum import Enum
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
-from certreg.definite import is_positive_definite, rank
+from certreg.exact.elimination import is_positive_definite, rank
 from certreg.results import ComponentKind
 
 if TYPE_CHECKING:

@@ -26,9 +26,9 @@ from typing import TYPE_CHECKING, Any
 
 from flint import acb, arb, arb_mat, ctx, fmpq_mat, fmpz_mat, fmpz_poly
 
-from certreg.equilibria.balls import orthonormal, radius_bits
 from certreg.equilibria.quadratics import COLUMNS, torque_table
 from certreg.errors import ContradictionError
+from certreg.exact.balls import orthonormal, radius_bits
 from certreg.geometry.so3 import davenport_matrix
 from certreg.settings import EliminationSettings
 

@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from flint import acb, acb_mat, arb, arb_mat, ctx
 
-from certreg.equilibria.balls import radius_bits
 from certreg.errors import ContradictionError
+from certreg.exact.balls import radius_bits
 from certreg.settings import KrawczykSettings
 
 if TYPE_CHECKING:

@@ -19,9 +19,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.equilibria.classification import with_pattern
-from certreg.equilibria.eigenbasis import Eigenbasis
 from certreg.equilibria.spectral import Spectrum, resolved, spectrum
 from certreg.errors import ContradictionError, UndecidedError
+from certreg.exact.eigenbasis import Eigenbasis
 from certreg.geometry.so3 import davenport_matrix, dot
 from certreg.results import Guarantee
 from certreg.settings import RoadSettings
@@ -162,8 +162,8 @@ def _spectral(moments: ExactMoments) -> _End:
 
 
 def _groebner(moments: ExactMoments) -> _End:
-    from certreg.equilibria.balls import fixed_point, morse_bott_index
     from certreg.equilibria.groebner import Fibre, eliminate, fibres
+    from certreg.exact.balls import fixed_point, morse_bott_index
 
     elimination, shift = eliminate(moments.cross), _shift(moments)
     known: list[tuple[Fibre, ...]] = []
@@ -213,8 +213,8 @@ def _homotopy(moments: ExactMoments) -> _End:
 
 def _proved(moments: ExactMoments, ends: Continuation) -> _End | None:
     """The four ends in disjoint boxes with one root each; None where that is not proved."""
-    from certreg.equilibria.balls import exact_matrix, morse_bott_index
     from certreg.equilibria.krawczyk import EigenBalls, are_distinct, proved_root, tightened
+    from certreg.exact.balls import exact_matrix, morse_bott_index
 
     shift, K = _shift(moments), davenport_matrix(moments.cross)
     balls = exact_matrix(K, shift)
@@ -247,8 +247,8 @@ def _basis_of_boxes(
     """Unit quaternions and values of proved roots, the boxes made small enough."""
     from flint import ctx
 
-    from certreg.equilibria.balls import fixed_point, orthonormal
     from certreg.equilibria.krawczyk import tightened
+    from certreg.exact.balls import fixed_point, orthonormal
 
     values, vectors = list[int](), list[tuple[int, ...]]()
     for system, box in held:

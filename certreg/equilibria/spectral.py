@@ -16,17 +16,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dyadic import nearest_double, nearest_root, power_of_two
 from certreg.energy import potential_energy
 from certreg.equilibria.classification import Classification, classify
 from certreg.equilibria.components import Component, EquilibriumSet, Margin
-from certreg.equilibria.eigenbasis import Eigenbasis, eigenbasis
 from certreg.equilibria.stability import (
     Curvature,
     curvature,
     linearised_spectrum,
     spring_ratios,
 )
+from certreg.exact.dyadic import nearest_double, nearest_root, power_of_two
+from certreg.exact.eigenbasis import Eigenbasis, eigenbasis
 from certreg.geometry.so3 import canonical, davenport_matrix, dot, rotation_matrix, squared_norm
 from certreg.moments import trace
 from certreg.results import Guarantee

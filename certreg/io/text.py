@@ -20,8 +20,8 @@ from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from certreg.dyadic import weight_of_sigma
 from certreg.errors import InvalidFileError, InvalidProblemError
+from certreg.exact.dyadic import weight_of_sigma
 from certreg.io.labels import (
     IDENTIFIERS,
     require_same_order,

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dyadic import power_of_two
+from certreg.exact.dyadic import power_of_two
 from certreg.geometry.so3 import canonical, quaternion_from_matrix
 from certreg.relaxation.conic import ConicSolution, RelaxationStatus, solve, solver_name
 from certreg.relaxation.qcqp import Form

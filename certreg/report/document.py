@@ -9,7 +9,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from certreg.covariance import worst_residuals
-from certreg.dyadic import double_above, nearest_double
+from certreg.exact.dyadic import double_above, nearest_double
 from certreg.pipeline import SimulatedRegistration
 from certreg.report.roads import roads_fields
 from certreg.results import Optimality

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from certreg.dyadic import double_above
+from certreg.exact.dyadic import double_above
 from certreg.report.summary import bounded, count_words, margin_words, proved_degrees
 from certreg.results import ComponentKind, Guarantee
 from certreg.settings import ReportSettings

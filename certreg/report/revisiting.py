@@ -21,9 +21,9 @@ import numpy as np
 from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds
 from certreg.certificate.checking import verify
 from certreg.certificate.types import ISOTROPIC, Certificate, Claims
-from certreg.dyadic import Dyadic
 from certreg.dynamics import body, start_at_rest
 from certreg.errors import DegenerateProblemError, InvalidFileError, RefusedCertificateError
+from certreg.exact.dyadic import Dyadic
 from certreg.geometry.so3 import quaternion_from_matrix
 from certreg.io.streams import reading
 from certreg.io.trajectories import read_record

@@ -7,7 +7,7 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.dyadic import double_above
+from certreg.exact.dyadic import double_above
 from certreg.pipeline import NOT_ASKED
 from certreg.results import ComponentKind, Guarantee, Optimality
 from certreg.settings import ReportSettings

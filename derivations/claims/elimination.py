@@ -10,7 +10,7 @@ from typing import Any
 
 import sympy
 
-from certreg.definite import is_positive_definite
+from certreg.exact.elimination import is_positive_definite
 
 from ..algebra import Given, Square, identity, nonnegative
 from ..kernel import Claim, Proof
@@ -50,7 +50,7 @@ def proof(
     x = Matrix([scalar(f"x_{k}") for k in range(1, SIZE + 1)])
     D = [minors(A, k) for k in range(SIZE + 1)]
     yield identity(
-        r"The shipped function `certreg.definite.is_positive_definite`, run on a symmetric "
+        r"The shipped function `certreg.exact.elimination.is_positive_definite`, run on a symmetric "
         r"$4\times4$ matrix $A$ of symbols, asks for the sign of four numbers. They are the "
         r"leading principal minors $D_1, \ldots, D_4$ of $A$; every division on the way left no "
         r"remainder, so that on integers all is exact.",
@@ -150,7 +150,7 @@ CLAIM = Claim(
     },
     not_claimed=r"That a semidefinite matrix is recognised: with a zero pivot the answer is no, "
     r"which then means *not positive definite* and nothing more.",
-    used_by=("certreg.definite.is_positive_definite", "certreg.verify.positive_definite"),
+    used_by=("certreg.exact.elimination.is_positive_definite", "certreg.verify.positive_definite"),
     coq=(
         "positive4_iff",
         "positive3_definite",

@@ -1,0 +1,1 @@
+"""Integer and ball arithmetic that decides."""
