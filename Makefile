@@ -68,7 +68,7 @@ fuzz: $(READY)  ## a million broken files for the readers (two minutes)
 kills: $(READY)  ## kill campaigns at 20 random moments each and resume them (a few minutes)
 	@$(RUN) tests/campaign_kills.py
 
-generate: $(READY)  ## write certreg/generated anew from the derivations
+generate: $(READY)  ## write certreg/native/generated anew from the derivations
 	@$(RUN) -m derivations.emit
 
 # npm comes with node from the package index; the versions are those of web/package-lock.json.

@@ -91,7 +91,7 @@ def write_latex(found: Sequence[Any], folder: Path) -> None:
 
 def write_code(folder: Path) -> None:
     """Write the C that the derived expressions become, generated anew."""
-    from certreg.codegen.emit import emit
+    from certreg.native.codegen.emit import emit
 
     emit(_module("emit").definitions(), folder / CODE_FOLDER)
 

@@ -9,7 +9,7 @@ c the source's centre of mass minus the target's, omega in the body frame. The m
 and lengths are over a power of two (|s'| mixes lengths and angles); time has its own unit.
 
 A state is 18 numbers: c, R row by row, v, omega: the order of [Yang2020]. Nothing is evaluated
-here: the functions are generated from the derivation (certreg/generated), and run compiled or in
+here: the functions are generated from the derivation (certreg/native/generated), and run compiled or in
 CasADi's evaluator (certreg/native).
 """
 
@@ -56,7 +56,7 @@ class Energies:
 class Body:
     """What the dynamics knows of a problem: per unit of mass, lengths over 2^length_exponent.
 
-    parameters: (23,), as certreg/generated/dynamics.h lists them: C / M row by row, the upper
+    parameters: (23,), as certreg/native/generated/dynamics.h lists them: C / M row by row, the upper
     triangles of J / M and of its inverse, the spread of both clouds over M, the damping mu > 0.
     """
 

@@ -1,6 +1,6 @@
 """The last link of the chain: the derived expressions handed to the code generator.
 
-`python -m derivations.emit` writes certreg/generated/. The functions are the objects that the
+`python -m derivations.emit` writes certreg/native/generated/. The functions are the objects that the
 claims are about: `motion` (rate, energies), `linearisation`, `integrators`.
 """
 
@@ -11,8 +11,8 @@ from typing import Any
 
 import sympy
 
-from certreg.codegen.emit import emit
-from certreg.codegen.translate import Definition, Port, port
+from certreg.native.codegen.emit import emit
+from certreg.native.codegen.translate import Definition, Port, port
 
 from .integrators import (
     DECAY,

@@ -16,7 +16,7 @@ results errors settings exits
 files exact.dyadic mapping
 verify
 geometry.so3 exact.elimination
-codegen.translate codegen.emit
+native.codegen.translate native.codegen.emit
 native.batch native.clouds native.resting native.cache native.compiler native.library
 native.evaluator native.engine native.sums
 problem
@@ -117,9 +117,9 @@ def test_every_module_stands_on_the_map():
         "certreg.equilibria",
         "certreg.experiments",
         "certreg.certificate",
-        "certreg.codegen",
+        "certreg.native.codegen",
         "certreg.commands",
-        "certreg.generated",
+        "certreg.native.generated",
         "certreg.io",
         "certreg.native",
         "certreg.relaxation",

@@ -162,7 +162,7 @@ class Engine(Protocol):
     def evaluate(
         self, name: str, *arguments: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], ...]:
-        """The results of one generated function (certreg/generated/dynamics.h), flat."""
+        """The results of one generated function (certreg/native/generated/dynamics.h), flat."""
         ...
 
     def run(self, batch: Batch, settings: SimulationSettings, log: Log | None = None) -> None:

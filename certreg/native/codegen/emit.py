@@ -11,14 +11,14 @@ import json
 import re
 from typing import TYPE_CHECKING, Any
 
-from certreg.codegen.translate import casadi_function
 from certreg.files import write_atomically
+from certreg.native.codegen.translate import casadi_function
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from certreg.codegen.translate import Definition, Port
+    from certreg.native.codegen.translate import Definition, Port
 
 C_FILE, HEADER_FILE, SERIALISED_FILE = "dynamics.c", "dynamics.h", "dynamics.json"
 SIGNATURES_FILE = "signatures.json"
