@@ -29,7 +29,7 @@ from .linearisation import ambient_jacobian, hessian, intrinsic_jacobian
 from .motion import Body, State, kinetic, potential, rate, spring_torque, unit_cloud
 from .notation import Matrix, inner, jacobian, rotation, square, vector
 
-GENERATED = Path(__file__).resolve().parent.parent / "certreg" / "generated"
+GENERATED = Path(__file__).resolve().parent.parent / "certreg" / "native" / "generated"
 
 
 class Names:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 HERE = Path(__file__).resolve().parent
-GENERATED = HERE.parent / "generated"
+GENERATED = HERE / "generated"
 SIGNATURES = GENERATED / "signatures.json"
 UNITS = (
     GENERATED / "dynamics.c",
