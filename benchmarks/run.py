@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from benchmarks.machine import commit, load, machine, versions
 from benchmarks.measuring import Figure, Series
 from benchmarks.peers import presences
-from certreg.files import write_atomically
+from certreg.io.atomic import write_atomically
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from certreg.demo import STORIES, stated
 from certreg.dynamics import body, start_at_rest
 from certreg.errors import InvalidFileError
-from certreg.files import write_atomically
+from certreg.io.atomic import write_atomically
 from certreg.moments import exact_moments
 from certreg.native.codegen.emit import C_FILE, HEADER_FILE
 from certreg.native.compiler import GENERATED, HERE

@@ -13,7 +13,7 @@ PACKAGE = Path(certreg.__file__).parent
 # A module imports only from lines above its own, or from its left on the same line.
 MAP = """
 results errors settings exits
-files exact.dyadic mapping
+io.atomic exact.dyadic mapping
 verify
 geometry.so3 exact.elimination
 native.codegen.translate native.codegen.emit

@@ -443,7 +443,7 @@ def test_a_full_disk_leaves_nothing_half_written(tmp_path):
 
     real = os.fdopen
     with (
-        mock.patch("certreg.files.os.fdopen", full),
+        mock.patch("certreg.io.atomic.os.fdopen", full),
         pytest.raises(InvalidFileError, match="No space left on device"),
     ):
         finish(SMALL, tmp_path / "out")

@@ -15,7 +15,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from certreg.errors import InvalidFileError
-from certreg.files import write_atomically
+from certreg.io.atomic import write_atomically
 from certreg.io.clouds import read_cloud, read_pair, read_weights, write_cloud
 from certreg.io.poses import read_pose
 

@@ -29,9 +29,9 @@ from certreg.experiments.generator import (
     PAPER_SIGMA,
     gaussian_instances,
 )
-from certreg.files import write_atomically
 from certreg.geometry.so3 import rotation_matrix
 from certreg.instances import solve_many
+from certreg.io.atomic import write_atomically
 from certreg.pipeline import certify
 from certreg.problem import RegistrationProblem
 from certreg.settings import CampaignSettings

@@ -24,7 +24,7 @@ from certreg.campaign.running import contents, digest_of
 from certreg.campaign.table import Block, Column, write_table
 from certreg.errors import CertregError, InvalidFileError
 from certreg.exits import MISUSED, REFUSED, code_of_error, code_of_registration
-from certreg.files import written_atomically
+from certreg.io.atomic import written_atomically
 from certreg.io.clouds import Pairing, read_problem
 from certreg.io.labels import Match
 from certreg.io.streams import number

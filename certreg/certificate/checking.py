@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError, RefusedCertificateError
-from certreg.files import write_atomically
+from certreg.io.atomic import write_atomically
 from certreg.results import Ruling, Verdict
 from certreg.settings import CertificateSettings
 from certreg.verify import FILE_MAX, INLINE_MAX, Clouds, Outcome, check, shown

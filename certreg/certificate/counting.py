@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from certreg.certificate.types import FORMAT, file_pieces
-from certreg.files import write_atomically
+from certreg.io.atomic import write_atomically
 from certreg.moments import exact_moments
 from certreg.settings import CertificateSettings
 

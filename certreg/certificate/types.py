@@ -11,7 +11,7 @@ import json
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from certreg.files import write_atomically
+from certreg.io.atomic import write_atomically
 
 if TYPE_CHECKING:
     import os

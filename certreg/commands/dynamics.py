@@ -100,7 +100,7 @@ def simulate(
     as_json: bool,
 ) -> int:
     """Release the damped body at rest and see where it ends. Exit code 0 converged, 4 not."""
-    from certreg.files import write_atomically
+    from certreg.io.atomic import write_atomically
     from certreg.io.trajectories import Record
     from certreg.pipeline import simulated
     from certreg.report.document import dumps, simulation_document

@@ -157,7 +157,7 @@ def report(certificate: Path, *, out: Path | None) -> int:
     beside it, if they belong to it, and computed anew otherwise.
     """
     from certreg.errors import InvalidFileError
-    from certreg.files import write_atomically
+    from certreg.io.atomic import write_atomically
     from certreg.progress import note
     from certreg.report.folder import REPORT
     from certreg.report.page import page

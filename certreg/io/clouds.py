@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 import numpy as np
 
 from certreg.errors import InvalidFileError
-from certreg.files import write_atomically
+from certreg.io.atomic import write_atomically
 from certreg.io.labels import Match, require_same_order, rows_by_label, unused_labels_note
 from certreg.io.npy import parse_array, read_array, write_array
 from certreg.io.npz import parse_npz

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple, cast
 import numpy as np
 
 from certreg.errors import InvalidFileError
-from certreg.files import write_atomically
+from certreg.io.atomic import write_atomically
 from certreg.io.streams import held_bytes, large_file, reading
 from certreg.mapping import let_go, mapped_file
 from certreg.problem import as_doubles, row_blocks

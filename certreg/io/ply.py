@@ -11,7 +11,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from certreg.errors import InvalidFileError
-from certreg.files import write_atomically
+from certreg.io.atomic import write_atomically
 from certreg.io.npy import points_of_columns, side_by_side
 from certreg.io.ply_rows import Element, Property, ascii_columns, binary_columns
 from certreg.io.streams import HeaderLine, count, header, held_bytes, large_file, rows_of_words

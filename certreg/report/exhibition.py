@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError
 from certreg.experiments.style import written
-from certreg.files import write_atomically
+from certreg.io.atomic import write_atomically
 from certreg.report.claims import plain
 from certreg.report.document import dumps
 from certreg.report.maps import MAPS, table

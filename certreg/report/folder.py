@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError
-from certreg.files import write_together
+from certreg.io.atomic import write_together
 from certreg.io.trajectories import Record
 from certreg.report.document import dumps, result_document
 from certreg.report.page import Report, page

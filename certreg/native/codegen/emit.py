@@ -11,7 +11,7 @@ import json
 import re
 from typing import TYPE_CHECKING, Any
 
-from certreg.files import write_atomically
+from certreg.io.atomic import write_atomically
 from certreg.native.codegen.translate import casadi_function
 
 if TYPE_CHECKING:
