@@ -19,9 +19,9 @@ from benchmarks.peers import PEERS, Peer, presence
 from benchmarks.reference import angle, angle_of_matrix, optimal_quaternion
 from certreg.alignment import register
 from certreg.equilibria.closed_form import arun, horn
-from certreg.moments import floating_moments
 from certreg.pipeline import solve
-from certreg.problem import RegistrationProblem
+from certreg.problem.moments import floating_moments
+from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence

@@ -12,7 +12,7 @@ from certreg.verify import check
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
 
 BOUNDS = {20: None, 338: None, 100_000: 3.0}  # points: seconds
 ROUNDS = 5

@@ -20,9 +20,9 @@ from benchmarks.clouds import random_clouds
 from benchmarks.measuring import Figure, Quantity, Series, fastest, power_of_ten
 from benchmarks.peers import PEERS, presence
 from certreg.alignment import register
-from certreg.native.sums import CloudPair, floating_sums
 from certreg.pipeline import solve
-from certreg.problem import RegistrationProblem
+from certreg.problem.floating_sums import CloudPair, floating_sums
+from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, fastest
 from certreg.pipeline import solve
-from certreg.problem import RegistrationProblem
+from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -18,7 +18,7 @@ import numpy as np
 from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, exponent, fastest, power_of_ten
 from certreg import verify
-from certreg.exact_sums import SumRoad, sums_by
+from certreg.problem.exact_sums import SumRoad, sums_by
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

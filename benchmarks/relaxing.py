@@ -22,8 +22,8 @@ from benchmarks.measuring import Figure, Quantity, fastest
 from certreg.certificate.multiplier import multiplier_gap, proved_multiplier
 from certreg.equilibria.spectral import spectrum
 from certreg.exact.dyadic import power_of_two
-from certreg.moments import exact_moments
-from certreg.problem import RegistrationProblem, lift
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem, lift
 from certreg.relaxation.conic import solve, statement
 from certreg.relaxation.qcqp import Form
 from certreg.relaxation.shor import relax
@@ -33,7 +33,7 @@ from tests.strategies import ZOO, Specimen
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from certreg.moments import ExactMoments
+    from certreg.problem.moments import ExactMoments
 
 GAP_BOUND = 1e-6  # of the spread
 SOLVE_BOUNDS = {Form.QUATERNION: 1.5e-3, Form.ROTATION: 3e-3}  # seconds

@@ -30,7 +30,7 @@ from certreg.equilibria.reference import rotation_ideal
 from certreg.exact.balls import exact_matrix
 from certreg.geometry.so3 import davenport_matrix
 from certreg.io.clouds import read_problem
-from certreg.moments import exact_moments
+from certreg.problem.moments import exact_moments
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

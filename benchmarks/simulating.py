@@ -20,10 +20,10 @@ from certreg.dynamics import body, start_at_rest
 from certreg.ensembles import Ensemble, ensemble
 from certreg.equilibria.spectral import spectrum
 from certreg.integration import step_parameters
-from certreg.moments import ExactMoments, exact_moments
 from certreg.native.batch import Batch, Integrator
 from certreg.native.engine import engine
-from certreg.problem import RegistrationProblem
+from certreg.problem.moments import ExactMoments, exact_moments
+from certreg.problem.problem import RegistrationProblem
 from certreg.settings import SimulationSettings
 from certreg.simulation import certified_basin, simulate
 

@@ -17,10 +17,10 @@ from benchmarks.measuring import Figure, Quantity, exponent, fastest, power_of_t
 from benchmarks.reference import DIGITS, angle
 from certreg.alignment import register
 from certreg.geometry.so3 import davenport_matrix
-from certreg.moments import exact_moments
 from certreg.native.compiler import FLAGS, find_compiler
-from certreg.native.sums import CloudPair, compiled, floating_sums
-from certreg.problem import RegistrationProblem
+from certreg.problem.floating_sums import CloudPair, compiled, floating_sums
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from certreg.pipeline import Registration as Registration
     from certreg.pipeline import certify as certify
     from certreg.pipeline import simulate as simulate
-    from certreg.problem import RegistrationProblem as RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem as RegistrationProblem
     from certreg.results import Verdict as Verdict
     from certreg.simulation import Trajectory as Trajectory
 
@@ -36,7 +36,7 @@ _HOMES = {
     "CertregError": "certreg.errors",
     "Pose": "certreg.geometry.pose",
     "Registration": "certreg.pipeline",
-    "RegistrationProblem": "certreg.problem",
+    "RegistrationProblem": "certreg.problem.problem",
     "Trajectory": "certreg.simulation",
     "Verdict": "certreg.results",
     "certify": "certreg.pipeline",

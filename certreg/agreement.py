@@ -12,8 +12,8 @@ from certreg.energy import potential_energy
 from certreg.equilibria.closed_form import arun, horn
 from certreg.errors import ContradictionError
 from certreg.exact.dyadic import power_of_two
-from certreg.moments import floating_moments
-from certreg.problem import lift
+from certreg.problem.moments import floating_moments
+from certreg.problem.problem import lift
 from certreg.settings import AgreementSettings
 from certreg.simulation import SimulationStatus
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from certreg.certificate.types import Certificate
     from certreg.equilibria.spectral import Spectrum
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
     from certreg.relaxation.shor import Relaxation
     from certreg.simulation import Trajectory
 

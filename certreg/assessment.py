@@ -15,7 +15,7 @@ from certreg.errors import InvalidProblemError
 from certreg.exact.dyadic import nearest_double, nearest_root
 from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix, squared_norm
 from certreg.pipeline import certify
-from certreg.problem import lift
+from certreg.problem.problem import lift
 from certreg.results import ComponentKind, PoseVerdict
 from certreg.settings import AssessmentSettings
 
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 
     from certreg.certificate.bounds import PoseBounds
     from certreg.equilibria.components import EquilibriumSet
-    from certreg.moments import ExactMoments
     from certreg.pipeline import Registration, Solution
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.moments import ExactMoments
+    from certreg.problem.problem import RegistrationProblem
 
 
 GOOD = (PoseVerdict.OPTIMAL, PoseVerdict.NEAR_OPTIMAL)

@@ -20,14 +20,14 @@ from certreg.energy import potential_energy
 from certreg.equilibria.spectral import rotation_double, unit_double
 from certreg.exact.dyadic import nearest_double
 from certreg.geometry.so3 import body_frame
-from certreg.problem import contiguous, row_blocks
+from certreg.problem.problem import contiguous, row_blocks
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.equilibria.spectral import Spectrum
     from certreg.geometry.pose import Pose
-    from certreg.problem import Block, RegistrationProblem
+    from certreg.problem.problem import Block, RegistrationProblem
 
 PARAMETERS = 6  # of a pose
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from certreg.io.clouds import Pair
     from certreg.pipeline import Registration
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
 
 RMSE_DIGITS = 6  # as the figures below are printed
 

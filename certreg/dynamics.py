@@ -28,7 +28,7 @@ from certreg.native.engine import engine
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.moments import ExactMoments
+    from certreg.problem.moments import ExactMoments
 
 SMALLEST_BARRIER = 1e-280  # of l1 - l2: shares of it, times squares of small angles, are doubles
 SMALLEST_INERTIA = 1e-14  # of the clouds' spread: below, rounding is larger than J itself

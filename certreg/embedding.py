@@ -8,15 +8,15 @@ from certreg.demo import STORIES, stated
 from certreg.dynamics import body, start_at_rest
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import write_atomically
-from certreg.moments import exact_moments
 from certreg.native.codegen.emit import C_FILE, HEADER_FILE
 from certreg.native.compiler import GENERATED, HERE
+from certreg.problem.moments import exact_moments
 from certreg.settings import SimulationSettings
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
 
 EXAMPLE_FILE, DATA_FILE = "example.c", "survey.txt"
 

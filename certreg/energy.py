@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.geometry.so3 import Vector3
-    from certreg.moments import ExactMoments
+    from certreg.problem.moments import ExactMoments
 
 
 def alignment(moments: ExactMoments, q: Sequence[int]) -> Fraction:

@@ -27,7 +27,7 @@ from certreg.geometry.so3 import rotation_matrix
 from certreg.instances import clouds, rest_poses
 from certreg.integration import integrate, step_parameters
 from certreg.native.batch import Batch, Ending, Integrator
-from certreg.problem import checked_damping
+from certreg.problem.problem import checked_damping
 from certreg.settings import DEFAULT_DAMPING, SimulationSettings
 
 if TYPE_CHECKING:

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 from certreg.certificate.checking import check_own, require_accepted
 from certreg.equilibria.spectral import equilibrium_set
-from certreg.moments import exact_moments
+from certreg.problem.moments import exact_moments
 
 if TYPE_CHECKING:
     from certreg.certificate.counting import CountCertificate
     from certreg.equilibria.components import EquilibriumSet
     from certreg.equilibria.roads import Road, RoadAgreement
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
 
 ALL = "all"  # roads
 

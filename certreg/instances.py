@@ -58,10 +58,10 @@ import numpy as np
 from certreg.equilibria.spectral import equilibrium_set, spectrum
 from certreg.equilibria.stability import Oscillations
 from certreg.errors import InvalidProblemError
-from certreg.moments import exact_moments
 from certreg.native.clouds import ManyClouds
 from certreg.native.engine import engine
-from certreg.problem import RegistrationProblem, checked_damping, checked_threads
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem, checked_damping, checked_threads
 from certreg.settings import DEFAULT_DAMPING
 
 if TYPE_CHECKING:

@@ -29,8 +29,8 @@ from certreg.errors import (
 )
 from certreg.exact.dyadic import nearest_double, nearest_or_zero, nearest_root, power_of_two
 from certreg.geometry.pose import Pose
-from certreg.moments import exact_moments
-from certreg.problem import lift
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import lift
 from certreg.results import Optimality
 
 if TYPE_CHECKING:
@@ -40,8 +40,8 @@ if TYPE_CHECKING:
     from certreg.certificate.types import Certificate
     from certreg.equilibria.components import EquilibriumSet
     from certreg.equilibria.spectral import Spectrum
-    from certreg.moments import ExactMoments
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.moments import ExactMoments
+    from certreg.problem.problem import RegistrationProblem
     from certreg.relaxation.shor import Relaxation
     from certreg.results import Verdict
     from certreg.simulation import Trajectory

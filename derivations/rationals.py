@@ -17,8 +17,8 @@ import numpy as np
 
 from certreg.equilibria.classification import Classification, classify
 from certreg.geometry.so3 import dot, rotation_matrix, squared_norm
-from certreg.moments import exact_moments
-from certreg.problem import RegistrationProblem
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
 
 Number = int | Fraction
 Vector = tuple[Any, ...]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from hypothesis import strategies as st
 
-from certreg.problem import RegistrationProblem
+from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

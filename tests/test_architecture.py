@@ -13,14 +13,14 @@ PACKAGE = Path(certreg.__file__).parent
 # A module imports only from lines above its own, or from its left on the same line.
 MAP = """
 results errors settings exits
-io.atomic exact.dyadic mapping
+io.atomic exact.dyadic problem.memory_mapped
 verify
 geometry.so3 exact.elimination
 native.codegen.translate native.codegen.emit
 native.batch native.clouds native.resting native.cache native.compiler native.library
-native.evaluator native.engine native.sums
-problem
-exact_sums moments energy geometry.pose
+native.evaluator native.engine problem.floating_sums
+problem.problem
+problem.exact_sums problem.moments energy geometry.pose
 equilibria.classification equilibria.components exact.eigenbasis equilibria.stability
 equilibria.spectral equilibria.closed_form alignment
 equilibria.quadratics equilibria.exports exact.balls equilibria.tracking
@@ -33,7 +33,7 @@ certificate.multiplier certificate.producing certificate.counting
 certificate.coq certificate.coqc certificate.blockwise certificate.checking
 agreement
 pipeline enumeration assessment
-experiments.generator
+problem.random_instances
 io.streams io.labels io.xyz io.text io.lzf
 io.npy io.npz io.ply_rows io.ply io.pcd io.pairs io.clouds io.poses io.trajectories demo
 embedding derivation
@@ -111,6 +111,7 @@ def sources() -> dict[str, str]:
 def test_every_module_stands_on_the_map():
     folders = {
         "certreg",
+        "certreg.problem",
         "certreg.exact",
         "certreg.geometry",
         "certreg.campaign",
@@ -135,12 +136,12 @@ def test_imports_only_go_down_the_map():
 
 def test_a_planted_upward_import_is_seen():
     planted = sources()
-    planted["certreg.moments"] += "\nfrom certreg import pipeline\n"
-    planted["certreg.geometry.so3"] += "\ndef f():\n    import certreg.moments\n"
+    planted["certreg.problem.moments"] += "\nfrom certreg import pipeline\n"
+    planted["certreg.geometry.so3"] += "\ndef f():\n    import certreg.problem.moments\n"
 
     assert upward_imports(planted) == [
-        "certreg.moments imports certreg.pipeline",
-        "certreg.geometry.so3 imports certreg.moments",
+        "certreg.problem.moments imports certreg.pipeline",
+        "certreg.geometry.so3 imports certreg.problem.moments",
     ]
 
 

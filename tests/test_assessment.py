@@ -15,7 +15,7 @@ import certreg
 from certreg import RegistrationProblem, assess
 from certreg.certificate.bounds import ExactPose, pose_energy
 from certreg.errors import InvalidProblemError
-from certreg.moments import exact_moments
+from certreg.problem.moments import exact_moments
 from certreg.results import PoseVerdict
 
 ROD = [[-1.0, 0, 0], [0, 1e-6, 0], [1, 0, 0], [0.5, 0, 1e-6]]

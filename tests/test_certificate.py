@@ -20,7 +20,7 @@ from certreg.certificate.bounds import (
 from certreg.certificate.producing import produce, proves_optimality
 from certreg.equilibria.spectral import spectrum
 from certreg.errors import InvalidFileError
-from certreg.moments import exact_moments
+from certreg.problem.moments import exact_moments
 from certreg.results import Guarantee, Optimality, Ruling, Verdict
 from certreg.verify import check
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from certreg.equilibria.classification import Ambiguity, classify, pattern_of
 from certreg.exact.elimination import is_positive_definite, rank
 from certreg.geometry.so3 import rotation_matrix
-from certreg.moments import exact_moments
+from certreg.problem.moments import exact_moments
 
 small = st.integers(-6, 6)
 integer_quaternions = st.tuples(small, small, small, small).filter(any)

@@ -17,13 +17,13 @@ import pytest
 from scipy.spatial.transform import Rotation
 from strategies import TETRAHEDRON, ZOO, random_rotation
 
-from certreg import problem as problems
 from certreg.covariance import pose_covariance, residual_distances, worst_residuals
 from certreg.equilibria.spectral import spectrum
 from certreg.geometry.pose import Pose
-from certreg.moments import exact_moments
 from certreg.pipeline import certify
-from certreg.problem import RegistrationProblem
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.problem import problem as problems
 from certreg.settings import SumSettings
 
 REPETITIONS = 10_000

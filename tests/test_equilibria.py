@@ -14,7 +14,7 @@ from certreg.equilibria.closed_form import arun, horn
 from certreg.equilibria.spectral import spectrum
 from certreg.exact.eigenbasis import eigenbasis
 from certreg.geometry.so3 import angle_between, davenport_matrix, dot, quaternion_from_matrix
-from certreg.moments import exact_moments, floating_moments
+from certreg.problem.moments import exact_moments, floating_moments
 
 PATTERNS = sorted({s.pattern for s in strategies.ZOO})
 

@@ -11,12 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from certreg import RegistrationProblem, exact_sums
+from certreg import RegistrationProblem
 from certreg.errors import CertregError
-from certreg.exact_sums import EMPTY, FACTORS, UPPER, SumRoad, road_for, sums, sums_by
-from certreg.moments import exact_moments, moments_of
 from certreg.native import library as native
 from certreg.native.compiler import CompilationError
+from certreg.problem.exact_sums import EMPTY, FACTORS, UPPER, SumRoad, road_for, sums, sums_by
+from certreg.problem.moments import exact_moments, moments_of
+from certreg.problem.problem import exact_sums
 from certreg.settings import SumSettings
 
 finite = st.floats(allow_nan=False, allow_infinity=False, allow_subnormal=True)
@@ -115,7 +116,7 @@ def test_many_points_of_many_scales_on_threads_sum_up_to_the_same_integers(monke
     problem = strategies.random_problem(rng, n=20_011, offset=1e6, decades=9.0)
     expected = sums_by(SumRoad.INTEGERS, problem)
     few = SumSettings(block_points=1000, threads=3, limb_points=777)
-    for module in (exact_sums, __import__("certreg.problem", fromlist=["problem"])):
+    for module in (exact_sums, __import__("certreg.problem.problem", fromlist=["problem"])):
         monkeypatch.setattr(module, "SumSettings", lambda: few)
 
     assert [sums_by(road, problem) for road in SumRoad] == [expected] * 3

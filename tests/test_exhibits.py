@@ -17,7 +17,7 @@ from certreg.experiments import exhibits as exhibiting
 from certreg.experiments.evidence import Evidence
 from certreg.experiments.exhibits import exhibits, in_integers
 from certreg.experiments.verdicts import ClaimVerdict
-from certreg.moments import exact_moments
+from certreg.problem.moments import exact_moments
 
 ROWS = {row.number: row for row in derivation.paper_claims()}
 REFUTED = [number for number, row in ROWS.items() if row.counterexample]

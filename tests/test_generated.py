@@ -12,12 +12,12 @@ from certreg.demo import STORIES, stated
 from certreg.dynamics import body, start_at_rest
 from certreg.embedding import write_sources
 from certreg.equilibria.spectral import spectrum
-from certreg.moments import exact_moments
 from certreg.native.codegen.emit import emit
 from certreg.native.codegen.translate import Definition, casadi_function, port
 from certreg.native.compiler import GENERATED, CompilationError, find_compiler
 from certreg.native.evaluator import evaluator
 from certreg.native.library import library
+from certreg.problem.moments import exact_moments
 from certreg.simulation import simulate
 from derivations import emit as chain
 from derivations import motion

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from certreg.errors import InvalidProblemError
-from certreg.experiments.generator import gaussian_instances
 from certreg.geometry.so3 import quaternion_from_matrix
+from certreg.problem.random_instances import gaussian_instances
 
 
 def test_the_noise_is_what_the_motion_does_not_explain():

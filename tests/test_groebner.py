@@ -16,7 +16,7 @@ from certreg.equilibria.quadratics import quaternion_system
 from certreg.errors import ContradictionError
 from certreg.exact.balls import _changes, morse_bott_index, radius_bits
 from certreg.geometry.so3 import davenport_matrix
-from certreg.moments import exact_moments
+from certreg.problem.moments import exact_moments
 from certreg.settings import EliminationSettings
 
 GROEBNER = import_module("certreg.equilibria.groebner")

@@ -6,7 +6,7 @@ import strategies
 
 from certreg.equilibria.homotopy import HomotopyStatus, continuation
 from certreg.geometry.so3 import davenport_matrix
-from certreg.moments import exact_moments
+from certreg.problem.moments import exact_moments
 from certreg.settings import HomotopySettings, TrackerSettings
 
 

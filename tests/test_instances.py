@@ -19,10 +19,10 @@ from certreg.equilibria.stability import Oscillations, linearised_spectrum
 from certreg.errors import InvalidProblemError
 from certreg.geometry.so3 import davenport_matrix, rotation_matrix
 from certreg.instances import Solutions, exactly, solve_many
-from certreg.moments import exact_moments
 from certreg.native.engine import engine
 from certreg.native.evaluator import evaluator
-from certreg.problem import RegistrationProblem
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -17,11 +17,11 @@ from certreg.equilibria.spectral import spectrum
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.geometry.so3 import rotation_matrix
 from certreg.integration import _halved, inertias, spring_ratios, step_parameters
-from certreg.moments import exact_moments
 from certreg.native.batch import Batch, Ending, Integrator
 from certreg.native.engine import engine
 from certreg.native.library import Library
-from certreg.problem import RegistrationProblem
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
 from certreg.settings import SimulationSettings
 from certreg.simulation import SimulationStatus, certified_basin, optimal_damping, simulate
 

@@ -20,7 +20,7 @@ from test_formats import REFUSED
 from certreg.errors import InvalidFileError
 from certreg.io import streams
 from certreg.io.clouds import read_cloud, read_problem, read_weights
-from certreg.mapping import mapped_file
+from certreg.problem.memory_mapped import mapped_file
 from certreg.settings import FileSettings, SumSettings
 
 EVERY = FileSettings(mapped_bytes=1)
@@ -158,7 +158,7 @@ def test_a_file_changed_anywhere_is_read_or_refused_as_if_it_were_small(place, d
 @pytest.mark.parametrize("suffix", ["npy", "ply"])
 def test_a_row_that_is_no_number_is_named(tmp_path, suffix, bad, all_large, monkeypatch):
     blocks = SumSettings(block_points=100)
-    monkeypatch.setattr("certreg.problem.SumSettings", lambda: blocks)
+    monkeypatch.setattr("certreg.problem.problem.SumSettings", lambda: blocks)
     points = POINTS.copy()
     points[417, 1] = bad
     path = tmp_path / f"a.{suffix}"
@@ -203,7 +203,7 @@ def test_a_large_cloud_is_moved_block_by_block_to_the_same_bytes(tmp_path, suffi
     words = ("apply", tmp_path / "pose.txt", tmp_path / "a.npy", "--out")
     first = certreg(*words, tmp_path / f"small.{suffix}")
     blocks = SumSettings(block_points=100)
-    monkeypatch.setattr("certreg.problem.SumSettings", lambda: blocks)
+    monkeypatch.setattr("certreg.problem.problem.SumSettings", lambda: blocks)
     monkeypatch.setattr(streams, "FileSettings", lambda: EVERY)
     second = certreg(*words, tmp_path / f"large.{suffix}")
     contents = [(tmp_path / f"{size}.{suffix}").read_bytes() for size in ("small", "large")]
@@ -221,7 +221,7 @@ def test_a_moved_row_beyond_the_doubles_is_named_and_nothing_is_written(tmp_path
     np.save(tmp_path / "a.npy", points)
     (tmp_path / "pose.txt").write_text("1 0 0 0 1.7e308 0 0\n")
     blocks = SumSettings(block_points=100)
-    monkeypatch.setattr("certreg.problem.SumSettings", lambda: blocks)
+    monkeypatch.setattr("certreg.problem.problem.SumSettings", lambda: blocks)
     run = certreg("apply", tmp_path / "pose.txt", tmp_path / "a.npy", "--out", tmp_path / "b.npy")
 
     assert run.code == 2
@@ -240,7 +240,7 @@ def test_a_file_beyond_all_bounds_is_refused(tmp_path, monkeypatch):
 GROWTH = """
 import resource, sys, certreg
 from certreg.io.clouds import read_cloud
-from certreg.native.sums import compiled
+from certreg.problem.floating_sums import compiled
 compiled(), certreg.register([[0, 0, 0], [1, 0, 0], [0, 2, 0]], [[0, 0, 0], [1, 0, 0], [0, 2, 0]])
 def peak(): return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
 before = peak()

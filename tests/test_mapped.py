@@ -11,8 +11,8 @@ import strategies
 
 from certreg import RegistrationProblem
 from certreg.errors import InvalidProblemError
-from certreg.exact_sums import SumRoad, sums_by
-from certreg.mapping import let_go, mapped_file
+from certreg.problem.exact_sums import SumRoad, sums_by
+from certreg.problem.memory_mapped import let_go, mapped_file
 from certreg.settings import SumSettings
 
 MANY = SumSettings().block_points + 1000  # more than one block

@@ -17,10 +17,10 @@ from certreg.ensembles import ensemble, simulate_many
 from certreg.experiments import maps as mapping
 from certreg.experiments.charts import map_drawings
 from certreg.experiments.families import CUBE, FAMILIES, Family, limit_margin, margin
-from certreg.experiments.generator import gaussian_instances
 from certreg.experiments.maps import MEASURES, Map, instances, level, maps
 from certreg.instances import solve_many
 from certreg.native.batch import Integrator
+from certreg.problem.random_instances import gaussian_instances
 from certreg.report.maps import rows, table
 from certreg.settings import DEFAULT_DAMPING, MapSettings, SimulationSettings
 

@@ -8,7 +8,7 @@ import strategies
 from hypothesis import given
 
 from certreg.exact.dyadic import power_of_two
-from certreg.moments import exact_moments, floating_moments
+from certreg.problem.moments import exact_moments, floating_moments
 
 
 def definition(problem):

@@ -25,14 +25,14 @@ from test_simulation import saddle_start
 from certreg import dynamics, integration, simulation
 from certreg.equilibria.spectral import spectrum
 from certreg.errors import DegenerateProblemError, SlowSimulationWarning
-from certreg.moments import exact_moments
 from certreg.native import batch, cache, compiler
 from certreg.native import engine as engines
 from certreg.native.compiler import CompilationError, compiled_library, find_compiler
 from certreg.native.engine import engine
 from certreg.native.evaluator import _least_curvature, evaluator
 from certreg.native.library import library
-from certreg.problem import RegistrationProblem
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
 from certreg.settings import SimulationSettings
 
 ROOT = Path(__file__).parent.parent

@@ -19,9 +19,9 @@ import certreg
 from certreg.equilibria.spectral import spectrum
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.geometry.so3 import angle_between, rotation_matrix
-from certreg.moments import exact_moments, floating_moments, moments_of_clouds
 from certreg.native import sums
-from certreg.native.sums import CloudPair, compiled, floating_sums
+from certreg.problem.floating_sums import CloudPair, compiled, floating_sums
+from certreg.problem.moments import exact_moments, floating_moments, moments_of_clouds
 
 ROOT = Path(__file__).parent.parent
 UNIT = Fraction(1, 2**53)
@@ -400,7 +400,7 @@ def test_a_mapped_file_is_registered_as_the_array(tmp_path):
 
 def test_without_a_compiler_the_pose_is_the_same_within_rounding(tmp_path):
     script = (
-        "import numpy as np, certreg, certreg.native.sums as s; rng = np.random.default_rng(0);"
+        "import numpy as np, certreg, certreg.problem.floating_sums as s; rng = np.random.default_rng(0);"
         "x = rng.normal(size=(5000, 3)); y = x[:, [1, 2, 0]] + 0.1 * rng.normal(size=(5000, 3));"
         "print(s.compiled() is None, *certreg.register(x, y).quaternion_wxyz.tolist())"
     )

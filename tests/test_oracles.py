@@ -20,7 +20,7 @@ from certreg.equilibria.exports import as_msolve, as_phcpack, as_singular, value
 from certreg.equilibria.groebner import eliminate, fibres
 from certreg.equilibria.quadratics import multiplier_system, quaternion_system, rotation_system
 from certreg.geometry.so3 import rotation_matrix
-from certreg.moments import exact_moments
+from certreg.problem.moments import exact_moments
 
 FOLDER = os.environ.get("CERTREG_ORACLES")
 SEEDS = range(12)

@@ -31,7 +31,7 @@ from certreg.experiments.poses import LANDMARKS, gallery
 from certreg.experiments.scheme import descend
 from certreg.experiments.simulations import simulation_run
 from certreg.geometry.so3 import quaternion_from_matrix
-from certreg.problem import RegistrationProblem
+from certreg.problem.problem import RegistrationProblem
 from certreg.settings import ReproductionSettings
 
 each_polygon = pytest.mark.parametrize("polygon", [TRIANGLE, SQUARE], ids=lambda p: p.name)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from certreg.errors import InvalidProblemError
-from certreg.problem import DIGEST_PREFIX, RegistrationProblem, lift, weight_of_sigma
+from certreg.problem.problem import DIGEST_PREFIX, RegistrationProblem, lift, weight_of_sigma
 
 CLOUD = [[0.0, 0, 0], [1, 0, 0], [0, 2, 0]]
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -96,7 +96,7 @@ def test_sigma_per_point_gives_a_weight_per_point():
 
 def test_a_weight_of_zero_takes_a_point_out():
     a = RegistrationProblem([*CLOUD, [9.0, 9, 9]], [*CLOUD, [5.0, 1, 2]], weights=[1, 1, 1, 0])
-    from certreg.moments import exact_moments
+    from certreg.problem.moments import exact_moments
 
     with_zero, without = exact_moments(a), exact_moments(RegistrationProblem(CLOUD, CLOUD))
     assert with_zero.cross_unit * with_zero.cross[0][0] == without.cross_unit * without.cross[0][0]

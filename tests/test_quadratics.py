@@ -19,7 +19,7 @@ from certreg.equilibria.quadratics import (
 )
 from certreg.equilibria.reference import dimension_and_degree, rotation_ideal
 from certreg.geometry.so3 import davenport_matrix, dot, rotation_matrix
-from certreg.moments import exact_moments
+from certreg.problem.moments import exact_moments
 
 small = st.integers(-9, 9)
 matrices = st.lists(st.lists(small, min_size=3, max_size=3), min_size=3, max_size=3)

@@ -26,8 +26,8 @@ from certreg.equilibria.spectral import spectrum
 from certreg.exact.dyadic import Dyadic, power_of_two
 from certreg.exact.elimination import rank
 from certreg.geometry.so3 import quadratic_form, rotation_matrix, squared_norm
-from certreg.moments import exact_moments
-from certreg.problem import lift
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import lift
 from certreg.relaxation import conic
 from certreg.relaxation.conic import RelaxationStatus
 from certreg.relaxation.qcqp import (
@@ -284,7 +284,7 @@ def test_nothing_is_printed_or_warned_and_nothing_is_loaded_before_it_is_used():
     code = (
         "import sys, numpy as np\n"
         "from certreg import RegistrationProblem\n"
-        "from certreg.moments import exact_moments\n"
+        "from certreg.problem.moments import exact_moments\n"
         "from certreg.relaxation.shor import relax\n"
         "assert not {'cvxpy', 'clarabel', 'scipy'} & set(sys.modules)\n"
         "moments = exact_moments(RegistrationProblem(np.eye(3), np.eye(3)))\n"

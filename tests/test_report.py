@@ -28,7 +28,7 @@ from strategies import ZOO
 from certreg import pipeline
 from certreg.demo import STORIES, tell
 from certreg.pipeline import certify
-from certreg.problem import RegistrationProblem
+from certreg.problem.problem import RegistrationProblem
 from certreg.report import revisiting
 from certreg.report.markup import Markup, asset_block, data_block, element, json_block
 from certreg.report.page import Report, page

@@ -27,7 +27,7 @@ from certreg.experiments.proofs import proving
 from certreg.experiments.style import DPI, WIDTH, written
 from certreg.experiments.verdicts import MEASURED, reproduce
 from certreg.native.engine import engine
-from certreg.problem import RegistrationProblem
+from certreg.problem.problem import RegistrationProblem
 from certreg.progress import Stages
 from certreg.report.exhibition import page
 from certreg.report.reproduction import claim_text, closing_text, markdown, reproduction_document

@@ -19,8 +19,8 @@ from certreg.equilibria.spectral import spectrum, unit_double
 from certreg.errors import ContradictionError, UndecidedError
 from certreg.exact.balls import exact_matrix
 from certreg.geometry.so3 import davenport_matrix
-from certreg.moments import exact_moments
-from certreg.problem import RegistrationProblem
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
 from certreg.report.roads import roads_fields, roads_summary
 from certreg.results import Guarantee
 

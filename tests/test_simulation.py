@@ -25,10 +25,10 @@ from certreg.equilibria.spectral import rotation_double, spectrum, unit_double
 from certreg.errors import ContradictionError, DegenerateProblemError
 from certreg.exact.dyadic import dyadic_below
 from certreg.exits import NOT_CERTIFIED, code_of_registration
-from certreg.moments import exact_moments
 from certreg.native.engine import engine
 from certreg.pipeline import _final_state, certify
-from certreg.problem import RegistrationProblem, lift
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem, lift
 from certreg.results import Optimality
 from certreg.settings import SimulationSettings
 from certreg.simulation import SimulationStatus, simulate

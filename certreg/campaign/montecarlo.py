@@ -23,17 +23,17 @@ from certreg.campaign.manifest import Manifest, current_versions
 from certreg.campaign.running import CERTIFICATES, contents
 from certreg.campaign.table import Block, Column, csv_bytes, write_table
 from certreg.errors import InvalidProblemError
-from certreg.experiments.generator import (
+from certreg.geometry.so3 import rotation_matrix
+from certreg.instances import solve_many
+from certreg.io.atomic import write_atomically
+from certreg.pipeline import certify
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.random_instances import (
     PAPER_DAMPING,
     PAPER_POINTS,
     PAPER_SIGMA,
     gaussian_instances,
 )
-from certreg.geometry.so3 import rotation_matrix
-from certreg.instances import solve_many
-from certreg.io.atomic import write_atomically
-from certreg.pipeline import certify
-from certreg.problem import RegistrationProblem
 from certreg.settings import CampaignSettings
 
 if TYPE_CHECKING:
@@ -42,9 +42,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.experiments.generator import Instances
     from certreg.instances import Solutions
     from certreg.pipeline import Registration
+    from certreg.problem.random_instances import Instances
 
 Arrays = dict[str, "NDArray[Any]"]
 

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
     from certreg.campaign.listing import Listing, PairRow
     from certreg.io.clouds import Pair
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
 
 ERROR_SCHEMA = "certreg-error/1"
 OPTIMAL = "optimal"  # the damping of the fastest decay

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from certreg.energy import potential_energy, translation_energy
 from certreg.exact.dyadic import double_above, double_below, half_angle_bound
 from certreg.geometry.so3 import body_frame, squared_norm
-from certreg.problem import lift
+from certreg.problem.problem import lift
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.types import Certificate
-    from certreg.moments import ExactMoments
+    from certreg.problem.moments import ExactMoments
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

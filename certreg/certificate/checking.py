@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from certreg.certificate.counting import CountCertificate
     from certreg.certificate.types import Certificate
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
 
 
 def verify(

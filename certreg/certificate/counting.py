@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 from certreg.certificate.types import FORMAT, file_pieces
 from certreg.io.atomic import write_atomically
-from certreg.moments import exact_moments
+from certreg.problem.moments import exact_moments
 from certreg.settings import CertificateSettings
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterator
 
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
 
 COUNT = "count"
 AT_MOST = 4

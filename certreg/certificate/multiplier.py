@@ -19,7 +19,7 @@ from certreg.settings import MultiplierSettings
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.moments import ExactMoments
+    from certreg.problem.moments import ExactMoments
 
 
 def proved_multiplier(

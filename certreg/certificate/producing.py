@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from typing import Any
 
     from certreg.equilibria.spectral import Spectrum
-    from certreg.moments import ExactMoments
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.moments import ExactMoments
+    from certreg.problem.problem import RegistrationProblem
 
 
 def produce(

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from certreg.io.clouds import Pair
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
 
 SPECTRAL = "spectral"  # the road that the table of equilibria alone speaks of
 TRAJECTORY = ".npz"  # the one format of a trajectory

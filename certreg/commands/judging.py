@@ -13,7 +13,7 @@ from certreg.report.markup import printable
 
 if TYPE_CHECKING:
     from certreg.io.clouds import Pair, Pairing
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
     from certreg.verify import Clouds
 
 

@@ -21,7 +21,7 @@ from certreg.report.markup import printable
 
 if TYPE_CHECKING:
     from certreg.io.clouds import Pair
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
 
 
 @click.command(epilog=EXIT_CODES)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.geometry.so3 import T
-    from certreg.moments import ExactMoments
+    from certreg.problem.moments import ExactMoments
 
 Pattern = tuple[int, ...]
 

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
     from certreg.equilibria.homotopy import Continuation
     from certreg.equilibria.krawczyk import EigenBalls, RootBox
-    from certreg.moments import ExactMoments
+    from certreg.problem.moments import ExactMoments
 
 FIXED = 53  # fractional bits of a double near 1
 

@@ -28,7 +28,7 @@ from certreg.equilibria.stability import (
 from certreg.exact.dyadic import nearest_double, nearest_root, power_of_two
 from certreg.exact.eigenbasis import Eigenbasis, eigenbasis
 from certreg.geometry.so3 import canonical, davenport_matrix, dot, rotation_matrix, squared_norm
-from certreg.moments import trace
+from certreg.problem.moments import trace
 from certreg.results import Guarantee
 from certreg.settings import SpectrumSettings
 
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.moments import ExactMoments
+    from certreg.problem.moments import ExactMoments
 
 IntegerQuaternion = tuple[int, int, int, int]
 LEAST = 5e-324  # the least positive double

@@ -11,12 +11,12 @@ from certreg.dynamics import body
 from certreg.experiments.particles import Particles, parts
 from certreg.experiments.scheme import RAW_UNIT
 from certreg.geometry.so3 import rotation_matrix
-from certreg.moments import exact_moments
+from certreg.problem.moments import exact_moments
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

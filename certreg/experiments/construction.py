@@ -10,7 +10,7 @@ import numpy as np
 
 from certreg.experiments.particles import Particles
 from certreg.geometry.so3 import rotation_matrix
-from certreg.problem import RegistrationProblem
+from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -21,14 +21,14 @@ from certreg.equilibria.spectral import rotation_double, unit_double
 from certreg.experiments.particles import Particles, at_rest
 from certreg.experiments.scheme import RAW_UNIT
 from certreg.geometry.so3 import rotation_matrix
-from certreg.moments import exact_moments
+from certreg.problem.moments import exact_moments
 from certreg.settings import ReproductionSettings
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.dynamics import Body
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

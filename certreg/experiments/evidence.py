@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from certreg.experiments.generator import PAPER_DAMPING
-from certreg.problem import RegistrationProblem
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.random_instances import PAPER_DAMPING
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -18,8 +18,8 @@ from certreg.certificate.producing import produce
 from certreg.equilibria.spectral import spectrum
 from certreg.errors import InvalidProblemError
 from certreg.geometry.so3 import squared_norm
-from certreg.moments import exact_moments
-from certreg.problem import RegistrationProblem
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
 from certreg.results import Ruling, Verdict
 
 if TYPE_CHECKING:

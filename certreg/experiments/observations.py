@@ -10,17 +10,17 @@ import numpy as np
 from certreg.experiments.comparisons import Comparison, compare
 from certreg.experiments.construction import Scene, scene
 from certreg.experiments.equilibria import EquilibriumRun, equilibrium_run
-from certreg.experiments.generator import (
+from certreg.experiments.polygons import SQUARE, TRIANGLE, Turn, exact_sums, turn
+from certreg.experiments.poses import Gallery, gallery
+from certreg.experiments.simulations import SimulationRun, simulation_run
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.random_instances import (
     PAPER_DAMPING,
     PAPER_POINTS,
     PAPER_SIGMA,
     Instances,
     gaussian_instances,
 )
-from certreg.experiments.polygons import SQUARE, TRIANGLE, Turn, exact_sums, turn
-from certreg.experiments.poses import Gallery, gallery
-from certreg.experiments.simulations import SimulationRun, simulation_run
-from certreg.problem import RegistrationProblem
 from certreg.settings import ReproductionSettings
 
 if TYPE_CHECKING:

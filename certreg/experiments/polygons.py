@@ -18,8 +18,8 @@ from certreg.dynamics import body
 from certreg.experiments.equilibria import signs
 from certreg.experiments.particles import Particles, at_rest
 from certreg.experiments.scheme import RAW_UNIT
-from certreg.moments import exact_moments
-from certreg.problem import RegistrationProblem
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.dynamics import body, start_at_rest
-from certreg.moments import exact_moments
 from certreg.native.batch import ENERGIES, Batch, Ending, Integrator, Log
 from certreg.native.engine import engine
+from certreg.problem.moments import exact_moments
 from certreg.settings import ReproductionSettings, SimulationSettings
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
 
 RAW_UNIT = 0  # the exponent of the unit of length: |s'| mixes lengths and angles, as in the paper
 # Deficits of zero: no pose is better than another, so that the loop, which would else look for the

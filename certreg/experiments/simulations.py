@@ -18,8 +18,8 @@ from certreg.experiments.equilibria import angle
 from certreg.experiments.particles import Particles, at_rest
 from certreg.experiments.scheme import RAW_UNIT, descend
 from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
-from certreg.moments import exact_moments
 from certreg.native.batch import Integrator
+from certreg.problem.moments import exact_moments
 from certreg.settings import ReproductionSettings
 from certreg.simulation import simulate
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.experiments.scheme import Descent
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -16,7 +16,7 @@ from certreg.experiments.equilibria import angle, signs
 from certreg.experiments.evidence import Clouds, Evidence, listed, rough, share, tally
 from certreg.experiments.particles import Particles, at_rest
 from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
-from certreg.problem import RegistrationProblem
+from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from certreg.experiments.equilibria import EquilibriumRun

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
     from certreg.simulation import Trajectory
 
 ARRAYS = ("times", "states", "potential", "kinetic", "length_exponent", "damping", "digest")

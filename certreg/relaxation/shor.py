@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.geometry.so3 import Matrix3
-    from certreg.moments import ExactMoments
+    from certreg.problem.moments import ExactMoments
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from certreg.io.trajectories import Record
     from certreg.pipeline import Registration
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.problem import RegistrationProblem
     from certreg.simulation import Trajectory
 
 GZIP = 31  # of zlib's window bits: with a header of gzip, which browsers unpack

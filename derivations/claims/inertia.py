@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from certreg.moments import inertia
+from certreg.problem.moments import inertia
 
 from ..algebra import Given, Square, identity, nonnegative
 from ..hypotheses import moments
@@ -98,8 +98,8 @@ CLAIM = Claim(
     not_claimed="How well conditioned $J$ is: three points can be as nearly collinear as they "
     "like. Points of weight zero do not count as points.",
     used_by=(
-        "certreg.moments.ExactMoments.inertia",
-        "certreg.moments.Moments.inertia",
+        "certreg.problem.moments.ExactMoments.inertia",
+        "certreg.problem.moments.Moments.inertia",
         "certreg.equilibria.classification",
     ),
     coq=(

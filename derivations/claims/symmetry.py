@@ -16,8 +16,8 @@ from certreg.equilibria.classification import (
     pattern_of,
 )
 from certreg.geometry.so3 import rotation_matrix
-from certreg.moments import exact_moments
-from certreg.problem import RegistrationProblem
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
 
 from ..algebra import Relation, facts, identity, modulo
 from ..kernel import Claim, Proof, Step

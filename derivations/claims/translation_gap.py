@@ -11,8 +11,8 @@ import numpy as np
 
 from certreg.energy import potential_energy, translation_energy
 from certreg.geometry.so3 import dot, rotation_matrix, squared_norm
-from certreg.moments import exact_moments
-from certreg.problem import RegistrationProblem
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
 
 from ..algebra import facts, identity
 from ..kernel import Claim, Proof, Step

@@ -16,7 +16,7 @@ from sphinx.util.docutils import SphinxDirective
 
 from certreg.demo import STORIES, tell
 from certreg.pipeline import certify
-from certreg.problem import RegistrationProblem
+from certreg.problem.problem import RegistrationProblem
 from certreg.report.page import Report, page
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ from browser.pages import PATIENCE
 from certreg.certificate import producing
 from certreg.demo import STORIES, tell
 from certreg.pipeline import certify
-from certreg.problem import RegistrationProblem
+from certreg.problem.problem import RegistrationProblem
 from certreg.report import page as page_module
 from certreg.report import scene
 from certreg.report.page import Report

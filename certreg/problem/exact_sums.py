@@ -19,7 +19,7 @@ import numpy as np
 
 from certreg.native.compiler import CompilationError
 from certreg.native.library import library
-from certreg.problem import lift, row_blocks
+from certreg.problem.problem import lift, row_blocks
 from certreg.settings import SumSettings
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.native.library import Library
-    from certreg.problem import Block, RegistrationProblem
+    from certreg.problem.problem import Block, RegistrationProblem
 
 LEAST_EXPONENT = -1074  # every double is an integer times 2^-1074
 # Of each sum, how many factors are coordinates of the source and of the target; w is always one.

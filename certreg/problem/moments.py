@@ -19,9 +19,9 @@ import numpy as np
 
 from certreg.errors import InvalidProblemError
 from certreg.exact.dyadic import power_of_two
-from certreg.exact_sums import sums
-from certreg.mapping import let_go, mapped_file
-from certreg.native.sums import CloudPair, chunks, floating_sums
+from certreg.problem.exact_sums import sums
+from certreg.problem.floating_sums import CloudPair, chunks, floating_sums
+from certreg.problem.memory_mapped import let_go, mapped_file
 from certreg.settings import PassSettings
 
 if TYPE_CHECKING:
@@ -30,10 +30,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.exact_sums import Sums
     from certreg.geometry.so3 import Matrix3, Vector3
-    from certreg.native.sums import FloatingSums
-    from certreg.problem import RegistrationProblem
+    from certreg.problem.exact_sums import Sums
+    from certreg.problem.floating_sums import FloatingSums
+    from certreg.problem.problem import RegistrationProblem
 
 MOST_EXPONENT = 1025  # two doubles are less than 2^1025 apart
 

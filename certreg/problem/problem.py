@@ -18,7 +18,7 @@ import numpy as np
 
 from certreg.errors import InvalidProblemError
 from certreg.exact.dyadic import weight_of_sigma
-from certreg.mapping import let_go, mapped_file
+from certreg.problem.memory_mapped import let_go, mapped_file
 from certreg.settings import DEFAULT_DAMPING, SumSettings
 
 if TYPE_CHECKING:

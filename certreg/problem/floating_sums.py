@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.mapping import let_go
 from certreg.native.compiler import CompilationError
 from certreg.native.library import library
+from certreg.problem.memory_mapped import let_go
 from certreg.settings import PassSettings
 
 if TYPE_CHECKING:

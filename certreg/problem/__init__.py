@@ -1,0 +1,1 @@
+"""A registration problem: points, weights, and the sums over them."""
