@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, fastest
 from certreg.certificate.producing import produce
-from certreg.equilibria.classification import classify
 from certreg.equilibria.spectral import equilibrium_set, spectrum
 from certreg.exact.eigenbasis import eigenbasis
 from certreg.geometry.so3 import davenport_matrix
+from certreg.objective.classification import classify
 from certreg.pipeline import solve
 from certreg.problem.moments import exact_moments, floating_moments
 from certreg.problem.problem import RegistrationProblem

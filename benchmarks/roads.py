@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from benchmarks.measuring import Figure, Quantity, fastest
-from certreg.equilibria.classification import pattern_of
 from certreg.equilibria.counting import at_most_four
 from certreg.equilibria.exports import as_msolve, as_phcpack, as_singular, value_unit
 from certreg.equilibria.groebner import eliminate, fibres
@@ -30,6 +29,7 @@ from certreg.equilibria.reference import rotation_ideal
 from certreg.exact.balls import exact_matrix
 from certreg.geometry.so3 import davenport_matrix
 from certreg.io.clouds import read_problem
+from certreg.objective.classification import pattern_of
 from certreg.problem.moments import exact_moments
 
 if TYPE_CHECKING:

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.energy import potential_energy
 from certreg.equilibria.closed_form import arun, horn
 from certreg.errors import ContradictionError
 from certreg.exact.dyadic import power_of_two
+from certreg.objective.energy import potential_energy
 from certreg.problem.moments import floating_moments
 from certreg.problem.problem import lift
 from certreg.settings import AgreementSettings

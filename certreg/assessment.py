@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.certificate.bounds import ExactPose, pose_bounds, pose_energy
-from certreg.energy import translation_energy
 from certreg.errors import InvalidProblemError
 from certreg.exact.dyadic import nearest_double, nearest_root
 from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix, squared_norm
+from certreg.objective.energy import translation_energy
 from certreg.pipeline import certify
 from certreg.problem.problem import lift
 from certreg.results import ComponentKind, PoseVerdict

@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.energy import potential_energy
 from certreg.equilibria.spectral import rotation_double, unit_double
 from certreg.exact.dyadic import nearest_double
 from certreg.geometry.so3 import body_frame
+from certreg.objective.energy import potential_energy
 from certreg.problem.problem import contiguous, row_blocks
 
 if TYPE_CHECKING:

@@ -16,7 +16,6 @@ from certreg.certificate.checking import check_own, require_accepted
 from certreg.certificate.producing import produce
 from certreg.certificate.types import RotationState
 from certreg.covariance import PoseCovariance, pose_covariance
-from certreg.energy import best_translation
 from certreg.equilibria.spectral import (
     equilibrium_set,
     rotation_double,
@@ -29,6 +28,7 @@ from certreg.errors import (
 )
 from certreg.exact.dyadic import nearest_double, nearest_or_zero, nearest_root, power_of_two
 from certreg.geometry.pose import Pose
+from certreg.objective.energy import best_translation
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import lift
 from certreg.results import Optimality

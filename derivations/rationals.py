@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from certreg.equilibria.classification import Classification, classify
 from certreg.geometry.so3 import dot, rotation_matrix, squared_norm
+from certreg.objective.classification import Classification, classify
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 

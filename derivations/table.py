@@ -14,8 +14,8 @@ from typing import Any
 
 import sympy
 
-from certreg.equilibria.classification import Pattern
 from certreg.geometry.so3 import rotation_matrix
+from certreg.objective.classification import Pattern
 
 from .algebra import ring_of
 from .notation import Array, Matrix, scalar

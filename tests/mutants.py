@@ -31,7 +31,7 @@ class Mutant:
 
 
 SO3, MOTION = "certreg/geometry/so3.py", "derivations/motion.py"
-CLASSES = "certreg/equilibria/classification.py"
+CLASSES = "certreg/objective/classification.py"
 LINEAR, STEPS = "derivations/linearisation.py", "derivations/integrators.py"
 
 MUTANTS = (
@@ -443,7 +443,7 @@ MUTANTS = (
     ),
     Mutant(
         "best translation",
-        "certreg/energy.py",
+        "certreg/objective/energy.py",
         "end * norm << (b - common)) - (moved",
         "end * norm << (b - common)) + (moved",
         ("translation_gap", "maximum_likelihood"),

@@ -20,8 +20,8 @@ native.codegen.translate native.codegen.emit
 native.batch native.clouds native.resting native.cache native.compiler native.library
 native.evaluator native.engine problem.floating_sums
 problem.problem
-problem.exact_sums problem.moments energy geometry.pose
-equilibria.classification equilibria.components exact.eigenbasis equilibria.stability
+problem.exact_sums problem.moments objective.energy geometry.pose
+objective.classification equilibria.components exact.eigenbasis equilibria.stability
 equilibria.spectral equilibria.closed_form alignment
 equilibria.quadratics equilibria.exports exact.balls equilibria.tracking
 equilibria.reference equilibria.groebner equilibria.homotopy equilibria.krawczyk equilibria.counting
@@ -111,6 +111,7 @@ def sources() -> dict[str, str]:
 def test_every_module_stands_on_the_map():
     folders = {
         "certreg",
+        "certreg.objective",
         "certreg.problem",
         "certreg.exact",
         "certreg.geometry",

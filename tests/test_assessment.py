@@ -109,7 +109,7 @@ def test_the_gap_of_any_pose_lies_within_its_bounds(exponent, seed):
 
 
 def certreg_translation(moments, q):
-    from certreg.energy import best_translation
+    from certreg.objective.energy import best_translation
 
     return best_translation(moments, q)
 

@@ -5,9 +5,9 @@ import strategies
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from certreg.equilibria.classification import Ambiguity, classify, pattern_of
 from certreg.exact.elimination import is_positive_definite, rank
 from certreg.geometry.so3 import rotation_matrix
+from certreg.objective.classification import Ambiguity, classify, pattern_of
 from certreg.problem.moments import exact_moments
 
 small = st.integers(-6, 6)

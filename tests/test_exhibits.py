@@ -11,12 +11,12 @@ import pytest
 from certreg import derivation
 from certreg.certificate.checking import verify
 from certreg.certificate.counting import count_certificate
-from certreg.equilibria.classification import classify
 from certreg.errors import InvalidProblemError
 from certreg.experiments import exhibits as exhibiting
 from certreg.experiments.evidence import Evidence
 from certreg.experiments.exhibits import exhibits, in_integers
 from certreg.experiments.verdicts import ClaimVerdict
+from certreg.objective.classification import classify
 from certreg.problem.moments import exact_moments
 
 ROWS = {row.number: row for row in derivation.paper_claims()}

@@ -10,12 +10,12 @@ from flint import ctx
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from certreg.equilibria.classification import pattern_of
 from certreg.equilibria.groebner import eliminate, fibres
 from certreg.equilibria.quadratics import quaternion_system
 from certreg.errors import ContradictionError
 from certreg.exact.balls import _changes, morse_bott_index, radius_bits
 from certreg.geometry.so3 import davenport_matrix
+from certreg.objective.classification import pattern_of
 from certreg.problem.moments import exact_moments
 from certreg.settings import EliminationSettings
 

@@ -27,9 +27,9 @@ from certreg.problem.problem import RegistrationProblem
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.equilibria.classification import Classification
     from certreg.equilibria.components import EquilibriumSet
     from certreg.native.clouds import RestPoses
+    from certreg.objective.classification import Classification
 
 ARRAYS = ("quaternions", "translations", "rmse", "unstable", "margins", "decided", "eigenvalues")
 

@@ -21,11 +21,11 @@ from hypothesis import strategies as st
 import certreg
 from certreg import RegistrationProblem
 from certreg.certificate.multiplier import multiplier_gap, proved_multiplier, proves_multiplier
-from certreg.energy import alignment, potential_energy
 from certreg.equilibria.spectral import spectrum
 from certreg.exact.dyadic import Dyadic, power_of_two
 from certreg.exact.elimination import rank
 from certreg.geometry.so3 import quadratic_form, rotation_matrix, squared_norm
+from certreg.objective.energy import alignment, potential_energy
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import lift
 from certreg.relaxation import conic

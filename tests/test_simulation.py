@@ -20,12 +20,12 @@ from certreg.certificate.producing import produce, proves_basin
 from certreg.certificate.types import RotationState
 from certreg.demo import STORIES, tell
 from certreg.dynamics import IDENTITY, body
-from certreg.energy import alignment
 from certreg.equilibria.spectral import rotation_double, spectrum, unit_double
 from certreg.errors import ContradictionError, DegenerateProblemError
 from certreg.exact.dyadic import dyadic_below
 from certreg.exits import NOT_CERTIFIED, code_of_registration
 from certreg.native.engine import engine
+from certreg.objective.energy import alignment
 from certreg.pipeline import _final_state, certify
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem, lift

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.energy import potential_energy, translation_energy
 from certreg.exact.dyadic import double_above, double_below, half_angle_bound
 from certreg.geometry.so3 import body_frame, squared_norm
+from certreg.objective.energy import potential_energy, translation_energy
 from certreg.problem.problem import lift
 
 if TYPE_CHECKING:

@@ -18,11 +18,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.equilibria.classification import with_pattern
 from certreg.equilibria.spectral import Spectrum, resolved, spectrum
 from certreg.errors import ContradictionError, UndecidedError
 from certreg.exact.eigenbasis import Eigenbasis
 from certreg.geometry.so3 import davenport_matrix, dot
+from certreg.objective.classification import with_pattern
 from certreg.results import Guarantee
 from certreg.settings import RoadSettings
 

@@ -16,8 +16,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.energy import potential_energy
-from certreg.equilibria.classification import Classification, classify
 from certreg.equilibria.components import Component, EquilibriumSet, Margin
 from certreg.equilibria.stability import (
     Curvature,
@@ -28,6 +26,8 @@ from certreg.equilibria.stability import (
 from certreg.exact.dyadic import nearest_double, nearest_root, power_of_two
 from certreg.exact.eigenbasis import Eigenbasis, eigenbasis
 from certreg.geometry.so3 import canonical, davenport_matrix, dot, rotation_matrix, squared_norm
+from certreg.objective.classification import Classification, classify
+from certreg.objective.energy import potential_energy
 from certreg.problem.moments import trace
 from certreg.results import Guarantee
 from certreg.settings import SpectrumSettings

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from certreg.energy import potential_energy
 from certreg.exact.dyadic import nearest_double
+from certreg.objective.energy import potential_energy
 from certreg.results import ComponentKind
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from certreg.energy import potential_energy
 from certreg.exact.dyadic import nearest_double
+from certreg.objective.energy import potential_energy
 from certreg.report.captions import component_name, component_words
 from certreg.report.markup import printable
 from certreg.report.runs import escapes, shown_run

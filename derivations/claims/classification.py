@@ -9,7 +9,7 @@ from typing import Any
 
 import sympy
 
-from certreg.equilibria.classification import (
+from certreg.objective.classification import (
     Classification,
     Invariants,
     Pattern,
@@ -285,9 +285,9 @@ CLAIM = Claim(
     r"the numbers given, which for a measured cloud are rounded coordinates.",
     needs=("spectrum", "discriminant", "eigenvectors", "half_turns"),
     used_by=(
-        "certreg.equilibria.classification.decide",
-        "certreg.equilibria.classification.pattern_of",
-        "certreg.equilibria.classification.Classification",
+        "certreg.objective.classification.decide",
+        "certreg.objective.classification.pattern_of",
+        "certreg.objective.classification.Classification",
         "certreg.verify.multiplicities",
     ),
     coq=(

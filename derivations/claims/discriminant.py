@@ -9,8 +9,8 @@ from typing import Any
 
 import sympy
 
-from certreg.equilibria.classification import Invariants, invariants
 from certreg.geometry.so3 import davenport_matrix
+from certreg.objective.classification import Invariants, invariants
 
 from ..algebra import identity
 from ..kernel import Claim, Proof
@@ -164,8 +164,8 @@ CLAIM = Claim(
     r"`classification`.",
     needs=("davenport", "spectrum"),
     used_by=(
-        "certreg.equilibria.classification.invariants",
-        "certreg.equilibria.classification.Invariants.discriminant",
+        "certreg.objective.classification.invariants",
+        "certreg.objective.classification.Invariants.discriminant",
         "certreg.verify.multiplicities",
     ),
     coq=(

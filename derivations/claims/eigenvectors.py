@@ -141,7 +141,7 @@ CLAIM = Claim(
     used_by=(
         "certreg.equilibria.spectral.equilibrium_set",
         "certreg.equilibria.closed_form.horn",
-        "certreg.energy.potential_energy",
+        "certreg.objective.energy.potential_energy",
     ),
     coq=(
         "balanced_iff_eigenvector",

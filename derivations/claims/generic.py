@@ -8,7 +8,7 @@ from typing import Any
 
 import sympy
 
-from certreg.equilibria.classification import Invariants, invariants
+from certreg.objective.classification import Invariants, invariants
 
 from ..algebra import Given, identity, nonnegative, quoted
 from ..kernel import Claim, Proof
@@ -187,7 +187,7 @@ CLAIM = Claim(
     r"finitely many, and the code decides each case. Nor that a symmetric cloud is exceptional "
     r"(claim `symmetry`).",
     needs=("classification", "half_turns", "discriminant"),
-    used_by=("certreg.equilibria.classification.Classification.finite",),
+    used_by=("certreg.objective.classification.Classification.finite",),
     not_in_coq=(
         "Genericity is not formalised: nothing in Coq speaks of measure. For each instance "
         "the pattern is decided exactly (`classification`)."

@@ -100,7 +100,7 @@ CLAIM = Claim(
     used_by=(
         "certreg.problem.moments.ExactMoments.inertia",
         "certreg.problem.moments.Moments.inertia",
-        "certreg.equilibria.classification",
+        "certreg.objective.classification",
     ),
     coq=(
         "inertia_is_trace_minus_scatter",

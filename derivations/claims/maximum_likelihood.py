@@ -121,7 +121,10 @@ CLAIM = Claim(
     not_claimed="That the noise is Gaussian, or that noise on the source is accounted for. "
     "That the minimum over rotations is unique: see the claim `classification`.",
     needs=("potential_energy",),
-    used_by=("certreg.energy.best_translation", "certreg.energy.translation_energy"),
+    used_by=(
+        "certreg.objective.energy.best_translation",
+        "certreg.objective.energy.translation_energy",
+    ),
     coq=(
         "potential_is_objective",
         "objective_reduction",

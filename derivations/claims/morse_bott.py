@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 
 import sympy
 
-from certreg.equilibria.classification import Classification
 from certreg.geometry.so3 import davenport_matrix
+from certreg.objective.classification import Classification
 from certreg.results import ComponentKind
 
 from ..algebra import facts, identity
@@ -153,8 +153,8 @@ CLAIM = Claim(
     needs=("classification", "hessian", "half_turns"),
     standard=(SPECTRAL,),
     used_by=(
-        "certreg.equilibria.classification.Classification.indices",
-        "certreg.equilibria.classification.Classification.kinds",
+        "certreg.objective.classification.Classification.indices",
+        "certreg.objective.classification.Classification.kinds",
         "certreg.results.ComponentKind",
     ),
     coq=(

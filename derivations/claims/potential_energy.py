@@ -116,7 +116,7 @@ CLAIM = Claim(
     r"term $\operatorname{tr}(R S_2 R^{\mathsf T})$ is not constant.",
     needs=("davenport", "quaternions"),
     used_by=(
-        "certreg.energy.potential_energy",
+        "certreg.objective.energy.potential_energy",
         "derivations.motion.potential",
         "certreg.dynamics.Body.energies",
     ),

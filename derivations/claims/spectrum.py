@@ -167,7 +167,7 @@ CLAIM = Claim(
     r"are the frame of the proof, and the code decides without them.",
     needs=("davenport", "eigenvectors", "quaternions"),
     used_by=(
-        "certreg.equilibria.classification",
+        "certreg.objective.classification",
         "certreg.equilibria.components.Margin",
         "certreg.equilibria.closed_form.arun",
         "certreg.verify.multiplicities",

@@ -8,14 +8,14 @@ from typing import Any
 
 import sympy
 
-from certreg.equilibria.classification import (
+from certreg.geometry.so3 import rotation_matrix
+from certreg.objective.classification import (
     Classification,
     Pattern,
     classify,
     invariants,
     pattern_of,
 )
-from certreg.geometry.so3 import rotation_matrix
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 
@@ -296,7 +296,7 @@ CLAIM = Claim(
     not_claimed=r"Anything about symmetry that holds only approximately: a cloud in floating point "
     r"may miss its symmetry by a rounding and then has exactly four equilibria.",
     needs=("classification", "spectrum"),
-    used_by=("certreg.equilibria.classification.classify",),
+    used_by=("certreg.objective.classification.classify",),
     not_in_coq=(
         "Nothing in Coq speaks of symmetry; what follows from a repeated eigenvalue is on "
         "the page `classification`."

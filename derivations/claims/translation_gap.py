@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from certreg.energy import potential_energy, translation_energy
 from certreg.geometry.so3 import dot, rotation_matrix, squared_norm
+from certreg.objective.energy import potential_energy, translation_energy
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 
@@ -57,7 +57,7 @@ def proof(
     yield facts(
         r"The shipped functions, on four weighted points with different scales for source and "
         r"target, at three integer quaternions and a rational translation: "
-        r"`certreg.energy.potential_energy` plus `translation_energy` is the sum over the points "
+        r"`certreg.objective.energy.potential_energy` plus `translation_energy` is the sum over the points "
         r"of $w\,|y - R x - t|^2$, computed directly in fractions.",
         found,
         [_summed(q) for q in QUATERNIONS],
@@ -124,8 +124,8 @@ CLAIM = Claim(
     r"to doubles, and its exact cost is what `translation_energy` returns.",
     needs=("maximum_likelihood",),
     used_by=(
-        "certreg.energy.best_translation",
-        "certreg.energy.translation_energy",
+        "certreg.objective.energy.best_translation",
+        "certreg.objective.energy.translation_energy",
         "certreg.certificate.bounds.pose_energy",
     ),
     coq=(

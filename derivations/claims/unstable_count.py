@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import sympy
 
-from certreg.equilibria.classification import Classification
+from certreg.objective.classification import Classification
 
 from ..algebra import (
     Given,
@@ -226,7 +226,7 @@ CLAIM = Claim(
         r"Cholesky: $J \succ 0$ is $T T^{\mathsf T}$ with an invertible matrix $T$.",
     ),
     used_by=(
-        "certreg.equilibria.classification.Classification.unstable",
+        "certreg.objective.classification.Classification.unstable",
         "certreg.equilibria.stability.spring_ratios",
         "certreg.verify",
     ),

@@ -1,0 +1,1 @@
+"""The energy after the best translation, as a function of the rotation."""
