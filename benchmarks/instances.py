@@ -19,8 +19,8 @@ import numpy as np
 from benchmarks.measuring import Figure, Quantity, Series, fastest
 from certreg.dynamics import Body
 from certreg.ensembles import ensemble
+from certreg.equilibrium.batch import Solutions, exactly, solve_many
 from certreg.geometry.so3 import davenport_matrix, rotation_matrix
-from certreg.instances import Solutions, exactly, solve_many
 from certreg.native.engine import engine
 from certreg.problem.random_instances import gaussian_instances
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, fastest
 from certreg.certificate.producing import produce
-from certreg.equilibria.spectral import equilibrium_set, spectrum
+from certreg.equilibrium.spectral import equilibrium_set, spectrum
 from certreg.exact.eigenbasis import eigenbasis
 from certreg.geometry.so3 import davenport_matrix
 from certreg.objective.classification import classify
@@ -20,7 +20,7 @@ from certreg.verify import check
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from certreg.equilibria.spectral import Spectrum
+    from certreg.equilibrium.spectral import Spectrum
 
 SIZES = (10, 100, 1000, 100_000)
 ROUNDS = 3

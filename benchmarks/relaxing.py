@@ -20,7 +20,7 @@ import numpy as np
 from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, fastest
 from certreg.certificate.multiplier import multiplier_gap, proved_multiplier
-from certreg.equilibria.spectral import spectrum
+from certreg.equilibrium.spectral import spectrum
 from certreg.exact.dyadic import power_of_two
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem, lift

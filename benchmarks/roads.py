@@ -19,13 +19,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from benchmarks.measuring import Figure, Quantity, fastest
-from certreg.equilibria.counting import at_most_four
-from certreg.equilibria.exports import as_msolve, as_phcpack, as_singular, value_unit
-from certreg.equilibria.groebner import eliminate, fibres
-from certreg.equilibria.homotopy import HomotopyStatus, continuation
-from certreg.equilibria.krawczyk import EigenBalls, proved_root
-from certreg.equilibria.quadratics import multiplier_system, quaternion_system
-from certreg.equilibria.reference import rotation_ideal
+from certreg.equilibrium.counting import at_most_four
+from certreg.equilibrium.exports import as_msolve, as_phcpack, as_singular, value_unit
+from certreg.equilibrium.groebner import eliminate, fibres
+from certreg.equilibrium.homotopy import HomotopyStatus, continuation
+from certreg.equilibrium.krawczyk import EigenBalls, proved_root
+from certreg.equilibrium.polynomials import multiplier_system, quaternion_system
+from certreg.equilibrium.reference import rotation_ideal
 from certreg.exact.balls import exact_matrix
 from certreg.geometry.so3 import davenport_matrix
 from certreg.io.clouds import read_problem

@@ -18,7 +18,7 @@ from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, fastest
 from certreg.dynamics import body, start_at_rest
 from certreg.ensembles import Ensemble, ensemble
-from certreg.equilibria.spectral import spectrum
+from certreg.equilibrium.spectral import spectrum
 from certreg.integration import step_parameters
 from certreg.native.batch import Batch, Integrator
 from certreg.native.engine import engine

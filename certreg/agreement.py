@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.types import Certificate
-    from certreg.equilibria.spectral import Spectrum
+    from certreg.equilibrium.spectral import Spectrum
     from certreg.problem.problem import RegistrationProblem
     from certreg.relaxation.shor import Relaxation
     from certreg.simulation import Trajectory

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from certreg.certificate.bounds import PoseBounds
-    from certreg.equilibria.components import EquilibriumSet
+    from certreg.equilibrium.critical_set import EquilibriumSet
     from certreg.pipeline import Registration, Solution
     from certreg.problem.moments import ExactMoments
     from certreg.problem.problem import RegistrationProblem

@@ -6,7 +6,7 @@ the target's frame, P = 2 G^-1 (G the Hessian at the optimum) and mean source po
 
     cov(phi) = P,    cov(dt, phi) = R [m] P,    cov(dt) = I / M + R [m] P [m]^T R^T.
 
-Source: Gauss-Markov theory for the linearised problem; G as in certreg.equilibria.stability.
+Source: Gauss-Markov theory for the linearised problem; G as in certreg.equilibrium.stability.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.equilibria.spectral import rotation_double, unit_double
+from certreg.equilibrium.spectral import rotation_double, unit_double
 from certreg.exact.dyadic import nearest_double
 from certreg.geometry.so3 import body_frame
 from certreg.objective.energy import potential_energy
@@ -25,7 +25,7 @@ from certreg.problem.problem import contiguous, row_blocks
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.equilibria.spectral import Spectrum
+    from certreg.equilibrium.spectral import Spectrum
     from certreg.geometry.pose import Pose
     from certreg.problem.problem import Block, RegistrationProblem
 

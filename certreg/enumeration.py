@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from certreg.certificate.checking import check_own, require_accepted
-from certreg.equilibria.spectral import equilibrium_set
+from certreg.equilibrium.spectral import equilibrium_set
 from certreg.problem.moments import exact_moments
 
 if TYPE_CHECKING:
     from certreg.certificate.counting import CountCertificate
-    from certreg.equilibria.components import EquilibriumSet
-    from certreg.equilibria.roads import Road, RoadAgreement
+    from certreg.equilibrium.critical_set import EquilibriumSet
+    from certreg.equilibrium.methods import Road, RoadAgreement
     from certreg.problem.problem import RegistrationProblem
 
 ALL = "all"  # roads
@@ -33,7 +33,7 @@ def equilibria(problem: RegistrationProblem, method: str = "spectral") -> Equili
 
 def equilibrium_road(problem: RegistrationProblem, method: str) -> Road:
     """One road to the equilibria, by name. Raises ValueError and UndecidedError: `equilibria`."""
-    from certreg.equilibria.roads import Method, road
+    from certreg.equilibrium.methods import Method, road
 
     if method not in {known.value for known in Method}:
         known = ", ".join(repr(each.value) for each in Method)
@@ -44,7 +44,7 @@ def equilibrium_road(problem: RegistrationProblem, method: str) -> Road:
 
 def equilibrium_roads(problem: RegistrationProblem) -> RoadAgreement:
     """Every road to the equilibria. Raises ContradictionError where two disagree."""
-    from certreg.equilibria.roads import all_roads
+    from certreg.equilibrium.methods import all_roads
 
     return all_roads(exact_moments(problem))
 

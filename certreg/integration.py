@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.equilibria.stability import TRANSLATION_STIFFNESS
+from certreg.equilibrium.stability import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
 from certreg.geometry.so3 import rotation_matrix
 from certreg.native.batch import Ending, Integrator

@@ -16,7 +16,7 @@ from certreg.certificate.checking import check_own, require_accepted
 from certreg.certificate.producing import produce
 from certreg.certificate.types import RotationState
 from certreg.covariance import PoseCovariance, pose_covariance
-from certreg.equilibria.spectral import (
+from certreg.equilibrium.spectral import (
     equilibrium_set,
     rotation_double,
     spectrum,
@@ -38,8 +38,8 @@ if TYPE_CHECKING:
     from fractions import Fraction
 
     from certreg.certificate.types import Certificate
-    from certreg.equilibria.components import EquilibriumSet
-    from certreg.equilibria.spectral import Spectrum
+    from certreg.equilibrium.critical_set import EquilibriumSet
+    from certreg.equilibrium.spectral import Spectrum
     from certreg.problem.moments import ExactMoments
     from certreg.problem.problem import RegistrationProblem
     from certreg.relaxation.shor import Relaxation

@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.dynamics import AT_REST, SMALLEST_BARRIER, Body, body, start_at_rest
-from certreg.equilibria.spectral import unit_double
-from certreg.equilibria.stability import TRANSLATION_STIFFNESS
+from certreg.equilibrium.spectral import unit_double
+from certreg.equilibrium.stability import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
 from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
 from certreg.integration import integrate, spring_ratios, step_parameters
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.equilibria.spectral import Spectrum
+    from certreg.equilibrium.spectral import Spectrum
 
 RATE_WINDOW = (
     1e-3,

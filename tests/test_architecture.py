@@ -21,13 +21,13 @@ native.batch native.clouds native.resting native.cache native.compiler native.li
 native.evaluator native.engine problem.floating_sums
 problem.problem
 problem.exact_sums problem.moments objective.energy geometry.pose
-objective.classification equilibria.components exact.eigenbasis equilibria.stability
-equilibria.spectral equilibria.closed_form alignment
-equilibria.quadratics equilibria.exports exact.balls equilibria.tracking
-equilibria.reference equilibria.groebner equilibria.homotopy equilibria.krawczyk equilibria.counting
-equilibria.roads
+objective.classification equilibrium.critical_set exact.eigenbasis equilibrium.stability
+equilibrium.spectral equilibria.closed_form alignment
+equilibrium.polynomials equilibrium.exports exact.balls equilibrium.tracking
+equilibrium.reference equilibrium.groebner equilibrium.homotopy equilibrium.krawczyk equilibrium.counting
+equilibrium.methods
 relaxation.qcqp relaxation.conic relaxation.shor
-dynamics integration simulation instances ensembles covariance
+dynamics integration simulation equilibrium.batch ensembles covariance
 certificate.types certificate.bounds
 certificate.multiplier certificate.producing certificate.counting
 certificate.coq certificate.coqc certificate.blockwise certificate.checking
@@ -111,6 +111,7 @@ def sources() -> dict[str, str]:
 def test_every_module_stands_on_the_map():
     folders = {
         "certreg",
+        "certreg.equilibrium",
         "certreg.objective",
         "certreg.problem",
         "certreg.exact",

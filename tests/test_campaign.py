@@ -44,6 +44,7 @@ from certreg.campaign.running import CERTIFICATES, SHARDS
 from certreg.campaign.shards import Shards
 from certreg.campaign.table import Column, write_table
 from certreg.campaign.workers import LocalWorkers, workers_at
+from certreg.equilibrium.batch import solve_many
 from certreg.errors import (
     CampaignError,
     CertregError,
@@ -53,7 +54,6 @@ from certreg.errors import (
     MissingToolError,
     RefusedCertificateError,
 )
-from certreg.instances import solve_many
 from certreg.results import Ruling, Verdict
 from certreg.settings import CampaignSettings
 

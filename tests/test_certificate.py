@@ -18,7 +18,7 @@ from certreg.certificate.bounds import (
     sin2_half_angle_between,
 )
 from certreg.certificate.producing import produce, proves_optimality
-from certreg.equilibria.spectral import spectrum
+from certreg.equilibrium.spectral import spectrum
 from certreg.errors import InvalidFileError
 from certreg.problem.moments import exact_moments
 from certreg.results import Guarantee, Optimality, Ruling, Verdict

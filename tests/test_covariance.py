@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 from strategies import TETRAHEDRON, ZOO, random_rotation
 
 from certreg.covariance import pose_covariance, residual_distances, worst_residuals
-from certreg.equilibria.spectral import spectrum
+from certreg.equilibrium.spectral import spectrum
 from certreg.geometry.pose import Pose
 from certreg.pipeline import certify
 from certreg.problem.moments import exact_moments

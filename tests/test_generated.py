@@ -11,7 +11,7 @@ import pytest
 from certreg.demo import STORIES, stated
 from certreg.dynamics import body, start_at_rest
 from certreg.embedding import write_sources
-from certreg.equilibria.spectral import spectrum
+from certreg.equilibrium.spectral import spectrum
 from certreg.native.codegen.emit import emit
 from certreg.native.codegen.translate import Definition, casadi_function, port
 from certreg.native.compiler import GENERATED, CompilationError, find_compiler

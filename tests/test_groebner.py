@@ -10,8 +10,8 @@ from flint import ctx
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from certreg.equilibria.groebner import eliminate, fibres
-from certreg.equilibria.quadratics import quaternion_system
+from certreg.equilibrium.groebner import eliminate, fibres
+from certreg.equilibrium.polynomials import quaternion_system
 from certreg.errors import ContradictionError
 from certreg.exact.balls import _changes, morse_bott_index, radius_bits
 from certreg.geometry.so3 import davenport_matrix
@@ -19,7 +19,7 @@ from certreg.objective.classification import pattern_of
 from certreg.problem.moments import exact_moments
 from certreg.settings import EliminationSettings
 
-GROEBNER = import_module("certreg.equilibria.groebner")
+GROEBNER = import_module("certreg.equilibrium.groebner")
 small = st.integers(-6, 6)
 matrices = st.lists(st.lists(small, min_size=3, max_size=3), min_size=3, max_size=3)
 BITS = 120

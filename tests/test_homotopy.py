@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import strategies
 
-from certreg.equilibria.homotopy import HomotopyStatus, continuation
+from certreg.equilibrium.homotopy import HomotopyStatus, continuation
 from certreg.geometry.so3 import davenport_matrix
 from certreg.problem.moments import exact_moments
 from certreg.settings import HomotopySettings, TrackerSettings

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 from strategies import ZOO, Specimen, random_problem
 
-from certreg import instances
 from certreg.dynamics import body, start_at_rest
 from certreg.ensembles import ensemble
-from certreg.equilibria.spectral import Spectrum, spectrum
-from certreg.equilibria.stability import Oscillations, linearised_spectrum
+from certreg.equilibrium import batch as instances
+from certreg.equilibrium.batch import Solutions, exactly, solve_many
+from certreg.equilibrium.spectral import Spectrum, spectrum
+from certreg.equilibrium.stability import Oscillations, linearised_spectrum
 from certreg.errors import InvalidProblemError
 from certreg.geometry.so3 import davenport_matrix, rotation_matrix
-from certreg.instances import Solutions, exactly, solve_many
 from certreg.native.engine import engine
 from certreg.native.evaluator import evaluator
 from certreg.problem.moments import exact_moments
@@ -27,7 +27,7 @@ from certreg.problem.problem import RegistrationProblem
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.equilibria.components import EquilibriumSet
+    from certreg.equilibrium.critical_set import EquilibriumSet
     from certreg.native.clouds import RestPoses
     from certreg.objective.classification import Classification
 

@@ -13,7 +13,7 @@ from test_simulation import proved_end
 
 from certreg.dynamics import body
 from certreg.ensembles import Ends, Ensemble, ensemble, simulate_many
-from certreg.equilibria.spectral import spectrum
+from certreg.equilibrium.spectral import spectrum
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.geometry.so3 import rotation_matrix
 from certreg.integration import _halved, inertias, spring_ratios, step_parameters

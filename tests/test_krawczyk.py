@@ -7,8 +7,8 @@ import pytest
 from commands import checked
 from flint import acb, acb_mat, arb, arb_mat
 
-from certreg.equilibria.counting import at_most_four, macaulay_matrix
-from certreg.equilibria.krawczyk import (
+from certreg.equilibrium.counting import at_most_four, macaulay_matrix
+from certreg.equilibrium.krawczyk import (
     EigenBalls,
     Reality,
     are_distinct,

@@ -14,11 +14,11 @@ from jsonschema import Draft202012Validator
 from test_reproduce import SCHEMA, shown_texts
 
 from certreg.ensembles import ensemble, simulate_many
+from certreg.equilibrium.batch import solve_many
 from certreg.experiments import maps as mapping
 from certreg.experiments.charts import map_drawings
 from certreg.experiments.families import CUBE, FAMILIES, Family, limit_margin, margin
 from certreg.experiments.maps import MEASURES, Map, instances, level, maps
-from certreg.instances import solve_many
 from certreg.native.batch import Integrator
 from certreg.problem.random_instances import gaussian_instances
 from certreg.report.maps import rows, table

@@ -23,7 +23,7 @@ from strategies import ZOO, random_problem
 from test_simulation import saddle_start
 
 from certreg import dynamics, integration, simulation
-from certreg.equilibria.spectral import spectrum
+from certreg.equilibrium.spectral import spectrum
 from certreg.errors import DegenerateProblemError, SlowSimulationWarning
 from certreg.native import batch, cache, compiler
 from certreg.native import engine as engines

@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 import strategies
 
-from certreg.equilibria.exports import as_msolve, as_phcpack, as_singular, value_unit
-from certreg.equilibria.groebner import eliminate, fibres
-from certreg.equilibria.quadratics import multiplier_system, quaternion_system, rotation_system
+from certreg.equilibrium.exports import as_msolve, as_phcpack, as_singular, value_unit
+from certreg.equilibrium.groebner import eliminate, fibres
+from certreg.equilibrium.polynomials import multiplier_system, quaternion_system, rotation_system
 from certreg.geometry.so3 import rotation_matrix
 from certreg.problem.moments import exact_moments
 

@@ -25,7 +25,7 @@ HEAVY = {"scipy", "sympy", "casadi", "cvxpy", "matplotlib"}
 # Imports that could leave a submodule where the function of the same name should be.
 IMPORTS = (
     "import certreg.verify",
-    "import certreg.equilibria.spectral",
+    "import certreg.equilibrium.spectral",
     "from certreg.verify import check",
     "from certreg import verify, equilibria",
 )

@@ -9,15 +9,15 @@ import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 
-from certreg.equilibria.exports import as_msolve, as_phcpack, as_singular, as_sympy
-from certreg.equilibria.quadratics import (
+from certreg.equilibrium.exports import as_msolve, as_phcpack, as_singular, as_sympy
+from certreg.equilibrium.polynomials import (
     COLUMNS,
     multiplier_system,
     quaternion_system,
     rotation_system,
     torque_table,
 )
-from certreg.equilibria.reference import dimension_and_degree, rotation_ideal
+from certreg.equilibrium.reference import dimension_and_degree, rotation_ideal
 from certreg.geometry.so3 import davenport_matrix, dot, rotation_matrix
 from certreg.problem.moments import exact_moments
 

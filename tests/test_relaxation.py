@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 import certreg
 from certreg import RegistrationProblem
 from certreg.certificate.multiplier import multiplier_gap, proved_multiplier, proves_multiplier
-from certreg.equilibria.spectral import spectrum
+from certreg.equilibrium.spectral import spectrum
 from certreg.exact.dyadic import Dyadic, power_of_two
 from certreg.exact.elimination import rank
 from certreg.geometry.so3 import quadratic_form, rotation_matrix, squared_norm

@@ -11,11 +11,11 @@ import strategies
 from commands import certreg, checked, write_csv
 
 import certreg as package
-from certreg.equilibria.groebner import eliminate, fibres
-from certreg.equilibria.homotopy import HomotopyStatus, continuation
-from certreg.equilibria.krawczyk import EigenBalls, are_distinct, proved_root
-from certreg.equilibria.roads import Method, UndecidedRoad, agreement_of, all_roads, road
-from certreg.equilibria.spectral import spectrum, unit_double
+from certreg.equilibrium.groebner import eliminate, fibres
+from certreg.equilibrium.homotopy import HomotopyStatus, continuation
+from certreg.equilibrium.krawczyk import EigenBalls, are_distinct, proved_root
+from certreg.equilibrium.methods import Method, UndecidedRoad, agreement_of, all_roads, road
+from certreg.equilibrium.spectral import spectrum, unit_double
 from certreg.errors import ContradictionError, UndecidedError
 from certreg.exact.balls import exact_matrix
 from certreg.geometry.so3 import davenport_matrix
@@ -25,8 +25,8 @@ from certreg.report.roads import roads_fields, roads_summary
 from certreg.results import Guarantee
 
 # `equilibria` is a submodule and a function, and the function wins
-HOMOTOPY = import_module("certreg.equilibria.homotopy")
-GROEBNER = import_module("certreg.equilibria.groebner")
+HOMOTOPY = import_module("certreg.equilibrium.homotopy")
+GROEBNER = import_module("certreg.equilibrium.groebner")
 ANGLE = 1e-10  # radians, between the rotations of two roads
 
 

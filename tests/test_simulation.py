@@ -20,7 +20,7 @@ from certreg.certificate.producing import produce, proves_basin
 from certreg.certificate.types import RotationState
 from certreg.demo import STORIES, tell
 from certreg.dynamics import IDENTITY, body
-from certreg.equilibria.spectral import rotation_double, spectrum, unit_double
+from certreg.equilibrium.spectral import rotation_double, spectrum, unit_double
 from certreg.errors import ContradictionError, DegenerateProblemError
 from certreg.exact.dyadic import dyadic_below
 from certreg.exits import NOT_CERTIFIED, code_of_registration

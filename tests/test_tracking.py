@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from certreg.equilibria.tracking import PathStatus, track
+from certreg.equilibrium.tracking import PathStatus, track
 from certreg.settings import TrackerSettings
 
 GAMMA = np.exp(0.7j)

@@ -22,9 +22,9 @@ from certreg.campaign.calls import Call, Yield
 from certreg.campaign.manifest import Manifest, current_versions
 from certreg.campaign.running import CERTIFICATES, contents
 from certreg.campaign.table import Block, Column, csv_bytes, write_table
+from certreg.equilibrium.batch import solve_many
 from certreg.errors import InvalidProblemError
 from certreg.geometry.so3 import rotation_matrix
-from certreg.instances import solve_many
 from certreg.io.atomic import write_atomically
 from certreg.pipeline import certify
 from certreg.problem.problem import RegistrationProblem
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.instances import Solutions
+    from certreg.equilibrium.batch import Solutions
     from certreg.pipeline import Registration
     from certreg.problem.random_instances import Instances
 

@@ -1,6 +1,6 @@
 """Certificates of kind "count": at most four equilibria, by a rank modulo a prime.
 
-The theorem is in `certreg.equilibria.counting`; the checker proves it again from the data, with
+The theorem is in `certreg.equilibrium.counting`; the checker proves it again from the data, with
 formulas of its own.
 """
 
@@ -67,7 +67,7 @@ def count_certificate(
 
     None means not proved, not disproved.
     """
-    from certreg.equilibria.counting import at_most_four
+    from certreg.equilibrium.counting import at_most_four
 
     settings = settings or CertificateSettings()
     proof = at_most_four(exact_moments(problem).cross)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from typing import Any
 
-    from certreg.equilibria.spectral import Spectrum
+    from certreg.equilibrium.spectral import Spectrum
     from certreg.problem.moments import ExactMoments
     from certreg.problem.problem import RegistrationProblem
 

@@ -16,8 +16,8 @@ import numpy as np
 
 from certreg.dynamics import body
 from certreg.equilibria.closed_form import horn
-from certreg.equilibria.roads import Method, road
-from certreg.equilibria.spectral import rotation_double, unit_double
+from certreg.equilibrium.methods import Method, road
+from certreg.equilibrium.spectral import rotation_double, unit_double
 from certreg.experiments.particles import Particles, at_rest
 from certreg.experiments.scheme import RAW_UNIT
 from certreg.geometry.so3 import rotation_matrix

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from certreg.certificate.checking import verify
 from certreg.certificate.counting import AT_MOST, count_certificate
 from certreg.certificate.producing import produce
-from certreg.equilibria.spectral import spectrum
+from certreg.equilibrium.spectral import spectrum
 from certreg.errors import InvalidProblemError
 from certreg.geometry.so3 import squared_norm
 from certreg.problem.moments import exact_moments
@@ -25,7 +25,7 @@ from certreg.results import Ruling, Verdict
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.equilibria.spectral import Spectrum
+    from certreg.equilibrium.spectral import Spectrum
 
 SUFFIX, COUNT_SUFFIX = ".json", ".count.json"
 NO_PROOF = Verdict(ruling=Ruling.INCONCLUSIVE, words="no certificate was found")

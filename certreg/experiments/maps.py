@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.ensembles import Ensemble, ensemble, simulate_many
+from certreg.equilibrium.batch import exactly, solve_many
 from certreg.experiments.families import FAMILIES
 from certreg.experiments.scheme import NO_BASIN
 from certreg.geometry.so3 import rotation_matrix
-from certreg.instances import exactly, solve_many
 from certreg.native.batch import Integrator
 from certreg.settings import MapSettings, SimulationSettings
 
@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from certreg.equilibrium.batch import Solutions
     from certreg.experiments.families import Family, Sample
     from certreg.experiments.observations import Announcer
-    from certreg.instances import Solutions
 
 SIMULATION = SimulationSettings(
     threads=2,

@@ -13,7 +13,7 @@ import numpy as np
 
 from certreg.dynamics import body
 from certreg.equilibria.closed_form import horn
-from certreg.equilibria.spectral import spectrum
+from certreg.equilibrium.spectral import spectrum
 from certreg.experiments.equilibria import angle
 from certreg.experiments.particles import Particles, at_rest
 from certreg.experiments.scheme import RAW_UNIT, descend

@@ -9,7 +9,7 @@ from certreg.report.summary import number
 from certreg.results import ComponentKind
 
 if TYPE_CHECKING:
-    from certreg.equilibria.components import Component, EquilibriumSet
+    from certreg.equilibrium.critical_set import Component, EquilibriumSet
     from certreg.pipeline import Registration
 
 PLURALS = {

@@ -16,8 +16,8 @@ from certreg.results import Optimality
 
 if TYPE_CHECKING:
     from certreg.assessment import Assessment
-    from certreg.equilibria.components import Component, EquilibriumSet
-    from certreg.equilibria.roads import RoadAgreement
+    from certreg.equilibrium.critical_set import Component, EquilibriumSet
+    from certreg.equilibrium.methods import RoadAgreement
     from certreg.pipeline import Registration
 
 RESULT_SCHEMA = "certreg-result/1"

@@ -12,7 +12,7 @@ from certreg.results import ComponentKind
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.equilibria.roads import Road, RoadAgreement, UndecidedRoad
+    from certreg.equilibrium.methods import Road, RoadAgreement, UndecidedRoad
 
 PLURALS = {
     ComponentKind.POINT: ("point", "points"),

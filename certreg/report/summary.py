@@ -14,7 +14,7 @@ from certreg.settings import ReportSettings
 
 if TYPE_CHECKING:
     from certreg.assessment import Assessment
-    from certreg.equilibria.components import Component, EquilibriumSet
+    from certreg.equilibrium.critical_set import Component, EquilibriumSet
     from certreg.pipeline import Registration, SimulatedRegistration
     from certreg.simulation import Trajectory
 

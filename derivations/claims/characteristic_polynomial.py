@@ -187,7 +187,7 @@ CLAIM = Claim(
     r"of [Yang2020] says: six of the 18 are zero, at every equilibrium.",
     needs=("ambient_jacobian", "intrinsic_jacobian", "pushforward", "eigenvectors", "hessian"),
     used_by=(
-        "certreg.equilibria.stability.linearised_spectrum",
+        "certreg.equilibrium.stability.linearised_spectrum",
         "certreg.dynamics.Body.ambient_jacobian",
     ),
     coq=(

@@ -139,7 +139,7 @@ CLAIM = Claim(
     needs=("davenport", "quaternions", "torque", "equilibrium_equations"),
     standard=(SPECTRAL,),
     used_by=(
-        "certreg.equilibria.spectral.equilibrium_set",
+        "certreg.equilibrium.spectral.equilibrium_set",
         "certreg.equilibria.closed_form.horn",
         "certreg.objective.energy.potential_energy",
     ),

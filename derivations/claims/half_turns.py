@@ -121,7 +121,10 @@ CLAIM = Claim(
     not_claimed=r"That every two equilibria are $180^\circ$ apart: on a circle of equilibria, all "
     r"of the same energy, every angle occurs.",
     needs=("quaternions", "eigenvectors"),
-    used_by=("certreg.geometry.so3.angle_between", "certreg.equilibria.spectral.Spectrum.angle_to"),
+    used_by=(
+        "certreg.geometry.so3.angle_between",
+        "certreg.equilibrium.spectral.Spectrum.angle_to",
+    ),
     coq=(
         "half_turn_apart_iff_orthogonal",
         "same_rotation_same_quaternion_up_to_sign",

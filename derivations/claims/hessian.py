@@ -210,7 +210,7 @@ CLAIM = Claim(
     needs=("eigenvectors", "torque", "half_turns"),
     standard=(SPECTRAL,),
     used_by=(
-        "certreg.equilibria.stability.curvature",
+        "certreg.equilibrium.stability.curvature",
         "certreg.covariance",
         "derivations.linearisation.hessian",
         "derivations.linearisation.intrinsic_jacobian",

@@ -153,7 +153,7 @@ CLAIM = Claim(
     needs=("euler_poincare", "total_torque", "eigenvectors", "hessian"),
     used_by=(
         "certreg.dynamics.Body.intrinsic_jacobian",
-        "certreg.equilibria.stability",
+        "certreg.equilibrium.stability",
         "derivations.linearisation",
     ),
     coq=(

@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy
 
-from certreg.equilibria.stability import TRANSLATION_STIFFNESS
+from certreg.equilibrium.stability import TRANSLATION_STIFFNESS
 
 from ..algebra import Given, Relation, facts, identity, modulo, nonnegative
 from ..kernel import Claim, Proof, Step

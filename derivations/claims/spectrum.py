@@ -168,7 +168,7 @@ CLAIM = Claim(
     needs=("davenport", "eigenvectors", "quaternions"),
     used_by=(
         "certreg.objective.classification",
-        "certreg.equilibria.components.Margin",
+        "certreg.equilibrium.critical_set.Margin",
         "certreg.equilibria.closed_form.arun",
         "certreg.verify.multiplicities",
     ),

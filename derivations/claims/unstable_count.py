@@ -227,7 +227,7 @@ CLAIM = Claim(
     ),
     used_by=(
         "certreg.objective.classification.Classification.unstable",
-        "certreg.equilibria.stability.spring_ratios",
+        "certreg.equilibrium.stability.spring_ratios",
         "certreg.verify",
     ),
     coq=(

@@ -9,13 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from certreg.equilibria.exports import as_sympy
-from certreg.equilibria.quadratics import rotation_system
+from certreg.equilibrium.exports import as_sympy
+from certreg.equilibrium.polynomials import rotation_system
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.equilibria.quadratics import Monomial
+    from certreg.equilibrium.polynomials import Monomial
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -55,8 +55,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.equilibria.spectral import equilibrium_set, spectrum
-from certreg.equilibria.stability import Oscillations
+from certreg.equilibrium.spectral import equilibrium_set, spectrum
+from certreg.equilibrium.stability import Oscillations
 from certreg.errors import InvalidProblemError
 from certreg.native.clouds import ManyClouds
 from certreg.native.engine import engine
@@ -67,7 +67,7 @@ from certreg.settings import DEFAULT_DAMPING
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from certreg.equilibria.components import EquilibriumSet
+    from certreg.equilibrium.critical_set import EquilibriumSet
     from certreg.native.clouds import RestPoses
 
 Array = Any  # NDArray[np.float64]

@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Any
 
 from flint import acb, arb, arb_mat, ctx, fmpq_mat, fmpz_mat, fmpz_poly
 
-from certreg.equilibria.quadratics import COLUMNS, torque_table
+from certreg.equilibrium.polynomials import COLUMNS, torque_table
 from certreg.errors import ContradictionError
 from certreg.exact.balls import orthonormal, radius_bits
 from certreg.geometry.so3 import davenport_matrix
@@ -35,7 +35,7 @@ from certreg.settings import EliminationSettings
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.equilibria.quadratics import Table
+    from certreg.equilibrium.polynomials import Table
 
 SOLUTIONS = 4  # dimension of the quotient ring: the basis 1, u1, u2, u3
 PRODUCTS = 6  # u_i u_j, i <= j

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.equilibria.spectral import Spectrum, resolved, spectrum
+from certreg.equilibrium.spectral import Spectrum, resolved, spectrum
 from certreg.errors import ContradictionError, UndecidedError
 from certreg.exact.eigenbasis import Eigenbasis
 from certreg.geometry.so3 import davenport_matrix, dot
@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from flint import arb
     from numpy.typing import NDArray
 
-    from certreg.equilibria.homotopy import Continuation
-    from certreg.equilibria.krawczyk import EigenBalls, RootBox
+    from certreg.equilibrium.homotopy import Continuation
+    from certreg.equilibrium.krawczyk import EigenBalls, RootBox
     from certreg.problem.moments import ExactMoments
 
 FIXED = 53  # fractional bits of a double near 1
@@ -162,7 +162,7 @@ def _spectral(moments: ExactMoments) -> _End:
 
 
 def _groebner(moments: ExactMoments) -> _End:
-    from certreg.equilibria.groebner import Fibre, eliminate, fibres
+    from certreg.equilibrium.groebner import Fibre, eliminate, fibres
     from certreg.exact.balls import fixed_point, morse_bott_index
 
     elimination, shift = eliminate(moments.cross), _shift(moments)
@@ -191,8 +191,8 @@ def _groebner(moments: ExactMoments) -> _End:
 
 def _homotopy(moments: ExactMoments) -> _End:
     """Four paths; their ends proved, and a count of at most four, make the list complete."""
-    from certreg.equilibria.counting import at_most_four
-    from certreg.equilibria.homotopy import HomotopyStatus, continuation
+    from certreg.equilibrium.counting import at_most_four
+    from certreg.equilibrium.homotopy import HomotopyStatus, continuation
 
     ends = continuation(_scaled_davenport(moments)[None])
     counted = at_most_four(moments.cross)
@@ -213,7 +213,7 @@ def _homotopy(moments: ExactMoments) -> _End:
 
 def _proved(moments: ExactMoments, ends: Continuation) -> _End | None:
     """The four ends in disjoint boxes with one root each; None where that is not proved."""
-    from certreg.equilibria.krawczyk import EigenBalls, are_distinct, proved_root, tightened
+    from certreg.equilibrium.krawczyk import EigenBalls, are_distinct, proved_root, tightened
     from certreg.exact.balls import exact_matrix, morse_bott_index
 
     shift, K = _shift(moments), davenport_matrix(moments.cross)
@@ -247,7 +247,7 @@ def _basis_of_boxes(
     """Unit quaternions and values of proved roots, the boxes made small enough."""
     from flint import ctx
 
-    from certreg.equilibria.krawczyk import tightened
+    from certreg.equilibrium.krawczyk import tightened
     from certreg.exact.balls import fixed_point, orthonormal
 
     values, vectors = list[int](), list[tuple[int, ...]]()
@@ -285,8 +285,8 @@ def _numerical(moments: ExactMoments, ends: Continuation) -> Spectrum:
 
 _LIBRARIES = {
     Method.SPECTRAL: (),
-    Method.GROEBNER: ("certreg.equilibria.groebner",),
-    Method.HOMOTOPY: ("certreg.equilibria.homotopy", "certreg.equilibria.krawczyk"),
+    Method.GROEBNER: ("certreg.equilibrium.groebner",),
+    Method.HOMOTOPY: ("certreg.equilibrium.homotopy", "certreg.equilibrium.krawczyk"),
 }
 _ROADS: dict[Method, Callable[[ExactMoments], _End]] = {
     Method.SPECTRAL: _spectral,

@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING
 
 from flint import nmod_mat
 
-from certreg.equilibria.quadratics import COLUMNS, torque_table
+from certreg.equilibrium.polynomials import COLUMNS, torque_table
 from certreg.settings import CountSettings
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.equilibria.quadratics import Table
+    from certreg.equilibrium.polynomials import Table
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

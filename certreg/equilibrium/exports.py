@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from certreg.equilibria.quadratics import Monomial, PolynomialSystem
+    from certreg.equilibrium.polynomials import Monomial, PolynomialSystem
 
 
 def as_sympy(system: PolynomialSystem) -> list[Any]:

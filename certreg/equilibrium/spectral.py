@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.equilibria.components import Component, EquilibriumSet, Margin
-from certreg.equilibria.stability import (
+from certreg.equilibrium.critical_set import Component, EquilibriumSet, Margin
+from certreg.equilibrium.stability import (
     Curvature,
     curvature,
     linearised_spectrum,

@@ -19,13 +19,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.equilibria.tracking import REGULAR, SINGULAR, statuses_of, track
+from certreg.equilibrium.tracking import REGULAR, SINGULAR, statuses_of, track
 from certreg.settings import HomotopySettings, TrackerSettings
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.equilibria.tracking import (
+    from certreg.equilibrium.tracking import (
         Complexes,
         Indices,
         PathStatus,

@@ -1,0 +1,1 @@
+"""All equilibria: critical rotations of the objective, found by independent methods."""
