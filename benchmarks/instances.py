@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.measuring import Figure, Quantity, Series, fastest
-from certreg.dynamics import Body
-from certreg.ensembles import ensemble
+from certreg.dynamics.batch import ensemble
+from certreg.dynamics.body import Body
 from certreg.equilibrium.batch import Solutions, exactly, solve_many
 from certreg.geometry.so3 import davenport_matrix, rotation_matrix
 from certreg.native.engine import engine

@@ -16,16 +16,16 @@ from scipy.integrate import solve_ivp
 
 from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, fastest
-from certreg.dynamics import body, start_at_rest
-from certreg.ensembles import Ensemble, ensemble
+from certreg.dynamics.batch import Ensemble, ensemble
+from certreg.dynamics.body import body, start_at_rest
+from certreg.dynamics.integrators import step_parameters
+from certreg.dynamics.simulation import certified_basin, simulate
 from certreg.equilibrium.spectral import spectrum
-from certreg.integration import step_parameters
 from certreg.native.batch import Batch, Integrator
 from certreg.native.engine import engine
 from certreg.problem.moments import ExactMoments, exact_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.settings import SimulationSettings
-from certreg.simulation import certified_basin, simulate
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from certreg.assessment import assess as assess
     from certreg.certificate.checking import verify as verify
     from certreg.certificate.types import Certificate as Certificate
+    from certreg.dynamics.simulation import Trajectory as Trajectory
     from certreg.enumeration import equilibria as equilibria
     from certreg.errors import CertregError as CertregError
     from certreg.geometry.pose import Pose as Pose
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from certreg.pipeline import simulate as simulate
     from certreg.problem.problem import RegistrationProblem as RegistrationProblem
     from certreg.results import Verdict as Verdict
-    from certreg.simulation import Trajectory as Trajectory
 
 __version__ = "0.1.0"
 
@@ -37,7 +37,7 @@ _HOMES = {
     "Pose": "certreg.geometry.pose",
     "Registration": "certreg.pipeline",
     "RegistrationProblem": "certreg.problem.problem",
-    "Trajectory": "certreg.simulation",
+    "Trajectory": "certreg.dynamics.simulation",
     "Verdict": "certreg.results",
     "certify": "certreg.pipeline",
     "equilibria": "certreg.enumeration",

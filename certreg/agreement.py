@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from certreg.dynamics.simulation import SimulationStatus
 from certreg.equilibria.closed_form import arun, horn
 from certreg.errors import ContradictionError
 from certreg.exact.dyadic import power_of_two
@@ -15,16 +16,15 @@ from certreg.objective.energy import potential_energy
 from certreg.problem.moments import floating_moments
 from certreg.problem.problem import lift
 from certreg.settings import AgreementSettings
-from certreg.simulation import SimulationStatus
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.types import Certificate
+    from certreg.dynamics.simulation import Trajectory
     from certreg.equilibrium.spectral import Spectrum
     from certreg.problem.problem import RegistrationProblem
     from certreg.relaxation.shor import Relaxation
-    from certreg.simulation import Trajectory
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from certreg.demo import STORIES, stated
-from certreg.dynamics import body, start_at_rest
+from certreg.dynamics.body import body, start_at_rest
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import write_atomically
 from certreg.native.codegen.emit import C_FILE, HEADER_FILE

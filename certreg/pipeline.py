@@ -38,13 +38,13 @@ if TYPE_CHECKING:
     from fractions import Fraction
 
     from certreg.certificate.types import Certificate
+    from certreg.dynamics.simulation import Trajectory
     from certreg.equilibrium.critical_set import EquilibriumSet
     from certreg.equilibrium.spectral import Spectrum
     from certreg.problem.moments import ExactMoments
     from certreg.problem.problem import RegistrationProblem
     from certreg.relaxation.shor import Relaxation
     from certreg.results import Verdict
-    from certreg.simulation import Trajectory
 
 NOT_ASKED = "not asked for"
 
@@ -260,9 +260,9 @@ def _simulation(
 def _trajectory(
     found: Spectrum, problem: RegistrationProblem, integrator: str, step: float | None
 ) -> Trajectory:
+    from certreg.dynamics.simulation import simulate as run
     from certreg.native.batch import Integrator
     from certreg.settings import SimulationSettings
-    from certreg.simulation import simulate as run
 
     known = [one.value for one in Integrator]
     if integrator not in known:
@@ -280,7 +280,7 @@ def optimally_damped(problem: RegistrationProblem) -> RegistrationProblem:
 
     Raises DegenerateProblemError where the dynamics is not defined or the optimum is not unique.
     """
-    from certreg.simulation import optimal_damping
+    from certreg.dynamics.simulation import optimal_damping
 
     return problem.damped(optimal_damping(spectrum(exact_moments(problem))))
 

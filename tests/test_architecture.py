@@ -27,7 +27,7 @@ equilibrium.polynomials equilibrium.exports exact.balls equilibrium.tracking
 equilibrium.reference equilibrium.groebner equilibrium.homotopy equilibrium.krawczyk equilibrium.counting
 equilibrium.methods
 relaxation.qcqp relaxation.conic relaxation.shor
-dynamics integration simulation equilibrium.batch ensembles covariance
+dynamics.body dynamics.integrators dynamics.simulation equilibrium.batch dynamics.batch covariance
 certificate.types certificate.bounds
 certificate.multiplier certificate.producing certificate.counting
 certificate.coq certificate.coqc certificate.blockwise certificate.checking
@@ -35,7 +35,7 @@ agreement
 pipeline enumeration assessment
 problem.random_instances
 io.streams io.labels io.xyz io.text io.lzf
-io.npy io.npz io.ply_rows io.ply io.pcd io.pairs io.clouds io.poses io.trajectories demo
+io.npy io.npz io.ply_rows io.ply io.pcd io.pairs io.clouds io.poses dynamics.trajectories demo
 embedding derivation
 report.markup report.roads report.document report.summary report.claims
 report.captions report.panel report.runs report.scene report.stage report.page
@@ -111,6 +111,7 @@ def sources() -> dict[str, str]:
 def test_every_module_stands_on_the_map():
     folders = {
         "certreg",
+        "certreg.dynamics",
         "certreg.equilibrium",
         "certreg.objective",
         "certreg.problem",

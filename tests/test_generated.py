@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from certreg.demo import STORIES, stated
-from certreg.dynamics import body, start_at_rest
+from certreg.dynamics.body import body, start_at_rest
+from certreg.dynamics.simulation import simulate
 from certreg.embedding import write_sources
 from certreg.equilibrium.spectral import spectrum
 from certreg.native.codegen.emit import emit
@@ -18,7 +19,6 @@ from certreg.native.compiler import GENERATED, CompilationError, find_compiler
 from certreg.native.evaluator import evaluator
 from certreg.native.library import library
 from certreg.problem.moments import exact_moments
-from certreg.simulation import simulate
 from derivations import emit as chain
 from derivations import motion
 

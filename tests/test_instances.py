@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from strategies import ZOO, Specimen, random_problem
 
-from certreg.dynamics import body, start_at_rest
-from certreg.ensembles import ensemble
+from certreg.dynamics.batch import ensemble
+from certreg.dynamics.body import body, start_at_rest
 from certreg.equilibrium import batch as instances
 from certreg.equilibrium.batch import Solutions, exactly, solve_many
 from certreg.equilibrium.spectral import Spectrum, spectrum

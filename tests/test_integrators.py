@@ -11,19 +11,19 @@ from commands import certreg
 from strategies import AXES, random_problem, random_rotation
 from test_simulation import proved_end
 
-from certreg.dynamics import body
-from certreg.ensembles import Ends, Ensemble, ensemble, simulate_many
+from certreg.dynamics.batch import Ends, Ensemble, ensemble, simulate_many
+from certreg.dynamics.body import body
+from certreg.dynamics.integrators import _halved, inertias, spring_ratios, step_parameters
+from certreg.dynamics.simulation import SimulationStatus, certified_basin, optimal_damping, simulate
 from certreg.equilibrium.spectral import spectrum
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.geometry.so3 import rotation_matrix
-from certreg.integration import _halved, inertias, spring_ratios, step_parameters
 from certreg.native.batch import Batch, Ending, Integrator
 from certreg.native.engine import engine
 from certreg.native.library import Library
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.settings import SimulationSettings
-from certreg.simulation import SimulationStatus, certified_basin, optimal_damping, simulate
 
 COMPILED = isinstance(engine(), Library)
 # instances; without a compiler each takes a millisecond

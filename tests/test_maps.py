@@ -13,7 +13,7 @@ from commands import certreg, strict_json
 from jsonschema import Draft202012Validator
 from test_reproduce import SCHEMA, shown_texts
 
-from certreg.ensembles import ensemble, simulate_many
+from certreg.dynamics.batch import ensemble, simulate_many
 from certreg.equilibrium.batch import solve_many
 from certreg.experiments import maps as mapping
 from certreg.experiments.charts import map_drawings

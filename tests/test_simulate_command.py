@@ -13,9 +13,9 @@ from strategies import AXES, BENT, LINE, MIRROR, TALL, ZOO
 
 import certreg as package
 from certreg import RegistrationProblem, pipeline, settings
+from certreg.dynamics.simulation import SimulationStatus
+from certreg.dynamics.trajectories import read_record
 from certreg.io.clouds import read_problem
-from certreg.io.trajectories import read_record
-from certreg.simulation import SimulationStatus
 
 if TYPE_CHECKING:
     from pathlib import Path

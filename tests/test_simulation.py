@@ -19,7 +19,8 @@ from certreg.certificate.checking import check_own, verify
 from certreg.certificate.producing import produce, proves_basin
 from certreg.certificate.types import RotationState
 from certreg.demo import STORIES, tell
-from certreg.dynamics import IDENTITY, body
+from certreg.dynamics.body import IDENTITY, body
+from certreg.dynamics.simulation import SimulationStatus, simulate
 from certreg.equilibrium.spectral import rotation_double, spectrum, unit_double
 from certreg.errors import ContradictionError, DegenerateProblemError
 from certreg.exact.dyadic import dyadic_below
@@ -31,7 +32,6 @@ from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem, lift
 from certreg.results import Optimality
 from certreg.settings import SimulationSettings
-from certreg.simulation import SimulationStatus, simulate
 
 STORY_NAMES = [story.name for story in STORIES]
 each_story = pytest.mark.parametrize("name", STORY_NAMES)

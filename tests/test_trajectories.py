@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from certreg.demo import STORIES, stated
+from certreg.dynamics.trajectories import Record, read_record
 from certreg.errors import InvalidFileError
-from certreg.io.trajectories import Record, read_record
 from certreg.pipeline import simulate
 
 if TYPE_CHECKING:

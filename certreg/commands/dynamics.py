@@ -100,8 +100,8 @@ def simulate(
     as_json: bool,
 ) -> int:
     """Release the damped body at rest and see where it ends. Exit code 0 converged, 4 not."""
+    from certreg.dynamics.trajectories import Record
     from certreg.io.atomic import write_atomically
-    from certreg.io.trajectories import Record
     from certreg.pipeline import simulated
     from certreg.report.document import dumps, simulation_document
     from certreg.report.summary import simulation_summary

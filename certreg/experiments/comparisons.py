@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics import body
+from certreg.dynamics.body import body
 from certreg.experiments.particles import Particles, parts
 from certreg.experiments.scheme import RAW_UNIT
 from certreg.geometry.so3 import rotation_matrix

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics import body
+from certreg.dynamics.body import body
 from certreg.equilibria.closed_form import horn
 from certreg.equilibrium.methods import Method, road
 from certreg.equilibrium.spectral import rotation_double, unit_double
@@ -27,7 +27,7 @@ from certreg.settings import ReproductionSettings
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.dynamics import Body
+    from certreg.dynamics.body import Body
     from certreg.problem.problem import RegistrationProblem
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.ensembles import Ensemble, ensemble, simulate_many
+from certreg.dynamics.batch import Ensemble, ensemble, simulate_many
 from certreg.equilibrium.batch import exactly, solve_many
 from certreg.experiments.families import FAMILIES
 from certreg.experiments.scheme import NO_BASIN

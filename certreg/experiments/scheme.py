@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics import body, start_at_rest
+from certreg.dynamics.body import body, start_at_rest
 from certreg.native.batch import ENERGIES, Batch, Ending, Integrator, Log
 from certreg.native.engine import engine
 from certreg.problem.moments import exact_moments

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics import body
+from certreg.dynamics.body import body
+from certreg.dynamics.simulation import simulate
 from certreg.equilibria.closed_form import horn
 from certreg.equilibrium.spectral import spectrum
 from certreg.experiments.equilibria import angle
@@ -21,7 +22,6 @@ from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
 from certreg.native.batch import Integrator
 from certreg.problem.moments import exact_moments
 from certreg.settings import ReproductionSettings
-from certreg.simulation import simulate
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from certreg.dynamics.trajectories import Record
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import write_together
-from certreg.io.trajectories import Record
 from certreg.report.document import dumps, result_document
 from certreg.report.page import Report, page
 

@@ -37,10 +37,10 @@ from certreg.verify import parse
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.io.trajectories import Record
+    from certreg.dynamics.simulation import Trajectory
+    from certreg.dynamics.trajectories import Record
     from certreg.pipeline import Registration
     from certreg.results import Verdict
-    from certreg.simulation import Trajectory
 
 ASSETS = files("certreg.report") / "assets"
 GUARANTEE_WORDS = (

@@ -21,12 +21,12 @@ import numpy as np
 from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds
 from certreg.certificate.checking import verify
 from certreg.certificate.types import ISOTROPIC, Certificate, Claims
-from certreg.dynamics import body, start_at_rest
+from certreg.dynamics.body import body, start_at_rest
+from certreg.dynamics.trajectories import read_record
 from certreg.errors import DegenerateProblemError, InvalidFileError, RefusedCertificateError
 from certreg.exact.dyadic import Dyadic
 from certreg.geometry.so3 import quaternion_from_matrix
 from certreg.io.streams import reading
-from certreg.io.trajectories import read_record
 from certreg.pipeline import certify
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import MAX_DAMPING, MIN_DAMPING, RegistrationProblem, lift
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable
 
-    from certreg.io.trajectories import Record
+    from certreg.dynamics.trajectories import Record
     from certreg.pipeline import Registration
     from certreg.problem.moments import ExactMoments
 

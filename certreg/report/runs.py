@@ -11,17 +11,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg.dynamics.simulation import simulate
 from certreg.errors import DegenerateProblemError
 from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
 from certreg.settings import ReportSettings, SimulationSettings
-from certreg.simulation import simulate
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.io.trajectories import Record
+    from certreg.dynamics.simulation import Trajectory
+    from certreg.dynamics.trajectories import Record
     from certreg.pipeline import Solution
-    from certreg.simulation import Trajectory
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

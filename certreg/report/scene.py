@@ -20,10 +20,10 @@ from certreg.settings import ReportSettings
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.io.trajectories import Record
+    from certreg.dynamics.simulation import Trajectory
+    from certreg.dynamics.trajectories import Record
     from certreg.pipeline import Registration
     from certreg.problem.problem import RegistrationProblem
-    from certreg.simulation import Trajectory
 
 GZIP = 31  # of zlib's window bits: with a header of gzip, which browsers unpack
 NO_MOTION = "Nothing moves here: "

@@ -14,9 +14,9 @@ from certreg.settings import ReportSettings
 
 if TYPE_CHECKING:
     from certreg.assessment import Assessment
+    from certreg.dynamics.simulation import Trajectory
     from certreg.equilibrium.critical_set import Component, EquilibriumSet
     from certreg.pipeline import Registration, SimulatedRegistration
-    from certreg.simulation import Trajectory
 
 COUNTS = {1: "one", 2: "two", 3: "three", 4: "four"}
 KINDS = {

@@ -188,7 +188,7 @@ CLAIM = Claim(
     needs=("ambient_jacobian", "intrinsic_jacobian", "pushforward", "eigenvectors", "hessian"),
     used_by=(
         "certreg.equilibrium.stability.linearised_spectrum",
-        "certreg.dynamics.Body.ambient_jacobian",
+        "certreg.dynamics.body.Body.ambient_jacobian",
     ),
     coq=(
         "six_rates_vanish",

@@ -194,7 +194,7 @@ CLAIM = Claim(
     r"anything where $J$ is singular: the dynamics is not defined there.",
     needs=("eigenvectors", "hessian", "unstable_count", "dissipation", "convergence", "half_turns"),
     standard=(SPECTRAL,),
-    used_by=("certreg.equilibrium.stability.Curvature.witness", "certreg.simulation"),
+    used_by=("certreg.equilibrium.stability.Curvature.witness", "certreg.dynamics.simulation"),
     coq=(
         "positive_index_grows",
         "spurious_equilibria_have_a_growing_mode",

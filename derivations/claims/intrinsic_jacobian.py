@@ -152,7 +152,7 @@ CLAIM = Claim(
     r"from an equilibrium: it is a derivative, at one state.",
     needs=("euler_poincare", "total_torque", "eigenvectors", "hessian"),
     used_by=(
-        "certreg.dynamics.Body.intrinsic_jacobian",
+        "certreg.dynamics.body.Body.intrinsic_jacobian",
         "certreg.equilibrium.stability",
         "derivations.linearisation",
     ),

@@ -99,7 +99,7 @@ CLAIM = Claim(
     not_claimed=r"The second form where $R$ is no rotation: there the energy of the particles is "
     r"$\tfrac12\operatorname{tr}(R^{\mathsf T}R\,[\omega]S_2[\omega]^{\mathsf T})$ instead.",
     needs=("inertia",),
-    used_by=("derivations.motion.kinetic", "certreg.dynamics.Body.energies"),
+    used_by=("derivations.motion.kinetic", "certreg.dynamics.body.Body.energies"),
     coq=("kinetic_reduction",),
     not_in_coq="Nothing: the whole claim is proved there.",
 )

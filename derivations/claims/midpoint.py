@@ -292,7 +292,7 @@ CLAIM = Claim(
     used_by=(
         "derivations.integrators.midpoint_residual",
         "derivations.integrators.midpoint_step",
-        "certreg.simulation.simulate",
+        "certreg.dynamics.simulation.simulate",
     ),
     not_in_coq="Nothing in Coq speaks of integrators.",
 )

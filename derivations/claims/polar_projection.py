@@ -227,7 +227,7 @@ CLAIM = Claim(
     used_by=(
         "derivations.integrators.polar_turn",
         "derivations.integrators.euler_step",
-        "certreg.simulation.simulate",
+        "certreg.dynamics.simulation.simulate",
     ),
     not_in_coq="Nothing in Coq speaks of integrators.",
 )

@@ -118,7 +118,7 @@ CLAIM = Claim(
     used_by=(
         "certreg.objective.energy.potential_energy",
         "derivations.motion.potential",
-        "certreg.dynamics.Body.energies",
+        "certreg.dynamics.body.Body.energies",
     ),
     coq=(
         "potential_reduction",

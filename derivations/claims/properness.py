@@ -175,6 +175,6 @@ CLAIM = Claim(
     "only the reason given for it does not.",
     needs=("potential_energy", "inertia"),
     standard=(SPECTRAL,),
-    used_by=("certreg.simulation.simulate",),
+    used_by=("certreg.dynamics.simulation.simulate",),
     not_in_coq="No theorem in Coq speaks of compactness.",
 )

@@ -131,8 +131,8 @@ CLAIM = Claim(
     needs=("ambient_jacobian", "intrinsic_jacobian"),
     used_by=(
         "derivations.linearisation.pushforward",
-        "certreg.dynamics.Body.ambient_jacobian",
-        "certreg.dynamics.Body.intrinsic_jacobian",
+        "certreg.dynamics.body.Body.ambient_jacobian",
+        "certreg.dynamics.body.Body.intrinsic_jacobian",
     ),
     not_in_coq=r"The $12\times12$ Jacobian is not written down in Coq.",
 )

@@ -270,7 +270,7 @@ CLAIM = Claim(
         "derivations.integrators.splitting_step",
         "derivations.integrators.accelerations",
         "derivations.integrators.squared_speed",
-        "certreg.simulation.simulate",
+        "certreg.dynamics.simulation.simulate",
     ),
     not_in_coq="Nothing in Coq speaks of integrators.",
 )

@@ -144,7 +144,7 @@ CLAIM = Claim(
     },
     not_claimed="That the paper's torque is that of the forces off $\\mathrm{SO}(3)$: it is not.",
     needs=("quaternions", "inertia", "total_force"),
-    used_by=("derivations.motion.rate", "certreg.dynamics.Body.rate"),
+    used_by=("derivations.motion.rate", "certreg.dynamics.body.Body.rate"),
     coq=(
         "torque_reduction",
         "paper_torque_is_torque",

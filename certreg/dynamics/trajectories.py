@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from certreg.dynamics.simulation import Trajectory
     from certreg.problem.problem import RegistrationProblem
-    from certreg.simulation import Trajectory
 
 ARRAYS = ("times", "states", "potential", "kinetic", "length_exponent", "damping", "digest")
-STATE = 18  # as in certreg.dynamics
+STATE = 18  # as in certreg.dynamics.body
 LARGEST_STATE = 1e150  # of a position or velocity, in the body's unit: its square is a double
 ORTHONORMAL = 1e-6  # of R^T R - I: what is integrated is projected at every step
 LARGEST_EXPONENT = 1100  # of a unit of length: doubles reach from 2^-1074 to 2^1024
@@ -33,7 +33,7 @@ LARGEST_EXPONENT = 1100  # of a unit of length: doubles reach from 2^-1074 to 2^
 class Record:
     """A trajectory as it is kept: poses and energies, no points.
 
-    times (L,); states (L, 18), potential and kinetic (L,) as in `certreg.simulation.Trajectory`.
+    times (L,); states (L, 18), potential and kinetic (L,) as in `certreg.dynamics.simulation.Trajectory`.
     digest: of the problem, 64 hexadecimal digits. damping: mu, which no certificate holds.
     """
 

@@ -21,11 +21,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dynamics import SMALLEST_BARRIER, SMALLEST_INERTIA
+from certreg.dynamics.body import SMALLEST_BARRIER, SMALLEST_INERTIA
+from certreg.dynamics.integrators import integrate, step_parameters
 from certreg.equilibrium.batch import clouds, rest_poses
 from certreg.errors import DegenerateProblemError
 from certreg.geometry.so3 import rotation_matrix
-from certreg.integration import integrate, step_parameters
 from certreg.native.batch import Batch, Ending, Integrator
 from certreg.problem.problem import checked_damping
 from certreg.settings import DEFAULT_DAMPING, SimulationSettings

@@ -17,12 +17,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics import AT_REST, SMALLEST_BARRIER, Body, body, start_at_rest
+from certreg.dynamics.body import AT_REST, SMALLEST_BARRIER, Body, body, start_at_rest
+from certreg.dynamics.integrators import integrate, spring_ratios, step_parameters
 from certreg.equilibrium.spectral import unit_double
 from certreg.equilibrium.stability import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
 from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
-from certreg.integration import integrate, spring_ratios, step_parameters
 from certreg.native.batch import ENERGIES, Batch, Ending, Integrator, Log
 from certreg.settings import SimulationSettings
 
@@ -130,7 +130,7 @@ def simulate(
 ) -> Trajectory:
     """The trajectory of the body of a problem, by default released at rest where it was given.
 
-    start: (18,), see `certreg.dynamics`, lengths over 2^length_exponent of the body.
+    start: (18,), see `certreg.dynamics.body`, lengths over 2^length_exponent of the body.
     Raises DegenerateProblemError where the dynamics is undefined, too stiff for explicit Euler, or
     so little damped that the integrator gains energy without end.
     """

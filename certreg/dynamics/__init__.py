@@ -1,0 +1,1 @@
+"""The damped rigid body under springs: equations of motion, integrators, simulations."""
