@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from certreg.assessment import Assessment as Assessment
     from certreg.assessment import assess as assess
     from certreg.certificate.checking import verify as verify
-    from certreg.certificate.types import Certificate as Certificate
+    from certreg.certificate.envelope import Certificate as Certificate
     from certreg.dynamics.simulation import Trajectory as Trajectory
     from certreg.enumeration import equilibria as equilibria
     from certreg.errors import CertregError as CertregError
@@ -32,7 +32,7 @@ __version__ = "0.1.0"
 _HOMES = {
     "Assessment": "certreg.assessment",
     "assess": "certreg.assessment",
-    "Certificate": "certreg.certificate.types",
+    "Certificate": "certreg.certificate.envelope",
     "CertregError": "certreg.errors",
     "Pose": "certreg.geometry.pose",
     "Registration": "certreg.pipeline",

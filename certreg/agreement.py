@@ -20,7 +20,7 @@ from certreg.settings import AgreementSettings
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.certificate.types import Certificate
+    from certreg.certificate.envelope import Certificate
     from certreg.dynamics.simulation import Trajectory
     from certreg.equilibrium.spectral import Spectrum
     from certreg.problem.problem import RegistrationProblem

@@ -9,7 +9,7 @@ from certreg.equilibrium.spectral import equilibrium_set
 from certreg.problem.moments import exact_moments
 
 if TYPE_CHECKING:
-    from certreg.certificate.counting import CountCertificate
+    from certreg.certificate.count import CountCertificate
     from certreg.equilibrium.critical_set import EquilibriumSet
     from certreg.equilibrium.methods import Road, RoadAgreement
     from certreg.problem.problem import RegistrationProblem
@@ -55,7 +55,7 @@ def certified_count(problem: RegistrationProblem) -> CountCertificate | None:
     None means not proved, not disproved. Raises RefusedCertificateError where certreg contradicts
     itself.
     """
-    from certreg.certificate.counting import count_certificate
+    from certreg.certificate.count import count_certificate
 
     certificate = count_certificate(problem)
     if certificate is not None:

@@ -13,8 +13,8 @@ import numpy as np
 from certreg.agreement import Agreement, agreement, require_sound_trajectory
 from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds, pose_energy
 from certreg.certificate.checking import check_own, require_accepted
+from certreg.certificate.envelope import RotationState
 from certreg.certificate.producing import produce
-from certreg.certificate.types import RotationState
 from certreg.covariance import PoseCovariance, pose_covariance
 from certreg.equilibrium.spectral import (
     equilibrium_set,
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from collections.abc import Generator
     from fractions import Fraction
 
-    from certreg.certificate.types import Certificate
+    from certreg.certificate.envelope import Certificate
     from certreg.dynamics.simulation import Trajectory
     from certreg.equilibrium.critical_set import EquilibriumSet
     from certreg.equilibrium.spectral import Spectrum

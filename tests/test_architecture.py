@@ -28,8 +28,8 @@ equilibrium.reference equilibrium.groebner equilibrium.homotopy equilibrium.kraw
 equilibrium.methods
 relaxation.qcqp relaxation.conic relaxation.shor
 dynamics.body dynamics.integrators dynamics.simulation equilibrium.batch dynamics.batch covariance
-certificate.types certificate.bounds
-certificate.multiplier certificate.producing certificate.counting
+certificate.envelope certificate.bounds
+certificate.multiplier certificate.producing certificate.count
 certificate.coq certificate.coqc certificate.blockwise certificate.checking
 agreement
 pipeline enumeration assessment

@@ -10,7 +10,7 @@ import pytest
 
 from certreg import derivation
 from certreg.certificate.checking import verify
-from certreg.certificate.counting import count_certificate
+from certreg.certificate.count import count_certificate
 from certreg.errors import InvalidProblemError
 from certreg.experiments import exhibits as exhibiting
 from certreg.experiments.evidence import Evidence

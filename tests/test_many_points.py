@@ -17,8 +17,8 @@ import certreg
 from certreg import RegistrationProblem
 from certreg.certificate import blockwise, checking
 from certreg.certificate.blockwise import check_in_blocks, check_on_sums
-from certreg.certificate.counting import count_certificate
-from certreg.certificate.types import PIECE, file_pieces
+from certreg.certificate.count import count_certificate
+from certreg.certificate.envelope import PIECE, file_pieces
 from certreg.errors import RefusedCertificateError
 from certreg.exact.dyadic import Dyadic
 from certreg.pipeline import solve

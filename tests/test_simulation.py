@@ -16,8 +16,8 @@ from strategies import AXES, ZOO, random_problem, random_rotation
 
 from certreg.agreement import require_sound_trajectory
 from certreg.certificate.checking import check_own, verify
+from certreg.certificate.envelope import RotationState
 from certreg.certificate.producing import produce, proves_basin
-from certreg.certificate.types import RotationState
 from certreg.demo import STORIES, tell
 from certreg.dynamics.body import IDENTITY, body
 from certreg.dynamics.simulation import SimulationStatus, simulate

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from certreg.certificate.types import Certificate
+    from certreg.certificate.envelope import Certificate
     from certreg.problem.moments import ExactMoments
 
 

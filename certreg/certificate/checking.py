@@ -17,8 +17,8 @@ from certreg.verify import FILE_MAX, INLINE_MAX, Clouds, Outcome, check, shown
 if TYPE_CHECKING:
     import os
 
-    from certreg.certificate.counting import CountCertificate
-    from certreg.certificate.types import Certificate
+    from certreg.certificate.count import CountCertificate
+    from certreg.certificate.envelope import Certificate
     from certreg.problem.problem import RegistrationProblem
 
 

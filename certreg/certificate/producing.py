@@ -12,8 +12,8 @@ import math
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from certreg.certificate.envelope import Certificate, Claims, RotationState
 from certreg.certificate.multiplier import multiplier_gap, proved_multiplier
-from certreg.certificate.types import Certificate, Claims, RotationState
 from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below, power_of_two
 from certreg.exact.elimination import is_positive_definite
 from certreg.geometry.so3 import davenport_matrix, dot, quadratic_form, squared_norm

@@ -13,7 +13,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from certreg.certificate.checking import verify
-from certreg.certificate.counting import AT_MOST, count_certificate
+from certreg.certificate.count import AT_MOST, count_certificate
 from certreg.certificate.producing import produce
 from certreg.equilibrium.spectral import spectrum
 from certreg.errors import InvalidProblemError

@@ -20,7 +20,7 @@ import numpy as np
 
 from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds
 from certreg.certificate.checking import verify
-from certreg.certificate.types import ISOTROPIC, Certificate, Claims
+from certreg.certificate.envelope import ISOTROPIC, Certificate, Claims
 from certreg.dynamics.body import body, start_at_rest
 from certreg.dynamics.trajectories import read_record
 from certreg.errors import DegenerateProblemError, InvalidFileError, RefusedCertificateError

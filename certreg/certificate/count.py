@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from certreg.certificate.types import FORMAT, file_pieces
+from certreg.certificate.envelope import FORMAT, file_pieces
 from certreg.io.atomic import write_atomically
 from certreg.problem.moments import exact_moments
 from certreg.settings import CertificateSettings
