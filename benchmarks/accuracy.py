@@ -17,11 +17,11 @@ from benchmarks.clouds import random_clouds, random_problem
 from benchmarks.measuring import Figure, Quantity
 from benchmarks.peers import PEERS, Peer, presence
 from benchmarks.reference import angle, angle_of_matrix, optimal_quaternion
-from certreg.alignment import register
-from certreg.equilibria.closed_form import arun, horn
-from certreg.pipeline import solve
 from certreg.problem.moments import floating_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.registration.alignment import register
+from certreg.registration.certification import solve
+from certreg.registration.closed_form import arun, horn
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence

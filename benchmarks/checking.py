@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, fastest, power_of_ten
-from certreg.pipeline import solve
+from certreg.registration.certification import solve
 from certreg.verify import check
 
 if TYPE_CHECKING:

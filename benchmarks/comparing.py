@@ -19,10 +19,10 @@ import numpy as np
 from benchmarks.clouds import random_clouds
 from benchmarks.measuring import Figure, Quantity, Series, fastest, power_of_ten
 from benchmarks.peers import PEERS, presence
-from certreg.alignment import register
-from certreg.pipeline import solve
 from certreg.problem.floating_sums import CloudPair, floating_sums
 from certreg.problem.problem import RegistrationProblem
+from certreg.registration.alignment import register
+from certreg.registration.certification import solve
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

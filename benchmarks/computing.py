@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 
 from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, fastest
-from certreg.pipeline import solve
 from certreg.problem.problem import RegistrationProblem
+from certreg.registration.certification import solve
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

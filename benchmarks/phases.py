@@ -12,9 +12,9 @@ from certreg.equilibrium.spectral import equilibrium_set, spectrum
 from certreg.exact.eigenbasis import eigenbasis
 from certreg.geometry.so3 import davenport_matrix
 from certreg.objective.classification import classify
-from certreg.pipeline import solve
 from certreg.problem.moments import exact_moments, floating_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.registration.certification import solve
 from certreg.verify import check
 
 if TYPE_CHECKING:

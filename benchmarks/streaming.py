@@ -15,12 +15,12 @@ import numpy as np
 from benchmarks.clouds import random_clouds
 from benchmarks.measuring import Figure, Quantity, exponent, fastest, power_of_ten
 from benchmarks.reference import DIGITS, angle
-from certreg.alignment import register
 from certreg.geometry.so3 import davenport_matrix
 from certreg.native.compiler import FLAGS, find_compiler
 from certreg.problem.floating_sums import CloudPair, compiled, floating_sums
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.registration.alignment import register
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -12,37 +12,37 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from certreg.alignment import register as register
-    from certreg.assessment import Assessment as Assessment
-    from certreg.assessment import assess as assess
     from certreg.certificate.checking import verify as verify
     from certreg.certificate.envelope import Certificate as Certificate
     from certreg.dynamics.simulation import Trajectory as Trajectory
-    from certreg.enumeration import equilibria as equilibria
     from certreg.errors import CertregError as CertregError
     from certreg.geometry.pose import Pose as Pose
-    from certreg.pipeline import Registration as Registration
-    from certreg.pipeline import certify as certify
-    from certreg.pipeline import simulate as simulate
     from certreg.problem.problem import RegistrationProblem as RegistrationProblem
+    from certreg.registration.alignment import register as register
+    from certreg.registration.assessment import Assessment as Assessment
+    from certreg.registration.assessment import assess as assess
+    from certreg.registration.certification import Registration as Registration
+    from certreg.registration.certification import certify as certify
+    from certreg.registration.certification import simulate as simulate
+    from certreg.registration.enumeration import equilibria as equilibria
     from certreg.results import Verdict as Verdict
 
 __version__ = "0.1.0"
 
 _HOMES = {
-    "Assessment": "certreg.assessment",
-    "assess": "certreg.assessment",
+    "Assessment": "certreg.registration.assessment",
+    "assess": "certreg.registration.assessment",
     "Certificate": "certreg.certificate.envelope",
     "CertregError": "certreg.errors",
     "Pose": "certreg.geometry.pose",
-    "Registration": "certreg.pipeline",
+    "Registration": "certreg.registration.certification",
     "RegistrationProblem": "certreg.problem.problem",
     "Trajectory": "certreg.dynamics.simulation",
     "Verdict": "certreg.results",
-    "certify": "certreg.pipeline",
-    "equilibria": "certreg.enumeration",
-    "register": "certreg.alignment",
-    "simulate": "certreg.pipeline",
+    "certify": "certreg.registration.certification",
+    "equilibria": "certreg.registration.enumeration",
+    "register": "certreg.registration.alignment",
+    "simulate": "certreg.registration.certification",
     "verify": "certreg.certificate.checking",
 }
 

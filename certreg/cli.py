@@ -19,8 +19,8 @@ from certreg.commands.judging import apply, assess, report, verify
 from certreg.commands.registering import certify, demo
 from certreg.commands.reproducing import reproduce
 from certreg.errors import CertregError
-from certreg.exits import DONE, MISUSED, code_of_error
 from certreg.options import EXIT_CODES, warnings_as_notes
+from certreg.registration.exit_codes import DONE, MISUSED, code_of_error
 from certreg.report.markup import printable
 
 if TYPE_CHECKING:

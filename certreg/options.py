@@ -113,7 +113,7 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
             pairing=pairing or BY_LABEL,
         )
         if damping == OPTIMAL:
-            from certreg.pipeline import optimally_damped
+            from certreg.registration.certification import optimally_damped
 
             problem = optimally_damped(problem)
         for note in pair.notes:

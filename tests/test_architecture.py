@@ -12,7 +12,7 @@ PACKAGE = Path(certreg.__file__).parent
 
 # A module imports only from lines above its own, or from its left on the same line.
 MAP = """
-results errors settings exits
+results errors settings registration.exit_codes
 io.atomic exact.dyadic problem.memory_mapped
 verify
 geometry.so3 exact.elimination
@@ -22,21 +22,21 @@ native.evaluator native.engine problem.floating_sums
 problem.problem
 problem.exact_sums problem.moments objective.energy geometry.pose
 objective.classification equilibrium.critical_set exact.eigenbasis equilibrium.stability
-equilibrium.spectral equilibria.closed_form alignment
+equilibrium.spectral registration.closed_form registration.alignment
 equilibrium.polynomials equilibrium.exports exact.balls equilibrium.tracking
 equilibrium.reference equilibrium.groebner equilibrium.homotopy equilibrium.krawczyk equilibrium.counting
 equilibrium.methods
 relaxation.qcqp relaxation.conic relaxation.shor
-dynamics.body dynamics.integrators dynamics.simulation equilibrium.batch dynamics.batch covariance
+dynamics.body dynamics.integrators dynamics.simulation equilibrium.batch dynamics.batch registration.covariance
 certificate.envelope certificate.bounds
 certificate.multiplier certificate.producing certificate.count
 certificate.coq certificate.coqc certificate.blockwise certificate.checking
-agreement
-pipeline enumeration assessment
+registration.agreement
+registration.certification registration.enumeration registration.assessment
 problem.random_instances
 io.streams io.labels io.xyz io.text io.lzf
-io.npy io.npz io.ply_rows io.ply io.pcd io.pairs io.clouds io.poses dynamics.trajectories demo
-embedding derivation
+io.npy io.npz io.ply_rows io.ply io.pcd io.pairs io.clouds io.poses dynamics.trajectories registration.examples
+registration.c_sources derivation
 report.markup report.roads report.document report.summary report.claims
 report.captions report.panel report.runs report.scene report.stage report.page
 report.folder report.revisiting
@@ -111,6 +111,7 @@ def sources() -> dict[str, str]:
 def test_every_module_stands_on_the_map():
     folders = {
         "certreg",
+        "certreg.registration",
         "certreg.dynamics",
         "certreg.equilibrium",
         "certreg.objective",
@@ -143,7 +144,7 @@ def test_a_planted_upward_import_is_seen():
     planted["certreg.geometry.so3"] += "\ndef f():\n    import certreg.problem.moments\n"
 
     assert upward_imports(planted) == [
-        "certreg.problem.moments imports certreg.pipeline",
+        "certreg.problem.moments imports certreg.registration.certification",
         "certreg.geometry.so3 imports certreg.problem.moments",
     ]
 

@@ -240,8 +240,8 @@ def test_guarantees_combine_by_their_minimum():
 
 
 def test_certify_refuses_to_say_certified_if_the_checker_refuses(monkeypatch):
-    from certreg import pipeline
     from certreg.errors import RefusedCertificateError
+    from certreg.registration import certification as pipeline
 
     refusal = Verdict(ruling=Ruling.REFUTED, words="planted")
     monkeypatch.setattr(pipeline, "check_own", lambda *_: refusal)
@@ -251,8 +251,8 @@ def test_certify_refuses_to_say_certified_if_the_checker_refuses(monkeypatch):
 
 
 def test_a_closed_form_that_contradicts_the_certificate_is_not_ignored(monkeypatch):
-    from certreg import agreement
     from certreg.errors import ContradictionError
+    from certreg.registration import agreement
 
     monkeypatch.setattr(agreement, "arun", lambda _: np.array([0.6, 0.0, 0.8, 0.0]))
 
@@ -261,7 +261,7 @@ def test_a_closed_form_that_contradicts_the_certificate_is_not_ignored(monkeypat
 
 
 def test_without_a_certificate_nothing_is_called_certified(monkeypatch):
-    from certreg import pipeline
+    from certreg.registration import certification as pipeline
 
     monkeypatch.setattr(pipeline, "produce", lambda *_, **__: None)
     registration = certified(strategies.random_problem(np.random.default_rng(0)))

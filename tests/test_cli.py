@@ -23,9 +23,12 @@ from scipy.spatial.transform import Rotation
 from strategies import BENT, LINE, ZOO, random_problem, random_rotation
 
 import certreg as package
-from certreg import RegistrationProblem, agreement, cli, demo, pipeline
+from certreg import RegistrationProblem, cli
 from certreg.commands import registering
 from certreg.io.clouds import read_problem
+from certreg.registration import agreement
+from certreg.registration import certification as pipeline
+from certreg.registration import examples as demo
 from certreg.results import Ruling, Verdict
 
 if TYPE_CHECKING:

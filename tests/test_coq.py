@@ -34,8 +34,8 @@ from certreg.certificate.coqc import (
     needed,
     run_coqc,
 )
-from certreg.demo import STORIES, tell
 from certreg.errors import MissingToolError
+from certreg.registration.examples import STORIES, tell
 from derivations import book
 from derivations.coq import check, page
 from derivations.coq.theorems import ORDER, theorems

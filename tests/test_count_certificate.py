@@ -21,8 +21,8 @@ from hypothesis import strategies as st
 
 from certreg.certificate.checking import check_own
 from certreg.certificate.count import count_certificate
-from certreg.enumeration import certified_count
 from certreg.geometry.so3 import rotation_matrix
+from certreg.registration.enumeration import certified_count
 
 if TYPE_CHECKING:
     from pathlib import Path

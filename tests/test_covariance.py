@@ -17,13 +17,13 @@ import pytest
 from scipy.spatial.transform import Rotation
 from strategies import TETRAHEDRON, ZOO, random_rotation
 
-from certreg.covariance import pose_covariance, residual_distances, worst_residuals
 from certreg.equilibrium.spectral import spectrum
 from certreg.geometry.pose import Pose
-from certreg.pipeline import certify
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.problem import problem as problems
+from certreg.registration.certification import certify
+from certreg.registration.covariance import pose_covariance, residual_distances, worst_residuals
 from certreg.settings import SumSettings
 
 REPETITIONS = 10_000

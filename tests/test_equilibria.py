@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 
 import certreg
 from certreg import RegistrationProblem
-from certreg.equilibria.closed_form import arun, horn
 from certreg.equilibrium.spectral import spectrum
 from certreg.exact.eigenbasis import eigenbasis
 from certreg.geometry.so3 import angle_between, davenport_matrix, dot, quaternion_from_matrix
 from certreg.problem.moments import exact_moments, floating_moments
+from certreg.registration.closed_form import arun, horn
 
 PATTERNS = sorted({s.pattern for s in strategies.ZOO})
 

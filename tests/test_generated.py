@@ -8,10 +8,8 @@ import subprocess
 import numpy as np
 import pytest
 
-from certreg.demo import STORIES, stated
 from certreg.dynamics.body import body, start_at_rest
 from certreg.dynamics.simulation import simulate
-from certreg.embedding import write_sources
 from certreg.equilibrium.spectral import spectrum
 from certreg.native.codegen.emit import emit
 from certreg.native.codegen.translate import Definition, casadi_function, port
@@ -19,6 +17,8 @@ from certreg.native.compiler import GENERATED, CompilationError, find_compiler
 from certreg.native.evaluator import evaluator
 from certreg.native.library import library
 from certreg.problem.moments import exact_moments
+from certreg.registration.c_sources import write_sources
+from certreg.registration.examples import STORIES, stated
 from derivations import emit as chain
 from derivations import motion
 

@@ -21,8 +21,8 @@ from certreg.certificate.count import count_certificate
 from certreg.certificate.envelope import PIECE, file_pieces
 from certreg.errors import RefusedCertificateError
 from certreg.exact.dyadic import Dyadic
-from certreg.pipeline import solve
 from certreg.problem.exact_sums import SumRoad, sums_by
+from certreg.registration.certification import solve
 from certreg.results import Optimality, Ruling
 from certreg.settings import CertificateSettings
 from certreg.verify import check, moments

@@ -157,7 +157,7 @@ def test_other_warnings_stay_warnings(monkeypatch, data):
         warnings.warn("of another kind", UserWarning, stacklevel=1)
         pytest.fail("a warning is an error here")
 
-    monkeypatch.setattr("certreg.pipeline.simulated", loud)
+    monkeypatch.setattr("certreg.registration.certification.simulated", loud)
     with pytest.raises(UserWarning, match="of another kind"):
         certreg("simulate", data / "survey_source.csv", data / "survey_target.csv")
 

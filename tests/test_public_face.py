@@ -117,7 +117,11 @@ def test_functions_win_over_submodules_of_the_same_name_in_any_order(order, forg
 
     assert again is not certreg
     assert names["verify"] is again.verify is sys.modules["certreg.certificate.checking"].verify
-    assert names["equilibria"] is again.equilibria is sys.modules["certreg.enumeration"].equilibria
+    assert (
+        names["equilibria"]
+        is again.equilibria
+        is sys.modules["certreg.registration.enumeration"].equilibria
+    )
     assert names["check"] is sys.modules["certreg.verify"].check
     assert again.equilibria(problem).classification.pattern == (4,)
     assert not again.verify(b"{}").proved

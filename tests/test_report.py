@@ -25,10 +25,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from strategies import ZOO
 
-from certreg import pipeline
-from certreg.demo import STORIES, tell
-from certreg.pipeline import certify
 from certreg.problem.problem import RegistrationProblem
+from certreg.registration import certification as pipeline
+from certreg.registration.certification import certify
+from certreg.registration.examples import STORIES, tell
 from certreg.report import revisiting
 from certreg.report.markup import Markup, asset_block, data_block, element, json_block
 from certreg.report.page import Report, page
@@ -40,7 +40,7 @@ from certreg.settings import ReportSettings
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.pipeline import Registration
+    from certreg.registration.certification import Registration
 
 ROOT = Path(__file__).parents[1]
 SURVEY = ("survey_source.csv", "survey_target.csv")

@@ -12,10 +12,11 @@ from commands import certreg, strict_json, write_csv
 from strategies import AXES, BENT, LINE, MIRROR, TALL, ZOO
 
 import certreg as package
-from certreg import RegistrationProblem, pipeline, settings
+from certreg import RegistrationProblem, settings
 from certreg.dynamics.simulation import SimulationStatus
 from certreg.dynamics.trajectories import read_record
 from certreg.io.clouds import read_problem
+from certreg.registration import certification as pipeline
 
 if TYPE_CHECKING:
     from pathlib import Path

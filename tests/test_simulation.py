@@ -14,22 +14,22 @@ import pytest
 from scipy.spatial.transform import Rotation
 from strategies import AXES, ZOO, random_problem, random_rotation
 
-from certreg.agreement import require_sound_trajectory
 from certreg.certificate.checking import check_own, verify
 from certreg.certificate.envelope import RotationState
 from certreg.certificate.producing import produce, proves_basin
-from certreg.demo import STORIES, tell
 from certreg.dynamics.body import IDENTITY, body
 from certreg.dynamics.simulation import SimulationStatus, simulate
 from certreg.equilibrium.spectral import rotation_double, spectrum, unit_double
 from certreg.errors import ContradictionError, DegenerateProblemError
 from certreg.exact.dyadic import dyadic_below
-from certreg.exits import NOT_CERTIFIED, code_of_registration
 from certreg.native.engine import engine
 from certreg.objective.energy import alignment
-from certreg.pipeline import _final_state, certify
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem, lift
+from certreg.registration.agreement import require_sound_trajectory
+from certreg.registration.certification import _final_state, certify
+from certreg.registration.examples import STORIES, tell
+from certreg.registration.exit_codes import NOT_CERTIFIED, code_of_registration
 from certreg.results import Optimality
 from certreg.settings import SimulationSettings
 

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from certreg.demo import STORIES, stated
 from certreg.dynamics.trajectories import Record, read_record
 from certreg.errors import InvalidFileError
-from certreg.pipeline import simulate
+from certreg.registration.certification import simulate
+from certreg.registration.examples import STORIES, stated
 
 if TYPE_CHECKING:
     from pathlib import Path

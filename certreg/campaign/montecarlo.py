@@ -26,7 +26,6 @@ from certreg.equilibrium.batch import solve_many
 from certreg.errors import InvalidProblemError
 from certreg.geometry.so3 import rotation_matrix
 from certreg.io.atomic import write_atomically
-from certreg.pipeline import certify
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.random_instances import (
     PAPER_DAMPING,
@@ -34,6 +33,7 @@ from certreg.problem.random_instances import (
     PAPER_SIGMA,
     gaussian_instances,
 )
+from certreg.registration.certification import certify
 from certreg.settings import CampaignSettings
 
 if TYPE_CHECKING:
@@ -43,8 +43,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.equilibrium.batch import Solutions
-    from certreg.pipeline import Registration
     from certreg.problem.random_instances import Instances
+    from certreg.registration.certification import Registration
 
 Arrays = dict[str, "NDArray[Any]"]
 

@@ -23,12 +23,12 @@ from certreg.campaign.manifest import Manifest, current_versions
 from certreg.campaign.running import contents, digest_of
 from certreg.campaign.table import Block, Column, write_table
 from certreg.errors import CertregError, InvalidFileError
-from certreg.exits import MISUSED, REFUSED, code_of_error, code_of_registration
 from certreg.io.atomic import written_atomically
 from certreg.io.clouds import Pairing, read_problem
 from certreg.io.labels import Match
 from certreg.io.streams import number
-from certreg.pipeline import certify, optimally_damped
+from certreg.registration.certification import certify, optimally_damped
+from certreg.registration.exit_codes import MISUSED, REFUSED, code_of_error, code_of_registration
 from certreg.report.document import result_document
 from certreg.settings import DEFAULT_DAMPING, CampaignSettings
 from certreg.verify import shown

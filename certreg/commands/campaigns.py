@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import click
 
 from certreg.errors import InvalidFileError
-from certreg.exits import worst
 from certreg.options import CLOUD, EXIT_CODES, FOLDER
 from certreg.progress import Progress
+from certreg.registration.exit_codes import worst
 from certreg.report.markup import printable
 
 if TYPE_CHECKING:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from certreg import __version__
-from certreg.exits import DONE, REFUSED
 from certreg.options import FOLDER
+from certreg.registration.exit_codes import DONE, REFUSED
 
 PACKAGES = (
     *("numpy", "scipy", "sympy", "casadi", "python-flint"),
@@ -56,7 +56,7 @@ def derive(names: tuple[str, ...], out: Path | None, *, listing: bool) -> int:
 @click.option("--out", type=FOLDER, required=True, help="Folder to write to.")
 def codegen(out: Path) -> int:
     """Write the generated C of the dynamics with its header and a test program, to embed."""
-    from certreg.embedding import write_sources
+    from certreg.registration.c_sources import write_sources
 
     for path in write_sources(out):
         click.echo(path)

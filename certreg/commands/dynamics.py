@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from certreg.exits import DONE, NOT_CERTIFIED, NOT_UNIQUE
 from certreg.options import CLOUD, EXIT_CODES, cloud_options
+from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
 from certreg.report.markup import printable
 
 if TYPE_CHECKING:
@@ -40,7 +40,11 @@ def equilibria(
     as_json: bool,
 ) -> int:
     """All equilibria of the registration dynamics, with their stability."""
-    from certreg.enumeration import equilibrium_road, equilibrium_roads, road_equilibria
+    from certreg.registration.enumeration import (
+        equilibrium_road,
+        equilibrium_roads,
+        road_equilibria,
+    )
     from certreg.report.document import dumps, equilibria_document
     from certreg.report.roads import roads_summary, roads_table
     from certreg.report.summary import equilibria_words
@@ -66,7 +70,7 @@ def equilibria(
 
 def _write_count(problem: RegistrationProblem, out: Path) -> None:
     """A certificate that there are at most four equilibria, checked, or the reason for none."""
-    from certreg.enumeration import certified_count
+    from certreg.registration.enumeration import certified_count
 
     certificate = certified_count(problem)
     if certificate is None:
@@ -102,7 +106,7 @@ def simulate(
     """Release the damped body at rest and see where it ends. Exit code 0 converged, 4 not."""
     from certreg.dynamics.trajectories import Record
     from certreg.io.atomic import write_atomically
-    from certreg.pipeline import simulated
+    from certreg.registration.certification import simulated
     from certreg.report.document import dumps, simulation_document
     from certreg.report.summary import simulation_summary
 

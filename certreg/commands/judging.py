@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from certreg.exits import DONE, REFUSED
 from certreg.options import CLOUD, cloud_options, pairing_options
+from certreg.registration.exit_codes import DONE, REFUSED
 from certreg.report.markup import printable
 
 if TYPE_CHECKING:
@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def assess(problem: RegistrationProblem, pair: Pair, *, pose_file: Path, as_json: bool) -> int:
     """Judge a pose that any other tool returned. Exit code 0 if it is optimal, else 1."""
-    from certreg.assessment import assess as run
     from certreg.io.poses import read_result_pose
+    from certreg.registration.assessment import assess as run
     from certreg.report.document import assessment_document, dumps
     from certreg.report.summary import assessment_summary
     from certreg.results import PoseVerdict
@@ -128,10 +128,10 @@ def apply(result: Path, cloud: Path, *, out: Path) -> int:
 
     What is no rotation (a reflection, a scaling) is refused.
     """
-    from certreg.assessment import why_no_rotation
     from certreg.errors import InvalidFileError
     from certreg.io.clouds import read_cloud, write_cloud
     from certreg.io.poses import read_result_pose
+    from certreg.registration.assessment import why_no_rotation
     from certreg.results import PoseVerdict
     from certreg.settings import AssessmentSettings
     from certreg.verify import shown

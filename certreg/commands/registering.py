@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 import click
 
 from certreg import __version__
-from certreg.exits import DONE, REFUSED, code_of_registration
 from certreg.options import (
     EXIT_CODES,
     FOLDER,
     cloud_options,
 )
+from certreg.registration.exit_codes import DONE, REFUSED, code_of_registration
 from certreg.report.markup import printable
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def certify(
     as_json: bool,
 ) -> int:
     """Register SOURCE to TARGET and certify the result."""
-    from certreg.pipeline import certify as run
+    from certreg.registration.certification import certify as run
     from certreg.report.document import dumps, result_document
     from certreg.report.folder import REPORT, write_folder
     from certreg.report.summary import registration_summary
@@ -74,7 +74,7 @@ def certify(
 )
 def demo(out: Path) -> int:
     """The main job on packaged real data: survey, electrodes, protein."""
-    from certreg.demo import STORIES, differences, tell
+    from certreg.registration.examples import STORIES, differences, tell
     from certreg.report.folder import REPORT, write_folder
     from certreg.report.summary import registration_summary
     from certreg.verify import shown

@@ -7,9 +7,9 @@ from pathlib import Path
 import click
 
 from certreg.commands.campaigns import run_instances
-from certreg.exits import DONE, REFUSED
 from certreg.options import FOLDER
 from certreg.progress import Stages
+from certreg.registration.exit_codes import DONE, REFUSED
 from certreg.report.markup import printable
 
 CAMPAIGN = "campaign"  # folder, within that of the reproduction

@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.dynamics.body import body
-from certreg.equilibria.closed_form import horn
 from certreg.equilibrium.methods import Method, road
 from certreg.equilibrium.spectral import rotation_double, unit_double
 from certreg.experiments.particles import Particles, at_rest
 from certreg.experiments.scheme import RAW_UNIT
 from certreg.geometry.so3 import rotation_matrix
 from certreg.problem.moments import exact_moments
+from certreg.registration.closed_form import horn
 from certreg.settings import ReproductionSettings
 
 if TYPE_CHECKING:

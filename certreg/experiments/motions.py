@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.enumeration import equilibria
 from certreg.experiments.equilibria import angle
 from certreg.experiments.evidence import Clouds, Evidence, rough, share, tally
 from certreg.experiments.scheme import descend
 from certreg.geometry.so3 import quaternion_from_matrix
 from certreg.problem.problem import RegistrationProblem
+from certreg.registration.enumeration import equilibria
 
 if TYPE_CHECKING:
     from certreg.experiments.observations import Observations

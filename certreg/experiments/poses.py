@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.demo import STORIES, stated
-from certreg.enumeration import equilibria
 from certreg.experiments.particles import Particles
+from certreg.registration.enumeration import equilibria
+from certreg.registration.examples import STORIES, stated
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -13,7 +13,6 @@ import numpy as np
 
 from certreg.dynamics.body import body
 from certreg.dynamics.simulation import simulate
-from certreg.equilibria.closed_form import horn
 from certreg.equilibrium.spectral import spectrum
 from certreg.experiments.equilibria import angle
 from certreg.experiments.particles import Particles, at_rest
@@ -21,6 +20,7 @@ from certreg.experiments.scheme import RAW_UNIT, descend
 from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
 from certreg.native.batch import Integrator
 from certreg.problem.moments import exact_moments
+from certreg.registration.closed_form import horn
 from certreg.settings import ReproductionSettings
 
 if TYPE_CHECKING:

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.enumeration import equilibria
 from certreg.experiments.equilibria import angle, signs
 from certreg.experiments.evidence import Clouds, Evidence, listed, rough, share, tally
 from certreg.experiments.particles import Particles, at_rest
 from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
 from certreg.problem.problem import RegistrationProblem
+from certreg.registration.enumeration import equilibria
 
 if TYPE_CHECKING:
     from certreg.experiments.equilibria import EquilibriumRun

@@ -10,7 +10,7 @@ from certreg.results import ComponentKind
 
 if TYPE_CHECKING:
     from certreg.equilibrium.critical_set import Component, EquilibriumSet
-    from certreg.pipeline import Registration
+    from certreg.registration.certification import Registration
 
 PLURALS = {
     ComponentKind.CIRCLE: "a circle of them",

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Iterator
 
-    from certreg.pipeline import Registration
+    from certreg.registration.certification import Registration
 
 CERTIFICATE, RESULT, POSE = "certificate.json", "result.json", "pose.txt"
 TRAJECTORY, REPORT = "trajectory.npz", "report.html"

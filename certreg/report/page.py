@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
     from certreg.dynamics.simulation import Trajectory
     from certreg.dynamics.trajectories import Record
-    from certreg.pipeline import Registration
+    from certreg.registration.certification import Registration
     from certreg.results import Verdict
 
 ASSETS = files("certreg.report") / "assets"

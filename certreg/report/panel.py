@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from fractions import Fraction
 
-    from certreg.agreement import Agreement
-    from certreg.pipeline import Registration
+    from certreg.registration.agreement import Agreement
+    from certreg.registration.certification import Registration
 
 THEOREMS = {  # claims of `certreg derive`, by the titles of their pages
     "optimality_certificate": "The optimality certificate",

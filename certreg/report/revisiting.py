@@ -27,9 +27,9 @@ from certreg.errors import DegenerateProblemError, InvalidFileError, RefusedCert
 from certreg.exact.dyadic import Dyadic
 from certreg.geometry.so3 import quaternion_from_matrix
 from certreg.io.streams import reading
-from certreg.pipeline import certify
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import MAX_DAMPING, MIN_DAMPING, RegistrationProblem, lift
+from certreg.registration.certification import certify
 from certreg.report.document import RESULT_SCHEMA
 from certreg.report.folder import RESULT, TRAJECTORY
 from certreg.report.page import Report
@@ -42,8 +42,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from certreg.dynamics.trajectories import Record
-    from certreg.pipeline import Registration
     from certreg.problem.moments import ExactMoments
+    from certreg.registration.certification import Registration
 
 Found = TypeVar("Found")
 NOT_USED = "is broken, or does not belong to the certificate: computed anew"

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from certreg.dynamics.simulation import Trajectory
     from certreg.dynamics.trajectories import Record
-    from certreg.pipeline import Solution
+    from certreg.registration.certification import Solution
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
     from certreg.dynamics.simulation import Trajectory
     from certreg.dynamics.trajectories import Record
-    from certreg.pipeline import Registration
     from certreg.problem.problem import RegistrationProblem
+    from certreg.registration.certification import Registration
 
 GZIP = 31  # of zlib's window bits: with a header of gzip, which browsers unpack
 NO_MOTION = "Nothing moves here: "

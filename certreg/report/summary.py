@@ -8,15 +8,15 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.exact.dyadic import double_above
-from certreg.pipeline import NOT_ASKED
+from certreg.registration.certification import NOT_ASKED
 from certreg.results import ComponentKind, Guarantee, Optimality
 from certreg.settings import ReportSettings
 
 if TYPE_CHECKING:
-    from certreg.assessment import Assessment
     from certreg.dynamics.simulation import Trajectory
     from certreg.equilibrium.critical_set import Component, EquilibriumSet
-    from certreg.pipeline import Registration, SimulatedRegistration
+    from certreg.registration.assessment import Assessment
+    from certreg.registration.certification import Registration, SimulatedRegistration
 
 COUNTS = {1: "one", 2: "two", 3: "three", 4: "four"}
 KINDS = {

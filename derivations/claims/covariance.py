@@ -175,6 +175,9 @@ CLAIM = Claim(
     r"taken at the data as they are, differs from $2J$ by terms of the size of the noise. Not "
     r"defined where the optimum is not unique.",
     needs=("total_torque", "euler_poincare", "hessian", "inertia", "translation_gap"),
-    used_by=("certreg.covariance.pose_covariance", "certreg.covariance.PoseCovariance"),
+    used_by=(
+        "certreg.registration.covariance.pose_covariance",
+        "certreg.registration.covariance.PoseCovariance",
+    ),
     not_in_coq="Nothing in Coq speaks of noise.",
 )

@@ -140,7 +140,7 @@ CLAIM = Claim(
     standard=(SPECTRAL,),
     used_by=(
         "certreg.equilibrium.spectral.equilibrium_set",
-        "certreg.equilibria.closed_form.horn",
+        "certreg.registration.closed_form.horn",
         "certreg.objective.energy.potential_energy",
     ),
     coq=(

@@ -151,7 +151,10 @@ CLAIM = Claim(
     not_claimed="That the optimum is the only equilibrium, or unique: it is not, see "
     "`classification`. The argument of the paper about the next time step is not needed.",
     needs=("euler_poincare", "total_torque", "potential_energy"),
-    used_by=("certreg.equilibrium.spectral.equilibrium_set", "certreg.enumeration.equilibria"),
+    used_by=(
+        "certreg.equilibrium.spectral.equilibrium_set",
+        "certreg.registration.enumeration.equilibria",
+    ),
     coq=(
         "equilibrium_iff_balanced",
         "an_optimum_exists_and_is_balanced",

@@ -211,7 +211,7 @@ CLAIM = Claim(
     standard=(SPECTRAL,),
     used_by=(
         "certreg.equilibrium.stability.curvature",
-        "certreg.covariance",
+        "certreg.registration.covariance",
         "derivations.linearisation.hessian",
         "derivations.linearisation.intrinsic_jacobian",
     ),

@@ -169,7 +169,7 @@ CLAIM = Claim(
     used_by=(
         "certreg.objective.classification",
         "certreg.equilibrium.critical_set.Margin",
-        "certreg.equilibria.closed_form.arun",
+        "certreg.registration.closed_form.arun",
         "certreg.verify.multiplicities",
     ),
     coq=(

@@ -14,9 +14,9 @@ from docutils import nodes
 from sphinx.errors import ExtensionError
 from sphinx.util.docutils import SphinxDirective
 
-from certreg.demo import STORIES, tell
-from certreg.pipeline import certify
 from certreg.problem.problem import RegistrationProblem
+from certreg.registration.certification import certify
+from certreg.registration.examples import STORIES, tell
 from certreg.report.page import Report, page
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from sphinx.application import Sphinx
     from sphinx.util.typing import ExtensionMetadata
 
-    from certreg.pipeline import Registration
+    from certreg.registration.certification import Registration
 
 FOLDER = "gallery"  # beside the page, in the built documentation
 

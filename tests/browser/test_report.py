@@ -18,9 +18,9 @@ from strategies import ZOO, random_rotation
 
 from browser.pages import PATIENCE
 from certreg.certificate import producing
-from certreg.demo import STORIES, tell
-from certreg.pipeline import certify
 from certreg.problem.problem import RegistrationProblem
+from certreg.registration.certification import certify
+from certreg.registration.examples import STORIES, tell
 from certreg.report import page as page_module
 from certreg.report import scene
 from certreg.report.page import Report
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from playwright.sync_api import BrowserContext, ConsoleMessage, Page
 
-    from certreg.pipeline import Registration
+    from certreg.registration.certification import Registration
 
 REQUIRED = bool(os.environ.get("CERTREG_BROWSER"))
 if not REQUIRED:

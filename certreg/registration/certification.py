@@ -10,12 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.agreement import Agreement, agreement, require_sound_trajectory
 from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds, pose_energy
 from certreg.certificate.checking import check_own, require_accepted
 from certreg.certificate.envelope import RotationState
 from certreg.certificate.producing import produce
-from certreg.covariance import PoseCovariance, pose_covariance
 from certreg.equilibrium.spectral import (
     equilibrium_set,
     rotation_double,
@@ -31,6 +29,8 @@ from certreg.geometry.pose import Pose
 from certreg.objective.energy import best_translation
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import lift
+from certreg.registration.agreement import Agreement, agreement, require_sound_trajectory
+from certreg.registration.covariance import PoseCovariance, pose_covariance
 from certreg.results import Optimality
 
 if TYPE_CHECKING:

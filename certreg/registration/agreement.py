@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.dynamics.simulation import SimulationStatus
-from certreg.equilibria.closed_form import arun, horn
 from certreg.errors import ContradictionError
 from certreg.exact.dyadic import power_of_two
 from certreg.objective.energy import potential_energy
 from certreg.problem.moments import floating_moments
 from certreg.problem.problem import lift
+from certreg.registration.closed_form import arun, horn
 from certreg.settings import AgreementSettings
 
 if TYPE_CHECKING:

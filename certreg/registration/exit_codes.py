@@ -10,7 +10,7 @@ from certreg.results import Optimality
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from certreg.pipeline import Registration
+    from certreg.registration.certification import Registration
 
 DONE, REFUSED, MISUSED, NOT_UNIQUE, NOT_CERTIFIED = 0, 1, 2, 3, 4
 PRECEDENCE = (MISUSED, REFUSED, NOT_CERTIFIED, NOT_UNIQUE, DONE)

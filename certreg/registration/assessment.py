@@ -14,8 +14,8 @@ from certreg.errors import InvalidProblemError
 from certreg.exact.dyadic import nearest_double, nearest_root
 from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix, squared_norm
 from certreg.objective.energy import translation_energy
-from certreg.pipeline import certify
 from certreg.problem.problem import lift
+from certreg.registration.certification import certify
 from certreg.results import ComponentKind, PoseVerdict
 from certreg.settings import AssessmentSettings
 
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 
     from certreg.certificate.bounds import PoseBounds
     from certreg.equilibrium.critical_set import EquilibriumSet
-    from certreg.pipeline import Registration, Solution
     from certreg.problem.moments import ExactMoments
     from certreg.problem.problem import RegistrationProblem
+    from certreg.registration.certification import Registration, Solution
 
 
 GOOD = (PoseVerdict.OPTIMAL, PoseVerdict.NEAR_OPTIMAL)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.demo import STORIES, stated
 from certreg.dynamics.body import body, start_at_rest
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import write_atomically
 from certreg.native.codegen.emit import C_FILE, HEADER_FILE
 from certreg.native.compiler import GENERATED, HERE
 from certreg.problem.moments import exact_moments
+from certreg.registration.examples import STORIES, stated
 from certreg.settings import SimulationSettings
 
 if TYPE_CHECKING:

@@ -1,0 +1,1 @@
+"""The main job: register, enumerate, cross-check, certify; and judge other poses."""
