@@ -19,8 +19,8 @@ from typing import Any
 
 from campaign_work import Cut, finish, tree
 
-from certreg.campaign.montecarlo import write_instance_results
 from certreg.campaign.running import SHARDS
+from certreg.paper.monte_carlo import write_instance_results
 
 KIND = Cut(count=600, points=5, seed=3)
 FLATS = Cut(count=200, points=2, seed=3)  # each with a certificate

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any, Self
 from certreg.campaign.calls import Call, Yield
 from certreg.campaign.folder import occupied
 from certreg.campaign.manifest import Manifest, current_versions
-from certreg.campaign.montecarlo import MonteCarlo
 from certreg.campaign.running import CERTIFICATES, SHARDS, Watch, run
+from certreg.paper.monte_carlo import MonteCarlo
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -36,21 +36,21 @@ registration.certification registration.enumeration registration.assessment
 problem.random_instances
 io.streams io.labels io.xyz io.text io.lzf
 io.npy io.npz io.ply_rows io.ply io.pcd io.pairs io.clouds io.poses dynamics.trajectories registration.examples
-registration.c_sources derivation
+registration.c_sources paper.derivation
 report.markup report.roads report.document report.summary report.claims
 report.captions report.panel report.runs report.scene report.stage report.page
 report.folder report.revisiting
 campaign.manifest campaign.folder campaign.shards campaign.workers campaign.calls campaign.running
-campaign.table campaign.listing campaign.pairs campaign.montecarlo
-experiments.particles experiments.scheme experiments.comparisons
-experiments.equilibria experiments.simulations experiments.polygons
-experiments.construction experiments.poses
-experiments.families experiments.maps
-experiments.observations
-experiments.evidence experiments.exhibits
-experiments.statics experiments.motions experiments.proofs experiments.verdicts
-experiments.style experiments.figures experiments.pictures experiments.drawings experiments.charts
-report.maps report.reproduction report.exhibition
+campaign.table campaign.listing campaign.pairs paper.monte_carlo
+paper.particles paper.scheme paper.comparisons
+paper.equilibria paper.simulations paper.polygons
+paper.construction paper.poses
+paper.families paper.maps
+paper.observations
+paper.evidence paper.exhibits
+paper.statics paper.motions paper.proofs paper.verdicts
+paper.style paper.figures paper.pictures paper.drawings paper.charts
+paper.map_tables paper.reproduction paper.exhibition
 options progress
 commands.registering commands.judging commands.dynamics commands.derivations commands.campaigns
 commands.reproducing
@@ -111,6 +111,7 @@ def sources() -> dict[str, str]:
 def test_every_module_stands_on_the_map():
     folders = {
         "certreg",
+        "certreg.paper",
         "certreg.registration",
         "certreg.dynamics",
         "certreg.equilibrium",

@@ -32,13 +32,6 @@ import certreg
 from certreg.campaign.calls import Call, in_order, outcomes, performed
 from certreg.campaign.folder import MANIFEST, occupied
 from certreg.campaign.manifest import Manifest
-from certreg.campaign.montecarlo import (
-    INSTANCE_COLUMNS,
-    MonteCarlo,
-    pieces,
-    unpacked,
-    write_instance_results,
-)
 from certreg.campaign.pairs import PAIR_COLUMNS
 from certreg.campaign.running import CERTIFICATES, SHARDS
 from certreg.campaign.shards import Shards
@@ -53,6 +46,13 @@ from certreg.errors import (
     InvalidProblemError,
     MissingToolError,
     RefusedCertificateError,
+)
+from certreg.paper.monte_carlo import (
+    INSTANCE_COLUMNS,
+    MonteCarlo,
+    pieces,
+    unpacked,
+    write_instance_results,
 )
 from certreg.results import Ruling, Verdict
 from certreg.settings import CampaignSettings
@@ -458,7 +458,7 @@ def test_many_runs_of_reproduce_are_a_campaign_that_goes_on(tmp_path, monkeypatc
         raise CertregError("the figures are tested elsewhere")
 
     monkeypatch.setattr("certreg.campaign.workers.workers_at", lambda _: InProcess(2))
-    monkeypatch.setattr("certreg.experiments.verdicts.reproduce", figures)
+    monkeypatch.setattr("certreg.paper.verdicts.reproduce", figures)
     given = ("reproduce", "--runs", 1500, "--points", 5, "--noise", 0.1, "--seed", 4)
     run = run_command(*given, "--out", tmp_path)
     again = run_command(*given, "--out", tmp_path)

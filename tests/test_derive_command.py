@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from commands import certreg
 
-from certreg import derivation
 from certreg.native.compiler import GENERATED
+from certreg.paper import derivation
 from derivations import book
 
 

@@ -8,15 +8,15 @@ from fractions import Fraction
 
 import pytest
 
-from certreg import derivation
 from certreg.certificate.checking import verify
 from certreg.certificate.count import count_certificate
 from certreg.errors import InvalidProblemError
 from certreg.experiments import exhibits as exhibiting
-from certreg.experiments.evidence import Evidence
-from certreg.experiments.exhibits import exhibits, in_integers
-from certreg.experiments.verdicts import ClaimVerdict
 from certreg.objective.classification import classify
+from certreg.paper import derivation
+from certreg.paper.evidence import Evidence
+from certreg.paper.exhibits import exhibits, in_integers
+from certreg.paper.verdicts import ClaimVerdict
 from certreg.problem.moments import exact_moments
 
 ROWS = {row.number: row for row in derivation.paper_claims()}

@@ -16,12 +16,12 @@ from test_reproduce import SCHEMA, shown_texts
 from certreg.dynamics.batch import ensemble, simulate_many
 from certreg.equilibrium.batch import solve_many
 from certreg.experiments import maps as mapping
-from certreg.experiments.charts import map_drawings
-from certreg.experiments.families import CUBE, FAMILIES, Family, limit_margin, margin
-from certreg.experiments.maps import MEASURES, Map, instances, level, maps
 from certreg.native.batch import Integrator
+from certreg.paper.charts import map_drawings
+from certreg.paper.families import CUBE, FAMILIES, Family, limit_margin, margin
+from certreg.paper.map_tables import rows, table
+from certreg.paper.maps import MEASURES, Map, instances, level, maps
 from certreg.problem.random_instances import gaussian_instances
-from certreg.report.maps import rows, table
 from certreg.settings import DEFAULT_DAMPING, MapSettings, SimulationSettings
 
 COUNT = 40
@@ -274,9 +274,9 @@ def test_a_run_that_never_escapes_is_no_number(found):
 
 
 def test_the_command_writes_the_maps_when_asked(tmp_path, monkeypatch, found, drawn):
-    monkeypatch.setattr("certreg.experiments.maps.maps", lambda *_: found)
-    monkeypatch.setattr("certreg.experiments.charts.map_drawings", lambda _: drawn[:1])
-    monkeypatch.setattr("certreg.experiments.drawings.drawings", lambda _: ())
+    monkeypatch.setattr("certreg.paper.maps.maps", lambda *_: found)
+    monkeypatch.setattr("certreg.paper.charts.map_drawings", lambda _: drawn[:1])
+    monkeypatch.setattr("certreg.paper.drawings.drawings", lambda _: ())
 
     run = certreg("reproduce", "--runs", "1", "--no-proofs", "--beyond", "--out", tmp_path)
 

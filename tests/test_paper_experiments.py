@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from strategies import random_problem, random_rotation
 
-from certreg.experiments.comparisons import compare
-from certreg.experiments.construction import LINKS, coil, projected, scene
-from certreg.experiments.equilibria import (
+from certreg.geometry.so3 import quaternion_from_matrix
+from certreg.paper.comparisons import compare
+from certreg.paper.construction import LINKS, coil, projected, scene
+from certreg.paper.equilibria import (
     angle,
     arccos_angle,
     equilibrium_run,
@@ -19,18 +20,17 @@ from certreg.experiments.equilibria import (
     sides,
     signs,
 )
-from certreg.experiments.particles import Particles, at_rest, hat, parts
-from certreg.experiments.polygons import (
+from certreg.paper.particles import Particles, at_rest, hat, parts
+from certreg.paper.polygons import (
     SQUARE,
     TRIANGLE,
     exact_sums,
     turn,
     turned_over,
 )
-from certreg.experiments.poses import LANDMARKS, gallery
-from certreg.experiments.scheme import descend
-from certreg.experiments.simulations import simulation_run
-from certreg.geometry.so3 import quaternion_from_matrix
+from certreg.paper.poses import LANDMARKS, gallery
+from certreg.paper.scheme import descend
+from certreg.paper.simulations import simulation_run
 from certreg.problem.problem import RegistrationProblem
 from certreg.settings import ReproductionSettings
 

@@ -15,22 +15,22 @@ import pytest
 from commands import certreg, strict_json
 from jsonschema import Draft202012Validator
 
-from certreg import derivation
 from certreg.experiments import equilibria, motions, scheme, verdicts
-from certreg.experiments.drawings import drawings
-from certreg.experiments.evidence import in_doubles, listed, rough
-from certreg.experiments.figures import angle_errors, typical
-from certreg.experiments.observations import Observations, Setup, observe
-from certreg.experiments.particles import Particles
-from certreg.experiments.pictures import construction_drawing
-from certreg.experiments.proofs import proving
-from certreg.experiments.style import DPI, WIDTH, written
-from certreg.experiments.verdicts import MEASURED, reproduce
 from certreg.native.engine import engine
+from certreg.paper import derivation
+from certreg.paper.drawings import drawings
+from certreg.paper.evidence import in_doubles, listed, rough
+from certreg.paper.exhibition import page
+from certreg.paper.figures import angle_errors, typical
+from certreg.paper.observations import Observations, Setup, observe
+from certreg.paper.particles import Particles
+from certreg.paper.pictures import construction_drawing
+from certreg.paper.proofs import proving
+from certreg.paper.reproduction import claim_text, closing_text, markdown, reproduction_document
+from certreg.paper.style import DPI, WIDTH, written
+from certreg.paper.verdicts import MEASURED, reproduce
 from certreg.problem.problem import RegistrationProblem
 from certreg.progress import Stages
-from certreg.report.exhibition import page
-from certreg.report.reproduction import claim_text, closing_text, markdown, reproduction_document
 from certreg.results import Ruling, Verdict
 
 if TYPE_CHECKING:
@@ -524,7 +524,7 @@ def test_the_page_shows_a_finding_that_is_not_confirmed(made, drawn):
 def test_the_command_confirms_every_finding_and_writes_everything(
     tmp_path: Path, monkeypatch, drawn
 ):
-    monkeypatch.setattr("certreg.experiments.drawings.drawings", lambda seen: drawn[2:5:2])
+    monkeypatch.setattr("certreg.paper.drawings.drawings", lambda seen: drawn[2:5:2])
     monkeypatch.setattr(verdicts, "proving", proofs_are(PROVED))
 
     run = certreg("reproduce", "--runs", "2", "--out", tmp_path / "out")
@@ -546,7 +546,7 @@ def test_the_command_confirms_every_finding_and_writes_everything(
 
 
 def test_a_finding_that_is_not_confirmed_is_exit_code_1(tmp_path: Path, monkeypatch, drawn):
-    monkeypatch.setattr("certreg.experiments.drawings.drawings", lambda seen: drawn[:1])
+    monkeypatch.setattr("certreg.paper.drawings.drawings", lambda seen: drawn[:1])
     monkeypatch.setattr(motions, "SPIRAL_RATIO", 1.0)
 
     run = certreg("reproduce", "--runs", "1", "--no-proofs", "--out", tmp_path)

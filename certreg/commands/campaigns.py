@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Generator
     from pathlib import Path
 
-    from certreg.campaign.montecarlo import MonteCarlo, Totals
     from certreg.campaign.pairs import PairCampaign, Tally
+    from certreg.paper.monte_carlo import MonteCarlo, Totals
 
 
 @click.command(epilog=EXIT_CODES)
@@ -108,10 +108,10 @@ def run_instances(
 ) -> Totals:
     """A campaign over random instances, begun or gone on with in a folder; says what it found."""
     from certreg.campaign.folder import occupied
-    from certreg.campaign.montecarlo import EXCEPTIONS, write_instance_results
     from certreg.campaign.running import CERTIFICATES, SHARDS, run
     from certreg.campaign.table import SUMMARY, require_parquet
     from certreg.campaign.workers import workers_at
+    from certreg.paper.monte_carlo import EXCEPTIONS, write_instance_results
 
     if parquet:
         require_parquet()

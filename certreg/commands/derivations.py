@@ -29,7 +29,7 @@ def derive(names: tuple[str, ...], out: Path | None, *, listing: bool) -> int:
     Each claim prints its verdict, how many steps were checked, how many mutated statements were
     refuted, and the time. Then the claims of the paper, with theirs.
     """
-    from certreg import derivation
+    from certreg.paper import derivation
     from certreg.report.claims import audit_lines, chapters_text, claim_line, closing_line
 
     if listing:

@@ -81,14 +81,14 @@ def reproduce(
     The claims are proved and measured anew; figures, and the verdicts as HTML, Markdown and JSON,
     go to the folder. A campaign is kept in the folder `campaign` there: begun again, it goes on.
     """
-    from certreg.campaign.montecarlo import MonteCarlo
-    from certreg.experiments.charts import map_drawings
-    from certreg.experiments.drawings import drawings
-    from certreg.experiments.maps import maps
-    from certreg.experiments.observations import Setup
-    from certreg.experiments.verdicts import reproduce as run
-    from certreg.report.exhibition import make_folder, write_reproduction
-    from certreg.report.reproduction import texts
+    from certreg.paper.charts import map_drawings
+    from certreg.paper.drawings import drawings
+    from certreg.paper.exhibition import make_folder, write_reproduction
+    from certreg.paper.maps import maps
+    from certreg.paper.monte_carlo import MonteCarlo
+    from certreg.paper.observations import Setup
+    from certreg.paper.reproduction import texts
+    from certreg.paper.verdicts import reproduce as run
     from certreg.settings import ReproductionSettings
 
     apart = scheduler is not None or parquet or (runs or 0) > ReproductionSettings().largest_runs

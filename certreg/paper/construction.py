@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.experiments.particles import Particles
 from certreg.geometry.so3 import rotation_matrix
+from certreg.paper.particles import Particles
 from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:

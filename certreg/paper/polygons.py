@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.dynamics.body import body
-from certreg.experiments.equilibria import signs
-from certreg.experiments.particles import Particles, at_rest
-from certreg.experiments.scheme import RAW_UNIT
+from certreg.paper.equilibria import signs
+from certreg.paper.particles import Particles, at_rest
+from certreg.paper.scheme import RAW_UNIT
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.experiments.figures import angle_drawing, eigenvalue_drawing, simulation_drawing
-from certreg.experiments.pictures import construction_drawing, polygon_drawing, pose_drawing
+from certreg.paper.figures import angle_drawing, eigenvalue_drawing, simulation_drawing
+from certreg.paper.pictures import construction_drawing, polygon_drawing, pose_drawing
 
 if TYPE_CHECKING:
-    from certreg.experiments.observations import Observations
-    from certreg.experiments.style import Drawing
+    from certreg.paper.observations import Observations
+    from certreg.paper.style import Drawing
 
 
 def drawings(seen: Observations) -> tuple[Drawing, ...]:

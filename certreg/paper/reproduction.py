@@ -10,18 +10,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg import __version__
-from certreg.experiments.statics import unstable_counts
+from certreg.paper.map_tables import rows
+from certreg.paper.statics import unstable_counts
 from certreg.report.claims import plain
-from certreg.report.maps import rows
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from certreg.experiments.exhibits import Exhibit
-    from certreg.experiments.maps import Map
-    from certreg.experiments.observations import Observations
-    from certreg.experiments.style import Drawing
-    from certreg.experiments.verdicts import ClaimVerdict, Reproduction
+    from certreg.paper.exhibits import Exhibit
+    from certreg.paper.maps import Map
+    from certreg.paper.observations import Observations
+    from certreg.paper.style import Drawing
+    from certreg.paper.verdicts import ClaimVerdict, Reproduction
 
 REPRODUCTION_SCHEMA = "certreg-reproduction/1"
 FIGURES, KINDS = "figures", ("pdf", "png")

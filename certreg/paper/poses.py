@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.experiments.particles import Particles
+from certreg.paper.particles import Particles
 from certreg.registration.enumeration import equilibria
 from certreg.registration.examples import STORIES, stated
 

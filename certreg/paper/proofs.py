@@ -5,8 +5,8 @@ from __future__ import annotations
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from certreg import derivation
 from certreg.campaign.workers import LocalWorkers
+from certreg.paper import derivation
 
 if TYPE_CHECKING:
     from collections.abc import Generator, Mapping, Sequence

@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.experiments.equilibria import angle, signs
-from certreg.experiments.evidence import Clouds, Evidence, listed, rough, share, tally
-from certreg.experiments.particles import Particles, at_rest
 from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
+from certreg.paper.equilibria import angle, signs
+from certreg.paper.evidence import Clouds, Evidence, listed, rough, share, tally
+from certreg.paper.particles import Particles, at_rest
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.enumeration import equilibria
 
 if TYPE_CHECKING:
-    from certreg.experiments.equilibria import EquilibriumRun
-    from certreg.experiments.observations import Observations
+    from certreg.paper.equilibria import EquilibriumRun
+    from certreg.paper.observations import Observations
 
 FAR = 1e6  # how far out in the space of matrices V is looked at
 

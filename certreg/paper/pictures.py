@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.experiments.construction import coil, projected
-from certreg.experiments.polygons import flipped, torques
-from certreg.experiments.poses import LANDMARKS
-from certreg.experiments.style import (
+from certreg.paper.construction import coil, projected
+from certreg.paper.polygons import flipped, torques
+from certreg.paper.poses import LANDMARKS
+from certreg.paper.style import (
     BLACK,
     BLUE,
     GREEN,
@@ -27,8 +27,8 @@ from certreg.experiments.style import (
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.experiments.observations import Observations
-    from certreg.experiments.polygons import Polygon, Turn
+    from certreg.paper.observations import Observations
+    from certreg.paper.polygons import Polygon, Turn
 
 SHOWN_ANGLE = math.radians(40.0)  # of the polygons that are drawn
 LINES = ("-", "--", "-.", ":")

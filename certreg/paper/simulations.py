@@ -14,11 +14,11 @@ import numpy as np
 from certreg.dynamics.body import body
 from certreg.dynamics.simulation import simulate
 from certreg.equilibrium.spectral import spectrum
-from certreg.experiments.equilibria import angle
-from certreg.experiments.particles import Particles, at_rest
-from certreg.experiments.scheme import RAW_UNIT, descend
 from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
 from certreg.native.batch import Integrator
+from certreg.paper.equilibria import angle
+from certreg.paper.particles import Particles, at_rest
+from certreg.paper.scheme import RAW_UNIT, descend
 from certreg.problem.moments import exact_moments
 from certreg.registration.closed_form import horn
 from certreg.settings import ReproductionSettings
@@ -26,7 +26,7 @@ from certreg.settings import ReproductionSettings
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.experiments.scheme import Descent
+    from certreg.paper.scheme import Descent
     from certreg.problem.problem import RegistrationProblem
 
 

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from certreg.experiments.comparisons import Comparison, compare
-from certreg.experiments.construction import Scene, scene
-from certreg.experiments.equilibria import EquilibriumRun, equilibrium_run
-from certreg.experiments.polygons import SQUARE, TRIANGLE, Turn, exact_sums, turn
-from certreg.experiments.poses import Gallery, gallery
-from certreg.experiments.simulations import SimulationRun, simulation_run
+from certreg.paper.comparisons import Comparison, compare
+from certreg.paper.construction import Scene, scene
+from certreg.paper.equilibria import EquilibriumRun, equilibrium_run
+from certreg.paper.polygons import SQUARE, TRIANGLE, Turn, exact_sums, turn
+from certreg.paper.poses import Gallery, gallery
+from certreg.paper.simulations import SimulationRun, simulation_run
 from certreg.problem.problem import RegistrationProblem
 from certreg.problem.random_instances import (
     PAPER_DAMPING,

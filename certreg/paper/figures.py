@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.experiments.equilibria import sides
-from certreg.experiments.style import (
+from certreg.paper.equilibria import sides
+from certreg.paper.style import (
     BLACK,
     BLUE,
     GREY,
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.experiments.equilibria import EquilibriumRun
-    from certreg.experiments.observations import Observations
-    from certreg.experiments.simulations import SimulationRun
+    from certreg.paper.equilibria import EquilibriumRun
+    from certreg.paper.observations import Observations
+    from certreg.paper.simulations import SimulationRun
 
 SHOWN = 200  # runs in a figure: more would only be darker
 EXACT = 3e-17  # degrees: where an error of exactly zero is drawn

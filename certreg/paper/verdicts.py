@@ -5,18 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from certreg import derivation
 from certreg.experiments import motions, statics
-from certreg.experiments.evidence import Clouds, Evidence, in_doubles
-from certreg.experiments.exhibits import Exhibit, exhibits
-from certreg.experiments.observations import observe
-from certreg.experiments.proofs import proving
+from certreg.paper import derivation
+from certreg.paper.evidence import Clouds, Evidence, in_doubles
+from certreg.paper.exhibits import Exhibit, exhibits
+from certreg.paper.observations import observe
+from certreg.paper.proofs import proving
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from concurrent.futures import Future
 
-    from certreg.experiments.observations import Announcer, Observations, Setup
+    from certreg.paper.observations import Announcer, Observations, Setup
     from certreg.results import Verdict
 
 MEASURED: dict[str, Callable[[Observations, Clouds], Evidence]] = {

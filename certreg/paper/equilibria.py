@@ -17,9 +17,9 @@ import numpy as np
 from certreg.dynamics.body import body
 from certreg.equilibrium.methods import Method, road
 from certreg.equilibrium.spectral import rotation_double, unit_double
-from certreg.experiments.particles import Particles, at_rest
-from certreg.experiments.scheme import RAW_UNIT
 from certreg.geometry.so3 import rotation_matrix
+from certreg.paper.particles import Particles, at_rest
+from certreg.paper.scheme import RAW_UNIT
 from certreg.problem.moments import exact_moments
 from certreg.registration.closed_form import horn
 from certreg.settings import ReproductionSettings

@@ -9,12 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError
-from certreg.experiments.style import written
 from certreg.io.atomic import write_atomically
-from certreg.report.claims import plain
-from certreg.report.document import dumps
-from certreg.report.maps import MAPS, table
-from certreg.report.reproduction import (
+from certreg.paper.map_tables import MAPS, table
+from certreg.paper.reproduction import (
     CERTIFICATES,
     EXHIBITS_TOLD,
     FIGURES,
@@ -27,15 +24,18 @@ from certreg.report.reproduction import (
     setup_words,
     verdict_word,
 )
+from certreg.paper.style import written
+from certreg.report.claims import plain
+from certreg.report.document import dumps
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Sequence
 
-    from certreg.experiments.exhibits import Exhibit
-    from certreg.experiments.maps import Map
-    from certreg.experiments.style import Drawing
-    from certreg.experiments.verdicts import ClaimVerdict, Reproduction
+    from certreg.paper.exhibits import Exhibit
+    from certreg.paper.maps import Map
+    from certreg.paper.style import Drawing
+    from certreg.paper.verdicts import ClaimVerdict, Reproduction
 
 PAGE, TABLE, DOCUMENT = "verdicts.html", "verdicts.md", "verdicts.json"
 SIGNS = {"true": "✓", "true under a condition": "◐", "false as stated": "✗"}

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.dynamics.body import body
-from certreg.experiments.particles import Particles, parts
-from certreg.experiments.scheme import RAW_UNIT
 from certreg.geometry.so3 import rotation_matrix
+from certreg.paper.particles import Particles, parts
+from certreg.paper.scheme import RAW_UNIT
 from certreg.problem.moments import exact_moments
 
 if TYPE_CHECKING:

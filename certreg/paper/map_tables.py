@@ -7,12 +7,12 @@ import io
 import math
 from typing import TYPE_CHECKING, Any
 
-from certreg.experiments.maps import MEASURES
+from certreg.paper.maps import MEASURES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from certreg.experiments.maps import Map
+    from certreg.paper.maps import Map
 
 MAPS = "maps.csv"
 

@@ -14,10 +14,10 @@ import numpy as np
 
 from certreg.dynamics.batch import Ensemble, ensemble, simulate_many
 from certreg.equilibrium.batch import exactly, solve_many
-from certreg.experiments.families import FAMILIES
-from certreg.experiments.scheme import NO_BASIN
 from certreg.geometry.so3 import rotation_matrix
 from certreg.native.batch import Integrator
+from certreg.paper.families import FAMILIES
+from certreg.paper.scheme import NO_BASIN
 from certreg.settings import MapSettings, SimulationSettings
 
 if TYPE_CHECKING:
@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.equilibrium.batch import Solutions
-    from certreg.experiments.families import Family, Sample
-    from certreg.experiments.observations import Announcer
+    from certreg.paper.families import Family, Sample
+    from certreg.paper.observations import Announcer
 
 SIMULATION = SimulationSettings(
     threads=2,

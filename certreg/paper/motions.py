@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.experiments.equilibria import angle
-from certreg.experiments.evidence import Clouds, Evidence, rough, share, tally
-from certreg.experiments.scheme import descend
 from certreg.geometry.so3 import quaternion_from_matrix
+from certreg.paper.equilibria import angle
+from certreg.paper.evidence import Clouds, Evidence, rough, share, tally
+from certreg.paper.scheme import descend
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.enumeration import equilibria
 
 if TYPE_CHECKING:
-    from certreg.experiments.observations import Observations
+    from certreg.paper.observations import Observations
 
 SPIRAL_STEPS, SPIRAL_DAMPING = 1000, 0.005
 SPIRAL_RATIO = 20003 / 20000  # of a step, exactly, by the audit's row 15b

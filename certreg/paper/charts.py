@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.experiments.evidence import rough
-from certreg.experiments.maps import MEASURES, Curves
-from certreg.experiments.style import (
+from certreg.paper.evidence import rough
+from certreg.paper.maps import MEASURES, Curves
+from certreg.paper.style import (
     BLACK,
     BLUE,
     GREY,
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.experiments.maps import Map
+    from certreg.paper.maps import Map
 
 STEPS, ESCAPE, MARGIN = MEASURES
 LINEAR = {("start", "steps"), ("start", "escape_times")}  # what is logarithmic shows as a line
