@@ -1,5 +1,5 @@
 """`python -m certreg`."""
 
-from certreg.cli import main
+from certreg.cli.main import main
 
 main()

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 from unittest import mock
 
-from certreg.cli import main
+from certreg.cli.main import main
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -23,7 +23,8 @@ from scipy.spatial.transform import Rotation
 from strategies import BENT, LINE, ZOO, random_problem, random_rotation
 
 import certreg as package
-from certreg import RegistrationProblem, cli
+from certreg import RegistrationProblem
+from certreg.cli.main import main as cli
 from certreg.commands import registering
 from certreg.io.clouds import read_problem
 from certreg.registration import agreement

@@ -15,7 +15,7 @@ import pytest
 from test_guides import GUIDES
 
 import certreg
-from certreg.cli import cli
+from certreg.cli.main import cli
 from derivations import book
 from derivations.coq.theorems import theorems
 

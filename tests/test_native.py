@@ -124,9 +124,7 @@ def test_without_a_compiler_all_simulation_tests_pass(tmp_path):
 
 
 def test_without_a_compiler_the_user_is_told_once_in_one_line(tmp_path):
-    command = (
-        f"sys.argv[1:] = ['certify', *{SURVEY!r}, '--json']; from certreg.cli import main; main()"
-    )
+    command = f"sys.argv[1:] = ['certify', *{SURVEY!r}, '--json']; from certreg.cli.main import main; main()"
     run = python(f"import sys; {command}", **without_compiler(tmp_path))
 
     assert run.returncode == 0

@@ -53,7 +53,7 @@ def command(*arguments: object) -> str:
         (
             "import sys",
             f"sys.argv = {['certreg', *map(str, arguments)]!r}",
-            "from certreg.cli import main",
+            "from certreg.cli.main import main",
             "try:",
             "    main()",
             "except SystemExit as stop:",

@@ -15,6 +15,7 @@ import pytest
 from commands import certreg, strict_json
 from jsonschema import Draft202012Validator
 
+from certreg.cli.progress import Stages
 from certreg.experiments import equilibria, motions, scheme, verdicts
 from certreg.native.engine import engine
 from certreg.paper import derivation
@@ -30,7 +31,6 @@ from certreg.paper.reproduction import claim_text, closing_text, markdown, repro
 from certreg.paper.style import DPI, WIDTH, written
 from certreg.paper.verdicts import MEASURED, reproduce
 from certreg.problem.problem import RegistrationProblem
-from certreg.progress import Stages
 from certreg.results import Ruling, Verdict
 
 if TYPE_CHECKING:
@@ -644,7 +644,7 @@ def test_a_claim_that_is_wrong_is_not_valid(key: str, value: Any, made, drawn):
 
 
 def test_the_stage_of_a_long_run_is_shown_to_a_terminal_only(monkeypatch, capsys):
-    monkeypatch.setattr("certreg.progress.PATIENCE", -1.0)
+    monkeypatch.setattr("certreg.cli.progress.PATIENCE", -1.0)
     for watched in (True, False):
         monkeypatch.setattr("sys.stderr.isatty", lambda watched=watched: watched)
         with Stages() as stages:

@@ -1,1 +1,1 @@
-"""The commands, by what they are about; `certreg.cli` puts them together."""
+"""The commands, by what they are about; `certreg.cli.main` puts them together."""

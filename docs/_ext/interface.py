@@ -11,7 +11,7 @@ import click
 from docutils import nodes
 from proofs import MarkdownDirective, table
 
-from certreg.cli import cli
+from certreg.cli.main import cli
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from certreg.options import CLOUD, EXIT_CODES, cloud_options
+from certreg.cli.options import CLOUD, EXIT_CODES, cloud_options
 from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
 from certreg.report.markup import printable
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from certreg import __version__
-from certreg.options import FOLDER
+from certreg.cli.options import FOLDER
 from certreg.registration.exit_codes import DONE, REFUSED
 
 PACKAGES = (

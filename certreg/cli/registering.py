@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from certreg import __version__
-from certreg.options import (
+from certreg.cli.options import (
     EXIT_CODES,
     FOLDER,
     cloud_options,

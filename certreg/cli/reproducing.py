@@ -6,9 +6,9 @@ from pathlib import Path
 
 import click
 
-from certreg.commands.campaigns import run_instances
-from certreg.options import FOLDER
-from certreg.progress import Stages
+from certreg.cli.campaigns import run_instances
+from certreg.cli.options import FOLDER
+from certreg.cli.progress import Stages
 from certreg.registration.exit_codes import DONE, REFUSED
 from certreg.report.markup import printable
 

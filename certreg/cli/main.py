@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING
 import click
 
 from certreg import __version__
-from certreg.commands.campaigns import batch
-from certreg.commands.derivations import codegen, derive, info
-from certreg.commands.dynamics import equilibria, simulate
-from certreg.commands.judging import apply, assess, report, verify
-from certreg.commands.registering import certify, demo
-from certreg.commands.reproducing import reproduce
+from certreg.cli.campaigns import batch
+from certreg.cli.derivations import codegen, derive, info
+from certreg.cli.dynamics import equilibria, simulate
+from certreg.cli.judging import apply, assess, report, verify
+from certreg.cli.options import EXIT_CODES, warnings_as_notes
+from certreg.cli.registering import certify, demo
+from certreg.cli.reproducing import reproduce
 from certreg.errors import CertregError
-from certreg.options import EXIT_CODES, warnings_as_notes
 from certreg.registration.exit_codes import DONE, MISUSED, code_of_error
 from certreg.report.markup import printable
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER
+from certreg.cli.progress import Progress
 from certreg.errors import InvalidFileError
-from certreg.options import CLOUD, EXIT_CODES, FOLDER
-from certreg.progress import Progress
 from certreg.registration.exit_codes import worst
 from certreg.report.markup import printable
 

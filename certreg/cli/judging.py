@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from certreg.options import CLOUD, cloud_options, pairing_options
+from certreg.cli.options import CLOUD, cloud_options, pairing_options
 from certreg.registration.exit_codes import DONE, REFUSED
 from certreg.report.markup import printable
 
@@ -156,9 +156,9 @@ def report(certificate: Path, *, out: Path | None) -> int:
     CERTIFICATE is checked first. The simulated motion is taken from the files that certify wrote
     beside it, if they belong to it, and computed anew otherwise.
     """
+    from certreg.cli.progress import note
     from certreg.errors import InvalidFileError
     from certreg.io.atomic import write_atomically
-    from certreg.progress import note
     from certreg.report.folder import REPORT
     from certreg.report.page import page
     from certreg.report.revisiting import report_of
