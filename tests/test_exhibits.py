@@ -11,9 +11,9 @@ import pytest
 from certreg.certificate.checking import verify
 from certreg.certificate.count import count_certificate
 from certreg.errors import InvalidProblemError
-from certreg.experiments import exhibits as exhibiting
 from certreg.objective.classification import classify
 from certreg.paper import derivation
+from certreg.paper import exhibits as exhibiting
 from certreg.paper.evidence import Evidence
 from certreg.paper.exhibits import exhibits, in_integers
 from certreg.paper.verdicts import ClaimVerdict

@@ -15,8 +15,8 @@ from test_reproduce import SCHEMA, shown_texts
 
 from certreg.dynamics.batch import ensemble, simulate_many
 from certreg.equilibrium.batch import solve_many
-from certreg.experiments import maps as mapping
 from certreg.native.batch import Integrator
+from certreg.paper import maps as mapping
 from certreg.paper.charts import map_drawings
 from certreg.paper.families import CUBE, FAMILIES, Family, limit_margin, margin
 from certreg.paper.map_tables import rows, table

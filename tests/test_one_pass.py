@@ -19,7 +19,7 @@ import certreg
 from certreg.equilibrium.spectral import spectrum
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.geometry.so3 import angle_between, rotation_matrix
-from certreg.native import sums
+from certreg.problem import floating_sums as sums
 from certreg.problem.floating_sums import CloudPair, compiled, floating_sums
 from certreg.problem.moments import exact_moments, floating_moments, moments_of_clouds
 

@@ -312,7 +312,7 @@ def test_one_module_knows_the_solver_and_none_here_knows_equilibria_or_proofs():
         if path.name != "conic.py":
             assert not {name.split(".")[0] for name in names} & {"cvxpy", "clarabel"}, path
         if path.parent.name == "relaxation":
-            assert not [n for n in names if n.startswith(("certreg.equilibria", "certreg.cert"))]
+            assert not [n for n in names if n.startswith(("certreg.equilibrium", "certreg.cert"))]
 
 
 # The relaxation of a problem

@@ -16,9 +16,8 @@ from commands import certreg, strict_json
 from jsonschema import Draft202012Validator
 
 from certreg.cli.progress import Stages
-from certreg.experiments import equilibria, motions, scheme, verdicts
 from certreg.native.engine import engine
-from certreg.paper import derivation
+from certreg.paper import derivation, equilibria, motions, scheme, verdicts
 from certreg.paper.drawings import drawings
 from certreg.paper.evidence import in_doubles, listed, rough
 from certreg.paper.exhibition import page

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from certreg.results import Verdict
 
-PACKAGE = Path(__file__).resolve().parent
+PACKAGE = Path(__file__).resolve().parent.parent
 CHECKOUT = PACKAGE.parent / "derivations"
 NAME = "certreg._derivations"
 LATEX_FILE, CODE_FOLDER = "claims.tex", "generated"

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from certreg.experiments import motions, statics
-from certreg.paper import derivation
+from certreg.paper import derivation, motions, statics
 from certreg.paper.evidence import Clouds, Evidence, in_doubles
 from certreg.paper.exhibits import Exhibit, exhibits
 from certreg.paper.observations import observe

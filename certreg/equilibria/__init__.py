@@ -1,1 +1,0 @@
-"""Equilibria of the registration dynamics: closed forms, the complete set, stability."""
