@@ -24,8 +24,8 @@ from strategies import BENT, LINE, ZOO, random_problem, random_rotation
 
 import certreg as package
 from certreg import RegistrationProblem
+from certreg.cli import main as cli
 from certreg.cli import registering
-from certreg.cli.main import main as cli
 from certreg.io.clouds import read_problem
 from certreg.registration import agreement
 from certreg.registration import certification as pipeline

@@ -19,9 +19,9 @@ from strategies import TETRAHEDRON, ZOO, random_rotation
 
 from certreg.equilibrium.spectral import spectrum
 from certreg.geometry.pose import Pose
+from certreg.problem import problem as problems
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
-from certreg.problem.problem import problem as problems
 from certreg.registration.certification import certify
 from certreg.registration.covariance import pose_covariance, residual_distances, worst_residuals
 from certreg.settings import SumSettings

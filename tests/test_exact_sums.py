@@ -15,9 +15,9 @@ from certreg import RegistrationProblem
 from certreg.errors import CertregError
 from certreg.native import library as native
 from certreg.native.compiler import CompilationError
+from certreg.problem import exact_sums
 from certreg.problem.exact_sums import EMPTY, FACTORS, UPPER, SumRoad, road_for, sums, sums_by
 from certreg.problem.moments import exact_moments, moments_of
-from certreg.problem.problem import exact_sums
 from certreg.settings import SumSettings
 
 finite = st.floats(allow_nan=False, allow_infinity=False, allow_subnormal=True)

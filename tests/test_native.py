@@ -22,9 +22,9 @@ from scipy.spatial.transform import Rotation
 from strategies import ZOO, random_problem
 from test_simulation import saddle_start
 
-from certreg.dynamics.body import body as dynamics
-from certreg.dynamics.body import integrators as integration
-from certreg.dynamics.body import simulation
+from certreg.dynamics import body as dynamics
+from certreg.dynamics import integrators as integration
+from certreg.dynamics import simulation
 from certreg.equilibrium.spectral import spectrum
 from certreg.errors import DegenerateProblemError, SlowSimulationWarning
 from certreg.native import batch, cache, compiler
