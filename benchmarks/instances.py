@@ -21,7 +21,7 @@ from certreg.dynamics.batch import ensemble
 from certreg.dynamics.body import Body
 from certreg.equilibrium.batch import Solutions, exactly, solve_many
 from certreg.geometry.so3 import davenport_matrix, rotation_matrix
-from certreg.native.engine import engine
+from certreg.native.engine import current_engine
 from certreg.problem.random_instances import gaussian_instances
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ LOOPS = ("loop 12x12", "loop 18x18")
 
 
 def measure() -> Iterator[Figure | Series]:
-    print(f"      {engine().words}")
+    print(f"      {current_engine().words}")
     yield from _million()
     yield _by_number()
 

@@ -9,7 +9,7 @@ from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, fastest
 from certreg.certificate.producing import produce
 from certreg.equilibrium.spectral import equilibrium_set, spectrum
-from certreg.exact.eigenbasis import eigenbasis
+from certreg.exact.eigenbasis import integer_eigenbasis
 from certreg.geometry.so3 import davenport_matrix
 from certreg.objective.classification import classify
 from certreg.problem.moments import exact_moments, floating_moments
@@ -52,7 +52,7 @@ def _phases(problem: RegistrationProblem) -> dict[str, Callable[[], object]]:
         "exact moments": lambda: exact_moments(problem),
         "floating moments": lambda: floating_moments(problem),
         "classification": lambda: classify(moments),
-        "eigenbasis": lambda: eigenbasis(davenport, found.basis.bits),
+        "eigenbasis": lambda: integer_eigenbasis(davenport, found.basis.bits),
         "equilibria, stability": lambda: equilibrium_set(fresh(), problem.damping),
         "certificate": lambda: produce(problem, fresh()),
         "solve, all of these": lambda: solve(problem),

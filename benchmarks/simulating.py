@@ -17,12 +17,12 @@ from scipy.integrate import solve_ivp
 from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, fastest
 from certreg.dynamics.batch import Ensemble, ensemble
-from certreg.dynamics.body import body, start_at_rest
+from certreg.dynamics.body import body_of, start_at_rest
 from certreg.dynamics.integrators import step_parameters
 from certreg.dynamics.simulation import certified_basin, simulate
 from certreg.equilibrium.spectral import spectrum
 from certreg.native.batch import Batch, Integrator
-from certreg.native.engine import engine
+from certreg.native.engine import current_engine
 from certreg.problem.moments import ExactMoments, exact_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.settings import SimulationSettings
@@ -42,7 +42,7 @@ SIZES = (10, 1000, 100_000, 10_000_000)
 
 
 def measure() -> Iterator[Figure]:
-    print(f"      {engine().words}")
+    print(f"      {current_engine().words}")
     yield from _euler()
     yield _splitting()
     yield _threads()
@@ -162,7 +162,7 @@ def _registered(moments: ExactMoments) -> Callable[[], object]:
 
 def _single(problem: RegistrationProblem, integrator: Integrator) -> Batch:
     found = spectrum(exact_moments(problem))
-    moving = body(found.moments, DAMPING)
+    moving = body_of(found.moments, DAMPING)
     basin = certified_basin(found, moving.length_exponent)
     start = start_at_rest(found.moments, moving.length_exponent)
     arrays = (moving.parameters, basin.parameters, start)
@@ -205,7 +205,7 @@ def _again(batch: Batch, settings: SimulationSettings) -> Callable[[], object]:
 
     def work() -> None:
         batch.states[:] = starts
-        engine().run(batch, settings)
+        current_engine().run(batch, settings)
 
     return work
 
@@ -219,7 +219,7 @@ class Loop:
 
     def __init__(self, problem: RegistrationProblem, *, products: bool) -> None:
         moments = exact_moments(problem)
-        moving = body(moments, DAMPING)
+        moving = body_of(moments, DAMPING)
         self.start = start_at_rest(moments, moving.length_exponent)
         unit, w = 2.0**moving.length_exponent, problem.weights
         self.w, self.mass = w, w.sum()
@@ -261,7 +261,7 @@ class Flow:
 
     def __init__(self, problem: RegistrationProblem) -> None:
         moments = exact_moments(problem)
-        moving = body(moments, DAMPING)
+        moving = body_of(moments, DAMPING)
         self.start = start_at_rest(moments, moving.length_exponent)
         self.C, self.J = moving.cross_covariance, moving.inertia
         self.inverse = np.linalg.inv(self.J)

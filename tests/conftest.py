@@ -30,11 +30,11 @@ def data() -> Path:
 def pytest_sessionstart() -> None:
     """Where there is no compiler the user is told once, and here that is now."""
     from certreg.native.compiler import CompilationError, find_compiler
-    from certreg.native.engine import engine
+    from certreg.native.engine import current_engine
 
     try:
         find_compiler()
     except CompilationError:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SlowSimulationWarning)
-            engine()
+            current_engine()

@@ -8,14 +8,14 @@ import subprocess
 import numpy as np
 import pytest
 
-from certreg.dynamics.body import body, start_at_rest
+from certreg.dynamics.body import body_of, start_at_rest
 from certreg.dynamics.simulation import simulate
 from certreg.equilibrium.spectral import spectrum
 from certreg.native.codegen.emit import emit
 from certreg.native.codegen.translate import Definition, casadi_function, port
 from certreg.native.compiler import GENERATED, CompilationError, find_compiler
 from certreg.native.evaluator import evaluator
-from certreg.native.library import library
+from certreg.native.library import compiled_library
 from certreg.problem.moments import exact_moments
 from certreg.registration.c_sources import write_sources
 from certreg.registration.examples import STORIES, stated
@@ -34,7 +34,7 @@ def c_compiler():
 
 def compiled_library():
     c_compiler()
-    return library()
+    return compiled_library()
 
 
 def test_generating_anew_gives_the_committed_bytes(tmp_path):
@@ -180,7 +180,7 @@ def test_the_example_says_what_it_expects(tmp_path):
 @pytest.mark.parametrize("seed", range(5))
 def test_the_jacobians_are_the_derivatives_of_the_rates(seed):
     rng = np.random.default_rng(seed)
-    moving = body(exact_moments(stated(STORIES[seed % 3])), 1.3)
+    moving = body_of(exact_moments(stated(STORIES[seed % 3])), 1.3)
     state = start_at_rest(exact_moments(stated(STORIES[seed % 3])), moving.length_exponent)
     state = state + rng.normal(size=18)
     step = 1e-6

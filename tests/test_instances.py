@@ -12,14 +12,14 @@ import pytest
 from strategies import ZOO, Specimen, random_problem
 
 from certreg.dynamics.batch import ensemble
-from certreg.dynamics.body import body, start_at_rest
+from certreg.dynamics.body import body_of, start_at_rest
 from certreg.equilibrium import batch as instances
 from certreg.equilibrium.batch import Solutions, exactly, solve_many
 from certreg.equilibrium.spectral import Spectrum, spectrum
 from certreg.equilibrium.stability import Oscillations, linearised_spectrum
 from certreg.errors import InvalidProblemError
 from certreg.geometry.so3 import davenport_matrix, rotation_matrix
-from certreg.native.engine import engine
+from certreg.native.engine import current_engine
 from certreg.native.evaluator import evaluator
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
@@ -169,7 +169,7 @@ def test_no_instance_depends_on_its_neighbours_or_on_the_number_of_threads():
 def test_the_evaluator_finds_the_same(monkeypatch):
     given = some(600, n=7, decades=3.0, offset=10.0)
     by_engine = solve_many(**given, spectrum=True)
-    monkeypatch.setattr(instances, "engine", evaluator)
+    monkeypatch.setattr(instances, "current_engine", evaluator)
 
     found = solve_many(**given, spectrum=True)
 
@@ -205,7 +205,7 @@ def test_every_pose_is_at_rest_with_the_spectrum_of_the_derived_jacobian():
     assert found.eigenvalues is not None
 
     for k in range(6):
-        moving = body(exact_moments(problem_of(given, k)), 0.9)
+        moving = body_of(exact_moments(problem_of(given, k)), 0.9)
         for row, q in enumerate(found.quaternions[k]):
             turned = np.array(rotation_matrix(q.tolist())).ravel()
             state = np.concatenate([np.zeros(3), turned, np.zeros(6)])
@@ -223,7 +223,7 @@ def test_an_ensemble_has_the_body_and_the_start_of_each_problem(scale):
 
     for k in range(30):
         one = exact_moments(problem_of(given, k))
-        moving = body(one, 0.7)
+        moving = body_of(one, 0.7)
         finer = int(found.length_exponents[k]) - moving.length_exponent
         assert finer in {0, 1}  # each takes a power of two next to the radius
         units = 4.0 ** (finer * np.array([1.0] * 15 + [-1.0] * 6 + [1.0, 0.0]))
@@ -380,10 +380,10 @@ def test_unstable_eigenvalues_are_counted_from_the_spectrum(monkeypatch):
 
     class Turned:
         def rest_poses(self, clouds: Any) -> RestPoses:
-            found = engine().rest_poses(clouds)
+            found = current_engine().rest_poses(clouds)
             return replace(found, ratios=-found.ratios[:, :, ::-1])
 
-    monkeypatch.setattr(instances, "engine", Turned)
+    monkeypatch.setattr(instances, "current_engine", Turned)
 
     assert (solve_many(**some(40)).unstable == [3, 2, 1, 0]).all()
 
@@ -391,12 +391,12 @@ def test_unstable_eigenvalues_are_counted_from_the_spectrum(monkeypatch):
 def test_a_count_that_rounding_could_change_is_not_given(monkeypatch):
     class Flat:
         def rest_poses(self, clouds: Any) -> RestPoses:
-            found = engine().rest_poses(clouds)
+            found = current_engine().rest_poses(clouds)
             ratios = found.ratios.copy()
             ratios[:, 2, 1] = 1e-14
             return replace(found, ratios=ratios)
 
-    monkeypatch.setattr(instances, "engine", Flat)
+    monkeypatch.setattr(instances, "current_engine", Flat)
 
     assert (solve_many(**some(40)).unstable == [0, 1, -1, 3]).all()
 
@@ -428,7 +428,7 @@ def test_modes_that_no_double_holds_are_not_counted():
 @pytest.mark.parametrize("name", ["sources", "targets"])
 @pytest.mark.parametrize("machine", [engine, evaluator])
 def test_what_is_not_finite_is_named(name, value, machine, monkeypatch):
-    monkeypatch.setattr(instances, "engine", machine)
+    monkeypatch.setattr(instances, "current_engine", machine)
     given = some(700, n=4)
     given[name][611, 2, 1] = value
 

@@ -12,20 +12,20 @@ from strategies import AXES, random_problem, random_rotation
 from test_simulation import proved_end
 
 from certreg.dynamics.batch import Ends, Ensemble, ensemble, simulate_many
-from certreg.dynamics.body import body
+from certreg.dynamics.body import body_of
 from certreg.dynamics.integrators import _halved, inertias, spring_ratios, step_parameters
 from certreg.dynamics.simulation import SimulationStatus, certified_basin, optimal_damping, simulate
 from certreg.equilibrium.spectral import spectrum
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.geometry.so3 import rotation_matrix
 from certreg.native.batch import Batch, Ending, Integrator
-from certreg.native.engine import engine
+from certreg.native.engine import current_engine
 from certreg.native.library import Library
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.settings import SimulationSettings
 
-COMPILED = isinstance(engine(), Library)
+COMPILED = isinstance(current_engine(), Library)
 # instances; without a compiler each takes a millisecond
 MANY, FEW, STEPS = (100_000, 83, 20_000) if COMPILED else (1_000, 11, 1_000)
 EPSILON = 2.0**-52
@@ -150,7 +150,7 @@ def midpoint_steps() -> tuple[Batch, Any]:
         steps=steps,
         states=states,
     )
-    engine().run(batch, SimulationSettings(max_steps=1, speed_tolerance=0.0))
+    current_engine().run(batch, SimulationSettings(max_steps=1, speed_tolerance=0.0))
     return batch, states
 
 
@@ -362,9 +362,9 @@ def few() -> Ensemble:
 def test_a_batch_ends_as_its_instances_do_alone(few, integrator):
     together, settings = batch_of(few, integrator), SimulationSettings()
     alone = batch_of(few, integrator)
-    engine().run(together, settings)
+    current_engine().run(together, settings)
     for k in range(len(few.bodies)):
-        engine().run(alone.part(slice(k, k + 1)), settings)
+        current_engine().run(alone.part(slice(k, k + 1)), settings)
 
     assert len(set(together.taken.tolist())) > 3
     assert np.array_equal(together.taken, alone.taken)
@@ -385,9 +385,9 @@ def test_batches_escape_from_saddles_as_single_instances_do(few, integrator):
             together.states[k, 3:7] = q
         together.states[k, :3] = 0.0
     alone = together.part(slice(None)).chosen(np.ones(len(few.bodies), dtype=np.bool_))
-    engine().run(together, SimulationSettings())
+    current_engine().run(together, SimulationSettings())
     for k in range(len(few.bodies)):
-        engine().run(alone.part(slice(k, k + 1)), SimulationSettings())
+        current_engine().run(alone.part(slice(k, k + 1)), SimulationSettings())
 
     assert (together.escapes >= 1).sum() > FEW // 2
     assert (together.status == Ending.CONVERGED).all()
@@ -419,7 +419,7 @@ def test_an_ensemble_ends_where_each_problem_does(integrator):
         problem = RegistrationProblem(clouds.sources[k], clouds.targets[k], weights=weights[k])
         found = spectrum(exact_moments(problem))
         trajectory = simulate(found, 2.0, integrator, settings=exact)
-        own = body(found.moments, 2.0)
+        own = body_of(found.moments, 2.0)
         basin = certified_basin(found, own.length_exponent)
         shift = 4.0 ** (own.length_exponent - int(bodies.length_exponents[k]))
 

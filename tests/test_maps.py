@@ -20,7 +20,7 @@ from certreg.paper import maps as mapping
 from certreg.paper.charts import map_drawings
 from certreg.paper.families import CUBE, FAMILIES, Family, limit_margin, margin
 from certreg.paper.map_tables import rows, table
-from certreg.paper.maps import MEASURES, Map, instances, level, maps
+from certreg.paper.maps import MEASURES, Map, instances, level, measured_maps
 from certreg.problem.random_instances import gaussian_instances
 from certreg.settings import DEFAULT_DAMPING, MapSettings, SimulationSettings
 
@@ -51,7 +51,7 @@ def found() -> tuple[Map, ...]:
             few = replace(few, values=(3.0, 100.0, 1000.0))
         patch.setitem(FAMILIES, name, few)
     try:
-        return maps(0, 8, quiet)
+        return measured_maps(0, 8, quiet)
     finally:
         patch.undo()
 

@@ -30,9 +30,9 @@ from certreg.errors import DegenerateProblemError, SlowSimulationWarning
 from certreg.native import batch, cache, compiler
 from certreg.native import engine as engines
 from certreg.native.compiler import CompilationError, compiled_library, find_compiler
-from certreg.native.engine import engine
+from certreg.native.engine import current_engine
 from certreg.native.evaluator import _least_curvature, evaluator
-from certreg.native.library import library
+from certreg.native.library import compiled_library
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.settings import SimulationSettings
@@ -52,7 +52,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     except CompilationError as error:
         pytest.skip(str(error))
     copy = tmp_path_factory.mktemp("made") / "library.so"
-    shutil.copy(library().path, copy)
+    shutil.copy(compiled_library().path, copy)
     return copy
 
 
@@ -168,8 +168,8 @@ def by_both(
 ) -> tuple[simulation.Trajectory, simulation.Trajectory]:
     found: list[Any] = []
     for machine in (engine, evaluator):
-        monkeypatch.setattr(integration, "engine", machine)
-        monkeypatch.setattr(dynamics, "engine", machine)
+        monkeypatch.setattr(integration, "current_engine", machine)
+        monkeypatch.setattr(dynamics, "current_engine", machine)
         found.append(simulation.simulate(*args, **options))
     one, other = found
     return one, other
@@ -256,7 +256,7 @@ def test_a_state_that_is_no_number_ends_out_of_steps_at_once(bad, integrator):
     body = dynamics.body(found.moments, problem.damping)
     basin = simulation.certified_basin(found, body.length_exponent)
     state = simulation._native(start, integrator)
-    for machine in (library(), evaluator()):
+    for machine in (compiled_library(), evaluator()):
         alone = batch.Batch.of(
             integrator,
             bodies=np.array([body.parameters] * 9),
@@ -619,10 +619,10 @@ def test_a_named_compiler_is_looked_for_with_its_arguments(tmp_path, monkeypatch
 
 def test_the_engine_falls_back_and_says_why(folder, monkeypatch):
     monkeypatch.setenv("CC", str(folder / "nothing"))
-    library.cache_clear()
+    compiled_library.cache_clear()
     try:
         with pytest.warns(SlowSimulationWarning, match="no C compiler found .*evaluator"):
-            found = engines.engine.__wrapped__()
+            found = engines.current_engine.__wrapped__()
         assert found is evaluator()
     finally:
-        library.cache_clear()
+        compiled_library.cache_clear()

@@ -31,7 +31,7 @@ from certreg.registration.certification import certify
 from certreg.registration.examples import STORIES, tell
 from certreg.report import revisiting
 from certreg.report.markup import Markup, asset_block, data_block, element, json_block
-from certreg.report.page import Report, page
+from certreg.report.page import Report, html_page
 from certreg.report.panel import THEOREMS, Roads, sentences
 from certreg.report.runs import escapes, shown_run
 from certreg.report.scene import Names
@@ -129,7 +129,7 @@ def test_an_asset_that_would_end_its_own_element_is_refused():
 
 
 def test_the_policy_admits_these_two_texts_and_nothing_else(survey: Registration):
-    outline = Outline(page(Report.of(survey)))
+    outline = Outline(html_page(Report.of(survey)))
     hashes = {
         kind: base64.b64encode(hashlib.sha256(outline.blocks[name].encode()).digest()).decode()
         for kind, name in (("style-src", "style"), ("script-src", ""))
@@ -154,7 +154,7 @@ def test_the_certificate_stands_in_the_page_byte_by_byte(folder: Path):
 
 
 def test_the_words_are_those_of_the_summary_and_the_checker(survey: Registration):
-    words = re.sub(r"\s+", " ", Outline(page(Report.of(survey))).words)
+    words = re.sub(r"\s+", " ", Outline(html_page(Report.of(survey))).words)
 
     assert "This is the global optimum, and it is unique." in words
     for sentence in checked(survey.verdict).theorems:
@@ -166,7 +166,7 @@ def test_the_words_are_those_of_the_summary_and_the_checker(survey: Registration
 @pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: specimen.name)
 def test_what_is_not_unique_is_said_first(specimen):
     registration = certify(specimen.problem, relaxation=False, simulation=False)
-    words = Outline(page(Report.of(registration))).words
+    words = Outline(html_page(Report.of(registration))).words
     ambiguity = registration.equilibria.classification.ambiguity
 
     assert ("CERTIFIED, BUT NOT UNIQUE" in words) == (ambiguity is not None)
@@ -206,10 +206,10 @@ def test_every_theorem_has_its_page_under_its_title():
 
 
 def test_with_documentation_the_theorems_are_links(survey: Registration):
-    made = page(Report.of(survey, documentation="../")).decode()
+    made = html_page(Report.of(survey, documentation="../")).decode()
 
     assert '<a href="../proofs/optimality_certificate.html">The optimality certificate</a>' in made
-    assert "<a " not in page(Report.of(survey)).decode()
+    assert "<a " not in html_page(Report.of(survey)).decode()
 
 
 def test_the_report_again_is_the_same_and_takes_what_lies_beside_it(
@@ -595,7 +595,7 @@ def test_ten_thousand_points_make_a_file_of_at_most_a_megabyte_and_a_half():
     rng = np.random.default_rng(7)
     x = rng.normal(size=(10_000, 3))
     registration = certify(RegistrationProblem(x, x + 1.0, weights=rng.uniform(size=10_000)))
-    made = page(Report.of(registration))
+    made = html_page(Report.of(registration))
 
     assert len(made) <= 1_500_000
     assert Outline(made).certificate == checked(registration.certificate).to_json()

@@ -16,9 +16,9 @@ from commands import certreg, strict_json
 from jsonschema import Draft202012Validator
 
 from certreg.cli.progress import Stages
-from certreg.native.engine import engine
+from certreg.native.engine import current_engine
 from certreg.paper import derivation, equilibria, motions, scheme, verdicts
-from certreg.paper.drawings import drawings
+from certreg.paper.drawings import all_drawings
 from certreg.paper.evidence import in_doubles, listed, rough
 from certreg.paper.exhibition import page
 from certreg.paper.figures import angle_errors, typical
@@ -57,7 +57,7 @@ def seen(made) -> Observations:
 
 @pytest.fixture(scope="module")
 def drawn(seen):
-    return drawings(seen)
+    return all_drawings(seen)
 
 
 def evidence(number: str, seen: Observations, clouds: list[RegistrationProblem] | None = None):
@@ -172,7 +172,7 @@ class WrongEngine:
 
     def run(self, batch, settings, log=None) -> None:
         self._mistake(batch)
-        engine().run(batch, settings, log)
+        current_engine().run(batch, settings, log)
 
 
 def failed(setup: Setup) -> set[str]:
@@ -202,7 +202,7 @@ def test_springs_that_push_are_seen(monkeypatch):
     def mistake(batch) -> None:
         batch.bodies[:, :9] *= -1.0
 
-    monkeypatch.setattr(scheme, "engine", lambda: WrongEngine(mistake))
+    monkeypatch.setattr(scheme, "current_engine", lambda: WrongEngine(mistake))
 
     assert failed(SMALL) >= {"15a"}
 
@@ -211,7 +211,7 @@ def test_a_wrong_inertia_is_seen(monkeypatch):
     def mistake(batch) -> None:
         batch.bodies[:, 15:21] *= 1.1  # the inverse: J alpha is not the torque any more
 
-    monkeypatch.setattr(scheme, "engine", lambda: WrongEngine(mistake))
+    monkeypatch.setattr(scheme, "current_engine", lambda: WrongEngine(mistake))
 
     assert failed(SMALL) >= {"13b"}
 
@@ -224,15 +224,15 @@ def test_a_step_without_projection_is_seen(monkeypatch):
             for k in range(min(settings.max_steps, 400)):
                 state, body = batch.states[0], batch.bodies[0]
                 if log is not None:
-                    (energies,) = engine().evaluate("certreg_energies", state, body)
+                    (energies,) = current_engine().evaluate("certreg_energies", state, body)
                     log.rows[log.count] = [k * batch.steps[0, 0], *state, *energies]
                     log.count += 1
                 batch.states[0] += (
-                    batch.steps[0] * engine().evaluate("certreg_rate", state, body)[0]
+                    batch.steps[0] * current_engine().evaluate("certreg_rate", state, body)[0]
                 )
             batch.status[0] = 1
 
-    monkeypatch.setattr(scheme, "engine", Unprojected)
+    monkeypatch.setattr(scheme, "current_engine", Unprojected)
 
     assert "15a" in failed(SMALL)
 
@@ -248,7 +248,7 @@ def test_an_eigenvalue_counted_on_the_wrong_side_is_seen(monkeypatch, seen):
 def test_a_damping_that_explicit_euler_cannot_follow_is_told_and_confirms_the_condition(drawn):
     found = reproduce(Setup(runs=1, damping=250.0), quiet, proofs=False)
     document = reproduction_document(found, drawn)
-    box_plot, *_ = drawings(found.observations)[5].figure.axes
+    box_plot, *_ = all_drawings(found.observations)[5].figure.axes
 
     assert found.stands
     assert document["simulations"]["diverged"] == 1

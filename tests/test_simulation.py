@@ -17,12 +17,12 @@ from strategies import AXES, ZOO, random_problem, random_rotation
 from certreg.certificate.checking import check_own, verify
 from certreg.certificate.envelope import RotationState
 from certreg.certificate.producing import produce, proves_basin
-from certreg.dynamics.body import IDENTITY, body
+from certreg.dynamics.body import IDENTITY, body_of
 from certreg.dynamics.simulation import SimulationStatus, simulate
 from certreg.equilibrium.spectral import rotation_double, spectrum, unit_double
 from certreg.errors import ContradictionError, DegenerateProblemError
 from certreg.exact.dyadic import dyadic_below
-from certreg.native.engine import engine
+from certreg.native.engine import current_engine
 from certreg.objective.energy import alignment
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem, lift
@@ -367,7 +367,7 @@ def pointwise_derivative(problem, damping, state):
 def test_the_derivative_is_the_sum_of_the_forces_on_the_points(seed):
     rng = np.random.default_rng(seed)
     problem = random_problem(rng, n=9, noise=0.3, scale=float(10 ** rng.uniform(-3, 3)), decades=2)
-    moving = body(exact_moments(problem), 1.7)
+    moving = body_of(exact_moments(problem), 1.7)
     R = random_rotation(rng)
     state = np.concatenate([rng.normal(size=3), R.ravel(), rng.normal(size=6)])
     unit = 2.0**moving.length_exponent
@@ -383,7 +383,7 @@ def test_the_derivative_is_the_sum_of_the_forces_on_the_points(seed):
 def test_the_potential_is_the_sum_over_the_springs(seed):
     rng = np.random.default_rng(seed)
     problem = random_problem(rng, n=9, noise=0.3, scale=7.0)
-    moving = body(exact_moments(problem), 1.0)
+    moving = body_of(exact_moments(problem), 1.0)
     R, c = random_rotation(rng), rng.normal(size=3)
     unit, w = 2.0**moving.length_exponent, problem.weights
     arm = problem.source - w @ problem.source / w.sum()
@@ -404,7 +404,7 @@ def test_the_projection_of_a_step_is_the_polar_factor(step):
         left, _, right = np.linalg.svd(moved)
         state = np.array([*[0.0] * 3, *R.ravel(), *[0.0] * 3, *omega])
 
-        following, _ = engine().evaluate("certreg_euler_step", state, np.ones(23), np.array([step]))
+        following, _ = current_engine().evaluate("certreg_euler_step", state, np.ones(23), np.array([step]))
         stepped = following[3:12].reshape(3, 3)
 
         assert np.abs(stepped - left @ right).max() < 1e-14

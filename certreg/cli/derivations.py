@@ -69,13 +69,13 @@ def info() -> int:
     import platform
     from importlib.metadata import version
 
-    from certreg.native.engine import engine
+    from certreg.native.engine import current_engine
 
     click.echo(f"certreg      {__version__}")
     click.echo(f"Python       {platform.python_version()} ({platform.python_implementation()})")
     click.echo(f"system       {platform.system()} {platform.machine()}")
     for package in PACKAGES:
         click.echo(f"{package:12} {version(package)}")
-    click.echo(f"simulation   {engine().words}")
+    click.echo(f"simulation   {current_engine().words}")
     click.echo("checker      exact integers of Python itself")
     return DONE

@@ -160,13 +160,13 @@ def report(certificate: Path, *, out: Path | None) -> int:
     from certreg.errors import InvalidFileError
     from certreg.io.atomic import write_atomically
     from certreg.report.folder import REPORT
-    from certreg.report.page import page
+    from certreg.report.page import html_page
     from certreg.report.revisiting import report_of
 
     place = certificate.with_name(REPORT) if out is None else out
     if place.exists() and certificate.exists() and place.samefile(certificate):
         message = f"{printable(place)}: is the certificate itself: give another --out"
         raise InvalidFileError(message)
-    write_atomically(place, page(report_of(certificate, note)))
+    write_atomically(place, html_page(report_of(certificate, note)))
     click.echo(f"{printable(place)}: open it in a browser; it needs no network")
     return DONE

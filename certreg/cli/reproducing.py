@@ -82,9 +82,9 @@ def reproduce(
     go to the folder. A campaign is kept in the folder `campaign` there: begun again, it goes on.
     """
     from certreg.paper.charts import map_drawings
-    from certreg.paper.drawings import drawings
+    from certreg.paper.drawings import all_drawings
     from certreg.paper.exhibition import make_folder, write_reproduction
-    from certreg.paper.maps import maps
+    from certreg.paper.maps import measured_maps
     from certreg.paper.monte_carlo import MonteCarlo
     from certreg.paper.observations import Setup
     from certreg.paper.reproduction import texts
@@ -103,9 +103,9 @@ def reproduce(
         click.echo()
     with Stages() as stages:
         made = run(setup, stages.at, proofs=not no_proofs)
-        found = maps(seed, runs, stages.at) if beyond else ()
+        found = measured_maps(seed, runs, stages.at) if beyond else ()
         stages.at("figures")
-        drawn = (*drawings(made.observations), *map_drawings(found))
+        drawn = (*all_drawings(made.observations), *map_drawings(found))
         path = write_reproduction(made, drawn, out, found)
     for text in texts(made):
         click.echo(text)

@@ -23,7 +23,7 @@ import numpy as np
 from certreg.errors import DegenerateProblemError
 from certreg.exact.dyadic import power_of_two
 from certreg.native.batch import ENERGIES
-from certreg.native.engine import engine
+from certreg.native.engine import current_engine
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -102,10 +102,10 @@ class Body:
         return self._evaluated("certreg_intrinsic_jacobian", state).reshape(12, 12)
 
     def _evaluated(self, name: str, state: NDArray[np.float64]) -> NDArray[np.float64]:
-        return engine().evaluate(name, state, self.parameters)[0]
+        return current_engine().evaluate(name, state, self.parameters)[0]
 
 
-def body(moments: ExactMoments, damping: float, *, length_exponent: int | None = None) -> Body:
+def body_of(moments: ExactMoments, damping: float, *, length_exponent: int | None = None) -> Body:
     """The body of a problem whose source is not collinear (J positive definite).
 
     The unit of length is 2^length_exponent, 0 for the user's own; None: the power of two next to

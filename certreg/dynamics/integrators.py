@@ -13,7 +13,7 @@ from certreg.equilibrium.stability import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
 from certreg.geometry.so3 import rotation_matrix
 from certreg.native.batch import Ending, Integrator
-from certreg.native.engine import engine
+from certreg.native.engine import current_engine
 from certreg.settings import DEFAULT_DAMPING
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ def integrate(batch: Batch, settings: SimulationSettings, log: Log | None = None
     that its state is lost, it starts anew with half the step.
     """
     starts = batch.states.copy()
-    engine().run(batch, settings, log)
+    current_engine().run(batch, settings, log)
     halvings = settings.splitting_halvings if batch.integrator is Integrator.SPLITTING else 0
     for _ in range(halvings):
         unfinished = (batch.status == Ending.OUT_OF_STEPS) & (batch.taken < settings.max_steps)
@@ -67,7 +67,7 @@ def integrate(batch: Batch, settings: SimulationSettings, log: Log | None = None
         again.steps[:] = _halved(again.steps)
         if log is not None:
             log.clear()
-        engine().run(again, settings, log)
+        current_engine().run(again, settings, log)
         batch.put(lost, again)
 
 

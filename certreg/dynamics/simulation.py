@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics.body import AT_REST, SMALLEST_BARRIER, Body, body, start_at_rest
+from certreg.dynamics.body import AT_REST, SMALLEST_BARRIER, Body, body_of, start_at_rest
 from certreg.dynamics.integrators import integrate, spring_ratios, step_parameters
 from certreg.equilibrium.spectral import unit_double
 from certreg.equilibrium.stability import TRANSLATION_STIFFNESS
@@ -138,7 +138,7 @@ def simulate(
     if not found.classification.inertia_definite:
         message = "the source points are collinear: the rotational dynamics is not defined"
         raise DegenerateProblemError(message)
-    moving = body(found.moments, damping)
+    moving = body_of(found.moments, damping)
     basin = certified_basin(found, moving.length_exponent)
     begin = start_at_rest(found.moments, moving.length_exponent) if start is None else start
     batch = Batch.of(
@@ -179,7 +179,7 @@ def optimal_damping(found: Spectrum) -> float:
     if not (found.classification.inertia_definite and found.classification.unique):
         message = "the best damping needs a source that is not collinear and a unique optimum"
         raise DegenerateProblemError(message)
-    moving = body(found.moments, 1.0)
+    moving = body_of(found.moments, 1.0)
     basin = certified_basin(found, moving.length_exponent)
     return _best_damping(moving.parameters[np.newaxis], basin.parameters[np.newaxis])
 

@@ -59,7 +59,7 @@ from certreg.equilibrium.spectral import equilibrium_set, spectrum
 from certreg.equilibrium.stability import Oscillations
 from certreg.errors import InvalidProblemError
 from certreg.native.clouds import ManyClouds
-from certreg.native.engine import engine
+from certreg.native.engine import current_engine
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem, checked_damping, checked_threads
 from certreg.settings import DEFAULT_DAMPING
@@ -193,7 +193,7 @@ def rest_poses(given: ManyClouds, first: int = 0) -> RestPoses:
     Raises InvalidProblemError, which names the instance, counted from `first`, for a number that is
     not finite: it shows in the sums, and nothing else makes a NaN of them.
     """
-    found = engine().rest_poses(given)
+    found = current_engine().rest_poses(given)
     lost = np.isnan(found.cross).any(axis=1)
     if lost.any():
         k = int(np.argmax(lost))

@@ -24,7 +24,7 @@ from certreg.equilibrium.stability import (
     spring_ratios,
 )
 from certreg.exact.dyadic import nearest_double, nearest_root, power_of_two
-from certreg.exact.eigenbasis import Eigenbasis, eigenbasis
+from certreg.exact.eigenbasis import Eigenbasis, integer_eigenbasis
 from certreg.geometry.so3 import canonical, davenport_matrix, dot, rotation_matrix, squared_norm
 from certreg.objective.classification import Classification, classify
 from certreg.objective.energy import potential_energy
@@ -127,7 +127,7 @@ class Spectrum:
 def spectrum(moments: ExactMoments, settings: SpectrumSettings | None = None) -> Spectrum:
     """The spectrum, with as many bits as it takes to tell exactly distinct eigenvalues apart."""
     davenport = davenport_matrix(moments.cross)
-    return resolved(moments, classify(moments), partial(eigenbasis, davenport), settings)
+    return resolved(moments, classify(moments), partial(integer_eigenbasis, davenport), settings)
 
 
 def resolved(

@@ -37,7 +37,7 @@ class Eigenbasis:
     shift: int
 
 
-def eigenbasis(matrix: Sequence[Sequence[int]], bits: int) -> Eigenbasis:
+def integer_eigenbasis(matrix: Sequence[Sequence[int]], bits: int) -> Eigenbasis:
     """The eigenbasis of a symmetric integer matrix in fixed point with `bits` fractional bits."""
     n = len(matrix)
     shift = max(abs(entry) for row in matrix for entry in row).bit_length()

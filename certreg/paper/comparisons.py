@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics.body import body
+from certreg.dynamics.body import body_of
 from certreg.geometry.so3 import rotation_matrix
 from certreg.paper.particles import Particles, parts
 from certreg.paper.scheme import RAW_UNIT
@@ -35,7 +35,7 @@ class Comparison:
 
 def compare(problem: RegistrationProblem, rng: np.random.Generator, states: int) -> Comparison:
     """The comparison at random states whose R is a rotation."""
-    moving = body(exact_moments(problem), problem.damping, length_exponent=RAW_UNIT)
+    moving = body_of(exact_moments(problem), problem.damping, length_exponent=RAW_UNIT)
     particles = Particles.of(problem)
     drawn = [_random_state(rng) for _ in range(states)]
     objectives = [_likelihood(particles, state) for state in drawn]

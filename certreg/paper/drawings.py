@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from certreg.paper.style import Drawing
 
 
-def drawings(seen: Observations) -> tuple[Drawing, ...]:
+def all_drawings(seen: Observations) -> tuple[Drawing, ...]:
     """The figures, drawn."""
     return (
         construction_drawing(seen),

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics.body import body
+from certreg.dynamics.body import body_of
 from certreg.equilibrium.methods import Method, road
 from certreg.equilibrium.spectral import rotation_double, unit_double
 from certreg.geometry.so3 import rotation_matrix
@@ -82,7 +82,7 @@ def equilibrium_run(problem: RegistrationProblem) -> EquilibriumRun:
     Raises DegenerateProblemError where the source is collinear.
     """
     moments = exact_moments(problem)
-    moving = body(moments, problem.damping, length_exponent=RAW_UNIT)
+    moving = body_of(moments, problem.damping, length_exponent=RAW_UNIT)
     particles = Particles.of(problem)
     found = road(moments, Method.GROEBNER).found
     best = horn(moving.cross_covariance)

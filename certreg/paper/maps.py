@@ -114,7 +114,7 @@ class Map:
         )
 
 
-def maps(
+def measured_maps(
     seed: int, runs: int | None, progress: Announcer, settings: MapSettings | None = None
 ) -> tuple[Map, ...]:
     """All maps, `runs` instances at each value (of very large clouds fewer), from one seed."""

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dynamics.body import body
+from certreg.dynamics.body import body_of
 from certreg.paper.equilibria import signs
 from certreg.paper.particles import Particles, at_rest
 from certreg.paper.scheme import RAW_UNIT
@@ -104,7 +104,7 @@ def turn(polygon: Polygon, damping: float, steps: int = 360) -> Turn:
     corners = np.array(polygon.points(math.sqrt(3.0))) / 2.0
     cloud = np.column_stack([corners, np.zeros(len(corners))])
     problem = RegistrationProblem(cloud, cloud, damping=damping)
-    moving = body(exact_moments(problem), damping, length_exponent=RAW_UNIT)
+    moving = body_of(exact_moments(problem), damping, length_exponent=RAW_UNIT)
     particles = Particles.of(problem)
     angles = np.linspace(0.0, 2.0 * math.pi, steps + 1)
     states = [at_rest(turned_over(polygon, theta)) for theta in angles.tolist()]

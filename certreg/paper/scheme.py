@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics.body import body, start_at_rest
+from certreg.dynamics.body import body_of, start_at_rest
 from certreg.native.batch import ENERGIES, Batch, Ending, Integrator, Log
-from certreg.native.engine import engine
+from certreg.native.engine import current_engine
 from certreg.problem.moments import exact_moments
 from certreg.settings import ReproductionSettings, SimulationSettings
 
@@ -74,7 +74,7 @@ def descend(
     settings = settings or ReproductionSettings()
     limit = settings.max_steps if max_steps is None else max_steps
     moments = exact_moments(problem)
-    moving = body(moments, problem.damping, length_exponent=RAW_UNIT)
+    moving = body_of(moments, problem.damping, length_exponent=RAW_UNIT)
     batch = Batch.of(
         Integrator.EULER,
         bodies=moving.parameters[np.newaxis],
@@ -84,7 +84,7 @@ def descend(
     )
     log = Log.of_capacity(limit + 1, Integrator.EULER)
     loop = SimulationSettings(speed_tolerance=settings.stop, max_steps=limit)
-    engine().run(batch, loop, log)
+    current_engine().run(batch, loop, log)
     stopped = Ending(int(batch.status[0])) is not Ending.OUT_OF_STEPS
     samples, size = log.samples, Integrator.EULER.state_size
     per_mass = dict(zip(ENERGIES, samples[:, 1 + size :].T, strict=True))

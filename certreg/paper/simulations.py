@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics.body import body
+from certreg.dynamics.body import body_of
 from certreg.dynamics.simulation import simulate
 from certreg.equilibrium.spectral import spectrum
 from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
@@ -79,7 +79,7 @@ def simulation_run(
     """The experiment on one instance. Raises DegenerateProblemError for a collinear source."""
     settings = settings or ReproductionSettings()
     moments = exact_moments(problem)
-    moving = body(moments, problem.damping, length_exponent=RAW_UNIT)
+    moving = body_of(moments, problem.damping, length_exponent=RAW_UNIT)
     descent = descend(problem, settings)
     particles = Particles.of(problem)
     best, truth = horn(moving.cross_covariance), quaternion_from_matrix(true_rotation)

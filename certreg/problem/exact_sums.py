@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.native.compiler import CompilationError
-from certreg.native.library import library
+from certreg.native.library import compiled_library
 from certreg.problem.problem import lift, row_blocks
 from certreg.settings import SumSettings
 
@@ -108,7 +108,7 @@ def sums_by(road: SumRoad, problem: RegistrationProblem, *, threads: int | None 
     """
     threads = threads or SumSettings().threads
     if road is SumRoad.COMPILED:
-        return _on_threads(partial(_by_compiled, library()), problem, threads)
+        return _on_threads(partial(_by_compiled, compiled_library()), problem, threads)
     if road is SumRoad.LIMBS:
         return _on_threads(_by_limbs, problem, threads)
     return _on_threads(_by_integers, problem, 1)
@@ -142,7 +142,7 @@ def _on_threads(
 def _compiled() -> Library | None:
     """The compiled library; None where there is none, or it has no integers of 128 bits."""
     try:
-        compiled = library()
+        compiled = compiled_library()
         compiled.exact_sums(np.ones((1, 3)), np.ones((1, 3)), np.ones(1))
     except CompilationError:
         return None

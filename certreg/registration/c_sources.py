@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.dynamics.body import body, start_at_rest
+from certreg.dynamics.body import body_of, start_at_rest
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import write_atomically
 from certreg.native.codegen.emit import C_FILE, HEADER_FILE
@@ -46,7 +46,7 @@ def example_input(problem: RegistrationProblem) -> str:
     """What example.c reads, one number a line: body, start at rest, step, tolerance, most steps."""
     settings = SimulationSettings()
     moments = exact_moments(problem)
-    moving = body(moments, problem.damping)
+    moving = body_of(moments, problem.damping)
     start = start_at_rest(moments, moving.length_exponent)
     control = [settings.euler_step, settings.speed_tolerance, float(settings.max_steps)]
     numbers = [*moving.parameters.tolist(), *start.tolist(), *control]

@@ -9,7 +9,7 @@ from certreg.dynamics.trajectories import Record
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import write_together
 from certreg.report.document import dumps, result_document
-from certreg.report.page import Report, page
+from certreg.report.page import Report, html_page
 
 if TYPE_CHECKING:
     import os
@@ -45,7 +45,7 @@ def write_folder(registration: Registration, folder: str | os.PathLike[str]) -> 
         contents[TRAJECTORY] = Record.of(registration.problem, trajectory).to_bytes()
     if registration.certificate is not None:
         contents[CERTIFICATE] = registration.certificate.to_json()
-        contents[REPORT] = page(Report.of(registration))
+        contents[REPORT] = html_page(Report.of(registration))
     names = (CERTIFICATE, RESULT, POSE, TRAJECTORY, REPORT)
     try:
         write_together(

@@ -103,7 +103,7 @@ class Report:
         return [headline, *further]
 
 
-def page(report: Report) -> bytes:
+def html_page(report: Report) -> bytes:
     """The file's content, in UTF-8."""
     claims = report.claims
     names = Names.of(claims["about"], report.registration.problem.n)

@@ -21,7 +21,7 @@ import numpy as np
 from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds
 from certreg.certificate.checking import verify
 from certreg.certificate.envelope import ISOTROPIC, Certificate, Claims
-from certreg.dynamics.body import body, start_at_rest
+from certreg.dynamics.body import body_of, start_at_rest
 from certreg.dynamics.trajectories import read_record
 from certreg.errors import DegenerateProblemError, InvalidFileError, RefusedCertificateError
 from certreg.exact.dyadic import Dyadic
@@ -219,7 +219,7 @@ def _logged(file: Path, problem: RegistrationProblem) -> Record:
 def _simulated(record: Record, moments: ExactMoments) -> bool:
     """Whether a motion begins where the source was given, with the energies of its states."""
     try:
-        moving = body(moments, record.damping)
+        moving = body_of(moments, record.damping)
     except DegenerateProblemError:
         return False
     if record.length_exponent != moving.length_exponent:

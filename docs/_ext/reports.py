@@ -17,7 +17,7 @@ from sphinx.util.docutils import SphinxDirective
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.certification import certify
 from certreg.registration.examples import STORIES, tell
-from certreg.report.page import Report, page
+from certreg.report.page import Report, html_page
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -104,7 +104,7 @@ class Reports(SphinxDirective):
         """Write a report whose theorems lead to the pages of the proofs."""
         folder = Path(self.env.app.outdir) / FOLDER
         folder.mkdir(parents=True, exist_ok=True)
-        content = page(Report.of(registration, documentation="../"))
+        content = html_page(Report.of(registration, documentation="../"))
         (folder / f"{name}.html").write_bytes(content)
 
 

@@ -24,7 +24,7 @@ from certreg.registration.examples import STORIES, tell
 from certreg.report import page as page_module
 from certreg.report import scene
 from certreg.report.page import Report
-from certreg.report.page import page as page_of
+from certreg.report.page import html_page as page_of
 from certreg.settings import CertificateSettings, ReportSettings
 
 if TYPE_CHECKING:
