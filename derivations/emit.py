@@ -1,7 +1,7 @@
 """The last link of the chain: the derived expressions handed to the code generator.
 
-`python -m derivations.emit` writes certreg/native/generated/. The functions are the objects that the
-claims are about: `motion` (rate, energies), `linearisation`, `integrators`.
+`python -m derivations.emit` writes certreg/native/generated/. The functions are the objects
+that the claims are about: `motion` (rate, energies), `linearisation`, `integrators`.
 """
 
 from __future__ import annotations
@@ -11,7 +11,8 @@ from typing import Any
 
 import sympy
 
-from certreg.native.codegen.emit import emit
+from certreg.io.atomic import write_folder_of
+from certreg.native.codegen.emit import generated_files
 from certreg.native.codegen.translate import Definition, Port, port
 
 from .integrators import (
@@ -171,4 +172,4 @@ def _curvature(state: State, body: Body) -> tuple[Port, ...]:
 
 
 if __name__ == "__main__":
-    emit(definitions(), GENERATED)
+    write_folder_of(GENERATED, generated_files(definitions()))

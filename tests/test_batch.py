@@ -21,7 +21,7 @@ from jsonschema import Draft202012Validator
 
 import certreg as package
 
-SCHEMAS = Path(package.__file__).parent / "schemas"
+SCHEMAS = Path(package.__file__).parent / "report" / "schemas"
 TURN = [1, 2, 0]
 
 

@@ -64,7 +64,8 @@ STALE_CLAIM = """
 from derivations import book
 from derivations.claims import davenport
 
-book.claim = lambda name: dataclasses.replace(davenport.CLAIM, used_by=("certreg.geometry.so3.gone",))
+STALE = dataclasses.replace(davenport.CLAIM, used_by=("certreg.geometry.so3.gone",))
+book.claim = lambda name: STALE
 """
 NOTEBOOK = """\
 ---

@@ -178,13 +178,13 @@ def test_the_compiled_sums_refuse_what_is_not_finite(bad):
         (np.ones((4, 3)), np.ones((4, 3)), points[:, 1]),
     ):
         with pytest.raises(ValueError, match="not finite"):
-            native.library().exact_sums(source, target, weights)
+            native.loaded_library().exact_sums(source, target, weights)
 
 
 def test_the_compiled_sums_refuse_arrays_that_do_not_belong_together():
     for shapes in (((4, 3), (3, 3), (4,)), ((4, 2), (4, 2), (4,)), ((3, 3), (3, 3), (4,))):
         with pytest.raises(ValueError, match="expected"):
-            native.library().exact_sums(*(np.ones(shape) for shape in shapes))
+            native.loaded_library().exact_sums(*(np.ones(shape) for shape in shapes))
 
 
 def test_a_failure_in_a_thread_ends_the_sums(monkeypatch):

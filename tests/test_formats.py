@@ -304,7 +304,8 @@ def test_xyz_clouds_are_verified_without_numpy(tmp_path: Path):
     target.write_text("\n".join(row[2:] for row in rows))
     assert certreg("certify", source, target, "--out", tmp_path / "out").code == 0
     code = (
-        "import sys\nfrom certreg.cli.main import main\ntry:\n    main()\nexcept SystemExit as stop:\n"
+        "import sys\nfrom certreg.cli.main import main\n"
+        "try:\n    main()\nexcept SystemExit as stop:\n"
         "    print(stop.code, 'numpy' in sys.modules)"
     )
     certificate = tmp_path / "out" / "certificate.json"

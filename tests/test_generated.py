@@ -11,11 +11,12 @@ import pytest
 from certreg.dynamics.body import body_of, start_at_rest
 from certreg.dynamics.simulation import simulate
 from certreg.equilibrium.spectral import spectrum
-from certreg.native.codegen.emit import emit
+from certreg.io.atomic import write_folder_of
+from certreg.native.codegen.emit import generated_files
 from certreg.native.codegen.translate import Definition, casadi_function, port
 from certreg.native.compiler import GENERATED, CompilationError, find_compiler
 from certreg.native.evaluator import evaluator
-from certreg.native.library import compiled_library
+from certreg.native.library import loaded_library
 from certreg.problem.moments import exact_moments
 from certreg.registration.c_sources import write_sources
 from certreg.registration.examples import STORIES, stated
@@ -32,13 +33,13 @@ def c_compiler():
         pytest.skip(str(error))
 
 
-def compiled_library():
+def library_or_skip():
     c_compiler()
-    return compiled_library()
+    return loaded_library()
 
 
 def test_generating_anew_gives_the_committed_bytes(tmp_path):
-    emit(chain.definitions(), tmp_path)
+    write_folder_of(tmp_path, generated_files(chain.definitions()))
 
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(FILES)
     for name in FILES:
@@ -49,7 +50,7 @@ def test_a_mutated_derivation_changes_the_code(tmp_path, monkeypatch):
     honest = motion.spring_torque
     monkeypatch.setattr(motion, "spring_torque", lambda state, cloud: -honest(state, cloud))
 
-    emit(chain.definitions(), tmp_path)
+    write_folder_of(tmp_path, generated_files(chain.definitions()))
 
     for name in ("dynamics.c", "dynamics.json"):
         assert (tmp_path / name).read_bytes() != (GENERATED / name).read_bytes()
@@ -58,7 +59,7 @@ def test_a_mutated_derivation_changes_the_code(tmp_path, monkeypatch):
 @pytest.mark.parametrize("name", sorted(json.loads((GENERATED / "signatures.json").read_text())))
 def test_the_compiled_code_and_the_evaluator_agree(name):
     rng = np.random.default_rng(3)
-    compiled, interpreted = compiled_library(), evaluator()
+    compiled, interpreted = library_or_skip(), evaluator()
     for _ in range(20):
         arguments = [rng.normal(size=n) for n in compiled.shapes[name].arguments]
         pairs = zip(
@@ -69,7 +70,7 @@ def test_the_compiled_code_and_the_evaluator_agree(name):
 
 
 def test_a_wrong_size_is_refused_by_both_engines():
-    for engine in (compiled_library(), evaluator()):
+    for engine in (library_or_skip(), evaluator()):
         with pytest.raises(ValueError, match="certreg_rate takes"):
             engine.evaluate("certreg_rate", np.zeros(17), np.zeros(23))
 

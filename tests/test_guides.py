@@ -107,7 +107,7 @@ def test_the_vectors_of_the_guide_compile_and_step(tmp_path):
     }
     """
     (tmp_path / "lanes.c").write_text(lanes + main)
-    include = f"-I{ROOT / 'certreg' / 'generated'}"
+    include = f"-I{ROOT / 'certreg' / 'native' / 'generated'}"
     flags = ["-std=gnu11", "-O2", "-Wno-psabi", include]
     program = str(tmp_path / "lanes")
     subprocess.run([*compiler, *flags, str(tmp_path / "lanes.c"), "-lm", "-o", program], check=True)

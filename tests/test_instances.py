@@ -182,7 +182,7 @@ def test_the_evaluator_finds_the_same(monkeypatch):
     assert found.rmse == pytest.approx(by_engine.rmse, rel=1e-11)
 
 
-@pytest.mark.parametrize("machine", [engine, evaluator])
+@pytest.mark.parametrize("machine", [current_engine, evaluator])
 def test_residuals_and_ratios_are_what_they_are_called(machine):
     found = machine().rest_poses(instances.clouds(**some(70)))
     entries: Any = np.moveaxis(found.cross.reshape(-1, 3, 3), 0, -1)
@@ -350,7 +350,7 @@ def test_without_its_bound_a_decision_would_be_wrong(monkeypatch):
     assert judged()["wrong"] > 0
 
 
-@pytest.mark.parametrize("machine", [engine, evaluator])
+@pytest.mark.parametrize("machine", [current_engine, evaluator])
 def test_eigenvalues_are_as_near_as_the_bound_says(machine):
     for group in adversaries():
         given = instances.clouds(**stacked(list(group)))
@@ -426,7 +426,7 @@ def test_modes_that_no_double_holds_are_not_counted():
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize("name", ["sources", "targets"])
-@pytest.mark.parametrize("machine", [engine, evaluator])
+@pytest.mark.parametrize("machine", [current_engine, evaluator])
 def test_what_is_not_finite_is_named(name, value, machine, monkeypatch):
     monkeypatch.setattr(instances, "current_engine", machine)
     given = some(700, n=4)

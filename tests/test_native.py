@@ -30,9 +30,8 @@ from certreg.errors import DegenerateProblemError, SlowSimulationWarning
 from certreg.native import batch, cache, compiler
 from certreg.native import engine as engines
 from certreg.native.compiler import CompilationError, compiled_library, find_compiler
-from certreg.native.engine import current_engine
 from certreg.native.evaluator import _least_curvature, evaluator
-from certreg.native.library import compiled_library
+from certreg.native.library import loaded_library
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.settings import SimulationSettings
@@ -40,7 +39,7 @@ from certreg.settings import SimulationSettings
 ROOT = Path(__file__).parent.parent
 DATA = ROOT / "certreg" / "data"
 SURVEY = (str(DATA / "survey_source.csv"), str(DATA / "survey_target.csv"))
-SIMULATED = "import certreg.native.engine as e; print(e.engine().words)"
+SIMULATED = "import certreg.native.engine as e; print(e.current_engine().words)"
 each_integrator = pytest.mark.parametrize("integrator", batch.Integrator)
 
 
@@ -52,7 +51,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     except CompilationError as error:
         pytest.skip(str(error))
     copy = tmp_path_factory.mktemp("made") / "library.so"
-    shutil.copy(compiled_library().path, copy)
+    shutil.copy(loaded_library().path, copy)
     return copy
 
 
@@ -124,7 +123,10 @@ def test_without_a_compiler_all_simulation_tests_pass(tmp_path):
 
 
 def test_without_a_compiler_the_user_is_told_once_in_one_line(tmp_path):
-    command = f"sys.argv[1:] = ['certify', *{SURVEY!r}, '--json']; from certreg.cli.main import main; main()"
+    command = (
+        f"sys.argv[1:] = ['certify', *{SURVEY!r}, '--json'];"
+        "from certreg.cli.main import main; main()"
+    )
     run = python(f"import sys; {command}", **without_compiler(tmp_path))
 
     assert run.returncode == 0
@@ -167,7 +169,7 @@ def by_both(
     monkeypatch, *args: Any, **options: Any
 ) -> tuple[simulation.Trajectory, simulation.Trajectory]:
     found: list[Any] = []
-    for machine in (engine, evaluator):
+    for machine in (engines.current_engine, evaluator):
         monkeypatch.setattr(integration, "current_engine", machine)
         monkeypatch.setattr(dynamics, "current_engine", machine)
         found.append(simulation.simulate(*args, **options))
@@ -253,10 +255,10 @@ def test_a_state_that_is_no_number_ends_out_of_steps_at_once(bad, integrator):
     problem = random_problem(np.random.default_rng(4))
     found = spectrum(exact_moments(problem))
     start = np.array([bad, 0, 0, *np.eye(3).ravel(), *[0.0] * 6])
-    body = dynamics.body(found.moments, problem.damping)
+    body = dynamics.body_of(found.moments, problem.damping)
     basin = simulation.certified_basin(found, body.length_exponent)
     state = simulation._native(start, integrator)
-    for machine in (compiled_library(), evaluator()):
+    for machine in (loaded_library(), evaluator()):
         alone = batch.Batch.of(
             integrator,
             bodies=np.array([body.parameters] * 9),
@@ -344,7 +346,8 @@ def test_a_library_serves_all_threads(copying):
     run = python(
         "from concurrent.futures import ThreadPoolExecutor as Pool\n"
         "import certreg.native.engine as e\n"
-        "words = set(Pool(4).map(lambda _: e.engine().words, range(4))); print(len(words), *words)"
+        "words = set(Pool(4).map(lambda _: e.current_engine().words, range(4)));"
+        "print(len(words), *words)"
     )
 
     assert run.stdout.startswith("1 compiled C")
@@ -619,10 +622,10 @@ def test_a_named_compiler_is_looked_for_with_its_arguments(tmp_path, monkeypatch
 
 def test_the_engine_falls_back_and_says_why(folder, monkeypatch):
     monkeypatch.setenv("CC", str(folder / "nothing"))
-    compiled_library.cache_clear()
+    loaded_library.cache_clear()
     try:
         with pytest.warns(SlowSimulationWarning, match="no C compiler found .*evaluator"):
             found = engines.current_engine.__wrapped__()
         assert found is evaluator()
     finally:
-        compiled_library.cache_clear()
+        loaded_library.cache_clear()

@@ -400,7 +400,8 @@ def test_a_mapped_file_is_registered_as_the_array(tmp_path):
 
 def test_without_a_compiler_the_pose_is_the_same_within_rounding(tmp_path):
     script = (
-        "import numpy as np, certreg, certreg.problem.floating_sums as s; rng = np.random.default_rng(0);"
+        "import numpy as np, certreg, certreg.problem.floating_sums as s;"
+        "rng = np.random.default_rng(0);"
         "x = rng.normal(size=(5000, 3)); y = x[:, [1, 2, 0]] + 0.1 * rng.normal(size=(5000, 3));"
         "print(s.compiled() is None, *certreg.register(x, y).quaternion_wxyz.tolist())"
     )

@@ -38,7 +38,9 @@ if TYPE_CHECKING:
 RUNS = 5
 ROWS = {row.number: row for row in derivation.paper_claims()}
 PROVED = Verdict(ruling=Ruling.PROVED, words="taken as proved")
-SCHEMA = json.loads((files("certreg") / "schemas" / "certreg-reproduction-1.json").read_text())
+SCHEMA = json.loads(
+    (files("certreg.report") / "schemas" / "certreg-reproduction-1.json").read_text()
+)
 
 
 def quiet(stage: str, done: int, total: int) -> None:

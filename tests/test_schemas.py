@@ -33,7 +33,7 @@ each_specimen = pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: sp
 @cache
 def validator(kind: str) -> Any:
     kind = "equilibria" if kind == "roads" else kind
-    text = (files("certreg") / "schemas" / f"certreg-{kind}-1.json").read_text()
+    text = (files("certreg.report") / "schemas" / f"certreg-{kind}-1.json").read_text()
     return Draft202012Validator(json.loads(text))
 
 

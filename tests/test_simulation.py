@@ -404,7 +404,9 @@ def test_the_projection_of_a_step_is_the_polar_factor(step):
         left, _, right = np.linalg.svd(moved)
         state = np.array([*[0.0] * 3, *R.ravel(), *[0.0] * 3, *omega])
 
-        following, _ = current_engine().evaluate("certreg_euler_step", state, np.ones(23), np.array([step]))
+        following, _ = current_engine().evaluate(
+            "certreg_euler_step", state, np.ones(23), np.array([step])
+        )
         stepped = following[3:12].reshape(3, 3)
 
         assert np.abs(stepped - left @ right).max() < 1e-14

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from certreg.campaign.manifest import require_same
 from certreg.errors import CampaignError, InvalidFileError
-from certreg.io.atomic import TEMPORARY, write_atomically
+from certreg.io import TEMPORARY, write_atomically
 from certreg.verify import shown
 
 if TYPE_CHECKING:

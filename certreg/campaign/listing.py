@@ -15,8 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError
-from certreg.io.streams import reading
-from certreg.io.text import parse_rows
+from certreg.io import parse_rows, reading
 from certreg.settings import CampaignSettings
 from certreg.verify import shown
 

@@ -23,13 +23,16 @@ from certreg.campaign.manifest import Manifest, current_versions
 from certreg.campaign.running import contents, digest_of
 from certreg.campaign.table import Block, Column, write_table
 from certreg.errors import CertregError, InvalidFileError
-from certreg.io.atomic import written_atomically
-from certreg.io.clouds import Pairing, read_problem
-from certreg.io.labels import Match
-from certreg.io.streams import number
-from certreg.registration.certification import certify, optimally_damped
-from certreg.registration.exit_codes import MISUSED, REFUSED, code_of_error, code_of_registration
-from certreg.report.document import result_document
+from certreg.io import Match, Pairing, number, read_problem, written_atomically
+from certreg.registration import (
+    MISUSED,
+    REFUSED,
+    certify,
+    code_of_error,
+    code_of_registration,
+    optimally_damped,
+)
+from certreg.report import result_document
 from certreg.settings import DEFAULT_DAMPING, CampaignSettings
 from certreg.verify import shown
 
@@ -37,8 +40,8 @@ if TYPE_CHECKING:
     from collections.abc import Container, Iterator
 
     from certreg.campaign.listing import Listing, PairRow
-    from certreg.io.clouds import Pair
-    from certreg.problem.problem import RegistrationProblem
+    from certreg.io import Pair
+    from certreg.problem import RegistrationProblem
 
 ERROR_SCHEMA = "certreg-error/1"
 OPTIMAL = "optimal"  # the damping of the fastest decay

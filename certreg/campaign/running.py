@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 from certreg.campaign.calls import outcomes
 from certreg.campaign.shards import Shards
 from certreg.errors import InvalidFileError
-from certreg.io.atomic import write_atomically
+from certreg.io import write_atomically
 from certreg.verify import shown
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from certreg.io.atomic import write_atomically
+from certreg.io import write_atomically
 from certreg.settings import CampaignSettings
 from certreg.verify import shown
 

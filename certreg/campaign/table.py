@@ -10,7 +10,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, cast
 
 from certreg.errors import MissingToolError
-from certreg.io.atomic import write_atomically, written_atomically
+from certreg.io import write_atomically, written_atomically
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterable, Sequence

@@ -1,1 +1,55 @@
 """Certificates: what is proved about a pose, in a file that anyone can check."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from certreg._faces import lazy_face
+
+if TYPE_CHECKING:
+    from certreg.certificate.bounds import ExactPose as ExactPose
+    from certreg.certificate.bounds import PoseBounds as PoseBounds
+    from certreg.certificate.bounds import pose_bounds as pose_bounds
+    from certreg.certificate.bounds import pose_energy as pose_energy
+    from certreg.certificate.checking import check_own as check_own
+    from certreg.certificate.checking import require_accepted as require_accepted
+    from certreg.certificate.checking import verify as verify
+    from certreg.certificate.checking import verify_with_coq as verify_with_coq
+    from certreg.certificate.count import AT_MOST as AT_MOST
+    from certreg.certificate.count import CountCertificate as CountCertificate
+    from certreg.certificate.count import count_certificate as count_certificate
+    from certreg.certificate.envelope import ISOTROPIC as ISOTROPIC
+    from certreg.certificate.envelope import Certificate as Certificate
+    from certreg.certificate.envelope import Claims as Claims
+    from certreg.certificate.envelope import RotationState as RotationState
+    from certreg.certificate.producing import produce as produce
+
+__getattr__ = lazy_face(
+    __name__,
+    {
+        "bounds": (
+            "ExactPose",
+            "PoseBounds",
+            "pose_bounds",
+            "pose_energy",
+        ),
+        "checking": (
+            "check_own",
+            "require_accepted",
+            "verify",
+            "verify_with_coq",
+        ),
+        "count": (
+            "AT_MOST",
+            "CountCertificate",
+            "count_certificate",
+        ),
+        "envelope": (
+            "Certificate",
+            "Claims",
+            "ISOTROPIC",
+            "RotationState",
+        ),
+        "producing": ("produce",),
+    },
+)

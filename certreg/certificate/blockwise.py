@@ -8,17 +8,22 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from certreg.problem.exact_sums import FACTORS, UPPER, other_road, sums_by
-from certreg.problem.problem import row_blocks
+from certreg.problem import (
+    FACTORS,
+    UPPER,
+    other_road,
+    row_blocks,
+    sums_by,
+)
 from certreg.verify import FORMS, Outcome, RefusalError, bound_doubles, moments, parse, require
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from certreg.problem.problem import RegistrationProblem
+    from certreg.problem import RegistrationProblem
 
 Table = list[list[int]]
-# Where the sums of `certreg.problem.exact_sums` stand in the checker's table: its columns are 1, x, y.
+# Where the sums of `certreg.problem` stand in the checker's table: its columns are 1, x, y.
 PLACES = (
     (0, 0),
     *((0, 1 + i) for i in range(6)),

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.exact.dyadic import double_above, double_below, half_angle_bound
-from certreg.geometry.so3 import body_frame, squared_norm
-from certreg.objective.energy import potential_energy, translation_energy
-from certreg.problem.problem import lift
+from certreg.exact import double_above, double_below, half_angle_bound
+from certreg.geometry import body_frame, squared_norm
+from certreg.objective import potential_energy, translation_energy
+from certreg.problem import lift
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.envelope import Certificate
-    from certreg.problem.moments import ExactMoments
+    from certreg.problem import ExactMoments
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError, RefusedCertificateError
-from certreg.io.atomic import write_atomically
+from certreg.io import write_atomically
 from certreg.results import Ruling, Verdict
 from certreg.settings import CertificateSettings
 from certreg.verify import FILE_MAX, INLINE_MAX, Clouds, Outcome, check, shown
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from certreg.certificate.count import CountCertificate
     from certreg.certificate.envelope import Certificate
-    from certreg.problem.problem import RegistrationProblem
+    from certreg.problem import RegistrationProblem
 
 
 def verify(

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from certreg.certificate.coq import export
 from certreg.errors import InvalidFileError, MissingToolError
-from certreg.io.atomic import write_atomically
+from certreg.io import write_atomically
 from certreg.results import Ruling, Verdict
 from certreg.settings import CoqSettings
 from certreg.verify import RefusalError

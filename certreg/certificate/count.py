@@ -10,15 +10,15 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from certreg.certificate.envelope import FORMAT, file_pieces
-from certreg.io.atomic import write_atomically
-from certreg.problem.moments import exact_moments
+from certreg.io import write_atomically
+from certreg.problem import exact_moments
 from certreg.settings import CertificateSettings
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterator
 
-    from certreg.problem.problem import RegistrationProblem
+    from certreg.problem import RegistrationProblem
 
 COUNT = "count"
 AT_MOST = 4
@@ -67,7 +67,7 @@ def count_certificate(
 
     None means not proved, not disproved.
     """
-    from certreg.equilibrium.counting import at_most_four
+    from certreg.equilibrium import at_most_four
 
     settings = settings or CertificateSettings()
     proof = at_most_four(exact_moments(problem).cross)

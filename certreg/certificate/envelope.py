@@ -11,14 +11,14 @@ import json
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from certreg.io.atomic import write_atomically
+from certreg.io import write_atomically
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterator
     from fractions import Fraction
 
-    from certreg.exact.dyadic import Dyadic
+    from certreg.exact import Dyadic
 
 FORMAT = "certreg-certificate/1"
 ISOTROPIC = "isotropic"

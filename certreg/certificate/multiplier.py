@@ -10,16 +10,15 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.exact.dyadic import Dyadic, dyadic_above, power_of_two
-from certreg.exact.elimination import is_positive_definite
-from certreg.geometry.so3 import davenport_matrix
-from certreg.objective.energy import alignment
+from certreg.exact import Dyadic, dyadic_above, is_positive_definite, power_of_two
+from certreg.geometry import davenport_matrix
+from certreg.objective import alignment
 from certreg.settings import MultiplierSettings
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.problem.moments import ExactMoments
+    from certreg.problem import ExactMoments
 
 
 def proved_multiplier(

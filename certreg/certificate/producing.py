@@ -14,19 +14,28 @@ from typing import TYPE_CHECKING
 
 from certreg.certificate.envelope import Certificate, Claims, RotationState
 from certreg.certificate.multiplier import multiplier_gap, proved_multiplier
-from certreg.exact.dyadic import Dyadic, dyadic_above, dyadic_below, power_of_two
-from certreg.exact.elimination import is_positive_definite
-from certreg.geometry.so3 import davenport_matrix, dot, quadratic_form, squared_norm
-from certreg.objective.energy import alignment
+from certreg.exact import (
+    Dyadic,
+    dyadic_above,
+    dyadic_below,
+    is_positive_definite,
+    power_of_two,
+)
+from certreg.geometry import (
+    davenport_matrix,
+    dot,
+    quadratic_form,
+    squared_norm,
+)
+from certreg.objective import alignment
 from certreg.settings import CertificateSettings
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from typing import Any
 
-    from certreg.equilibrium.spectral import Spectrum
-    from certreg.problem.moments import ExactMoments
-    from certreg.problem.problem import RegistrationProblem
+    from certreg.equilibrium import Spectrum
+    from certreg.problem import ExactMoments, RegistrationProblem
 
 
 def produce(

@@ -10,15 +10,15 @@ import click
 from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER
 from certreg.cli.progress import Progress
 from certreg.errors import InvalidFileError
-from certreg.registration.exit_codes import worst
-from certreg.report.markup import printable
+from certreg.registration import worst
+from certreg.report import printable
 
 if TYPE_CHECKING:
     from collections.abc import Generator
     from pathlib import Path
 
-    from certreg.campaign.pairs import PairCampaign, Tally
-    from certreg.paper.monte_carlo import MonteCarlo, Totals
+    from certreg.campaign import PairCampaign, Tally
+    from certreg.paper import MonteCarlo, Totals
 
 
 @click.command(epilog=EXIT_CODES)
@@ -33,8 +33,7 @@ def batch(manifest: Path, *, scheduler: str | None, out: Path | None, parquet: b
     match and damping are optional. A pair that cannot be registered gives an error in its place.
     With --out, run the same command again to go on with what was interrupted, mended or changed.
     """
-    from certreg.campaign.listing import read_listing
-    from certreg.campaign.pairs import PairCampaign
+    from certreg.campaign import PairCampaign, read_listing
 
     if parquet and out is None:
         message = "--parquet goes with --out"
@@ -62,9 +61,7 @@ def _streamed(campaign: PairCampaign, scheduler: str | None) -> Tally:
     """All pairs, their lines printed in the order of the list."""
     import json
 
-    from certreg.campaign.calls import in_order, outcomes
-    from certreg.campaign.pairs import Tally
-    from certreg.campaign.workers import workers_at
+    from certreg.campaign import Tally, in_order, outcomes, workers_at
 
     manifest, tally = campaign.manifest(), Tally()
     calls = campaign.calls(done=())
@@ -80,11 +77,17 @@ def _streamed(campaign: PairCampaign, scheduler: str | None) -> Tally:
 
 def _kept(campaign: PairCampaign, scheduler: str | None, out: Path, *, parquet: bool) -> Tally:
     """All pairs, their results in a folder, where those of an earlier run are kept."""
-    from certreg.campaign.folder import occupied
-    from certreg.campaign.pairs import RESULTS, write_pair_results
-    from certreg.campaign.running import CERTIFICATES, SHARDS, run
-    from certreg.campaign.table import SUMMARY, require_parquet
-    from certreg.campaign.workers import workers_at
+    from certreg.campaign import (
+        CERTIFICATES,
+        RESULTS,
+        SHARDS,
+        SUMMARY,
+        occupied,
+        require_parquet,
+        run,
+        workers_at,
+        write_pair_results,
+    )
 
     if parquet:
         require_parquet()
@@ -107,11 +110,16 @@ def run_instances(
     campaign: MonteCarlo, out: Path, scheduler: str | None, *, parquet: bool
 ) -> Totals:
     """A campaign over random instances, begun or gone on with in a folder; says what it found."""
-    from certreg.campaign.folder import occupied
-    from certreg.campaign.running import CERTIFICATES, SHARDS, run
-    from certreg.campaign.table import SUMMARY, require_parquet
-    from certreg.campaign.workers import workers_at
-    from certreg.paper.monte_carlo import EXCEPTIONS, write_instance_results
+    from certreg.campaign import (
+        CERTIFICATES,
+        SHARDS,
+        SUMMARY,
+        occupied,
+        require_parquet,
+        run,
+        workers_at,
+    )
+    from certreg.paper import EXCEPTIONS, write_instance_results
 
     if parquet:
         require_parquet()

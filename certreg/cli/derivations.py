@@ -8,7 +8,7 @@ import click
 
 from certreg import __version__
 from certreg.cli.options import FOLDER
-from certreg.registration.exit_codes import DONE, REFUSED
+from certreg.registration import DONE, REFUSED
 
 PACKAGES = (
     *("numpy", "scipy", "sympy", "casadi", "python-flint"),
@@ -29,34 +29,46 @@ def derive(names: tuple[str, ...], out: Path | None, *, listing: bool) -> int:
     Each claim prints its verdict, how many steps were checked, how many mutated statements were
     refuted, and the time. Then the claims of the paper, with theirs.
     """
-    from certreg.paper import derivation
-    from certreg.report.claims import audit_lines, chapters_text, claim_line, closing_line
+    from certreg.paper import (
+        all_hold,
+        audit,
+        chapters,
+        outcomes,
+        write_code,
+        write_latex,
+    )
+    from certreg.report import (
+        audit_lines,
+        chapters_text,
+        claim_line,
+        closing_line,
+    )
 
     if listing:
         if names or out is not None:
             message = "--list goes with nothing else"
             raise click.UsageError(message)
-        click.echo(chapters_text(derivation.chapters()))
+        click.echo(chapters_text(chapters()))
         return DONE
     found: list[Any] = []
-    for outcome in derivation.outcomes(names):
+    for outcome in outcomes(names):
         click.echo(claim_line(outcome))
         found.append(outcome)
-    audited = [] if names else derivation.audit(found)
+    audited = [] if names else audit(found)
     for line in audit_lines(audited):
         click.echo(line)
     click.echo(closing_line(found, audited))
     if out is not None:
-        derivation.write_latex(found, out)
-        derivation.write_code(out)
-    return DONE if derivation.all_hold(found, audited) else REFUSED
+        write_latex(found, out)
+        write_code(out)
+    return DONE if all_hold(found, audited) else REFUSED
 
 
 @click.command()
 @click.option("--out", type=FOLDER, required=True, help="Folder to write to.")
 def codegen(out: Path) -> int:
     """Write the generated C of the dynamics with its header and a test program, to embed."""
-    from certreg.registration.c_sources import write_sources
+    from certreg.registration import write_sources
 
     for path in write_sources(out):
         click.echo(path)
@@ -69,7 +81,7 @@ def info() -> int:
     import platform
     from importlib.metadata import version
 
-    from certreg.native.engine import current_engine
+    from certreg.native import current_engine
 
     click.echo(f"certreg      {__version__}")
     click.echo(f"Python       {platform.python_version()} ({platform.python_implementation()})")

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 import click
 
 from certreg.cli.options import CLOUD, EXIT_CODES, cloud_options
-from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
-from certreg.report.markup import printable
+from certreg.registration import DONE, NOT_CERTIFIED, NOT_UNIQUE
+from certreg.report import printable
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from certreg.io.clouds import Pair
-    from certreg.problem.problem import RegistrationProblem
+    from certreg.io import Pair
+    from certreg.problem import RegistrationProblem
 
 SPECTRAL = "spectral"  # the road that the table of equilibria alone speaks of
 TRAJECTORY = ".npz"  # the one format of a trajectory
@@ -40,14 +40,14 @@ def equilibria(
     as_json: bool,
 ) -> int:
     """All equilibria of the registration dynamics, with their stability."""
-    from certreg.registration.enumeration import (
-        equilibrium_road,
-        equilibrium_roads,
-        road_equilibria,
+    from certreg.registration import equilibrium_road, equilibrium_roads, road_equilibria
+    from certreg.report import (
+        dumps,
+        equilibria_document,
+        equilibria_words,
+        roads_summary,
+        roads_table,
     )
-    from certreg.report.document import dumps, equilibria_document
-    from certreg.report.roads import roads_summary, roads_table
-    from certreg.report.summary import equilibria_words
 
     del pair
     roads = equilibrium_roads(problem) if method == "all" else None
@@ -70,7 +70,7 @@ def equilibria(
 
 def _write_count(problem: RegistrationProblem, out: Path) -> None:
     """A certificate that there are at most four equilibria, checked, or the reason for none."""
-    from certreg.registration.enumeration import certified_count
+    from certreg.registration import certified_count
 
     certificate = certified_count(problem)
     if certificate is None:
@@ -104,11 +104,10 @@ def simulate(
     as_json: bool,
 ) -> int:
     """Release the damped body at rest and see where it ends. Exit code 0 converged, 4 not."""
-    from certreg.dynamics.trajectories import Record
-    from certreg.io.atomic import write_atomically
-    from certreg.registration.certification import simulated
-    from certreg.report.document import dumps, simulation_document
-    from certreg.report.summary import simulation_summary
+    from certreg.dynamics import Record
+    from certreg.io import write_atomically
+    from certreg.registration import simulated
+    from certreg.report import dumps, simulation_document, simulation_summary
 
     del pair
     if step is not None and not 0.0 < step < float("inf"):

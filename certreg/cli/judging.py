@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 import click
 
 from certreg.cli.options import CLOUD, cloud_options, pairing_options
-from certreg.registration.exit_codes import DONE, REFUSED
-from certreg.report.markup import printable
+from certreg.registration import DONE, REFUSED
+from certreg.report import printable
 
 if TYPE_CHECKING:
-    from certreg.io.clouds import Pair, Pairing
-    from certreg.problem.problem import RegistrationProblem
+    from certreg.io import Pair, Pairing
+    from certreg.problem import RegistrationProblem
     from certreg.verify import Clouds
 
 
@@ -29,10 +29,9 @@ if TYPE_CHECKING:
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def assess(problem: RegistrationProblem, pair: Pair, *, pose_file: Path, as_json: bool) -> int:
     """Judge a pose that any other tool returned. Exit code 0 if it is optimal, else 1."""
-    from certreg.io.poses import read_result_pose
-    from certreg.registration.assessment import assess as run
-    from certreg.report.document import assessment_document, dumps
-    from certreg.report.summary import assessment_summary
+    from certreg.io import read_result_pose
+    from certreg.registration import assess as run
+    from certreg.report import assessment_document, assessment_summary, dumps
     from certreg.results import PoseVerdict
 
     del pair
@@ -67,8 +66,8 @@ def verify(
     With SOURCE and TARGET it must also be about exactly those points, paired as they were.
     With --coq, Coq's kernel checks it instead, by a checker that is proved correct.
     """
-    from certreg.certificate.checking import verify as check
-    from certreg.certificate.checking import verify_with_coq
+    from certreg.certificate import verify as check
+    from certreg.certificate import verify_with_coq
 
     told = sigma is not None or weights is not None or pairing is not None
     if len(clouds) not in {0, 2} or (told and not clouds):
@@ -98,7 +97,7 @@ def _clouds_to_bind(
     pairing: Pairing | None,
 ) -> tuple[RegistrationProblem | Clouds, list[str]]:
     """What a certificate must be about, and notes; NumPy is loaded only where it is needed."""
-    from certreg.io.text import TEXT_FORMATS, read_clouds
+    from certreg.io import TEXT_FORMATS, read_clouds
     from certreg.verify import INLINE_MAX, Clouds
 
     files = (source, target) if weights is None else (source, target, weights)
@@ -106,7 +105,7 @@ def _clouds_to_bind(
         return read_clouds(source, target, sigma=sigma, weights=weights)
     from array import array
 
-    from certreg.io.clouds import BY_LABEL, read_problem
+    from certreg.io import BY_LABEL, read_problem
 
     problem, pair = read_problem(
         source, target, sigma=sigma, weights=weights, pairing=pairing or BY_LABEL
@@ -129,9 +128,8 @@ def apply(result: Path, cloud: Path, *, out: Path) -> int:
     What is no rotation (a reflection, a scaling) is refused.
     """
     from certreg.errors import InvalidFileError
-    from certreg.io.clouds import read_cloud, write_cloud
-    from certreg.io.poses import read_result_pose
-    from certreg.registration.assessment import why_no_rotation
+    from certreg.io import read_cloud, read_result_pose, write_cloud
+    from certreg.registration import why_no_rotation
     from certreg.results import PoseVerdict
     from certreg.settings import AssessmentSettings
     from certreg.verify import shown
@@ -158,10 +156,8 @@ def report(certificate: Path, *, out: Path | None) -> int:
     """
     from certreg.cli.progress import note
     from certreg.errors import InvalidFileError
-    from certreg.io.atomic import write_atomically
-    from certreg.report.folder import REPORT
-    from certreg.report.page import html_page
-    from certreg.report.revisiting import report_of
+    from certreg.io import write_atomically
+    from certreg.report import REPORT, html_page, report_of
 
     place = certificate.with_name(REPORT) if out is None else out
     if place.exists() and certificate.exists() and place.samefile(certificate):

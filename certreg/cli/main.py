@@ -20,8 +20,8 @@ from certreg.cli.options import EXIT_CODES, warnings_as_notes
 from certreg.cli.registering import certify, demo
 from certreg.cli.reproducing import reproduce
 from certreg.errors import CertregError
-from certreg.registration.exit_codes import DONE, MISUSED, code_of_error
-from certreg.report.markup import printable
+from certreg.registration import DONE, MISUSED, code_of_error
+from certreg.report import printable
 
 if TYPE_CHECKING:
     from typing import NoReturn

@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from certreg.errors import SlowSimulationWarning
-from certreg.report.markup import printable
+from certreg.report import printable
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
 
-    from certreg.io.clouds import Pairing
+    from certreg.io import Pairing
 
 EXIT_CODES = """
 \b
@@ -55,7 +55,7 @@ def pairing_options(command: Callable[..., Any]) -> Callable[..., Any]:
         if pairs is not None and match == "common":
             message = "--pairs and --match common exclude each other: give one"
             raise click.UsageError(message)
-        from certreg.io.clouds import Match, Pairing
+        from certreg.io import Match, Pairing
 
         return command(*args, pairing=Pairing(pairs=pairs, match=Match(match)), **options)
 
@@ -98,7 +98,7 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
         pairing: Pairing | None,
         **options: Any,
     ) -> Any:
-        from certreg.io.clouds import BY_LABEL, read_problem
+        from certreg.io import BY_LABEL, read_problem
         from certreg.settings import DEFAULT_DAMPING
 
         if sigma is not None and weights is not None:
@@ -113,7 +113,7 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
             pairing=pairing or BY_LABEL,
         )
         if damping == OPTIMAL:
-            from certreg.registration.certification import optimally_damped
+            from certreg.registration import optimally_damped
 
             problem = optimally_damped(problem)
         for note in pair.notes:

@@ -16,12 +16,12 @@ from certreg.cli.options import (
     FOLDER,
     cloud_options,
 )
-from certreg.registration.exit_codes import DONE, REFUSED, code_of_registration
-from certreg.report.markup import printable
+from certreg.registration import DONE, REFUSED, code_of_registration
+from certreg.report import printable
 
 if TYPE_CHECKING:
-    from certreg.io.clouds import Pair
-    from certreg.problem.problem import RegistrationProblem
+    from certreg.io import Pair
+    from certreg.problem import RegistrationProblem
 
 
 @click.command(epilog=EXIT_CODES)
@@ -40,10 +40,8 @@ def certify(
     as_json: bool,
 ) -> int:
     """Register SOURCE to TARGET and certify the result."""
-    from certreg.registration.certification import certify as run
-    from certreg.report.document import dumps, result_document
-    from certreg.report.folder import REPORT, write_folder
-    from certreg.report.summary import registration_summary
+    from certreg.registration import certify as run
+    from certreg.report import REPORT, dumps, registration_summary, result_document, write_folder
 
     registration = run(
         problem,
@@ -74,9 +72,8 @@ def certify(
 )
 def demo(out: Path) -> int:
     """The main job on packaged real data: survey, electrodes, protein."""
-    from certreg.registration.examples import STORIES, differences, tell
-    from certreg.report.folder import REPORT, write_folder
-    from certreg.report.summary import registration_summary
+    from certreg.registration import STORIES, differences, tell
+    from certreg.report import REPORT, registration_summary, write_folder
     from certreg.verify import shown
 
     code = DONE

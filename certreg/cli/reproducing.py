@@ -9,8 +9,8 @@ import click
 from certreg.cli.campaigns import run_instances
 from certreg.cli.options import FOLDER
 from certreg.cli.progress import Stages
-from certreg.registration.exit_codes import DONE, REFUSED
-from certreg.report.markup import printable
+from certreg.registration import DONE, REFUSED
+from certreg.report import printable
 
 CAMPAIGN = "campaign"  # folder, within that of the reproduction
 
@@ -81,14 +81,17 @@ def reproduce(
     The claims are proved and measured anew; figures, and the verdicts as HTML, Markdown and JSON,
     go to the folder. A campaign is kept in the folder `campaign` there: begun again, it goes on.
     """
-    from certreg.paper.charts import map_drawings
-    from certreg.paper.drawings import all_drawings
-    from certreg.paper.exhibition import make_folder, write_reproduction
-    from certreg.paper.maps import measured_maps
-    from certreg.paper.monte_carlo import MonteCarlo
-    from certreg.paper.observations import Setup
-    from certreg.paper.reproduction import texts
-    from certreg.paper.verdicts import reproduce as run
+    from certreg.paper import (
+        MonteCarlo,
+        Setup,
+        all_drawings,
+        make_folder,
+        map_drawings,
+        measured_maps,
+        texts,
+        write_reproduction,
+    )
+    from certreg.paper import reproduce as run
     from certreg.settings import ReproductionSettings
 
     apart = scheduler is not None or parquet or (runs or 0) > ReproductionSettings().largest_runs

@@ -1,1 +1,47 @@
 """The damped rigid body under springs: equations of motion, integrators, simulations."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from certreg._faces import lazy_face
+
+if TYPE_CHECKING:
+    from certreg.dynamics.batch import Ensemble as Ensemble
+    from certreg.dynamics.batch import ensemble as ensemble
+    from certreg.dynamics.batch import simulate_many as simulate_many
+    from certreg.dynamics.body import Body as Body
+    from certreg.dynamics.body import body_of as body_of
+    from certreg.dynamics.body import start_at_rest as start_at_rest
+    from certreg.dynamics.simulation import SimulationStatus as SimulationStatus
+    from certreg.dynamics.simulation import Trajectory as Trajectory
+    from certreg.dynamics.simulation import optimal_damping as optimal_damping
+    from certreg.dynamics.simulation import simulate as simulate
+    from certreg.dynamics.trajectories import Record as Record
+    from certreg.dynamics.trajectories import read_record as read_record
+
+__getattr__ = lazy_face(
+    __name__,
+    {
+        "batch": (
+            "Ensemble",
+            "ensemble",
+            "simulate_many",
+        ),
+        "body": (
+            "Body",
+            "body_of",
+            "start_at_rest",
+        ),
+        "simulation": (
+            "SimulationStatus",
+            "Trajectory",
+            "optimal_damping",
+            "simulate",
+        ),
+        "trajectories": (
+            "Record",
+            "read_record",
+        ),
+    },
+)

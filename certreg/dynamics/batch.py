@@ -23,17 +23,17 @@ import numpy as np
 
 from certreg.dynamics.body import SMALLEST_BARRIER, SMALLEST_INERTIA
 from certreg.dynamics.integrators import integrate, step_parameters
-from certreg.equilibrium.batch import clouds, rest_poses
+from certreg.equilibrium import clouds, rest_poses
 from certreg.errors import DegenerateProblemError
-from certreg.geometry.so3 import rotation_matrix
-from certreg.native.batch import Batch, Ending, Integrator
-from certreg.problem.problem import checked_damping
+from certreg.geometry import rotation_matrix
+from certreg.native import Batch, Ending, Integrator
+from certreg.problem import checked_damping
 from certreg.settings import DEFAULT_DAMPING, SimulationSettings
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from certreg.native.clouds import RestPoses
+    from certreg.native import RestPoses
 
 TIE = 1e-13  # of l1 - l4: doubles do not tell such eigenvalues apart
 

@@ -9,8 +9,8 @@ c the source's centre of mass minus the target's, omega in the body frame. The m
 and lengths are over a power of two (|s'| mixes lengths and angles); time has its own unit.
 
 A state is 18 numbers: c, R row by row, v, omega: the order of [Yang2020]. Nothing is evaluated
-here: the functions are generated from the derivation (certreg/native/generated), and run compiled or in
-CasADi's evaluator (certreg/native).
+here: the functions are generated from the derivation (certreg/native/generated), and run compiled
+or in CasADi's evaluator (certreg/native).
 """
 
 from __future__ import annotations
@@ -21,14 +21,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.errors import DegenerateProblemError
-from certreg.exact.dyadic import power_of_two
-from certreg.native.batch import ENERGIES
-from certreg.native.engine import current_engine
+from certreg.exact import power_of_two
+from certreg.native import ENERGIES, current_engine
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.problem.moments import ExactMoments
+    from certreg.problem import ExactMoments
 
 SMALLEST_BARRIER = 1e-280  # of l1 - l2: shares of it, times squares of small angles, are doubles
 SMALLEST_INERTIA = 1e-14  # of the clouds' spread: below, rounding is larger than J itself
@@ -56,8 +55,9 @@ class Energies:
 class Body:
     """What the dynamics knows of a problem: per unit of mass, lengths over 2^length_exponent.
 
-    parameters: (23,), as certreg/native/generated/dynamics.h lists them: C / M row by row, the upper
-    triangles of J / M and of its inverse, the spread of both clouds over M, the damping mu > 0.
+    parameters: (23,), as certreg/native/generated/dynamics.h lists them: C / M row by row, the
+    upper triangles of J / M and of its inverse, the spread of both clouds over M, the damping
+    mu > 0.
     """
 
     parameters: NDArray[np.float64]

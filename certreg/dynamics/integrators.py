@@ -9,17 +9,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.equilibrium.stability import TRANSLATION_STIFFNESS
+from certreg.equilibrium import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
-from certreg.geometry.so3 import rotation_matrix
-from certreg.native.batch import Ending, Integrator
-from certreg.native.engine import current_engine
+from certreg.geometry import rotation_matrix
+from certreg.native import Ending, Integrator, current_engine
 from certreg.settings import DEFAULT_DAMPING
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.native.batch import Batch, Log
+    from certreg.native import Batch, Log
     from certreg.settings import SimulationSettings
 
 

@@ -19,11 +19,16 @@ import numpy as np
 
 from certreg.dynamics.body import AT_REST, SMALLEST_BARRIER, Body, body_of, start_at_rest
 from certreg.dynamics.integrators import integrate, spring_ratios, step_parameters
-from certreg.equilibrium.spectral import unit_double
-from certreg.equilibrium.stability import TRANSLATION_STIFFNESS
+from certreg.equilibrium import TRANSLATION_STIFFNESS, unit_double
 from certreg.errors import DegenerateProblemError
-from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
-from certreg.native.batch import ENERGIES, Batch, Ending, Integrator, Log
+from certreg.geometry import quaternion_from_matrix, rotation_matrix
+from certreg.native import (
+    ENERGIES,
+    Batch,
+    Ending,
+    Integrator,
+    Log,
+)
 from certreg.settings import SimulationSettings
 
 if TYPE_CHECKING:
@@ -31,7 +36,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.equilibrium.spectral import Spectrum
+    from certreg.equilibrium import Spectrum
 
 RATE_WINDOW = (
     1e-3,

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.errors import InvalidFileError
-from certreg.io.npz import read_arrays
-from certreg.io.streams import reading
+from certreg.io import read_arrays, reading
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.dynamics.simulation import Trajectory
-    from certreg.problem.problem import RegistrationProblem
+    from certreg.problem import RegistrationProblem
 
 ARRAYS = ("times", "states", "potential", "kinetic", "length_exponent", "damping", "digest")
 STATE = 18  # as in certreg.dynamics.body
@@ -33,7 +32,7 @@ LARGEST_EXPONENT = 1100  # of a unit of length: doubles reach from 2^-1074 to 2^
 class Record:
     """A trajectory as it is kept: poses and energies, no points.
 
-    times (L,); states (L, 18), potential and kinetic (L,) as in `certreg.dynamics.simulation.Trajectory`.
+    times (L,); states (L, 18), potential and kinetic (L,) as in `certreg.Trajectory`.
     digest: of the problem, 64 hexadecimal digits. damping: mu, which no certificate holds.
     """
 

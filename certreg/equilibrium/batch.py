@@ -58,17 +58,15 @@ import numpy as np
 from certreg.equilibrium.spectral import equilibrium_set, spectrum
 from certreg.equilibrium.stability import Oscillations
 from certreg.errors import InvalidProblemError
-from certreg.native.clouds import ManyClouds
-from certreg.native.engine import current_engine
-from certreg.problem.moments import exact_moments
-from certreg.problem.problem import RegistrationProblem, checked_damping, checked_threads
+from certreg.native import ManyClouds, current_engine
+from certreg.problem import RegistrationProblem, checked_damping, checked_threads, exact_moments
 from certreg.settings import DEFAULT_DAMPING
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from certreg.equilibrium.critical_set import EquilibriumSet
-    from certreg.native.clouds import RestPoses
+    from certreg.native import RestPoses
 
 Array = Any  # NDArray[np.float64]
 MODES = 12  # of the linearised dynamics

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from certreg.objective.classification import Classification
+    from certreg.objective import Classification
     from certreg.results import ComponentKind, Guarantee
 
 

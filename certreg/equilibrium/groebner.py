@@ -28,8 +28,8 @@ from flint import acb, arb, arb_mat, ctx, fmpq_mat, fmpz_mat, fmpz_poly
 
 from certreg.equilibrium.polynomials import COLUMNS, torque_table
 from certreg.errors import ContradictionError
-from certreg.exact.balls import orthonormal, radius_bits
-from certreg.geometry.so3 import davenport_matrix
+from certreg.exact import orthonormal, radius_bits
+from certreg.geometry import davenport_matrix
 from certreg.settings import EliminationSettings
 
 if TYPE_CHECKING:

@@ -20,9 +20,9 @@ import numpy as np
 
 from certreg.equilibrium.spectral import Spectrum, resolved, spectrum
 from certreg.errors import ContradictionError, UndecidedError
-from certreg.exact.eigenbasis import Eigenbasis
-from certreg.geometry.so3 import davenport_matrix, dot
-from certreg.objective.classification import with_pattern
+from certreg.exact import Eigenbasis
+from certreg.geometry import davenport_matrix, dot
+from certreg.objective import with_pattern
 from certreg.results import Guarantee
 from certreg.settings import RoadSettings
 
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
     from certreg.equilibrium.homotopy import Continuation
     from certreg.equilibrium.krawczyk import EigenBalls, RootBox
-    from certreg.problem.moments import ExactMoments
+    from certreg.problem import ExactMoments
 
 FIXED = 53  # fractional bits of a double near 1
 
@@ -163,7 +163,7 @@ def _spectral(moments: ExactMoments) -> _End:
 
 def _groebner(moments: ExactMoments) -> _End:
     from certreg.equilibrium.groebner import Fibre, eliminate, fibres
-    from certreg.exact.balls import fixed_point, morse_bott_index
+    from certreg.exact import fixed_point, morse_bott_index
 
     elimination, shift = eliminate(moments.cross), _shift(moments)
     known: list[tuple[Fibre, ...]] = []
@@ -214,7 +214,7 @@ def _homotopy(moments: ExactMoments) -> _End:
 def _proved(moments: ExactMoments, ends: Continuation) -> _End | None:
     """The four ends in disjoint boxes with one root each; None where that is not proved."""
     from certreg.equilibrium.krawczyk import EigenBalls, are_distinct, proved_root, tightened
-    from certreg.exact.balls import exact_matrix, morse_bott_index
+    from certreg.exact import exact_matrix, morse_bott_index
 
     shift, K = _shift(moments), davenport_matrix(moments.cross)
     balls = exact_matrix(K, shift)
@@ -248,7 +248,7 @@ def _basis_of_boxes(
     from flint import ctx
 
     from certreg.equilibrium.krawczyk import tightened
-    from certreg.exact.balls import fixed_point, orthonormal
+    from certreg.exact import fixed_point, orthonormal
 
     values, vectors = list[int](), list[tuple[int, ...]]()
     for system, box in held:

@@ -19,7 +19,7 @@ from functools import cache
 from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING, Any
 
-from certreg.geometry.so3 import davenport_matrix, rotation_matrix
+from certreg.geometry import davenport_matrix, rotation_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

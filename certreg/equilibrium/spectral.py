@@ -23,12 +23,16 @@ from certreg.equilibrium.stability import (
     linearised_spectrum,
     spring_ratios,
 )
-from certreg.exact.dyadic import nearest_double, nearest_root, power_of_two
-from certreg.exact.eigenbasis import Eigenbasis, integer_eigenbasis
-from certreg.geometry.so3 import canonical, davenport_matrix, dot, rotation_matrix, squared_norm
-from certreg.objective.classification import Classification, classify
-from certreg.objective.energy import potential_energy
-from certreg.problem.moments import trace
+from certreg.exact import Eigenbasis, integer_eigenbasis, nearest_double, nearest_root, power_of_two
+from certreg.geometry import (
+    canonical,
+    davenport_matrix,
+    dot,
+    rotation_matrix,
+    squared_norm,
+)
+from certreg.objective import Classification, classify, potential_energy
+from certreg.problem import trace
 from certreg.results import Guarantee
 from certreg.settings import SpectrumSettings
 
@@ -37,7 +41,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.problem.moments import ExactMoments
+    from certreg.problem import ExactMoments
 
 IntegerQuaternion = tuple[int, int, int, int]
 LEAST = 5e-324  # the least positive double

@@ -1,1 +1,63 @@
 """Integer and ball arithmetic that decides."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from certreg._faces import lazy_face
+
+if TYPE_CHECKING:
+    from certreg.exact.balls import exact_matrix as exact_matrix
+    from certreg.exact.balls import fixed_point as fixed_point
+    from certreg.exact.balls import morse_bott_index as morse_bott_index
+    from certreg.exact.balls import orthonormal as orthonormal
+    from certreg.exact.balls import radius_bits as radius_bits
+    from certreg.exact.dyadic import Dyadic as Dyadic
+    from certreg.exact.dyadic import double_above as double_above
+    from certreg.exact.dyadic import double_below as double_below
+    from certreg.exact.dyadic import dyadic_above as dyadic_above
+    from certreg.exact.dyadic import dyadic_below as dyadic_below
+    from certreg.exact.dyadic import half_angle_bound as half_angle_bound
+    from certreg.exact.dyadic import nearest_double as nearest_double
+    from certreg.exact.dyadic import nearest_or_zero as nearest_or_zero
+    from certreg.exact.dyadic import nearest_root as nearest_root
+    from certreg.exact.dyadic import power_of_two as power_of_two
+    from certreg.exact.dyadic import weight_of_sigma as weight_of_sigma
+    from certreg.exact.eigenbasis import Eigenbasis as Eigenbasis
+    from certreg.exact.eigenbasis import integer_eigenbasis as integer_eigenbasis
+    from certreg.exact.elimination import is_positive_definite as is_positive_definite
+    from certreg.exact.elimination import rank as rank
+
+__getattr__ = lazy_face(
+    __name__,
+    {
+        "balls": (
+            "exact_matrix",
+            "fixed_point",
+            "morse_bott_index",
+            "orthonormal",
+            "radius_bits",
+        ),
+        "dyadic": (
+            "Dyadic",
+            "double_above",
+            "double_below",
+            "dyadic_above",
+            "dyadic_below",
+            "half_angle_bound",
+            "nearest_double",
+            "nearest_or_zero",
+            "nearest_root",
+            "power_of_two",
+            "weight_of_sigma",
+        ),
+        "eigenbasis": (
+            "Eigenbasis",
+            "integer_eigenbasis",
+        ),
+        "elimination": (
+            "is_positive_definite",
+            "rank",
+        ),
+    },
+)

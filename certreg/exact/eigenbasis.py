@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.geometry.so3 import dot
+from certreg.geometry import dot
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -1,1 +1,61 @@
 """Files of clouds, weights and poses: strict readers, atomic writers. The package loads nothing."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from certreg._faces import lazy_face
+
+if TYPE_CHECKING:
+    from certreg.io.atomic import TEMPORARY as TEMPORARY
+    from certreg.io.atomic import write_atomically as write_atomically
+    from certreg.io.atomic import write_folder_of as write_folder_of
+    from certreg.io.atomic import write_together as write_together
+    from certreg.io.atomic import written_atomically as written_atomically
+    from certreg.io.clouds import BY_LABEL as BY_LABEL
+    from certreg.io.clouds import Match as Match
+    from certreg.io.clouds import Pair as Pair
+    from certreg.io.clouds import Pairing as Pairing
+    from certreg.io.clouds import read_cloud as read_cloud
+    from certreg.io.clouds import read_problem as read_problem
+    from certreg.io.clouds import write_cloud as write_cloud
+    from certreg.io.npz import read_arrays as read_arrays
+    from certreg.io.poses import read_result_pose as read_result_pose
+    from certreg.io.streams import number as number
+    from certreg.io.streams import reading as reading
+    from certreg.io.text import TEXT_FORMATS as TEXT_FORMATS
+    from certreg.io.text import parse_rows as parse_rows
+    from certreg.io.text import read_clouds as read_clouds
+
+__getattr__ = lazy_face(
+    __name__,
+    {
+        "atomic": (
+            "TEMPORARY",
+            "write_atomically",
+            "write_folder_of",
+            "write_together",
+            "written_atomically",
+        ),
+        "clouds": (
+            "BY_LABEL",
+            "Match",
+            "Pair",
+            "Pairing",
+            "read_cloud",
+            "read_problem",
+            "write_cloud",
+        ),
+        "npz": ("read_arrays",),
+        "poses": ("read_result_pose",),
+        "streams": (
+            "number",
+            "reading",
+        ),
+        "text": (
+            "TEXT_FORMATS",
+            "parse_rows",
+            "read_clouds",
+        ),
+    },
+)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, BinaryIO
 from certreg.errors import InvalidFileError
 
 if TYPE_CHECKING:
-    from collections.abc import Generator, Iterable
+    from collections.abc import Generator, Iterable, Mapping
 
 BINARY: int = getattr(os, "O_BINARY", 0)  # Windows alone tells text from bytes
 TEMPORARY = ".certreg-"  # how names of files begin that are not yet whole
@@ -24,6 +24,13 @@ def write_atomically(path: str | os.PathLike[str], content: bytes | Iterable[byt
     """
     with written_atomically(path) as stream:
         stream.writelines([content] if isinstance(content, bytes) else content)
+
+
+def write_folder_of(folder: Path, contents: Mapping[str, bytes]) -> None:
+    """Write files, by name, to a folder that is made if it is missing; each whole or not at all."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, content in contents.items():
+        write_atomically(folder / name, content)
 
 
 def write_together(contents: dict[Path, bytes | Iterable[bytes]], obsolete: Iterable[Path]) -> None:

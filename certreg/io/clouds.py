@@ -20,7 +20,12 @@ from certreg.io.pcd import parse_pcd
 from certreg.io.ply import parse_ply, write_ply
 from certreg.io.streams import reading
 from certreg.io.text import TEXT_FORMATS, ignored_note, parse_points, read_numbers
-from certreg.problem.problem import RegistrationProblem, contiguous, first_row, row_blocks
+from certreg.problem import (
+    RegistrationProblem,
+    contiguous,
+    first_row,
+    row_blocks,
+)
 from certreg.settings import DEFAULT_DAMPING, CertificateSettings
 from certreg.verify import shown
 

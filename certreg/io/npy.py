@@ -14,8 +14,7 @@ import numpy as np
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import write_atomically
 from certreg.io.streams import held_bytes, large_file, reading
-from certreg.problem.memory_mapped import let_go, mapped_file
-from certreg.problem.problem import as_doubles, row_blocks
+from certreg.problem import as_doubles, let_go, mapped_file, row_blocks
 from certreg.verify import shown
 
 if TYPE_CHECKING:

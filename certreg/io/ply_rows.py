@@ -12,7 +12,7 @@ import numpy as np
 
 from certreg.errors import InvalidFileError
 from certreg.io.streams import COUNT, number
-from certreg.problem.memory_mapped import let_go
+from certreg.problem import let_go
 from certreg.verify import shown
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, cast
 import numpy as np
 
 from certreg.errors import InvalidFileError
-from certreg.geometry.so3 import rotation_matrix
+from certreg.geometry import rotation_matrix
 from certreg.io.streams import reading
 from certreg.settings import AssessmentSettings, FileSettings
 from certreg.verify import shown

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError, InvalidProblemError
-from certreg.exact.dyadic import weight_of_sigma
+from certreg.exact import weight_of_sigma
 from certreg.io.labels import (
     IDENTIFIERS,
     require_same_order,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from certreg.errors import SlowSimulationWarning
 from certreg.native.compiler import CompilationError
 from certreg.native.evaluator import evaluator
-from certreg.native.library import compiled_library
+from certreg.native.library import loaded_library
 
 if TYPE_CHECKING:
     from certreg.native.batch import Engine
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 def current_engine() -> Engine:
     """The engine of this process; warns once where it is the slow one."""
     try:
-        return compiled_library()
+        return loaded_library()
     except CompilationError as error:
         message = f"{error}: simulating with CasADi's evaluator, same results but much slower"
         warnings.warn(message, SlowSimulationWarning, stacklevel=2)

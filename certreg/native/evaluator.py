@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
+from certreg.geometry import quaternion_from_matrix, rotation_matrix
 from certreg.native.batch import BODY, ENERGIES, Batch, Ending, Integrator, Log
 from certreg.native.compiler import GENERATED
 from certreg.native.library import Signature, signatures

@@ -233,7 +233,7 @@ def signatures() -> dict[str, Signature]:
 
 
 @cache
-def compiled_library() -> Library:
+def loaded_library() -> Library:
     """The compiled library of this process. Raises CompilationError where there is none."""
     path = compiled_library()
     try:

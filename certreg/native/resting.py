@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.geometry.so3 import davenport_matrix, rotation_matrix
+from certreg.geometry import davenport_matrix, rotation_matrix
 from certreg.native.clouds import RestPoses
 
 if TYPE_CHECKING:

@@ -17,14 +17,14 @@ from enum import Enum
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
-from certreg.exact.elimination import is_positive_definite, rank
+from certreg.exact import is_positive_definite, rank
 from certreg.results import ComponentKind
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.geometry.so3 import T
-    from certreg.problem.moments import ExactMoments
+    from certreg.geometry import T
+    from certreg.problem import ExactMoments
 
 Pattern = tuple[int, ...]
 

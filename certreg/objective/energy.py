@@ -9,8 +9,8 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.exact.dyadic import power_of_two
-from certreg.geometry.so3 import (
+from certreg.exact import power_of_two
+from certreg.geometry import (
     davenport_matrix,
     dot,
     quadratic_form,
@@ -21,8 +21,8 @@ from certreg.geometry.so3 import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.geometry.so3 import Vector3
-    from certreg.problem.moments import ExactMoments
+    from certreg.geometry import Vector3
+    from certreg.problem import ExactMoments
 
 
 def alignment(moments: ExactMoments, q: Sequence[int]) -> Fraction:

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics.body import body_of
-from certreg.geometry.so3 import rotation_matrix
+from certreg.dynamics import body_of
+from certreg.geometry import rotation_matrix
 from certreg.paper.particles import Particles, parts
 from certreg.paper.scheme import RAW_UNIT
-from certreg.problem.moments import exact_moments
+from certreg.problem import exact_moments
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.problem.problem import RegistrationProblem
+    from certreg.problem import RegistrationProblem
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from certreg.errors import CertregError
-from certreg.io.atomic import write_atomically
+from certreg.io import write_atomically, write_folder_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -91,9 +91,9 @@ def write_latex(found: Sequence[Any], folder: Path) -> None:
 
 def write_code(folder: Path) -> None:
     """Write the C that the derived expressions become, generated anew."""
-    from certreg.native.codegen.emit import emit
+    from certreg.native import generated_files
 
-    emit(_module("emit").definitions(), folder / CODE_FOLDER)
+    write_folder_of(folder / CODE_FOLDER, generated_files(_module("emit").definitions()))
 
 
 def _module(name: str) -> Any:

@@ -14,21 +14,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics.body import body_of
-from certreg.equilibrium.methods import Method, road
-from certreg.equilibrium.spectral import rotation_double, unit_double
-from certreg.geometry.so3 import rotation_matrix
+from certreg.dynamics import body_of
+from certreg.equilibrium import Method, road, rotation_double, unit_double
+from certreg.geometry import rotation_matrix
 from certreg.paper.particles import Particles, at_rest
 from certreg.paper.scheme import RAW_UNIT
-from certreg.problem.moments import exact_moments
-from certreg.registration.closed_form import horn
+from certreg.problem import exact_moments
+from certreg.registration import horn
 from certreg.settings import ReproductionSettings
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.dynamics.body import Body
-    from certreg.problem.problem import RegistrationProblem
+    from certreg.dynamics import Body
+    from certreg.problem import RegistrationProblem
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

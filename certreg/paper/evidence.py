@@ -6,8 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from certreg.problem.problem import RegistrationProblem
-from certreg.problem.random_instances import PAPER_DAMPING
+from certreg.problem import PAPER_DAMPING, RegistrationProblem
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError
-from certreg.io.atomic import write_atomically
+from certreg.io import write_atomically
 from certreg.paper.map_tables import MAPS, table
 from certreg.paper.reproduction import (
     CERTIFICATES,
@@ -25,8 +25,7 @@ from certreg.paper.reproduction import (
     verdict_word,
 )
 from certreg.paper.style import written
-from certreg.report.claims import plain
-from certreg.report.document import dumps
+from certreg.report import dumps, plain
 
 if TYPE_CHECKING:
     import os

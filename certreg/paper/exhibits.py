@@ -12,20 +12,17 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from certreg.certificate.checking import verify
-from certreg.certificate.count import AT_MOST, count_certificate
-from certreg.certificate.producing import produce
-from certreg.equilibrium.spectral import spectrum
+from certreg.certificate import AT_MOST, count_certificate, produce, verify
+from certreg.equilibrium import spectrum
 from certreg.errors import InvalidProblemError
-from certreg.geometry.so3 import squared_norm
-from certreg.problem.moments import exact_moments
-from certreg.problem.problem import RegistrationProblem
+from certreg.geometry import squared_norm
+from certreg.problem import RegistrationProblem, exact_moments
 from certreg.results import Ruling, Verdict
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.equilibrium.spectral import Spectrum
+    from certreg.equilibrium import Spectrum
 
 SUFFIX, COUNT_SUFFIX = ".json", ".count.json"
 NO_PROOF = Verdict(ruling=Ruling.INCONCLUSIVE, words="no certificate was found")

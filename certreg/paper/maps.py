@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dynamics.batch import Ensemble, ensemble, simulate_many
-from certreg.equilibrium.batch import exactly, solve_many
-from certreg.geometry.so3 import rotation_matrix
-from certreg.native.batch import Integrator
+from certreg.dynamics import Ensemble, ensemble, simulate_many
+from certreg.equilibrium import exactly, solve_many
+from certreg.geometry import rotation_matrix
+from certreg.native import Integrator
 from certreg.paper.families import FAMILIES
 from certreg.paper.scheme import NO_BASIN
 from certreg.settings import MapSettings, SimulationSettings
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.equilibrium.batch import Solutions
+    from certreg.equilibrium import Solutions
     from certreg.paper.families import Family, Sample
     from certreg.paper.observations import Announcer
 

@@ -18,22 +18,30 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg import __version__
-from certreg.campaign.calls import Call, Yield
-from certreg.campaign.manifest import Manifest, current_versions
-from certreg.campaign.running import CERTIFICATES, contents
-from certreg.campaign.table import Block, Column, csv_bytes, write_table
-from certreg.equilibrium.batch import solve_many
+from certreg.campaign import (
+    CERTIFICATES,
+    Block,
+    Call,
+    Column,
+    Manifest,
+    Yield,
+    contents,
+    csv_bytes,
+    current_versions,
+    write_table,
+)
+from certreg.equilibrium import solve_many
 from certreg.errors import InvalidProblemError
-from certreg.geometry.so3 import rotation_matrix
-from certreg.io.atomic import write_atomically
-from certreg.problem.problem import RegistrationProblem
-from certreg.problem.random_instances import (
+from certreg.geometry import rotation_matrix
+from certreg.io import write_atomically
+from certreg.problem import (
     PAPER_DAMPING,
     PAPER_POINTS,
     PAPER_SIGMA,
+    RegistrationProblem,
     gaussian_instances,
 )
-from certreg.registration.certification import certify
+from certreg.registration import certify
 from certreg.settings import CampaignSettings
 
 if TYPE_CHECKING:
@@ -42,9 +50,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.equilibrium.batch import Solutions
-    from certreg.problem.random_instances import Instances
-    from certreg.registration.certification import Registration
+    from certreg.equilibrium import Solutions
+    from certreg.problem import Instances
+    from certreg.registration import Registration
 
 Arrays = dict[str, "NDArray[Any]"]
 

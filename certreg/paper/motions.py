@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.geometry.so3 import quaternion_from_matrix
+from certreg.geometry import quaternion_from_matrix
 from certreg.paper.equilibria import angle
 from certreg.paper.evidence import Clouds, Evidence, rough, share, tally
 from certreg.paper.scheme import descend
-from certreg.problem.problem import RegistrationProblem
-from certreg.registration.enumeration import equilibria
+from certreg.problem import RegistrationProblem
+from certreg.registration import equilibria
 
 if TYPE_CHECKING:
     from certreg.paper.observations import Observations

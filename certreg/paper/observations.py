@@ -13,12 +13,12 @@ from certreg.paper.equilibria import EquilibriumRun, equilibrium_run
 from certreg.paper.polygons import SQUARE, TRIANGLE, Turn, exact_sums, turn
 from certreg.paper.poses import Gallery, gallery
 from certreg.paper.simulations import SimulationRun, simulation_run
-from certreg.problem.problem import RegistrationProblem
-from certreg.problem.random_instances import (
+from certreg.problem import (
     PAPER_DAMPING,
     PAPER_POINTS,
     PAPER_SIGMA,
     Instances,
+    RegistrationProblem,
     gaussian_instances,
 )
 from certreg.settings import ReproductionSettings

@@ -14,12 +14,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dynamics.body import body_of
+from certreg.dynamics import body_of
 from certreg.paper.equilibria import signs
 from certreg.paper.particles import Particles, at_rest
 from certreg.paper.scheme import RAW_UNIT
-from certreg.problem.moments import exact_moments
-from certreg.problem.problem import RegistrationProblem
+from certreg.problem import RegistrationProblem, exact_moments
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

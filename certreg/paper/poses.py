@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.paper.particles import Particles
-from certreg.registration.enumeration import equilibria
-from certreg.registration.examples import STORIES, stated
+from certreg.registration import STORIES, equilibria, stated
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from certreg.campaign.workers import LocalWorkers
+from certreg.campaign import LocalWorkers
 from certreg.paper import derivation
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ import numpy as np
 from certreg import __version__
 from certreg.paper.map_tables import rows
 from certreg.paper.statics import unstable_counts
-from certreg.report.claims import plain
+from certreg.report import plain
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

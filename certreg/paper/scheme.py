@@ -12,16 +12,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics.body import body_of, start_at_rest
-from certreg.native.batch import ENERGIES, Batch, Ending, Integrator, Log
-from certreg.native.engine import current_engine
-from certreg.problem.moments import exact_moments
+from certreg.dynamics import body_of, start_at_rest
+from certreg.native import (
+    ENERGIES,
+    Batch,
+    Ending,
+    Integrator,
+    Log,
+    current_engine,
+)
+from certreg.problem import exact_moments
 from certreg.settings import ReproductionSettings, SimulationSettings
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.problem.problem import RegistrationProblem
+    from certreg.problem import RegistrationProblem
 
 RAW_UNIT = 0  # the exponent of the unit of length: |s'| mixes lengths and angles, as in the paper
 # Deficits of zero: no pose is better than another, so that the loop, which would else look for the

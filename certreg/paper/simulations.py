@@ -11,23 +11,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics.body import body_of
-from certreg.dynamics.simulation import simulate
-from certreg.equilibrium.spectral import spectrum
-from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
-from certreg.native.batch import Integrator
+from certreg.dynamics import body_of, simulate
+from certreg.equilibrium import spectrum
+from certreg.geometry import quaternion_from_matrix, rotation_matrix
+from certreg.native import Integrator
 from certreg.paper.equilibria import angle
 from certreg.paper.particles import Particles, at_rest
 from certreg.paper.scheme import RAW_UNIT, descend
-from certreg.problem.moments import exact_moments
-from certreg.registration.closed_form import horn
+from certreg.problem import exact_moments
+from certreg.registration import horn
 from certreg.settings import ReproductionSettings
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.paper.scheme import Descent
-    from certreg.problem.problem import RegistrationProblem
+    from certreg.problem import RegistrationProblem
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
+from certreg.geometry import quaternion_from_matrix, rotation_matrix
 from certreg.paper.equilibria import angle, signs
 from certreg.paper.evidence import Clouds, Evidence, listed, rough, share, tally
 from certreg.paper.particles import Particles, at_rest
-from certreg.problem.problem import RegistrationProblem
-from certreg.registration.enumeration import equilibria
+from certreg.problem import RegistrationProblem
+from certreg.registration import equilibria
 
 if TYPE_CHECKING:
     from certreg.paper.equilibria import EquilibriumRun

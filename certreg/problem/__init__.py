@@ -1,1 +1,87 @@
 """A registration problem: points, weights, and the sums over them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from certreg._faces import lazy_face
+
+if TYPE_CHECKING:
+    from certreg.problem.exact_sums import FACTORS as FACTORS
+    from certreg.problem.exact_sums import UPPER as UPPER
+    from certreg.problem.exact_sums import other_road as other_road
+    from certreg.problem.exact_sums import sums_by as sums_by
+    from certreg.problem.memory_mapped import let_go as let_go
+    from certreg.problem.memory_mapped import mapped_file as mapped_file
+    from certreg.problem.moments import ExactMoments as ExactMoments
+    from certreg.problem.moments import Moments as Moments
+    from certreg.problem.moments import exact_moments as exact_moments
+    from certreg.problem.moments import floating_moments as floating_moments
+    from certreg.problem.moments import moments_of_clouds as moments_of_clouds
+    from certreg.problem.moments import trace as trace
+    from certreg.problem.problem import MAX_DAMPING as MAX_DAMPING
+    from certreg.problem.problem import MIN_DAMPING as MIN_DAMPING
+    from certreg.problem.problem import Block as Block
+    from certreg.problem.problem import RegistrationProblem as RegistrationProblem
+    from certreg.problem.problem import as_doubles as as_doubles
+    from certreg.problem.problem import checked_damping as checked_damping
+    from certreg.problem.problem import checked_threads as checked_threads
+    from certreg.problem.problem import cloud_array as cloud_array
+    from certreg.problem.problem import contiguous as contiguous
+    from certreg.problem.problem import finite_doubles as finite_doubles
+    from certreg.problem.problem import first_row as first_row
+    from certreg.problem.problem import lift as lift
+    from certreg.problem.problem import real_numbers as real_numbers
+    from certreg.problem.problem import row_blocks as row_blocks
+    from certreg.problem.random_instances import PAPER_DAMPING as PAPER_DAMPING
+    from certreg.problem.random_instances import PAPER_POINTS as PAPER_POINTS
+    from certreg.problem.random_instances import PAPER_SIGMA as PAPER_SIGMA
+    from certreg.problem.random_instances import Instances as Instances
+    from certreg.problem.random_instances import gaussian_instances as gaussian_instances
+
+__getattr__ = lazy_face(
+    __name__,
+    {
+        "exact_sums": (
+            "FACTORS",
+            "UPPER",
+            "other_road",
+            "sums_by",
+        ),
+        "memory_mapped": (
+            "let_go",
+            "mapped_file",
+        ),
+        "moments": (
+            "ExactMoments",
+            "Moments",
+            "exact_moments",
+            "floating_moments",
+            "moments_of_clouds",
+            "trace",
+        ),
+        "problem": (
+            "Block",
+            "MAX_DAMPING",
+            "MIN_DAMPING",
+            "RegistrationProblem",
+            "as_doubles",
+            "checked_damping",
+            "checked_threads",
+            "cloud_array",
+            "contiguous",
+            "finite_doubles",
+            "first_row",
+            "lift",
+            "real_numbers",
+            "row_blocks",
+        ),
+        "random_instances": (
+            "Instances",
+            "PAPER_DAMPING",
+            "PAPER_POINTS",
+            "PAPER_SIGMA",
+            "gaussian_instances",
+        ),
+    },
+)

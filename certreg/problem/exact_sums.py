@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.native.compiler import CompilationError
-from certreg.native.library import compiled_library
+from certreg.native import CompilationError, loaded_library
 from certreg.problem.problem import lift, row_blocks
 from certreg.settings import SumSettings
 
@@ -27,7 +26,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.native.library import Library
+    from certreg.native import Library
     from certreg.problem.problem import Block, RegistrationProblem
 
 LEAST_EXPONENT = -1074  # every double is an integer times 2^-1074
@@ -108,7 +107,7 @@ def sums_by(road: SumRoad, problem: RegistrationProblem, *, threads: int | None 
     """
     threads = threads or SumSettings().threads
     if road is SumRoad.COMPILED:
-        return _on_threads(partial(_by_compiled, compiled_library()), problem, threads)
+        return _on_threads(partial(_by_compiled, loaded_library()), problem, threads)
     if road is SumRoad.LIMBS:
         return _on_threads(_by_limbs, problem, threads)
     return _on_threads(_by_integers, problem, 1)
@@ -142,7 +141,7 @@ def _on_threads(
 def _compiled() -> Library | None:
     """The compiled library; None where there is none, or it has no integers of 128 bits."""
     try:
-        compiled = compiled_library()
+        compiled = loaded_library()
         compiled.exact_sums(np.ones((1, 3)), np.ones((1, 3)), np.ones(1))
     except CompilationError:
         return None

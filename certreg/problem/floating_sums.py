@@ -18,8 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.native.compiler import CompilationError
-from certreg.native.library import compiled_library
+from certreg.native import CompilationError, loaded_library
 from certreg.problem.memory_mapped import let_go
 from certreg.settings import PassSettings
 
@@ -156,7 +155,7 @@ def total(row: NDArray[np.float64]) -> float:
 def compiled() -> Callable[[CloudPair], tuple[NDArray[np.float64], bool]] | None:
     """The pass in C; None where there is no compiler."""
     try:
-        function = compiled_library().handle.certreg_sums
+        function = loaded_library().handle.certreg_sums
     except CompilationError:
         return None
     function.restype = None

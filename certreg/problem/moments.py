@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.errors import InvalidProblemError
-from certreg.exact.dyadic import power_of_two
+from certreg.exact import power_of_two
 from certreg.problem.exact_sums import sums
 from certreg.problem.floating_sums import CloudPair, chunks, floating_sums
 from certreg.problem.memory_mapped import let_go, mapped_file
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.geometry.so3 import Matrix3, Vector3
+    from certreg.geometry import Matrix3, Vector3
     from certreg.problem.exact_sums import Sums
     from certreg.problem.floating_sums import FloatingSums
     from certreg.problem.problem import RegistrationProblem

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.errors import InvalidProblemError
-from certreg.exact.dyadic import weight_of_sigma
+from certreg.exact import weight_of_sigma
 from certreg.problem.memory_mapped import let_go, mapped_file
 from certreg.settings import DEFAULT_DAMPING, SumSettings
 

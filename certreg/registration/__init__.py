@@ -1,1 +1,91 @@
 """The main job: register, enumerate, cross-check, certify; and judge other poses."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from certreg._faces import lazy_face
+
+if TYPE_CHECKING:
+    from certreg.registration.agreement import Agreement as Agreement
+    from certreg.registration.alignment import register as register
+    from certreg.registration.assessment import Assessment as Assessment
+    from certreg.registration.assessment import assess as assess
+    from certreg.registration.assessment import why_no_rotation as why_no_rotation
+    from certreg.registration.c_sources import write_sources as write_sources
+    from certreg.registration.certification import NOT_ASKED as NOT_ASKED
+    from certreg.registration.certification import Registration as Registration
+    from certreg.registration.certification import SimulatedRegistration as SimulatedRegistration
+    from certreg.registration.certification import Solution as Solution
+    from certreg.registration.certification import certify as certify
+    from certreg.registration.certification import optimally_damped as optimally_damped
+    from certreg.registration.certification import simulate as simulate
+    from certreg.registration.certification import simulated as simulated
+    from certreg.registration.closed_form import horn as horn
+    from certreg.registration.covariance import worst_residuals as worst_residuals
+    from certreg.registration.enumeration import certified_count as certified_count
+    from certreg.registration.enumeration import equilibria as equilibria
+    from certreg.registration.enumeration import equilibrium_road as equilibrium_road
+    from certreg.registration.enumeration import equilibrium_roads as equilibrium_roads
+    from certreg.registration.enumeration import road_equilibria as road_equilibria
+    from certreg.registration.examples import STORIES as STORIES
+    from certreg.registration.examples import differences as differences
+    from certreg.registration.examples import stated as stated
+    from certreg.registration.examples import tell as tell
+    from certreg.registration.exit_codes import DONE as DONE
+    from certreg.registration.exit_codes import MISUSED as MISUSED
+    from certreg.registration.exit_codes import NOT_CERTIFIED as NOT_CERTIFIED
+    from certreg.registration.exit_codes import NOT_UNIQUE as NOT_UNIQUE
+    from certreg.registration.exit_codes import REFUSED as REFUSED
+    from certreg.registration.exit_codes import code_of_error as code_of_error
+    from certreg.registration.exit_codes import code_of_registration as code_of_registration
+    from certreg.registration.exit_codes import worst as worst
+
+__getattr__ = lazy_face(
+    __name__,
+    {
+        "agreement": ("Agreement",),
+        "alignment": ("register",),
+        "assessment": (
+            "Assessment",
+            "assess",
+            "why_no_rotation",
+        ),
+        "c_sources": ("write_sources",),
+        "certification": (
+            "NOT_ASKED",
+            "Registration",
+            "SimulatedRegistration",
+            "Solution",
+            "certify",
+            "optimally_damped",
+            "simulate",
+            "simulated",
+        ),
+        "closed_form": ("horn",),
+        "covariance": ("worst_residuals",),
+        "enumeration": (
+            "certified_count",
+            "equilibria",
+            "equilibrium_road",
+            "equilibrium_roads",
+            "road_equilibria",
+        ),
+        "examples": (
+            "STORIES",
+            "differences",
+            "stated",
+            "tell",
+        ),
+        "exit_codes": (
+            "DONE",
+            "MISUSED",
+            "NOT_CERTIFIED",
+            "NOT_UNIQUE",
+            "REFUSED",
+            "code_of_error",
+            "code_of_registration",
+            "worst",
+        ),
+    },
+)

@@ -8,23 +8,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics.simulation import SimulationStatus
+from certreg.dynamics import SimulationStatus
 from certreg.errors import ContradictionError
-from certreg.exact.dyadic import power_of_two
-from certreg.objective.energy import potential_energy
-from certreg.problem.moments import floating_moments
-from certreg.problem.problem import lift
+from certreg.exact import power_of_two
+from certreg.objective import potential_energy
+from certreg.problem import floating_moments, lift
 from certreg.registration.closed_form import arun, horn
 from certreg.settings import AgreementSettings
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.certificate.envelope import Certificate
-    from certreg.dynamics.simulation import Trajectory
-    from certreg.equilibrium.spectral import Spectrum
-    from certreg.problem.problem import RegistrationProblem
-    from certreg.relaxation.shor import Relaxation
+    from certreg.certificate import Certificate
+    from certreg.dynamics import Trajectory
+    from certreg.equilibrium import Spectrum
+    from certreg.problem import RegistrationProblem
+    from certreg.relaxation import Relaxation
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,16 +8,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.errors import DegenerateProblemError, InvalidProblemError
-from certreg.geometry.pose import Pose
-from certreg.geometry.so3 import canonical, davenport_matrix, rotation_matrix
-from certreg.problem.moments import moments_of_clouds
-from certreg.problem.problem import checked_threads, cloud_array, finite_doubles, real_numbers
+from certreg.geometry import Pose, canonical, davenport_matrix, rotation_matrix
+from certreg.problem import (
+    checked_threads,
+    cloud_array,
+    finite_doubles,
+    moments_of_clouds,
+    real_numbers,
+)
 from certreg.settings import PassSettings
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from certreg.problem.moments import Moments
+    from certreg.problem import Moments
 
 EIGENVALUE_ROUNDING = 64.0 * 2.0**-53  # of the norm of a 4x4 matrix: more than LAPACK loses
 

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.certificate.bounds import ExactPose, pose_bounds, pose_energy
+from certreg.certificate import ExactPose, pose_bounds, pose_energy
 from certreg.errors import InvalidProblemError
-from certreg.exact.dyadic import nearest_double, nearest_root
-from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix, squared_norm
-from certreg.objective.energy import translation_energy
-from certreg.problem.problem import lift
+from certreg.exact import nearest_double, nearest_root
+from certreg.geometry import quaternion_from_matrix, rotation_matrix, squared_norm
+from certreg.objective import translation_energy
+from certreg.problem import lift
 from certreg.registration.certification import certify
 from certreg.results import ComponentKind, PoseVerdict
 from certreg.settings import AssessmentSettings
@@ -22,10 +22,9 @@ from certreg.settings import AssessmentSettings
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from certreg.certificate.bounds import PoseBounds
-    from certreg.equilibrium.critical_set import EquilibriumSet
-    from certreg.problem.moments import ExactMoments
-    from certreg.problem.problem import RegistrationProblem
+    from certreg.certificate import PoseBounds
+    from certreg.equilibrium import EquilibriumSet
+    from certreg.problem import ExactMoments, RegistrationProblem
     from certreg.registration.certification import Registration, Solution
 
 

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.dynamics.body import body_of, start_at_rest
+from certreg.dynamics import body_of, start_at_rest
 from certreg.errors import InvalidFileError
-from certreg.io.atomic import write_atomically
-from certreg.native.codegen.emit import C_FILE, HEADER_FILE
-from certreg.native.compiler import GENERATED, HERE
-from certreg.problem.moments import exact_moments
+from certreg.io import write_atomically
+from certreg.native import C_FILE, GENERATED, HEADER_FILE, HERE
+from certreg.problem import exact_moments
 from certreg.registration.examples import STORIES, stated
 from certreg.settings import SimulationSettings
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from certreg.problem.problem import RegistrationProblem
+    from certreg.problem import RegistrationProblem
 
 EXAMPLE_FILE, DATA_FILE = "example.c", "survey.txt"
 

@@ -10,11 +10,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds, pose_energy
-from certreg.certificate.checking import check_own, require_accepted
-from certreg.certificate.envelope import RotationState
-from certreg.certificate.producing import produce
-from certreg.equilibrium.spectral import (
+from certreg.certificate import (
+    ExactPose,
+    PoseBounds,
+    RotationState,
+    check_own,
+    pose_bounds,
+    pose_energy,
+    produce,
+    require_accepted,
+)
+from certreg.equilibrium import (
     equilibrium_set,
     rotation_double,
     spectrum,
@@ -24,11 +30,15 @@ from certreg.errors import (
     DegenerateProblemError,
     OutOfRangeError,
 )
-from certreg.exact.dyadic import nearest_double, nearest_or_zero, nearest_root, power_of_two
-from certreg.geometry.pose import Pose
-from certreg.objective.energy import best_translation
-from certreg.problem.moments import exact_moments
-from certreg.problem.problem import lift
+from certreg.exact import (
+    nearest_double,
+    nearest_or_zero,
+    nearest_root,
+    power_of_two,
+)
+from certreg.geometry import Pose
+from certreg.objective import best_translation
+from certreg.problem import exact_moments, lift
 from certreg.registration.agreement import Agreement, agreement, require_sound_trajectory
 from certreg.registration.covariance import PoseCovariance, pose_covariance
 from certreg.results import Optimality
@@ -37,13 +47,11 @@ if TYPE_CHECKING:
     from collections.abc import Generator
     from fractions import Fraction
 
-    from certreg.certificate.envelope import Certificate
-    from certreg.dynamics.simulation import Trajectory
-    from certreg.equilibrium.critical_set import EquilibriumSet
-    from certreg.equilibrium.spectral import Spectrum
-    from certreg.problem.moments import ExactMoments
-    from certreg.problem.problem import RegistrationProblem
-    from certreg.relaxation.shor import Relaxation
+    from certreg.certificate import Certificate
+    from certreg.dynamics import Trajectory
+    from certreg.equilibrium import EquilibriumSet, Spectrum
+    from certreg.problem import ExactMoments, RegistrationProblem
+    from certreg.relaxation import Relaxation
     from certreg.results import Verdict
 
 NOT_ASKED = "not asked for"
@@ -239,7 +247,7 @@ def solve(
 
 def _relaxation(moments: ExactMoments) -> tuple[Relaxation | None, str | None]:
     """The relaxation, or why there is none."""
-    from certreg.relaxation.shor import relax
+    from certreg.relaxation import relax
 
     relaxed = relax(moments)
     if relaxed.value is None:
@@ -260,8 +268,8 @@ def _simulation(
 def _trajectory(
     found: Spectrum, problem: RegistrationProblem, integrator: str, step: float | None
 ) -> Trajectory:
-    from certreg.dynamics.simulation import simulate as run
-    from certreg.native.batch import Integrator
+    from certreg.dynamics import simulate as run
+    from certreg.native import Integrator
     from certreg.settings import SimulationSettings
 
     known = [one.value for one in Integrator]
@@ -280,7 +288,7 @@ def optimally_damped(problem: RegistrationProblem) -> RegistrationProblem:
 
     Raises DegenerateProblemError where the dynamics is not defined or the optimum is not unique.
     """
-    from certreg.dynamics.simulation import optimal_damping
+    from certreg.dynamics import optimal_damping
 
     return problem.damped(optimal_damping(spectrum(exact_moments(problem))))
 

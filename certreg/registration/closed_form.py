@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.geometry.so3 import canonical, davenport_matrix, quaternion_from_matrix
+from certreg.geometry import canonical, davenport_matrix, quaternion_from_matrix
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -16,18 +16,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.equilibrium.spectral import rotation_double, unit_double
-from certreg.exact.dyadic import nearest_double
-from certreg.geometry.so3 import body_frame
-from certreg.objective.energy import potential_energy
-from certreg.problem.problem import contiguous, row_blocks
+from certreg.equilibrium import rotation_double, unit_double
+from certreg.exact import nearest_double
+from certreg.geometry import body_frame
+from certreg.objective import potential_energy
+from certreg.problem import contiguous, row_blocks
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.equilibrium.spectral import Spectrum
-    from certreg.geometry.pose import Pose
-    from certreg.problem.problem import Block, RegistrationProblem
+    from certreg.equilibrium import Spectrum
+    from certreg.geometry import Pose
+    from certreg.problem import Block, RegistrationProblem
 
 PARAMETERS = 6  # of a pose
 

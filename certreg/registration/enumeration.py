@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.certificate.checking import check_own, require_accepted
-from certreg.equilibrium.spectral import equilibrium_set
-from certreg.problem.moments import exact_moments
+from certreg.certificate import check_own, require_accepted
+from certreg.equilibrium import equilibrium_set
+from certreg.problem import exact_moments
 
 if TYPE_CHECKING:
-    from certreg.certificate.count import CountCertificate
-    from certreg.equilibrium.critical_set import EquilibriumSet
-    from certreg.equilibrium.methods import Road, RoadAgreement
-    from certreg.problem.problem import RegistrationProblem
+    from certreg.certificate import CountCertificate
+    from certreg.equilibrium import EquilibriumSet, Road, RoadAgreement
+    from certreg.problem import RegistrationProblem
 
 ALL = "all"  # roads
 
@@ -33,7 +32,7 @@ def equilibria(problem: RegistrationProblem, method: str = "spectral") -> Equili
 
 def equilibrium_road(problem: RegistrationProblem, method: str) -> Road:
     """One road to the equilibria, by name. Raises ValueError and UndecidedError: `equilibria`."""
-    from certreg.equilibrium.methods import Method, road
+    from certreg.equilibrium import Method, road
 
     if method not in {known.value for known in Method}:
         known = ", ".join(repr(each.value) for each in Method)
@@ -44,7 +43,7 @@ def equilibrium_road(problem: RegistrationProblem, method: str) -> Road:
 
 def equilibrium_roads(problem: RegistrationProblem) -> RoadAgreement:
     """Every road to the equilibria. Raises ContradictionError where two disagree."""
-    from certreg.equilibrium.methods import all_roads
+    from certreg.equilibrium import all_roads
 
     return all_roads(exact_moments(problem))
 
@@ -55,7 +54,7 @@ def certified_count(problem: RegistrationProblem) -> CountCertificate | None:
     None means not proved, not disproved. Raises RefusedCertificateError where certreg contradicts
     itself.
     """
-    from certreg.certificate.count import count_certificate
+    from certreg.certificate import count_certificate
 
     certificate = count_certificate(problem)
     if certificate is not None:

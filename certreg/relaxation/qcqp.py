@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from itertools import combinations_with_replacement, product
 from typing import TYPE_CHECKING, Any, Generic
 
-from certreg.geometry.so3 import T, davenport_matrix
+from certreg.geometry import T, davenport_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.exact.dyadic import power_of_two
-from certreg.geometry.so3 import canonical, quaternion_from_matrix
+from certreg.exact import power_of_two
+from certreg.geometry import canonical, quaternion_from_matrix
 from certreg.relaxation.conic import ConicSolution, RelaxationStatus, solve, solver_name
 from certreg.relaxation.qcqp import Form
 from certreg.settings import RelaxationSettings
@@ -22,8 +22,8 @@ from certreg.settings import RelaxationSettings
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.geometry.so3 import Matrix3
-    from certreg.problem.moments import ExactMoments
+    from certreg.geometry import Matrix3
+    from certreg.problem import ExactMoments
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

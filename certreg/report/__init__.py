@@ -1,1 +1,67 @@
 """Results for readers: JSON documents for programs, plain sentences for people."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from certreg._faces import lazy_face
+
+if TYPE_CHECKING:
+    from certreg.report.claims import audit_lines as audit_lines
+    from certreg.report.claims import chapters_text as chapters_text
+    from certreg.report.claims import claim_line as claim_line
+    from certreg.report.claims import closing_line as closing_line
+    from certreg.report.claims import plain as plain
+    from certreg.report.document import assessment_document as assessment_document
+    from certreg.report.document import dumps as dumps
+    from certreg.report.document import equilibria_document as equilibria_document
+    from certreg.report.document import result_document as result_document
+    from certreg.report.document import simulation_document as simulation_document
+    from certreg.report.folder import REPORT as REPORT
+    from certreg.report.folder import write_folder as write_folder
+    from certreg.report.markup import printable as printable
+    from certreg.report.page import html_page as html_page
+    from certreg.report.revisiting import report_of as report_of
+    from certreg.report.roads import roads_summary as roads_summary
+    from certreg.report.roads import roads_table as roads_table
+    from certreg.report.summary import assessment_summary as assessment_summary
+    from certreg.report.summary import equilibria_words as equilibria_words
+    from certreg.report.summary import registration_summary as registration_summary
+    from certreg.report.summary import simulation_summary as simulation_summary
+
+__getattr__ = lazy_face(
+    __name__,
+    {
+        "claims": (
+            "audit_lines",
+            "chapters_text",
+            "claim_line",
+            "closing_line",
+            "plain",
+        ),
+        "document": (
+            "assessment_document",
+            "dumps",
+            "equilibria_document",
+            "result_document",
+            "simulation_document",
+        ),
+        "folder": (
+            "REPORT",
+            "write_folder",
+        ),
+        "markup": ("printable",),
+        "page": ("html_page",),
+        "revisiting": ("report_of",),
+        "roads": (
+            "roads_summary",
+            "roads_table",
+        ),
+        "summary": (
+            "assessment_summary",
+            "equilibria_words",
+            "registration_summary",
+            "simulation_summary",
+        ),
+    },
+)

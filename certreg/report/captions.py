@@ -9,8 +9,8 @@ from certreg.report.summary import number
 from certreg.results import ComponentKind
 
 if TYPE_CHECKING:
-    from certreg.equilibrium.critical_set import Component, EquilibriumSet
-    from certreg.registration.certification import Registration
+    from certreg.equilibrium import Component, EquilibriumSet
+    from certreg.registration import Registration
 
 PLURALS = {
     ComponentKind.CIRCLE: "a circle of them",

@@ -8,17 +8,14 @@ from fractions import Fraction
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
-from certreg.exact.dyadic import double_above, nearest_double
-from certreg.registration.certification import SimulatedRegistration
-from certreg.registration.covariance import worst_residuals
+from certreg.exact import double_above, nearest_double
+from certreg.registration import SimulatedRegistration, worst_residuals
 from certreg.report.roads import roads_fields
 from certreg.results import Optimality
 
 if TYPE_CHECKING:
-    from certreg.equilibrium.critical_set import Component, EquilibriumSet
-    from certreg.equilibrium.methods import RoadAgreement
-    from certreg.registration.assessment import Assessment
-    from certreg.registration.certification import Registration
+    from certreg.equilibrium import Component, EquilibriumSet, RoadAgreement
+    from certreg.registration import Assessment, Registration
 
 RESULT_SCHEMA = "certreg-result/1"
 ASSESSMENT_SCHEMA = "certreg-assessment/1"

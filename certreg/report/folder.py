@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from certreg.dynamics.trajectories import Record
+from certreg.dynamics import Record
 from certreg.errors import InvalidFileError
-from certreg.io.atomic import write_together
+from certreg.io import write_together
 from certreg.report.document import dumps, result_document
 from certreg.report.page import Report, html_page
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Iterator
 
-    from certreg.registration.certification import Registration
+    from certreg.registration import Registration
 
 CERTIFICATE, RESULT, POSE = "certificate.json", "result.json", "pose.txt"
 TRAJECTORY, REPORT = "trajectory.npz", "report.html"

@@ -37,9 +37,8 @@ from certreg.verify import parse
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.dynamics.simulation import Trajectory
-    from certreg.dynamics.trajectories import Record
-    from certreg.registration.certification import Registration
+    from certreg.dynamics import Record, Trajectory
+    from certreg.registration import Registration
     from certreg.results import Verdict
 
 ASSETS = files("certreg.report") / "assets"

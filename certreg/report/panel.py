@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from certreg.exact.dyadic import double_above
+from certreg.exact import double_above
 from certreg.report.summary import bounded, count_words, margin_words, proved_degrees
 from certreg.results import ComponentKind, Guarantee
 from certreg.settings import ReportSettings
@@ -15,8 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from fractions import Fraction
 
-    from certreg.registration.agreement import Agreement
-    from certreg.registration.certification import Registration
+    from certreg.registration import Agreement, Registration
 
 THEOREMS = {  # claims of `certreg derive`, by the titles of their pages
     "optimality_certificate": "The optimality certificate",

@@ -18,18 +18,28 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds
-from certreg.certificate.checking import verify
-from certreg.certificate.envelope import ISOTROPIC, Certificate, Claims
-from certreg.dynamics.body import body_of, start_at_rest
-from certreg.dynamics.trajectories import read_record
+from certreg.certificate import (
+    ISOTROPIC,
+    Certificate,
+    Claims,
+    ExactPose,
+    PoseBounds,
+    pose_bounds,
+    verify,
+)
+from certreg.dynamics import body_of, read_record, start_at_rest
 from certreg.errors import DegenerateProblemError, InvalidFileError, RefusedCertificateError
-from certreg.exact.dyadic import Dyadic
-from certreg.geometry.so3 import quaternion_from_matrix
-from certreg.io.streams import reading
-from certreg.problem.moments import exact_moments
-from certreg.problem.problem import MAX_DAMPING, MIN_DAMPING, RegistrationProblem, lift
-from certreg.registration.certification import certify
+from certreg.exact import Dyadic
+from certreg.geometry import quaternion_from_matrix
+from certreg.io import reading
+from certreg.problem import (
+    MAX_DAMPING,
+    MIN_DAMPING,
+    RegistrationProblem,
+    exact_moments,
+    lift,
+)
+from certreg.registration import certify
 from certreg.report.document import RESULT_SCHEMA
 from certreg.report.folder import RESULT, TRAJECTORY
 from certreg.report.page import Report
@@ -41,9 +51,9 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable
 
-    from certreg.dynamics.trajectories import Record
-    from certreg.problem.moments import ExactMoments
-    from certreg.registration.certification import Registration
+    from certreg.dynamics import Record
+    from certreg.problem import ExactMoments
+    from certreg.registration import Registration
 
 Found = TypeVar("Found")
 NOT_USED = "is broken, or does not belong to the certificate: computed anew"

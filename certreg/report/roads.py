@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from certreg.exact.dyadic import nearest_double
-from certreg.objective.energy import potential_energy
+from certreg.exact import nearest_double
+from certreg.objective import potential_energy
 from certreg.results import ComponentKind
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.equilibrium.methods import Road, RoadAgreement, UndecidedRoad
+    from certreg.equilibrium import Road, RoadAgreement, UndecidedRoad
 
 PLURALS = {
     ComponentKind.POINT: ("point", "points"),

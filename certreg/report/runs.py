@@ -11,17 +11,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dynamics.simulation import simulate
+from certreg.dynamics import simulate
 from certreg.errors import DegenerateProblemError
-from certreg.geometry.so3 import quaternion_from_matrix, rotation_matrix
+from certreg.geometry import quaternion_from_matrix, rotation_matrix
 from certreg.settings import ReportSettings, SimulationSettings
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.dynamics.simulation import Trajectory
-    from certreg.dynamics.trajectories import Record
-    from certreg.registration.certification import Solution
+    from certreg.dynamics import Record, Trajectory
+    from certreg.registration import Solution
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from certreg.exact.dyadic import nearest_double
-from certreg.objective.energy import potential_energy
+from certreg.exact import nearest_double
+from certreg.objective import potential_energy
 from certreg.report.captions import component_name, component_words
 from certreg.report.markup import printable
 from certreg.report.runs import escapes, shown_run
@@ -20,10 +20,9 @@ from certreg.settings import ReportSettings
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.dynamics.simulation import Trajectory
-    from certreg.dynamics.trajectories import Record
-    from certreg.problem.problem import RegistrationProblem
-    from certreg.registration.certification import Registration
+    from certreg.dynamics import Record, Trajectory
+    from certreg.problem import RegistrationProblem
+    from certreg.registration import Registration
 
 GZIP = 31  # of zlib's window bits: with a header of gzip, which browsers unpack
 NO_MOTION = "Nothing moves here: "

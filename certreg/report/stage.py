@@ -10,7 +10,7 @@ from certreg.report.markup import Markup, element
 from certreg.report.summary import number
 
 if TYPE_CHECKING:
-    from certreg.registration.certification import Registration
+    from certreg.registration import Registration
 
 SPRINGS_WORDS = (
     "Each pair is joined by a spring, and the source moves as one rigid body, with friction, until "

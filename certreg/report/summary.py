@@ -7,16 +7,15 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.exact.dyadic import double_above
-from certreg.registration.certification import NOT_ASKED
+from certreg.exact import double_above
+from certreg.registration import NOT_ASKED
 from certreg.results import ComponentKind, Guarantee, Optimality
 from certreg.settings import ReportSettings
 
 if TYPE_CHECKING:
-    from certreg.dynamics.simulation import Trajectory
-    from certreg.equilibrium.critical_set import Component, EquilibriumSet
-    from certreg.registration.assessment import Assessment
-    from certreg.registration.certification import Registration, SimulatedRegistration
+    from certreg.dynamics import Trajectory
+    from certreg.equilibrium import Component, EquilibriumSet
+    from certreg.registration import Assessment, Registration, SimulatedRegistration
 
 COUNTS = {1: "one", 2: "two", 3: "three", 4: "four"}
 KINDS = {

@@ -50,7 +50,7 @@ def proof(
     x = Matrix([scalar(f"x_{k}") for k in range(1, SIZE + 1)])
     D = [minors(A, k) for k in range(SIZE + 1)]
     yield identity(
-        r"The shipped function `certreg.exact.elimination.is_positive_definite`, run on a symmetric "
+        r"The shipped function `certreg.exact.is_positive_definite`, run on a symmetric "
         r"$4\times4$ matrix $A$ of symbols, asks for the sign of four numbers. They are the "
         r"leading principal minors $D_1, \ldots, D_4$ of $A$; every division on the way left no "
         r"remainder, so that on integers all is exact.",

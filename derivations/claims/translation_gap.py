@@ -57,8 +57,8 @@ def proof(
     yield facts(
         r"The shipped functions, on four weighted points with different scales for source and "
         r"target, at three integer quaternions and a rational translation: "
-        r"`certreg.objective.energy.potential_energy` plus `translation_energy` is the sum over the points "
-        r"of $w\,|y - R x - t|^2$, computed directly in fractions.",
+        r"`certreg.objective.potential_energy` plus `translation_energy` is the sum over the "
+        r"points of $w\,|y - R x - t|^2$, computed directly in fractions.",
         found,
         [_summed(q) for q in QUATERNIONS],
     )

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from sphinx.application import Sphinx
     from sphinx.util.typing import ExtensionMetadata
 
-SCHEMAS = Path(__file__).resolve().parents[2] / "certreg" / "schemas"
+SCHEMAS = Path(__file__).resolve().parents[2] / "certreg" / "report" / "schemas"
 PUBLISHED = "schemas"  # the folder of the site that holds them
 
 

@@ -11,12 +11,10 @@ import json
 import re
 from typing import TYPE_CHECKING, Any
 
-from certreg.io.atomic import write_atomically
 from certreg.native.codegen.translate import casadi_function
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from pathlib import Path
 
     from certreg.native.codegen.translate import Definition, Port
 
@@ -71,17 +69,18 @@ _FOOTER = """\
 """
 
 
-def emit(definitions: Sequence[Definition], folder: Path) -> None:
-    """Write dynamics.c, .h and .json and signatures.json to a folder, each whole or not at all.
+def generated_files(definitions: Sequence[Definition]) -> dict[str, bytes]:
+    """The contents of dynamics.h, .c and .json and of signatures.json, by name.
 
     The same definitions and the same version of CasADi give the same bytes.
     """
     functions = [casadi_function(definition) for definition in definitions]
-    folder.mkdir(parents=True, exist_ok=True)
-    write_atomically(folder / HEADER_FILE, header(definitions).encode())
-    write_atomically(folder / C_FILE, source(definitions, functions).encode())
-    write_atomically(folder / SERIALISED_FILE, serialised(definitions, functions).encode())
-    write_atomically(folder / SIGNATURES_FILE, signatures(definitions).encode())
+    return {
+        HEADER_FILE: header(definitions).encode(),
+        C_FILE: source(definitions, functions).encode(),
+        SERIALISED_FILE: serialised(definitions, functions).encode(),
+        SIGNATURES_FILE: signatures(definitions).encode(),
+    }
 
 
 def header(definitions: Sequence[Definition]) -> str:
