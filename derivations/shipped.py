@@ -67,15 +67,13 @@ class Divisor:
 class Bound:
     """A number that is only compared with, once: it keeps what is asked to be greater."""
 
-    greater: Any = None
-
     def __init__(self, ring: Any) -> None:
-        self.ring = ring
+        self.ring, self.greater, self.met = ring, ring.zero, False
 
     def __lt__(self, greater: Any) -> bool:
         modelled(_is_element(self.ring, greater), f"{greater!r} is no polynomial")
-        modelled(self.greater is None, "a second comparison")
-        self.greater = greater
+        modelled(not self.met, "a second comparison")
+        self.greater, self.met = greater, True
         return True
 
 
@@ -134,7 +132,7 @@ def checked_alignment(K: Any, J: Any, p: Any, omega: Any) -> Any:
     decide = rerouted(proves_basin, Fraction=fraction_over(_norm(row)), _power=power)
     fields = {"quaternion": row, "angular_velocity": [*_row(ring, omega), own]}
     decided = decide(fields, _elements(ring, K), _elements(ring, J), bound)
-    modelled(decided is True and bound.greater is not None, "more than one comparison decides")
+    modelled(decided is True and bound.met, "more than one comparison decides")
     return bound.greater.as_expr()
 
 
