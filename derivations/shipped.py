@@ -2,13 +2,15 @@
 
 The checker decides in integers and fractions. Its functions are a few lines of arithmetic followed
 by a decision; here the same compiled code is run with polynomials for numbers and the decision
-replaced, so that a claim can be made about the very expression that is decided.
+replaced, so that a claim can be made about the very expression that is decided. What stands in for
+a part of the code knows for which arguments it does, and raises UnmodelledError for any other.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from types import FunctionType
+from fractions import Fraction
+from types import CodeType, FunctionType
 from typing import Any
 
 import sympy
@@ -23,10 +25,32 @@ NORM_INVERSE = scalar("norm_inverse")  # of |q|^2
 TWO_POWER = scalar("two_power")  # the power of two of the angular velocity's exponent
 
 
+class UnmodelledError(ValueError):
+    """Shipped code asks of a replacement what it does not stand for: nothing is proved of it."""
+
+
+def modelled(condition: object, what: str) -> None:
+    """Nothing if the condition holds; otherwise UnmodelledError."""
+    if not condition:
+        raise UnmodelledError(what)
+
+
 def rerouted(function: Callable[..., Any], **names: Any) -> Callable[..., Any]:
     """The same compiled function, but the given names of its module (or built in) replaced."""
     code: Any = function.__code__
+    unknown = set(names) - _names_in(code)
+    modelled(not unknown, f"{function.__name__} does not use {sorted(unknown)}")
     return FunctionType(code, {**function.__globals__, **names}, function.__name__)
+
+
+def _names_in(code: CodeType) -> set[str]:
+    """The global names of a function and of the functions and comprehensions within."""
+    inner = (_names_in(const) for const in code.co_consts if isinstance(const, CodeType))
+    return set(code.co_names).union(*inner)
+
+
+class Exponent:
+    """An integer of which only its power of two is taken: it has no arithmetic."""
 
 
 class Divisor:
@@ -36,17 +60,39 @@ class Divisor:
         self.inverse = inverse
 
     def __rtruediv__(self, dividend: Any) -> Any:
+        modelled(_is_element(self.inverse.ring, dividend), f"{dividend!r} is no polynomial")
         return dividend * self.inverse
 
 
 class Bound:
-    """A number that is only compared with: it keeps what is asked to be greater."""
+    """A number that is only compared with, once: it keeps what is asked to be greater."""
 
-    greater: Any = None
+    def __init__(self, ring: Any) -> None:
+        self.ring, self.greater, self.met = ring, ring.zero, False
 
     def __lt__(self, greater: Any) -> bool:
-        self.greater = greater
+        modelled(_is_element(self.ring, greater), f"{greater!r} is no polynomial")
+        modelled(not self.met, "a second comparison")
+        self.greater, self.met = greater, True
         return True
+
+
+def fraction_over(norm: Any) -> Callable[[Any, Any], Any]:
+    """`Fraction` of a polynomial, over an integer or over this norm, of inverse `NORM_INVERSE`."""
+    inverse = norm.ring.from_expr(NORM_INVERSE)
+
+    def quotient(number: Any, divisor: Any) -> Any:
+        modelled(_is_element(norm.ring, number), f"{number!r} is no polynomial")
+        if type(divisor) is int:
+            return number * norm.ring.domain_new(Fraction(1, divisor))
+        modelled(divisor == norm, f"a division by {divisor}, which is not {norm}")
+        return number * inverse
+
+    return quotient
+
+
+def _is_element(ring: Any, value: Any) -> bool:
+    return getattr(value, "ring", None) == ring
 
 
 def checked_davenport(C: Any) -> Any:
@@ -61,14 +107,13 @@ def checked_matrix(K: Any, q: Any, level: Any, mu: Any) -> Any:
     K is given over a unit, of inverse `UNIT_INVERSE`; the inverse of |q|^2 is `NORM_INVERSE`.
     """
     ring = ring_of([*flat(K), *q, level, mu, UNIT_INVERSE, NORM_INVERSE])
-    seen: list[Any] = []
+    row, seen = _row(ring, q), []
     decide = rerouted(
-        proves_level,
-        Fraction=lambda number, _norm: number * ring.from_expr(NORM_INVERSE),
-        positive_definite=seen.append,
+        proves_level, Fraction=fraction_over(_norm(row)), positive_definite=seen.append
     )
     unit = Divisor(ring.from_expr(UNIT_INVERSE))
-    decide(_elements(ring, K), unit, _row(ring, q), ring.from_expr(level), ring.from_expr(mu))
+    decided = decide(_elements(ring, K), unit, row, ring.from_expr(level), ring.from_expr(mu))
+    modelled(len(seen) == 1 and decided is None, "more than one definiteness decides")
     return _expressions(seen[0])
 
 
@@ -78,14 +123,16 @@ def checked_alignment(K: Any, J: Any, p: Any, omega: Any) -> Any:
     The inverse of |p|^2 is `NORM_INVERSE`; omega (3) is an integer vector times `TWO_POWER`.
     """
     ring = ring_of([*flat(K), *flat(J), *p, *omega, NORM_INVERSE, TWO_POWER])
-    decide = rerouted(
-        proves_basin,
-        Fraction=lambda n, d: n / d if isinstance(d, int) else n * ring.from_expr(NORM_INVERSE),
-        _power=lambda _exponent: ring.from_expr(TWO_POWER),
-    )
-    bound = Bound()
-    fields = {"quaternion": _row(ring, p), "angular_velocity": [*_row(ring, omega), 0]}
-    decide(fields, _elements(ring, K), _elements(ring, J), bound)
+    row, own, bound = _row(ring, p), Exponent(), Bound(ring)
+
+    def power(exponent: object) -> Any:
+        modelled(exponent is own, f"the power of {exponent!r}")
+        return ring.from_expr(TWO_POWER)
+
+    decide = rerouted(proves_basin, Fraction=fraction_over(_norm(row)), _power=power)
+    fields = {"quaternion": row, "angular_velocity": [*_row(ring, omega), own]}
+    decided = decide(fields, _elements(ring, K), _elements(ring, J), bound)
+    modelled(decided is True and bound.met, "more than one comparison decides")
     return bound.greater.as_expr()
 
 
@@ -115,7 +162,8 @@ class Pivoted:
             raise ArithmeticError(f"{divisor} leaves the remainder {rest}")
         return Pivoted(quotient, self.met)
 
-    def __le__(self, _zero: int) -> bool:
+    def __le__(self, zero: int) -> bool:
+        modelled(type(zero) is int and zero == 0, f"a comparison with {zero!r}")
         self.met.append(self.value.as_expr())
         return False
 
@@ -130,7 +178,20 @@ def pivots_of(elimination: Callable[[Any], bool], matrix: Any) -> list[Any]:
 
 def checked_elimination(rows: Sequence[Sequence[Any]]) -> bool:
     """`certreg.verify.positive_definite` of integers, which has no denominators to clear."""
-    return rerouted(positive_definite, int=lambda entry: entry, lcm=lambda *_: 1)(rows)
+
+    def whole(entry: Any) -> Any:
+        modelled(isinstance(entry, Pivoted), f"{entry!r} made an integer")
+        return entry
+
+    def common(*denominators: Any) -> int:
+        modelled(set(denominators) == {1}, "a denominator other than 1")
+        return 1
+
+    return rerouted(positive_definite, int=whole, lcm=common)(rows)
+
+
+def _norm(row: Sequence[Any]) -> Any:
+    return sum((entry * entry for entry in row[1:]), row[0] * row[0])
 
 
 def _elements(ring: Any, matrix: Any) -> list[list[Any]]:

@@ -31,6 +31,7 @@ class Mutant:
 
 
 SO3, MOTION = "certreg/geometry/so3.py", "derivations/motion.py"
+CHECKER = "certreg/verify.py"
 CLASSES = "certreg/objective/classification.py"
 LINEAR, STEPS = "derivations/linearisation.py", "derivations/integrators.py"
 
@@ -447,6 +448,83 @@ MUTANTS = (
         "end * norm << (b - common)) - (moved",
         "end * norm << (b - common)) + (moved",
         ("translation_gap", "maximum_likelihood"),
+    ),
+    Mutant(
+        "an eighth of the spin",
+        CHECKER,
+        "Fraction(_form(J, w), 4)",
+        "Fraction(_form(J, w), 8)",
+        ("certified_basin",),
+    ),
+    Mutant(
+        "another power of two",
+        CHECKER,
+        "_power(exponent) ** 2",
+        "_power(exponent - 1) ** 2",
+        ("certified_basin",),
+    ),
+    Mutant(
+        "power of two not squared",
+        CHECKER,
+        "_power(exponent) ** 2",
+        "_power(exponent)",
+        ("certified_basin",),
+    ),
+    Mutant(
+        "spin added",
+        CHECKER,
+        "- spin > level",
+        "+ spin > level",
+        ("certified_basin",),
+    ),
+    Mutant(
+        "basin up to its boundary",
+        CHECKER,
+        "- spin > level",
+        "- spin >= level",
+        ("certified_basin",),
+    ),
+    Mutant(
+        "alignment over another norm",
+        CHECKER,
+        "sum(c * c for c in p)",
+        "sum(c * c for c in p[:3])",
+        ("certified_basin",),
+    ),
+    Mutant(
+        "rank-one term doubled",
+        CHECKER,
+        "Fraction(mu * a * b, square)",
+        "Fraction(2 * mu * a * b, square)",
+        ("optimality_certificate",),
+    ),
+    Mutant(
+        "rank-one term over another norm",
+        CHECKER,
+        "Fraction(mu * a * b, square)",
+        "Fraction(mu * a * b, 1 + square)",
+        ("optimality_certificate",),
+    ),
+    Mutant(
+        "level times the unit",
+        CHECKER,
+        "diagonal = level / unit",
+        "diagonal = level",
+        ("dual_bound",),
+    ),
+    Mutant(
+        "K of the other sign",
+        CHECKER,
+        "rows[i][j] - K[i][j]",
+        "rows[i][j] + K[i][j]",
+        ("dual_bound",),
+    ),
+    Mutant(
+        "an eliminated entry's sign",
+        CHECKER,
+        "below[j] * row[k] - below[k] * row[j]",
+        "below[j] * row[k] - row[k] * row[j]",
+        ("elimination",),
     ),
 )
 

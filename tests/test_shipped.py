@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import inspect
+import operator
 from fractions import Fraction
+from importlib import import_module
 
 import pytest
 import sympy
 
 from certreg.exact.elimination import is_positive_definite
 from certreg.geometry.so3 import davenport_matrix
-from certreg.verify import positive_definite
+from certreg.verify import positive_definite, proves_basin
 from derivations import shipped
 from derivations.notation import matrix, quaternion, scalar, symmetric, vector
 
+checker = import_module("certreg.verify")
 C = ((3, 1, -2), (0, 5, 4), (7, -1, 2))
 J = ((9, 1, 0), (1, 8, 2), (0, 2, 7))
 Q, OMEGA = (1, -2, 3, 5), (4, 0, -3)
@@ -90,3 +94,69 @@ def test_rerouting_leaves_the_shipped_function_as_it_was():
     with pytest.raises(AssertionError, match="asked"):
         shipped.rerouted(positive_definite, lcm=refuse)([[1]])
     assert positive_definite([[1]])
+
+
+# What a replacement does not stand for ------------------------------------------------------------
+
+
+def careless_basin(change):
+    """The checker's function with its text changed."""
+    text = inspect.getsource(proves_basin)
+    assert text.count(change[0]) == 1
+    names = dict(vars(checker))
+    code = compile("from __future__ import annotations\n" + text.replace(*change), "-", "exec")
+    exec(code, names)  # noqa: S102  (the shipped text, changed in one place)
+    return names["proves_basin"]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (("_power(exponent)", "_power(0)"), "the power of 0"),
+        (("_power(exponent)", "_power(exponent - 1)"), "unsupported operand"),
+        (("_power(exponent)", "_power(-exponent)"), "bad operand"),
+        (("sum(c * c for c in p)", "2 * sum(c * c for c in p)"), "a division by"),
+        (("sum(c * c for c in p)", "sum(c * c for c in p[1:])"), "a division by"),
+        (("any(p) and", "level < 0 or any(p) and"), "no polynomial"),
+        (("- spin > level", "- spin >= level"), "not supported"),
+        (("return any(p)", "return not any(p)"), "more than one comparison"),
+    ],
+)
+def test_a_basin_decided_otherwise_than_is_modelled_is_an_error(monkeypatch, change, words):
+    monkeypatch.setattr(shipped, "proves_basin", careless_basin(change))
+    K = davenport_matrix(matrix("C").tolist())
+
+    with pytest.raises((shipped.UnmodelledError, TypeError), match=words):
+        shipped.checked_alignment(K, symmetric("J"), quaternion("p"), vector("omega"))
+
+
+def test_a_replacement_that_the_code_does_not_use_is_an_error():
+    with pytest.raises(shipped.UnmodelledError, match="does not use"):
+        shipped.rerouted(positive_definite, gcd=max)
+
+
+def test_a_quotient_by_anything_but_the_norm_or_an_integer_is_an_error():
+    ring = shipped.ring_of([*quaternion(), shipped.NORM_INVERSE])
+    norm = ring.from_expr(sum(c**2 for c in quaternion()))
+    quotient = shipped.fraction_over(norm)
+
+    assert quotient(norm, norm) == norm * ring.from_expr(shipped.NORM_INVERSE)
+    assert quotient(norm, 3) == norm * Fraction(1, 3)
+    for number, divisor in ((norm, norm + 1), (norm, 2 * norm), (norm, 1.5), (1, norm)):
+        with pytest.raises(shipped.UnmodelledError):
+            quotient(number, divisor)
+    with pytest.raises(shipped.UnmodelledError, match="no polynomial"):
+        operator.truediv(1, shipped.Divisor(ring.from_expr(shipped.NORM_INVERSE)))
+
+
+@pytest.mark.parametrize("other", [1, -1, 0.0])
+def test_a_pivot_compared_with_anything_but_zero_is_an_error(other):
+    with pytest.raises(shipped.UnmodelledError, match="a comparison with"):
+        shipped.pivots_of(lambda rows: rows[0][0] <= other, symmetric("A"))
+
+
+def test_the_elimination_takes_no_denominators_and_makes_no_other_integers():
+    with pytest.raises(shipped.UnmodelledError, match="denominator"):
+        shipped.checked_elimination([[Fraction(1, 2)]])
+    with pytest.raises(shipped.UnmodelledError, match="made an integer"):
+        shipped.checked_elimination([[3]])

@@ -1,0 +1,41 @@
+"""Every inequality of the checker, just inside and just outside; no wrong checker passes them."""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+import checker_boundaries as boundaries
+import pytest
+from checker_mutants import FILE, MUTANTS, failing, survivors
+
+checker = import_module("certreg.verify")
+
+
+def test_the_checker_answers_rightly_on_either_side_of_each_of_its_inequalities():
+    cases = boundaries.quick_cases()
+
+    assert len(cases) > 800
+    assert [case.name for case in cases if not case.passes(checker)] == []
+
+
+def test_the_limits_of_size_are_those_of_files_of_a_hundred_megabytes():
+    for case in boundaries.large_cases():
+        assert case.passes(checker), case.name
+
+
+@pytest.mark.slow
+def test_no_mutant_of_the_checker_answers_as_it_should():
+    assert len(MUTANTS) == len(set(MUTANTS)) >= 60
+    assert survivors() == []
+
+
+def test_a_case_is_failed_by_an_answer_that_is_wrong_torn_or_none():
+    text = FILE.read_text(encoding="utf-8")
+    cases = boundaries.quick_cases()[:20]
+
+    assert failing(text, cases) is None
+    assert failing(text + "\ndel check\n", cases) == cases[0].name
+    always = "\ndef check(content, clouds): return Outcome(True, (), '')\n"
+    assert failing(text + always, cases) == cases[0].name
+    assert failing("import certreg.nothing", cases) is not None
+    assert failing("def (", cases) is not None
