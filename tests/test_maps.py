@@ -21,8 +21,9 @@ from certreg.paper.charts import map_drawings
 from certreg.paper.families import CUBE, FAMILIES, Family, limit_margin, margin
 from certreg.paper.map_tables import rows, table
 from certreg.paper.maps import MEASURES, Map, instances, level, measured_maps
+from certreg.problem.problem import DEFAULT_DAMPING
 from certreg.problem.random_instances import gaussian_instances
-from certreg.settings import DEFAULT_DAMPING, MapSettings, SimulationSettings
+from certreg.settings import MapSettings, SimulationSettings
 
 COUNT = 40
 

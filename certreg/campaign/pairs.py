@@ -24,6 +24,7 @@ from certreg.campaign.running import contents, digest_of
 from certreg.campaign.table import Block, Column, write_table
 from certreg.errors import CertregError, InvalidFileError
 from certreg.io import Match, Pairing, number, read_problem, written_atomically
+from certreg.problem import DEFAULT_DAMPING
 from certreg.registration import (
     MISUSED,
     REFUSED,
@@ -33,7 +34,7 @@ from certreg.registration import (
     optimally_damped,
 )
 from certreg.report import result_document
-from certreg.settings import DEFAULT_DAMPING, CampaignSettings
+from certreg.settings import CampaignSettings
 from certreg.verify import shown
 
 if TYPE_CHECKING:

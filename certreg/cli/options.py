@@ -99,7 +99,7 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
         **options: Any,
     ) -> Any:
         from certreg.io import BY_LABEL, read_problem
-        from certreg.settings import DEFAULT_DAMPING
+        from certreg.problem import DEFAULT_DAMPING
 
         if sigma is not None and weights is not None:
             message = "--sigma and --weights exclude each other: give one"

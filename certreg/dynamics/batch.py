@@ -27,8 +27,8 @@ from certreg.equilibrium import clouds, rest_poses
 from certreg.errors import DegenerateProblemError
 from certreg.geometry import rotation_matrix
 from certreg.native import Batch, Ending, Integrator
-from certreg.problem import checked_damping
-from certreg.settings import DEFAULT_DAMPING, SimulationSettings
+from certreg.problem import DEFAULT_DAMPING, checked_damping
+from certreg.settings import SimulationSettings
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

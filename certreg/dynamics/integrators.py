@@ -13,7 +13,7 @@ from certreg.equilibrium import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
 from certreg.geometry import rotation_matrix
 from certreg.native import Ending, Integrator, current_engine
-from certreg.settings import DEFAULT_DAMPING
+from certreg.problem import DEFAULT_DAMPING
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -59,8 +59,13 @@ from certreg.equilibrium.spectral import equilibrium_set, spectrum
 from certreg.equilibrium.stability import Oscillations
 from certreg.errors import InvalidProblemError
 from certreg.native import ManyClouds, current_engine
-from certreg.problem import RegistrationProblem, checked_damping, checked_threads, exact_moments
-from certreg.settings import DEFAULT_DAMPING
+from certreg.problem import (
+    DEFAULT_DAMPING,
+    RegistrationProblem,
+    checked_damping,
+    checked_threads,
+    exact_moments,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

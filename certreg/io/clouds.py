@@ -21,12 +21,13 @@ from certreg.io.ply import parse_ply, write_ply
 from certreg.io.streams import reading
 from certreg.io.text import TEXT_FORMATS, ignored_note, parse_points, read_numbers
 from certreg.problem import (
+    DEFAULT_DAMPING,
     RegistrationProblem,
     contiguous,
     first_row,
     row_blocks,
 )
-from certreg.settings import DEFAULT_DAMPING, CertificateSettings
+from certreg.settings import CertificateSettings
 from certreg.verify import shown
 
 if TYPE_CHECKING:

@@ -20,7 +20,8 @@ from certreg.paper.style import (
     finished,
     house_style,
 )
-from certreg.settings import DEFAULT_DAMPING, SimulationSettings
+from certreg.problem import DEFAULT_DAMPING
+from certreg.settings import SimulationSettings
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

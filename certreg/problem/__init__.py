@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from certreg.problem.moments import floating_moments as floating_moments
     from certreg.problem.moments import moments_of_clouds as moments_of_clouds
     from certreg.problem.moments import trace as trace
+    from certreg.problem.problem import DEFAULT_DAMPING as DEFAULT_DAMPING
     from certreg.problem.problem import MAX_DAMPING as MAX_DAMPING
     from certreg.problem.problem import MIN_DAMPING as MIN_DAMPING
     from certreg.problem.problem import Block as Block
@@ -62,6 +63,7 @@ __getattr__ = lazy_face(
         ),
         "problem": (
             "Block",
+            "DEFAULT_DAMPING",
             "MAX_DAMPING",
             "MIN_DAMPING",
             "RegistrationProblem",

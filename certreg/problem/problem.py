@@ -19,7 +19,7 @@ import numpy as np
 from certreg.errors import InvalidProblemError
 from certreg.exact import weight_of_sigma
 from certreg.problem.memory_mapped import let_go, mapped_file
-from certreg.settings import DEFAULT_DAMPING, SumSettings
+from certreg.settings import SumSettings
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 CHANGED = "the file of a mapped array was changed while it was read: state the problem anew"
 DIGEST_PREFIX = b"certreg-problem/1\0"
 MANTISSA_BITS = 53
+DEFAULT_DAMPING = math.sqrt(8.0)  # critical damping of every mode of noise-free data: 2 sqrt(2)
 MIN_DAMPING, MAX_DAMPING = 1e-150, 1e150  # their squares, in the spectrum, are doubles
 
 

@@ -33,6 +33,7 @@ from certreg.exact import Dyadic
 from certreg.geometry import quaternion_from_matrix
 from certreg.io import reading
 from certreg.problem import (
+    DEFAULT_DAMPING,
     MAX_DAMPING,
     MIN_DAMPING,
     RegistrationProblem,
@@ -44,7 +45,7 @@ from certreg.report.document import RESULT_SCHEMA
 from certreg.report.folder import RESULT, TRAJECTORY
 from certreg.report.page import Report
 from certreg.report.panel import Roads
-from certreg.settings import DEFAULT_DAMPING, FileSettings, ReportSettings
+from certreg.settings import FileSettings, ReportSettings
 from certreg.verify import FILE_MAX, RefusalError, bound_doubles, parse, shown
 
 if TYPE_CHECKING:
