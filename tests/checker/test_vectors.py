@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 checker = import_module("certreg.verify")
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 VECTORS = ROOT / "vectors"
 MANIFEST = json.loads((VECTORS / "manifest.json").read_bytes())["vectors"]
 REASONS = {  # what the checker's words are about, by class

@@ -16,7 +16,7 @@ import pytest
 from certreg.native.compiler import CompilationError, find_compiler
 from certreg.native.evaluator import evaluator
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 NAMES = ("embed-the-c-code", "simulate", "many-problems", "cluster")
 GUIDES = [ROOT / "docs" / "howto" / f"{name}.md" for name in NAMES]
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 pytest.importorskip("sphinx", reason="the dependency group docs is not installed")
 
-DOCS = Path(__file__).parents[1] / "docs"
+DOCS = Path(__file__).parents[2] / "docs"
 PAGES = [page for page in sorted(DOCS.rglob("*.md")) if "_build" not in page.parts]
 MATHJAX = "a4354ff94fd868aea0cc6eaaa79a57fda0588646fc46ee3700a349ee0a11cbe6"  # npm, mathjax@3.2.2
 NOT_CODE = {"text", "json", "coq"}  # not executed; `make proofs` holds the Coq against its files
@@ -117,7 +117,7 @@ def test_every_public_name_is_in_the_reference():
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(DOCS)))
 def test_a_page_shows_no_code_that_is_not_run(page: Path):
     if page in GUIDES:
-        return  # their commands, C and Python are run by tests/test_guides.py
+        return  # their commands, C and Python are run by tests/docs/test_guides.py
     infos = [match["info"] or "" for match in FENCE.finditer(page.read_text("utf-8"))]
 
     assert [info for info in infos if not info.startswith("{") and info not in NOT_CODE] == []

@@ -7,6 +7,7 @@ import pytest
 import strategies
 from hypothesis import given
 from hypothesis import strategies as st
+from rotations import turned
 
 import certreg
 from certreg import RegistrationProblem
@@ -24,16 +25,6 @@ def centred(problem):
     x = problem.source - (w * problem.source).sum(0) / w.sum()
     y = problem.target - (w * problem.target).sum(0) / w.sum()
     return w, x, y
-
-
-def hat(v):
-    return np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
-
-
-def turned(R, phi):
-    """R exp([phi]) by the series, for small phi."""
-    A = hat(phi)
-    return R @ (np.eye(3) + A + A @ A / 2 + A @ A @ A / 6)
 
 
 @given(strategies.problems())

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from mutants import MUTANTS
 
-SCRIPT = Path(__file__).parent / "mutants.py"
+SCRIPT = Path(__file__).parents[1] / "mutants.py"
 
 
 def test_every_mutant_of_a_shipped_formula_is_noticed():

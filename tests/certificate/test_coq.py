@@ -41,7 +41,7 @@ from derivations.coq import check, page
 from derivations.coq.theorems import ORDER, theorems
 
 checker = import_module("certreg.verify")
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 PROOFS, VECTORS = ROOT / "derivations" / "coq", ROOT / "vectors"
 SECONDS = 5.0  # the contract: 100 points, from the command to the verdict
 needs_coq = pytest.mark.skipif(

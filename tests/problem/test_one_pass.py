@@ -23,7 +23,7 @@ from certreg.problem import floating_sums as sums
 from certreg.problem.floating_sums import CloudPair, compiled, floating_sums
 from certreg.problem.moments import exact_moments, floating_moments, moments_of_clouds
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 UNIT = Fraction(1, 2**53)
 PASSES: dict[str, Any] = {"NumPy": sums._plain, "C": compiled()}
 PASSES = {name: one_pass for name, one_pass in PASSES.items() if one_pass is not None}

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
     from certreg.registration.certification import Registration
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 SURVEY = ("survey_source.csv", "survey_target.csv")
 
 

@@ -259,7 +259,7 @@ def test_two_files_are_registered_in_a_fraction_of_their_size(tmp_path):
     (tmp_path / "b.ply").write_bytes(head + (points + np.float32(2.0)).tobytes())
     run = subprocess.run(
         [sys.executable, "-c", GROWTH, str(tmp_path / "a.npy"), str(tmp_path / "b.ply")],
-        env={"PYTHONPATH": str(Path(__file__).parent.parent), **os.environ},
+        env={"PYTHONPATH": str(Path(__file__).parents[2]), **os.environ},
         capture_output=True,
         text=True,
         check=True,

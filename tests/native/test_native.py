@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 import pytest
 from commands import certreg
+from rotations import saddle_start
 from scipy.spatial.transform import Rotation
 from strategies import ZOO, random_problem
-from test_simulation import saddle_start
 
 from certreg.dynamics import body as dynamics
 from certreg.dynamics import integrators as integration
@@ -36,7 +36,7 @@ from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.settings import SimulationSettings
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 DATA = ROOT / "certreg" / "data"
 SURVEY = (str(DATA / "survey_source.csv"), str(DATA / "survey_target.csv"))
 SIMULATED = "import certreg.native.engine as e; print(e.current_engine().words)"
@@ -110,7 +110,11 @@ def files(place: Path) -> list[str]:
 
 
 def test_without_a_compiler_all_simulation_tests_pass(tmp_path):
-    names = ("test_simulation.py", "test_simulate_command.py", "test_integrators.py")
+    names = (
+        "dynamics/test_simulation.py",
+        "cli/test_simulate_command.py",
+        "dynamics/test_integrators.py",
+    )
     suites = [str(ROOT / "tests" / name) for name in names]
     options = ["-q", "-p", "no:cacheprovider", "-m", "not slow", "--no-header"]
     code = f"import sys, pytest; sys.exit(pytest.main({[*options, *suites]!r}))"

@@ -11,7 +11,7 @@ import pytest
 
 import certreg
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
 UV_LOCK = (ROOT / "uv.lock").read_text("utf-8")
 REQUIREMENTS = (ROOT / "requirements.lock").read_text("utf-8")

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import strategies
 from hypothesis import given
+from rotations import turned
 
 import certreg
 from certreg import RegistrationProblem
@@ -110,8 +111,6 @@ def test_no_random_rotation_does_better_than_the_certified_minimum():
     for k in range(2000):
         R = strategies.random_rotation(rng)
         if k % 2:  # near the optimum
-            from test_equilibria import turned
-
             R = turned(optimum, rng.normal(size=3) * 10.0 ** rng.uniform(-4, -1))
         assert (w * (y - x @ R.T) ** 2).sum() > registration.objective * (1 - 1e-9)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-PAGE = Path(__file__).parent.parent / "docs" / "four-roads.md"
+PAGE = Path(__file__).parents[2] / "docs" / "four-roads.md"
 CELLS = re.findall(
     r"```\{code-cell\} python3\n(?::tags:[^\n]*\n)?(.*?)```", PAGE.read_text(), re.DOTALL
 )

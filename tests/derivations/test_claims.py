@@ -17,7 +17,7 @@ from derivations.claims import davenport
 from derivations.kernel import Claim, Kind, prove
 from derivations.notation import scalar, vector
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 X, Y = scalar("x"), scalar("y")
 
 

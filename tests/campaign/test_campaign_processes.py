@@ -19,7 +19,7 @@ from certreg.campaign.workers import workers_at
 from certreg.errors import CampaignError
 from certreg.settings import CampaignSettings
 
-HERE = Path(__file__).parent
+HERE = Path(__file__).parents[1]
 pytestmark = pytest.mark.slow
 
 

@@ -28,7 +28,7 @@ from benchmarks.reference import angle, angle_of_matrix, optimal_quaternion
 from benchmarks.run import LATEST, SCHEMA, Run, read
 from certreg.geometry.so3 import rotation_matrix
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 VALIDATOR = Draft202012Validator(json.loads(SCHEMA.read_text("utf-8")))
 NAMES = [peer.name for peer in PEERS]
 

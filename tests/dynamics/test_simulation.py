@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
+from rotations import saddle_start
 from strategies import AXES, ZOO, random_problem, random_rotation
 
 from certreg.certificate.checking import check_own, verify
@@ -40,13 +40,6 @@ each_story = pytest.mark.parametrize("name", STORY_NAMES)
 @cache
 def told(name) -> Any:
     return tell(STORIES[STORY_NAMES.index(name)])
-
-
-def saddle_start(found, index, angle, axis):
-    """At rest beside the saddle of that index: turned off it by an angle about an axis."""
-    q = unit_double(found.quaternions[index])
-    R = Rotation.from_quat(q, scalar_first=True) * Rotation.from_rotvec(angle * np.asarray(axis))
-    return np.array([*[0.0] * 3, *R.as_matrix().ravel(), *[0.0] * 6])
 
 
 def proved_end(problem, found, trajectory):
