@@ -19,7 +19,7 @@ UV_PYTHON_OPTION = $(if $(filter environment command,$(origin PYTHON)),--python 
 NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_EXTRA_INDEX_URL -u UV_FIND_LINKS
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test chromium test-browser test-huge test-oracles proofs fuzz kills generate report-asset check-report-asset lint bench peers lock clean
+.PHONY: help demo docs test chromium test-browser test-huge test-oracles golden proofs fuzz kills generate report-asset check-report-asset lint bench peers lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -61,6 +61,9 @@ proofs: $(READY)  ## check the Coq proofs and the verified checker (installs Coq
 
 test-huge: $(READY)  ## certify two mapped clouds of 8 GB each in 500 MB of memory (ten minutes of a quiet machine, 16 GB of disk)
 	@$(RUN) tests/huge.py
+
+golden: $(READY)  ## compare what users see now and at a commit: make golden BASE=<commit> (minutes)
+	@$(RUN) tests/golden/run.py $(BASE)
 
 fuzz: $(READY)  ## a million broken files for the readers (two minutes)
 	@$(RUN) tests/fuzz_readers.py
