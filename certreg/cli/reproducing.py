@@ -12,6 +12,7 @@ from certreg.cli.progress import Stages
 from certreg.registration import DONE, REFUSED
 from certreg.report import printable
 
+LARGEST_RUNS = 1000  # in one process, with figures: beyond, a campaign
 CAMPAIGN = "campaign"  # folder, within that of the reproduction
 
 
@@ -84,17 +85,16 @@ def reproduce(
     from certreg.paper import (
         MonteCarlo,
         Setup,
-        all_drawings,
+        all_sweeps,
         make_folder,
-        map_drawings,
-        measured_maps,
+        paper_drawings,
+        sweep_drawings,
         texts,
         write_reproduction,
     )
     from certreg.paper import reproduce as run
-    from certreg.settings import ReproductionSettings
 
-    apart = scheduler is not None or parquet or (runs or 0) > ReproductionSettings().largest_runs
+    apart = scheduler is not None or parquet or (runs or 0) > LARGEST_RUNS
     setup = Setup(
         points=points, noise=noise, damping=damping, seed=seed, runs=None if apart else runs
     )
@@ -106,10 +106,10 @@ def reproduce(
         click.echo()
     with Stages() as stages:
         made = run(setup, stages.at, proofs=not no_proofs)
-        found = measured_maps(seed, runs, stages.at) if beyond else ()
+        sweeps = all_sweeps(seed, runs, stages.at) if beyond else ()
         stages.at("figures")
-        drawn = (*all_drawings(made.observations), *map_drawings(found))
-        path = write_reproduction(made, drawn, out, found)
+        drawn = (*paper_drawings(made.observations), *sweep_drawings(sweeps))
+        path = write_reproduction(made, drawn, out, sweeps)
     for text in texts(made):
         click.echo(text)
     click.echo(f"\nFigures and verdicts: {printable(path)}")

@@ -1,4 +1,4 @@
-"""The paper's experiments, figures and claims, with verdicts."""
+"""The paper's experiments, figures and claims with verdicts, for the command line alone."""
 
 from __future__ import annotations
 
@@ -7,43 +7,47 @@ from typing import TYPE_CHECKING
 from certreg._faces import lazy_face
 
 if TYPE_CHECKING:
-    from certreg.paper.charts import map_drawings as map_drawings
+    from certreg.paper.counterexamples import certified_clouds as certified_clouds
     from certreg.paper.derivation import all_hold as all_hold
     from certreg.paper.derivation import audit as audit
     from certreg.paper.derivation import chapters as chapters
     from certreg.paper.derivation import outcomes as outcomes
+    from certreg.paper.derivation import paper_claims as paper_claims
     from certreg.paper.derivation import write_code as write_code
     from certreg.paper.derivation import write_latex as write_latex
-    from certreg.paper.drawings import all_drawings as all_drawings
-    from certreg.paper.exhibition import make_folder as make_folder
-    from certreg.paper.exhibition import write_reproduction as write_reproduction
-    from certreg.paper.maps import measured_maps as measured_maps
+    from certreg.paper.documents import closing_text as closing_text
+    from certreg.paper.documents import texts as texts
+    from certreg.paper.figures import paper_drawings as paper_drawings
     from certreg.paper.monte_carlo import EXCEPTIONS as EXCEPTIONS
     from certreg.paper.monte_carlo import MonteCarlo as MonteCarlo
     from certreg.paper.monte_carlo import Totals as Totals
     from certreg.paper.monte_carlo import write_instance_results as write_instance_results
     from certreg.paper.observations import Setup as Setup
-    from certreg.paper.reproduction import texts as texts
+    from certreg.paper.page import make_folder as make_folder
+    from certreg.paper.page import write_reproduction as write_reproduction
+    from certreg.paper.parameter_sweeps import all_sweeps as all_sweeps
+    from certreg.paper.style import written as written
+    from certreg.paper.sweep_figures import sweep_drawings as sweep_drawings
     from certreg.paper.verdicts import reproduce as reproduce
 
 __getattr__ = lazy_face(
     __name__,
     {
-        "charts": ("map_drawings",),
+        "counterexamples": ("certified_clouds",),
         "derivation": (
             "all_hold",
             "audit",
             "chapters",
             "outcomes",
+            "paper_claims",
             "write_code",
             "write_latex",
         ),
-        "drawings": ("all_drawings",),
-        "exhibition": (
-            "make_folder",
-            "write_reproduction",
+        "documents": (
+            "closing_text",
+            "texts",
         ),
-        "maps": ("measured_maps",),
+        "figures": ("paper_drawings",),
         "monte_carlo": (
             "EXCEPTIONS",
             "MonteCarlo",
@@ -51,7 +55,13 @@ __getattr__ = lazy_face(
             "write_instance_results",
         ),
         "observations": ("Setup",),
-        "reproduction": ("texts",),
+        "page": (
+            "make_folder",
+            "write_reproduction",
+        ),
+        "parameter_sweeps": ("all_sweeps",),
+        "style": ("written",),
+        "sweep_figures": ("sweep_drawings",),
         "verdicts": ("reproduce",),
     },
 )

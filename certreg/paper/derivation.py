@@ -11,14 +11,17 @@ import difflib
 import importlib
 import importlib.util
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from certreg.campaign import LocalWorkers
 from certreg.errors import CertregError
 from certreg.io import write_atomically, write_folder_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Generator, Iterator, Mapping, Sequence
+    from concurrent.futures import Future
 
     from certreg.results import Verdict
 
@@ -34,8 +37,8 @@ class UnknownClaimError(CertregError):
 
 def chapters() -> tuple[Any, ...]:
     """The chapters of the book: each a title and the names of its claims."""
-    found: tuple[Any, ...] = _module("book").CHAPTERS
-    return found
+    every: tuple[Any, ...] = _module("book").CHAPTERS
+    return every
 
 
 def outcomes(names: Sequence[str] = ()) -> Iterator[Any]:
@@ -57,8 +60,18 @@ def outcomes(names: Sequence[str] = ()) -> Iterator[Any]:
 def verdict(name: str) -> Verdict:
     """The verdict on one claim of the book, proved anew; for a process of its own."""
     (outcome,) = outcomes([name])
-    found: Verdict = outcome.verdict
-    return found
+    answer: Verdict = outcome.verdict
+    return answer
+
+
+@contextmanager
+def proving(names: Sequence[str]) -> Generator[Mapping[str, Future[Verdict]]]:
+    """The verdicts on claims by name, proved in processes of their own while the caller goes on.
+
+    On leaving the context, proofs that have not started are cancelled.
+    """
+    with LocalWorkers() as workers:
+        yield {name: workers.executor.submit(verdict, name) for name in names}
 
 
 def paper_claims() -> tuple[Any, ...]:
@@ -76,21 +89,22 @@ def audit(proved: Sequence[Any]) -> list[tuple[Any, Verdict]]:
     return [(row, row.stands(verdicts)) for row in paper_claims()]
 
 
-def all_hold(found: Sequence[Any], audited: Sequence[tuple[Any, Verdict]]) -> bool:
+def all_hold(proved: Sequence[Any], audited: Sequence[tuple[Any, Verdict]]) -> bool:
     """Whether every claim was proved, and every finding of the audit stands."""
-    verdicts = [*(outcome.verdict for outcome in found), *(verdict for _, verdict in audited)]
+    verdicts = [*(outcome.verdict for outcome in proved), *(verdict for _, verdict in audited)]
     return all(verdict.proved for verdict in verdicts)
 
 
-def write_latex(found: Sequence[Any], folder: Path) -> None:
+def write_latex(proved: Sequence[Any], folder: Path) -> None:
     """Write the executed claims as a LaTeX document."""
     folder.mkdir(parents=True, exist_ok=True)
-    document: str = _module("latex").document(found)
+    document: str = _module("latex").document(proved)
     write_atomically(folder / LATEX_FILE, document.encode())
 
 
 def write_code(folder: Path) -> None:
     """Write the C that the derived expressions become, generated anew."""
+    # Loads CasADi, which no other job of this module needs.
     from certreg.native import generated_files
 
     write_folder_of(folder / CODE_FOLDER, generated_files(_module("emit").definitions()))

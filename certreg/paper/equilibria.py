@@ -1,7 +1,7 @@
 """The paper's first experiment: all equilibria of random instances, and their eigenvalues.
 
 The paper solves the torque quadratics in Matlab; here they are eliminated exactly (the Groebner
-road), which knows nothing of eigenvectors. Eigenvalues are those of the Jacobians, computed in
+method), which knows nothing of eigenvectors. Eigenvalues are those of the Jacobians, computed in
 double precision and counted; nothing is taken from the theorems that they are held against.
 """
 
@@ -21,13 +21,14 @@ from certreg.paper.particles import Particles, at_rest
 from certreg.paper.scheme import RAW_UNIT
 from certreg.problem import exact_moments
 from certreg.registration import horn
-from certreg.settings import ReproductionSettings
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.dynamics import Body
     from certreg.problem import RegistrationProblem
+
+ZERO_EIGENVALUE = 1e-9  # of the largest: a computed zero is below, a true one far above
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -40,7 +41,7 @@ class Signs:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class RestPose:
+class StationaryPose:
     """One equilibrium. Angles in degrees, to the closed-form optimum.
 
     quaternion: (4,); rotation: (3, 3). balance: what the paper's equation leaves, relative.
@@ -69,7 +70,7 @@ class EquilibriumRun:
 
     count: int | None
     unique: bool
-    rests: tuple[RestPose, ...]
+    poses: tuple[StationaryPose, ...]
     pair_errors: tuple[float, ...]
     least_inertia: float
 
@@ -77,43 +78,44 @@ class EquilibriumRun:
 def equilibrium_run(problem: RegistrationProblem) -> EquilibriumRun:
     """The experiment on one instance.
 
-    Where the equilibria form a continuum, `rests` has one member of each component.
+    Where the equilibria form a continuum, `poses` has one member of each component.
     Raises DegenerateProblemError where the source is collinear.
     """
     moments = exact_moments(problem)
     moving = body_of(moments, problem.damping, length_exponent=RAW_UNIT)
     particles = Particles.of(problem)
-    found = road(moments, Method.GROEBNER).found
+    spectrum = road(moments, Method.GROEBNER).found
     best = horn(moving.cross_covariance)
-    rests = tuple(_rest_pose(q, moving, particles, best) for q in found.quaternions)
-    finite = found.classification.finite
+    poses = tuple(_stationary_pose(q, moving, particles, best) for q in spectrum.quaternions)
+    finite = spectrum.classification.finite
     inertia = np.linalg.eigvalsh(moving.inertia)
     return EquilibriumRun(
-        count=len(rests) if finite else None,
-        unique=found.classification.unique,
-        rests=rests,
+        count=len(poses) if finite else None,
+        unique=spectrum.classification.unique,
+        poses=poses,
         pair_errors=tuple(
-            half_turn_error(a.quaternion, b.quaternion) for a, b in combinations(rests, 2)
+            half_turn_error(a.quaternion, b.quaternion) for a, b in combinations(poses, 2)
         ),
         least_inertia=float(inertia[0] / inertia[-1]),
     )
 
 
-def sides(
-    eigenvalues: NDArray[np.complex128], settings: ReproductionSettings | None = None
-) -> NDArray[np.int64]:
+def sides(eigenvalues: NDArray[np.complex128]) -> NDArray[np.int64]:
     """1 for each eigenvalue right of the imaginary axis, -1 left, 0 for what rounding made of 0."""
-    settings = settings or ReproductionSettings()
-    zero = np.abs(eigenvalues) <= settings.no_eigenvalue * np.abs(eigenvalues).max()
+    zero = np.abs(eigenvalues) <= ZERO_EIGENVALUE * np.abs(eigenvalues).max()
     return np.where(zero, 0, np.sign(eigenvalues.real)).astype(np.int64)
 
 
-def signs(
-    eigenvalues: NDArray[np.complex128], settings: ReproductionSettings | None = None
-) -> Signs:
+def signs(eigenvalues: NDArray[np.complex128]) -> Signs:
     """The eigenvalues counted by their real parts."""
-    found = sides(eigenvalues, settings).tolist()
-    return Signs(right=found.count(1), zero=found.count(0), left=found.count(-1))
+    each = sides(eigenvalues).tolist()
+    return Signs(right=each.count(1), zero=each.count(0), left=each.count(-1))
+
+
+def unstable_counts(run: EquilibriumRun) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """How many eigenvalues of each equilibrium are unstable: of the 12, and of the 18."""
+    intrinsic = tuple(signs(pose.intrinsic).right for pose in run.poses)
+    return intrinsic, tuple(signs(pose.ambient).right for pose in run.poses)
 
 
 def angle(p: NDArray[np.float64], q: NDArray[np.float64]) -> float:
@@ -141,15 +143,15 @@ def _across(p: NDArray[np.float64], q: NDArray[np.float64]) -> float:
     return float(np.linalg.norm(np.outer(p, q) - np.outer(q, p)) / math.sqrt(2.0))
 
 
-def _rest_pose(
+def _stationary_pose(
     integers: tuple[int, int, int, int],
     moving: Body,
     particles: Particles,
     best: NDArray[np.float64],
-) -> RestPose:
+) -> StationaryPose:
     quaternion, rotation = unit_double(integers), rotation_double(integers)
     state = at_rest(rotation)
-    return RestPose(
+    return StationaryPose(
         quaternion=quaternion,
         rotation=rotation,
         balance=particles.balance(rotation),

@@ -6,10 +6,15 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from certreg.problem import PAPER_DAMPING, RegistrationProblem
+from certreg.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+# What counts as equal in doubles; differences are relative to the size of what is compared.
+SAME_SUM = 1e-12  # of two ways to add 100 terms: a thousand times their rounding
+SAME_ANGLE = 1e-9  # degrees, of two eigenvectors of a 4x4 matrix: their rounding
+NEAR = 1.0  # degrees: a simulation stops near its end, not at it; saddles are at 180
 
 Clouds = list[RegistrationProblem]
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -21,14 +26,6 @@ class Evidence:
 
     words: str
     agrees: bool
-
-
-def in_doubles(cloud: Any) -> RegistrationProblem:
-    """A cloud of a counterexample (rationals.ExactCloud) in doubles: small integers, so exactly."""
-    source = [[float(e) for e in point] for point in cloud.source]
-    target = [[float(e) for e in point] for point in cloud.target]
-    weights = [float(mass) for mass in cloud.weights]
-    return RegistrationProblem(source, target, weights=weights, damping=PAPER_DAMPING)
 
 
 def tally(count: int, of: Sequence[Any], words: str) -> Evidence:

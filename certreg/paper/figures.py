@@ -1,4 +1,4 @@
-"""The figures of the experiments on random instances: eigenvalues, angles, simulations."""
+"""The figures of the reproduction: those of random instances, and all in the order of the paper."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.paper.equilibria import sides
+from certreg.paper.pictures import construction_drawing, polygon_drawing, pose_drawing
 from certreg.paper.style import (
     BLACK,
     BLUE,
@@ -35,10 +36,10 @@ BLOWN_UP = 1e3  # of the energy at the start: more is not drawn
 NUMBERS = ("none", "one", "two", "three")
 
 
-def eigenvalue_drawing(seen: Observations, *, ambient: bool) -> Drawing:
+def eigenvalue_drawing(observed: Observations, *, ambient: bool) -> Drawing:
     """The eigenvalues at the four equilibria, a panel each; ambient: of the paper's 18 numbers."""
-    runs = [run for run in seen.equilibria if run.count == 4][:SHOWN]
-    values = np.array([[r.ambient if ambient else r.intrinsic for r in run.rests] for run in runs])
+    runs = [run for run in observed.equilibria if run.count == 4][:SHOWN]
+    values = np.array([[r.ambient if ambient else r.intrinsic for r in run.poses] for run in runs])
     left, right = 1.12 * values.real.min(), 1.8 * values.real.max()
     with house_style():
         figure = blank(2.3)
@@ -50,7 +51,7 @@ def eigenvalue_drawing(seen: Observations, *, ambient: bool) -> Drawing:
         axes[0].set(ylabel="imaginary part", xlim=(left, right))
         figure.supxlabel("real part (1 / time)", fontsize=8.5)
     size, name = (18, "ambient") if ambient else (12, "intrinsic")
-    told = (
+    words = (
         "Six of them are zero at every equilibrium, also at the optimum (the ring at the origin in "
         "every panel): 18 numbers describe 12 dimensions. So at the optimum not all eigenvalues "
         "lie in the left half-plane; none lies in the right."
@@ -63,7 +64,7 @@ def eigenvalue_drawing(seen: Observations, *, ambient: bool) -> Drawing:
         name=f"eigenvalues-{name}",
         title=f"Eigenvalues of the {name} {size}×{size} Jacobian",
         caption=f"All {size} eigenvalues at the four equilibria of {len(runs)} random instances, "
-        f"transparent, so that darker means more often. {told}",
+        f"transparent, so that darker means more often. {words}",
         figure=figure,
     )
 
@@ -82,9 +83,9 @@ def _plane(panel: Any, spectra: NDArray[np.complex128]) -> None:
         panel.scatter(at.real, at.imag, alpha=0.35, linewidths=0.9, zorder=2, **style)
 
 
-def angle_drawing(seen: Observations) -> Drawing:
+def angle_drawing(observed: Observations) -> Drawing:
     """How far the equilibria are from 180 and 0 degrees, by two formulas."""
-    runs = seen.equilibria[:SHOWN]
+    runs = observed.equilibria[:SHOWN]
     rows = angle_errors(runs)
     with house_style():
         figure = blank(2.6)
@@ -138,20 +139,20 @@ def angle_drawing(seen: Observations) -> Drawing:
 
 def angle_errors(runs: Sequence[EquilibriumRun]) -> dict[str, NDArray[np.float64]]:
     """The distances of the angles from 180 or 0 degrees, by what and how they were measured."""
-    spurious = [rest for run in runs for rest in run.rests[1:]]
-    best = [run.rests[0] for run in runs]
+    spurious = [pose for run in runs for pose in run.poses[1:]]
+    best = [run.poses[0] for run in runs]
     return {
-        "spurious,\nquaternions": np.array([rest.half_turn_error for rest in spurious]),
+        "spurious,\nquaternions": np.array([pose.half_turn_error for pose in spurious]),
         "spurious,\npaper's arccos": np.array([abs(180.0 - r.arccos_angle) for r in spurious]),
-        "optimum,\nquaternions": np.array([rest.angle for rest in best]),
-        "optimum,\npaper's arccos": np.array([rest.arccos_angle for rest in best]),
+        "optimum,\nquaternions": np.array([pose.angle for pose in best]),
+        "optimum,\npaper's arccos": np.array([pose.arccos_angle for pose in best]),
     }
 
 
-def simulation_drawing(seen: Observations) -> Drawing:
+def simulation_drawing(observed: Observations) -> Drawing:
     """Rotation errors of closed form and simulation, and the energies of a typical run."""
-    runs = [run for run in seen.simulations if not run.diverged]
-    shown = typical(runs or seen.simulations)
+    runs = [run for run in observed.simulations if not run.diverged]
+    shown = typical(runs or observed.simulations)
     descent = shown.descent
     with house_style():
         figure = blank(2.9)
@@ -177,7 +178,7 @@ def simulation_drawing(seen: Observations) -> Drawing:
     return finished(
         name="simulations",
         title="Simulation of the dynamics",
-        caption=_told(runs, shown),
+        caption=_caption(runs, shown),
         figure=figure,
     )
 
@@ -187,9 +188,9 @@ def typical(runs: Sequence[SimulationRun]) -> SimulationRun:
     return sorted(runs, key=lambda run: run.steps)[(len(runs) - 1) // 2]
 
 
-def _told(runs: Sequence[SimulationRun], shown: SimulationRun) -> str:
+def _caption(runs: Sequence[SimulationRun], shown: SimulationRun) -> str:
     return (
-        f"(a) {_errors_told(runs)} (b) A run of {shown.steps} steps, the median: the total energy "
+        f"(a) {_error_words(runs)} (b) A run of {shown.steps} steps, the median: the total energy "
         "V falls, the potential energy V_p under it "
         f"{'oscillates' if shown.potential_rises else 'falls with it'}. (c) The start of the same "
         f"run, enlarged: explicit Euler raises V in the first {_first_rises(shown)} steps, which "
@@ -197,7 +198,7 @@ def _told(runs: Sequence[SimulationRun], shown: SimulationRun) -> str:
     )
 
 
-def _errors_told(runs: Sequence[SimulationRun]) -> str:
+def _error_words(runs: Sequence[SimulationRun]) -> str:
     if not runs:
         return "No simulation stayed within the doubles: the step is too large for the damping."
     errors = [[run.closed_form_error, run.error, run.distance] for run in runs]
@@ -236,3 +237,16 @@ def _boxes(panel: Any, runs: Sequence[SimulationRun]) -> None:
     panel.set_xticks([1, 2, 3], ["closed\nform", "simu-\nlation", "between\nthem"])
     panel.set_ylim(bottom=0.0)
     panel.set_title("(a) Rotation error,\ndegrees")
+
+
+def paper_drawings(observed: Observations) -> tuple[Drawing, ...]:
+    """All figures of the reproduction, in the order of the paper."""
+    return (
+        construction_drawing(observed),
+        polygon_drawing(observed),
+        eigenvalue_drawing(observed, ambient=False),
+        eigenvalue_drawing(observed, ambient=True),
+        angle_drawing(observed),
+        simulation_drawing(observed),
+        pose_drawing(observed),
+    )

@@ -2,7 +2,7 @@
 
 Shard k draws from child k of `numpy.random.SeedSequence(seed).spawn(...)`, so its instances depend
 on the manifest alone. Doubles decide almost all of them; an instance that they do not decide, or
-that has other counts than 0, 1, 2, 3, goes the exact road and is kept with its certificate.
+that has other counts than 0, 1, 2, 3, is decided in exact arithmetic and kept with its certificate.
 """
 
 from __future__ import annotations
@@ -42,7 +42,6 @@ from certreg.problem import (
     gaussian_instances,
 )
 from certreg.registration import certify
-from certreg.settings import CampaignSettings
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterator
@@ -56,6 +55,12 @@ if TYPE_CHECKING:
 
 Arrays = dict[str, "NDArray[Any]"]
 
+# No result depends on how a campaign is cut up but by the manifest, which a folder keeps.
+SHARD_POINTS = 1 << 19  # a tenth of a second of work
+SHARD_INSTANCES = 4096  # 400 kB of results
+SHARDS = 64  # at least, where there are so many instances: all workers have work
+LEAST_INSTANCES = 256  # in a shard all the same: milliseconds of work
+PIECE_POINTS = 1 << 15  # of instances made at a time: two megabytes stay in the cache
 EXCEPTIONS, TOTALS = "exceptions.csv", "totals.json"
 PAPER_COUNTS = (0, 1, 2, 3)  # unstable eigenvalues at the four equilibria
 INSTANCE_COLUMNS = (
@@ -92,14 +97,14 @@ class MonteCarlo:
         if self.count < 1 or self.points < 1 or self.seed < 0:
             message = "give at least one instance of at least one point, and a seed >= 0"
             raise InvalidProblemError(message)
-        settings, given = CampaignSettings(), asdict(self)
-        fair = max(settings.least_instances, self.count // settings.shard_share)
-        most = min(settings.shard_instances, settings.shard_points // self.points)
+        given = asdict(self)
+        fair = max(LEAST_INSTANCES, self.count // SHARDS)
+        most = min(SHARD_INSTANCES, SHARD_POINTS // self.points)
         return Manifest(
             kind="monte-carlo",
             count=given.pop("count"),
             shard_size=max(1, min(fair, most)),
-            settings={**given, "piece": max(1, settings.piece_points // self.points)},
+            settings={**given, "piece": max(1, PIECE_POINTS // self.points)},
             versions=current_versions(),
         )
 
@@ -155,9 +160,9 @@ def solved(*, manifest: Manifest, shard: int) -> Yield:
     solving, start = 0.0, time.perf_counter()
     for first, made in pieces(manifest, shard):
         before = time.perf_counter()
-        found = solve_many(made.sources, made.targets, damping=damping, threads=1)
+        solutions = solve_many(made.sources, made.targets, damping=damping, threads=1)
         solving += time.perf_counter() - before
-        part = _measured(found, made, first)
+        part = _measured(solutions, made, first)
         part |= _exceptions(part, made, damping, files)
         parts.append(part)
     arrays = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
@@ -185,10 +190,10 @@ def certificate_name(instance: int) -> str:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Totals:
-    """What a campaign found.
+    """What a campaign solutions.
 
     regular: instances with exactly four equilibria, of 0, 1, 2 and 3 unstable eigenvalues.
-    exceptions: instances that went the exact road, regular or not, each with its certificate.
+    exceptions: instances decided in exact arithmetic, regular or not, each with its certificate.
     largest, smallest: over all instances, by the name of the column.
     """
 
@@ -261,18 +266,18 @@ def _listed(arrays: Arrays) -> Iterator[list[Any]]:
         yield [int(instance), *words, place]
 
 
-def _measured(found: Solutions, made: Instances, first: int) -> Arrays:
+def _measured(solutions: Solutions, made: Instances, first: int) -> Arrays:
     """What is kept of each instance, by doubles."""
-    best, count = found.quaternions[:, 0], len(made.sources)
+    best, count = solutions.quaternions[:, 0], len(made.sources)
     rotations = np.moveaxis(np.array(rotation_matrix(list(best.T))), -1, 0)
     chords = np.sqrt(((rotations - made.rotations) ** 2).sum(axis=(1, 2))) / np.sqrt(8.0)
-    shifts = found.translations[:, 0] - made.translations
-    cosines = np.abs((best[:, np.newaxis] * found.quaternions[:, 1:]).sum(axis=2)).max(axis=1)
+    shifts = solutions.translations[:, 0] - made.translations
+    cosines = np.abs((best[:, np.newaxis] * solutions.quaternions[:, 1:]).sum(axis=2)).max(axis=1)
     return {
         "instance": np.arange(first, first + count),
-        "rmse": found.rmse,
-        "unstable": np.where(found.decided[:, np.newaxis], found.unstable, np.int8(-1)),
-        "margin": found.margins,
+        "rmse": solutions.rmse,
+        "unstable": np.where(solutions.decided[:, np.newaxis], solutions.unstable, np.int8(-1)),
+        "margin": solutions.margins,
         "rotation_error_rad": 2.0 * np.arcsin(np.minimum(chords, 1.0)),
         "translation_error": np.sqrt((shifts * shifts).sum(axis=1)),
         "half_turn_error_rad": 2.0 * np.arcsin(np.minimum(cosines, 1.0)),
@@ -280,7 +285,7 @@ def _measured(found: Solutions, made: Instances, first: int) -> Arrays:
 
 
 def _exceptions(part: Arrays, made: Instances, damping: float, files: dict[str, bytes]) -> Arrays:
-    """The exact road for what doubles leave open or find to be otherwise; certificates to `files`.
+    """What doubles leave open or find otherwise, decided exactly; certificates to `files`.
 
     Puts the exact counts in the place of the others.
     """

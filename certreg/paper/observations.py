@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from certreg.paper.comparisons import Comparison, compare
+from certreg.dynamics import body_of
+from certreg.geometry import rotation_matrix
 from certreg.paper.construction import Scene, scene
 from certreg.paper.equilibria import EquilibriumRun, equilibrium_run
+from certreg.paper.particles import Particles, parts
 from certreg.paper.polygons import SQUARE, TRIANGLE, Turn, exact_sums, turn
 from certreg.paper.poses import Gallery, gallery
+from certreg.paper.scheme import RAW_UNIT
 from certreg.paper.simulations import SimulationRun, simulation_run
 from certreg.problem import (
     PAPER_DAMPING,
@@ -19,16 +22,23 @@ from certreg.problem import (
     PAPER_SIGMA,
     Instances,
     RegistrationProblem,
+    exact_moments,
     gaussian_instances,
 )
-from certreg.settings import ReproductionSettings
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from numpy.typing import NDArray
 
-class Announcer(Protocol):
-    """Told how far a stage is; for whoever watches."""
+
+EQUILIBRIUM_RUNS = 50  # [Yang2020]
+SIMULATION_RUNS = 100  # [Yang2020]
+STATES = 3  # random states per instance at which equations are compared
+
+
+class StageProgress(Protocol):
+    """Called with how far a stage has come."""
 
     def __call__(self, stage: str, done: int, total: int) -> None:
         """`done` of `total` parts of a stage are done."""
@@ -47,26 +57,39 @@ class Setup:
     damping: float = PAPER_DAMPING
     seed: int = 0
     runs: int | None = None
-    settings: ReproductionSettings = field(default_factory=ReproductionSettings)
 
     @property
     def equilibrium_runs(self) -> int:
         """Instances whose equilibria are found."""
-        return self.settings.equilibrium_runs if self.runs is None else self.runs
+        return EQUILIBRIUM_RUNS if self.runs is None else self.runs
 
     @property
     def simulation_runs(self) -> int:
         """Instances that are simulated."""
-        return self.settings.simulation_runs if self.runs is None else self.runs
+        return SIMULATION_RUNS if self.runs is None else self.runs
 
-    def problem(self, made: Instances, index: int) -> RegistrationProblem:
+    def problem(self, instances: Instances, index: int) -> RegistrationProblem:
         """One of the instances made, in the paper's units."""
         return RegistrationProblem(
-            made.sources[index],
-            made.targets[index],
+            instances.sources[index],
+            instances.targets[index],
             sigma=self.noise if self.noise > 0.0 else None,
             damping=self.damping,
         )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Comparison:
+    """The largest relative differences over the states compared.
+
+    objective: of V_p to the maximum-likelihood objective at t = c - R x_mean. rate: of F(s), from
+    the derivation, to the Newton-Euler equations summed over the particles. dissipation: of dV/dt
+    along F to -mu M |v|^2 - mu omega^T J omega.
+    """
+
+    objective: float
+    rate: float
+    dissipation: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -83,27 +106,26 @@ class Observations:
     gallery: Gallery
 
 
-def observe(setup: Setup, progress: Announcer) -> Observations:
+def observe(setup: Setup, progress: StageProgress) -> Observations:
     """Every experiment. Raises InvalidProblemError for a setup that makes no instances."""
     seeds = np.random.SeedSequence(setup.seed).spawn(3)
-    resting, moving, comparing = map(np.random.default_rng, seeds)
-    settings = setup.settings
-    first = _made(setup, resting, setup.equilibrium_runs)
+    finding, moving, comparing = map(np.random.default_rng, seeds)
+    first = _made(setup, finding, setup.equilibrium_runs)
     second = _made(setup, moving, setup.simulation_runs)
     polygons = (TRIANGLE, SQUARE)
 
     def at(index: int) -> tuple[Comparison, EquilibriumRun]:
         problem = setup.problem(first, index)
-        return compare(problem, comparing, settings.states), equilibrium_run(problem)
+        return compare(problem, comparing, STATES), equilibrium_run(problem)
 
     def simulated(index: int) -> SimulationRun:
-        return simulation_run(setup.problem(second, index), second.rotations[index], settings)
+        return simulation_run(setup.problem(second, index), second.rotations[index])
 
-    found = list(_each(at, len(first.rotations), "equilibria", progress))
+    pairs = list(_each(at, len(first.rotations), "equilibria", progress))
     return Observations(
         setup=setup,
-        comparisons=tuple(comparison for comparison, _ in found),
-        equilibria=tuple(run for _, run in found),
+        comparisons=tuple(comparison for comparison, _ in pairs),
+        equilibria=tuple(run for _, run in pairs),
         simulations=tuple(_each(simulated, len(second.rotations), "simulations", progress)),
         turns=tuple(turn(polygon, setup.damping) for polygon in polygons),
         balance_sums=tuple(exact_sums(polygon) for polygon in polygons),
@@ -117,9 +139,49 @@ def _made(setup: Setup, rng: np.random.Generator, count: int) -> Instances:
 
 
 def _each(
-    observed: Callable[[int], Any], count: int, stage: str, progress: Announcer
+    observation: Callable[[int], Any], count: int, stage: str, progress: StageProgress
 ) -> Iterator[Any]:
     for index in range(count):
         progress(stage, index, count)
-        yield observed(index)
+        yield observation(index)
     progress(stage, count, count)
+
+
+def compare(problem: RegistrationProblem, rng: np.random.Generator, states: int) -> Comparison:
+    """The comparison at random states whose R is a rotation."""
+    moving = body_of(exact_moments(problem), problem.damping, length_exponent=RAW_UNIT)
+    particles = Particles.of(problem)
+    drawn = [_random_state(rng) for _ in range(states)]
+    objectives = [_likelihood(particles, state) for state in drawn]
+    potentials = [particles.mass * moving.energies(state).potential for state in drawn]
+    printed, derived = [particles.rate(s) for s in drawn], [moving.rate(s) for s in drawn]
+    claimed = [particles.dissipation(s) for s in drawn]
+    computed = [particles.energy_rate(s) for s in drawn]
+    return Comparison(
+        objective=_difference(potentials, objectives),
+        rate=_difference(derived, printed),
+        dissipation=_difference(computed, claimed),
+    )
+
+
+def _likelihood(particles: Particles, state: NDArray[np.float64]) -> float:
+    """The sum of |y - R x - t|^2 / sigma^2 at the pose of a state."""
+    c, R, _, _ = parts(state)
+    t = c - R @ particles.centre
+    residuals = particles.target - particles.source @ R.T - t
+    return float(particles.masses @ (residuals**2).sum(axis=1))
+
+
+def _difference(
+    computed: list[float] | list[NDArray[np.float64]],
+    claimed: list[float] | list[NDArray[np.float64]],
+) -> float:
+    pairs = zip(map(np.atleast_1d, computed), map(np.atleast_1d, claimed), strict=True)
+    return max(float(np.linalg.norm(a - b) / np.linalg.norm(b)) for a, b in pairs)
+
+
+def _random_state(rng: np.random.Generator) -> NDArray[np.float64]:
+    q = rng.standard_normal(4)
+    R = np.array(rotation_matrix((q / np.linalg.norm(q)).tolist()))
+    c, v, omega = rng.standard_normal((3, 3))
+    return np.concatenate([c, R.ravel(), v, omega])

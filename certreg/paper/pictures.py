@@ -37,9 +37,9 @@ LABEL_RADIUS = 145.0  # mm: outside of both heads
 SPRING: dict[str, Any] = {"color": GREY, "linewidth": 0.7, "zorder": 1}
 
 
-def construction_drawing(seen: Observations) -> Drawing:
+def construction_drawing(observed: Observations) -> Drawing:
     """The two clouds and their springs."""
-    scene = seen.scene
+    scene = observed.scene
     source, target = projected(scene.source), projected(scene.target)
     centres = projected(scene.centres)
     with house_style():
@@ -85,12 +85,12 @@ def construction_drawing(seen: Observations) -> Drawing:
     )
 
 
-def polygon_drawing(seen: Observations) -> Drawing:
+def polygon_drawing(observed: Observations) -> Drawing:
     """The polygons, flipped and turned, and the torque of each spring at every angle."""
     with house_style():
         figure = blank(4.9)
         rows = figure.subplots(2, 2, height_ratios=(1.2, 1.0), sharey="row")
-        for k, turn in enumerate(seen.turns):
+        for k, turn in enumerate(observed.turns):
             _flipped_polygon(rows[0, k], turn.polygon)
             rows[0, k].set_title(f"({'ab'[k]}) The {turn.polygon.name}, turned by 40° and flipped")
             _torques(rows[1, k], turn)
@@ -171,9 +171,9 @@ def _flipped_polygon(panel: Any, polygon: Polygon) -> None:
     panel.set_axis_off()
 
 
-def pose_drawing(seen: Observations) -> Drawing:
+def pose_drawing(observed: Observations) -> Drawing:
     """A real cloud at its four equilibria."""
-    gallery = seen.gallery
+    gallery = observed.gallery
     with house_style():
         figure = blank(6.0)
         panels = figure.subplots(2, 2, sharex=True, sharey=True).ravel()

@@ -117,7 +117,7 @@ def turn(polygon: Polygon, damping: float, steps: int = 360) -> Turn:
         angles=angles,
         torques=2.0 * np.array(pulls),
         energies=np.array([particles.potential(state) for state in states]),
-        unstable=np.array([signs(found.astype(np.complex128)).right for found in jacobians]),
+        unstable=np.array([signs(values.astype(np.complex128)).right for values in jacobians]),
     )
 
 

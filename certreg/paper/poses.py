@@ -45,8 +45,8 @@ def gallery() -> Gallery:
     """The packaged electrodes on two heads, at all of their equilibria."""
     problem = stated(HEAD)
     particles = Particles.of(problem)
-    found = equilibria(problem).components
-    best = found[0].rotation
+    components = equilibria(problem).components
+    best = components[0].rotation
     return Gallery(
         target=particles.target,
         poses=tuple(
@@ -57,7 +57,7 @@ def gallery() -> Gallery:
                 angle=float(np.degrees(each.angle_to_optimum)),
                 axis=_axis(each.rotation @ best.T) if each.morse_index else None,
             )
-            for each in found
+            for each in components
         ),
     )
 

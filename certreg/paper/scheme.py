@@ -22,13 +22,16 @@ from certreg.native import (
     current_engine,
 )
 from certreg.problem import exact_moments
-from certreg.settings import ReproductionSettings, SimulationSettings
+from certreg.settings import SimulationSettings
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.problem import RegistrationProblem
 
+STEP = 0.01  # [Yang2020]
+STOP = 1e-4  # [Yang2020]: norm of the 18 rates of change, lengths in the user's unit
+MAX_STEPS = 100_000  # a thousand are usual; a run of so many has not converged
 RAW_UNIT = 0  # the exponent of the unit of length: |s'| mixes lengths and angles, as in the paper
 # Deficits of zero: no pose is better than another, so that the loop, which would else look for the
 # basin, stops wherever the body is slow. That is the paper's rule.
@@ -68,28 +71,23 @@ class Descent:
 
 
 def descend(
-    problem: RegistrationProblem,
-    settings: ReproductionSettings | None = None,
-    *,
-    max_steps: int | None = None,
+    problem: RegistrationProblem, *, stop: float = STOP, max_steps: int = MAX_STEPS
 ) -> Descent:
     """The paper's simulation of a problem, from rest at R = I.
 
-    max_steps: fewer than the settings say. Raises DegenerateProblemError for a collinear source.
+    Raises DegenerateProblemError for a collinear source.
     """
-    settings = settings or ReproductionSettings()
-    limit = settings.max_steps if max_steps is None else max_steps
     moments = exact_moments(problem)
     moving = body_of(moments, problem.damping, length_exponent=RAW_UNIT)
     batch = Batch.of(
         Integrator.EULER,
         bodies=moving.parameters[np.newaxis],
         basins=NO_BASIN[np.newaxis],
-        steps=np.array([[settings.step]]),
+        steps=np.array([[STEP]]),
         states=start_at_rest(moments, RAW_UNIT)[np.newaxis],
     )
-    log = Log.of_capacity(limit + 1, Integrator.EULER)
-    loop = SimulationSettings(speed_tolerance=settings.stop, max_steps=limit)
+    log = Log.of_capacity(max_steps + 1, Integrator.EULER)
+    loop = SimulationSettings(speed_tolerance=stop, max_steps=max_steps)
     current_engine().run(batch, loop, log)
     stopped = Ending(int(batch.status[0])) is not Ending.OUT_OF_STEPS
     samples, size = log.samples, Integrator.EULER.state_size
@@ -101,5 +99,5 @@ def descend(
         kinetic=mass * (per_mass["translation"] + per_mass["rotation"]),
         state=batch.states[0],
         stopped=stopped,
-        diverged=not stopped and int(batch.taken[0]) < limit,
+        diverged=not stopped and int(batch.taken[0]) < max_steps,
     )

@@ -16,11 +16,11 @@ from certreg.equilibrium import spectrum
 from certreg.geometry import quaternion_from_matrix, rotation_matrix
 from certreg.native import Integrator
 from certreg.paper.equilibria import angle
+from certreg.paper.evidence import SAME_SUM
 from certreg.paper.particles import Particles, at_rest
-from certreg.paper.scheme import RAW_UNIT, descend
+from certreg.paper.scheme import RAW_UNIT, STEP, STOP, descend
 from certreg.problem import exact_moments
 from certreg.registration import horn
-from certreg.settings import ReproductionSettings
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -35,9 +35,9 @@ class SimulationRun:
 
     closed_form_error, error: of Horn's rotation and of the simulated one, to the true rotation;
     distance: between the two. stopped: by the paper's rule. least: V_p at the optimum, not over the
-    start's. first_rise: of V in the first step of explicit Euler; told_rise: the same by
+    start's. first_rise: of V in the first step of explicit Euler; predicted_rise: the same by
     h^2/2 (M |a|^2 + alpha^T J alpha). rises: how many steps raise V by more than rounding;
-    potential_rises: V_p. midpoint_rests, midpoint_rise: of the implicit midpoint rule, whether it
+    potential_rises: V_p. midpoint_at_rest, midpoint_rise: of the implicit midpoint rule, whether it
     came to rest and the largest rise of V in a step. Errors are not a number where the steps went
     beyond the doubles.
     """
@@ -48,10 +48,10 @@ class SimulationRun:
     distance: float
     least: float
     first_rise: float
-    told_rise: float
+    predicted_rise: float
     rises: int
     potential_rises: int
-    midpoint_rests: bool
+    midpoint_at_rest: bool
     midpoint_rise: float
 
     @property
@@ -71,21 +71,18 @@ class SimulationRun:
 
 
 def simulation_run(
-    problem: RegistrationProblem,
-    true_rotation: NDArray[np.float64],
-    settings: ReproductionSettings | None = None,
+    problem: RegistrationProblem, true_rotation: NDArray[np.float64]
 ) -> SimulationRun:
     """The experiment on one instance. Raises DegenerateProblemError for a collinear source."""
-    settings = settings or ReproductionSettings()
     moments = exact_moments(problem)
     moving = body_of(moments, problem.damping, length_exponent=RAW_UNIT)
-    descent = descend(problem, settings)
+    descent = descend(problem)
     particles = Particles.of(problem)
     best, truth = horn(moving.cross_covariance), quaternion_from_matrix(true_rotation)
     end = np.full(4, np.nan)
     if not descent.diverged:
         end = quaternion_from_matrix(descent.rotation)
-    energy, least = descent.energy, settings.same_sum
+    energy, least = descent.energy, SAME_SUM
     midpoint = simulate(spectrum(moments), problem.damping, Integrator.MIDPOINT)
     falling = midpoint.potential + midpoint.kinetic
     return SimulationRun(
@@ -95,10 +92,10 @@ def simulation_run(
         distance=angle(end, best),
         least=particles.potential(at_rest(np.array(rotation_matrix(best.tolist())))),
         first_rise=float((energy[1] - energy[0]) / energy[0]) if descent.steps else 0.0,
-        told_rise=_told_rise(particles, settings.step) / float(energy[0]),
+        predicted_rise=_predicted_rise(particles, STEP) / float(energy[0]),
         rises=_rises(energy, least * energy[0]),
         potential_rises=_rises(descent.potential, least * energy[0]),
-        midpoint_rests=midpoint.speed < settings.stop,
+        midpoint_at_rest=midpoint.speed < STOP,
         midpoint_rise=float(np.diff(falling).max(initial=-np.inf) / falling[0]),
     )
 
@@ -108,7 +105,7 @@ def _rises(energies: NDArray[np.float64], least: float) -> int:
     return int((energies[1:] > energies[:-1] + least).sum())
 
 
-def _told_rise(particles: Particles, step: float) -> float:
+def _predicted_rise(particles: Particles, step: float) -> float:
     """h^2/2 (M |a|^2 + alpha^T J alpha) at the paper's start."""
     rate = particles.rate(particles.start)
     a, alpha = rate[12:15], rate[15:]

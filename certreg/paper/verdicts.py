@@ -5,44 +5,44 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from certreg.paper import derivation, motions, statics
-from certreg.paper.evidence import Clouds, Evidence, in_doubles
-from certreg.paper.exhibits import Exhibit, exhibits
+from certreg.paper import derivation, dynamics_claims, equilibrium_claims
+from certreg.paper.counterexamples import CertifiedCloud, certified_clouds, in_doubles
+from certreg.paper.derivation import proving
 from certreg.paper.observations import observe
-from certreg.paper.proofs import proving
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from concurrent.futures import Future
 
-    from certreg.paper.observations import Announcer, Observations, Setup
+    from certreg.paper.evidence import Clouds, Evidence
+    from certreg.paper.observations import Observations, Setup, StageProgress
     from certreg.results import Verdict
 
 MEASURED: dict[str, Callable[[Observations, Clouds], Evidence]] = {
-    "1": statics.objective,
-    "2": statics.equations,
-    "3": statics.energy_rate,
-    "4a": statics.unbounded,
-    "4b": motions.converging,
-    "5": statics.balance,
-    "6a": statics.unique_optimum,
-    "6b": statics.optimum_at_rest,
-    "6c": statics.no_contradiction,
-    "7": statics.three_spurious,
-    "8a": statics.four_equilibria,
-    "8b": statics.half_turns,
-    "9a": statics.symmetric_clouds,
-    "9b": statics.polygons,
-    "9c": statics.infinite_without_symmetry,
-    "10": statics.spurious_unstable,
-    "11": statics.pattern,
-    "12": statics.six_zeros,
-    "13a": motions.falling_energy,
-    "13b": motions.rising_energy,
-    "14": statics.definite_inertia,
-    "15a": motions.always_optimal,
-    "15b": motions.any_damping,
-    "15c": motions.stopping_rule,
+    "1": equilibrium_claims.objective,
+    "2": equilibrium_claims.equations,
+    "3": equilibrium_claims.energy_rate,
+    "4a": equilibrium_claims.unbounded,
+    "4b": dynamics_claims.converging,
+    "5": equilibrium_claims.balance,
+    "6a": equilibrium_claims.unique_optimum,
+    "6b": equilibrium_claims.optimum_at_rest,
+    "6c": equilibrium_claims.no_contradiction,
+    "7": equilibrium_claims.three_spurious,
+    "8a": equilibrium_claims.four_equilibria,
+    "8b": equilibrium_claims.half_turns,
+    "9a": equilibrium_claims.symmetric_clouds,
+    "9b": equilibrium_claims.polygons,
+    "9c": equilibrium_claims.infinite_without_symmetry,
+    "10": equilibrium_claims.spurious_unstable,
+    "11": equilibrium_claims.pattern,
+    "12": equilibrium_claims.six_zeros,
+    "13a": dynamics_claims.falling_energy,
+    "13b": dynamics_claims.rising_energy,
+    "14": equilibrium_claims.definite_inertia,
+    "15a": dynamics_claims.always_optimal,
+    "15b": dynamics_claims.any_damping,
+    "15c": dynamics_claims.stopping_rule,
 }
 
 
@@ -51,18 +51,18 @@ class ClaimVerdict:
     """One claim (audit.Row): whether its finding is proved, and whether the measurements agree.
 
     proof: on the finding, the book's claims proved and the counterexample recomputed in fractions;
-    None where the proofs were left out. exhibits: the clouds of the counterexample, certified.
+    None where the proofs were left out. certified: the clouds of the counterexample, certified.
     """
 
     row: Any
     proof: Verdict | None
     evidence: Evidence
-    exhibits: tuple[Exhibit, ...]
+    certified: tuple[CertifiedCloud, ...]
 
     @property
     def stands(self) -> bool:
-        """Whether nothing that was asked contradicts the finding, and all exhibits are proved."""
-        certified = all(each.verdict.proved for each in self.exhibits)
+        """Whether nothing asked contradicts the finding, and all certificates are proved."""
+        certified = all(each.verdict.proved for each in self.certified)
         return certified and self.evidence.agrees and (self.proof is None or self.proof.proved)
 
 
@@ -79,7 +79,7 @@ class Reproduction:
         return all(claim.stands for claim in self.claims)
 
 
-def reproduce(setup: Setup, progress: Announcer, *, proofs: bool = True) -> Reproduction:
+def reproduce(setup: Setup, progress: StageProgress, *, proofs: bool = True) -> Reproduction:
     """Every experiment of the paper, and every claim with its verdict.
 
     proofs: whether the claims of the book that the findings rest on are proved anew, in processes
@@ -88,30 +88,32 @@ def reproduce(setup: Setup, progress: Announcer, *, proofs: bool = True) -> Repr
     """
     rows = derivation.paper_claims()
     if not proofs:
-        seen = observe(setup, progress)
-        return Reproduction(observations=seen, claims=tuple(_claim(r, None, seen) for r in rows))
+        observed = observe(setup, progress)
+        return Reproduction(
+            observations=observed, claims=tuple(_claim(r, None, observed) for r in rows)
+        )
     names = list(dict.fromkeys(name for row in rows for name in row.because))
     with proving(names) as coming:
-        seen = observe(setup, progress)
+        observed = observe(setup, progress)
         book = dict(_waited(coming, progress))
-    claims = tuple(_claim(row, row.stands(book), seen) for row in rows)
-    return Reproduction(observations=seen, claims=claims)
+    claims = tuple(_claim(row, row.stands(book), observed) for row in rows)
+    return Reproduction(observations=observed, claims=claims)
 
 
-def _claim(row: Any, proof: Verdict | None, seen: Observations) -> ClaimVerdict:
+def _claim(row: Any, proof: Verdict | None, observed: Observations) -> ClaimVerdict:
     counterexample = row.counterexample
     clouds = () if counterexample is None else counterexample.clouds
     doubles = [in_doubles(cloud) for cloud in clouds]
-    evidence = MEASURED[row.number](seen, doubles)
-    return ClaimVerdict(row=row, proof=proof, evidence=evidence, exhibits=exhibits(row))
+    evidence = MEASURED[row.number](observed, doubles)
+    return ClaimVerdict(row=row, proof=proof, evidence=evidence, certified=certified_clouds(row))
 
 
 def _waited(
-    coming: Mapping[str, Future[Verdict]], progress: Announcer
+    coming: Mapping[str, Future[Verdict]], progress: StageProgress
 ) -> list[tuple[str, Verdict]]:
-    found: list[tuple[str, Verdict]] = []
+    verdicts: list[tuple[str, Verdict]] = []
     for done, (name, future) in enumerate(coming.items()):
         progress("proofs", done, len(coming))
-        found.append((name, future.result()))
+        verdicts.append((name, future.result()))
     progress("proofs", len(coming), len(coming))
-    return found
+    return verdicts

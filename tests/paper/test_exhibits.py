@@ -12,10 +12,10 @@ from certreg.certificate.checking import verify
 from certreg.certificate.count import count_certificate
 from certreg.errors import InvalidProblemError
 from certreg.objective.classification import classify
+from certreg.paper import counterexamples as certifying
 from certreg.paper import derivation
-from certreg.paper import exhibits as exhibiting
+from certreg.paper.counterexamples import certified_clouds, in_integers
 from certreg.paper.evidence import Evidence
-from certreg.paper.exhibits import exhibits, in_integers
 from certreg.paper.verdicts import ClaimVerdict
 from certreg.problem.moments import exact_moments
 
@@ -32,13 +32,13 @@ PATTERNS = {
 }
 
 
-def documents(exhibit) -> list[dict]:
-    return [json.loads(content) for content in exhibit.files.values()]
+def documents(certified) -> list[dict]:
+    return [json.loads(content) for content in certified.files.values()]
 
 
 @each_refuted
 def test_every_cloud_is_certified_with_the_pattern_that_refutes_the_claim(number: str):
-    found = exhibits(ROWS[number])
+    found = certified_clouds(ROWS[number])
 
     assert len(found) == len(ROWS[number].counterexample.clouds)
     assert [documents(each)[0]["claims"]["pattern"] for each in found] == PATTERNS[number]
@@ -51,34 +51,36 @@ def test_every_cloud_is_certified_with_the_pattern_that_refutes_the_claim(number
 
 @each_refuted
 def test_the_points_are_the_counterexamples_own_in_another_unit(number: str):
-    for cloud, exhibit in zip(
-        ROWS[number].counterexample.clouds, exhibits(ROWS[number]), strict=True
+    for cloud, certified in zip(
+        ROWS[number].counterexample.clouds, certified_clouds(ROWS[number]), strict=True
     ):
-        block = exhibit.problem.block(slice(None))
+        block = certified.problem.block(slice(None))
         source, target = ([Fraction(e) for e in a.ravel()] for a in (block.source, block.target))
         own = [Fraction(e) for point in (*cloud.source, *cloud.target) for e in point]
         (unit,) = {a / b for a, b in zip(source + target, own, strict=True) if b}
 
         assert source + target == [unit * e for e in own]
-        assert classify(exact_moments(exhibit.problem)) == cloud.classification
+        assert classify(exact_moments(certified.problem)) == cloud.classification
 
 
 def test_the_bound_on_the_number_stands_beside_the_pattern_where_there_are_four():
     for number in REFUTED:
-        for exhibit, pattern in zip(exhibits(ROWS[number]), PATTERNS[number], strict=True):
-            kinds = [document["kind"] for document in documents(exhibit)]
+        for certified, pattern in zip(
+            certified_clouds(ROWS[number]), PATTERNS[number], strict=True
+        ):
+            kinds = [document["kind"] for document in documents(certified)]
             assert kinds == ["isotropic", "count"][: 1 + (pattern == [1, 1, 1, 1])]
 
 
 def test_the_words_say_how_far_the_papers_start_is_from_the_optimum():
-    (at_saddle,), (stopped,) = exhibits(ROWS["15a"]), exhibits(ROWS["15c"])
+    (at_saddle,), (stopped,) = certified_clouds(ROWS["15a"]), certified_clouds(ROWS["15c"])
 
     assert "one optimum, 180° from R = I" in at_saddle.words
     assert "one optimum, 179.9999° from R = I" in stopped.words
 
 
-def test_a_true_claim_has_no_exhibit():
-    assert exhibits(ROWS["1"]) == ()
+def test_a_true_claim_has_no_certified_cloud():
+    assert certified_clouds(ROWS["1"]) == ()
 
 
 def test_coordinates_that_no_unit_makes_doubles_are_refused():
@@ -90,21 +92,21 @@ def test_coordinates_that_no_unit_makes_doubles_are_refused():
 
 
 def test_a_claim_whose_certificate_is_refused_is_not_confirmed(monkeypatch):
-    right = exhibiting.produce
+    right = certifying.produce
 
     def forged(problem, found, about):
         certificate = right(problem, found, about=about)
         assert certificate is not None
         return replace(certificate, claims=replace(certificate.claims, unique=True))
 
-    monkeypatch.setattr(exhibiting, "produce", forged)
+    monkeypatch.setattr(certifying, "produce", forged)
     row = ROWS["6a"]
     agreeing = Evidence(words="measured", agrees=True)
-    claim = ClaimVerdict(row=row, proof=None, evidence=agreeing, exhibits=exhibits(row))
+    claim = ClaimVerdict(row=row, proof=None, evidence=agreeing, certified=certified_clouds(row))
 
     assert not claim.stands
-    monkeypatch.setattr(exhibiting, "produce", lambda *_, **__: None)
-    assert not replace(claim, exhibits=exhibits(row)).stands
+    monkeypatch.setattr(certifying, "produce", lambda *_, **__: None)
+    assert not replace(claim, certified=certified_clouds(row)).stands
 
 
 def test_a_refusal_of_the_second_certificate_is_the_verdict(monkeypatch):
@@ -113,8 +115,8 @@ def test_a_refusal_of_the_second_certificate_is_the_verdict(monkeypatch):
         assert made is not None
         return replace(made, modulus=2)
 
-    monkeypatch.setattr(exhibiting, "count_certificate", forged)
+    monkeypatch.setattr(certifying, "count_certificate", forged)
 
-    (exhibit,) = exhibits(ROWS["12"])
+    (certified,) = certified_clouds(ROWS["12"])
 
-    assert not exhibit.verdict.proved
+    assert not certified.verdict.proved

@@ -16,14 +16,21 @@ from test_reproduce import SCHEMA, shown_texts
 from certreg.dynamics.batch import ensemble, simulate_many
 from certreg.equilibrium.batch import solve_many
 from certreg.native.batch import Integrator
-from certreg.paper import maps as mapping
-from certreg.paper.charts import map_drawings
-from certreg.paper.families import CUBE, FAMILIES, Family, limit_margin, margin
-from certreg.paper.map_tables import rows, table
-from certreg.paper.maps import MEASURES, Map, instances, level, measured_maps
+from certreg.paper import parameter_sweeps as sweeping
+from certreg.paper.parameter_families import CUBE, FAMILIES, Family, limit_margin, margin
+from certreg.paper.parameter_sweeps import (
+    QUANTITIES,
+    Sweep,
+    all_sweeps,
+    instance_count,
+    measurements,
+    sweep_rows,
+    sweep_table,
+)
+from certreg.paper.sweep_figures import sweep_drawings
 from certreg.problem.problem import DEFAULT_DAMPING
 from certreg.problem.random_instances import gaussian_instances
-from certreg.settings import MapSettings, SimulationSettings
+from certreg.settings import SimulationSettings
 
 COUNT = 40
 
@@ -33,7 +40,7 @@ def quiet(stage: str, done: int, total: int) -> None:
 
 
 def measured(name: str, value: float, count: int = COUNT):
-    return level(FAMILIES[name], value, np.random.default_rng(1), count)
+    return measurements(FAMILIES[name], value, np.random.default_rng(1), count)
 
 
 def short(family: Family) -> Family:
@@ -42,7 +49,7 @@ def short(family: Family) -> Family:
 
 
 @pytest.fixture(scope="module")
-def found() -> tuple[Map, ...]:
+def found() -> tuple[Sweep, ...]:
     """All maps at few values, of few and small clouds."""
     kept = dict(FAMILIES)
     patch = pytest.MonkeyPatch()
@@ -52,14 +59,14 @@ def found() -> tuple[Map, ...]:
             few = replace(few, values=(3.0, 100.0, 1000.0))
         patch.setitem(FAMILIES, name, few)
     try:
-        return measured_maps(0, 8, quiet)
+        return all_sweeps(0, 8, quiet)
     finally:
         patch.undo()
 
 
 @pytest.fixture(scope="module")
 def drawn(found):
-    return map_drawings(found)
+    return sweep_drawings(found)
 
 
 # theory
@@ -88,7 +95,7 @@ def test_the_motion_dies_out_at_the_rate_of_the_slowest_mode(mu: float):
 def test_the_steps_are_those_that_the_slowest_mode_tells(mu: float):
     found = measured("damping", mu)
 
-    ratios = found.steps / found.told_steps
+    ratios = found.steps / found.predicted_steps
     assert found.converged.all()
     assert 1.0 < np.median(ratios) < 1.3
 
@@ -109,7 +116,7 @@ def test_the_escape_time_is_logarithmic_in_the_distance_from_the_saddle():
     slope = (near.escape_times - far.escape_times) / math.log(1e4)
 
     np.testing.assert_allclose(slope, 1.0 / modes[:, 1, 0].real, rtol=0.02)
-    np.testing.assert_allclose(near.escape_times, near.told_escape_times, rtol=0.03)
+    np.testing.assert_allclose(near.escape_times, near.predicted_escape_times, rtol=0.03)
 
 
 def test_the_papers_rule_stops_at_a_saddle_and_certreg_does_not():
@@ -123,7 +130,7 @@ def test_the_papers_rule_stops_at_a_saddle_and_certreg_does_not():
 def test_the_margin_is_proportional_to_the_break_of_symmetry():
     for value in (1e-10, 1e-6, 1e-3):
         found = measured("symmetry", value)
-        np.testing.assert_allclose(found.margins, found.told_margins, rtol=0.02 + 30 * value)
+        np.testing.assert_allclose(found.margins, found.predicted_margins, rtol=0.02 + 30 * value)
         assert found.four.all()
 
 
@@ -131,7 +138,7 @@ def test_a_cube_that_is_not_moved_has_no_margin_but_rounding():
     found = measured("symmetry", 0.0)
 
     assert found.margins.max() < 1e-15
-    assert not found.told_margins.any()
+    assert not found.predicted_margins.any()
 
 
 def test_four_are_not_taken_for_granted_where_doubles_do_not_decide():
@@ -139,7 +146,7 @@ def test_four_are_not_taken_for_granted_where_doubles_do_not_decide():
     sample = replace(FAMILIES["symmetry"].sample(np.random.default_rng(0), 0.0, 2))
     still = replace(sample, sources=np.array([CUBE] * 2), targets=np.array([CUBE] * 2))
 
-    four = mapping._four(still, np.array([True, False]))
+    four = sweeping._four(still, np.array([True, False]))
 
     assert four.tolist() == [False, False]
 
@@ -147,10 +154,10 @@ def test_four_are_not_taken_for_granted_where_doubles_do_not_decide():
 def test_near_a_mirror_image_times_grow_as_one_over_the_distance():
     near, far = measured("degeneracy", 0.01), measured("degeneracy", 0.1)
 
-    np.testing.assert_allclose(near.margins, near.told_margins, rtol=1e-9)
+    np.testing.assert_allclose(near.margins, near.predicted_margins, rtol=1e-9)
     np.testing.assert_allclose(near.margins, 0.01 / 3.0, rtol=1e-9)
     assert 9.0 < np.median(near.escape_times) / np.median(far.escape_times) < 11.0
-    np.testing.assert_allclose(near.escape_times, near.told_escape_times, rtol=0.06)
+    np.testing.assert_allclose(near.escape_times, near.predicted_escape_times, rtol=0.06)
 
 
 @pytest.mark.parametrize(("points", "sigma"), [(100, 0.0), (100, 3.2), (1000, 10.0)])
@@ -180,24 +187,22 @@ def test_portions_are_of_one_stream_and_all_there():
     whole = measured("noise", 0.1, 12)
     family, rng = FAMILIES["noise"], np.random.default_rng(1)
 
-    parts = level(family, 0.1, rng, 12, MapSettings(portion_points=500))
+    parts = measurements(family, 0.1, rng, 12, portion=500)
 
     assert [len(array) for array in (whole.steps, parts.steps, parts.four)] == [12] * 3
     assert parts.converged.all()
 
 
 def test_of_large_clouds_there_are_fewer_instances():
-    settings = MapSettings()
-
-    assert [instances(n, 200, settings) for n in (3, 10_000, 100_000)] == [200, 200, 20]
-    assert instances(100_000, 1, settings) == 1
-    assert instances(100_000, 2000, settings) == 200
+    assert [instance_count(n, 200) for n in (3, 10_000, 100_000)] == [200, 200, 20]
+    assert instance_count(100_000, 1) == 1
+    assert instance_count(100_000, 2000) == 200
 
 
 def test_one_seed_gives_the_same_maps(found):
     family = replace(FAMILIES["noise"], values=(0.01,))
 
-    one, other = (level(family, 0.01, np.random.default_rng(5), 4) for _ in range(2))
+    one, other = (measurements(family, 0.01, np.random.default_rng(5), 4) for _ in range(2))
 
     for name in ("steps", "escape_times", "margins"):
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
@@ -208,24 +213,26 @@ def test_one_seed_gives_the_same_maps(found):
 
 def test_every_family_has_a_figure_with_three_panels(drawn):
     assert [drawing.name for drawing in drawn] == [f"map-{name}" for name in FAMILIES]
-    assert all(len(drawing.figure.axes) == len(MEASURES) for drawing in drawn)
+    assert all(len(drawing.figure.axes) == len(QUANTITIES) for drawing in drawn)
 
 
 def test_the_curves_are_medians_and_worsts_of_the_instances(found, drawn):
     for one, drawing in zip(found, drawn, strict=True):
-        for panel, measure in zip(drawing.figure.axes, MEASURES, strict=True):
-            values = [getattr(each, measure.name) for each in one.levels]
-            medians, worsts = (np.array([f(v) for v in values]) for f in (np.median, measure.worst))
+        for panel, quantity in zip(drawing.figure.axes, QUANTITIES, strict=True):
+            values = [getattr(each, quantity.name) for each in one.measurements]
+            medians, worsts = (
+                np.array([f(v) for v in values]) for f in (np.median, quantity.worst)
+            )
             for line, expected in zip(panel.lines, (medians, worsts), strict=False):
                 shown = np.asarray(line.get_ydata())
                 np.testing.assert_array_equal(shown[~np.isnan(shown)], expected[expected > 0.0])
-    assert MEASURES[2].worst(np.array([1.0, 2.0])) == 1.0
+    assert QUANTITIES[2].worst(np.array([1.0, 2.0])) == 1.0
 
 
 def test_theory_is_drawn_where_there_is_one(found, drawn):
     for one, drawing in zip(found, drawn, strict=True):
-        for panel, measure in zip(drawing.figure.axes, MEASURES, strict=True):
-            told = one.curves(measure).told
+        for panel, quantity in zip(drawing.figure.axes, QUANTITIES, strict=True):
+            told = one.curves(quantity).predicted
             labels = [line.get_label() for line in panel.lines]
             assert ("theory" in labels) == bool(np.isfinite(told).any())
 
@@ -246,44 +253,44 @@ def test_labels_are_whole_apart_and_large_enough(drawn):
 
 def test_captions_tell_the_counts(found, drawn):
     for one, drawing in zip(found, drawn, strict=True):
-        assert drawing.caption.startswith(f"{len(one.levels[0].steps)} random instances")
-    total = sum(len(each.four) for each in found[1].levels)
+        assert drawing.caption.startswith(f"{len(one.measurements[0].steps)} random instances")
+    total = sum(len(each.four) for each in found[1].measurements)
     assert f"{total} of {total} instances" in drawn[1].caption
 
 
 def test_the_table_has_a_row_for_each_value_and_the_documents_fields(found):
-    listed = list(csv.DictReader(io.StringIO(table(found).decode())))
+    listed = list(csv.DictReader(io.StringIO(sweep_table(found).decode())))
     fields = SCHEMA["properties"]["maps"]["items"]["properties"]
 
     assert [(row["map"], float(row["value"])) for row in listed] == [
-        (one.family.name, each.value) for one in found for each in one.levels
+        (one.family.name, each.value) for one in found for each in one.measurements
     ]
     assert all(list(row) == list(fields) for row in listed)
-    for row, values in zip(listed, rows(found), strict=True):
+    for row, values in zip(listed, sweep_rows(found), strict=True):
         assert float(row["steps_median"]) == values["steps_median"]
         assert (row["margins_told"] == "") == (values["margins_told"] is None)
 
 
 def test_a_run_that_never_escapes_is_no_number(found):
-    last = found[0].levels[-1]
+    last = found[0].measurements[-1]
     stuck = replace(last, escape_times=np.full_like(last.escape_times, math.inf))
 
-    (row,) = rows([replace(found[0], levels=(stuck,))])
+    (row,) = sweep_rows([replace(found[0], measurements=(stuck,))])
 
     assert row["escape_times_median"] is None
     assert row["escape_times_worst"] is None
 
 
 def test_the_command_writes_the_maps_when_asked(tmp_path, monkeypatch, found, drawn):
-    monkeypatch.setattr("certreg.paper.maps.maps", lambda *_: found)
-    monkeypatch.setattr("certreg.paper.charts.map_drawings", lambda _: drawn[:1])
-    monkeypatch.setattr("certreg.paper.drawings.drawings", lambda _: ())
+    monkeypatch.setattr("certreg.paper.all_sweeps", lambda *_: found)
+    monkeypatch.setattr("certreg.paper.sweep_drawings", lambda _: drawn[:1])
+    monkeypatch.setattr("certreg.paper.paper_drawings", lambda _: ())
 
     run = certreg("reproduce", "--runs", "1", "--no-proofs", "--beyond", "--out", tmp_path)
 
     assert run.code == 0
-    assert (tmp_path / "maps.csv").read_bytes() == table(found)
+    assert (tmp_path / "maps.csv").read_bytes() == sweep_table(found)
     assert (tmp_path / "figures" / "map-damping.png").exists()
     document = strict_json((tmp_path / "verdicts.json").read_bytes())
     assert Draft202012Validator(SCHEMA).is_valid(document)
-    assert document["maps"] == list(rows(found))
+    assert document["maps"] == list(sweep_rows(found))

@@ -10,7 +10,6 @@ import pytest
 from strategies import random_problem, random_rotation
 
 from certreg.geometry.so3 import quaternion_from_matrix
-from certreg.paper.comparisons import compare
 from certreg.paper.construction import LINKS, coil, projected, scene
 from certreg.paper.equilibria import (
     angle,
@@ -20,6 +19,7 @@ from certreg.paper.equilibria import (
     sides,
     signs,
 )
+from certreg.paper.observations import compare
 from certreg.paper.particles import Particles, at_rest, hat, parts
 from certreg.paper.polygons import (
     SQUARE,
@@ -29,10 +29,9 @@ from certreg.paper.polygons import (
     turned_over,
 )
 from certreg.paper.poses import LANDMARKS, gallery
-from certreg.paper.scheme import descend
+from certreg.paper.scheme import STEP, descend
 from certreg.paper.simulations import simulation_run
 from certreg.problem.problem import RegistrationProblem
-from certreg.settings import ReproductionSettings
 
 each_polygon = pytest.mark.parametrize("polygon", [TRIANGLE, SQUARE], ids=lambda p: p.name)
 
@@ -98,7 +97,7 @@ def test_comparisons_see_no_difference_between_certreg_and_the_paper():
 
 
 def test_the_eighteen_eigenvalues_are_the_twelve_and_six_zeros():
-    for rest in equilibrium_run(instance()).rests:
+    for rest in equilibrium_run(instance()).poses:
         nonzero = rest.ambient[sides(rest.ambient) != 0]
         assert (len(rest.intrinsic), len(nonzero)) == (12, 12)
         for value in rest.intrinsic:
@@ -108,8 +107,8 @@ def test_the_eighteen_eigenvalues_are_the_twelve_and_six_zeros():
 def test_the_eigenvalues_sum_to_the_trace_and_count_the_index():
     run = equilibrium_run(instance(damping=0.7))
 
-    assert [signs(rest.intrinsic).right for rest in run.rests] == [0, 1, 2, 3]
-    for rest in run.rests:
+    assert [signs(rest.intrinsic).right for rest in run.poses] == [0, 1, 2, 3]
+    for rest in run.poses:
         assert rest.intrinsic.sum() == pytest.approx(-6 * 0.7, abs=1e-10)
         assert rest.ambient.sum() == pytest.approx(-6 * 0.7, abs=1e-10)
 
@@ -125,7 +124,7 @@ def test_a_cloud_with_a_continuum_of_equilibria_is_told():
 
     run = equilibrium_run(RegistrationProblem(square, square))
 
-    assert (run.count, run.unique, len(run.rests)) == (None, True, 3)
+    assert (run.count, run.unique, len(run.poses)) == (None, True, 3)
 
 
 @pytest.mark.parametrize("degrees", [0.0, 1e-9, 30.0, 90.0, 180.0 - 1e-9, 180.0])
@@ -163,18 +162,17 @@ def projected_euler(problem: RegistrationProblem, step: float, stop: float) -> l
 
 def test_the_simulation_is_the_papers_scheme_step_by_step():
     problem = instance(5)
-    settings = ReproductionSettings(stop=1e-2)
     particles = Particles.of(problem)
 
-    states = projected_euler(problem, settings.step, settings.stop)
-    found = descend(problem, settings)
+    states = projected_euler(problem, STEP, 1e-2)
+    found = descend(problem, stop=1e-2)
 
     assert (found.steps, found.stopped) == (len(states) - 1, True)
     np.testing.assert_allclose(found.state, states[-1], atol=1e-11)
     np.testing.assert_allclose(found.potential, [particles.potential(s) for s in states], rtol=1e-9)
     energy = [particles.energy(s) for s in states]
     np.testing.assert_allclose(found.energy, energy, rtol=1e-9)
-    np.testing.assert_allclose(found.times, settings.step * np.arange(len(states)), rtol=1e-12)
+    np.testing.assert_allclose(found.times, STEP * np.arange(len(states)), rtol=1e-12)
 
 
 def test_the_simulation_keeps_the_users_unit_of_length():
@@ -193,7 +191,7 @@ def test_the_first_rise_of_the_energy_is_the_one_told():
 
     run = simulation_run(problem, np.eye(3))
 
-    assert run.first_rise == pytest.approx(run.told_rise, rel=1e-9)
+    assert run.first_rise == pytest.approx(run.predicted_rise, rel=1e-9)
     assert run.first_rise > 0.0 >= run.midpoint_rise
     assert run.rises >= 1
 

@@ -1,4 +1,4 @@
-"""`certreg reproduce`: every finding is confirmed, and none when what it rests on is wrong."""
+"""`certreg reproduce`: every finding is confirmed, and none when what it poses on is wrong."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from jsonschema import Draft202012Validator
 
 from certreg.cli.progress import Stages
 from certreg.native.engine import current_engine
-from certreg.paper import derivation, equilibria, motions, scheme, verdicts
-from certreg.paper.drawings import all_drawings
-from certreg.paper.evidence import in_doubles, listed, rough
-from certreg.paper.exhibition import page
-from certreg.paper.figures import angle_errors, typical
+from certreg.paper import derivation, dynamics_claims, equilibria, scheme, verdicts
+from certreg.paper.counterexamples import in_doubles
+from certreg.paper.derivation import proving
+from certreg.paper.documents import claim_text, closing_text, markdown, reproduction_document
+from certreg.paper.evidence import listed, rough
+from certreg.paper.figures import angle_errors, paper_drawings, typical
 from certreg.paper.observations import Observations, Setup, observe
+from certreg.paper.page import html_page
 from certreg.paper.particles import Particles
 from certreg.paper.pictures import construction_drawing
-from certreg.paper.proofs import proving
-from certreg.paper.reproduction import claim_text, closing_text, markdown, reproduction_document
 from certreg.paper.style import DPI, WIDTH, written
 from certreg.paper.verdicts import MEASURED, reproduce
 from certreg.problem.problem import RegistrationProblem
@@ -59,7 +59,7 @@ def seen(made) -> Observations:
 
 @pytest.fixture(scope="module")
 def drawn(seen):
-    return all_drawings(seen)
+    return paper_drawings(seen)
 
 
 def evidence(number: str, seen: Observations, clouds: list[RegistrationProblem] | None = None):
@@ -88,29 +88,29 @@ def worse(runs: tuple[Any, ...], **changes: Any) -> tuple[Any, ...]:
     return (*runs[:-1], replace(runs[-1], **changes))
 
 
-def worse_rest(seen: Observations, which: int, **changes: Any) -> Observations:
-    rests = list(seen.equilibria[-1].rests)
-    rests[which] = replace(rests[which], **changes)
-    return replace(seen, equilibria=worse(seen.equilibria, rests=tuple(rests)))
+def worse_pose(seen: Observations, which: int, **changes: Any) -> Observations:
+    poses = list(seen.equilibria[-1].poses)
+    poses[which] = replace(poses[which], **changes)
+    return replace(seen, equilibria=worse(seen.equilibria, poses=tuple(poses)))
 
 
 def with_eigenvalue(seen: Observations, which: int, kind: str, value: complex) -> Observations:
-    values = getattr(seen.equilibria[-1].rests[which], kind).copy()
+    values = getattr(seen.equilibria[-1].poses[which], kind).copy()
     values[np.argmax(values.real)] = value
-    return worse_rest(seen, which, **{kind: values})
+    return worse_pose(seen, which, **{kind: values})
 
 
 FAULTS = {
     "1": lambda seen: replace(seen, comparisons=worse(seen.comparisons, objective=1e-9)),
     "2": lambda seen: replace(seen, comparisons=worse(seen.comparisons, rate=1e-9)),
     "3": lambda seen: replace(seen, comparisons=worse(seen.comparisons, dissipation=1e-9)),
-    "4b": lambda seen: replace(seen, simulations=worse(seen.simulations, midpoint_rests=False)),
-    "5": lambda seen: worse_rest(seen, 2, balance=1e-9),
+    "4b": lambda seen: replace(seen, simulations=worse(seen.simulations, midpoint_at_rest=False)),
+    "5": lambda seen: worse_pose(seen, 2, balance=1e-9),
     "6a": lambda seen: replace(seen, equilibria=worse(seen.equilibria, unique=False)),
-    "6b": lambda seen: worse_rest(seen, 0, angle=1e-6),
+    "6b": lambda seen: worse_pose(seen, 0, angle=1e-6),
     "7": lambda seen: replace(seen, equilibria=worse(seen.equilibria, count=None)),
     "8a": lambda seen: replace(seen, equilibria=worse(seen.equilibria, count=5)),
-    "8b": lambda seen: worse_rest(seen, 3, half_turn_error=1e-6),
+    "8b": lambda seen: worse_pose(seen, 3, half_turn_error=1e-6),
     "9b": lambda seen: replace(seen, balance_sums=((0, 0, 1, 0), seen.balance_sums[1])),
     "10": lambda seen: with_eigenvalue(seen, 1, "intrinsic", -1.0),
     "11": lambda seen: with_eigenvalue(seen, 3, "ambient", -1.0),
@@ -134,7 +134,7 @@ MORE_FAULTS = {
         seen, turns=(seen.turns[0], replace(seen.turns[1], unstable=seen.turns[1].unstable * 0))
     ),
     "11": lambda seen: with_eigenvalue(seen, 2, "intrinsic", 1e-15),
-    "13b": lambda seen: replace(seen, simulations=worse(seen.simulations, told_rise=0.0)),
+    "13b": lambda seen: replace(seen, simulations=worse(seen.simulations, predicted_rise=0.0)),
 }
 
 
@@ -241,7 +241,7 @@ def test_a_step_without_projection_is_seen(monkeypatch):
 
 def test_an_eigenvalue_counted_on_the_wrong_side_is_seen(monkeypatch, seen):
     right = equilibria.sides
-    monkeypatch.setattr(equilibria, "sides", lambda values, _=None: -right(values))
+    monkeypatch.setattr(equilibria, "sides", lambda values: -right(values))
 
     assert evidence("11", seen).agrees is False
     assert evidence("12", seen).agrees is False
@@ -250,7 +250,7 @@ def test_an_eigenvalue_counted_on_the_wrong_side_is_seen(monkeypatch, seen):
 def test_a_damping_that_explicit_euler_cannot_follow_is_told_and_confirms_the_condition(drawn):
     found = reproduce(Setup(runs=1, damping=250.0), quiet, proofs=False)
     document = reproduction_document(found, drawn)
-    box_plot, *_ = all_drawings(found.observations)[5].figure.axes
+    box_plot, *_ = paper_drawings(found.observations)[5].figure.axes
 
     assert found.stands
     assert document["simulations"]["diverged"] == 1
@@ -482,7 +482,7 @@ def test_without_proofs_nothing_is_said_to_be_confirmed_or_proved(made, drawn):
     ] * len(ROWS)
     assert "confirmed" not in closing_text(made)
     assert "none was proved in this run" in closing_text(made)
-    assert "finding measured, not proved in this run" in page(made, drawn[:1])
+    assert "finding measured, not proved in this run" in html_page(made, drawn[:1])
     assert {c["verdict"] for c in document["claims"]} == {
         "finding measured, not proved in this run"
     }
@@ -496,13 +496,13 @@ def test_a_false_claim_is_not_said_to_be_confirmed(made, drawn):
     for claim in false:
         head = claim_text(claim).splitlines()[0].strip()
         assert head == f"{claim.row.number}  FALSE AS STATED (finding confirmed)"
-    assert page(proved, drawn[:1]).count('<p class="state">finding confirmed</p>') == len(ROWS)
+    assert html_page(proved, drawn[:1]).count('<p class="state">finding confirmed</p>') == len(ROWS)
     assert markdown(proved, drawn).count(" | finding confirmed |") == len(ROWS)
 
 
 def test_the_page_is_one_file_with_every_claim_and_figure(made, drawn):
     drawn = drawn[:2]
-    html = page(made, drawn)
+    html = html_page(made, drawn)
 
     assert html.count("<article") == len(ROWS)
     assert html.count('<img src="data:image/svg+xml;base64,') == len(drawn)
@@ -516,7 +516,7 @@ def test_the_page_shows_a_finding_that_is_not_confirmed(made, drawn):
     last = made.claims[-1]
     wrong = replace(last, evidence=replace(last.evidence, agrees=False, words="a < b & c"))
 
-    html = page(replace(made, claims=(*made.claims[:-1], wrong)), drawn[:1])
+    html = html_page(replace(made, claims=(*made.claims[:-1], wrong)), drawn[:1])
 
     assert '<strong class="failed">finding NOT CONFIRMED</strong>' in html
     assert "a &lt; b &amp; c" in html
@@ -525,7 +525,7 @@ def test_the_page_shows_a_finding_that_is_not_confirmed(made, drawn):
 def test_the_command_confirms_every_finding_and_writes_everything(
     tmp_path: Path, monkeypatch, drawn
 ):
-    monkeypatch.setattr("certreg.paper.drawings.drawings", lambda seen: drawn[2:5:2])
+    monkeypatch.setattr("certreg.paper.paper_drawings", lambda seen: drawn[2:5:2])
     monkeypatch.setattr(verdicts, "proving", proofs_are(PROVED))
 
     run = certreg("reproduce", "--runs", "2", "--out", tmp_path / "out")
@@ -547,8 +547,8 @@ def test_the_command_confirms_every_finding_and_writes_everything(
 
 
 def test_a_finding_that_is_not_confirmed_is_exit_code_1(tmp_path: Path, monkeypatch, drawn):
-    monkeypatch.setattr("certreg.paper.drawings.drawings", lambda seen: drawn[:1])
-    monkeypatch.setattr(motions, "SPIRAL_RATIO", 1.0)
+    monkeypatch.setattr("certreg.paper.paper_drawings", lambda seen: drawn[:1])
+    monkeypatch.setattr(dynamics_claims, "SPIRAL_RATIO", 1.0)
 
     run = certreg("reproduce", "--runs", "1", "--no-proofs", "--out", tmp_path)
 

@@ -16,7 +16,7 @@ from certreg.certificate import AT_MOST, count_certificate, produce, verify
 from certreg.equilibrium import spectrum
 from certreg.errors import InvalidProblemError
 from certreg.geometry import squared_norm
-from certreg.problem import RegistrationProblem, exact_moments
+from certreg.problem import PAPER_DAMPING, RegistrationProblem, exact_moments
 from certreg.results import Ruling, Verdict
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ NO_PROOF = Verdict(ruling=Ruling.INCONCLUSIVE, words="no certificate was found")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Exhibit:
+class CertifiedCloud:
     """One cloud of a counterexample, certified.
 
     files: contents of the certificates by file name, first that of the optimum and the pattern,
@@ -43,7 +43,7 @@ class Exhibit:
     verdict: Verdict
 
 
-def exhibits(row: Any) -> tuple[Exhibit, ...]:
+def certified_clouds(row: Any) -> tuple[CertifiedCloud, ...]:
     """The clouds of the counterexample to a claim (audit.Row), certified; none if it is true.
 
     Raises InvalidProblemError where a coordinate is no double in any unit of length.
@@ -53,7 +53,15 @@ def exhibits(row: Any) -> tuple[Exhibit, ...]:
     clouds = row.counterexample.clouds
     about = {"counterexample": row.counterexample.words, "claim": row.claim}
     names = [row.number + f"-{k}" * (len(clouds) > 1) for k in range(1, len(clouds) + 1)]
-    return tuple(_exhibit(n, c, about) for n, c in zip(names, clouds, strict=True))
+    return tuple(_certified_cloud(n, c, about) for n, c in zip(names, clouds, strict=True))
+
+
+def in_doubles(cloud: Any) -> RegistrationProblem:
+    """A cloud of a counterexample (rationals.ExactCloud) in doubles: small integers, so exactly."""
+    source = [[float(e) for e in point] for point in cloud.source]
+    target = [[float(e) for e in point] for point in cloud.target]
+    weights = [float(mass) for mass in cloud.weights]
+    return RegistrationProblem(source, target, weights=weights, damping=PAPER_DAMPING)
 
 
 def in_integers(cloud: Any) -> RegistrationProblem:
@@ -77,20 +85,20 @@ def _double(number: Any) -> float:
     return float(number)
 
 
-def _exhibit(name: str, cloud: Any, about: dict[str, Any]) -> Exhibit:
+def _certified_cloud(name: str, cloud: Any, about: dict[str, Any]) -> CertifiedCloud:
     problem = in_integers(cloud)
-    found = spectrum(exact_moments(problem))
-    made = (produce(problem, found, about=about), count_certificate(problem))
+    equilibria = spectrum(exact_moments(problem))
+    made = (produce(problem, equilibria, about=about), count_certificate(problem))
     suffixes = (SUFFIX, COUNT_SUFFIX)
     files = {
         name + suffix: certificate.to_json()
         for suffix, certificate in zip(suffixes, made, strict=True)
         if certificate is not None
     }
-    return Exhibit(
+    return CertifiedCloud(
         problem=problem,
         files=files,
-        words=_words(found, counted=made[1] is not None),
+        words=_words(equilibria, counted=made[1] is not None),
         verdict=_judged(list(files.values()), problem) if made[0] else NO_PROOF,
     )
 
@@ -101,11 +109,11 @@ def _judged(contents: Sequence[bytes], problem: RegistrationProblem) -> Verdict:
     return next((v for v in verdicts if not v.proved), verdicts[0])
 
 
-def _words(found: Spectrum, *, counted: bool) -> str:
+def _words(equilibria: Spectrum, *, counted: bool) -> str:
     """Uniqueness, spurious equilibria, and how far the optimum is from the paper's start."""
-    shape = found.classification
+    shape = equilibria.classification
     spurious = "infinitely many" if shape.spurious is None else shape.spurious
-    w, *axis = found.quaternions[0]
+    w, *axis = equilibria.quaternions[0]
     turn = math.degrees(2.0 * math.atan2(math.sqrt(squared_norm(axis)), abs(w)))
     parts = [
         f"pattern {', '.join(map(str, shape.pattern))}",

@@ -10,16 +10,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg import __version__
-from certreg.paper.map_tables import rows
-from certreg.paper.statics import unstable_counts
+from certreg.paper.equilibria import unstable_counts
+from certreg.paper.evidence import NEAR
+from certreg.paper.parameter_sweeps import sweep_rows
+from certreg.paper.scheme import STEP, STOP
 from certreg.report import plain
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from certreg.paper.exhibits import Exhibit
-    from certreg.paper.maps import Map
+    from certreg.paper.counterexamples import CertifiedCloud
     from certreg.paper.observations import Observations
+    from certreg.paper.parameter_sweeps import Sweep
     from certreg.paper.style import Drawing
     from certreg.paper.verdicts import ClaimVerdict, Reproduction
 
@@ -28,7 +30,7 @@ FIGURES, KINDS = "figures", ("pdf", "png")
 CERTIFICATES = "counterexamples"
 TERMINAL = 100  # characters
 PATTERN = (0, 1, 2, 3)
-EXHIBITS_TOLD = (
+CERTIFICATES_EXPLAINED = (
     "Each cloud of a counterexample has a certificate of its optimum and of the pattern of its "
     "equilibria (the multiplicities of the eigenvalues), and where these are four one of at most "
     "four. Where the "
@@ -60,7 +62,7 @@ def claim_text(claim: ClaimVerdict) -> str:
         ("holds", "" if row.counterexample is None else plain(row.holds)),
         ("proof", proof_words(claim)),
         ("measured", claim.evidence.words),
-        *(("certified", exhibit_words(each)) for each in claim.exhibits),
+        *(("certified", certificate_words(each)) for each in claim.certified),
     )
     for name, words in parts:
         if words:
@@ -79,33 +81,36 @@ def proof_words(claim: ClaimVerdict) -> str:
     return ", ".join(claim.row.because) + recomputed
 
 
-def exhibit_words(exhibit: Exhibit) -> str:
+def certificate_words(cloud: CertifiedCloud) -> str:
     """What the certificates of a counterexample's cloud prove, in which files."""
-    proved = exhibit.words if exhibit.verdict.proved else f"REFUSED: {exhibit.verdict.words}"
-    return f"{', '.join(exhibit.files)}: {proved}"
+    proved = cloud.words if cloud.verdict.proved else f"REFUSED: {cloud.verdict.words}"
+    return f"{', '.join(cloud.files)}: {proved}"
 
 
-def closing_text(made: Reproduction) -> str:
+def closing_text(reproduction: Reproduction) -> str:
     """How many claims have which finding, and the paper's own counts, measured."""
     findings: dict[str, int] = {}
-    for claim in made.claims:
+    for claim in reproduction.claims:
         findings[claim.row.finding.value] = findings.get(claim.row.finding.value, 0) + 1
-    told = ", ".join(f"{count} {finding}" for finding, count in findings.items())
-    confirmed = sum(claim.stands for claim in made.claims)
-    resting, moving = _equilibria(made.observations), _simulations(made.observations)
-    proved = all(claim.proof is not None for claim in made.claims)
+    listed = ", ".join(f"{count} {finding}" for finding, count in findings.items())
+    confirmed = sum(claim.stands for claim in reproduction.claims)
+    equilibria, simulations = (
+        _equilibria(reproduction.observations),
+        _simulations(reproduction.observations),
+    )
+    proved = all(claim.proof is not None for claim in reproduction.claims)
     word = (
         "are confirmed" if proved else "agree with what was measured, none was proved in this run"
     )
     return (
-        f"{confirmed} of {len(made.claims)} findings {word} ({told}).\n"
-        f"Four equilibria with 0, 1, 2, 3 unstable eigenvalues in {resting['pattern_0123']:,} of "
-        f"{resting['runs']:,} runs; {moving['at_optimum']:,} of {moving['runs']:,} simulations end "
-        "at the optimum."
+        f"{confirmed} of {len(reproduction.claims)} findings {word} ({listed}).\n"
+        f"Four equilibria with 0, 1, 2, 3 unstable eigenvalues in {equilibria['pattern_0123']:,} "
+        f"of {equilibria['runs']:,} runs; {simulations['at_optimum']:,} of "
+        f"{simulations['runs']:,} simulations end at the optimum."
     )
 
 
-def markdown(made: Reproduction, drawn: Sequence[Drawing]) -> str:
+def markdown(reproduction: Reproduction, drawings: Sequence[Drawing]) -> str:
     """The verdicts as a Markdown table, then the figures."""
     head = (
         "",
@@ -117,34 +122,39 @@ def markdown(made: Reproduction, drawn: Sequence[Drawing]) -> str:
         "Proof",
         "Verdict",
     )
-    lines = ["# The claims of the paper, with verdicts", "", setup_words(made.observations), ""]
+    lines = [
+        "# The claims of the paper, with verdicts",
+        "",
+        setup_words(reproduction.observations),
+        "",
+    ]
     lines += [_line(head), _line(["---"] * len(head))]
-    for claim in made.claims:
+    for claim in reproduction.claims:
         row = claim.row
         cells = (row.number, row.claim, row.place, row.finding.value, row.holds)
         proof = proof_words(claim) or "not in this run"
         lines.append(_line((*cells, claim.evidence.words, proof, verdict_word(claim))))
-    examples = [claim for claim in made.claims if claim.row.counterexample is not None]
-    lines += ["", "## Counterexamples", "", EXHIBITS_TOLD, ""]
+    examples = [claim for claim in reproduction.claims if claim.row.counterexample is not None]
+    lines += ["", "## Counterexamples", "", CERTIFICATES_EXPLAINED, ""]
     for claim in examples:
         lines.append(f"- **{claim.row.number}.** {claim.row.counterexample.words}")
-        lines += [f"  - {_linked(each)}" for each in claim.exhibits]
+        lines += [f"  - {_linked(each)}" for each in claim.certified]
     lines += ["", "## Figures", ""]
-    for drawing in drawn:
+    for drawing in drawings:
         image = f"![{drawing.title}]({FIGURES}/{drawing.name}.png)"
         lines += [image, "", f"**{drawing.title}.** {_escaped(drawing.caption)}", ""]
     return "\n".join(lines)
 
 
 def reproduction_document(
-    made: Reproduction, drawn: Sequence[Drawing], found: Sequence[Map] = ()
+    reproduction: Reproduction, drawings: Sequence[Drawing], sweeps: Sequence[Sweep] = ()
 ) -> Document:
     """The reproduction as `certreg-reproduction/1`."""
-    setup = made.observations.setup
+    setup = reproduction.observations.setup
     reasons: dict[str, str] = {}
-    if any(claim.proof is None for claim in made.claims):
+    if any(claim.proof is None for claim in reproduction.claims):
         reasons["claims.proved"] = NOT_PROVED_NOW
-    if all(run.diverged for run in made.observations.simulations):
+    if all(run.diverged for run in reproduction.observations.simulations):
         reasons["simulations"] = ALL_DIVERGED
     return {
         "schema": REPRODUCTION_SCHEMA,
@@ -154,13 +164,13 @@ def reproduction_document(
             "noise": setup.noise,
             "damping": setup.damping,
             "seed": setup.seed,
-            "step": setup.settings.step,
-            "stop": setup.settings.stop,
+            "step": STEP,
+            "stop": STOP,
         },
-        "confirmed": made.stands,
-        "claims": [_claim_fields(claim) for claim in made.claims],
-        "equilibria": _equilibria(made.observations),
-        "simulations": _simulations(made.observations),
+        "confirmed": reproduction.stands,
+        "claims": [_claim_fields(claim) for claim in reproduction.claims],
+        "equilibria": _equilibria(reproduction.observations),
+        "simulations": _simulations(reproduction.observations),
         "figures": [
             {
                 "name": drawing.name,
@@ -168,21 +178,21 @@ def reproduction_document(
                 "caption": drawing.caption,
                 "files": [f"{FIGURES}/{drawing.name}.{kind}" for kind in KINDS],
             }
-            for drawing in drawn
+            for drawing in drawings
         ],
-        "maps": list(rows(found)),
+        "maps": list(sweep_rows(sweeps)),
         "reasons": reasons,
     }
 
 
-def setup_words(seen: Observations) -> str:
+def setup_words(observed: Observations) -> str:
     """What the instances were, in a sentence."""
-    setup = seen.setup
+    setup = observed.setup
     return (
-        f"certreg {__version__}: {len(seen.equilibria):,} instances for the equilibria and "
-        f"{len(seen.simulations):,} for the simulations, N = {setup.points} points, "
+        f"certreg {__version__}: {len(observed.equilibria):,} instances for the equilibria and "
+        f"{len(observed.simulations):,} for the simulations, N = {setup.points} points, "
         f"σ = {setup.noise:g}, μ = {setup.damping:g}, explicit Euler with the step "
-        f"{setup.settings.step:g}, seed {setup.seed}. The paper states neither N nor μ."
+        f"{STEP:g}, seed {setup.seed}. The paper states neither N nor μ."
     )
 
 
@@ -200,11 +210,11 @@ def _claim_fields(claim: ClaimVerdict) -> Document:
         "measured": claim.evidence.words,
         "certificates": [
             {
-                "files": [f"{CERTIFICATES}/{name}" for name in exhibit.files],
-                "proves": exhibit.words,
-                "verified": exhibit.verdict.proved,
+                "files": [f"{CERTIFICATES}/{name}" for name in cloud.files],
+                "proves": cloud.words,
+                "verified": cloud.verdict.proved,
             }
-            for exhibit in claim.exhibits
+            for cloud in claim.certified
         ],
         "agrees": claim.evidence.agrees,
         "confirmed": claim.stands,
@@ -212,10 +222,10 @@ def _claim_fields(claim: ClaimVerdict) -> Document:
     }
 
 
-def _equilibria(seen: Observations) -> Document:
-    runs = seen.equilibria
+def _equilibria(observed: Observations) -> Document:
+    runs = observed.equilibria
     regular = [run.count == 4 and unstable_counts(run) == (PATTERN, PATTERN) for run in runs]
-    spurious = [rest for run in runs for rest in run.rests[1:]]
+    spurious = [pose for run in runs for pose in run.poses[1:]]
     return {
         "runs": len(runs),
         "four": sum(run.count == 4 for run in runs),
@@ -226,18 +236,18 @@ def _equilibria(seen: Observations) -> Document:
             for k, (run, normal) in enumerate(zip(runs, regular, strict=True))
             if not normal
         ],
-        "half_turn_error_deg": _spread([rest.half_turn_error for rest in spurious]),
-        "arccos_error_deg": _spread([abs(180.0 - rest.arccos_angle) for rest in spurious]),
+        "half_turn_error_deg": _spread([pose.half_turn_error for pose in spurious]),
+        "arccos_error_deg": _spread([abs(180.0 - pose.arccos_angle) for pose in spurious]),
     }
 
 
-def _simulations(seen: Observations) -> Document:
-    runs, near = seen.simulations, seen.setup.settings.near
+def _simulations(observed: Observations) -> Document:
+    runs = observed.simulations
     return {
         "runs": len(runs),
         "stopped": sum(run.stopped for run in runs),
         "diverged": sum(run.diverged for run in runs),
-        "at_optimum": sum(run.stopped and run.distance <= near for run in runs),
+        "at_optimum": sum(run.stopped and run.distance <= NEAR for run in runs),
         "energy_rose_in_first_step": sum(run.first_rise > 0.0 for run in runs),
         "steps": _spread([run.steps for run in runs]),
         "closed_form_error_deg": _spread([run.closed_form_error for run in runs]),
@@ -254,10 +264,10 @@ def _spread(values: Sequence[float]) -> Document:
     return {"min": min(numbers), "median": float(np.median(numbers)), "max": max(numbers)}
 
 
-def _linked(exhibit: Exhibit) -> str:
-    """The words of an exhibit, its files as links."""
-    words = exhibit_words(exhibit)
-    for name in exhibit.files:
+def _linked(cloud: CertifiedCloud) -> str:
+    """The words of a certified cloud, its files as links."""
+    words = certificate_words(cloud)
+    for name in cloud.files:
         words = words.replace(name, f"[{name}]({CERTIFICATES}/{name})", 1)
     return words
 
@@ -271,9 +281,9 @@ def _escaped(words: str) -> str:
     return re.sub(r"([|*_])", r"\\\1", words)
 
 
-def texts(made: Reproduction) -> Iterator[str]:
+def texts(reproduction: Reproduction) -> Iterator[str]:
     """Every claim, then the closing lines, for a terminal."""
-    yield setup_words(made.observations)
-    for claim in made.claims:
+    yield setup_words(reproduction.observations)
+    for claim in reproduction.claims:
         yield "\n" + claim_text(claim)
-    yield "\n" + closing_text(made)
+    yield "\n" + closing_text(reproduction)

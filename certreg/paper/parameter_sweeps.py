@@ -1,11 +1,13 @@
-"""Maps beyond the paper: what damping, noise, size, symmetry and start change.
+"""Parameter sweeps beyond the paper: what damping, noise, size, symmetry and start change.
 
 Along each family, for many instances at each value: the steps of explicit Euler, the time to escape
-from the best saddle, and the margin of the eigenvalues, with what the linearised dynamics tells.
+from the best saddle, and the margin of the eigenvalues, with what the linearised dynamics predicts.
 """
 
 from __future__ import annotations
 
+import csv
+import io
 import math
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
@@ -16,19 +18,25 @@ from certreg.dynamics import Ensemble, ensemble, simulate_many
 from certreg.equilibrium import exactly, solve_many
 from certreg.geometry import rotation_matrix
 from certreg.native import Integrator
-from certreg.paper.families import FAMILIES
+from certreg.paper.parameter_families import FAMILIES
 from certreg.paper.scheme import NO_BASIN
-from certreg.settings import MapSettings, SimulationSettings
+from certreg.settings import SimulationSettings
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator, Sequence
 
     from numpy.typing import NDArray
 
     from certreg.equilibrium import Solutions
-    from certreg.paper.families import Family, Sample
-    from certreg.paper.observations import Announcer
+    from certreg.paper.observations import StageProgress
+    from certreg.paper.parameter_families import Family, Sample
 
+INSTANCES = 200  # at each value: the median is known to a tenth of the spread
+FULL_POINTS = 10_000  # of clouds larger than that fewer instances are made
+LEAST_INSTANCES = 10  # all the same
+PORTION_POINTS = 1 << 19  # made at a time: 25 MB
+ESCAPE_STEP = 0.04  # of the time in which a displacement grows by e: wrong by 10^-4
+SWEEPS_FILE = "maps.csv"
 SIMULATION = SimulationSettings(
     threads=2,
     rest_angle=math.pi,  # the paper's stop, in the basin: rates alone say how near a body is
@@ -43,13 +51,13 @@ AT_ONCE = replace(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Level:
+class Measurements:
     """What was measured at one value of the parameter, one entry per instance, (count,) each.
 
     steps: of explicit Euler until slow and in the basin. escape_times: from rest, the sample's
     distance from the best saddle towards the optimum, until the body can only end at the optimum
     (less than 0.4 of the barrier above it), by the implicit midpoint rule. margins: see
-    `instances.Solutions`. told_*: what theory tells; NaN where nothing.
+    `equilibrium.Solutions`. predicted_*: by theory; NaN where it says nothing.
     converged: at the optimum. lost: the paper's rule stops it more than 90 degrees from there.
     four: exactly four equilibria, decided by proved bounds or in exact arithmetic.
     """
@@ -58,146 +66,153 @@ class Level:
     steps: NDArray[np.float64]
     escape_times: NDArray[np.float64]
     margins: NDArray[np.float64]
-    told_steps: NDArray[np.float64]
-    told_escape_times: NDArray[np.float64]
-    told_margins: NDArray[np.float64]
+    predicted_steps: NDArray[np.float64]
+    predicted_escape_times: NDArray[np.float64]
+    predicted_margins: NDArray[np.float64]
     converged: NDArray[np.bool_]
     lost: NDArray[np.bool_]
     four: NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Measure:
-    """What a map shows of every instance: fields of `Level`, and which instance is the worst."""
+class Quantity:
+    """What a sweep shows of every instance: fields of `Measurements`; which instance is worst."""
 
     name: str
     label: str
-    told: str
+    predicted: str
     worst: Callable[[NDArray[np.float64]], Any]
 
 
-MEASURES = (
-    Measure(name="steps", label="steps of explicit Euler", told="told_steps", worst=np.max),
-    Measure(
+QUANTITIES = (
+    Quantity(
+        name="steps", label="steps of explicit Euler", predicted="predicted_steps", worst=np.max
+    ),
+    Quantity(
         name="escape_times",
         label="escape time from the best saddle",
-        told="told_escape_times",
+        predicted="predicted_escape_times",
         worst=np.max,
     ),
-    Measure(name="margins", label="margin of the eigenvalues", told="told_margins", worst=np.min),
+    Quantity(
+        name="margins",
+        label="margin of the eigenvalues",
+        predicted="predicted_margins",
+        worst=np.min,
+    ),
 )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Curves:
-    """Median, worst and told median of one measure at each value of a map, (levels,) each."""
+    """Median, worst and predicted median of one quantity at each value of a sweep, (values,)."""
 
     median: NDArray[np.float64]
     worst: NDArray[np.float64]
-    told: NDArray[np.float64]
+    predicted: NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Map:
+class Sweep:
     """A family measured at all its values, ascending."""
 
     family: Family
-    levels: tuple[Level, ...]
+    measurements: tuple[Measurements, ...]
 
-    def curves(self, measure: Measure) -> Curves:
-        """A measure along the family."""
-        values = [getattr(each, measure.name) for each in self.levels]
+    def curves(self, quantity: Quantity) -> Curves:
+        """A quantity along the family."""
+        values = [getattr(each, quantity.name) for each in self.measurements]
         return Curves(
             median=np.array([np.median(v) for v in values]),
-            worst=np.array([measure.worst(v) for v in values]),
-            told=np.array([np.median(getattr(each, measure.told)) for each in self.levels]),
+            worst=np.array([quantity.worst(v) for v in values]),
+            predicted=np.array(
+                [np.median(getattr(each, quantity.predicted)) for each in self.measurements]
+            ),
         )
 
 
-def measured_maps(
-    seed: int, runs: int | None, progress: Announcer, settings: MapSettings | None = None
-) -> tuple[Map, ...]:
-    """All maps, `runs` instances at each value (of very large clouds fewer), from one seed."""
-    settings = settings or MapSettings()
+def all_sweeps(seed: int, runs: int | None, progress: StageProgress) -> tuple[Sweep, ...]:
+    """A sweep of each family from one seed: `runs` instances a value, fewer of large clouds."""
     total = sum(len(family.values) for family in FAMILIES.values())
     seeds = np.random.SeedSequence(seed).spawn(len(FAMILIES))
-    found: list[Map] = []
+    sweeps: list[Sweep] = []
     done = 0
     for family, own in zip(FAMILIES.values(), seeds, strict=True):
-        levels: list[Level] = []
+        measured: list[Measurements] = []
         for value in family.values:
             progress("maps", done, total)
-            count = instances(family.size(value), runs or settings.instances, settings)
+            count = instance_count(family.size(value), runs or INSTANCES)
             # The same random numbers at all values: what differs is what the parameter does.
-            levels.append(level(family, value, np.random.default_rng(own), count, settings))
+            rng = np.random.default_rng(own)
+            measured.append(measurements(family, value, rng, count))
             done += 1
-        found.append(Map(family=family, levels=tuple(levels)))
+        sweeps.append(Sweep(family=family, measurements=tuple(measured)))
     progress("maps", total, total)
-    return tuple(found)
+    return tuple(sweeps)
 
 
-def instances(points: int, runs: int, settings: MapSettings) -> int:
-    """How many instances of so many points."""
-    few = max(settings.least_instances, runs * settings.full_points // points)
+def instance_count(points: int, runs: int) -> int:
+    """How many instances of so many points are made where `runs` were asked for."""
+    few = max(LEAST_INSTANCES, runs * FULL_POINTS // points)
     return min(runs, few)
 
 
-def level(
+def measurements(
     family: Family,
     value: float,
     rng: np.random.Generator,
     count: int,
-    settings: MapSettings | None = None,
-) -> Level:
-    """One value of a family, measured in portions that fit into memory."""
-    settings = settings or MapSettings()
-    most = max(1, settings.portion_points // family.size(value))
+    *,
+    portion: int = PORTION_POINTS,
+) -> Measurements:
+    """One value of a family, measured in portions of so many points, which fit into memory."""
+    most = max(1, portion // family.size(value))
     sizes = [min(most, count - start) for start in range(0, count, most)]
-    parts = [_measured(family.sample(rng, value, size), settings) for size in sizes]
-    names = [field.name for field in fields(Level)][1:]
+    parts = [_measured(family.sample(rng, value, size)) for size in sizes]
+    names = [field.name for field in fields(Measurements)][1:]
     arrays: Any = {n: np.concatenate([part[n] for part in parts]) for n in names}
-    return Level(value=value, **arrays)
+    return Measurements(value=value, **arrays)
 
 
-def _measured(sample: Sample, settings: MapSettings) -> dict[str, Any]:
+def _measured(sample: Sample) -> dict[str, Any]:
     mu = sample.damping
-    found = solve_many(sample.sources, sample.targets, damping=mu, spectrum=True)
+    solutions = solve_many(sample.sources, sample.targets, damping=mu, spectrum=True)
     bodies = ensemble(sample.sources, sample.targets, damping=mu)
-    near = replace(bodies, starts=_near_saddle(found, sample.distance))
+    near = replace(bodies, starts=_near_saddle(solutions, sample.distance))
     released = near if sample.from_saddle else bodies
     ends = simulate_many(released, Integrator.EULER, settings=SIMULATION)
-    modes: Any = found.eigenvalues
+    modes: Any = solutions.eigenvalues
     slowest, growing = modes[:, 0, 0], modes[:, 1, 0].real
     tempo = float(np.nanmedian(growing))
-    midpoint = replace(AT_ONCE, step=settings.escape_step / tempo)
+    midpoint = replace(AT_ONCE, step=ESCAPE_STEP / tempo)
     escapes = simulate_many(near, Integrator.MIDPOINT, settings=midpoint)
     steps = ends.times / np.maximum(ends.steps, 1)
-    told = _told_steps(slowest, mu, steps)
+    predicted = _predicted_steps(slowest, mu, steps)
     return {
         "steps": ends.steps.astype(np.float64),
         "escape_times": np.where(escapes.converged, escapes.times, np.inf),
-        "margins": found.margins,
-        "told_steps": np.full_like(told, np.nan) if sample.from_saddle else told,
-        "told_escape_times": told_escape_times(growing, mu, sample.distance),
-        "told_margins": sample.margins,
+        "margins": solutions.margins,
+        "predicted_steps": np.full_like(predicted, np.nan) if sample.from_saddle else predicted,
+        "predicted_escape_times": predicted_escape_times(growing, mu, sample.distance),
+        "predicted_margins": sample.margins,
         "converged": ends.converged,
-        "lost": _lost(released, found),
-        "four": found.decided | _four(sample, ~found.decided),
+        "lost": _lost(released, solutions),
+        "four": solutions.decided | _four(sample, ~solutions.decided),
     }
 
 
-def _near_saddle(found: Solutions, distance: float) -> NDArray[np.float64]:
+def _near_saddle(solutions: Solutions, distance: float) -> NDArray[np.float64]:
     """At rest on the shortest way from the best saddle to the optimum, (count, 13)."""
-    best, saddle = found.quaternions[:, 0], found.quaternions[:, 1]
+    best, saddle = solutions.quaternions[:, 0], solutions.quaternions[:, 1]
     q = math.cos(distance / 2.0) * saddle + math.sin(distance / 2.0) * best
     return np.hstack([np.zeros((len(q), 3)), q, np.zeros((len(q), 6))])
 
 
-def _lost(bodies: Ensemble, found: Solutions) -> NDArray[np.bool_]:
+def _lost(bodies: Ensemble, solutions: Solutions) -> NDArray[np.bool_]:
     """Whether the paper's rule, slow is enough, stops further than 90 degrees from the optimum."""
     anywhere = replace(bodies, basins=np.tile(NO_BASIN, (len(bodies.bodies), 1)))
     ends = simulate_many(anywhere, Integrator.EULER, settings=SIMULATION)
-    traces = np.einsum("kij,kij->k", ends.rotations, _rotations(found.quaternions[:, 0]))
+    traces = np.einsum("kij,kij->k", ends.rotations, _rotations(solutions.quaternions[:, 0]))
     return np.asarray(traces < 1.0, dtype=np.bool_)
 
 
@@ -210,7 +225,7 @@ def _four(sample: Sample, which: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return four
 
 
-def told_escape_times(
+def predicted_escape_times(
     growing: NDArray[np.float64], damping: float, distance: float
 ) -> NDArray[np.float64]:
     """How long the linearised dynamics takes from the saddle to the basin, (count,).
@@ -224,7 +239,7 @@ def told_escape_times(
     return np.maximum(0.0, np.log(exit_angle / (distance * share))) / growing
 
 
-def _told_steps(
+def _predicted_steps(
     slowest: NDArray[np.complex128], damping: float, step: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Steps until the slowest mode, one radian from rest, has rates below the stop, (count,).
@@ -247,3 +262,43 @@ def _told_steps(
 
 def _rotations(quaternions: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.moveaxis(np.array(rotation_matrix(list(quaternions.T))), -1, 0)
+
+
+def sweep_rows(sweeps: Sequence[Sweep]) -> Iterator[dict[str, Any]]:
+    """A row for each value of each sweep, of a CSV file or the JSON document.
+
+    Of each quantity the median, the worst and the median that theory predicts, None where it
+    predicts none or where the number is infinite: times in the springs' own unit. Then how many
+    instances converged, how many the paper's rule stops more than 90 degrees from the optimum, and
+    how many have exactly four equilibria.
+    """
+    for sweep in sweeps:
+        curves = {quantity.name: sweep.curves(quantity) for quantity in QUANTITIES}
+        for k, each in enumerate(sweep.measurements):
+            row: dict[str, Any] = {
+                "map": sweep.family.name,
+                "value": each.value,
+                "instances": len(each.steps),
+            }
+            for name, curve in curves.items():
+                row[f"{name}_median"] = _finite(curve.median[k])
+                row[f"{name}_worst"] = _finite(curve.worst[k])
+                row[f"{name}_told"] = _finite(curve.predicted[k])
+            row["converged"] = int(each.converged.sum())
+            row["lost_by_the_papers_rule"] = int(each.lost.sum())
+            row["four_equilibria"] = int(each.four.sum())
+            yield row
+
+
+def sweep_table(sweeps: Sequence[Sweep]) -> bytes:
+    """The rows as CSV with a header; nothing where a number is None."""
+    text = io.StringIO()
+    listed = list(sweep_rows(sweeps))
+    writer = csv.DictWriter(text, list(listed[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(listed)
+    return text.getvalue().encode()
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None

@@ -10,20 +10,20 @@ from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError
 from certreg.io import write_atomically
-from certreg.paper.map_tables import MAPS, table
-from certreg.paper.reproduction import (
+from certreg.paper.documents import (
     CERTIFICATES,
-    EXHIBITS_TOLD,
+    CERTIFICATES_EXPLAINED,
     FIGURES,
     KINDS,
+    certificate_words,
     closing_text,
-    exhibit_words,
     markdown,
     proof_words,
     reproduction_document,
     setup_words,
     verdict_word,
 )
+from certreg.paper.parameter_sweeps import SWEEPS_FILE, sweep_table
 from certreg.paper.style import written
 from certreg.report import dumps, plain
 
@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Sequence
 
-    from certreg.paper.exhibits import Exhibit
-    from certreg.paper.maps import Map
+    from certreg.paper.counterexamples import CertifiedCloud
+    from certreg.paper.parameter_sweeps import Sweep
     from certreg.paper.style import Drawing
     from certreg.paper.verdicts import ClaimVerdict, Reproduction
 
@@ -71,12 +71,12 @@ code { font-size: .88em; }
 """
 
 
-def page(made: Reproduction, drawn: Sequence[Drawing]) -> str:
+def html_page(reproduction: Reproduction, drawings: Sequence[Drawing]) -> str:
     """One file of HTML that needs no other: the verdicts, then the figures with captions."""
-    lead = escape(closing_text(made)).replace("\n", " ")
-    claims = "\n".join(_article(claim) for claim in made.claims)
-    told = re.sub("`([^`]*)`", r"<code>\1</code>", escape(EXHIBITS_TOLD))
-    figures = "\n".join(_figure(number, drawing) for number, drawing in enumerate(drawn, 1))
+    lead = escape(closing_text(reproduction)).replace("\n", " ")
+    claims = "\n".join(_article(claim) for claim in reproduction.claims)
+    explained = re.sub("`([^`]*)`", r"<code>\1</code>", escape(CERTIFICATES_EXPLAINED))
+    figures = "\n".join(_figure(number, drawing) for number, drawing in enumerate(drawings, 1))
     return f"""<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -88,11 +88,11 @@ def page(made: Reproduction, drawn: Sequence[Drawing]) -> str:
 <body>
 <h1>A Dynamical Perspective on Point Cloud Registration: its claims and experiments, checked</h1>
 <p class="lead">{lead}</p>
-<p class="setup">{escape(setup_words(made.observations))}</p>
+<p class="setup">{escape(setup_words(reproduction.observations))}</p>
 <h2>Claims</h2>
 <p class="lead">Each claim is true, or true under a condition that the paper does not state, or
 false as stated. The finding rests on proofs; what was measured in this run stands beside them.
-{told}</p>
+{explained}</p>
 {claims}
 <h2>Figures</h2>
 {figures}
@@ -112,31 +112,31 @@ def make_folder(folder: Path) -> None:
 
 
 def write_reproduction(
-    made: Reproduction,
-    drawn: Sequence[Drawing],
+    reproduction: Reproduction,
+    drawings: Sequence[Drawing],
     folder: str | os.PathLike[str],
-    found: Sequence[Map] = (),
+    sweeps: Sequence[Sweep] = (),
 ) -> Path:
     """Write figures, captions, certificates and verdicts; the path of the page.
 
-    found: the maps whose numbers are to be written, too.
+    sweeps: those whose numbers are to be written, too.
     Each file is written under a temporary name and renamed. Raises InvalidFileError.
     """
     place = Path(folder)
     contents = {
-        TABLE: markdown(made, drawn).encode(),
-        PAGE: page(made, drawn).encode(),
-        DOCUMENT: (dumps(reproduction_document(made, drawn, found)) + "\n").encode(),
+        TABLE: markdown(reproduction, drawings).encode(),
+        PAGE: html_page(reproduction, drawings).encode(),
+        DOCUMENT: (dumps(reproduction_document(reproduction, drawings, sweeps)) + "\n").encode(),
     }
-    for drawing in drawn:
+    for drawing in drawings:
         stem = f"{FIGURES}/{drawing.name}"
         contents |= {f"{stem}.{kind}": written(drawing, kind) for kind in KINDS}
         contents[f"{stem}.txt"] = f"{drawing.title}. {drawing.caption}\n".encode()
-    if found:
-        contents[MAPS] = table(found)
-    for claim in made.claims:
-        for exhibit in claim.exhibits:
-            files = exhibit.files.items()
+    if sweeps:
+        contents[SWEEPS_FILE] = sweep_table(sweeps)
+    for claim in reproduction.claims:
+        for cloud in claim.certified:
+            files = cloud.files.items()
             contents |= {f"{CERTIFICATES}/{name}": content for name, content in files}
     make_folder(place)
     for name, content in contents.items():
@@ -160,7 +160,7 @@ def _article(claim: ClaimVerdict) -> str:
         for name, words in parts
         if words
     ]
-    lines += [f'<p><span class="label">certified:</span> {_linked(e)}</p>' for e in claim.exhibits]
+    lines += [f'<p><span class="label">certified:</span> {_linked(e)}</p>' for e in claim.certified]
     return f"""<article id="claim-{row.number}">
 <header><span class="number">{row.number}</span><span class="finding {finding.replace(" ", "-")}">\
 {SIGNS[finding]} {finding}</span><p class="state">{shown}</p></header>
@@ -170,10 +170,10 @@ def _article(claim: ClaimVerdict) -> str:
 </article>"""
 
 
-def _linked(exhibit: Exhibit) -> str:
-    """The words of an exhibit, its files as links that hold them."""
-    words = escape(exhibit_words(exhibit))
-    for name, content in exhibit.files.items():
+def _linked(cloud: CertifiedCloud) -> str:
+    """The words of a certified cloud, its files as links that hold them."""
+    words = escape(certificate_words(cloud))
+    for name, content in cloud.files.items():
         data = f"data:application/json;base64,{base64.b64encode(content).decode()}"
         words = words.replace(name, f'<a download="{name}" href="{data}">{name}</a>', 1)
     return words

@@ -1,4 +1,4 @@
-"""Families of random instances along one parameter, for maps of what it changes.
+"""Families of random instances along one parameter, which a sweep varies.
 
 >>> import numpy as np
 >>> sample = FAMILIES["symmetry"].sample(np.random.default_rng(0), 1e-3, 50)
@@ -35,8 +35,8 @@ class Sample:
     """Instances of one value of the parameter.
 
     sources, targets: (count, N, 3). distance: radians from the best saddle, where an escape starts;
-    from_saddle: whether the simulation starts there, too, and not at R = I. margins: (count,), what
-    theory tells, NaN where it tells nothing.
+    from_saddle: whether the simulation starts there, too, and not at R = I. margins: (count,), as
+    theory predicts them, NaN where it says nothing.
     """
 
     sources: NDArray[np.float64]
@@ -76,7 +76,7 @@ class Family:
 def margin(C: NDArray[np.float64]) -> NDArray[np.float64]:
     """The least difference of neighbouring eigenvalues of K over the range, (...,).
 
-    C: (..., 3, 3). As `instances.Solutions.margins`, in doubles.
+    C: (..., 3, 3). As `equilibrium.Solutions.margins`, in doubles.
     """
     entries = [[C[..., i, j] for j in range(3)] for i in range(3)]
     K = np.array(davenport_matrix(entries))
@@ -99,9 +99,12 @@ def limit_margin(points: int, sigma: float) -> float:
 
 def damped(rng: np.random.Generator, value: float, count: int) -> Sample:
     """The paper's instances, damped by `value`."""
-    made = gaussian(rng, count=count)
+    instances = gaussian(rng, count=count)
     return Sample(
-        sources=made.sources, targets=made.targets, damping=value, margins=_constant(np.nan, count)
+        sources=instances.sources,
+        targets=instances.targets,
+        damping=value,
+        margins=_constant(np.nan, count),
     )
 
 
@@ -126,8 +129,8 @@ def broken(rng: np.random.Generator, value: float, count: int) -> Sample:
     targets = np.einsum("kij,knj->kni", _rotations(rng, count), sources)
     first = np.einsum("ni,knj->kij", CUBE, moves - moves.mean(axis=1, keepdims=True)) / len(CUBE)
     spread = np.linalg.eigvalsh(first + first.mT)
-    told = value * np.diff(spread, axis=-1).min(axis=-1) / 2.0
-    return Sample(sources=sources, targets=targets, margins=told)
+    predicted = value * np.diff(spread, axis=-1).min(axis=-1) / 2.0
+    return Sample(sources=sources, targets=targets, margins=predicted)
 
 
 def degenerate(rng: np.random.Generator, value: float, count: int) -> Sample:
@@ -142,16 +145,16 @@ def degenerate(rng: np.random.Generator, value: float, count: int) -> Sample:
     sources = cloud @ whitening.mT  # of second moments I
     D = np.diag([2.0, 1.0, value - 1.0])
     C = _rotations(rng, count) @ D @ _rotations(rng, count)
-    told = _constant(float(margin(D)), count)
-    return Sample(sources=sources, targets=sources @ C.mT, margins=told)
+    predicted = _constant(float(margin(D)), count)
+    return Sample(sources=sources, targets=sources @ C.mT, margins=predicted)
 
 
 def released(rng: np.random.Generator, value: float, count: int) -> Sample:
     """The paper's instances, released `value` radians from the best saddle."""
-    made = gaussian(rng, count=count)
+    instances = gaussian(rng, count=count)
     return Sample(
-        sources=made.sources,
-        targets=made.targets,
+        sources=instances.sources,
+        targets=instances.targets,
         margins=_constant(np.nan, count),
         distance=value,
         from_saddle=True,
@@ -159,9 +162,11 @@ def released(rng: np.random.Generator, value: float, count: int) -> Sample:
 
 
 def _limited(rng: np.random.Generator, points: int, sigma: float, count: int) -> Sample:
-    made = gaussian(rng, points=points, sigma=sigma, count=count)
-    told = limit_margin(points, sigma) if points >= LIMIT_POINTS else np.nan
-    return Sample(sources=made.sources, targets=made.targets, margins=_constant(told, count))
+    instances = gaussian(rng, points=points, sigma=sigma, count=count)
+    predicted = limit_margin(points, sigma) if points >= LIMIT_POINTS else np.nan
+    return Sample(
+        sources=instances.sources, targets=instances.targets, margins=_constant(predicted, count)
+    )
 
 
 def _constant(value: float, count: int) -> NDArray[np.float64]:
