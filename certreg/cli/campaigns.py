@@ -2,11 +2,28 @@
 
 from __future__ import annotations
 
+import json
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import click
 
+from certreg.campaign import (
+    CERTIFICATES,
+    RESULTS,
+    SHARDS,
+    SUMMARY,
+    PairCampaign,
+    Tally,
+    in_order,
+    occupied,
+    outcomes,
+    read_listing,
+    require_parquet,
+    run,
+    workers_at,
+    write_pair_results,
+)
 from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER
 from certreg.cli.progress import Progress
 from certreg.errors import InvalidFileError
@@ -16,9 +33,6 @@ from certreg.report import printable
 if TYPE_CHECKING:
     from collections.abc import Generator
     from pathlib import Path
-
-    from certreg.campaign import PairCampaign, Tally
-    from certreg.paper import MonteCarlo, Totals
 
 
 @click.command(epilog=EXIT_CODES)
@@ -33,8 +47,6 @@ def batch(manifest: Path, *, scheduler: str | None, out: Path | None, parquet: b
     match and damping are optional. A pair that cannot be registered gives an error in its place.
     With --out, run the same command again to go on with what was interrupted, mended or changed.
     """
-    from certreg.campaign import PairCampaign, read_listing
-
     if parquet and out is None:
         message = "--parquet goes with --out"
         raise click.UsageError(message)
@@ -59,10 +71,6 @@ def batch(manifest: Path, *, scheduler: str | None, out: Path | None, parquet: b
 
 def _streamed(campaign: PairCampaign, scheduler: str | None) -> Tally:
     """All pairs, their lines printed in the order of the list."""
-    import json
-
-    from certreg.campaign import Tally, in_order, outcomes, workers_at
-
     manifest, tally = campaign.manifest(), Tally()
     calls = campaign.calls(done=())
     with workers_at(scheduler) as workers, Progress(manifest.count, items="pairs") as progress:
@@ -77,18 +85,6 @@ def _streamed(campaign: PairCampaign, scheduler: str | None) -> Tally:
 
 def _kept(campaign: PairCampaign, scheduler: str | None, out: Path, *, parquet: bool) -> Tally:
     """All pairs, their results in a folder, where those of an earlier run are kept."""
-    from certreg.campaign import (
-        CERTIFICATES,
-        RESULTS,
-        SHARDS,
-        SUMMARY,
-        occupied,
-        require_parquet,
-        run,
-        workers_at,
-        write_pair_results,
-    )
-
     if parquet:
         require_parquet()
     manifest = campaign.manifest()
@@ -104,52 +100,6 @@ def _kept(campaign: PairCampaign, scheduler: str | None, out: Path, *, parquet: 
     click.echo(f"{done} of {manifest.count} pairs registered: {place}/{RESULTS}")
     click.echo(f"Table: {place}/{SUMMARY}, certificates: {place}/{CERTIFICATES}")
     return tally
-
-
-def run_instances(
-    campaign: MonteCarlo, out: Path, scheduler: str | None, *, parquet: bool
-) -> Totals:
-    """A campaign over random instances, begun or gone on with in a folder; says what it found."""
-    from certreg.campaign import (
-        CERTIFICATES,
-        SHARDS,
-        SUMMARY,
-        occupied,
-        require_parquet,
-        run,
-        workers_at,
-    )
-    from certreg.paper import EXCEPTIONS, write_instance_results
-
-    if parquet:
-        require_parquet()
-    manifest = campaign.manifest()
-    with (
-        occupied(out, manifest, SHARDS, CERTIFICATES),
-        workers_at(scheduler) as workers,
-        Progress(manifest.count) as progress,
-        resumable(out),
-    ):
-        timings = run(campaign, out, workers, progress.watch())
-        totals = write_instance_results(campaign, out, parquet=parquet)
-    click.echo(
-        f"{totals.regular:,} of {totals.count:,} random instances have four equilibria, "
-        "with 0, 1, 2 and 3 unstable eigenvalues"
-    )
-    place = printable(out)
-    if totals.exceptions:
-        click.echo(
-            f"{totals.exceptions:,} were decided in exact arithmetic, each with its certificate: "
-            f"{place}/{EXCEPTIONS}"
-        )
-    if progress.made:
-        rate, alone = progress.made / progress.seconds, progress.made / timings["solving"]
-        click.echo(
-            f"{progress.made:,} in {progress.seconds:.1f} s: {rate:,.0f} a second; without making "
-            f"them {alone * workers.count:,.0f}, with {workers.count} at work"
-        )
-    click.echo(f"Table: {place}/{SUMMARY}")
-    return totals
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""Commands about certreg itself: its proofs, its generated code, what it runs on."""
+"""The command that proves the derivations anew."""
 
 from __future__ import annotations
 
@@ -6,14 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from certreg import __version__
 from certreg.cli.options import FOLDER
+from certreg.paper import all_hold, audit, chapters, outcomes, write_code, write_latex
 from certreg.registration import DONE, REFUSED
-
-PACKAGES = (
-    *("numpy", "scipy", "sympy", "casadi", "python-flint"),
-    *("click", "cvxpy-base", "clarabel"),
-)
+from certreg.report import audit_lines, chapters_text, claim_line, closing_line
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -29,21 +25,6 @@ def derive(names: tuple[str, ...], out: Path | None, *, listing: bool) -> int:
     Each claim prints its verdict, how many steps were checked, how many mutated statements were
     refuted, and the time. Then the claims of the paper, with theirs.
     """
-    from certreg.paper import (
-        all_hold,
-        audit,
-        chapters,
-        outcomes,
-        write_code,
-        write_latex,
-    )
-    from certreg.report import (
-        audit_lines,
-        chapters_text,
-        claim_line,
-        closing_line,
-    )
-
     if listing:
         if names or out is not None:
             message = "--list goes with nothing else"
@@ -62,32 +43,3 @@ def derive(names: tuple[str, ...], out: Path | None, *, listing: bool) -> int:
         write_latex(found, out)
         write_code(out)
     return DONE if all_hold(found, audited) else REFUSED
-
-
-@click.command()
-@click.option("--out", type=FOLDER, required=True, help="Folder to write to.")
-def codegen(out: Path) -> int:
-    """Write the generated C of the dynamics with its header and a test program, to embed."""
-    from certreg.registration import write_sources
-
-    for path in write_sources(out):
-        click.echo(path)
-    return DONE
-
-
-@click.command()
-def info() -> int:
-    """Versions of what certreg runs on."""
-    import platform
-    from importlib.metadata import version
-
-    from certreg.native import current_engine
-
-    click.echo(f"certreg      {__version__}")
-    click.echo(f"Python       {platform.python_version()} ({platform.python_implementation()})")
-    click.echo(f"system       {platform.system()} {platform.machine()}")
-    for package in PACKAGES:
-        click.echo(f"{package:12} {version(package)}")
-    click.echo(f"simulation   {current_engine().words}")
-    click.echo("checker      exact integers of Python itself")
-    return DONE

@@ -7,8 +7,28 @@ from typing import TYPE_CHECKING
 import click
 
 from certreg.cli.options import CLOUD, EXIT_CODES, cloud_options
-from certreg.registration import DONE, NOT_CERTIFIED, NOT_UNIQUE
-from certreg.report import printable
+from certreg.dynamics import Record
+from certreg.io import write_atomically
+from certreg.registration import (
+    DONE,
+    NOT_CERTIFIED,
+    NOT_UNIQUE,
+    certified_count,
+    equilibrium_road,
+    equilibrium_roads,
+    road_equilibria,
+    simulated,
+)
+from certreg.report import (
+    dumps,
+    equilibria_document,
+    equilibria_words,
+    printable,
+    roads_summary,
+    roads_table,
+    simulation_document,
+    simulation_summary,
+)
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -40,15 +60,6 @@ def equilibria(
     as_json: bool,
 ) -> int:
     """All equilibria of the registration dynamics, with their stability."""
-    from certreg.registration import equilibrium_road, equilibrium_roads, road_equilibria
-    from certreg.report import (
-        dumps,
-        equilibria_document,
-        equilibria_words,
-        roads_summary,
-        roads_table,
-    )
-
     del pair
     roads = equilibrium_roads(problem) if method == "all" else None
     taken = equilibrium_road(problem, method) if roads is None else roads.roads[0]
@@ -70,8 +81,6 @@ def equilibria(
 
 def _write_count(problem: RegistrationProblem, out: Path) -> None:
     """A certificate that there are at most four equilibria, checked, or the reason for none."""
-    from certreg.registration import certified_count
-
     certificate = certified_count(problem)
     if certificate is None:
         click.echo(f"note: {printable(out)} not written: there are infinitely many", err=True)
@@ -104,11 +113,6 @@ def simulate(
     as_json: bool,
 ) -> int:
     """Release the damped body at rest and see where it ends. Exit code 0 converged, 4 not."""
-    from certreg.dynamics import Record
-    from certreg.io import write_atomically
-    from certreg.registration import simulated
-    from certreg.report import dumps, simulation_document, simulation_summary
-
     del pair
     if step is not None and not 0.0 < step < float("inf"):
         message = f"--step is {step}: give a finite number above 0"

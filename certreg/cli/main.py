@@ -1,33 +1,117 @@
 """The command line: `certreg COMMAND`. Thin: it reads, calls, prints, and sets the exit code.
 
-Only click and the standard library are imported here, so that `--help` and `verify` load no
-numerical library; everything else is imported by the command that needs it.
+The module of a command is imported when the command is run. Here, in `options` and in `verifying`
+only click, the standard library and modules as light are imported, so that `--help` and `verify`
+load no numerical library.
 """
 
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
 from certreg import __version__
-from certreg.cli.campaigns import batch
-from certreg.cli.derivations import codegen, derive, info
-from certreg.cli.dynamics import equilibria, simulate
-from certreg.cli.judging import apply, assess, report, verify
 from certreg.cli.options import EXIT_CODES, warnings_as_notes
-from certreg.cli.registering import certify, demo
-from certreg.cli.reproducing import reproduce
 from certreg.errors import CertregError
 from certreg.registration import DONE, MISUSED, code_of_error
 from certreg.report import printable
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from typing import NoReturn
+
+    from click.shell_completion import CompletionItem
+
+
+class Entry(NamedTuple):
+    """A command of the list: its module within `certreg.cli`, and the first sentence of its help.
+
+    The command is the function of the module that has the name of the command.
+    """
+
+    module: str
+    help: str
+
+
+COMMANDS = {
+    "certify": Entry("registering", "Register SOURCE to TARGET and certify the result."),
+    "demo": Entry(
+        "registering", "The main job on packaged real data: survey, electrodes, protein."
+    ),
+    "assess": Entry("judging", "Judge a pose that any other tool returned."),
+    "apply": Entry(
+        "judging", "Move CLOUD by the pose in RESULT: a result file or folder, or any pose file."
+    ),
+    "report": Entry(
+        "judging",
+        "One HTML file that shows the registration and its proof, for any browser, offline.",
+    ),
+    "verify": Entry(
+        "verifying",
+        "Re-check a certificate in exact arithmetic: VERIFIED, or REFUSED with the reason.",
+    ),
+    "equilibria": Entry(
+        "dynamics", "All equilibria of the registration dynamics, with their stability."
+    ),
+    "simulate": Entry("dynamics", "Release the damped body at rest and see where it ends."),
+    "batch": Entry(
+        "campaigns",
+        "Certify the pairs listed in MANIFEST, a .csv file: one line of JSON for each.",
+    ),
+    "reproduce": Entry(
+        "reproducing", "Every experiment and figure of the paper, and its claims with verdicts."
+    ),
+    "derive": Entry("derivations", "Prove the derivations anew: every claim, or the ones named."),
+    "codegen": Entry(
+        "about",
+        "Write the generated C of the dynamics with its header and a test program, to embed.",
+    ),
+    "info": Entry("about", "Versions of what certreg runs on."),
+}
+
+
+class LazyGroup(click.Group):
+    """A group that imports a command when it is run, not when it is listed.
+
+    As click's documentation has it ("Lazily Loading Subcommands"), but that the list is made, and
+    names are completed, from the table: `commands` holds stand-ins with name and help.
+    """
+
+    def __init__(
+        self, name: str | None = None, *, entries: Mapping[str, Entry], **options: Any
+    ) -> None:
+        listed = {name: click.Command(name, help=entry.help) for name, entry in entries.items()}
+        super().__init__(name, commands=listed, **options)
+        self._entries = entries
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The command itself, imported now; None if there is none of that name."""
+        del ctx
+        if cmd_name not in self._entries:
+            return None
+        module = import_module(f"certreg.cli.{self._entries[cmd_name].module}")
+        return getattr(module, cmd_name)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """The list of the commands, of which none is imported."""
+        self._listed().format_commands(ctx, formatter)
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+        """Options and commands that begin so, of which none is imported."""
+        del ctx
+        listed = self._listed()
+        return listed.shell_complete(click.Context(listed), incomplete)
+
+    def _listed(self) -> click.Group:
+        return click.Group(self.name, commands=self.commands, params=self.params)
 
 
 @click.group(
+    cls=LazyGroup,
+    entries=COMMANDS,
     context_settings={"help_option_names": ["-h", "--help"]},
     epilog=EXIT_CODES,
 )
@@ -38,14 +122,6 @@ def cli() -> None:
     Finds the rigid motion that takes SOURCE to TARGET, all other equilibria of the registration
     dynamics, and a certificate of global optimality that anyone can check.
     """
-
-
-COMMANDS = (
-    *(certify, assess, verify, report, equilibria, simulate, apply, batch),
-    *(demo, reproduce, derive, codegen, info),
-)
-for command in COMMANDS:
-    cli.add_command(command)
 
 
 def main() -> NoReturn:

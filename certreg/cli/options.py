@@ -1,7 +1,4 @@
-"""Exit codes, and options that commands share: clouds, pairs, noise, read into a problem.
-
-Only click and the standard library are imported here, so that `--help` stays light.
-"""
+"""Exit codes, and options that commands share: clouds, pairs, noise, read into a problem."""
 
 from __future__ import annotations
 
@@ -15,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+# Of these wings names are asked where they are needed: they load NumPy, `certreg verify` does not.
+from certreg import io, problem, registration
 from certreg.errors import SlowSimulationWarning
 from certreg.report import printable
 
@@ -55,9 +54,8 @@ def pairing_options(command: Callable[..., Any]) -> Callable[..., Any]:
         if pairs is not None and match == "common":
             message = "--pairs and --match common exclude each other: give one"
             raise click.UsageError(message)
-        from certreg.io import Match, Pairing
-
-        return command(*args, pairing=Pairing(pairs=pairs, match=Match(match)), **options)
+        pairing = io.Pairing(pairs=pairs, match=io.Match(match))
+        return command(*args, pairing=pairing, **options)
 
     return wrapped
 
@@ -98,28 +96,23 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
         pairing: Pairing | None,
         **options: Any,
     ) -> Any:
-        from certreg.io import BY_LABEL, read_problem
-        from certreg.problem import DEFAULT_DAMPING
-
         if sigma is not None and weights is not None:
             message = "--sigma and --weights exclude each other: give one"
             raise click.UsageError(message)
-        problem, pair = read_problem(
+        stated, pair = io.read_problem(
             source,
             target,
             sigma=sigma,
             weights=weights,
-            damping=damping if isinstance(damping, float) else DEFAULT_DAMPING,
-            pairing=pairing or BY_LABEL,
+            damping=damping if isinstance(damping, float) else problem.DEFAULT_DAMPING,
+            pairing=pairing or io.BY_LABEL,
         )
         if damping == OPTIMAL:
-            from certreg.registration import optimally_damped
-
-            problem = optimally_damped(problem)
+            stated = registration.optimally_damped(stated)
         for note in pair.notes:
             click.echo(f"note: {note}", err=True)
-        with _patience(f"working on {problem.n} correspondences"):
-            return command(*args, problem=problem, pair=pair, **options)
+        with _patience(f"working on {stated.n} correspondences"):
+            return command(*args, problem=stated, pair=pair, **options)
 
     return wrapped
 

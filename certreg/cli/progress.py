@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from certreg.campaign import Watch
 from certreg.report import printable
 
 if TYPE_CHECKING:
     from types import TracebackType
     from typing import Self
-
-    from certreg.campaign import Watch
 
 PATIENCE = 1.0  # seconds before a long run says that it is at work
 ERASE_LINE = "\r\033[K"
@@ -37,8 +36,6 @@ class Progress:
 
     def watch(self) -> Watch:
         """This bar as the one who is told of a campaign."""
-        from certreg.campaign import Watch
-
         return Watch(begun=self.begin_with, advanced=self.advance, noted=note)
 
     def begin_with(self, count: int) -> None:

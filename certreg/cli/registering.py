@@ -11,13 +11,25 @@ from typing import TYPE_CHECKING
 import click
 
 from certreg import __version__
-from certreg.cli.options import (
-    EXIT_CODES,
-    FOLDER,
-    cloud_options,
+from certreg.cli.options import EXIT_CODES, FOLDER, cloud_options
+from certreg.registration import (
+    DONE,
+    REFUSED,
+    STORIES,
+    code_of_registration,
+    differences,
+    tell,
 )
-from certreg.registration import DONE, REFUSED, code_of_registration
-from certreg.report import printable
+from certreg.registration import certify as certified
+from certreg.report import (
+    REPORT,
+    dumps,
+    printable,
+    registration_summary,
+    result_document,
+    write_folder,
+)
+from certreg.verify import shown
 
 if TYPE_CHECKING:
     from certreg.io import Pair
@@ -40,10 +52,7 @@ def certify(
     as_json: bool,
 ) -> int:
     """Register SOURCE to TARGET and certify the result."""
-    from certreg.registration import certify as run
-    from certreg.report import REPORT, dumps, registration_summary, result_document, write_folder
-
-    registration = run(
+    registration = certified(
         problem,
         relaxation=not no_relaxation,
         simulation=not no_simulation,
@@ -72,10 +81,6 @@ def certify(
 )
 def demo(out: Path) -> int:
     """The main job on packaged real data: survey, electrodes, protein."""
-    from certreg.registration import STORIES, differences, tell
-    from certreg.report import REPORT, registration_summary, write_folder
-    from certreg.verify import shown
-
     code = DONE
     for story in STORIES:
         registration = tell(story)
@@ -97,8 +102,6 @@ def demo(out: Path) -> int:
 
 def _own_name() -> str:
     """What to type to run this program again: `python -m certreg` runs a file that cannot run."""
-    from certreg.verify import shown
-
     program = sys.argv[0]
     if Path(program).name == "__main__.py":
         return f"{shlex.quote(shown(sys.executable))} -m certreg"

@@ -6,9 +6,31 @@ from pathlib import Path
 
 import click
 
-from certreg.cli.campaigns import run_instances
+from certreg.campaign import (
+    CERTIFICATES,
+    SHARDS,
+    SUMMARY,
+    occupied,
+    require_parquet,
+    run,
+    workers_at,
+)
+from certreg.cli.campaigns import resumable
 from certreg.cli.options import FOLDER
-from certreg.cli.progress import Stages
+from certreg.cli.progress import Progress, Stages
+from certreg.paper import (
+    EXCEPTIONS,
+    MonteCarlo,
+    Setup,
+    all_sweeps,
+    make_folder,
+    paper_drawings,
+    sweep_drawings,
+    texts,
+    write_instance_results,
+    write_reproduction,
+)
+from certreg.paper import reproduce as reproduced
 from certreg.registration import DONE, REFUSED
 from certreg.report import printable
 
@@ -82,18 +104,6 @@ def reproduce(
     The claims are proved and measured anew; figures, and the verdicts as HTML, Markdown and JSON,
     go to the folder. A campaign is kept in the folder `campaign` there: begun again, it goes on.
     """
-    from certreg.paper import (
-        MonteCarlo,
-        Setup,
-        all_sweeps,
-        make_folder,
-        paper_drawings,
-        sweep_drawings,
-        texts,
-        write_reproduction,
-    )
-    from certreg.paper import reproduce as run
-
     apart = scheduler is not None or parquet or (runs or 0) > LARGEST_RUNS
     setup = Setup(
         points=points, noise=noise, damping=damping, seed=seed, runs=None if apart else runs
@@ -102,10 +112,10 @@ def reproduce(
     if apart:
         count = runs or setup.equilibrium_runs
         drawn = MonteCarlo(count=count, points=points, sigma=noise, damping=damping, seed=seed)
-        run_instances(drawn, out / CAMPAIGN, scheduler, parquet=parquet)
+        _carried_out(drawn, out / CAMPAIGN, scheduler, parquet=parquet)
         click.echo()
     with Stages() as stages:
-        made = run(setup, stages.at, proofs=not no_proofs)
+        made = reproduced(setup, stages.at, proofs=not no_proofs)
         sweeps = all_sweeps(seed, runs, stages.at) if beyond else ()
         stages.at("figures")
         drawn = (*paper_drawings(made.observations), *sweep_drawings(sweeps))
@@ -114,3 +124,35 @@ def reproduce(
         click.echo(text)
     click.echo(f"\nFigures and verdicts: {printable(path)}")
     return DONE if made.stands else REFUSED
+
+
+def _carried_out(campaign: MonteCarlo, out: Path, scheduler: str | None, *, parquet: bool) -> None:
+    """A campaign over random instances, begun or gone on with in a folder; says what it found."""
+    if parquet:
+        require_parquet()
+    manifest = campaign.manifest()
+    with (
+        occupied(out, manifest, SHARDS, CERTIFICATES),
+        workers_at(scheduler) as workers,
+        Progress(manifest.count) as progress,
+        resumable(out),
+    ):
+        timings = run(campaign, out, workers, progress.watch())
+        totals = write_instance_results(campaign, out, parquet=parquet)
+    click.echo(
+        f"{totals.regular:,} of {totals.count:,} random instances have four equilibria, "
+        "with 0, 1, 2 and 3 unstable eigenvalues"
+    )
+    place = printable(out)
+    if totals.exceptions:
+        click.echo(
+            f"{totals.exceptions:,} were decided in exact arithmetic, each with its certificate: "
+            f"{place}/{EXCEPTIONS}"
+        )
+    if progress.made:
+        rate, alone = progress.made / progress.seconds, progress.made / timings["solving"]
+        click.echo(
+            f"{progress.made:,} in {progress.seconds:.1f} s: {rate:,.0f} a second; without making "
+            f"them {alone * workers.count:,.0f}, with {workers.count} at work"
+        )
+    click.echo(f"Table: {place}/{SUMMARY}")

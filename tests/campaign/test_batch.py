@@ -28,7 +28,7 @@ TURN = [1, 2, 0]
 @pytest.fixture(autouse=True)
 def in_process(monkeypatch):
     """No worker processes: they would each load the solver for a second."""
-    monkeypatch.setattr("certreg.campaign.workers.workers_at", lambda _: InProcess(1))
+    monkeypatch.setattr("certreg.cli.campaigns.workers_at", lambda _: InProcess(1))
 
 
 @pytest.fixture

@@ -457,8 +457,8 @@ def test_many_runs_of_reproduce_are_a_campaign_that_goes_on(tmp_path, monkeypatc
         assert setup.runs is None
         raise CertregError("the figures are tested elsewhere")
 
-    monkeypatch.setattr("certreg.campaign.workers.workers_at", lambda _: InProcess(2))
-    monkeypatch.setattr("certreg.paper.verdicts.reproduce", figures)
+    monkeypatch.setattr("certreg.cli.reproducing.workers_at", lambda _: InProcess(2))
+    monkeypatch.setattr("certreg.cli.reproducing.reproduced", figures)
     given = ("reproduce", "--runs", 1500, "--points", 5, "--noise", 0.1, "--seed", 4)
     run = run_command(*given, "--out", tmp_path)
     again = run_command(*given, "--out", tmp_path)

@@ -561,7 +561,7 @@ def test_an_interrupted_run_ends_cleanly(data: Path, tmp_path: Path, monkeypatch
     def stop(*_: object, **__: object):
         raise error
 
-    monkeypatch.setattr(pipeline, "certify", stop)
+    monkeypatch.setattr(registering, "certified", stop)
     run = certreg("certify", *SURVEY.paths(data), "--out", tmp_path / "out")
 
     assert run.code == code
@@ -598,7 +598,7 @@ def test_the_demo_names_commands_that_run(tmp_path: Path, monkeypatch):
 def test_the_demo_of_a_module_names_the_module(tmp_path: Path, monkeypatch):
     main_file = str(Path(package.__file__).with_name("__main__.py"))
     monkeypatch.setattr(registering, "sys", SimpleNamespace(argv=[main_file], executable="/e/py 3"))
-    monkeypatch.setattr(demo, "STORIES", (demo.STORIES[0],))
+    monkeypatch.setattr(registering, "STORIES", (demo.STORIES[0],))
     run = certreg("demo", "--out", tmp_path)
 
     assert f"  '/e/py 3' -m certreg verify {tmp_path}/survey/certificate.json\n" in run.out
@@ -607,7 +607,7 @@ def test_the_demo_of_a_module_names_the_module(tmp_path: Path, monkeypatch):
 
 def test_a_demo_that_comes_out_otherwise_ends_with_code_1(tmp_path: Path, monkeypatch):
     survey = replace(demo.STORIES[0], told_rmse=(5.838988, *SURVEY.rmse[1:]))
-    monkeypatch.setattr(demo, "STORIES", (survey,))
+    monkeypatch.setattr(registering, "STORIES", (survey,))
     run = certreg("demo", "--out", tmp_path)
 
     assert run.code == 1
@@ -1172,4 +1172,15 @@ def test_apply_refuses_points_that_leave_the_doubles(survey: Path, tmp_path: Pat
 
 def test_click_is_the_runner_of_every_command():
     assert isinstance(cli.cli, click.Group)
-    assert sorted(cli.cli.commands) == sorted(COMMANDS)
+    assert sorted(cli.COMMANDS) == sorted(COMMANDS)
+    assert cli.cli.get_command(click.Context(cli.cli), "frobnicate") is None
+
+
+@pytest.mark.parametrize("width", [20, 40, 80, 200])
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_list_of_commands_says_what_the_commands_say(name: str, width: int):
+    command = cli.cli.get_command(click.Context(cli.cli), name)
+
+    assert command is not None
+    assert command.name == name
+    assert cli.cli.commands[name].get_short_help_str(width) == command.get_short_help_str(width)

@@ -13,6 +13,7 @@ import pytest
 
 import certreg
 from certreg.certificate import checking
+from certreg.cli.main import COMMANDS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -144,6 +145,22 @@ def test_an_unknown_name_is_an_attribute_error():
     assert not hasattr(certreg, "__wrapped__")
     with pytest.raises(ImportError, match="nonsense"):
         exec("from certreg import nonsense", {})  # noqa: S102
+
+
+def test_a_command_is_imported_when_it_is_run_and_not_when_it_is_listed():
+    complete = (
+        "from click import Context\n"
+        "from certreg.cli.main import cli\n"
+        "names = [item.value for item in cli.shell_complete(Context(cli), 're')]\n"
+        "assert names == ['report', 'reproduce'], names\n"
+    )
+    absent = "import sys\nassert not [m for m in sys.modules if m in {!r}]".format(
+        {f"certreg.cli.{entry.module}" for entry in COMMANDS.values()}
+    )
+    for code in (command("--help"), command("--version"), complete):
+        assert not top_level_modules(f"{code}\n{absent}") & {*HEAVY, "numpy"}
+    with pytest.raises(AssertionError):
+        top_level_modules(f"{command('info')}\n{absent}")
 
 
 def test_the_face_can_be_patched_as_any_module(monkeypatch):

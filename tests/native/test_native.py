@@ -161,7 +161,7 @@ def test_other_warnings_stay_warnings(monkeypatch, data):
         warnings.warn("of another kind", UserWarning, stacklevel=1)
         pytest.fail("a warning is an error here")
 
-    monkeypatch.setattr("certreg.registration.certification.simulated", loud)
+    monkeypatch.setattr("certreg.cli.dynamics.simulated", loud)
     with pytest.raises(UserWarning, match="of another kind"):
         certreg("simulate", data / "survey_source.csv", data / "survey_target.csv")
 

@@ -282,9 +282,9 @@ def test_a_run_that_never_escapes_is_no_number(found):
 
 
 def test_the_command_writes_the_maps_when_asked(tmp_path, monkeypatch, found, drawn):
-    monkeypatch.setattr("certreg.paper.all_sweeps", lambda *_: found)
-    monkeypatch.setattr("certreg.paper.sweep_drawings", lambda _: drawn[:1])
-    monkeypatch.setattr("certreg.paper.paper_drawings", lambda _: ())
+    monkeypatch.setattr("certreg.cli.reproducing.all_sweeps", lambda *_: found)
+    monkeypatch.setattr("certreg.cli.reproducing.sweep_drawings", lambda _: drawn[:1])
+    monkeypatch.setattr("certreg.cli.reproducing.paper_drawings", lambda _: ())
 
     run = certreg("reproduce", "--runs", "1", "--no-proofs", "--beyond", "--out", tmp_path)
 

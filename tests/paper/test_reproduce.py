@@ -525,7 +525,7 @@ def test_the_page_shows_a_finding_that_is_not_confirmed(made, drawn):
 def test_the_command_confirms_every_finding_and_writes_everything(
     tmp_path: Path, monkeypatch, drawn
 ):
-    monkeypatch.setattr("certreg.paper.paper_drawings", lambda seen: drawn[2:5:2])
+    monkeypatch.setattr("certreg.cli.reproducing.paper_drawings", lambda seen: drawn[2:5:2])
     monkeypatch.setattr(verdicts, "proving", proofs_are(PROVED))
 
     run = certreg("reproduce", "--runs", "2", "--out", tmp_path / "out")
@@ -547,7 +547,7 @@ def test_the_command_confirms_every_finding_and_writes_everything(
 
 
 def test_a_finding_that_is_not_confirmed_is_exit_code_1(tmp_path: Path, monkeypatch, drawn):
-    monkeypatch.setattr("certreg.paper.paper_drawings", lambda seen: drawn[:1])
+    monkeypatch.setattr("certreg.cli.reproducing.paper_drawings", lambda seen: drawn[:1])
     monkeypatch.setattr(dynamics_claims, "SPIRAL_RATIO", 1.0)
 
     run = certreg("reproduce", "--runs", "1", "--no-proofs", "--out", tmp_path)

@@ -1,0 +1,87 @@
+"""The command that re-checks a certificate: without NumPy where the clouds are text, or none."""
+
+from __future__ import annotations
+
+from array import array
+from typing import TYPE_CHECKING
+
+import click
+
+from certreg import io  # its names that load NumPy are asked of it where they are needed
+from certreg.certificate import verify as checked
+from certreg.certificate import verify_with_coq
+from certreg.cli.options import CLOUD, pairing_options
+from certreg.io import TEXT_FORMATS, read_clouds
+from certreg.registration import DONE, REFUSED
+from certreg.verify import INLINE_MAX, Clouds
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from certreg.io import Pairing
+    from certreg.problem import RegistrationProblem
+
+
+@click.command()
+@click.argument("certificate", type=CLOUD)
+@click.argument("clouds", type=CLOUD, nargs=-1, metavar="[SOURCE TARGET]")
+@click.option("--sigma", type=float, help="With SOURCE TARGET: the noise that was certified.")
+@click.option("--weights", type=CLOUD, help="With SOURCE TARGET: the weights that were certified.")
+@pairing_options
+@click.option("--coq", is_flag=True, help="Let Coq decide, by the proofs in derivations/coq.")
+@click.option("--out", type=CLOUD, help="With --coq: keep the file given to Coq, .v.")
+def verify(
+    certificate: Path,
+    clouds: tuple[Path, ...],
+    *,
+    sigma: float | None,
+    weights: Path | None,
+    pairing: Pairing | None,
+    coq: bool,
+    out: Path | None,
+) -> int:
+    """Re-check a certificate in exact arithmetic: VERIFIED, or REFUSED with the reason.
+
+    With SOURCE and TARGET it must also be about exactly those points, paired as they were.
+    With --coq, Coq's kernel checks it instead, by a checker that is proved correct.
+    """
+    told = sigma is not None or weights is not None or pairing is not None
+    if len(clouds) not in {0, 2} or (told and not clouds):
+        message = "give SOURCE and TARGET, or neither; the options go with them"
+        raise click.UsageError(message)
+    if out is not None and not coq:
+        message = "--out goes with --coq"
+        raise click.UsageError(message)
+    given, notes = None, list[str]()
+    if clouds:
+        given, notes = _clouds_to_bind(*clouds, sigma=sigma, weights=weights, pairing=pairing)
+    for note in notes:
+        click.echo(f"note: {note}", err=True)
+    verdict = verify_with_coq(certificate, given, out=out) if coq else checked(certificate, given)
+    for theorem in verdict.theorems:
+        click.echo(theorem)
+    click.echo("VERIFIED" if verdict.proved else f"REFUSED: {verdict.words}")
+    return DONE if verdict.proved else REFUSED
+
+
+def _clouds_to_bind(
+    source: Path,
+    target: Path,
+    *,
+    sigma: float | None,
+    weights: Path | None,
+    pairing: Pairing | None,
+) -> tuple[RegistrationProblem | Clouds, list[str]]:
+    """What a certificate must be about, and notes; NumPy is loaded only where it is needed."""
+    files = (source, target) if weights is None else (source, target, weights)
+    if pairing is None and all(file.suffix.lower() in TEXT_FORMATS for file in files):
+        return read_clouds(source, target, sigma=sigma, weights=weights)
+    problem, pair = io.read_problem(
+        source, target, sigma=sigma, weights=weights, pairing=pairing or io.BY_LABEL
+    )
+    if sigma is not None or weights is not None or problem.n > INLINE_MAX:
+        return problem, pair.notes
+    # as with text clouds: the weights are the certificate's own
+    points = problem.block(slice(None))
+    sides = (array("d", side.tobytes()) for side in (points.source, points.target))
+    return Clouds(*sides), pair.notes
