@@ -7,6 +7,7 @@ import re
 import tomllib
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from functools import reduce
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,32 +15,59 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
 MEANT = Path(__file__).parent / "meant.toml"
-GONE, NEW = "- (the whole file)", "+ (the whole file)"
 
 
 @dataclass(frozen=True)
 class Meant:
-    """A difference that is meant: changed lines, with their + or -, in files of these names.
+    """A difference that is meant: of files whose name fits, what is found is not compared.
 
-    path: a pattern as of a shell, of the path within the record. lines: a regular expression, found
-    in every such line. reason: why the change is an improvement.
+    path: a pattern as of a shell, of the path within the record. found: a regular expression; what
+    it matches is taken out of both sides. reason: why the change is an improvement.
     """
 
     path: str
-    lines: str
+    found: str
     reason: str
 
-    def covers(self, path: str, line: str) -> bool:
-        return fnmatchcase(path, self.path) and re.search(self.lines, line) is not None
+    def fits(self, path: str) -> bool:
+        return fnmatchcase(path, self.path)
 
 
 @dataclass(frozen=True)
 class Difference:
-    """A file of the record that is not the same: the lines that changed, and the diff to show."""
+    """A file of the record that is not the same; None stands for a file that is not there."""
 
     path: str
-    changed: tuple[str, ...]
-    diff: str
+    base: str | None
+    head: str | None
+
+    def without(self, meant: Meant) -> Difference:
+        """What remains of it where a change is meant."""
+        if not meant.fits(self.path):
+            return self
+        sides = (re.sub(meant.found, "", text or "") for text in (self.base, self.head))
+        return Difference(self.path, *sides)
+
+    def differs_in(self, meant: Meant) -> bool:
+        """Whether what the entry speaks of is not the same on both sides."""
+        matches = (
+            [match.group() for match in re.finditer(meant.found, text or "")]
+            for text in (self.base, self.head)
+        )
+        return meant.fits(self.path) and next(matches) != next(matches)
+
+    @property
+    def is_none(self) -> bool:
+        return self.base == self.head
+
+    @property
+    def diff(self) -> str:
+        """The two texts as a diff."""
+        if self.base is None or self.head is None:
+            return f"{'+++ head' if self.base is None else '--- base'}/{self.path}: only here\n"
+        names = f"base/{self.path}", f"head/{self.path}"
+        sides = self.base.split("\n"), self.head.split("\n")
+        return "\n".join([*difflib.unified_diff(*sides, *names, n=2, lineterm=""), ""])
 
 
 @dataclass(frozen=True)
@@ -52,15 +80,11 @@ class Comparison:
 
 
 def compare(base: Path, head: Path, meant: Sequence[Meant] = ()) -> Comparison:
-    """Two folders that `record.py` wrote. A file of which every changed line is meant passes."""
+    """Two folders that `record.py` wrote, held against each other."""
     unmeant, met = list[Difference](), set[Meant]()
     for difference in differences(base, head):
-        covering = {
-            line: [each for each in meant if each.covers(difference.path, line)]
-            for line in difference.changed
-        }
-        met.update(each for entries in covering.values() for each in entries)
-        if not all(covering.values()):
+        met.update(each for each in meant if difference.differs_in(each))
+        if not reduce(Difference.without, meant, difference).is_none:
             unmeant.append(difference)
     return Comparison(
         files=len(_files(base) | _files(head)),
@@ -71,16 +95,10 @@ def compare(base: Path, head: Path, meant: Sequence[Meant] = ()) -> Comparison:
 
 def differences(base: Path, head: Path) -> Iterator[Difference]:
     """Every file that is in one record only, or not the same in both."""
-    here, there = _files(base), _files(head)
-    for path in sorted(here | there):
-        if path not in there:
-            yield Difference(path, (GONE,), f"--- base/{path}\n{GONE}\n")
-        elif path not in here:
-            yield Difference(path, (NEW,), f"+++ head/{path}\n{NEW}\n")
-        else:
-            texts = (base / path).read_bytes(), (head / path).read_bytes()
-            if texts[0] != texts[1]:
-                yield _difference(path, *texts)
+    for path in sorted(_files(base) | _files(head)):
+        difference = Difference(path, _text(base / path), _text(head / path))
+        if not difference.is_none:
+            yield difference
 
 
 def read_meant(path: Path = MEANT) -> tuple[Meant, ...]:
@@ -89,12 +107,8 @@ def read_meant(path: Path = MEANT) -> tuple[Meant, ...]:
     return tuple(Meant(**entry) for entry in entries)
 
 
-def _difference(path: str, base: bytes, head: bytes) -> Difference:
-    old, new = (text.decode(errors="backslashreplace").split("\n") for text in (base, head))
-    names = f"base/{path}", f"head/{path}"
-    lines = list(difflib.unified_diff(old, new, *names, n=2, lineterm=""))
-    changed = tuple(line for line in lines[2:] if line.startswith(("+", "-")))
-    return Difference(path, changed, "\n".join(lines) + "\n")
+def _text(path: Path) -> str | None:
+    return path.read_bytes().decode(errors="backslashreplace") if path.is_file() else None
 
 
 def _files(folder: Path) -> set[str]:

@@ -106,7 +106,7 @@ def told(base: Path, head: Path) -> int:
         if len(lines) > SHOWN:
             sys.stdout.write(f"... {len(lines) - SHOWN} more lines\n")
     for meant in found.unmet:
-        entry = f"{meant.path}, {meant.lines!r} ({meant.reason})"
+        entry = f"{meant.path}, {meant.found!r} ({meant.reason})"
         sys.stdout.write(f"listed in {MEANT.name}, but no longer there: {entry}\n")
     count = len(found.unmeant)
     outcome = f"{count} differ, all of it in {report}" if count else "all as they were"

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from cases import COMMANDS, cases
 from commands import certreg
-from comparison import GONE, NEW, Meant, compare, read_meant
+from comparison import Meant, compare, read_meant
 from volatile import stable_file, stable_text
 
 if TYPE_CHECKING:
@@ -53,38 +53,63 @@ def test_whatever_is_printed_differently_is_a_difference(records, old, new):
     (difference,) = compare(*records).unmeant
 
     assert difference.path == "info/step-00.txt"
-    assert len(difference.changed) in {1, 2}
+    assert len(difference.diff.splitlines()) > 3
 
 
 def test_a_file_that_is_gone_or_new_is_a_difference(records):
     (records[1] / "info" / "files" / "pose.txt.txt").rename(records[1] / "info" / "pose.txt")
-    new, gone = sorted(compare(*records).unmeant, key=lambda each: each.changed)
+    gone, new = compare(*records).unmeant
 
-    assert (gone.path, gone.changed) == ("info/files/pose.txt.txt", (GONE,))
-    assert (new.path, new.changed) == ("info/pose.txt", (NEW,))
+    assert (gone.path, gone.head) == ("info/files/pose.txt.txt", None)
+    assert (new.path, new.base) == ("info/pose.txt", None)
+    assert {gone.diff, new.diff} == {
+        "--- base/info/files/pose.txt.txt: only here\n",
+        "+++ head/info/pose.txt: only here\n",
+    }
+
+
+def test_an_empty_file_is_not_the_same_as_none(records):
+    (records[1] / "info" / "files" / "empty.txt").touch()
+
+    assert len(compare(*records).unmeant) == 1
 
 
 def test_a_difference_that_is_meant_passes_and_one_beside_it_does_not(records):
     step = records[1] / "info" / "step-00.txt"
-    meant = Meant(path="info/*", lines=r"^[-+]certreg 0\.1\.\d$", reason="a new version")
+    meant = Meant(path="info/*", found=r"certreg 0\.1\.\d", reason="a new version")
     step.write_text(TOLD.replace("0.1.0", "0.1.1"))
     passed = compare(*records, meant=[meant])
-    step.write_text(TOLD.replace("0.1.0", "0.1.1").replace("code 0", "code 2"))
-    failed = compare(*records, meant=[meant])
+    for old, new in (("code 0", "code 2"), ("0.1.0", "0.2.0"), ("0.1.0\n", "0.1.1 \n")):
+        step.write_text(TOLD.replace(old, new, 1))
+        failed = compare(*records, meant=[meant])
+        assert [each.path for each in failed.unmeant] == ["info/step-00.txt"]
 
     assert (passed.unmeant, passed.unmet) == ((), ())
-    assert [each.path for each in failed.unmeant] == ["info/step-00.txt"]
+
+
+def test_a_line_or_a_file_that_is_meant_may_be_new(records):
+    (records[1] / "info" / "step-00.txt").write_text(f"{TOLD}note: more\n")
+    (records[1] / "info" / "new.txt").write_text("whatever\n")
+    meant = (
+        Meant(path="info/step-*", found=r"note: .*\n", reason="it says more"),
+        Meant(path="info/new.txt", found=r"(?s).*", reason="it writes more"),
+    )
+
+    found = compare(*records, meant=meant)
+
+    assert (found.unmeant, found.unmet) == ((), ())
 
 
 def test_a_difference_that_is_meant_elsewhere_does_not_pass(records):
     (records[1] / "info" / "step-00.txt").write_text(TOLD.replace("0.1.0", "0.1.1"))
-    meant = Meant(path="help/*", lines="certreg", reason="")
+    meant = Meant(path="help/*", found="certreg .*", reason="")
 
     assert len(compare(*records, meant=[meant]).unmeant) == 1
 
 
 def test_an_entry_of_the_list_that_meets_nothing_is_told(records):
-    meant = Meant(path="*", lines="never", reason="")
+    (records[1] / "info" / "step-00.txt").write_text(TOLD.replace("code 0", "code 1"))
+    meant = Meant(path="*", found="certreg .*", reason="")
 
     assert compare(*records, meant=[meant]).unmet == (meant,)
 
