@@ -21,8 +21,6 @@ class CertificateSettings:
     """Sizes within a certificate."""
 
     inline_points: int = 1_000_000  # the contract: beyond, the file carries the digest only
-    label_nodes: int = 20_000  # labels and the commas in them; the checker takes 50,000 in all
-    label_characters: int = 1_000_000  # twelve megabytes of escapes at worst; its limit is 100
     bound_bits: int = 32  # mantissa of mu and delta: short numbers, at most 2^-31 wasted
     growth_bits: int = 16  # delta grows by 2^16 after a refused attempt
     least_bits: int = 8192  # delta is at least 2^-8192 of the spread: exponents stay in bounds
@@ -81,21 +79,6 @@ class AgreementSettings:
     relaxation_loss: float = 1e-5  # a thousand times the solver's tolerance
     simulation_loss: float = 1e-2  # a run stops at |s'| < 1e-4, near the optimum, not at it
     energy_ulps: float = 64.0  # of rounding in a logged energy: a sum of twelve products
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FileSettings:
-    """Bounds on what is read."""
-
-    max_text_bytes: int = 1 << 30  # ten million points
-    max_line_bytes: int = 1 << 16  # a row of a cloud with many extra columns
-    max_pose_bytes: int = 1 << 20  # a result without its points is a few kilobytes
-    max_header_bytes: int = 1 << 16  # of .ply and .pcd, directory of .npz: a hundred lines suffice
-    max_binary_bytes: int = 1 << 32  # a hundred million points in doubles, with some colour
-    mapped_bytes: int = 1 << 26  # from here on floats of .npy and binary .ply stay in their file
-    max_mapped_bytes: int = 1 << 44  # of such a file: nothing but its own pages is ever in memory
-    max_unpacked_bytes: int = 1 << 30  # forty million points: a megabyte can unpack to a gigabyte
-    max_arrays: int = 64  # in one .npz: points and what goes with them
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

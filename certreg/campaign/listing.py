@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError
-from certreg.io import parse_rows, reading
+from certreg.io import Place, parse_rows, reading
 from certreg.settings import CampaignSettings
 from certreg.verify import shown
 
@@ -33,11 +33,11 @@ LIKENESS = 0.75  # of difflib, from 0 to 1: a name so like one that is read was 
 class PairRow:
     """A row of a list, as it is written: nothing is read or checked yet.
 
-    place: name of the list and line, for errors. fault: why the row is none, where it is none.
+    place: name of the list and line. fault: why the row is none, where it is none.
     """
 
     number: int  # from 0
-    place: str
+    place: Place
     name: str
     fields: dict[str, str]  # of COLUMNS; empty ones are left out
     fault: str | None = None
@@ -70,7 +70,7 @@ class Listing:
                 fault = f"{len(values)} columns, not {len(header)}: mend the row"
             elif name in first:
                 fault = f"the name '{shown(name)}' is that of {first[name]}, too: give another"
-            first.setdefault(name, place.rpartition(", ")[2])
+            first.setdefault(name, f"line {place.line}")
             yield PairRow(number=number, place=place, name=name, fields=fields, fault=fault)
 
 
@@ -78,18 +78,18 @@ def read_listing(path: Path) -> Listing:
     """The list in a file. Raises InvalidFileError: file, place, remedy."""
     if path.suffix.lower() != ".csv":
         message = f"{shown(path)}: a list of pairs is a .csv file with columns source and target"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=path, value=path.suffix, limit=".csv")
     limit = CampaignSettings().max_bytes
     with reading(path) as stream:
         content = stream.read(limit + 1)
     if len(content) > limit:
         message = f"{shown(path)}: more than {limit} bytes: give several smaller lists"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=path, limit=limit)
     header, rows = _headed(path, content)
     count = sum(1 for _ in rows)
     if count == 0:
         message = f"{shown(path)}: lists no pairs: add rows below the header"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=path, value=0, limit=1)
     ignored = tuple(name for name in header if name not in COLUMNS)
     _require_unlike(path, header, ignored)
     return Listing(path=path.resolve(), content=content, count=count, ignored=ignored)
@@ -105,13 +105,13 @@ def _require_unlike(path: Path, header: list[str], ignored: tuple[str, ...]) -> 
                 f"{shown(path)}: column '{shown(name)}' is not known: did you mean '{meant[0]}'? "
                 "Rename it, or give it another name if it is not to be read"
             )
-            raise InvalidFileError(message)
+            raise InvalidFileError(message, path=path, column=name, limit=meant[0])
 
 
-def _headed(path: Path, content: bytes) -> tuple[list[str], Iterator[tuple[str, list[str]]]]:
+def _headed(path: Path, content: bytes) -> tuple[list[str], Iterator[tuple[Place, list[str]]]]:
     """The names of the columns, and the rows below, with their places."""
     rows = parse_rows(io.BytesIO(content), path)
-    place, first = next(rows, (shown(path), list[str]()))
+    place, first = next(rows, (None, list[str]()))
     names = [name.strip().lower() for name in first]
     if "name" not in names:
         names = ["name" if name == "label" else name for name in names]
@@ -119,8 +119,10 @@ def _headed(path: Path, content: bytes) -> tuple[list[str], Iterator[tuple[str, 
     wrong += [name for name in COLUMNS if names.count(name) > 1]
     if wrong:
         message = (
-            f"{place}: name each column once in a header, source and target among them: "
-            f"look at {', '.join(wrong)}"
+            f"{place or shown(path)}: name each column once in a header, source and target among "
+            f"them: look at {', '.join(wrong)}"
         )
-        raise InvalidFileError(message)
+        raise InvalidFileError(
+            message, path=path, line=None if place is None else place.line, column=wrong[0]
+        )
     return names, rows

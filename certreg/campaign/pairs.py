@@ -22,7 +22,7 @@ from certreg.campaign.listing import FILES, NEEDED
 from certreg.campaign.manifest import Manifest, current_versions
 from certreg.campaign.running import contents, digest_of
 from certreg.campaign.table import Block, Column, write_table
-from certreg.errors import CertregError, InvalidFileError
+from certreg.errors import CertregError
 from certreg.io import Match, Pairing, number, read_problem, written_atomically
 from certreg.problem import DEFAULT_DAMPING
 from certreg.registration import (
@@ -214,7 +214,7 @@ def _entry(row: PairRow, folder: Path) -> tuple[dict[str, Any], bytes | None]:
     head = {
         "schema": document["schema"],
         "name": row.name,
-        "place": row.place,
+        "place": str(row.place),
         "exit_code": code_of_registration(registration),
     }
     head |= {"notes": pair.notes, "inputs": inputs}
@@ -239,15 +239,14 @@ def _problem(row: PairRow, folder: Path) -> tuple[RegistrationProblem, Pair]:
     if fields.get("match", "all") not in {one.value for one in Match}:
         fault = f"match is '{shown(fields['match'])}': write all or common"
     if fault is not None:
-        message = f"{row.place}: {fault}"
-        raise InvalidFileError(message)
+        raise row.place.refusal(fault)
     pairs, damping = fields.get("pairs"), fields.get("damping", repr(DEFAULT_DAMPING))
     problem, pair = read_problem(
         folder / fields["source"],
         folder / fields["target"],
-        sigma=number(f"{row.place}, sigma", fields["sigma"]) if "sigma" in fields else None,
+        sigma=number(row.place.at("sigma"), fields["sigma"]) if "sigma" in fields else None,
         weights=folder / fields["weights"] if "weights" in fields else None,
-        damping=DEFAULT_DAMPING if damping == OPTIMAL else number(f"{row.place}, damping", damping),
+        damping=DEFAULT_DAMPING if damping == OPTIMAL else number(row.place.at("damping"), damping),
         pairing=Pairing(
             pairs=None if pairs is None else folder / pairs, match=Match(fields.get("match", "all"))
         ),
@@ -260,7 +259,7 @@ def _error(row: PairRow, error: Exception, code: int) -> dict[str, Any]:
     return {
         "schema": ERROR_SCHEMA,
         "name": row.name,
-        "place": row.place,
+        "place": str(row.place),
         "exit_code": code,
         "error": {"kind": type(error).__name__, "message": str(error)},
     }

@@ -20,7 +20,9 @@ if TYPE_CHECKING:
     from certreg.io.clouds import read_problem as read_problem
     from certreg.io.clouds import write_cloud as write_cloud
     from certreg.io.npz import read_arrays as read_arrays
+    from certreg.io.poses import MAX_POSE_BYTES as MAX_POSE_BYTES
     from certreg.io.poses import read_result_pose as read_result_pose
+    from certreg.io.streams import Place as Place
     from certreg.io.streams import number as number
     from certreg.io.streams import reading as reading
     from certreg.io.text import TEXT_FORMATS as TEXT_FORMATS
@@ -47,8 +49,12 @@ __getattr__ = lazy_face(
             "write_cloud",
         ),
         "npz": ("read_arrays",),
-        "poses": ("read_result_pose",),
+        "poses": (
+            "MAX_POSE_BYTES",
+            "read_result_pose",
+        ),
         "streams": (
+            "Place",
             "number",
             "reading",
         ),

@@ -44,7 +44,7 @@ def write_together(contents: dict[Path, bytes | Iterable[bytes]], obsolete: Iter
     for path in former:
         if path.is_dir() and not path.is_symlink():
             message = f"{path}: is a folder where a file is to be: move it, or choose another place"
-            raise InvalidFileError(message)
+            raise InvalidFileError(message, path=path)
     with contextlib.ExitStack() as stack:  # which renames in the opposite order
         for path, content in contents.items():
             stream = stack.enter_context(written_atomically(path))
@@ -67,7 +67,7 @@ def written_atomically(path: str | os.PathLike[str]) -> Generator[BinaryIO]:
         temporary.replace(target)
     except OSError as error:
         message = f"{target}: cannot be written ({error.strerror}): choose another place"
-        raise InvalidFileError(message) from error
+        raise InvalidFileError(message, path=target) from error
     finally:
         with contextlib.suppress(FileNotFoundError, NotADirectoryError):
             temporary.unlink()

@@ -27,7 +27,6 @@ from certreg.problem import (
     first_row,
     row_blocks,
 )
-from certreg.settings import CertificateSettings
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -41,6 +40,8 @@ if TYPE_CHECKING:
 PARSERS = {".ply": parse_ply, ".pcd": parse_pcd, ".npz": parse_npz}
 FORMATS = (*TEXT_FORMATS, ".ply", ".pcd", ".npy", ".npz")
 WRITTEN_FORMATS = (".csv", ".txt", ".ply", ".npy")
+LABEL_NODES = 20_000  # labels and the commas in them; the checker takes 50,000 in all
+LABEL_CHARACTERS = 1_000_000  # twelve megabytes of escapes at worst; its limit is 100
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -109,7 +110,7 @@ def read_cloud(path: str | os.PathLike[str]) -> Cloud:
     if file.suffix.lower() not in FORMATS:
         what = f"the format {shown(file.suffix) or '(none)'} is not known"
         message = f"{shown(file)}: {what}: use one of {' '.join(FORMATS)}"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file, value=file.suffix, limit=FORMATS)
     with reading(file) as stream:
         return parse_cloud(stream, file)
 
@@ -134,7 +135,7 @@ def parse_cloud(stream: BinaryIO, file: Path) -> Cloud:
     if points.ndim != 2 or points.shape[1] != 3 or len(points) == 0:
         what = f"holds an array of shape {points.shape}"
         message = f"{shown(file)}: {what}: expected (N, 3) with N >= 1"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file, value=points.shape)
     return Cloud(path=file, points=points, labels=None, ignored=())
 
 
@@ -153,13 +154,13 @@ def read_pair(
     elif pairing.match is Match.COMMON:
         bare = first if first.labels is None else second
         message = f"{shown(bare.path)}: has no labels to match: name a column label, or give pairs"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=bare.path, column="label")
     elif sizes[0] != sizes[1]:
         message = (
             f"{shown(first.path)} has {sizes[0]} points, {shown(second.path)} has {sizes[1]}: "
             "without labels in both files row i pairs with row i, so both need the same number"
         )
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=second.path, value=sizes[1], limit=sizes[0])
     else:
         require_same_order(first.identifiers, second.identifiers, (first.path, second.path))
         return Pair(source=first, target=second, source_rows=None, sizes=sizes)
@@ -183,15 +184,7 @@ def read_problem(
     weights: one per row of the source's file; they go with their rows, whatever the pairing.
     """
     pair = read_pair(source, target, pairing)
-    numbers = None if weights is None else read_weights(weights)
-    if numbers is not None and len(numbers) != pair.sizes[0]:
-        message = (
-            f"{weights}: holds {len(numbers)} weights, {source} has {pair.sizes[0]} "
-            "points: give one weight per row of the source"
-        )
-        raise InvalidFileError(message)
-    if numbers is not None and pair.source_rows is not None:
-        numbers = numbers[pair.source_rows]
+    numbers = None if weights is None else _paired_weights(weights, source, pair)
     problem = RegistrationProblem(
         pair.source.points,
         pair.target.points,
@@ -202,6 +195,20 @@ def read_problem(
     return problem, pair
 
 
+def _paired_weights(
+    weights: str | os.PathLike[str], source: str | os.PathLike[str], pair: Pair
+) -> NDArray[np.float64]:
+    """One weight per pair, from a file with one per row of the source."""
+    numbers, n = read_weights(weights), pair.sizes[0]
+    if len(numbers) != n:
+        message = (
+            f"{weights}: holds {len(numbers)} weights, {source} has {n} "
+            "points: give one weight per row of the source"
+        )
+        raise InvalidFileError(message, path=Path(weights), value=len(numbers), limit=n)
+    return numbers if pair.source_rows is None else numbers[pair.source_rows]
+
+
 def read_weights(path: str | os.PathLike[str]) -> NDArray[np.float64]:
     """One weight per row of the source, from .npy or from text with one number a line."""
     file = Path(path)
@@ -209,19 +216,19 @@ def read_weights(path: str | os.PathLike[str]) -> NDArray[np.float64]:
         weights = read_array(file)
         if weights.ndim != 1:
             message = f"{file}: holds an array of shape {weights.shape}: expected (N,)"
-            raise InvalidFileError(message)
+            raise InvalidFileError(message, path=file, value=weights.shape)
     else:
         weights = np.array(read_numbers(file), dtype=np.float64)
     if len(weights) == 0:
         message = f"{file}: holds no weights: give one number per row of the source"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file, value=0, limit=1)
     row = first_row(weights, lambda block: block < 0)
     if row is not None:
         message = f"{file}: weight {row} (counting from 0) is {weights[row]}: weights must be >= 0"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file, row=row, value=float(weights[row]), limit=0.0)
     if first_row(weights, lambda block: block > 0) is None:
         message = f"{file}: all weights are zero: give a positive weight to the points that count"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file, value=0.0)
     return weights
 
 
@@ -242,7 +249,7 @@ def write_cloud(
     if suffix not in WRITTEN_FORMATS:
         what = f"the format {shown(suffix) or '(none)'} cannot be written"
         message = f"{shown(file)}: {what}: use {' '.join(WRITTEN_FORMATS)}"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file, value=suffix, limit=WRITTEN_FORMATS)
     pieces = _written(file, points, move)
     if suffix == ".npy":
         write_array(file, pieces, len(points))
@@ -267,7 +274,9 @@ def _written(
                 f"{file}: row {rows.start + row} (counting from 0) would be {part[row].tolist()}, "
                 "beyond the doubles: change the unit of length"
             )
-            raise InvalidFileError(message)
+            raise InvalidFileError(
+                message, path=file, row=rows.start + row, value=part[row].tolist()
+            )
         yield part
 
 
@@ -292,15 +301,14 @@ def _quoted(file: Path, label: str) -> str:
             f"{file}: the label '{shown(label)}' cannot be written: use labels of Unicode text "
             "without spaces at their ends"
         )
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file, column="label", value=label)
     return '"' + label.replace('"', '""') + '"' if set(label) & set(',"\r\n\ufeff') else label
 
 
 def _short_enough(labels: tuple[str, ...]) -> bool:
     """Whether labels leave a certificate within what its checker reads."""
-    settings = CertificateSettings()
     nodes = sum(1 + sum(map(label.count, ",[{")) for label in labels)
-    return nodes <= settings.label_nodes and sum(map(len, labels)) <= settings.label_characters
+    return nodes <= LABEL_NODES and sum(map(len, labels)) <= LABEL_CHARACTERS
 
 
 def _taken(cloud: Cloud, rows: NDArray[np.int64]) -> Cloud:

@@ -50,12 +50,12 @@ def rows_by_label(
             where += f", which lacks {missing} of the {others} labels of {names[1 - k]}"
             remedy = "take --match common"
         message = f"{where}: each must occur once in both; drop it, or {remedy}"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=files[k], column="label", value=label, limit=1)
     rows = {label: row for row, label in enumerate(target)}
     kept = [row for row, label in enumerate(source) if label in rows]
     if not kept:
         message = "the clouds have no label in common: check that they belong together"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=files[1], column="label")
     return kept, [rows[source[row]] for row in kept]
 
 
@@ -76,7 +76,7 @@ def require_same_order(
         f"from 0) is '{shown(source[row])}' and '{shown(target[row])}': rename the column that "
         "names them to label in both files, or give pairs"
     )
-    raise InvalidFileError(message)
+    raise InvalidFileError(message, path=files[1], row=row, value=target[row], limit=source[row])
 
 
 def unused_labels_note(labelled: tuple[bool, bool], files: tuple[Path, Path]) -> list[str]:

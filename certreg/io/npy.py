@@ -67,7 +67,7 @@ def parse_npy(stream: BinaryIO, file: Path) -> NDArray[Any]:
                 f"{shown(file)}: the header declares {declared} bytes of data, the file holds "
                 f"{held}: it is truncated or corrupt; save it again"
             )
-            raise InvalidFileError(message)
+            raise InvalidFileError(message, path=file, value=held, limit=declared)
         if mapped is not None:
             order = "F" if header.fortran else "C"
             return np.ndarray(header.shape, header.dtype, mapped, first, order=order)
@@ -96,20 +96,20 @@ def read_header(stream: BinaryIO, file: Path) -> Header:
     }.get(version)
     if reader is None:
         message = f"{shown(file)}: npy version {version} is not known: save it again with numpy"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file, value=version)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # a header of Python 2 is read right all the same
         shape, fortran, dtype = reader(stream)
     if dtype.kind not in "fiu":
         message = f"{shown(file)}: holds {shown(dtype)}, not real numbers: save float64"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file, value=dtype)
     return Header(tuple(map(int, shape)), bool(fortran), dtype)
 
 
 def not_npy(file: Path, error: BaseException) -> InvalidFileError:
     """The refusal of a file that numpy cannot read."""
     what = f"is not a .npy file ({shown(str(error)[:80])})"
-    return InvalidFileError(f"{shown(file)}: {what}: save it with numpy.save")
+    return InvalidFileError(f"{shown(file)}: {what}: save it with numpy.save", path=file)
 
 
 def write_array(file: Path, pieces: Iterable[NDArray[np.float64]], n: int) -> None:
@@ -178,5 +178,8 @@ def _finite(file: Path, array: NDArray[Any]) -> NDArray[Any]:
 def _not_kept(file: Path, row: int, values: object) -> InvalidFileError:
     return InvalidFileError(
         f"{shown(file)}: row {row} (counting from 0) is {shown(values)}: every value must be "
-        "finite and held by a double; remove or round it, in both clouds alike"
+        "finite and held by a double; remove or round it, in both clouds alike",
+        path=file,
+        row=row,
+        value=values,
     )

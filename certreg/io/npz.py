@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING, BinaryIO
 
 from certreg.errors import InvalidFileError
 from certreg.io.npy import NOT_NPY, parse_array, read_header
-from certreg.io.streams import held_bytes
-from certreg.settings import FileSettings
+from certreg.io.streams import MAX_HEADER_BYTES, MAX_UNPACKED_BYTES, held_bytes
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -30,6 +29,7 @@ if TYPE_CHECKING:
 
 END = struct.Struct("<4s4H2IH")  # end of central directory: signature, .., size, offset, comment
 ZIP64_LOCATOR = b"PK\x06\x07"
+MAX_ARRAYS = 64  # in one archive: points and what goes with them
 METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # numpy's; both unpack in bounded steps
 NOT_ZIP = (  # what the standard library raises for archives that it cannot read
     EOFError,
@@ -71,12 +71,12 @@ def read_arrays(
 ) -> dict[str, NDArray[np.float64]]:
     """The arrays of these names in an archive, as finite doubles. Raises InvalidFileError."""
     with _opened(stream, file) as (archive, members):
-        found = {member.name: member for member in members if member.shape is not None}
-        missing = [name for name in names if name not in found]
+        arrays = {member.name: member for member in members if member.shape is not None}
+        missing = [name for name in names if name not in arrays]
         if missing:
             message = f"{shown(file)}: holds no numbers named '{missing[0]}': write the file anew"
-            raise InvalidFileError(message)
-        contents = {name: _unpacked(archive, found[name], file) for name in names}
+            raise InvalidFileError(message, path=file, column=missing[0])
+        contents = {name: _unpacked(archive, arrays[name], file) for name in names}
     return {name: parse_array(io.BytesIO(text), file) for name, text in contents.items()}
 
 
@@ -86,13 +86,14 @@ def _opened(stream: BinaryIO, file: Path) -> Generator[tuple[zipfile.ZipFile, li
     _require_plain_directory(stream, file)
     try:
         with zipfile.ZipFile(stream) as archive:
-            if len(archive.infolist()) > FileSettings().max_arrays:
+            count = len(archive.infolist())
+            if count > MAX_ARRAYS:
                 message = f"{shown(file)}: too many arrays: save only the points"
-                raise InvalidFileError(message)
+                raise InvalidFileError(message, path=file, value=count, limit=MAX_ARRAYS)
             yield archive, [_member(archive, info, file) for info in archive.infolist()]
     except NOT_ZIP as error:
         message = f"{shown(file)}: is not an .npz file ({shown(error)}): save it with numpy.savez"
-        raise InvalidFileError(message) from error
+        raise InvalidFileError(message, path=file) from error
 
 
 def _require_plain_directory(stream: BinaryIO, file: Path) -> None:
@@ -105,22 +106,22 @@ def _require_plain_directory(stream: BinaryIO, file: Path) -> None:
     if len(tail) >= END.size:
         mark, _, _, _, _, length, offset, comment = END.unpack(tail[-END.size :])
         plain = mark == b"PK\x05\x06" and comment == 0 and not tail.startswith(ZIP64_LOCATOR)
-        short = length <= FileSettings().max_header_bytes
+        short = length <= MAX_HEADER_BYTES
         if plain and short and offset + length + END.size == size:
             return
     message = f"{shown(file)}: is not an .npz file, or truncated: save it with numpy.savez"
-    raise InvalidFileError(message)
+    raise InvalidFileError(message, path=file)
 
 
 def _member(archive: zipfile.ZipFile, info: zipfile.ZipInfo, file: Path) -> Member:
     if info.compress_type not in METHODS:
         what = f"'{shown(info.filename)}' is packed in a way that numpy does not use"
         message = f"{shown(file)}: {what}: save it with numpy.savez"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file, column=info.filename)
     if not info.filename.endswith(".npy"):
         return Member(info, None, 0)
     with archive.open(info) as packed:
-        head = io.BytesIO(packed.read(FileSettings().max_header_bytes))
+        head = io.BytesIO(packed.read(MAX_HEADER_BYTES))
     try:
         shape, _, dtype = read_header(head, file)
     except (InvalidFileError, *NOT_NPY):
@@ -133,23 +134,29 @@ def _chosen(members: list[Member], file: Path) -> Member:
     fitting = [m for m in members if m.shape and len(m.shape) == 2 and m.shape[1] == 3]
     candidates = named or fitting
     if len(candidates) != 1 or candidates[0] not in fitting or candidates[0].shape == (0, 3):
-        found = ", ".join(f"{m.name} {m.shape or 'no real numbers'}" for m in members)
+        held = ", ".join(f"{m.name} {m.shape or 'no real numbers'}" for m in members)
         message = (
-            f"{shown(file)}: holds {shown(found) or 'nothing'}: save one array of shape (N, 3), "
+            f"{shown(file)}: holds {shown(held) or 'nothing'}: save one array of shape (N, 3), "
             "N >= 1, or name it points"
         )
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file, column="points", value=held)
     return candidates[0]
 
 
 def _unpacked(archive: zipfile.ZipFile, member: Member, file: Path) -> bytes:
     """The .npy file of a member, unpacked only if archive and header declare the same size."""
     declared = member.info.file_size
-    if declared != member.size or declared > FileSettings().max_unpacked_bytes:
+    if declared != member.size or declared > MAX_UNPACKED_BYTES:
         message = (
             f"{shown(file)}: '{shown(member.name)}' is said to be {declared} bytes long, by its "
             f"header {member.size}: it is corrupt or too large; save it again"
         )
-        raise InvalidFileError(message)
+        raise InvalidFileError(
+            message,
+            path=file,
+            column=member.name,
+            value=declared,
+            limit=min(member.size, MAX_UNPACKED_BYTES),
+        )
     with archive.open(member.info) as packed:
         return packed.read()

@@ -39,10 +39,10 @@ def parse_pairs(stream: BinaryIO, file: Path, sizes: tuple[int, int]) -> NDArray
         pairs = _from_text(stream, file)
     else:
         message = f"{shown(file)}: the format is not known: give pairs as .csv, .txt or .npy"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file, value=suffix)
     if len(pairs) == 0:
         message = f"{shown(file)}: no pairs: write a row of the source and one of the target a line"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file, value=0, limit=1)
     for column, side, size in zip(pairs.T, HEADER, sizes, strict=True):
         _require_rows(file, column, side, size)
     return pairs
@@ -56,21 +56,21 @@ def _from_npy(stream: BinaryIO, file: Path) -> NDArray[np.int64]:
             f"{shown(file)}: holds {array.dtype} of shape {array.shape}: save row numbers as "
             "integers, (M, 2)"
         )
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file, value=array.shape)
     return array.astype(np.int64)
 
 
 def _from_text(stream: BinaryIO, file: Path) -> NDArray[np.int64]:
-    found: list[list[int]] = []
+    pairs: list[list[int]] = []
     for k, (place, row) in enumerate(parse_rows(stream, file)):
         words = [word.strip() for word in row]
         if k == 0 and [word.lower() for word in words] == HEADER:
             continue
         if len(words) != 2:
-            message = f"{place}: {len(words)} columns: write a row of source and one of target"
-            raise InvalidFileError(message)
-        found.append([count(place, word) for word in words])
-    return np.array(found, dtype=np.int64).reshape(-1, 2)
+            what = f"{len(words)} columns: write a row of source and one of target"
+            raise place.refusal(what, value=len(words), limit=2)
+        pairs.append([count(place, word) for word in words])
+    return np.array(pairs, dtype=np.int64).reshape(-1, 2)
 
 
 def _require_rows(file: Path, column: NDArray[np.int64], side: str, size: int) -> None:
@@ -81,7 +81,9 @@ def _require_rows(file: Path, column: NDArray[np.int64], side: str, size: int) -
             f"{shown(file)}: pair {k} (counting from 0) names row {column[k]} of the {side}: its "
             f"rows are 0 to {size - 1}"
         )
-        raise InvalidFileError(message)
+        raise InvalidFileError(
+            message, path=file, row=k, column=side, value=int(column[k]), limit=size - 1
+        )
     first = np.unique(column, return_index=True)[1]
     if len(first) != len(column):
         again = np.ones(len(column), dtype=bool)
@@ -91,4 +93,4 @@ def _require_rows(file: Path, column: NDArray[np.int64], side: str, size: int) -
             f"{shown(file)}: pair {k} (counting from 0) names row {column[k]} of the {side} again: "
             "give each row one pair"
         )
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file, row=k, column=side, value=int(column[k]))

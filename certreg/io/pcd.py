@@ -15,11 +15,17 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 import numpy as np
 
 from certreg.errors import InvalidFileError
-from certreg.io.lzf import decompress
 from certreg.io.npy import points_of_columns
-from certreg.io.ply_rows import typed_number
-from certreg.io.streams import NUMBER, HeaderLine, count, header, held_bytes, rows_of_words
-from certreg.settings import FileSettings
+from certreg.io.streams import (
+    MAX_UNPACKED_BYTES,
+    NUMBER,
+    HeaderLine,
+    count,
+    header,
+    held_bytes,
+    rows_of_words,
+    typed_number,
+)
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -64,13 +70,12 @@ class Header:
 
 def parse_pcd(stream: BinaryIO, file: Path) -> tuple[NDArray[np.float64], tuple[str, ...]]:
     """The points of a .pcd file, and the names of the fields beside x, y, z."""
-    name = shown(file)
-    top = header(stream, name, "DATA")
-    declared = _declared(name, top)
+    top = header(stream, file, "DATA")
+    declared = _declared(file, top)
     if declared.data == "ascii":
-        columns = _from_text(stream, name, declared, len(top) + 1)
+        columns = _from_text(stream, file, declared, len(top) + 1)
     elif declared.data == "binary":
-        _require_size(name, declared.size, held_bytes(stream, file))
+        _require_size(file, declared.size, held_bytes(stream, file))
         columns = _of_rows(stream.read(declared.size), declared)
     else:
         columns = _of_blocks(_unpacked(stream, file, declared), declared)
@@ -78,31 +83,32 @@ def parse_pcd(stream: BinaryIO, file: Path) -> tuple[NDArray[np.float64], tuple[
     return points_of_columns(file, columns), tuple(others)
 
 
-def _declared(name: str, top: list[HeaderLine]) -> Header:
+def _declared(file: Path, top: list[HeaderLine]) -> Header:
     entries: dict[str, HeaderLine] = {}
     for line in top[:-1]:
         if line.key.startswith("#") or not line.key:
             continue
         if line.key not in KEYS or line.key in entries or not line.words:
-            message = f"{line.place}: '{shown(line.key)}' is unknown, empty or here again: mend it"
-            raise InvalidFileError(message)
+            words = f"'{shown(line.key)}' is unknown, empty or here again: mend it"
+            raise line.place.refusal(words, column=line.key)
         entries[line.key] = line
     missing = sorted(KEYS - OPTIONAL - set(entries))
     if missing:
-        message = f"{name}: the header has no {missing[0]}: is it a .pcd file?"
-        raise InvalidFileError(message)
+        message = f"{shown(file)}: the header has no {missing[0]}: is it a .pcd file?"
+        raise InvalidFileError(message, path=file, column=missing[0])
     _require_plain(entries)
     width, height, points = (_one_count(entries[key]) for key in ("WIDTH", "HEIGHT", "POINTS"))
     if width * height != points or points == 0:
-        message = (
-            f"{entries['POINTS'].place}: {points} points, but width {width} times height {height}: "
+        words = (
+            f"{points} points, but width {width} times height {height}: "
             "give at least one, and the true numbers"
         )
-        raise InvalidFileError(message)
+        place = entries["POINTS"].place
+        raise place.refusal(words, column="POINTS", value=points, limit=width * height)
     last = top[-1]
     if last.words not in (["ascii"], ["binary"], ["binary_compressed"]):
-        message = f"{last.place}: unknown data: save it as ascii, binary or binary_compressed"
-        raise InvalidFileError(message)
+        words = "unknown data: save it as ascii, binary or binary_compressed"
+        raise last.place.refusal(words, column="DATA", value=" ".join(last.words))
     return Header(_fields(entries), points, last.words[0])
 
 
@@ -110,12 +116,12 @@ def _require_plain(entries: dict[str, HeaderLine]) -> None:
     """That version and viewpoint, where they are given, are what they should be."""
     version = entries.get("VERSION")
     if version and (len(version.words) != 1 or version.words[0] not in VERSIONS):
-        message = f"{version.place}: unknown version: save it as version 0.7"
-        raise InvalidFileError(message)
+        words = "unknown version: save it as version 0.7"
+        raise version.place.refusal(words, column="VERSION", value=" ".join(version.words))
     stand = entries.get("VIEWPOINT")
     if stand and (len(stand.words) != 7 or not all(map(NUMBER.fullmatch, stand.words))):
-        message = f"{stand.place}: the viewpoint is not 7 numbers: write 0 0 0 1 0 0 0"
-        raise InvalidFileError(message)
+        words = "the viewpoint is not 7 numbers: write 0 0 0 1 0 0 0"
+        raise stand.place.refusal(words, column="VIEWPOINT", value=" ".join(stand.words))
 
 
 def _one_count(line: HeaderLine) -> int:
@@ -128,58 +134,58 @@ def _fields(entries: dict[str, HeaderLine]) -> list[Field]:
     lines = [entries["SIZE"], entries["TYPE"], entries.get("COUNT", ones)]
     for line in lines:
         if len(line.words) != len(names):
-            message = f"{line.place}: {len(line.words)} entries for {len(names)} fields: mend it"
-            raise InvalidFileError(message)
+            words = f"{len(line.words)} entries for {len(names)} fields: mend it"
+            raise line.place.refusal(
+                words, column=line.key, value=len(line.words), limit=len(names)
+            )
     fields: list[Field] = []
     for title, size, letter, times in zip(names, *(line.words for line in lines), strict=True):
         kind = letter.lower() + size
         if kind not in TYPES or not letter.isupper():
-            message = (
-                f"{lines[1].place}: field '{shown(title)}' has no known TYPE and SIZE: use F 4"
-            )
-            raise InvalidFileError(message)
+            words = f"field '{shown(title)}' has no known TYPE and SIZE: use F 4"
+            raise lines[1].place.refusal(words, column=title, value=f"{letter} {size}")
         fields.append(Field(title, kind, count(lines[2].place, times)))
         if fields[-1].count == 0:
-            message = f"{lines[2].place}: field '{shown(title)}' has COUNT 0: leave it out"
-            raise InvalidFileError(message)
+            words = f"field '{shown(title)}' has COUNT 0: leave it out"
+            raise lines[2].place.refusal(words, column=title, value=0, limit=1)
     single = [field.name for field in fields if field.count == 1]
     if [(single.count(axis), names.count(axis)) for axis in "xyz"] != [(1, 1)] * 3:
-        message = f"{entries['FIELDS'].place}: give one field each x, y and z, of COUNT 1"
-        raise InvalidFileError(message)
+        words = "give one field each x, y and z, of COUNT 1"
+        raise entries["FIELDS"].place.refusal(words, column="FIELDS", value=" ".join(names))
     return fields
 
 
-def _from_text(stream: BinaryIO, name: str, declared: Header, line: int) -> list[NDArray[Any]]:
+def _from_text(stream: BinaryIO, file: Path, declared: Header, line: int) -> list[NDArray[Any]]:
     width, slots, at = sum(field.count for field in declared.fields), dict[str, int](), 0
     for field in declared.fields:
         slots[field.name], at = at, at + field.count
     types = {field.name: field.type for field in declared.fields}
     columns = {axis: array("d") for axis in "xyz"}
-    found = 0
-    for place, words in rows_of_words(stream, name, line):
-        found += 1
-        if len(words) != width or found > declared.points:
+    held = 0
+    for place, words in rows_of_words(stream, file, line):
+        held += 1
+        if len(words) != width or held > declared.points:
             what = f"{len(words)} numbers, the header declares {width}"
-            message = f"{place}: {what}, in {declared.points} rows: mend the row or the header"
-            raise InvalidFileError(message)
+            what += f", in {declared.points} rows: mend the row or the header"
+            raise place.refusal(what, value=len(words), limit=width)
         for axis, column in columns.items():
             column.append(typed_number(place, words[slots[axis]], types[axis]))
-    if found != declared.points:
+    if held != declared.points:
         message = (
-            f"{name}: the header declares {declared.points} points, the file holds {found}: "
+            f"{shown(file)}: the header declares {declared.points} points, the file holds {held}: "
             "it is truncated or corrupt; save it again"
         )
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file, value=held, limit=declared.points)
     return [np.array(column) for column in columns.values()]
 
 
-def _require_size(name: str, declared: int, held: int) -> None:
+def _require_size(file: Path, declared: int, held: int) -> None:
     if declared != held:
         message = (
-            f"{name}: the header declares {declared} bytes of data, the file holds {held}: "
+            f"{shown(file)}: the header declares {declared} bytes of data, the file holds {held}: "
             "it is truncated or corrupt; save it again"
         )
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file, value=held, limit=declared)
 
 
 def _of_rows(data: bytes, declared: Header) -> list[NDArray[Any]]:
@@ -208,14 +214,47 @@ def _of_blocks(data: bytes, declared: Header) -> list[NDArray[Any]]:
 
 def _unpacked(stream: BinaryIO, file: Path, declared: Header) -> bytes:
     """Compressed data, unpacked only if the sizes before them are those of file and header."""
-    held, name = held_bytes(stream, file), shown(file)
+    held = held_bytes(stream, file)
     sizes = stream.read(SIZES.size)
     packed, unpacked = SIZES.unpack(sizes) if len(sizes) == SIZES.size else (0, 0)
-    _require_size(name, packed + SIZES.size, held)
-    _require_size(name, declared.size, unpacked)
-    limit = FileSettings().max_unpacked_bytes
-    data = decompress(stream.read(packed), unpacked) if unpacked <= limit else None
+    _require_size(file, packed + SIZES.size, held)
+    _require_size(file, declared.size, unpacked)
+    small = unpacked <= MAX_UNPACKED_BYTES
+    data = decompress(stream.read(packed), unpacked) if small else None
     if data is None:
-        message = f"{name}: the compressed data are corrupt or too large: save it as binary"
-        raise InvalidFileError(message)
+        message = f"{shown(file)}: the compressed data are corrupt or too large: save it as binary"
+        raise InvalidFileError(message, path=file, value=unpacked, limit=MAX_UNPACKED_BYTES)
     return data
+
+
+def decompress(packed: bytes, size: int) -> bytes | None:
+    r"""The unpacked bytes, if they are exactly `size`; None for anything else.
+
+    LZF: runs of new bytes, and copies of what was there before.
+
+    >>> decompress(bytes([1, 7, 8, 0x60, 1]), 7)
+    b'\x07\x08\x07\x08\x07\x08\x07'
+    >>> decompress(bytes([1, 7, 8, 0x60, 2]), 7) is None  # a copy from before the beginning
+    True
+    """
+    out, at = bytearray(), 0
+    try:
+        while at < len(packed):
+            control, at = packed[at], at + 1
+            if control < 32:  # 000lllll: l + 1 new bytes follow
+                out += packed[at : at + control + 1]
+                at += control + 1
+            else:  # llldddddd..: copy l + 2 bytes; l = 7 continues in a byte of its own
+                length = control >> 5
+                if length == 7:
+                    length, at = 7 + packed[at], at + 1
+                distance = ((control & 31) << 8 | packed[at]) + 1
+                at += 1
+                chunk = out[-distance:] if distance <= len(out) else b""
+                copies = -(-(length + 2) // len(chunk))
+                out += (chunk * copies)[: length + 2]
+            if len(out) > size:
+                return None
+    except (IndexError, ZeroDivisionError):
+        return None
+    return bytes(out) if len(out) == size and at == len(packed) else None

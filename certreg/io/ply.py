@@ -6,25 +6,40 @@ written counts, also where its type is `float`: it is read as the nearest double
 
 from __future__ import annotations
 
+import mmap
+import struct
+from array import array
 from dataclasses import dataclass
 from itertools import chain
 from typing import TYPE_CHECKING, Any, BinaryIO
 
+import numpy as np
+
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import write_atomically
 from certreg.io.npy import points_of_columns, side_by_side
-from certreg.io.ply_rows import Element, Property, ascii_columns, binary_columns
-from certreg.io.streams import HeaderLine, count, header, held_bytes, large_file, rows_of_words
-from certreg.settings import FileSettings
+from certreg.io.streams import (
+    COUNT,
+    MAX_BINARY_BYTES,
+    HeaderLine,
+    Place,
+    count,
+    header,
+    held_bytes,
+    large_file,
+    rows_of_words,
+    typed_number,
+)
+from certreg.problem import let_go
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
     from pathlib import Path
 
-    import numpy as np
     from numpy.typing import NDArray
 
+Bytes = bytes | mmap.mmap
 ORDERS = {"ascii": None, "binary_little_endian": "<", "binary_big_endian": ">"}
 NAMES = {  # of types, by those of NumPy: as in the first files, and as later writers say
     "i1": ("char", "int8"),
@@ -36,7 +51,31 @@ NAMES = {  # of types, by those of NumPy: as in the first files, and as later wr
     "f4": ("float", "float32"),
     "f8": ("double", "float64"),
 }
+CODES = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I", "f4": "f", "f8": "d"}
 TYPES = {name: code for code, names in NAMES.items() for name in names}
+
+
+@dataclass(frozen=True, slots=True)
+class Property:
+    """A number, or a list of numbers with its length before it; types as NumPy spells them."""
+
+    name: str
+    type: str
+    count: str | None  # type of a list's length; None: no list
+
+    @property
+    def kept(self) -> bool:
+        """Whether its values are asked for."""
+        return self.count is None and self.name in {"x", "y", "z"}
+
+
+@dataclass(frozen=True, slots=True)
+class Element:
+    """Rows of the same properties."""
+
+    name: str
+    count: int
+    properties: list[Property]
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,40 +88,39 @@ class Header:
 
 def parse_ply(stream: BinaryIO, file: Path) -> tuple[NDArray[np.float64], tuple[str, ...]]:
     """The vertices of a .ply file, and the names of what else is in it."""
-    name = shown(file)
-    top = header(stream, name, "end_header")
-    declared = _declared(name, top)
-    vertex = _vertex(name, declared.elements)
+    top = header(stream, file, "end_header")
+    declared = _declared(file, top)
+    vertex = _vertex(file, declared.elements)
     columns: list[NDArray[Any]] = []
     if declared.order is None:
-        rows = rows_of_words(stream, name, len(top) + 1)
+        rows = rows_of_words(stream, file, len(top) + 1)
         for element in declared.elements:
-            found = ascii_columns(rows, element, name)
+            found = _ascii_columns(rows, element, file)
             columns = found if element is vertex else columns
         for place, _ in rows:
-            message = f"{place}: more rows than the header declares: mend the header"
-            raise InvalidFileError(message)
+            raise place.refusal("more rows than the header declares: mend the header")
     else:
         start = stream.tell()
         mapped = large_file(stream, file)
         data = stream.read(held_bytes(stream, file)) if mapped is None else mapped
         first = offset = 0 if mapped is None else start
         for element in declared.elements:
-            found, offset = binary_columns(data, offset, element, declared.order, name)
+            found, offset = _binary_columns(data, offset, element, declared.order, file)
             columns = found if element is vertex else columns
         if offset != len(data):
+            held, size = len(data) - first, offset - first
             message = (
-                f"{name}: the header declares {offset - first} bytes of data, the file holds "
-                f"{len(data) - first}: it is corrupt; save it again"
+                f"{shown(file)}: the header declares {size} bytes of data, the file holds "
+                f"{held}: it is corrupt; save it again"
             )
-            raise InvalidFileError(message)
-        too_large = mapped is not None and len(mapped) > FileSettings().max_binary_bytes
+            raise InvalidFileError(message, path=file, value=held, limit=size)
+        too_large = mapped is not None and len(mapped) > MAX_BINARY_BYTES
         if too_large and side_by_side(columns) is None:
             message = (
-                f"{name}: {len(data)} bytes are too many: save x, y, z of one type, double or "
-                "float, one behind the other"
+                f"{shown(file)}: {len(data)} bytes are too many: save x, y, z of one type, double "
+                "or float, one behind the other"
             )
-            raise InvalidFileError(message)
+            raise InvalidFileError(message, path=file, value=len(data), limit=MAX_BINARY_BYTES)
     others = [p.name for p in vertex.properties if p.name not in {"x", "y", "z"}]
     others += [e.name for e in declared.elements if e is not vertex]
     return points_of_columns(file, columns), tuple(others)
@@ -97,14 +135,16 @@ def write_ply(file: Path, pieces: Iterable[NDArray[np.float64]], n: int) -> None
     write_atomically(file, chain([content], doubles))
 
 
-def _declared(name: str, top: list[HeaderLine]) -> Header:
+def _declared(file: Path, top: list[HeaderLine]) -> Header:
     if top[0].key != "ply" or len(top) < 2 or top[1].key != "format":
-        message = f"{name}, line 1: does not begin with 'ply' and 'format': is it a .ply file?"
-        raise InvalidFileError(message)
+        words = "does not begin with 'ply' and 'format': is it a .ply file?"
+        raise Place(file, 1).refusal(words, value=top[0].key)
     kind, *version = top[1].words or [""]
     if kind not in ORDERS or version != ["1.0"]:
-        message = f"{top[1].place}: unknown format '{shown(' '.join(top[1].words))}': use one of "
-        raise InvalidFileError(message + ", ".join(f"{known} 1.0" for known in ORDERS))
+        stated = " ".join(top[1].words)
+        words = f"unknown format '{shown(stated)}': use one of "
+        words += ", ".join(f"{known} 1.0" for known in ORDERS)
+        raise top[1].place.refusal(words, column="format", value=stated)
     elements: list[Element] = []
     for line in top[2:-1]:
         if line.key == "element":
@@ -112,15 +152,16 @@ def _declared(name: str, top: list[HeaderLine]) -> Header:
         elif line.key == "property" and elements:
             elements[-1].properties.append(_property(line, elements[-1]))
         elif line.key not in {"", "comment", "obj_info"}:
-            message = f"{line.place}: '{shown(line.key)}' is not expected here: mend the header"
-            raise InvalidFileError(message)
+            words = f"'{shown(line.key)}' is not expected here: mend the header"
+            raise line.place.refusal(words, column=line.key)
     return Header(ORDERS[kind], elements)
 
 
 def _element(line: HeaderLine, others: list[Element]) -> Element:
     if len(line.words) != 2 or line.words[0] in {other.name for other in others}:
-        message = f"{line.place}: write 'element NAME COUNT', each name once"
-        raise InvalidFileError(message)
+        stated = " ".join(line.words)
+        words = "write 'element NAME COUNT', each name once"
+        raise line.place.refusal(words, column=line.key, value=stated)
     return Element(line.words[0], count(line.place, line.words[1]), [])
 
 
@@ -131,23 +172,172 @@ def _property(line: HeaderLine, element: Element) -> Property:
     taken = title in {other.name for other in element.properties}
     whole = kinds[0][:1] in {"i", "u"} if listed and kinds else True
     if len(kinds) != 1 + listed or not all(kinds) or not whole or taken:
-        message = (
-            f"{line.place}: write 'property TYPE NAME' or 'property list COUNT_TYPE TYPE NAME', "
+        words = (
+            "write 'property TYPE NAME' or 'property list COUNT_TYPE TYPE NAME', "
             "with types such as float or uint8, each name once"
         )
-        raise InvalidFileError(message)
+        raise line.place.refusal(words, column=line.key, value=" ".join(line.words))
     return Property(title, kinds[-1], kinds[0] if listed else None)
 
 
-def _vertex(name: str, elements: list[Element]) -> Element:
+def _vertex(file: Path, elements: list[Element]) -> Element:
     for element in elements:
         if element.count and not element.properties:
-            message = f"{name}: element '{shown(element.name)}' has no properties: mend the header"
-            raise InvalidFileError(message)
+            what = f"element '{shown(element.name)}' has no properties"
+            message = f"{shown(file)}: {what}: mend the header"
+            raise InvalidFileError(message, path=file, column=element.name)
     for element in elements:
         if element.name == "vertex":
             scalars = {p.name for p in element.properties if p.count is None}
             if element.count and scalars >= {"x", "y", "z"}:
                 return element
-    message = f"{name}: declares no vertices with numbers x, y and z: is it a point cloud?"
-    raise InvalidFileError(message)
+    message = f"{shown(file)}: declares no vertices with numbers x, y and z: is it a point cloud?"
+    raise InvalidFileError(message, path=file, column="vertex")
+
+
+def _ascii_columns(
+    rows: Iterator[tuple[Place, list[str]]], element: Element, file: Path
+) -> list[NDArray[Any]]:
+    """Columns x, y, z, where the element has them, of as many rows as it declares."""
+    columns = {p.name: array("d") for p in element.properties if p.kept}
+    plain = all(p.count is None for p in element.properties)
+    slots = [(k, p.type, columns[p.name]) for k, p in enumerate(element.properties) if p.kept]
+    for k in range(element.count):
+        place, words = next(rows, (None, list[str]()))
+        if place is None:
+            raise _truncated(file, element, k)
+        numbers = words if plain else _without_lists(place, words, element)
+        if len(numbers) != len(element.properties):
+            what = f"{len(words)} numbers do not fit element '{shown(element.name)}'"
+            raise place.refusal(
+                f"{what}: mend the row", value=len(words), limit=len(element.properties)
+            )
+        for slot, kind, column in slots:
+            column.append(typed_number(place, numbers[slot], kind))
+    return [np.array(columns[axis]) for axis in "xyz" if axis in columns]
+
+
+def _binary_columns(
+    data: Bytes, offset: int, element: Element, order: str, file: Path
+) -> tuple[list[NDArray[Any]], int]:
+    """Columns x, y, z, where the element has them, and where the data behind its rows begin."""
+    if not element.count:
+        return [], offset
+    steps = [_step(order, p) for p in element.properties]
+    lengths: list[int] = []
+    if any(p.count is not None for p in element.properties):
+        try:
+            _, lengths, _ = _row(data, offset, steps)
+        except struct.error as error:
+            raise _truncated(file, element, 0) from error
+    rows = _uniform(data, offset, element, order, lengths)
+    if rows is not None:
+        slots = {p.name: str(k) for k, p in enumerate(element.properties) if p.kept}
+        return [rows[slots[axis]] for axis in "xyz" if axis in slots], offset + rows.nbytes
+    if not lengths:
+        row = _row_type(element, order, lengths).itemsize
+        raise _truncated(file, element, (len(data) - offset) // row)
+    return _walked(data, offset, element, steps, file)
+
+
+def _step(order: str, item: Property) -> tuple[struct.Struct, int, bool]:
+    """What to unpack of a property, the size of a list's entries or 0, whether it is kept."""
+    code = struct.Struct(order + CODES[item.count or item.type])
+    return code, 0 if item.count is None else int(item.type[1]), item.kept
+
+
+def _row(
+    data: Bytes, offset: int, steps: list[tuple[struct.Struct, int, bool]]
+) -> tuple[list[float], list[int], int]:
+    """The kept numbers of a row, the lengths of its lists, its end. Raises struct.error."""
+    values: list[float] = []
+    lengths: list[int] = []
+    for code, entry, kept in steps:
+        (value,) = code.unpack_from(data, offset)
+        offset += code.size
+        if entry:
+            if value < 0:
+                message = "a list of negative length"
+                raise struct.error(message)
+            lengths.append(value)
+            offset += value * entry
+        elif kept:
+            values.append(value)
+    if offset > len(data):
+        message = "a row beyond the data"
+        raise struct.error(message)
+    return values, lengths, offset
+
+
+def _row_type(element: Element, order: str, lengths: list[int]) -> np.dtype[Any]:
+    """A row as NumPy sees it, if its lists have the given lengths."""
+    fields: list[Any] = []
+    left = iter(lengths)
+    for k, p in enumerate(element.properties):
+        if p.count is None:
+            fields.append((str(k), order + p.type))
+        else:
+            length = next(left)
+            fields += [(f"length {k}", order + p.count), (str(k), order + p.type, (length,))]
+    return np.dtype(fields)
+
+
+def _uniform(
+    data: Bytes, offset: int, element: Element, order: str, lengths: list[int]
+) -> NDArray[Any] | None:
+    """All rows at once if every row's lists have these lengths; otherwise None."""
+    row = _row_type(element, order, lengths)
+    if row.itemsize * element.count > len(data) - offset:
+        return None
+    rows = np.frombuffer(data, row, element.count, offset)
+    listed = [k for k, p in enumerate(element.properties) if p.count is not None]
+    for k, length in zip(listed, lengths, strict=True):
+        if (rows[f"length {k}"] != length).any():
+            return None
+    if listed:
+        let_go(rows)
+    return rows
+
+
+def _walked(
+    data: Bytes,
+    offset: int,
+    element: Element,
+    steps: list[tuple[struct.Struct, int, bool]],
+    file: Path,
+) -> tuple[list[NDArray[Any]], int]:
+    """As `_binary_columns`, row by row: lists may be of any lengths."""
+    found = array("d")
+    for k in range(element.count):
+        try:
+            values, _, offset = _row(data, offset, steps)
+        except struct.error as error:
+            raise _truncated(file, element, k) from error
+        found.extend(values)
+    names = [p.name for p in element.properties if p.kept]
+    columns = np.array(found).reshape(element.count, len(names))
+    return [columns[:, names.index(axis)] for axis in "xyz" if axis in names], offset
+
+
+def _without_lists(place: Place, words: list[str], element: Element) -> list[str]:
+    """One word for each property of a row: that of a list is its length."""
+    kept, at = list[str](), 0
+    for item in element.properties:
+        if at >= len(words) or (item.count is not None and not COUNT.fullmatch(words[at])):
+            what = "a list without its length, or too few numbers: mend the row"
+            raise place.refusal(what, column=item.name)
+        kept.append(words[at])
+        at += 1 if item.count is None else 1 + int(words[at])
+    return kept if at == len(words) else []
+
+
+def _truncated(file: Path, element: Element, rows: int) -> InvalidFileError:
+    what = f"declares {element.count} rows of element '{shown(element.name)}'"
+    return InvalidFileError(
+        f"{shown(file)}: the header {what}, the data end or break off in row {rows} (counting from "
+        "0): it is truncated or corrupt; save it again",
+        path=file,
+        row=rows,
+        column=element.name,
+        limit=element.count,
+    )

@@ -13,13 +13,15 @@ import numpy as np
 from certreg.errors import InvalidFileError
 from certreg.geometry import rotation_matrix
 from certreg.io.streams import reading
-from certreg.settings import AssessmentSettings, FileSettings
 from certreg.verify import shown
 
 if TYPE_CHECKING:
     import os
 
     from numpy.typing import NDArray
+
+MAX_POSE_BYTES = 1 << 20  # a result without its points is a few kilobytes
+ROTATION_TOLERANCE = 1e-4  # |R^T R - I|: admits 4x4 matrices printed with five decimals
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -66,10 +68,10 @@ def parse_pose(stream: BinaryIO, file: Path) -> GivenPose:
         numbers = [[float(entry) for entry in row] for row in rows if row]
     except ValueError as error:
         message = f"{file}: {shown(error)}: write a 4x4 matrix, or w x y z tx ty tz"
-        raise InvalidFileError(message) from error
+        raise InvalidFileError(message, path=file) from error
     if [len(row) for row in numbers] == [3, 3, 3]:
         message = f"{file}: holds a 3x3 matrix: give 3x4 or 4x4, with the translation"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file, value=(3, 3), limit=(4, 4))
     if [len(row) for row in numbers] == [7]:
         return _from_quaternion(file, np.array(numbers[0][:4]), np.array(numbers[0][4:]))
     return _from_matrix(file, numbers)
@@ -82,11 +84,10 @@ def read_result_pose(path: str | os.PathLike[str]) -> GivenPose:
 
 
 def _bounded(stream: BinaryIO, file: Path) -> bytes:
-    limit = FileSettings().max_pose_bytes
-    content = stream.read(limit + 1)
-    if len(content) > limit:
-        message = f"{file}: larger than {limit} bytes: this is not a pose file"
-        raise InvalidFileError(message)
+    content = stream.read(MAX_POSE_BYTES + 1)
+    if len(content) > MAX_POSE_BYTES:
+        message = f"{file}: larger than {MAX_POSE_BYTES} bytes: this is not a pose file"
+        raise InvalidFileError(message, path=file, limit=MAX_POSE_BYTES)
     return content
 
 
@@ -95,7 +96,7 @@ def _pose_from_json(file: Path, text: str) -> GivenPose:
         document: Any = json.loads(text)
     except (ValueError, RecursionError) as error:
         message = f"{file}: is not JSON ({shown(error)}): give a pose file or a certreg result"
-        raise InvalidFileError(message) from error
+        raise InvalidFileError(message, path=file) from error
     if isinstance(document, list):
         return _from_matrix(file, document)
     fields = cast("dict[str, Any]", document)
@@ -105,7 +106,7 @@ def _pose_from_json(file: Path, text: str) -> GivenPose:
         return _from_matrix(file, fields["T_target_source"])
     if not {"rotation", "quaternion_wxyz"} & set(fields) or "translation" not in fields:
         message = f"{file}: holds no pose (T_target_source, or rotation and translation)"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file)
     translation = _array(file, fields["translation"], (3,), "translation")
     given = None
     if "rotation" in fields:
@@ -115,10 +116,12 @@ def _pose_from_json(file: Path, text: str) -> GivenPose:
         return cast("GivenPose", given)
     quaternion = _array(file, fields["quaternion_wxyz"], (4,), "quaternion_wxyz")
     pose = _from_quaternion(file, quaternion, translation)
-    tolerance = AssessmentSettings().rotation_tolerance
-    if given is not None and np.abs(given.rotation - pose.rotation).max() > tolerance:
+    apart = 0.0 if given is None else float(np.abs(given.rotation - pose.rotation).max())
+    if apart > ROTATION_TOLERANCE:
         message = f"{file}: rotation and quaternion_wxyz are two different rotations: keep one"
-        raise InvalidFileError(message)
+        raise InvalidFileError(
+            message, path=file, column="quaternion_wxyz", value=apart, limit=ROTATION_TOLERANCE
+        )
     return pose
 
 
@@ -127,10 +130,10 @@ def _array(file: Path, values: Any, shape: tuple[int, ...], name: str) -> NDArra
         array = np.asarray(values, dtype=np.float64)
     except (ValueError, TypeError, OverflowError) as error:
         message = f"{file}: {name} is not an array of numbers"
-        raise InvalidFileError(message) from error
+        raise InvalidFileError(message, path=file, column=name) from error
     if array.shape != shape or not np.isfinite(array).all():
         message = f"{file}: {name} must be {shape} finite numbers, found shape {array.shape}"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file, column=name, value=array.shape, limit=shape)
     return array
 
 
@@ -138,11 +141,11 @@ def _from_quaternion(
     file: Path, quaternion: NDArray[np.float64], translation: NDArray[np.float64]
 ) -> GivenPose:
     norm = math.hypot(*quaternion.tolist())  # infinite beyond the doubles, without a warning
-    if not abs(norm - 1.0) <= AssessmentSettings().rotation_tolerance:
+    if not abs(norm - 1.0) <= ROTATION_TOLERANCE:
         message = (
             f"{file}: the quaternion has norm {norm:.6g}, not 1: write unit w x y z, scalar first"
         )
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file, column="quaternion_wxyz", value=norm, limit=1.0)
     rotation = np.array(rotation_matrix((quaternion / norm).tolist()))
     shift = _array(file, translation, (3,), "translation")
     return GivenPose(rotation=rotation, translation=shift, quaternion=quaternion)
@@ -157,5 +160,5 @@ def _from_matrix(file: Path, rows: Any) -> GivenPose:
         transposed = np.array_equal(matrix[:, 3], [0.0, 0.0, 0.0, 1.0])
         remedy = "transpose it" if transposed else "give the 3x4 matrix [R | t], or mend that row"
         message = f"{file}: the last row of the pose matrix must be 0 0 0 1, found {row}: {remedy}"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file, row=3, value=matrix[3].tolist())
     return GivenPose(rotation=matrix[:3, :3], translation=matrix[:3, 3])

@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from certreg.errors import InvalidFileError
-from certreg.settings import FileSettings
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -26,12 +25,51 @@ if TYPE_CHECKING:
 
 NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?")
 COUNT = re.compile(r"[0-9]{1,18}")  # 10^18 < 2^63: any count that a file can keep
+MAX_TEXT_BYTES = 1 << 30  # ten million points
+MAX_LINE_BYTES = 1 << 16  # a row of a cloud with many extra columns
+MAX_HEADER_BYTES = 1 << 16  # of .ply and .pcd, directory of .npz: a hundred lines suffice
+MAX_BINARY_BYTES = 1 << 32  # a hundred million points in doubles, with some colour
+MAX_UNPACKED_BYTES = 1 << 30  # forty million points: a megabyte can unpack to a gigabyte
+MAPPED_BYTES = 1 << 26  # from here on floats of .npy and binary .ply stay in their file
+MAX_MAPPED_BYTES = 1 << 44  # of such a file: nothing but its own pages is ever in memory
+
+
+class Place(NamedTuple):
+    """Where something stands in a text file: the line, from 1, and what that calls it, if it does.
+
+    Its text begins every message about it.
+    """
+
+    file: Path
+    line: int
+    column: str | None = None
+
+    def __str__(self) -> str:
+        column = "" if self.column is None else f", {self.column}"
+        return f"{shown(self.file)}, line {self.line}{column}"
+
+    def at(self, column: str) -> Place:
+        """The same line, what `column` calls."""
+        return self._replace(column=column)
+
+    def refusal(
+        self, words: str, *, column: str | None = None, value: object = None, limit: object = None
+    ) -> InvalidFileError:
+        """The error that says what is wrong here, and holds the evidence."""
+        return InvalidFileError(
+            f"{self}: {words}",
+            path=self.file,
+            line=self.line,
+            column=column or self.column,
+            value=value,
+            limit=limit,
+        )
 
 
 class HeaderLine(NamedTuple):
     """A line of a header: where it stands, its first word, the words behind."""
 
-    place: str
+    place: Place
     key: str
     words: list[str]
 
@@ -47,7 +85,7 @@ def reading(path: str | os.PathLike[str]) -> Generator[BinaryIO]:
     except OSError as error:
         what = f"cannot be read ({error.strerror or error})"
         message = f"{shown(path)}: {what}: give a readable file"
-        raise InvalidFileError(message) from error
+        raise InvalidFileError(message, path=Path(path)) from error
 
 
 def large_file(stream: BinaryIO, file: Path) -> mmap.mmap | None:
@@ -55,14 +93,12 @@ def large_file(stream: BinaryIO, file: Path) -> mmap.mmap | None:
 
     Whoever shortens the file meanwhile ends this process: replace files, do not overwrite them.
     """
-    settings, start = FileSettings(), stream.tell()
+    start = stream.tell()
     size = stream.seek(0, 2)
     stream.seek(start)
-    if size < settings.mapped_bytes:
+    if size < MAPPED_BYTES:
         return None
-    if size > settings.max_mapped_bytes:
-        message = f"{shown(file)}: {size} bytes are too many: is it a cloud?"
-        raise InvalidFileError(message)
+    _require_size(file, size, MAX_MAPPED_BYTES)
     try:
         return mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ)
     except (OSError, ValueError):  # a stream without a file, a system without maps
@@ -74,68 +110,91 @@ def held_bytes(stream: BinaryIO, file: Path) -> int:
     start = stream.tell()
     held = stream.seek(0, 2) - start
     stream.seek(start)
-    if held > FileSettings().max_binary_bytes:
-        message = f"{shown(file)}: {held} bytes are too many: is it a cloud?"
-        raise InvalidFileError(message)
+    _require_size(file, held, MAX_BINARY_BYTES)
     return held
 
 
-def lines(stream: BinaryIO, name: str, first: int = 1) -> Iterator[str]:
+def _require_size(file: Path, size: int, limit: int) -> None:
+    if size > limit:
+        message = f"{shown(file)}: {size} bytes are too many: is it a cloud?"
+        raise InvalidFileError(message, path=file, value=size, limit=limit)
+
+
+def lines(stream: BinaryIO, file: Path, first: int = 1) -> Iterator[str]:
     """The lines of UTF-8 text, each and all of bounded length; the first is line `first`."""
-    settings, size = FileSettings(), 0
-    for number, raw in enumerate(
-        iter(partial(stream.readline, settings.max_line_bytes), b""), first
-    ):
+    size = 0
+    for number, raw in enumerate(iter(partial(stream.readline, MAX_LINE_BYTES), b""), first):
         size += len(raw)
-        if len(raw) == settings.max_line_bytes or size > settings.max_text_bytes:
-            message = f"{name}, line {number}: the line or the file is too long: is it a cloud?"
-            raise InvalidFileError(message)
+        if len(raw) == MAX_LINE_BYTES or size > MAX_TEXT_BYTES:
+            raise Place(file, number).refusal(
+                "the line or the file is too long: is it a cloud?",
+                value=max(len(raw), size),
+                limit=MAX_LINE_BYTES if len(raw) == MAX_LINE_BYTES else MAX_TEXT_BYTES,
+            )
         try:
             text = raw.decode("utf-8-sig" if number == 1 else "utf-8")
         except UnicodeDecodeError as error:
-            message = f"{name}, line {number}: {shown(error)}: save the file as UTF-8"
-            raise InvalidFileError(message) from error
+            words = f"{shown(error)}: save the file as UTF-8"
+            raise Place(file, number).refusal(words) from error
         yield text
 
 
-def rows_of_words(stream: BinaryIO, name: str, first: int) -> Iterator[tuple[str, list[str]]]:
+def rows_of_words(stream: BinaryIO, file: Path, first: int) -> Iterator[tuple[Place, list[str]]]:
     """Place and words of each line that is not blank, from the line with the number `first` on."""
-    for number, line in enumerate(lines(stream, name, first), first):
+    for number, line in enumerate(lines(stream, file, first), first):
         words = line.split()
         if words:
-            yield f"{name}, line {number}", words
+            yield Place(file, number), words
 
 
-def header(stream: BinaryIO, name: str, last: str) -> list[HeaderLine]:
+def header(stream: BinaryIO, file: Path, last: str) -> list[HeaderLine]:
     """All lines of a header, of bounded length, to the one with the key `last`."""
-    limit, found = FileSettings().max_header_bytes, list[HeaderLine]()
-    for number in range(1, limit):
-        raw = stream.readline(limit)
-        limit -= len(raw)
+    left, top = MAX_HEADER_BYTES, list[HeaderLine]()
+    for number in range(1, MAX_HEADER_BYTES):
+        raw = stream.readline(left)
+        left -= len(raw)
         if not raw.endswith(b"\n"):
             break
         key, *words = raw.decode("latin1").split() or [""]
-        found.append(HeaderLine(f"{name}, line {number}", key, words))
+        top.append(HeaderLine(Place(file, number), key, words))
         if key == last:
-            return found
-    message = f"{name}: the header has no line '{last}', or is too long: is it truncated?"
-    raise InvalidFileError(message)
+            return top
+    message = f"{shown(file)}: the header has no line '{last}', or is too long: is it truncated?"
+    raise InvalidFileError(message, path=file, column=last, limit=MAX_HEADER_BYTES)
 
 
-def number(place: str, text: str) -> float:
+def number(place: Place, text: str) -> float:
     """The double nearest to a plain decimal number."""
     match = NUMBER.fullmatch(text.strip(" \t"))
     value = float(text) if match else inf
     if not isfinite(value):
         what = f"'{shown(text)}' is not a {'finite ' if match else ''}number"
-        message = f"{place}: {what}: write plain decimal numbers"
-        raise InvalidFileError(message)
+        raise place.refusal(f"{what}: write plain decimal numbers", value=text)
     return value
 
 
-def count(place: str, text: str) -> int:
+def count(place: Place, text: str) -> int:
     """A count written in plain digits."""
     if not COUNT.fullmatch(text):
-        message = f"{place}: '{shown(text)}' is not a count: write a whole number >= 0"
-        raise InvalidFileError(message)
+        what = f"'{shown(text)}' is not a count"
+        raise place.refusal(f"{what}: write a whole number >= 0", value=text)
     return int(text)
+
+
+def typed_number(place: Place, text: str, kind: str) -> float:
+    """A plain number; of an integer type it is whole, within the type and held by a double.
+
+    kind: as NumPy spells it.
+
+    >>> typed_number(Place(Path("a.ply"), 7), "-1", "i1")
+    -1.0
+    """
+    value = number(place, text)
+    if kind[0] in "iu":
+        bits, signed = 8 * int(kind[1:]), kind[0] == "i"
+        least, most = (-1 << bits - 1, (1 << bits - 1) - 1) if signed else (0, (1 << bits) - 1)
+        whole = text.lstrip("+-").isdigit() and len(text) <= 20  # those of -2^63
+        if not whole or not least <= int(text) <= most or int(text) != value:
+            words = f"'{shown(text)}' is not of the integer type declared: mend it"
+            raise place.refusal(words, value=text, limit=kind)
+    return value

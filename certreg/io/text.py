@@ -28,7 +28,7 @@ from certreg.io.labels import (
     rows_by_label,
     unused_labels_note,
 )
-from certreg.io.streams import NUMBER, lines, number, reading
+from certreg.io.streams import NUMBER, Place, lines, number, reading
 from certreg.io.xyz import chemical, chemical_points
 from certreg.verify import Clouds, shown
 
@@ -67,40 +67,39 @@ def read_points(path: str | Path) -> Points:
 
 def parse_points(stream: BinaryIO, file: Path) -> Points:
     """Points of a text cloud; `file` tells the format and the name."""
-    content = lines(stream, shown(file))
+    content = lines(stream, file)
     if file.suffix.lower() == ".xyz":
         declared, content = chemical(content)
         if declared is not None:
-            coordinates, width = chemical_points(content, shown(file), declared)
+            coordinates, width = chemical_points(content, file, declared)
             return Points(coordinates, None, tuple(f"column {k}" for k in range(5, width + 1)))
     return _table(_rows(content, file), file)
 
 
-def _table(rows: Iterator[tuple[str, list[str]]], file: Path) -> Points:
-    place, first = next(rows, (f"{shown(file)}, line 1", list[str]()))
+def _table(rows: Iterator[tuple[Place, list[str]]], file: Path) -> Points:
+    place, first = next(rows, (Place(file, 1), list[str]()))
     names = [name.strip().lower() for name in first]
     bare = file.suffix.lower() != ".csv" or all(map(NUMBER.fullmatch, names))
     if bare:
-        _require_three(place, names, file)
+        _require_three(place, names)
         names = ["x", "y", "z", *(f"column {k}" for k in range(4, len(first) + 1))][: len(first)]
         rows = chain([(place, first)], rows)
     if [names.count(name) for name in "xyz"] != [1, 1, 1] or names.count("label") > 1:
-        message = (
-            f"{place}: give three columns of numbers, separated by commas, or a header that names "
+        words = (
+            "give three columns of numbers, separated by commas, or a header that names "
             "one column each x, y and z (and label)"
         )
-        raise InvalidFileError(message)
+        raise place.refusal(words, value=names)
     axes, coordinates, called = [names.index(name) for name in "xyz"], array("d"), list[str]()
     calling = next((names.index(name) for name in ("label", *IDENTIFIERS) if name in names), None)
     for place, row in rows:
         if len(row) != len(names):
-            message = f"{place}: {len(row)} columns, not {len(names)}: mend the row"
-            raise InvalidFileError(message)
+            words = f"{len(row)} columns, not {len(names)}: mend the row"
+            raise place.refusal(words, value=len(row), limit=len(names))
         coordinates.extend(number(place, row[axis]) for axis in axes)
         called += [] if calling is None else [row[calling].strip()]
     if not coordinates:
-        message = f"{place}: no points: add rows"
-        raise InvalidFileError(message)
+        raise place.refusal("no points: add rows", value=0, limit=1)
     if bare and len(names) > 3:
         _require_no_count(coordinates[::3], file)
     ignored = tuple(name for name in names if name not in {"x", "y", "z", "label"})
@@ -108,14 +107,14 @@ def _table(rows: Iterator[tuple[str, list[str]]], file: Path) -> Points:
     return Points(coordinates, identifiers if "label" in names else None, ignored, identifiers)
 
 
-def _require_three(place: str, fields: list[str], file: Path) -> None:
+def _require_three(place: Place, fields: list[str]) -> None:
     """That a .csv file without a header leaves no doubt which columns are x, y, z."""
-    if file.suffix.lower() == ".csv" and len(fields) > 3:
-        message = (
-            f"{place}: {len(fields)} columns and no header: which are x, y, z? Add a header such "
+    if place.file.suffix.lower() == ".csv" and len(fields) > 3:
+        words = (
+            f"{len(fields)} columns and no header: which are x, y, z? Add a header such "
             "as label,x,y,z"
         )
-        raise InvalidFileError(message)
+        raise place.refusal(words, value=len(fields), limit=3)
 
 
 def _require_no_count(column: array[float], file: Path) -> None:
@@ -126,7 +125,7 @@ def _require_no_count(column: array[float], file: Path) -> None:
             "it x, or does it number the points? Leave out that column or those behind z, or save "
             "a .csv file with a header such as label,x,y,z"
         )
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file, column="1")
 
 
 def read_numbers(path: str | Path) -> array[float]:
@@ -141,9 +140,9 @@ def parse_numbers(stream: BinaryIO, file: Path) -> array[float]:
     return array("d", (number(place, ",".join(row)) for place, row in parse_rows(stream, file)))
 
 
-def parse_rows(stream: BinaryIO, file: Path) -> Iterator[tuple[str, list[str]]]:
+def parse_rows(stream: BinaryIO, file: Path) -> Iterator[tuple[Place, list[str]]]:
     """Place and fields of each row of a .csv or .txt file."""
-    return _rows(lines(stream, shown(file)), file)
+    return _rows(lines(stream, file), file)
 
 
 def pair_by_label(source: Points, target: Points, files: tuple[Path, Path]) -> Points:
@@ -155,7 +154,7 @@ def pair_by_label(source: Points, target: Points, files: tuple[Path, Path]) -> P
     if source.labels is None or target.labels is None:
         if n != other:
             message = f"{n} source but {other} target points: pair the rows, or add labels"
-            raise InvalidFileError(message)
+            raise InvalidFileError(message, path=files[1], value=other, limit=n)
         require_same_order(source.identifiers, target.identifiers, files)
         return target
     _, rows = rows_by_label(source.labels, target.labels, files=files)
@@ -187,7 +186,7 @@ def read_clouds(
             message = (
                 f"sigma is {sigma!r}: give a standard deviation > 0 whose 1/sigma^2 is a double"
             )
-            raise InvalidProblemError(message)
+            raise InvalidProblemError(message, array="sigma", value=sigma)
         masses = array("d", [weight_of_sigma(sigma)]) * (len(first.coordinates) // 3)
     clouds = Clouds(first.coordinates, second.coordinates, masses)
     return clouds, [note for note in notes if note is not None]
@@ -198,13 +197,13 @@ def _one_of(formats: tuple[str, ...], path: str | Path) -> Path:
     if file.suffix.lower() not in formats:
         known = " or ".join((", ".join(formats[:-1]), formats[-1]))
         message = f"{shown(file)}: not a known format: give a {known} file"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file, value=file.suffix, limit=formats)
     return file
 
 
-def _rows(content: Iterator[str], file: Path) -> Iterator[tuple[str, list[str]]]:
+def _rows(content: Iterator[str], file: Path) -> Iterator[tuple[Place, list[str]]]:
     """Place and fields of each row; only in .csv, blanks are no commas and # is no comment."""
-    name, line, spaced = shown(file), 0, file.suffix.lower() != ".csv"
+    line, spaced = 0, file.suffix.lower() != ".csv"
     try:
         if spaced:
             content = (_commas(text.partition("#")[0].strip()) for text in content)
@@ -212,10 +211,9 @@ def _rows(content: Iterator[str], file: Path) -> Iterator[tuple[str, list[str]]]
         reader = csv.reader(content, quoting=quotes, strict=True)
         for row in filter(None, reader):
             line = reader.line_num
-            yield f"{name}, line {line}", row
+            yield Place(file, line), row
     except (ValueError, csv.Error) as error:
-        message = f"{name}, line {line + 1}: {shown(error)}: mend the text"
-        raise InvalidFileError(message) from error
+        raise Place(file, line + 1).refusal(f"{shown(error)}: mend the text") from error
 
 
 def _commas(line: str) -> str:

@@ -11,11 +11,11 @@ from array import array
 from itertools import chain
 from typing import TYPE_CHECKING
 
-from certreg.errors import InvalidFileError
-from certreg.io.streams import COUNT, count, number
+from certreg.io.streams import COUNT, Place, count, number
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
 SYMBOL = re.compile(r"[A-Za-z][A-Za-z0-9_+*'-]*")  # no number: x y z i behind a count is refused
 
@@ -27,23 +27,25 @@ def chemical(lines: Iterator[str]) -> tuple[str | None, Iterator[str]]:
     return declared, chain([first], lines)
 
 
-def chemical_points(lines: Iterator[str], name: str, declared: str) -> tuple[array[float], int]:
+def chemical_points(lines: Iterator[str], file: Path, declared: str) -> tuple[array[float], int]:
     """The coordinates of a chemical file, from its first line on, and its number of columns."""
-    expected, coordinates, width = count(f"{name}, line 1", declared), array("d"), 0
+    expected, coordinates, width = count(Place(file, 1), declared), array("d"), 0
     for line, text in enumerate(lines, 1):
-        words, place = text.split(), f"{name}, line {line}"
+        words, place = text.split(), Place(file, line)
         if line <= 2 or not words:
             continue
         width = width or len(words)
         if len(coordinates) == 3 * expected:
-            message = f"{place}: more than the {expected} points of line 1: give one frame only"
-            raise InvalidFileError(message)
+            what = f"more than the {expected} points of line 1: give one frame only"
+            raise place.refusal(what, limit=expected)
         if len(words) < 4 or len(words) != width or not SYMBOL.fullmatch(words[0]):
-            message = f"{place}: not 'symbol x y z' with as many columns as the rows above: mend it"
-            raise InvalidFileError(message)
+            what = "not 'symbol x y z' with as many columns as the rows above: mend it"
+            raise place.refusal(what, value=text.strip())
         coordinates.extend(number(place, word) for word in words[1:4])
     if len(coordinates) != 3 * expected or not coordinates:
-        what = f"{name}, line 1: declares {expected} points, the file holds"
-        message = f"{what} {len(coordinates) // 3}: give at least one, and the true count"
-        raise InvalidFileError(message)
+        held = len(coordinates) // 3
+        what = f"declares {expected} points, the file holds {held}"
+        raise Place(file, 1).refusal(
+            f"{what}: give at least one, and the true count", value=held, limit=expected
+        )
     return coordinates, width

@@ -31,7 +31,7 @@ from certreg.dynamics import body_of, read_record, start_at_rest
 from certreg.errors import DegenerateProblemError, InvalidFileError, RefusedCertificateError
 from certreg.exact import Dyadic
 from certreg.geometry import quaternion_from_matrix
-from certreg.io import reading
+from certreg.io import MAX_POSE_BYTES, reading
 from certreg.problem import (
     DEFAULT_DAMPING,
     MAX_DAMPING,
@@ -45,7 +45,7 @@ from certreg.report.document import RESULT_SCHEMA
 from certreg.report.folder import RESULT, TRAJECTORY
 from certreg.report.page import Report
 from certreg.report.panel import Roads
-from certreg.settings import FileSettings, ReportSettings
+from certreg.settings import ReportSettings
 from certreg.verify import FILE_MAX, RefusalError, bound_doubles, parse, shown
 
 if TYPE_CHECKING:
@@ -195,7 +195,7 @@ def _beside(
 def _known(file: Path, digest: str) -> Known:
     """What a result of this problem says. Raises InvalidFileError if it is not sound."""
     with reading(file) as stream:
-        text = stream.read(FileSettings().max_pose_bytes + 1)
+        text = stream.read(MAX_POSE_BYTES + 1)
     try:
         document: Any = json.loads(text)
         mine = (document["schema"], document["digest"]) == (RESULT_SCHEMA, digest)

@@ -25,8 +25,7 @@ from hypothesis import strategies as st
 from certreg.errors import InvalidFileError
 from certreg.io.clouds import Pairing, parse_cloud, read_cloud, read_problem, write_cloud
 from certreg.io.labels import Match
-from certreg.io.lzf import decompress
-from certreg.settings import FileSettings
+from certreg.io.pcd import decompress
 
 DOUBLES = st.floats(allow_nan=False, allow_infinity=False)
 POINTS = [[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]]
@@ -220,15 +219,13 @@ def test_lzf_copies_only_what_is_there():
 @pytest.mark.parametrize("suffix", [".ply", ".pcd", ".npy", ".npz"])
 def test_a_binary_file_has_a_largest_size(monkeypatch, suffix: str):
     content = {".ply": PLY, ".pcd": PACKED, ".npy": npy(POINTS), ".npz": NPZ}[suffix]
-    small = FileSettings(max_binary_bytes=20)
-    monkeypatch.setattr("certreg.io.streams.FileSettings", lambda: small)
+    monkeypatch.setattr("certreg.io.streams.MAX_BINARY_BYTES", 20)
     with pytest.raises(InvalidFileError, match=r"[0-9]+ bytes are too many: is it a cloud\?"):
         read(content, suffix)
 
 
 def test_compressed_points_have_a_largest_size(monkeypatch):
-    small = FileSettings(max_unpacked_bytes=47)
-    monkeypatch.setattr("certreg.io.pcd.FileSettings", lambda: small)
+    monkeypatch.setattr("certreg.io.pcd.MAX_UNPACKED_BYTES", 47)
     with pytest.raises(InvalidFileError, match="corrupt or too large"):
         read(PACKED, ".pcd")
 
@@ -272,8 +269,7 @@ def test_what_numpy_saves_is_read_bit_for_bit(save, points):
 
 def test_an_archive_that_unpacks_to_too_much_is_refused_before_it_is(monkeypatch):
     content = npz({"points": np.zeros((100_000, 3))}, zipfile.ZIP_DEFLATED)
-    small = FileSettings(max_unpacked_bytes=2_000_000)
-    monkeypatch.setattr("certreg.io.npz.FileSettings", lambda: small)
+    monkeypatch.setattr("certreg.io.npz.MAX_UNPACKED_BYTES", 2_000_000)
     with pytest.raises(InvalidFileError, match=r"2400128 bytes long, .* too large"):
         read(content, ".npz")
 

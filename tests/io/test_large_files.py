@@ -21,15 +21,14 @@ from certreg.errors import InvalidFileError
 from certreg.io import streams
 from certreg.io.clouds import read_cloud, read_problem, read_weights
 from certreg.problem.memory_mapped import mapped_file
-from certreg.settings import FileSettings, SumSettings
+from certreg.settings import SumSettings
 
-EVERY = FileSettings(mapped_bytes=1)
 POINTS = np.random.default_rng(5).normal(size=(500, 3)).astype(np.float32)
 
 
 @pytest.fixture
 def all_large(monkeypatch):
-    monkeypatch.setattr(streams, "FileSettings", lambda: EVERY)
+    monkeypatch.setattr(streams, "MAPPED_BYTES", 1)
 
 
 def told(path: Path) -> tuple[str, object]:
@@ -42,7 +41,7 @@ def told(path: Path) -> tuple[str, object]:
 
 def told_both_ways(path: Path) -> tuple[tuple[str, object], tuple[str, object]]:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(streams, "FileSettings", lambda: EVERY)
+        patch.setattr(streams, "MAPPED_BYTES", 1)
         mapped = told(path)
     return told(path), mapped
 
@@ -103,7 +102,7 @@ def test_points_that_are_not_side_by_side_are_copied(tmp_path, name, all_large, 
     (tmp_path / "a.ply").write_bytes(ply([("vertex", ELSEWHERE[name], rows)]))
 
     assert read_cloud(tmp_path / "a.ply").points.tolist() == [[0, 2, 3], [1, 2, 4]]
-    monkeypatch.setattr("certreg.io.ply.FileSettings", lambda: FileSettings(max_binary_bytes=20))
+    monkeypatch.setattr("certreg.io.ply.MAX_BINARY_BYTES", 20)
     with pytest.raises(InvalidFileError, match=r"too many: save x, y, z of one type"):
         read_cloud(tmp_path / "a.ply")
 
@@ -186,7 +185,7 @@ def test_the_problem_and_its_certificate_are_those_of_small_files(tmp_path, monk
         np.save(tmp_path / f"{name}.npy", points)
         (tmp_path / f"{name}.ply").write_bytes(xyz_ply(points.tolist(), type_="float"))
     small, _ = read_problem(tmp_path / "a.npy", tmp_path / "b.npy")
-    monkeypatch.setattr(streams, "FileSettings", lambda: EVERY)
+    monkeypatch.setattr(streams, "MAPPED_BYTES", 1)
     large, pair = read_problem(tmp_path / "a.ply", tmp_path / "b.npy")
     run = certreg("equilibria", tmp_path / "a.ply", tmp_path / "b.npy", "--json")
 
@@ -204,7 +203,7 @@ def test_a_large_cloud_is_moved_block_by_block_to_the_same_bytes(tmp_path, suffi
     first = certreg(*words, tmp_path / f"small.{suffix}")
     blocks = SumSettings(block_points=100)
     monkeypatch.setattr("certreg.problem.problem.SumSettings", lambda: blocks)
-    monkeypatch.setattr(streams, "FileSettings", lambda: EVERY)
+    monkeypatch.setattr(streams, "MAPPED_BYTES", 1)
     second = certreg(*words, tmp_path / f"large.{suffix}")
     contents = [(tmp_path / f"{size}.{suffix}").read_bytes() for size in ("small", "large")]
 
@@ -231,8 +230,8 @@ def test_a_moved_row_beyond_the_doubles_is_named_and_nothing_is_written(tmp_path
 
 def test_a_file_beyond_all_bounds_is_refused(tmp_path, monkeypatch):
     np.save(tmp_path / "a.npy", POINTS)
-    bounds = FileSettings(mapped_bytes=1, max_mapped_bytes=100)
-    monkeypatch.setattr(streams, "FileSettings", lambda: bounds)
+    monkeypatch.setattr(streams, "MAPPED_BYTES", 1)
+    monkeypatch.setattr(streams, "MAX_MAPPED_BYTES", 100)
     with pytest.raises(InvalidFileError, match="bytes are too many"):
         read_cloud(tmp_path / "a.npy")
 

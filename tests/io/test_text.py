@@ -14,8 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from certreg.errors import InvalidFileError
+from certreg.io.streams import MAX_LINE_BYTES
 from certreg.io.text import Points, pair_by_label, read_numbers, read_points
-from certreg.settings import FileSettings
 
 FILES = (Path("a.csv"), Path("b.csv"))
 
@@ -179,9 +179,8 @@ def test_unreadable_clouds_are_input_errors(tmp_path, monkeypatch):
         with pytest.raises(InvalidFileError, match=words):
             read_points(tmp_path / name)
     with pytest.raises(InvalidFileError, match="line 1: the line or the file is too long"):
-        read(tmp_path, "1" * (FileSettings().max_line_bytes + 1))
-    small = FileSettings(max_text_bytes=4)
-    monkeypatch.setattr("certreg.io.streams.FileSettings", lambda: small)
+        read(tmp_path, "1" * (MAX_LINE_BYTES + 1))
+    monkeypatch.setattr("certreg.io.streams.MAX_TEXT_BYTES", 4)
     with pytest.raises(InvalidFileError, match="line 1: the line or the file is too long"):
         read(tmp_path, "1,2,3\n")
 
