@@ -13,7 +13,7 @@ from sphinx import addnodes
 from sphinx.util import logging
 
 logger = logging.getLogger(__name__)
-PUBLIC_MODULES = ("verify", "equilibria")  # also functions: their names lead to the modules
+PUBLIC_MODULE = "verify"  # also a function: the name leads to the module
 LONGEST = 45  # lines of source that are shown on the page of a proof
 
 
@@ -72,8 +72,9 @@ def reference_to(dotted: str, docname: str) -> nodes.Element:
 
 def public_homes() -> dict[str, str]:
     """The public names that have a description of their own, and the modules they come from."""
-    homes: dict[str, str] = importlib.import_module("certreg")._HOMES  # noqa: SLF001
-    return {name: home for name, home in homes.items() if name not in PUBLIC_MODULES}
+    package: Any = importlib.import_module("certreg")
+    names = (name for name in package.__all__ if name not in {PUBLIC_MODULE, "__version__"})
+    return {name: getattr(package, name).__module__ for name in names}
 
 
 def _described(dotted: str) -> str:

@@ -1,6 +1,6 @@
 """`{reports}` writes certreg's own reports while the page is built, and a table that leads to them.
 
-Each line of its content names an exhibit and says what to look at; every exhibit must be named. The
+Each line of its content names an example and says what to look at; every example must be named. The
 reports lie in `gallery/` beside the pages, so that their theorems lead to the pages of the proofs.
 """
 
@@ -14,9 +14,8 @@ from docutils import nodes
 from sphinx.errors import ExtensionError
 from sphinx.util.docutils import SphinxDirective
 
-from certreg.problem.problem import RegistrationProblem
-from certreg.registration.certification import certify
-from certreg.registration.examples import STORIES, tell
+from certreg.problem import RegistrationProblem
+from certreg.registration import STORIES, certify, tell
 from certreg.report.page import Report, html_page
 
 if TYPE_CHECKING:
@@ -25,13 +24,13 @@ if TYPE_CHECKING:
     from sphinx.application import Sphinx
     from sphinx.util.typing import ExtensionMetadata
 
-    from certreg.registration.certification import Registration
+    from certreg.registration import Registration
 
 FOLDER = "gallery"  # beside the page, in the built documentation
 
 
 @dataclass(frozen=True)
-class Exhibit:
+class Example:
     """A problem of exact coordinates that shows one row of the classification."""
 
     source: list[list[float]]
@@ -61,14 +60,14 @@ def mirrored(points: list[list[float]]) -> list[list[float]]:
     return [[-x, y, z] for x, y, z in points]
 
 
-EXHIBITS = {
-    "square": Exhibit(SQUARE, quarter(SQUARE)),
-    "tall": Exhibit(TALL, quarter(TALL)),
-    "tetrahedron": Exhibit(TETRAHEDRON, quarter(TETRAHEDRON)),
-    "mirrored-tall": Exhibit(TALL, mirrored(TALL)),
-    "mirrored-tetrahedron": Exhibit(TETRAHEDRON, mirrored(TETRAHEDRON)),
-    "line": Exhibit(BENT, LINE),
-    "nothing": Exhibit(OCTAHEDRON, [[abs(x), abs(y), abs(z)] for x, y, z in OCTAHEDRON]),
+EXAMPLES = {
+    "square": Example(SQUARE, quarter(SQUARE)),
+    "tall": Example(TALL, quarter(TALL)),
+    "tetrahedron": Example(TETRAHEDRON, quarter(TETRAHEDRON)),
+    "mirrored-tall": Example(TALL, mirrored(TALL)),
+    "mirrored-tetrahedron": Example(TETRAHEDRON, mirrored(TETRAHEDRON)),
+    "line": Example(BENT, LINE),
+    "nothing": Example(OCTAHEDRON, [[abs(x), abs(y), abs(z)] for x, y, z in OCTAHEDRON]),
 }
 
 
@@ -81,7 +80,7 @@ class Reports(SphinxDirective):
         """Write the reports and show the table."""
         told = dict(line.split(": ", 1) for line in self.content if line.strip())
         registrations = {story.name: lambda story=story: tell(story) for story in STORIES}
-        registrations |= {name: exhibit.register for name, exhibit in EXHIBITS.items()}
+        registrations |= {name: example.register for name, example in EXAMPLES.items()}
         if told.keys() != registrations.keys():
             missed = ", ".join(sorted(told.keys() ^ registrations.keys()))
             raise ExtensionError(
