@@ -17,18 +17,6 @@ class SpectrumSettings:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CertificateSettings:
-    """Sizes within a certificate."""
-
-    inline_points: int = 1_000_000  # the contract: beyond, the file carries the digest only
-    bound_bits: int = 32  # mantissa of mu and delta: short numbers, at most 2^-31 wasted
-    growth_bits: int = 16  # delta grows by 2^16 after a refused attempt
-    least_bits: int = 8192  # delta is at least 2^-8192 of the spread: exponents stay in bounds
-    python_points: int = 20_000  # of own certificates: the checker adds up itself (0.3 s)
-    attempts: int = 8  # 8 * 16 bits: far beyond any rounding of the first guess
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class SumSettings:
     """How the exact sums over many points are taken; they come out the same whatever is chosen."""
 

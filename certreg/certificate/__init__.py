@@ -16,12 +16,12 @@ if TYPE_CHECKING:
     from certreg.certificate.checking import verify as verify
     from certreg.certificate.checking import verify_with_coq as verify_with_coq
     from certreg.certificate.count import AT_MOST as AT_MOST
-    from certreg.certificate.count import CountCertificate as CountCertificate
-    from certreg.certificate.count import count_certificate as count_certificate
-    from certreg.certificate.envelope import ISOTROPIC as ISOTROPIC
+    from certreg.certificate.count import CountBody as CountBody
     from certreg.certificate.envelope import Certificate as Certificate
-    from certreg.certificate.envelope import Claims as Claims
-    from certreg.certificate.envelope import RotationState as RotationState
+    from certreg.certificate.isotropic import Claims as Claims
+    from certreg.certificate.isotropic import IsotropicBody as IsotropicBody
+    from certreg.certificate.isotropic import RotationState as RotationState
+    from certreg.certificate.producing import count_certificate as count_certificate
     from certreg.certificate.producing import produce as produce
 
 __getattr__ = lazy_face(
@@ -41,15 +41,17 @@ __getattr__ = lazy_face(
         ),
         "count": (
             "AT_MOST",
-            "CountCertificate",
-            "count_certificate",
+            "CountBody",
         ),
-        "envelope": (
-            "Certificate",
+        "envelope": ("Certificate",),
+        "isotropic": (
             "Claims",
-            "ISOTROPIC",
+            "IsotropicBody",
             "RotationState",
         ),
-        "producing": ("produce",),
+        "producing": (
+            "count_certificate",
+            "produce",
+        ),
     },
 )

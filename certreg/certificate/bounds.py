@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from certreg.certificate.envelope import Certificate
+    from certreg.certificate.isotropic import IsotropicBody
     from certreg.problem import ExactMoments
 
 
@@ -68,13 +68,13 @@ class ExactPose:
         )
 
 
-def pose_bounds(moments: ExactMoments, certificate: Certificate, pose: ExactPose) -> PoseBounds:
+def pose_bounds(moments: ExactMoments, body: IsotropicBody, pose: ExactPose) -> PoseBounds:
     """Bounds on a pose; they hold if the checker accepts the certificate for these data."""
-    above = pose_energy(moments, pose) - potential_energy(moments, certificate.quaternion)
+    above = pose_energy(moments, pose) - potential_energy(moments, body.quaternion)
     return PoseBounds(
         least_gap=max(Fraction(0), above),
-        greatest_gap=max(Fraction(0), above + certificate.gap),
-        angle_upper=_angle_upper(certificate, pose.quaternion),
+        greatest_gap=max(Fraction(0), above + body.gap),
+        angle_upper=_angle_upper(body, pose.quaternion),
     )
 
 
@@ -92,9 +92,9 @@ def sin2_half_angle_between(p: Sequence[int], q: Sequence[int]) -> Fraction:
     return Fraction(squared_norm(across), squared_norm(p) * squared_norm(q))
 
 
-def _angle_upper(certificate: Certificate, q: Sequence[int]) -> float | None:
-    claimed = certificate.claims.sin2_half_angle
+def _angle_upper(body: IsotropicBody, q: Sequence[int]) -> float | None:
+    claimed = body.claims.sin2_half_angle
     if claimed is None:
         return None
-    own = half_angle_bound(sin2_half_angle_between(certificate.quaternion, q))
+    own = half_angle_bound(sin2_half_angle_between(body.quaternion, q))
     return min(math.pi, math.nextafter(own + half_angle_bound(claimed.value), math.inf))

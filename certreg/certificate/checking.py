@@ -5,21 +5,22 @@ from __future__ import annotations
 import sys
 from array import array
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from certreg.errors import InvalidFileError, RefusedCertificateError
+from certreg.certificate.envelope import certificate_bytes
+from certreg.errors import RefusedCertificateError
 from certreg.io import write_atomically
 from certreg.results import Ruling, Verdict
-from certreg.settings import CertificateSettings
-from certreg.verify import FILE_MAX, INLINE_MAX, Clouds, Outcome, check, shown
+from certreg.verify import INLINE_MAX, Clouds, Outcome, check
 
 if TYPE_CHECKING:
     import os
+    from pathlib import Path
 
-    from certreg.certificate.count import CountCertificate
-    from certreg.certificate.envelope import Certificate
+    from certreg.certificate.envelope import Body, Certificate
     from certreg.problem import RegistrationProblem
+
+PYTHON_POINTS = 20_000  # of own certificates: the checker adds up itself (0.3 s)
 
 
 def verify(
@@ -33,7 +34,7 @@ def verify(
     is not a proof that they are false. Raises InvalidFileError if the file cannot be read, and
     InvalidProblemError where a mapped cloud is spoilt meanwhile.
     """
-    content = _content(certificate)
+    content = certificate_bytes(certificate)
     if problem is None or isinstance(problem, Clouds) or problem.n <= INLINE_MAX:
         return as_verdict(check(content, _bound(problem)))
     from certreg.certificate.blockwise import check_in_blocks
@@ -53,7 +54,7 @@ def verify_with_coq(
     """
     from certreg.certificate.coqc import decide
 
-    verdict, source = decide(_content(certificate), _bound(problem), tell=_on_stderr)
+    verdict, source = decide(certificate_bytes(certificate), _bound(problem), tell=_on_stderr)
     if out is not None and source:
         write_atomically(out, source.encode())
     return verdict
@@ -63,30 +64,17 @@ def _on_stderr(words: str) -> None:
     sys.stderr.write(words + "\n")
 
 
-def _content(certificate: str | os.PathLike[str] | bytes) -> bytes:
-    """The bytes of the file, one more than allowed at most."""
-    if isinstance(certificate, bytes):
-        return certificate
-    try:
-        with Path(certificate).open("rb") as stream:
-            return stream.read(FILE_MAX + 1)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "not a file name"
-        message = f"{shown(certificate)}: cannot be read ({reason}): give a readable file"
-        raise InvalidFileError(message) from error
-
-
 def _bound(problem: RegistrationProblem | Clouds | None) -> Clouds | None:
     return problem if problem is None or isinstance(problem, Clouds) else _clouds(problem)
 
 
-def check_own(certificate: Certificate | CountCertificate, problem: RegistrationProblem) -> Verdict:
+def check_own(certificate: Certificate[Body], problem: RegistrationProblem) -> Verdict:
     """The checker's answer on a certificate just made, from its bytes, as a stranger would.
 
     Of many points it does not add up all products again, which takes a stranger 15 seconds for a
     million: its proofs are run on exact sums by another road than those the certificate is made of.
     """
-    if problem.n <= CertificateSettings().python_points:
+    if problem.n <= PYTHON_POINTS:
         return verify(certificate.to_json(), problem)
     from certreg.certificate.blockwise import check_on_sums
 

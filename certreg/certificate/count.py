@@ -6,77 +6,39 @@ formulas of its own.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
-from certreg.certificate.envelope import FORMAT, file_pieces
-from certreg.io import write_atomically
-from certreg.problem import exact_moments
-from certreg.settings import CertificateSettings
-
-if TYPE_CHECKING:
-    import os
-    from collections.abc import Iterator
-
-    from certreg.problem import RegistrationProblem
-
-COUNT = "count"
 AT_MOST = 4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CountCertificate:
-    """A proof that a problem has at most four equilibria, complex ones counted with multiplicity.
+class CountBody:
+    """A proof that a problem has few equilibria, complex ones counted with multiplicity.
 
     chart, modulus: with which the quadratics are seen to be independent.
-    data: the bytes that are hashed into the digest; None where the problem is too large to inline.
+    at_most: the claim; no less than four is ever proved.
     """
 
-    n: int
-    digest: str
-    data: bytes | None
+    KIND: ClassVar[str] = "count"
+
     chart: tuple[int, int, int, int]
     modulus: int
-    about: dict[str, Any] = field(default_factory=dict[str, Any])
+    at_most: int = AT_MOST
 
-    def pieces(self) -> Iterator[bytes]:
-        """The file's content, piece by piece."""
-        document = {
-            "about": self.about,
-            "claims": {"at_most": AT_MOST},
-            "format": FORMAT,
-            "kind": COUNT,
-            "problem": {"data": None, "digest": self.digest, "n": self.n},
+    def to_fields(self) -> dict[str, Any]:
+        """The part of the file that is of this kind alone."""
+        return {
+            "claims": {"at_most": self.at_most},
             "proof": {"chart": list(self.chart), "modulus": self.modulus},
         }
-        yield from file_pieces(document, self.data)
 
-    def to_json(self) -> bytes:
-        """The file's content."""
-        return b"".join(self.pieces())
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the file; under a temporary name first, so that it is never half there."""
-        write_atomically(path, self.pieces())
-
-
-def count_certificate(
-    problem: RegistrationProblem, settings: CertificateSettings | None = None
-) -> CountCertificate | None:
-    """The certificate that a problem has at most four equilibria; None for infinitely many.
-
-    None means not proved, not disproved.
-    """
-    from certreg.equilibrium import at_most_four
-
-    settings = settings or CertificateSettings()
-    proof = at_most_four(exact_moments(problem).cross)
-    if proof is None:
-        return None
-    return CountCertificate(
-        n=problem.n,
-        digest=problem.digest(),
-        data=problem.data_bytes() if problem.n <= settings.inline_points else None,
-        chart=proof.chart,
-        modulus=proof.prime,
-    )
+    @classmethod
+    def from_fields(cls, fields: dict[str, Any]) -> CountBody:
+        """The inverse of `to_fields`, of a file that the checker has found well-formed."""
+        a, b, c, d = fields["proof"]["chart"]
+        return cls(
+            chart=(a, b, c, d),
+            modulus=fields["proof"]["modulus"],
+            at_most=fields["claims"]["at_most"],
+        )

@@ -1,7 +1,7 @@
-"""The certificate: data, an integer quaternion, two dyadic numbers, and what follows from them.
+"""The file of a certificate: an envelope that names the points, and a body that proves of them.
 
-File format `certreg-certificate/1`: JSON, UTF-8, sorted keys; every number that carries proof is an
-integer or a dyadic pair [mantissa, exponent].
+Format `certreg-certificate/1`: JSON, UTF-8, sorted keys; every number that carries proof is an
+integer or a dyadic pair [mantissa, exponent]. What a body proves is said by its kind.
 """
 
 from __future__ import annotations
@@ -9,103 +9,89 @@ from __future__ import annotations
 import base64
 import json
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, TypeVar
 
+from certreg.certificate.count import CountBody
+from certreg.certificate.isotropic import IsotropicBody
+from certreg.errors import InvalidFileError
 from certreg.io import write_atomically
+from certreg.verify import FILE_MAX, RefusalError, parse, shown
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterator
-    from fractions import Fraction
-
-    from certreg.exact import Dyadic
 
 FORMAT = "certreg-certificate/1"
-ISOTROPIC = "isotropic"
 PIECE = 3 << 18  # bytes of data encoded at a time: a multiple of three
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Claims:
-    """What the certificate claims; the checker proves each from the data or refuses.
+class Body(Protocol):
+    """What a kind of certificate adds to the envelope: its proof and its claims."""
 
-    gap: the objective at the pose (over the best translation) exceeds the minimum by less.
-    sin2_half_angle: sin^2(theta/2) is less, for the angle theta to every optimum; None: no claim.
-    unique: True claims that the optimum is one single pose; False claims nothing.
-    pattern: multiplicities of the eigenvalues of K, largest first.
-    unstable: unstable eigenvalues of the dynamics at each component; None: no claim.
-    basin: True claims that a body in the certificate's `basin` state ends at the optimum.
-    sdp_gap: the gap as the dual of the semidefinite relaxation alone bounds it; None: no claim.
-    """
+    KIND: ClassVar[str]
 
-    gap: Dyadic
-    sin2_half_angle: Dyadic | None
-    unique: bool
-    pattern: tuple[int, ...]
-    unstable: tuple[int, ...] | None
-    basin: bool | None = None
-    sdp_gap: Dyadic | None = None
+    def to_fields(self) -> dict[str, Any]:
+        """The part of the file that is of this kind alone."""
+        ...
+
+
+KINDS: dict[str, type[IsotropicBody | CountBody]] = {
+    body.KIND: body for body in (IsotropicBody, CountBody)
+}
+AnyBody_co = TypeVar("AnyBody_co", bound=Body, covariant=True)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RotationState:
-    """A rotation and an angular velocity (body frame, in the time unit of the springs), exactly.
+class Certificate(Generic[AnyBody_co]):
+    """A proof object for one problem.
 
-    quaternion: integers (w, x, y, z). angular_velocity: three integers times 2^exponent.
-    """
-
-    quaternion: tuple[int, ...]
-    angular_velocity: tuple[int, ...]
-    exponent: int
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Certificate:
-    """A proof object for one registration problem with isotropic springs.
-
-    quaternion: integers (w, x, y, z), the certified rotation is R(q) of the unit vector along it.
-    multiplier: nu with nu I - K > 0, the dual of the semidefinite relaxation rounded outwards.
-    basin: a state of the moving body from which it must end at the optimum.
-    mu, delta: (v + delta - mu) I - K + mu q q^T / |q|^2 > 0 with v = q^T K q / |q|^2.
+    n, digest: number of points, and SHA-256 of `RegistrationProblem.data_bytes`.
     data: the bytes that are hashed into the digest; None where the problem is too large to inline.
+    body: what is claimed and what proves it, of one of `KINDS`.
+    about: names and settings; nothing in it is proved.
     """
 
     n: int
     digest: str
     data: bytes | None
-    quaternion: tuple[int, int, int, int]
-    mu: Dyadic
-    delta: Dyadic
-    claims: Claims
-    multiplier: Dyadic | None = None
-    basin: RotationState | None = None
+    body: AnyBody_co
     about: dict[str, Any] = field(default_factory=dict[str, Any])
 
-    @property
-    def gap(self) -> Fraction:
-        """The claimed bound on objective(R(q)) - minimum."""
-        return self.claims.gap.value
+    @classmethod
+    def load(cls, certificate: str | os.PathLike[str] | bytes) -> Certificate[Body]:
+        """The certificate in a file, a path or its bytes. Proves nothing: ask `certreg.verify`.
+
+        As strict as the checker: it must have all keys of its kind, of the right types and sizes,
+        and no others. Raises InvalidFileError where the file cannot be read or is not well-formed.
+        """
+        content = certificate_bytes(certificate)
+        name = "the certificate" if isinstance(certificate, bytes) else shown(certificate)
+        try:
+            parse(content)
+            fields: dict[str, Any] = json.loads(content)
+            text = fields["problem"]["data"]
+            data = None if text is None else base64.b64decode(text, validate=True)
+        except (RefusalError, ValueError, MemoryError) as error:
+            reason = str(error) or "not enough memory"
+            message = f"{name}: is no certificate ({reason}): give a file that certreg wrote"
+            raise InvalidFileError(message) from error
+        return Certificate(
+            n=fields["problem"]["n"],
+            digest=fields["problem"]["digest"],
+            data=data,
+            body=KINDS[fields["kind"]].from_fields(fields),
+            about=fields["about"],
+        )
 
     def pieces(self) -> Iterator[bytes]:
         """The file's content, piece by piece."""
         document = {
             "about": self.about,
-            "basin": _state(self.basin),
-            "claims": {
-                "basin": self.claims.basin,
-                "gap": _pair(self.claims.gap),
-                "pattern": list(self.claims.pattern),
-                "sdp_gap": _pair(self.claims.sdp_gap),
-                "sin2_half_angle": _pair(self.claims.sin2_half_angle),
-                "unique": self.claims.unique,
-                "unstable": None if self.claims.unstable is None else list(self.claims.unstable),
-            },
             "format": FORMAT,
-            "kind": ISOTROPIC,
-            "optimality": {"delta": _pair(self.delta), "mu": _pair(self.mu)},
-            "pose": list(self.quaternion),
+            "kind": self.body.KIND,
             "problem": {"data": None, "digest": self.digest, "n": self.n},
-            "sdp": None if self.multiplier is None else {"nu": _pair(self.multiplier)},
+            **self.body.to_fields(),
         }
         yield from file_pieces(document, self.data)
 
@@ -132,12 +118,14 @@ def file_pieces(document: dict[str, Any], data: bytes | None) -> Iterator[bytes]
     yield ('"' + after.removeprefix("null")).encode()
 
 
-def _state(state: RotationState | None) -> dict[str, list[int]] | None:
-    if state is None:
-        return None
-    velocity = [*state.angular_velocity, state.exponent]
-    return {"angular_velocity": velocity, "quaternion": list(state.quaternion)}
-
-
-def _pair(number: Dyadic | None) -> list[int] | None:
-    return None if number is None else [number.mantissa, number.exponent]
+def certificate_bytes(certificate: str | os.PathLike[str] | bytes) -> bytes:
+    """The bytes of the file, one more than allowed at most. Raises InvalidFileError."""
+    if isinstance(certificate, bytes):
+        return certificate
+    try:
+        with Path(certificate).open("rb") as stream:
+            return stream.read(FILE_MAX + 1)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or "not a file name"
+        message = f"{shown(certificate)}: cannot be read ({reason}): give a readable file"
+        raise InvalidFileError(message) from error

@@ -12,7 +12,9 @@ import math
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.certificate.envelope import Certificate, Claims, RotationState
+from certreg.certificate.count import CountBody
+from certreg.certificate.envelope import Certificate
+from certreg.certificate.isotropic import Claims, IsotropicBody, RotationState
 from certreg.certificate.multiplier import multiplier_gap, proved_multiplier
 from certreg.exact import (
     Dyadic,
@@ -28,14 +30,21 @@ from certreg.geometry import (
     squared_norm,
 )
 from certreg.objective import alignment
-from certreg.settings import CertificateSettings
+from certreg.problem import exact_moments
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from typing import Any
 
+    from certreg.certificate.envelope import AnyBody_co
     from certreg.equilibrium import Spectrum
     from certreg.problem import ExactMoments, RegistrationProblem
+
+INLINE_POINTS = 1_000_000  # the contract: beyond, the file carries the digest only
+BOUND_BITS = 32  # mantissa of mu and delta: short numbers, at most 2^-31 wasted
+GROWTH_BITS = 16  # delta grows by 2^16 after a refused attempt
+LEAST_BITS = 8192  # delta is at least 2^-8192 of the spread: exponents stay in bounds
+ATTEMPTS = 8  # 8 * 16 bits: far beyond any rounding of the first guess
 
 
 def produce(
@@ -45,30 +54,25 @@ def produce(
     proposal: Fraction | None = None,
     state: RotationState | None = None,
     about: dict[str, Any] | None = None,
-    settings: CertificateSettings | None = None,
-) -> Certificate | None:
+) -> Certificate[IsotropicBody] | None:
     """A certificate of the optimum of a spectrum; None where no attempt passed the exact test.
 
     proposal: a multiplier of the semidefinite relaxation, made a proved bound if it can be.
     state: where a simulation ended, included if it is proved to lie in the certified basin.
     None means not proved, not disproved.
     """
-    settings = settings or CertificateSettings()
-    bounds = _optimality(found, settings)
+    bounds = _optimality(found)
     if bounds is None:
         return None
     mu, delta = bounds
     angle = None
     if mu.mantissa:
-        angle = dyadic_above(delta.value / mu.value, settings.bound_bits)
+        angle = dyadic_above(delta.value / mu.value, BOUND_BITS)
     classification, q = found.classification, found.quaternions[0]
     multiplier = None if proposal is None else proved_multiplier(found.moments, proposal)
     level = alignment(found.moments, q) + delta.value - mu.value
     inside = state is not None and proves_basin(found, state, level)
-    return Certificate(
-        n=problem.n,
-        digest=problem.digest(),
-        data=problem.data_bytes() if problem.n <= settings.inline_points else None,
+    body = IsotropicBody(
         quaternion=q,
         mu=mu,
         delta=delta,
@@ -79,10 +83,36 @@ def produce(
             pattern=classification.pattern,
             unstable=classification.unstable,
             basin=True if inside else None,
-            sdp_gap=None if multiplier is None else _sdp_gap(found, multiplier, settings),
+            sdp_gap=None if multiplier is None else _sdp_gap(found, multiplier),
         ),
         multiplier=multiplier,
         basin=state if inside else None,
+    )
+    return _enclosed(problem, body, about)
+
+
+def count_certificate(problem: RegistrationProblem) -> Certificate[CountBody] | None:
+    """The certificate that a problem has at most four equilibria; None for infinitely many.
+
+    None means not proved, not disproved.
+    """
+    from certreg.equilibrium import at_most_four  # loads FLINT, which few need
+
+    proof = at_most_four(exact_moments(problem).cross)
+    if proof is None:
+        return None
+    return _enclosed(problem, CountBody(chart=proof.chart, modulus=proof.prime))
+
+
+def _enclosed(
+    problem: RegistrationProblem, body: AnyBody_co, about: dict[str, Any] | None = None
+) -> Certificate[AnyBody_co]:
+    """The body in its envelope, with the points unless they are too many."""
+    return Certificate(
+        n=problem.n,
+        digest=problem.digest(),
+        data=problem.data_bytes() if problem.n <= INLINE_POINTS else None,
+        body=body,
         about=about or {},
     )
 
@@ -127,24 +157,22 @@ def proves_basin(found: Spectrum, state: RotationState, level: Fraction) -> bool
     return alignment(moments, state.quaternion) - spin * unit / (4 * moments.mass) > level
 
 
-def _sdp_gap(found: Spectrum, nu: Dyadic, settings: CertificateSettings) -> Dyadic:
-    return dyadic_above(
-        multiplier_gap(found.moments, found.quaternions[0], nu), settings.bound_bits
-    )
+def _sdp_gap(found: Spectrum, nu: Dyadic) -> Dyadic:
+    return dyadic_above(multiplier_gap(found.moments, found.quaternions[0], nu), BOUND_BITS)
 
 
-def _optimality(found: Spectrum, settings: CertificateSettings) -> tuple[Dyadic, Dyadic] | None:
+def _optimality(found: Spectrum) -> tuple[Dyadic, Dyadic] | None:
     """The mu and delta that pass, delta as small as the residual of the quaternion allows."""
     q = found.quaternions[0]
     gap = found.level_difference(0, 1) if len(found.groups) > 1 else Fraction(0)
     unique = found.classification.unique
-    mu = dyadic_below(gap / 2, settings.bound_bits) if unique else Dyadic(mantissa=0, exponent=0)
-    smallest = _scale(found.moments) * power_of_two(-min(4 * found.pose_bits, settings.least_bits))
+    mu = dyadic_below(gap / 2, BOUND_BITS) if unique else Dyadic(mantissa=0, exponent=0)
+    smallest = _scale(found.moments) * power_of_two(-min(4 * found.pose_bits, LEAST_BITS))
     residual = _squared_residual(found.moments, q)
     first = max(4 * residual / gap if gap else Fraction(0), smallest)
-    for attempt in range(settings.attempts):
-        guess = first * power_of_two(settings.growth_bits * attempt)
-        delta = dyadic_above(guess, settings.bound_bits)
+    for attempt in range(ATTEMPTS):
+        guess = first * power_of_two(GROWTH_BITS * attempt)
+        delta = dyadic_above(guess, BOUND_BITS)
         if proves_optimality(found.moments, q, mu.value, delta.value):
             return mu, delta
     return None

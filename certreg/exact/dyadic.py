@@ -5,6 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 ASIN_SLACK = 1.0 + 1e-12  # asin and sqrt of the C library err by an ulp or two: 1e-15
 
@@ -25,6 +29,17 @@ class Dyadic:
     def value(self) -> Fraction:
         """The same number as a fraction."""
         return self.mantissa * power_of_two(self.exponent)
+
+    @property
+    def pair(self) -> list[int]:
+        """[mantissa, exponent], as a file holds it."""
+        return [self.mantissa, self.exponent]
+
+    @classmethod
+    def of_pair(cls, pair: Sequence[int]) -> Dyadic:
+        """The inverse of `pair`."""
+        mantissa, exponent = pair
+        return cls(mantissa=mantissa, exponent=exponent)
 
     def scaled(self, exponent: int) -> Dyadic:
         """This number times 2**exponent."""

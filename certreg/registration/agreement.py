@@ -19,7 +19,7 @@ from certreg.settings import AgreementSettings
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.certificate import Certificate
+    from certreg.certificate import IsotropicBody
     from certreg.dynamics import Trajectory
     from certreg.equilibrium import Spectrum
     from certreg.problem import RegistrationProblem
@@ -65,21 +65,19 @@ def agreement(
     return Agreement(closed_form=max(closed), relaxation=relaxed, simulation=simulated)
 
 
-def require_sound_trajectory(
-    found: Spectrum, certificate: Certificate, trajectory: Trajectory
-) -> None:
+def require_sound_trajectory(found: Spectrum, body: IsotropicBody, trajectory: Trajectory) -> None:
     """Nothing, if a trajectory respects what is proved; ContradictionError if not.
 
     A run that came to rest inside the basin must be proved to lie there, and no logged V_p may be
     below the certified minimum by more than rounding: 64 ulps of the terms of its sum, and one for
     every step, as rotations multiplied add up theirs.
     """
-    if trajectory.status is SimulationStatus.CONVERGED and not certificate.claims.basin:
+    if trajectory.status is SimulationStatus.CONVERGED and not body.claims.basin:
         message = "the simulation ended where the basin could not be proved: please report this"
         raise ContradictionError(message)
     moments = found.moments
     unit = moments.total_weight * power_of_two(2 * trajectory.length_exponent)
-    minimum = potential_energy(moments, certificate.quaternion) - certificate.gap
+    minimum = potential_energy(moments, body.quaternion) - body.gap
     centres = np.square(trajectory.states[:, :3]).sum(axis=1)
     terms = 3.0 * float(moments.spread / unit) + centres
     ulps = AgreementSettings().energy_ulps + trajectory.steps

@@ -200,7 +200,7 @@ def _findings(registration: Registration, pose: ExactPose) -> _Findings:
     angles = [found.angle_to(i, q) for i in range(len(found.groups))]
     bounds = None
     if solution.certificate is not None:
-        bounds = pose_bounds(moments, solution.certificate, pose)
+        bounds = pose_bounds(moments, solution.certificate.body, pose)
     return _Findings(
         registration=registration,
         bounds=bounds,

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from collections.abc import Generator
     from fractions import Fraction
 
-    from certreg.certificate import Certificate
+    from certreg.certificate import Certificate, IsotropicBody
     from certreg.dynamics import Trajectory
     from certreg.equilibrium import EquilibriumSet, Spectrum
     from certreg.problem import ExactMoments, RegistrationProblem
@@ -72,7 +72,7 @@ class Solution:
     relaxation: Relaxation | None
     trajectory: Trajectory | None
     agreement: Agreement
-    certificate: Certificate | None
+    certificate: Certificate[IsotropicBody] | None
     absences: Absences
 
     @property
@@ -135,7 +135,7 @@ class Registration:
         return self.solution.equilibria
 
     @property
-    def certificate(self) -> Certificate | None:
+    def certificate(self) -> Certificate[IsotropicBody] | None:
         """The certificate that the checker has accepted; None if none was found."""
         return self.solution.certificate
 
@@ -172,7 +172,7 @@ def certify(
             verdict = check_own(certificate, problem)
         require_accepted(verdict)
         if solution.trajectory is not None:
-            require_sound_trajectory(solution.spectrum, certificate, solution.trajectory)
+            require_sound_trajectory(solution.spectrum, certificate.body, solution.trajectory)
     return _registration(problem, solution, verdict, timings)
 
 
@@ -203,12 +203,12 @@ def simulated(
     certificate = produce(problem, found, state=_final_state(trajectory))
     if certificate is not None:
         require_accepted(check_own(certificate, problem))
-        require_sound_trajectory(found, certificate, trajectory)
+        require_sound_trajectory(found, certificate.body, trajectory)
     return SimulatedRegistration(
         trajectory=trajectory,
         energy_unit=_energy_unit(found.moments, trajectory),
         angle_to_optimum=found.angle_to_optimum(lift(trajectory.quaternion).integers),
-        in_certified_basin=certificate is not None and bool(certificate.claims.basin),
+        in_certified_basin=certificate is not None and bool(certificate.body.claims.basin),
     )
 
 
@@ -321,7 +321,7 @@ def _registration(
         solution=solution,
         objective=nearest_double(energy),
         rmse=nearest_root(energy / moments.total_weight),
-        bounds=None if certificate is None else pose_bounds(moments, certificate, place),
+        bounds=None if certificate is None else pose_bounds(moments, certificate.body, place),
         verdict=verdict,
         timings=timings,
     )

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.certificate import check_own, require_accepted
+from certreg.certificate import check_own, count_certificate, require_accepted
 from certreg.equilibrium import equilibrium_set
 from certreg.problem import exact_moments
 
 if TYPE_CHECKING:
-    from certreg.certificate import CountCertificate
+    from certreg.certificate import Certificate, CountBody
     from certreg.equilibrium import EquilibriumSet, Road, RoadAgreement
     from certreg.problem import RegistrationProblem
 
@@ -48,14 +48,12 @@ def equilibrium_roads(problem: RegistrationProblem) -> RoadAgreement:
     return all_roads(exact_moments(problem))
 
 
-def certified_count(problem: RegistrationProblem) -> CountCertificate | None:
+def certified_count(problem: RegistrationProblem) -> Certificate[CountBody] | None:
     """A certificate of at most four equilibria that the checker accepted; None: infinitely many.
 
     None means not proved, not disproved. Raises RefusedCertificateError where certreg contradicts
     itself.
     """
-    from certreg.certificate import count_certificate
-
     certificate = count_certificate(problem)
     if certificate is not None:
         require_accepted(check_own(certificate, problem))

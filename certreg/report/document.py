@@ -242,7 +242,7 @@ def _relaxation(registration: Registration, reasons: dict[str, str]) -> Document
         reasons |= dict.fromkeys(("relaxation", "agreement.relaxation_deg"), why)
         return None
     value = nearest_double(Fraction(relaxation.value) * relaxation.unit)
-    gap = None if certificate is None else certificate.claims.sdp_gap
+    gap = None if certificate is None else certificate.body.claims.sdp_gap
     proved = None if gap is None else _finite(double_above(gap.value))
     if value is None:
         reasons["relaxation.value"] = OUT_OF_RANGE
@@ -273,7 +273,7 @@ def _simulation(registration: Registration, reasons: dict[str, str]) -> Document
         trajectory=trajectory,
         energy_unit=solution.energy_unit,
         angle_to_optimum=solution.agreement.simulation or 0.0,
-        in_certified_basin=certificate is not None and bool(certificate.claims.basin),
+        in_certified_basin=certificate is not None and bool(certificate.body.claims.basin),
     )
     return _simulation_fields(end, "simulation.", reasons)
 

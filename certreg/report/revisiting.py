@@ -19,17 +19,15 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from certreg.certificate import (
-    ISOTROPIC,
     Certificate,
-    Claims,
     ExactPose,
+    IsotropicBody,
     PoseBounds,
     pose_bounds,
     verify,
 )
 from certreg.dynamics import body_of, read_record, start_at_rest
 from certreg.errors import DegenerateProblemError, InvalidFileError, RefusedCertificateError
-from certreg.exact import Dyadic
 from certreg.geometry import quaternion_from_matrix
 from certreg.io import MAX_POSE_BYTES, reading
 from certreg.problem import (
@@ -102,7 +100,10 @@ def report_of(
         roads = replace(roads, relaxation=known.relaxation)
     if logged is not None:
         roads = replace(roads, simulation=_end(registration, logged))
-    given = _bounds(fields, registration)
+    body = Certificate.load(content).body
+    if not isinstance(body, IsotropicBody):
+        raise TypeError(body)
+    given = _bounds(body, registration)
     return Report(
         registration=replace(registration, bounds=given, verdict=verdict),
         certificate=content,
@@ -114,32 +115,11 @@ def report_of(
     )
 
 
-def _bounds(fields: dict[str, Any], registration: Registration) -> PoseBounds:
+def _bounds(body: IsotropicBody, registration: Registration) -> PoseBounds:
     """What the certificate given proves of the pose that was computed anew."""
-    claims = Claims(
-        gap=_dyadic(fields["gap"]),
-        sin2_half_angle=None if (sin2 := fields["sin2_half_angle"]) is None else _dyadic(sin2),
-        unique=fields["unique"],
-        pattern=tuple(fields["pattern"]),
-        unstable=None,
-    )
-    certificate = Certificate(
-        n=fields["n"],
-        digest=fields["digest"],
-        data=None,
-        quaternion=tuple(fields["pose"]),
-        mu=_dyadic(fields["mu"]),
-        delta=_dyadic(fields["delta"]),
-        claims=claims,
-    )
     pose = registration.pose
     place = ExactPose.of_doubles(pose.quaternion_wxyz, pose.translation)
-    return pose_bounds(registration.solution.moments, certificate, place)
-
-
-def _dyadic(value: Fraction) -> Dyadic:
-    """A number of a certificate, whose denominator is a power of two."""
-    return Dyadic(mantissa=value.numerator, exponent=1 - value.denominator.bit_length())
+    return pose_bounds(registration.solution.moments, body, place)
 
 
 def _weaker(given: PoseBounds, proved: PoseBounds | None) -> bool:
@@ -160,7 +140,7 @@ def _require_points(content: bytes, file: Path) -> None:
         fields = parse(content)
     except (RefusalError, MemoryError):
         return  # the checker says why
-    if fields["kind"] != ISOTROPIC:
+    if fields["kind"] != IsotropicBody.KIND:
         what = f"is a certificate of kind {shown(fields['kind'])}, which holds no pose"
         message = f"{shown(file)}: {what}: give the certificate.json that certify wrote"
         raise InvalidFileError(message)

@@ -198,13 +198,13 @@ def _road_lines(registration: Registration) -> list[str]:
     solution, lines = registration.solution, list[str]()
     relaxation, trajectory, agreement = solution.relaxation, solution.trajectory, solution.agreement
     if relaxation is not None and agreement.relaxation is not None:
-        gap = None if solution.certificate is None else solution.certificate.claims.sdp_gap
+        gap = None if solution.certificate is None else solution.certificate.body.claims.sdp_gap
         bound = "" if gap is None else f", proved gap {bounded(double_above(gap.value))}"
         lines.append(
             f"  relaxation (SDP)  rank {relaxation.rank}, {_away(agreement.relaxation)}{bound}"
         )
     if trajectory is not None and agreement.simulation is not None:
-        basin = solution.certificate is not None and solution.certificate.claims.basin
+        basin = solution.certificate is not None and solution.certificate.body.claims.basin
         where = ", proved in the basin of the optimum" if basin else ""
         lines.append(
             f"  simulation        {trajectory.steps} steps, {_away(agreement.simulation)}{where}"

@@ -25,7 +25,7 @@ from certreg.report import page as page_module
 from certreg.report import scene
 from certreg.report.page import Report
 from certreg.report.page import html_page as page_of
-from certreg.settings import CertificateSettings, ReportSettings
+from certreg.settings import ReportSettings
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -554,8 +554,7 @@ def test_ten_thousand_points_fit_into_a_small_file_and_move(shown, written):
 def test_points_that_the_certificate_does_not_hold_are_shown_as_a_sample(
     shown, written, monkeypatch
 ):
-    bounded = functools.partial(CertificateSettings, inline_points=100)
-    monkeypatch.setattr(producing, "CertificateSettings", bounded)
+    monkeypatch.setattr(producing, "INLINE_POINTS", 100)
     monkeypatch.setattr(scene, "ReportSettings", functools.partial(ReportSettings, sample=50))
     registration = certify(problem_of(101), relaxation=False)
     report = shown(registration)

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -12,13 +13,14 @@ from rotations import turned
 
 import certreg
 from certreg import RegistrationProblem
+from certreg.certificate import producing
 from certreg.certificate.bounds import (
     ExactPose,
     pose_bounds,
     pose_energy,
     sin2_half_angle_between,
 )
-from certreg.certificate.producing import produce, proves_optimality
+from certreg.certificate.producing import count_certificate, produce, proves_optimality
 from certreg.equilibrium.spectral import spectrum
 from certreg.errors import InvalidFileError
 from certreg.problem.moments import exact_moments
@@ -48,10 +50,10 @@ def test_every_problem_is_certified_with_the_claims_of_its_row(problem):
     assert certificate is not None
     assert registration.verdict is not None
     assert registration.verdict.ruling is Ruling.PROVED
-    assert certificate.claims.pattern == classification.pattern
-    assert certificate.claims.unstable == classification.unstable
-    assert certificate.claims.unique == (classification.pattern[0] == 1)
-    assert (certificate.claims.sin2_half_angle is None) == (not classification.unique)
+    assert certificate.body.claims.pattern == classification.pattern
+    assert certificate.body.claims.unstable == classification.unstable
+    assert certificate.body.claims.unique == (classification.pattern[0] == 1)
+    assert (certificate.body.claims.sin2_half_angle is None) == (not classification.unique)
     unique = registration.status is Optimality.CERTIFIED
     assert unique == classification.unique
 
@@ -120,7 +122,11 @@ def test_a_quaternion_beside_the_optimum_is_not_proved_optimal():
     moments = exact_moments(problem)
     certificate = certificate_of(problem)
     assert certificate is not None
-    q, mu, delta = certificate.quaternion, certificate.mu.value, certificate.delta.value
+    q, mu, delta = (
+        certificate.body.quaternion,
+        certificate.body.mu.value,
+        certificate.body.delta.value,
+    )
     beside = (q[0] + (q[0] >> 40), *q[1:])
 
     assert proves_optimality(moments, q, mu, delta)
@@ -137,8 +143,8 @@ def test_a_spurious_equilibrium_is_never_proved_optimal(index):
     assert certificate is not None
 
     q = found.quaternions[index]
-    for mu in (certificate.mu.value, Fraction(0)):
-        assert not proves_optimality(found.moments, q, mu, certificate.delta.value)
+    for mu in (certificate.body.mu.value, Fraction(0)):
+        assert not proves_optimality(found.moments, q, mu, certificate.body.delta.value)
 
 
 @given(strategies.problems())
@@ -165,7 +171,7 @@ def test_bounds_bracket_the_energy_of_any_pose_above_the_minimum():
     for component in registration.equilibria.components[1:]:
         bounds = pose_bounds(
             registration.solution.moments,
-            registration.certificate,
+            registration.certificate.body,
             ExactPose.of_doubles(component.quaternion_wxyz, registration.pose.translation),
         )
         shift = registration.pose.translation
@@ -209,15 +215,10 @@ def test_a_certificate_of_another_problem_is_refused():
     ).verified
 
 
-def test_a_certificate_without_its_points_needs_them():
+def test_a_certificate_without_its_points_needs_them(monkeypatch):
+    monkeypatch.setattr(producing, "INLINE_POINTS", 5)
     problem = strategies.random_problem(np.random.default_rng(0))
-    from certreg.settings import CertificateSettings
-
-    certificate = produce(
-        problem,
-        spectrum(exact_moments(problem)),
-        settings=CertificateSettings(inline_points=5),
-    )
+    certificate = produce(problem, spectrum(exact_moments(problem)))
     assert certificate is not None
     assert certificate.data is None
     assert not certreg.verify(certificate.to_json()).proved
@@ -268,3 +269,44 @@ def test_without_a_certificate_nothing_is_called_certified(monkeypatch):
     assert registration.status is Optimality.NOT_CERTIFIED
     assert registration.bounds is None
     assert registration.verdict is None
+
+
+# The envelope -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("specimen", strategies.ZOO, ids=lambda s: s.name)
+def test_a_certificate_that_is_loaded_is_the_one_that_was_saved(specimen, tmp_path):
+    whole = certreg.certify(specimen.problem, about={"name": '"data": null'}).certificate
+    for certificate in (whole, count_certificate(specimen.problem)):
+        if certificate is None:
+            continue
+        certificate.save(tmp_path / "certificate.json")
+        for one in (certificate, replace(certificate, data=None)):
+            loaded = certreg.Certificate.load(one.to_json())
+            assert loaded == one
+            assert loaded.to_json() == one.to_json()
+        assert certreg.Certificate.load(tmp_path / "certificate.json") == certificate
+
+
+def spoilt(certificate):
+    """Files that are no certificates, by what is wrong with them."""
+    honest = json.loads(certificate.to_json())
+    yield "not JSON", b"{"
+    yield "too large", certificate.to_json() + b"," * 100_000
+    yield "known kind", json.dumps({**honest, "kind": "springs"}).encode()
+    yield "exactly the keys", json.dumps({**honest, "more": 1}).encode()
+    yield "wrong type", json.dumps({**honest, "pose": "q"}).encode()
+    problem = {**honest["problem"], "data": "AAA*"}
+    yield "base64", json.dumps({**honest, "problem": problem}).encode()
+
+
+def test_what_is_no_certificate_is_refused_in_one_line(tmp_path):
+    certificate = certificate_of(strategies.random_problem(np.random.default_rng(0)))
+    for words, content in spoilt(certificate):
+        (tmp_path / "x.json").write_bytes(content)
+        for one in (content, tmp_path / "x.json"):
+            with pytest.raises(InvalidFileError, match=words) as caught:
+                certreg.Certificate.load(one)
+            assert "\n" not in str(caught.value)
+    with pytest.raises(InvalidFileError, match=r"nowhere\.json"):
+        certreg.Certificate.load(tmp_path / "nowhere.json")

@@ -286,7 +286,7 @@ def test_ends_of_a_sample_are_proved(registrations):
             angular_velocity=ends.states[k, 10:],
         )
 
-        assert proved_end(problem, found, end).claims.basin is True
+        assert proved_end(problem, found, end).body.claims.basin is True
 
 
 def test_what_has_too_few_steps_is_not_called_converged(registrations):
@@ -569,4 +569,4 @@ def test_converged_means_slow_and_in_the_proved_basin(integrator):
 
         assert trajectory.status is SimulationStatus.CONVERGED
         assert trajectory.speed < tolerance
-        assert proved_end(problem, found, trajectory).claims.basin is True
+        assert proved_end(problem, found, trajectory).body.claims.basin is True

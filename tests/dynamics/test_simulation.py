@@ -15,7 +15,7 @@ from rotations import saddle_start
 from strategies import AXES, ZOO, random_problem, random_rotation
 
 from certreg.certificate.checking import check_own, verify
-from certreg.certificate.envelope import RotationState
+from certreg.certificate.isotropic import RotationState
 from certreg.certificate.producing import produce, proves_basin
 from certreg.dynamics.body import IDENTITY, body_of
 from certreg.dynamics.simulation import SimulationStatus, simulate
@@ -62,7 +62,7 @@ def random_case(rng):
 def assert_ends_in_the_proved_basin(registration):
     trajectory = registration.solution.trajectory
     assert trajectory.status is SimulationStatus.CONVERGED
-    assert registration.certificate.claims.basin is True
+    assert registration.certificate.body.claims.basin is True
     assert registration.verdict.proved
     assert any("ends at the optimum" in theorem for theorem in registration.verdict.theorems)
 
@@ -83,7 +83,7 @@ def test_a_start_at_or_beside_a_saddle_ends_at_the_optimum(index, angle):
 
     assert trajectory.status is SimulationStatus.CONVERGED
     assert (trajectory.escapes >= 1) == (angle <= 1e-6)
-    assert proved_end(problem, found, trajectory).claims.basin is True
+    assert proved_end(problem, found, trajectory).body.claims.basin is True
     best = unit_double(found.quaternions[0])
     assert 1.0 - abs(trajectory.quaternion @ best) < 1e-6
 
@@ -100,7 +100,7 @@ def test_a_body_left_on_a_saddle_of_exact_coordinates_is_kicked_off(index):
     assert trajectory.status is SimulationStatus.CONVERGED
     assert trajectory.escapes >= 1
     assert np.allclose(trajectory.quaternion, [1, 0, 0, 0], atol=1e-3)
-    assert proved_end(problem, found, trajectory).claims.basin is True
+    assert proved_end(problem, found, trajectory).body.claims.basin is True
 
 
 # The end is proved ------------------------------------------------------------------------------
@@ -152,7 +152,7 @@ def test_no_basin_is_claimed_where_the_optimum_is_not_unique(specimen):
 
     assert trajectory.converged
     assert (trajectory.status is SimulationStatus.CONVERGED) == unique
-    assert (certificate.claims.basin is True) == unique
+    assert (certificate.body.claims.basin is True) == unique
     assert found.angle_to_optimum(lift(trajectory.quaternion).integers) < 1e-3
 
 
@@ -195,9 +195,9 @@ def test_a_million_roundings_are_no_contradiction():
 
 
 def level_of(registration):
-    certificate, moments = registration.certificate, registration.solution.moments
-    v = alignment(moments, certificate.quaternion)
-    return v + certificate.delta.value - certificate.mu.value
+    body, moments = registration.certificate.body, registration.solution.moments
+    v = alignment(moments, body.quaternion)
+    return v + body.delta.value - body.mu.value
 
 
 def refused_states(registration):
@@ -270,7 +270,7 @@ def test_a_basin_is_refused_where_the_inertia_is_singular():
 def test_forged_bounds_of_the_relaxation_are_refused():
     registration = told("survey")
     honest = json.loads(registration.certificate.to_json())
-    v = alignment(registration.solution.moments, registration.certificate.quaternion)
+    v = alignment(registration.solution.moments, registration.certificate.body.quaternion)
     below = dyadic_below(v, 64)
 
     def verdict(change):
@@ -292,20 +292,16 @@ def test_forged_bounds_of_the_relaxation_are_refused():
 
 def test_planted_contradictions_are_raised():
     registration = told("survey")
-    solution, certificate = registration.solution, registration.certificate
+    solution, body = registration.solution, registration.certificate.body
     found, trajectory = solution.spectrum, solution.trajectory
-    require_sound_trajectory(found, certificate, trajectory)
+    require_sound_trajectory(found, body, trajectory)
     minimum = trajectory.potential.min()
 
     lower = trajectory.potential.copy()
     lower[len(lower) // 2] = minimum * (1 - 1e-6) - 1e-9
     with pytest.raises(ContradictionError, match="below the certified minimum"):
-        require_sound_trajectory(
-            found, certificate, dataclasses.replace(trajectory, potential=lower)
-        )
-    silent = dataclasses.replace(
-        certificate, claims=dataclasses.replace(certificate.claims, basin=None)
-    )
+        require_sound_trajectory(found, body, dataclasses.replace(trajectory, potential=lower))
+    silent = dataclasses.replace(body, claims=dataclasses.replace(body.claims, basin=None))
     with pytest.raises(ContradictionError, match="basin could not be proved"):
         require_sound_trajectory(found, silent, trajectory)
 

@@ -9,7 +9,7 @@ from fractions import Fraction
 import pytest
 
 from certreg.certificate.checking import verify
-from certreg.certificate.count import count_certificate
+from certreg.certificate.producing import count_certificate
 from certreg.errors import InvalidProblemError
 from certreg.objective.classification import classify
 from certreg.paper import counterexamples as certifying
@@ -97,7 +97,8 @@ def test_a_claim_whose_certificate_is_refused_is_not_confirmed(monkeypatch):
     def forged(problem, found, about):
         certificate = right(problem, found, about=about)
         assert certificate is not None
-        return replace(certificate, claims=replace(certificate.claims, unique=True))
+        body = certificate.body
+        return replace(certificate, body=replace(body, claims=replace(body.claims, unique=True)))
 
     monkeypatch.setattr(certifying, "produce", forged)
     row = ROWS["6a"]
@@ -113,7 +114,7 @@ def test_a_refusal_of_the_second_certificate_is_the_verdict(monkeypatch):
     def forged(problem):
         made = count_certificate(problem)
         assert made is not None
-        return replace(made, modulus=2)
+        return replace(made, body=replace(made.body, modulus=2))
 
     monkeypatch.setattr(certifying, "count_certificate", forged)
 

@@ -15,16 +15,15 @@ from hypothesis import strategies as st
 
 import certreg
 from certreg import RegistrationProblem
-from certreg.certificate import blockwise, checking
+from certreg.certificate import blockwise, checking, producing
 from certreg.certificate.blockwise import check_in_blocks, check_on_sums
-from certreg.certificate.count import count_certificate
 from certreg.certificate.envelope import PIECE, file_pieces
+from certreg.certificate.producing import count_certificate
 from certreg.errors import RefusedCertificateError
 from certreg.exact.dyadic import Dyadic
 from certreg.problem.exact_sums import SumRoad, sums_by
 from certreg.registration.certification import solve
 from certreg.results import Optimality, Ruling
-from certreg.settings import CertificateSettings
 from certreg.verify import check, moments
 
 CHECKS = (check_in_blocks, check_on_sums)
@@ -84,12 +83,14 @@ def test_a_certificate_of_other_points_or_of_too_strong_a_claim_is_refused(way):
     assert certificate is not None
     moved = problem.target.copy()
     moved[3, 1] = np.nextafter(moved[3, 1], 9.0)
-    half = replace(certificate.claims, gap=certificate.claims.gap.scaled(-1))
+    body = certificate.body
+    half = replace(body, claims=replace(body.claims, gap=body.claims.gap.scaled(-1)))
+    low = replace(body, delta=Dyadic(mantissa=1, exponent=-4000))
     forged = {
         "other points": (certificate, RegistrationProblem(problem.source, moved)),
         "another number": (certificate, random_problem(n=19)),
-        "2 delta": (replace(certificate, claims=half), problem),
-        "delta and mu": (replace(certificate, delta=Dyadic(mantissa=1, exponent=-4000)), problem),
+        "2 delta": (replace(certificate, body=half), problem),
+        "delta and mu": (replace(certificate, body=low), problem),
         "not canonical": (replace(certificate, data=bytes(26 + 56 * 20)), problem),
         "the digest is not theirs": (
             replace(certificate, data=random_problem(noise=1.0).data_bytes()),
@@ -103,7 +104,7 @@ def test_a_certificate_of_other_points_or_of_too_strong_a_claim_is_refused(way):
 
 
 def test_its_own_certificate_of_many_points_is_checked_on_sums_by_another_road(monkeypatch):
-    problem = random_problem(n=CertificateSettings().python_points + 1)
+    problem = random_problem(n=checking.PYTHON_POINTS + 1)
     roads: list[SumRoad] = []
 
     def noted(road, problem):
@@ -122,7 +123,7 @@ def test_its_own_certificate_of_many_points_is_checked_on_sums_by_another_road(m
 
 
 def test_sums_that_err_are_refused_by_the_other_road(monkeypatch):
-    problem = random_problem(n=CertificateSettings().python_points + 1)
+    problem = random_problem(n=checking.PYTHON_POINTS + 1)
 
     def wrong(road, about):
         found = sums_by(road, about)
@@ -160,8 +161,7 @@ def test_a_file_that_is_changed_during_a_check_is_noticed(tmp_path, monkeypatch,
 
 def test_beyond_the_inline_limit_a_certificate_needs_its_points(monkeypatch, tmp_path):
     problem = random_problem(n=40)
-    small = CertificateSettings(inline_points=39)
-    monkeypatch.setattr("certreg.certificate.producing.CertificateSettings", lambda: small)
+    monkeypatch.setattr(producing, "INLINE_POINTS", 39)
     monkeypatch.setattr(checking, "INLINE_MAX", 39)
     certificate = solve(problem).certificate
     assert certificate is not None

@@ -98,8 +98,8 @@ def test_the_gap_of_any_pose_lies_within_its_bounds(exponent, seed):
     least = pose_energy(
         moments,
         ExactPose(
-            quaternion=certificate.quaternion,
-            translation=certreg_translation(moments, certificate.quaternion),
+            quaternion=certificate.body.quaternion,
+            translation=certreg_translation(moments, certificate.body.quaternion),
         ),
     )
 
