@@ -223,25 +223,6 @@ class CoqSettings:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CampaignSettings:
-    """How a campaign is cut up and carried out. No result depends on it but by the manifest."""
-
-    shard_points: int = 1 << 19  # a tenth of a second of work on random instances
-    shard_instances: int = 4096  # 400 kB of results
-    piece_points: int = 1 << 15  # of instances made at a time: two megabytes stay in the cache
-    shard_pairs: int = 16  # of the user's pairs: a second of work
-    shard_share: int = 64  # shards at least, where there are so many items: all workers have work
-    least_instances: int = 256  # in a shard all the same: milliseconds of work
-    under_way: int = 3  # calls per worker: one at work, two that wait for it
-    spread: int = 64  # shards from the first that is under way: bounds what must wait for its turn
-    breakdowns: int = 3  # of the pool in a row, without one result in between
-    tick: float = 5.0  # seconds without a result before the workers are counted
-    patience: float = 60.0  # seconds without any worker
-    connecting: float = 15.0  # seconds for a scheduler to answer
-    max_bytes: int = 1 << 30  # of a shard, of a list of pairs
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class ReproductionSettings:
     """The paper's numbers where it states them, and what counts as equal in doubles.
 

@@ -19,7 +19,7 @@ from typing import Any
 
 from campaign_work import Cut, finish, tree
 
-from certreg.campaign.running import SHARDS
+from certreg.campaign.store import SHARDS
 from certreg.paper.monte_carlo import write_instance_results
 
 KIND = Cut(count=600, points=5, seed=3)

@@ -10,10 +10,8 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from certreg.campaign.calls import Call, Yield
-from certreg.campaign.folder import occupied
-from certreg.campaign.manifest import Manifest, current_versions
-from certreg.campaign.running import CERTIFICATES, SHARDS, Watch, run
+from certreg.campaign.runner import Observer, Task, TaskResult, run
+from certreg.campaign.store import Manifest, current_versions, occupied
 from certreg.paper.monte_carlo import MonteCarlo
 
 if TYPE_CHECKING:
@@ -66,12 +64,12 @@ class Fragile(Executor):
         return future
 
 
-def echo(*, words: str) -> Yield:
-    return Yield(content=words.encode())
+def echo(*, words: str) -> TaskResult:
+    return TaskResult(content=words.encode())
 
 
-def numbered(count: int) -> Iterator[Call]:
-    return (Call(shard=k, function=echo, arguments={"words": str(k)}) for k in range(count))
+def numbered(count: int) -> Iterator[Task]:
+    return (Task(shard=k, function=echo, arguments={"words": str(k)}) for k in range(count))
 
 
 def die_while_sending() -> bytes:
@@ -85,13 +83,13 @@ def die_while_sending() -> bytes:
     return bytes(1000)
 
 
-def die_once(*, folder: str, words: str) -> Yield:
+def die_once(*, folder: str, words: str) -> TaskResult:
     """Kills the process that it runs in, the first time that it is called with a folder."""
     marker = Path(folder) / f"died-{words}"
     if not marker.exists():
         marker.touch()
         os.kill(os.getpid(), signal.SIGKILL)
-    return Yield(content=words.encode())
+    return TaskResult(content=words.encode())
 
 
 def finish(
@@ -99,9 +97,9 @@ def finish(
 ) -> list[str]:
     """A campaign run to its end in this process; the notes it gave."""
     notes: list[str] = []
-    watch = Watch(begun=lambda _: None, advanced=advanced, noted=notes.append)
-    with workers or InProcess() as crew, occupied(folder, kind.manifest(), SHARDS, CERTIFICATES):
-        run(kind, folder, crew, watch)
+    observer = Observer(begun=lambda _: None, advanced=advanced, noted=notes.append)
+    with workers or InProcess() as crew, occupied(folder, kind.manifest()):
+        run(kind, folder, crew, observer)
     return notes
 
 

@@ -7,23 +7,22 @@ from typing import TYPE_CHECKING
 from certreg._faces import lazy_face
 
 if TYPE_CHECKING:
-    from certreg.campaign.calls import Call as Call
-    from certreg.campaign.calls import Yield as Yield
-    from certreg.campaign.calls import in_order as in_order
-    from certreg.campaign.calls import outcomes as outcomes
-    from certreg.campaign.folder import occupied as occupied
-    from certreg.campaign.listing import read_listing as read_listing
-    from certreg.campaign.manifest import Manifest as Manifest
-    from certreg.campaign.manifest import current_versions as current_versions
     from certreg.campaign.pairs import RESULTS as RESULTS
     from certreg.campaign.pairs import PairCampaign as PairCampaign
     from certreg.campaign.pairs import Tally as Tally
+    from certreg.campaign.pairs import read_listing as read_listing
     from certreg.campaign.pairs import write_pair_results as write_pair_results
-    from certreg.campaign.running import CERTIFICATES as CERTIFICATES
-    from certreg.campaign.running import SHARDS as SHARDS
-    from certreg.campaign.running import Watch as Watch
-    from certreg.campaign.running import contents as contents
-    from certreg.campaign.running import run as run
+    from certreg.campaign.runner import Observer as Observer
+    from certreg.campaign.runner import Task as Task
+    from certreg.campaign.runner import TaskResult as TaskResult
+    from certreg.campaign.runner import completed as completed
+    from certreg.campaign.runner import contents as contents
+    from certreg.campaign.runner import in_order as in_order
+    from certreg.campaign.runner import run as run
+    from certreg.campaign.store import CERTIFICATES as CERTIFICATES
+    from certreg.campaign.store import Manifest as Manifest
+    from certreg.campaign.store import current_versions as current_versions
+    from certreg.campaign.store import occupied as occupied
     from certreg.campaign.table import SUMMARY as SUMMARY
     from certreg.campaign.table import Block as Block
     from certreg.campaign.table import Column as Column
@@ -36,30 +35,27 @@ if TYPE_CHECKING:
 __getattr__ = lazy_face(
     __name__,
     {
-        "calls": (
-            "Call",
-            "Yield",
-            "in_order",
-            "outcomes",
-        ),
-        "folder": ("occupied",),
-        "listing": ("read_listing",),
-        "manifest": (
-            "Manifest",
-            "current_versions",
-        ),
         "pairs": (
             "PairCampaign",
             "RESULTS",
             "Tally",
+            "read_listing",
             "write_pair_results",
         ),
-        "running": (
-            "CERTIFICATES",
-            "SHARDS",
-            "Watch",
+        "runner": (
+            "Observer",
+            "Task",
+            "TaskResult",
+            "completed",
             "contents",
+            "in_order",
             "run",
+        ),
+        "store": (
+            "CERTIFICATES",
+            "Manifest",
+            "current_versions",
+            "occupied",
         ),
         "table": (
             "Block",
@@ -69,9 +65,6 @@ __getattr__ = lazy_face(
             "require_parquet",
             "write_table",
         ),
-        "workers": (
-            "LocalWorkers",
-            "workers_at",
-        ),
+        "workers": ("LocalWorkers", "workers_at"),
     },
 )

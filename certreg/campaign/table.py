@@ -22,7 +22,7 @@ Block = list[list[Any]]  # some rows, column by column
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column of a table; `kind` is int, float or str, and a value that is not there is None."""
+    """A column of a table; `kind` is int, float or str, and a missing value is None."""
 
     name: str
     kind: type
@@ -70,6 +70,7 @@ def csv_bytes(rows: Iterable[Iterable[Any]]) -> bytes:
 @contextmanager
 def _parquet(path: Path, columns: Sequence[Column]) -> Generator[Callable[[Block], None]]:
     """Keeps blocks in a file of Parquet, whose fields carry unit and meaning."""
+    # optional: the extra `parquet`
     import pyarrow as pa  # pyright: ignore[reportMissingTypeStubs]
     from pyarrow import parquet as pq  # pyright: ignore[reportMissingTypeStubs]
 

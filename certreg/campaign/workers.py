@@ -18,7 +18,6 @@ from multiprocessing.connection import wait
 from typing import TYPE_CHECKING, Any, Protocol
 
 from certreg.errors import CampaignError, MissingToolError
-from certreg.settings import CampaignSettings
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -26,11 +25,14 @@ if TYPE_CHECKING:
     from multiprocessing.process import BaseProcess
     from typing import Self
 
+CONNECTING = 15.0  # seconds for a scheduler to answer
+PATIENCE = 60.0  # seconds without any worker
+
 
 class Workers(Protocol):
     """Some workers behind an executor.
 
-    losses: what a future raises whose worker died; count: how many calls are worked on at once.
+    losses: what a future raises whose worker died; count: how many tasks are worked on at once.
     """
 
     executor: Executor
@@ -38,11 +40,11 @@ class Workers(Protocol):
     count: int
 
     def require_alive(self) -> None:
-        """Count anew; raises CampaignError where nobody is left to wait for."""
+        """Count anew; raises CampaignError where no worker is left to wait for."""
         ...
 
     def renew(self) -> None:
-        """Replace what broke down; all calls under way are lost."""
+        """Replace what broke down; all tasks under way are lost."""
         ...
 
     def __enter__(self) -> Self: ...
@@ -67,7 +69,7 @@ class LocalWorkers:
         self._reader = reader
 
     def require_alive(self) -> None:
-        """End all processes if one has died unnoticed: the calls under way are then lost, and told.
+        """End all processes if one has died unnoticed: the tasks under way are then lost.
 
         The pool sees a death by itself, but not while it waits for the rest of a result that a
         worker was sending when it died.
@@ -115,19 +117,18 @@ class LocalWorkers:
 class ClusterWorkers:
     """The workers of a dask scheduler at an address, as `dask scheduler` prints it.
 
-    Workers may come and go; dask itself repeats the calls of those that die.
+    Workers may come and go; dask itself repeats the tasks of those that die.
     """
 
     def __init__(self, address: str) -> None:
-        settings = CampaignSettings()
-        self._client = _connected(address, settings.connecting)
+        self._client = _connected(address, CONNECTING)
         self._address = shown(address)
         self._last_seen = time.monotonic()
         self.losses: tuple[type[BaseException], ...] = (CancelledError, _killed_worker())
         self.executor: Executor = self._client.get_executor(pure=False)
         self.count = 0
         try:
-            self._client.wait_for_workers(1, timeout=settings.connecting)
+            self._client.wait_for_workers(1, timeout=CONNECTING)
         except TimeoutError as error:
             self._client.close()
             raise self._nobody() from error
@@ -142,7 +143,7 @@ class ClusterWorkers:
             raise CampaignError(message) from error
         if threads:
             self.count, self._last_seen = sum(threads.values()), time.monotonic()
-        elif time.monotonic() - self._last_seen > CampaignSettings().patience:
+        elif time.monotonic() - self._last_seen > PATIENCE:
             raise self._nobody()
 
     def renew(self) -> None:
@@ -172,7 +173,7 @@ def workers_at(scheduler: str | None) -> Workers:
 
 def _connected(address: str, timeout: float) -> Any:
     try:
-        from distributed import Client
+        from distributed import Client  # optional: the extra `campaign`
     except ImportError as error:
         message = "--scheduler needs dask: pip install 'certreg[campaign]'"
         raise MissingToolError(message) from error
@@ -188,7 +189,7 @@ def _connected(address: str, timeout: float) -> Any:
 
 
 def _killed_worker() -> type[BaseException]:
-    from distributed import KilledWorker
+    from distributed import KilledWorker  # optional, as above
 
     return KilledWorker
 

@@ -11,13 +11,12 @@ import click
 from certreg.campaign import (
     CERTIFICATES,
     RESULTS,
-    SHARDS,
     SUMMARY,
     PairCampaign,
     Tally,
+    completed,
     in_order,
     occupied,
-    outcomes,
     read_listing,
     require_parquet,
     run,
@@ -72,10 +71,10 @@ def batch(manifest: Path, *, scheduler: str | None, out: Path | None, parquet: b
 def _streamed(campaign: PairCampaign, scheduler: str | None) -> Tally:
     """All pairs, their lines printed in the order of the list."""
     manifest, tally = campaign.manifest(), Tally()
-    calls = campaign.calls(done=())
+    tasks = campaign.tasks(done=())
     with workers_at(scheduler) as workers, Progress(manifest.count, items="pairs") as progress:
-        for found in in_order(outcomes(calls, workers, manifest.versions)):
-            lines = found.content.decode().splitlines()
+        for result in in_order(completed(tasks, workers, manifest.versions)):
+            lines = result.content.decode().splitlines()
             for line in lines:
                 click.echo(line)
                 tally.add(json.loads(line))
@@ -89,12 +88,12 @@ def _kept(campaign: PairCampaign, scheduler: str | None, out: Path, *, parquet: 
         require_parquet()
     manifest = campaign.manifest()
     with (
-        occupied(out, manifest, SHARDS, CERTIFICATES),
+        occupied(out, manifest),
         workers_at(scheduler) as workers,
         Progress(manifest.count, items="pairs") as progress,
         resumable(out),
     ):
-        run(campaign, out, workers, progress.watch())
+        run(campaign, out, workers, progress.observer())
         tally = write_pair_results(campaign, out, parquet=parquet)
     done, place = manifest.count - tally.errors, printable(out)
     click.echo(f"{done} of {manifest.count} pairs registered: {place}/{RESULTS}")

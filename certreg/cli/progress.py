@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from certreg.campaign import Watch
+from certreg.campaign import Observer
 from certreg.report import printable
 
 if TYPE_CHECKING:
@@ -34,9 +34,9 @@ class Progress:
         self._bar: Any = None
         self._stack = ExitStack()
 
-    def watch(self) -> Watch:
-        """This bar as the one who is told of a campaign."""
-        return Watch(begun=self.begin_with, advanced=self.advance, noted=note)
+    def observer(self) -> Observer:
+        """This bar, to be moved by a campaign."""
+        return Observer(begun=self.begin_with, advanced=self.advance, noted=note)
 
     def begin_with(self, count: int) -> None:
         """So many items were done before: they say nothing of the rate."""

@@ -7,8 +7,6 @@ from pathlib import Path
 import click
 
 from certreg.campaign import (
-    CERTIFICATES,
-    SHARDS,
     SUMMARY,
     occupied,
     require_parquet,
@@ -132,12 +130,12 @@ def _carried_out(campaign: MonteCarlo, out: Path, scheduler: str | None, *, parq
         require_parquet()
     manifest = campaign.manifest()
     with (
-        occupied(out, manifest, SHARDS, CERTIFICATES),
+        occupied(out, manifest),
         workers_at(scheduler) as workers,
         Progress(manifest.count) as progress,
         resumable(out),
     ):
-        timings = run(campaign, out, workers, progress.watch())
+        timings = run(campaign, out, workers, progress.observer())
         totals = write_instance_results(campaign, out, parquet=parquet)
     click.echo(
         f"{totals.regular:,} of {totals.count:,} random instances have four equilibria, "

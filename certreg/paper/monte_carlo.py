@@ -21,10 +21,10 @@ from certreg import __version__
 from certreg.campaign import (
     CERTIFICATES,
     Block,
-    Call,
     Column,
     Manifest,
-    Yield,
+    Task,
+    TaskResult,
     contents,
     csv_bytes,
     current_versions,
@@ -108,13 +108,13 @@ class MonteCarlo:
             versions=current_versions(),
         )
 
-    def calls(self, done: Container[int]) -> Iterator[Call]:
+    def tasks(self, done: Container[int]) -> Iterator[Task]:
         """Each shard that is not done."""
         manifest = self.manifest()
         for shard in range(manifest.shards):
             if shard not in done:
                 arguments = {"manifest": manifest, "shard": shard}
-                yield Call(shard=shard, function=solved, arguments=arguments)
+                yield Task(shard=shard, function=solved, arguments=arguments)
 
     def files(self, content: bytes) -> dict[str, str]:
         """The certificates of a shard's exceptions."""
@@ -152,7 +152,7 @@ def pieces(manifest: Manifest, shard: int) -> Iterator[tuple[int, Instances]]:
         )
 
 
-def solved(*, manifest: Manifest, shard: int) -> Yield:
+def solved(*, manifest: Manifest, shard: int) -> TaskResult:
     """The instances of a shard solved, those that are exceptions certified."""
     damping = manifest.settings["damping"]
     parts: list[Arrays] = []
@@ -167,7 +167,9 @@ def solved(*, manifest: Manifest, shard: int) -> Yield:
         parts.append(part)
     arrays = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     total = time.perf_counter() - start
-    return Yield(content=packed(arrays), files=files, timings={"solving": solving, "all": total})
+    return TaskResult(
+        content=packed(arrays), files=files, timings={"solving": solving, "all": total}
+    )
 
 
 def packed(arrays: Arrays) -> bytes:

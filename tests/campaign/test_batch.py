@@ -319,20 +319,19 @@ def test_parquet_goes_with_a_folder(folder):
 
 def test_a_long_list_is_never_held_as_objects(folder):
     """Rows are drawn as workers ask for them: many cost what their bytes cost."""
-    from certreg.campaign.listing import read_listing
-    from certreg.campaign.pairs import PairCampaign
+    from certreg.campaign.pairs import PairCampaign, read_listing
 
     rows = (f"a0.csv,b0.csv,p{k}" for k in range(20_000))
     campaign = PairCampaign(
         listing=read_listing(listing(folder, *rows, header="source,target,name")),
         certificates=False,
     )
-    calls = campaign.calls(done=())
-    first = next(calls)
+    tasks = campaign.tasks(done=())
+    first = next(tasks)
 
     assert campaign.manifest().shards == 1250
     assert [row.name for row in first.arguments["rows"]] == [f"p{k}" for k in range(16)]
-    assert next(campaign.calls(done=range(1200))).arguments["rows"][0].name == "p19200"
+    assert next(campaign.tasks(done=range(1200))).arguments["rows"][0].name == "p19200"
 
 
 # What runs in the background of a shell is born deaf to Ctrl-C, and so are its children.

@@ -29,12 +29,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import certreg
-from certreg.campaign.calls import Call, in_order, outcomes, performed
-from certreg.campaign.folder import MANIFEST, occupied
-from certreg.campaign.manifest import Manifest
+from certreg.campaign import runner
 from certreg.campaign.pairs import PAIR_COLUMNS
-from certreg.campaign.running import CERTIFICATES, SHARDS
-from certreg.campaign.shards import Shards
+from certreg.campaign.runner import Task, completed, in_order, perform
+from certreg.campaign.store import CERTIFICATES, MANIFEST, SHARDS, Manifest, Shards, occupied
 from certreg.campaign.table import Column, write_table
 from certreg.campaign.workers import LocalWorkers, workers_at
 from certreg.equilibrium.batch import solve_many
@@ -55,7 +53,6 @@ from certreg.paper.monte_carlo import (
     write_instance_results,
 )
 from certreg.results import Ruling, Verdict
-from certreg.settings import CampaignSettings
 
 SMALL = Cut(count=45, points=5)  # five shards
 FLAT = MonteCarlo(count=3, points=2)  # two points: every instance is an exception
@@ -63,7 +60,7 @@ FEW = MonteCarlo(count=250, points=4, seed=7)
 
 
 def contents(count, workers, limit=None):
-    found = outcomes(numbered(count), workers, VERSIONS)
+    found = completed(numbered(count), workers, VERSIONS)
     return [result.content.decode() for _, result in found]
 
 
@@ -74,26 +71,26 @@ def test_the_work_is_done_once_each():
 
 def test_results_can_be_had_in_order():
     with InProcess(4) as workers:
-        found = in_order(outcomes(numbered(200), workers, VERSIONS))
+        found = in_order(completed(numbered(200), workers, VERSIONS))
         assert [result.content.decode() for result in found] == [str(k) for k in range(200)]
 
 
 def test_few_calls_are_drawn_ahead_of_what_is_asked_for():
     drawn = 0
 
-    def calls():
+    def tasks():
         nonlocal drawn
-        for call in numbered(10_000):
+        for task in numbered(10_000):
             drawn += 1
-            yield call
+            yield task
 
     with InProcess(2) as workers:
-        found = outcomes(calls(), workers, VERSIONS)
+        found = completed(tasks(), workers, VERSIONS)
         for _ in range(5):
             next(found)
         found.close()
 
-    assert drawn <= 5 + 2 * CampaignSettings().under_way
+    assert drawn <= 5 + 2 * runner.UNDER_WAY
 
 
 def test_nothing_runs_far_ahead_of_a_slow_shard():
@@ -106,14 +103,13 @@ def test_nothing_runs_far_ahead_of_a_slow_shard():
         release.wait()
         return echo(words=words)
 
-    def calls():
-        yield Call(shard=0, function=slow, arguments={"words": "0"})
-        yield from (dataclasses.replace(call, shard=call.shard + 1) for call in numbered(5000))
+    def tasks():
+        yield Task(shard=0, function=slow, arguments={"words": "0"})
+        yield from (dataclasses.replace(task, shard=task.shard + 1) for task in numbered(5000))
 
-    with InProcess(2) as workers, mock.patch("certreg.campaign.calls.CampaignSettings") as settings:
-        settings.return_value = CampaignSettings(spread=10, tick=0.05)
+    with InProcess(2) as workers, mock.patch.multiple(runner, SPREAD=10, TICK=0.05):
         workers.require_alive = release.set  # the tick: nothing else is left to do
-        seen = [call.shard for call, _ in outcomes(calls(), workers, VERSIONS)]
+        seen = [task.shard for task, _ in completed(tasks(), workers, VERSIONS)]
 
     assert len(seen) == 5001
     assert max(seen[: seen.index(0)]) <= 2 * 10
@@ -137,13 +133,13 @@ def test_a_campaign_gives_up_where_workers_do_nothing_but_die():
     ) as told:
         contents(5, workers)
     assert "run the same command" in str(told.value)
-    assert workers.renewals == CampaignSettings().breakdowns
+    assert workers.renewals == runner.BREAKDOWNS
 
 
 @pytest.mark.slow
 def test_a_killed_process_of_the_pool_is_replaced(tmp_path):
-    calls = (
-        Call(
+    tasks = (
+        Task(
             shard=k,
             function=die_once if k in {1, 6} else echo,
             arguments={"words": str(k)} | ({"folder": str(tmp_path)} if k in {1, 6} else {}),
@@ -151,7 +147,7 @@ def test_a_killed_process_of_the_pool_is_replaced(tmp_path):
         for k in range(9)
     )
     with LocalWorkers(2) as workers:
-        found = [result.content.decode() for _, result in outcomes(calls, workers, VERSIONS)]
+        found = [result.content.decode() for _, result in completed(tasks, workers, VERSIONS)]
 
     assert sorted(map(int, found)) == list(range(9))
     assert len(list(tmp_path.iterdir())) == 2
@@ -167,17 +163,17 @@ def test_a_process_that_dies_while_it_sends_is_noticed():
 
 
 def test_a_worker_with_other_versions_is_refused():
-    call = next(numbered(1))
+    task = next(numbered(1))
 
-    assert performed(call, VERSIONS).content == b"0"
+    assert perform(task, VERSIONS).content == b"0"
     with pytest.raises(CampaignError, match=r"a worker has certreg .*, the campaign certreg 9\.9"):
-        performed(call, VERSIONS | {"certreg": "9.9"})
+        perform(task, VERSIONS | {"certreg": "9.9"})
 
 
 def test_a_failure_of_a_worker_is_one_clear_error():
-    call = Call(shard=3, function=echo, arguments={"no": "such keyword"})
+    task = Task(shard=3, function=echo, arguments={"no": "such keyword"})
     with InProcess() as workers, pytest.raises(CampaignError, match=r"shard 3 \(TypeError: .*same"):
-        list(outcomes(iter([call]), workers, VERSIONS))
+        list(completed(iter([task]), workers, VERSIONS))
 
 
 def test_a_contradiction_travels_between_processes():
@@ -187,7 +183,7 @@ def test_a_contradiction_travels_between_processes():
         raise RefusedCertificateError(words, verdict=verdict)
 
     with pytest.raises(ContradictionError, match="refused it"):
-        performed(Call(shard=0, function=refused, arguments={"words": "refused it"}), VERSIONS)
+        perform(Task(shard=0, function=refused, arguments={"words": "refused it"}), VERSIONS)
 
 
 def test_a_manifest_is_the_same_bytes_for_the_same_campaign():

@@ -17,7 +17,6 @@ from campaign_work import Cut, finish, tree
 
 from certreg.campaign.workers import workers_at
 from certreg.errors import CampaignError
-from certreg.settings import CampaignSettings
 
 HERE = Path(__file__).parents[1]
 pytestmark = pytest.mark.slow
@@ -131,8 +130,7 @@ def test_a_campaign_on_a_cluster_survives_a_killed_worker(tmp_path):
 
 def test_a_scheduler_that_is_not_there_is_one_clear_error(monkeypatch):
     pytest.importorskip("distributed", reason="the extra `campaign` is not installed")
-    hasty = CampaignSettings(connecting=0.5)
-    monkeypatch.setattr("certreg.campaign.workers.CampaignSettings", lambda: hasty)
+    monkeypatch.setattr("certreg.campaign.workers.CONNECTING", 0.5)
     for address in ("tcp://127.0.0.1:9", "nonsense://x"):
         with pytest.raises(CampaignError, match="no dask scheduler answers"):
             workers_at(address)

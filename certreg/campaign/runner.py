@@ -1,0 +1,313 @@
+"""A campaign carried out by workers: what its folder lacks is computed, what is there is kept.
+
+A bounded number of tasks is under way, and those of dead workers are repeated.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Protocol
+
+from certreg.campaign.store import (
+    CERTIFICATES,
+    SHARDS,
+    Shards,
+    current_versions,
+    digest_of,
+)
+from certreg.errors import (
+    CampaignError,
+    CertregError,
+    ContradictionError,
+    InvalidFileError,
+    RefusedCertificateError,
+)
+from certreg.io import write_atomically
+from certreg.verify import shown
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Container, Generator, Iterable, Iterator, Mapping
+    from pathlib import Path
+
+    from certreg.campaign.store import Manifest
+    from certreg.campaign.workers import Workers
+
+UNDER_WAY = 3  # tasks per worker: one at work, two that wait for it
+SPREAD = 64  # shards per worker from the first under way: bounds what must wait for its turn
+BREAKDOWNS = 3  # of the pool in a row, without one result in between
+TICK = 5.0  # seconds without a result before the workers are counted
+
+
+class Kind(Protocol):
+    """What a campaign computes."""
+
+    @property
+    def suffix(self) -> str:
+        """How the names of its shards end."""
+        ...
+
+    def manifest(self) -> Manifest:
+        """Everything that the results depend on."""
+        ...
+
+    def tasks(self, done: Container[int]) -> Iterator[Task]:
+        """The work on the shards that are not done, in their order."""
+        ...
+
+    def files(self, content: bytes) -> Mapping[str, str]:
+        """The SHA-256 of each file that goes with a shard, by name."""
+        ...
+
+    def final(self, content: bytes) -> bool:
+        """Whether a shard need not be computed again, if its inputs are as they were."""
+        ...
+
+    def changed(self, content: bytes) -> Iterable[str]:
+        """The inputs of a shard that are not as they were, by name."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Observer:
+    """What is called while a campaign runs: with items that were there, new ones, and warnings."""
+
+    begun: Callable[[int], None]  # items that were there
+    advanced: Callable[[int], None]  # new items
+    noted: Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TaskResult:
+    """Of a task: the content of the shard, files that go with it, and what the work took.
+
+    files: content by name. timings: seconds by what they were spent on.
+    """
+
+    content: bytes
+    files: dict[str, bytes] = field(default_factory=dict[str, bytes])
+    timings: dict[str, float] = field(default_factory=dict[str, float])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Task:
+    """The work on one shard: a function of a module and its keywords, to be sent to a worker."""
+
+    shard: int
+    function: Callable[..., TaskResult]
+    arguments: dict[str, Any]
+
+
+def completed(
+    tasks: Iterator[Task], workers: Workers, versions: dict[str, str]
+) -> Generator[tuple[Task, TaskResult]]:
+    """Tasks with their results, as they end; `tasks` come in order of their shards.
+
+    A bounded number is under way, and none far ahead of the first of them: tasks are drawn, and
+    results held, no faster than asked for. Raises CampaignError where workers keep dying, fail, or
+    have other versions than `versions`; ContradictionError where certreg contradicts itself. What
+    is under way then ends with the workers.
+    """
+    scheduler, breakdowns = _Scheduler(tasks, workers, versions), 0
+    while scheduler.fill():
+        for future in scheduler.ended():
+            task = scheduler.under_way.pop(future)
+            result = _result(future, task, workers)
+            if result is None:
+                scheduler.again.append(task)
+            else:
+                breakdowns = 0
+                yield task, result
+        if scheduler.again:
+            breakdowns += 1
+            _require_hope(breakdowns, scheduler.again)
+            workers.renew()
+
+
+def in_order(completed_tasks: Iterable[tuple[Task, TaskResult]]) -> Iterator[TaskResult]:
+    """Results in the order of their shards, from shard 0 on without a gap."""
+    early: dict[int, TaskResult] = {}
+    due = 0
+    for task, result in completed_tasks:
+        early[task.shard] = result
+        while due in early:
+            yield early.pop(due)
+            due += 1
+
+
+def perform(task: Task, versions: dict[str, str]) -> TaskResult:
+    """Carry out a task in this process, a worker's, if it is of the campaign's versions."""
+    here = current_versions()
+    if here != versions:
+        message = (
+            f"a worker has {_listed(here)}, the campaign {_listed(versions)}: "
+            "install the same everywhere"
+        )
+        raise CampaignError(message)
+    try:
+        return task.function(**task.arguments)
+    except RefusedCertificateError as error:  # holds a verdict: does not travel between processes
+        raise ContradictionError(str(error)) from None
+
+
+class _Scheduler:
+    """What is under way, what is to be done again, and what has not been begun."""
+
+    def __init__(self, tasks: Iterator[Task], workers: Workers, versions: dict[str, str]) -> None:
+        self.under_way: dict[Future[TaskResult], Task] = {}
+        self.again: deque[Task] = deque()
+        self._tasks, self._workers, self._versions = tasks, workers, versions
+        self._furthest = -1
+
+    def fill(self) -> bool:
+        """Send tasks to the workers until enough are under way; whether any is."""
+        while self._has_room():
+            task = self.again.popleft() if self.again else next(self._tasks, None)
+            if task is None:
+                break
+            self._furthest = max(self._furthest, task.shard)
+            self.under_way[self._sent(task)] = task
+        return bool(self.under_way)
+
+    def ended(self) -> list[Future[TaskResult]]:
+        """Tasks that have ended, at least one; all of them where one was lost.
+
+        A pool that breaks down loses all its tasks, though not in one instant.
+        """
+        futures = self.under_way
+        while not (ended := wait(futures, timeout=TICK, return_when=FIRST_COMPLETED).done):
+            self._workers.require_alive()
+        if any(_is_lost(future, self._workers) for future in ended):
+            ended = wait(futures, timeout=TICK).done
+        return sorted(ended, key=lambda future: self.under_way[future].shard)
+
+    def _has_room(self) -> bool:
+        if len(self.under_way) >= UNDER_WAY * self._workers.count:
+            return False
+        if self.again or not self.under_way:
+            return True
+        first = min(task.shard for task in self.under_way.values())
+        return self._furthest - first < SPREAD * self._workers.count
+
+    def _sent(self, task: Task) -> Future[TaskResult]:
+        try:
+            return self._workers.executor.submit(perform, task, self._versions)
+        except self._workers.losses as error:
+            lost = Future[TaskResult]()
+            lost.set_exception(error)
+            return lost
+
+
+def _is_lost(future: Future[TaskResult], workers: Workers) -> bool:
+    return future.cancelled() or isinstance(future.exception(), workers.losses)
+
+
+def _result(future: Future[TaskResult], task: Task, workers: Workers) -> TaskResult | None:
+    """The result of a task; None if its worker died."""
+    if _is_lost(future, workers):
+        return None
+    try:
+        return future.result()
+    except CertregError:
+        raise
+    except Exception as error:
+        message = (
+            f"a worker failed on shard {task.shard} ({type(error).__name__}: {shown(error)}): "
+            "certreg must be installed, in the same version, wherever workers run"
+        )
+        raise CampaignError(message) from error
+
+
+def _require_hope(breakdowns: int, lost: deque[Task]) -> None:
+    if breakdowns > BREAKDOWNS:
+        shards = ", ".join(str(task.shard) for task in lost)
+        message = (
+            f"workers died {breakdowns} times in a row, at work on shards {shards}: is memory too "
+            "short for them? What is done is kept: run the same command to go on"
+        )
+        raise CampaignError(message)
+
+
+def _listed(versions: dict[str, str]) -> str:
+    return ", ".join(f"{name} {version}" for name, version in versions.items())
+
+
+def run(kind: Kind, folder: Path, workers: Workers, observer: Observer) -> dict[str, float]:
+    """Compute what the folder, occupied by this process, lacks; seconds of the workers' time.
+
+    Raises what `completed` raises, and InvalidFileError where a file cannot be written.
+    """
+    manifest = kind.manifest()
+    shards = Shards(folder=folder / SHARDS, identity=manifest.identity(), suffix=kind.suffix)
+    for note in shards.drop_damaged():
+        observer.noted(note)
+    kept, former = _kept(kind, shards, folder), shards.files()
+    done = kept.done
+    if kept.changed:
+        observer.noted(_changed_words(kept.changed))
+    observer.begun(sum(len(manifest.items(shard)) for shard in done))
+    timings: Counter[str] = Counter()
+    for task, result in completed(kind.tasks(done), workers, manifest.versions):
+        for name, content in result.files.items():
+            write_atomically(folder / CERTIFICATES / name, content)
+        for name in kept.files.get(task.shard, set()) - result.files.keys():
+            (folder / CERTIFICATES / name).unlink(missing_ok=True)
+        shards.replace(task.shard, result.content, former.get(task.shard, ()))
+        timings.update(result.timings)
+        observer.advanced(len(manifest.items(task.shard)))
+    return dict(timings)
+
+
+def contents(kind: Kind, folder: Path) -> Iterator[bytes]:
+    """The shards of a campaign that has ended, one after the other.
+
+    Raises InvalidFileError where one has been lost since.
+    """
+    manifest, expected = kind.manifest(), 0
+    shards = Shards(folder=folder / SHARDS, identity=manifest.identity(), suffix=kind.suffix)
+    for number, content in shards.sound():
+        if number == expected:
+            expected += 1
+            yield content
+    if expected != manifest.shards:
+        message = f"{shown(folder)}: shard {expected} is gone: run the same command again"
+        raise InvalidFileError(message)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Kept:
+    """What an earlier run left.
+
+    done: shards that are final, of the inputs that are there now, with all the files that go with
+    them, and there once. files: those that go with each other shard. changed: inputs, by name.
+    """
+
+    done: set[int]
+    files: dict[int, set[str]]
+    changed: dict[str, None]  # in their order
+
+
+def _kept(kind: Kind, shards: Shards, folder: Path) -> _Kept:
+    times: Counter[int] = Counter()
+    final: set[int] = set()
+    named: dict[int, set[str]] = {}
+    changed: dict[str, None] = {}
+    for number, content in shards.sound():
+        times[number] += 1
+        files, other = kind.files(content), dict.fromkeys(kind.changed(content))
+        named.setdefault(number, set()).update(files)
+        changed |= other
+        sound = all(digest_of(folder / CERTIFICATES / n) == d for n, d in files.items())
+        if kind.final(content) and sound and not other:
+            final.add(number)
+    done = {number for number in final if times[number] == 1}
+    return _Kept(
+        done=done, files={k: names for k, names in named.items() if k not in done}, changed=changed
+    )
+
+
+def _changed_words(names: dict[str, None]) -> str:
+    first, more = next(iter(names)), len(names) - 1
+    others = f" and {more} more" if more else ""
+    return f"{shown(first)}{others}: changed since the last run: computed anew"

@@ -1,0 +1,250 @@
+"""What a campaign keeps: a manifest that says what is computed, and the shards of its results.
+
+The manifest holds everything that the results depend on, and nothing else: no time, place or name
+of a machine. The same manifest gives the same bytes of results, whoever computes them, in whatever
+order, however often interrupted.
+
+A shard, the results of a few items, is a file that is whole or not there, called
+NUMBER-DIGEST.SUFFIX. The digest is over the campaign's identity, the number and the content, so a
+file that is damaged, cut short, renamed or from elsewhere is seen. One rename puts content and
+digest in place at once: there is no moment at which a kill could part them.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+import sys
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from certreg import __version__
+from certreg.errors import CampaignError, InvalidFileError
+from certreg.io import TEMPORARY, write_atomically
+from certreg.verify import shown
+
+if TYPE_CHECKING:
+    from collections.abc import Generator, Iterator, Sequence
+    from pathlib import Path
+
+MANIFEST, SHARDS, CERTIFICATES = "campaign.json", "shards", "certificates"  # within the folder
+FORMAT = "certreg-campaign/1"
+MAX_MANIFEST_BYTES = 1 << 16  # a kilobyte is usual
+MAX_SHARD_BYTES = 1 << 30  # 400 kB are usual
+DIGITS = 32  # of the digest, hexadecimal: no accident makes two contents agree in 128 bits
+NAME = re.compile(rf"([0-9]{{8}})-[0-9a-f]{{{DIGITS}}}\.[a-z]+")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Manifest:
+    """What is computed: `count` items of a kind, `shard_size` of them in each shard but the last.
+
+    settings: of the kind, as JSON has them (seed, sizes, digests of input).
+    versions: of what computes; results of others may differ in the last digit.
+    """
+
+    kind: str
+    count: int
+    shard_size: int
+    settings: dict[str, Any]
+    versions: dict[str, str]
+
+    @property
+    def shards(self) -> int:
+        """How many shards the campaign has."""
+        return -(-self.count // self.shard_size)
+
+    def items(self, shard: int) -> range:
+        """The items of a shard, counted from 0."""
+        first = shard * self.shard_size
+        return range(first, min(first + self.shard_size, self.count))
+
+    def to_json(self) -> bytes:
+        """The file `campaign.json`; equal manifests are equal bytes."""
+        document = {"format": FORMAT, **asdict(self)}
+        return (json.dumps(document, indent=1, sort_keys=True, allow_nan=False) + "\n").encode()
+
+    def identity(self) -> str:
+        """SHA-256 of the file, 64 hexadecimal digits."""
+        return hashlib.sha256(self.to_json()).hexdigest()
+
+
+def current_versions() -> dict[str, str]:
+    """Versions of certreg, NumPy and Python in this process."""
+    python = ".".join(map(str, sys.version_info[:2]))
+    return {"certreg": __version__, "numpy": np.__version__, "python": python}
+
+
+def require_same(path: Path, manifest: Manifest) -> None:
+    """That the manifest kept at `path` is this one. Raises InvalidFileError: the first difference.
+
+    So nobody mixes results of two seeds, settings or versions in one folder.
+    """
+    try:
+        with path.open("rb") as stream:
+            content = stream.read(MAX_MANIFEST_BYTES)
+        kept: dict[str, Any] = flat(json.loads(content))
+    except OSError as error:
+        message = f"{shown(path)}: cannot be read ({error.strerror}): choose another folder"
+        raise InvalidFileError(message) from error
+    except (ValueError, AttributeError, RecursionError) as error:
+        message = f"{shown(path)}: is no manifest of a campaign: choose another folder"
+        raise InvalidFileError(message) from error
+    wanted = flat(json.loads(manifest.to_json()))
+    for key in sorted(kept.keys() | wanted.keys()):
+        if kept.get(key) != wanted.get(key):
+            message = (
+                f"{shown(path)}: another campaign stands there: its {shown(key)} is "
+                f"{shown(kept.get(key))}, here it is {shown(wanted.get(key))}: choose another "
+                "folder, or give what it was begun with"
+            )
+            raise InvalidFileError(message)
+
+
+def flat(document: dict[str, Any], prefix: str = "") -> dict[str, Any]:
+    """The leaves of nested objects by their dotted names."""
+    leaves: dict[str, Any] = {}
+    for key, value in document.items():
+        if isinstance(value, dict):
+            leaves |= flat(cast("dict[str, Any]", value), f"{prefix}{key}.")
+        else:
+            leaves[prefix + key] = value
+    return leaves
+
+
+@contextmanager
+def occupied(folder: Path, manifest: Manifest) -> Generator[None]:
+    """The folder, made or gone on with, ours alone until the end of the block.
+
+    Raises InvalidFileError where it holds another campaign or anything else, CampaignError where
+    another process is at work in it.
+    """
+    with _complaints(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    with _locked(folder):
+        with _complaints(folder):
+            _prepare(folder, manifest)
+        yield
+
+
+def _prepare(folder: Path, manifest: Manifest) -> None:
+    names = {entry.name for entry in folder.iterdir()}
+    if MANIFEST in names:
+        require_same(folder / MANIFEST, manifest)
+    elif any(not name.startswith(TEMPORARY) for name in names):
+        message = f"{shown(folder)}: holds other files: choose a new folder, or empty it"
+        raise InvalidFileError(message)
+    for place in (folder, folder / SHARDS, folder / CERTIFICATES):
+        place.mkdir(exist_ok=True)
+        for left_over in place.glob(f"{TEMPORARY}*"):
+            left_over.unlink()
+    if MANIFEST not in names:
+        write_atomically(folder / MANIFEST, manifest.to_json())
+
+
+@contextmanager
+def _complaints(folder: Path) -> Generator[None]:
+    """What the system refuses, as an InvalidFileError."""
+    try:
+        yield
+    except OSError as error:
+        place = shown(error.filename or folder)
+        message = f"{place}: cannot be used ({error.strerror}): choose another folder"
+        raise InvalidFileError(message) from error
+
+
+@contextmanager
+def _locked(folder: Path) -> Generator[None]:
+    """The folder locked against other processes; the lock ends with this process, however it ends.
+
+    Without such locks (Windows, some network disks) there is none: two runs do the same work then,
+    and every file is still whole.
+    """
+    try:
+        import fcntl  # Windows has none
+    except ImportError:
+        yield
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            message = f"{shown(folder)}: another process is at work there: wait for it, or stop it"
+            raise CampaignError(message) from error
+        except OSError:
+            pass  # this disk has no locks
+        yield
+    finally:
+        os.close(handle)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shards:
+    """The shards of one campaign in one folder; `identity` is its manifest's."""
+
+    folder: Path
+    identity: str
+    suffix: str
+
+    def replace(self, number: int, content: bytes, former: Sequence[Path] = ()) -> None:
+        """Put a shard in place, whole; its former files go then. Raises InvalidFileError."""
+        place = self.folder / self._name(number, content)
+        write_atomically(place, content)
+        for path in former:
+            if path != place:
+                path.unlink()
+
+    def files(self) -> dict[int, list[Path]]:
+        """The files of each shard; more than one where a run was killed between the two."""
+        paths: dict[int, list[Path]] = {}
+        for number, path in self._numbered():
+            paths.setdefault(number, []).append(path)
+        return paths
+
+    def sound(self) -> Iterator[tuple[int, bytes]]:
+        """Number and content of each shard that is there and whole, in order."""
+        for number, path in self._numbered():
+            content = self._content(number, path)
+            if content is not None:
+                yield number, content
+
+    def drop_damaged(self) -> list[str]:
+        """Delete files that are not whole shards of this campaign; a note on each."""
+        notes: list[str] = []
+        for number, path in self._numbered():
+            if self._content(number, path) is None:
+                path.unlink()
+                notes.append(f"{shown(path)}: damaged, or not of this campaign: computed anew")
+        return notes
+
+    def _numbered(self) -> list[tuple[int, Path]]:
+        """The files whose names are those of shards, in order; other files are left alone."""
+        files = ((NAME.fullmatch(path.name), path) for path in self.folder.iterdir())
+        return sorted((int(name[1]), path) for name, path in files if name is not None)
+
+    def _name(self, number: int, content: bytes) -> str:
+        digest = hashlib.sha256(f"{self.identity} {number}\n".encode() + content).hexdigest()
+        return f"{number:08d}-{digest[:DIGITS]}{self.suffix}"
+
+    def _content(self, number: int, path: Path) -> bytes | None:
+        """The content of a file if its name is what it should be."""
+        with path.open("rb") as stream:
+            content = stream.read(MAX_SHARD_BYTES)
+        return content if path.name == self._name(number, content) else None
+
+
+def digest_of(path: Path) -> str | None:
+    """SHA-256 of a file; None where it is not there or cannot be read twice, as a pipe."""
+    try:
+        if not path.is_file():
+            return None
+        with path.open("rb") as stream:
+            return hashlib.file_digest(stream, "sha256").hexdigest()
+    except (OSError, ValueError):
+        return None
