@@ -2,7 +2,7 @@
 
 Sums over the points in fractions, term by term from the paper's equations and not through the
 moments that the product uses, so that a counterexample speaks of the paper. Classification goes
-through the shipped exact road: problem, moments, classification.
+through the shipped exact arithmetic: problem, moments, classification.
 """
 
 from __future__ import annotations
