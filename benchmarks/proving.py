@@ -18,7 +18,7 @@ import numpy as np
 from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, exponent, fastest, power_of_ten
 from certreg import verify
-from certreg.problem.exact_sums import SumRoad, sums_by
+from certreg.problem.exact_sums import SumMethod, sums_by
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -73,7 +73,7 @@ def _exact_moments() -> Iterator[Figure]:
     for n in SIZES:
         problem = random_problem(n)
         (times[n],) = fastest(
-            lambda problem=problem: sums_by(SumRoad.COMPILED, problem, threads=1), rounds=ROUNDS
+            lambda problem=problem: sums_by(SumMethod.COMPILED, problem, threads=1), rounds=ROUNDS
         )
     yield Figure(
         what="exact sums, one thread, ~ N^k",
@@ -83,15 +83,15 @@ def _exact_moments() -> Iterator[Figure]:
         beside={power_of_ten(n): Quantity(seconds, "s") for n, seconds in times.items()},
     )
     problem = random_problem(COMPARED)
-    works = {road: (lambda road=road: sums_by(road, problem)) for road in SumRoad}
+    works = {method: (lambda method=method: sums_by(method, problem)) for method in SumMethod}
     seconds = dict(zip(works, fastest(*works.values(), rounds=ROUNDS), strict=True))
-    slowest = seconds[SumRoad.INTEGERS]
-    for road in (SumRoad.COMPILED, SumRoad.LIMBS):
+    slowest = seconds[SumMethod.INTEGERS]
+    for method in (SumMethod.COMPILED, SumMethod.LIMBS):
         yield Figure(
-            what=f"Python's integers / {road.value}",
-            value=Quantity(slowest / seconds[road], "x"),
-            least=FASTER if road is SumRoad.COMPILED else None,
-            beside={"N": Quantity(COMPARED, "points"), "here": Quantity(seconds[road], "s")},
+            what=f"Python's integers / {method.value}",
+            value=Quantity(slowest / seconds[method], "x"),
+            least=FASTER if method is SumMethod.COMPILED else None,
+            beside={"N": Quantity(COMPARED, "points"), "here": Quantity(seconds[method], "s")},
         )
 
 

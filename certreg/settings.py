@@ -17,33 +17,6 @@ class SpectrumSettings:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SumSettings:
-    """How the exact sums over many points are taken; they come out the same whatever is chosen."""
-
-    many_points: int = 2048  # from here on: 25 ms of Python's own integers
-    block_points: int = 1 << 16  # read at a time: 3.5 MB; a share of a second, for Ctrl-C
-    threads: int = 2  # so many blocks at once, by compiled code and by NumPy
-    limb_bits: int = 20  # products of two limbs, 2^13 of them, add up within 2^53
-    limb_points: int = 1 << 13  # as above
-    product_points: int = 512  # of one product of matrices: for more, BLAS would start threads
-    most_limbs: int = 12  # of a coordinate: beyond a range of 2^187, Python's integers are faster
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PassSettings:
-    """How floating sums over points are taken."""
-
-    compiled_points: int = 4096  # from here on in C: below, NumPy takes a millisecond at most
-    chunk_points: int = 1 << 18  # of one call: a millisecond, and 15 MB of a mapped file at a time
-    sample_points: int = 32  # whose mean is the first origin: near enough for almost every cloud
-    largest_lever: float = 1.0  # squared distance of origin and mean, over the mean squared radius
-    passes: int = 4  # origins: each is the mean as the one before it sees it; two are rare
-    least_exponent: int = -400  # of sums of squares: what underflows is below 2^-400 of them
-    most_exponent: int = 400  # of these, too: products of two sums do not overflow
-    largest_turn: float = 1e-3  # radians by which rounding may turn a pose before it is refused
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class AssessmentSettings:
     """Where the words of an assessment change. Gaps are relative to the spread of both clouds."""
 

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 from certreg.problem import (
     FACTORS,
     UPPER,
-    other_road,
     row_blocks,
+    second_method,
     sums_by,
 )
 from certreg.verify import FORMS, Outcome, RefusalError, bound_doubles, moments, parse, require
@@ -98,7 +98,7 @@ def _added_moments(problem: RegistrationProblem) -> tuple[Table, int]:
 
 def _table_of_sums(problem: RegistrationProblem) -> tuple[Table, int]:
     """The same from sums by a road that the problem's moments did not take."""
-    found = sums_by(other_road(problem), problem)
+    found = sums_by(second_method(problem), problem)
     a, b, c = (
         e or 0 for e in (found.source_exponent, found.target_exponent, found.weight_exponent)
     )

@@ -9,7 +9,7 @@ from certreg._faces import lazy_face
 if TYPE_CHECKING:
     from certreg.problem.exact_sums import FACTORS as FACTORS
     from certreg.problem.exact_sums import UPPER as UPPER
-    from certreg.problem.exact_sums import other_road as other_road
+    from certreg.problem.exact_sums import second_method as second_method
     from certreg.problem.exact_sums import sums_by as sums_by
     from certreg.problem.memory_mapped import let_go as let_go
     from certreg.problem.memory_mapped import mapped_file as mapped_file
@@ -46,7 +46,7 @@ __getattr__ = lazy_face(
         "exact_sums": (
             "FACTORS",
             "UPPER",
-            "other_road",
+            "second_method",
             "sums_by",
         ),
         "memory_mapped": (

@@ -1,4 +1,4 @@
-"""Sums of w, w a and w a b over the points, exactly, by three roads that give the same integers.
+"""Sums of w, w a and w a b over the points, exactly, by three methods that give the same integers.
 
 Python's own integers for few points; compiled code for many; and NumPy, which cuts coordinates into
 limbs so short that a product of matrices of doubles adds them up without rounding [Ozaki2012].
@@ -11,7 +11,6 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache, partial
-from itertools import islice
 from operator import mul
 from typing import TYPE_CHECKING
 
@@ -19,7 +18,6 @@ import numpy as np
 
 from certreg.native import CompilationError, loaded_library
 from certreg.problem.problem import lift, row_blocks
-from certreg.settings import SumSettings
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -29,13 +27,19 @@ if TYPE_CHECKING:
     from certreg.native import Library
     from certreg.problem.problem import Block, RegistrationProblem
 
+MANY_POINTS = 2048  # from here on compiled code or limbs: 25 ms of Python's own integers
+THREADS = 2  # so many blocks at once, by compiled code and by NumPy
+LIMB_BITS = 20  # products of two limbs are below 2^40, and 2^13 of them add up within 2^53
+LIMB_POINTS = 1 << 13  # as above
+PRODUCT_POINTS = 512  # of one product of matrices: for more, BLAS would start threads
+MOST_LIMBS = 12  # of a coordinate: beyond a range of 2^187, Python's integers are faster
 LEAST_EXPONENT = -1074  # every double is an integer times 2^-1074
 # Of each sum, how many factors are coordinates of the source and of the target; w is always one.
 FACTORS = ((0, 0), *[(1, 0)] * 3, *[(0, 1)] * 3, *[(1, 1)] * 9, *[(2, 0)] * 6, *[(0, 2)] * 6)
 UPPER = tuple((i, j) for i in range(3) for j in range(i, 3))
 
 
-class SumRoad(enum.Enum):
+class SumMethod(enum.Enum):
     """How the sums are taken."""
 
     INTEGERS = "Python's integers"
@@ -84,31 +88,31 @@ EMPTY = Sums(
 
 
 def sums(problem: RegistrationProblem) -> Sums:
-    """The sums over all points, by the road that is the fastest here."""
-    return sums_by(road_for(problem), problem)
+    """The sums over all points, by the fastest method here."""
+    return sums_by(fastest_method(problem), problem)
 
 
-def road_for(problem: RegistrationProblem) -> SumRoad:
-    """The road that is the fastest here."""
-    if problem.n < SumSettings().many_points:
-        return SumRoad.INTEGERS
-    return SumRoad.LIMBS if _compiled() is None else SumRoad.COMPILED
+def fastest_method(problem: RegistrationProblem) -> SumMethod:
+    """The fastest method on this machine for so many points."""
+    if problem.n < MANY_POINTS:
+        return SumMethod.INTEGERS
+    return SumMethod.LIMBS if _compiled() is None else SumMethod.COMPILED
 
 
-def other_road(problem: RegistrationProblem) -> SumRoad:
-    """The fastest road here but one, for a second opinion."""
-    return SumRoad.LIMBS if road_for(problem) is SumRoad.COMPILED else SumRoad.INTEGERS
+def second_method(problem: RegistrationProblem) -> SumMethod:
+    """Another method than the fastest one, for a second opinion."""
+    fastest = fastest_method(problem)
+    return SumMethod.LIMBS if fastest is SumMethod.COMPILED else SumMethod.INTEGERS
 
 
-def sums_by(road: SumRoad, problem: RegistrationProblem, *, threads: int | None = None) -> Sums:
-    """The sums over all points by one road. Raises CompilationError where it needs a compiler.
+def sums_by(method: SumMethod, problem: RegistrationProblem, *, threads: int = THREADS) -> Sums:
+    """The sums over all points by one method. Raises CompilationError if that needs a compiler.
 
-    threads: how many may work at once, None for the settings' number; integers are for one.
+    threads: how many may work at once; Python's integers are added by one.
     """
-    threads = threads or SumSettings().threads
-    if road is SumRoad.COMPILED:
+    if method is SumMethod.COMPILED:
         return _on_threads(partial(_by_compiled, loaded_library()), problem, threads)
-    if road is SumRoad.LIMBS:
+    if method is SumMethod.LIMBS:
         return _on_threads(_by_limbs, problem, threads)
     return _on_threads(_by_integers, problem, 1)
 
@@ -116,12 +120,13 @@ def sums_by(road: SumRoad, problem: RegistrationProblem, *, threads: int | None 
 def _on_threads(
     summed: Callable[[Block], Sums], problem: RegistrationProblem, threads: int
 ) -> Sums:
-    """Each thread takes every so manieth block; all of them end when one fails, or at Ctrl-C."""
-    count, end = min(threads, -(-problem.n // SumSettings().block_points)), threading.Event()
+    """Of k threads each takes every k-th block; all end when one fails, or at Ctrl-C."""
+    blocks, end = list(row_blocks(problem.n)), threading.Event()
+    count = min(threads, len(blocks))
 
     def share(first: int) -> Sums:
         total = EMPTY
-        for rows in islice(row_blocks(problem.n), first, None, count):
+        for rows in blocks[first::count]:
             if end.is_set():
                 break
             total += summed(problem.block(rows))
@@ -149,9 +154,9 @@ def _compiled() -> Library | None:
 
 
 def _by_compiled(compiled: Library, block: Block) -> Sums:
-    found = compiled.exact_sums(block.source, block.target, block.weights)
-    a, b, c = (None if bit is None else bit + LEAST_EXPONENT for bit in found.lowest)
-    return _stated(found.integers, (LEAST_EXPONENT,) * 3, (a, b, c))
+    raw = compiled.exact_sums(block.source, block.target, block.weights)
+    a, b, c = (None if bit is None else bit + LEAST_EXPONENT for bit in raw.lowest)
+    return _stated(raw.integers, (LEAST_EXPONENT,) * 3, (a, b, c))
 
 
 def _by_integers(block: Block) -> Sums:
@@ -178,8 +183,8 @@ def _by_integers(block: Block) -> Sums:
 
 
 def _by_limbs(block: Block) -> Sums:
-    size = SumSettings().limb_points
-    parts = (slice(first, first + size) for first in range(0, len(block.weights), size))
+    starts = range(0, len(block.weights), LIMB_POINTS)
+    parts = (slice(first, first + LIMB_POINTS) for first in starts)
     return sum((_by_few_limbs(block.part(rows)) for rows in parts), start=EMPTY)
 
 
@@ -210,24 +215,23 @@ class _Limbs:
 
 def _limbs(rows: NDArray[np.float64]) -> _Limbs | None:
     """Finite numbers cut into limbs; None if they take too many."""
-    settings = SumSettings()
-    found: list[NDArray[np.float64]] = []
+    limbs: list[NDArray[np.float64]] = []
     exponent = int(np.frexp(np.abs(rows).max())[1])
     rest = np.ldexp(rows, -exponent)
     if not np.array_equal(np.ldexp(rest, exponent), rows):
         return None
     while rest.any():
-        if len(found) == settings.most_limbs:
+        if len(limbs) == MOST_LIMBS:
             return None
-        rest *= 2.0**settings.limb_bits
-        found.append(np.rint(rest))
-        rest -= found[-1]  # exact: of fewer bits
-    if not found:
+        rest *= 2.0**LIMB_BITS
+        limbs.append(np.rint(rest))
+        rest -= limbs[-1]  # exact: of fewer bits
+    if not limbs:
         return _Limbs(limbs=np.zeros((len(rows), 1, rows.shape[1])), unit=0, lowest=None)
-    unit = exponent - settings.limb_bits * len(found)
-    last = int(np.bitwise_or.reduce(found[-1].astype(np.int64), axis=None))
+    unit = exponent - LIMB_BITS * len(limbs)
+    last = int(np.bitwise_or.reduce(limbs[-1].astype(np.int64), axis=None))
     lowest = unit + (last & -last).bit_length() - 1
-    return _Limbs(limbs=np.stack(found, axis=1), unit=unit, lowest=lowest)
+    return _Limbs(limbs=np.stack(limbs, axis=1), unit=unit, lowest=lowest)
 
 
 def _products(x: _Limbs, y: _Limbs, w: _Limbs) -> tuple[int, ...]:
@@ -249,16 +253,16 @@ def _weighted(w: _Limbs, side: _Limbs) -> NDArray[np.float64]:
 
     Products of limbs are below 2^40 and are added up, at most twelve of them, before they carry.
     """
-    base = 2.0 ** SumSettings().limb_bits
+    base = 2.0**LIMB_BITS
     left, right = w.limbs.shape[1], side.limbs.shape[1]
-    found = np.zeros((len(side.limbs), left + right, side.limbs.shape[2]))
+    product = np.zeros((len(side.limbs), left + right, side.limbs.shape[2]))
     for k in range(left):
-        found[:, k + 1 : k + 1 + right] += w.limbs[:, k, None] * side.limbs
+        product[:, k + 1 : k + 1 + right] += w.limbs[:, k, None] * side.limbs
     for k in range(left + right - 1, 0, -1):
-        carry = np.rint(found[:, k] / base)
-        found[:, k] -= carry * base
-        found[:, k - 1] += carry
-    return found
+        carry = np.rint(product[:, k] / base)
+        product[:, k] -= carry * base
+        product[:, k - 1] += carry
+    return product
 
 
 def _table(left: NDArray[np.float64], right: _Limbs) -> list[list[int]]:
@@ -266,9 +270,9 @@ def _table(left: NDArray[np.float64], right: _Limbs) -> list[list[int]]:
     rows, many, count = left.shape
     few = right.limbs.shape[1]
     one, other = left.reshape(-1, count), right.limbs.reshape(-1, count).T
-    product, size = np.zeros((len(one), other.shape[1])), SumSettings().product_points
-    for k in range(0, count, size):
-        product += one[:, k : k + size] @ other[k : k + size]
+    product = np.zeros((len(one), other.shape[1]))
+    for k in range(0, count, PRODUCT_POINTS):
+        product += one[:, k : k + PRODUCT_POINTS] @ other[k : k + PRODUCT_POINTS]
     parts = product.astype(np.int64).reshape(rows, many, -1, few)
     by_place = np.zeros((rows, parts.shape[2], many + few - 1), dtype=np.int64)
     for k in range(few):
@@ -284,7 +288,7 @@ def _total(rows: NDArray[np.float64]) -> list[int]:
 def _joined(places: list[int]) -> int:
     value = 0
     for place in places:
-        value = (value << SumSettings().limb_bits) + place
+        value = (value << LIMB_BITS) + place
     return value
 
 

@@ -20,7 +20,6 @@ import numpy as np
 
 from certreg.native import CompilationError, loaded_library
 from certreg.problem.memory_mapped import let_go
-from certreg.settings import PassSettings
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -29,6 +28,8 @@ if TYPE_CHECKING:
 
 COUNT = 23  # CERTREG_SUMS of native/sums.h
 BLOCK = 256  # points that are summed plainly
+COMPILED_POINTS = 4096  # from here on in C: below, NumPy takes a millisecond at most
+CHUNK_POINTS = 1 << 18  # of one call: a millisecond, and 15 MB of a mapped file at a time
 UPPER = np.array([0, 1, 2, 1, 3, 4, 2, 4, 5])  # of a symmetric matrix, from the diagonal on
 TAKEN = (np.dtype(np.float64), np.dtype(np.float32))  # types that the compiled pass reads
 
@@ -107,38 +108,36 @@ def floating_sums(clouds: CloudPair, *, threads: int = 1) -> FloatingSums:
 
     Sums that no double holds are infinite or NaN, and so are those of numbers that are.
     """
-    settings = PassSettings()
     one_pass = _plain
-    if clouds.n >= settings.compiled_points and clouds.exponents == (0, 0, 0):
+    if clouds.n >= COMPILED_POINTS and clouds.exponents == (0, 0, 0):
         one_pass = compiled() or _plain
-    starts = range(0, clouds.n, settings.chunk_points)
+    starts = range(0, clouds.n, CHUNK_POINTS)
 
     def of_chunk(start: int) -> tuple[NDArray[np.float64], bool]:
-        rows = slice(start, start + settings.chunk_points)
+        rows = slice(start, start + CHUNK_POINTS)
         part = clouds if len(starts) == 1 else clouds.part(rows)
-        found = one_pass(part)
+        sums = one_pass(part)
         for array in (part.source, part.target, part.weights):
             if array is not None:
                 let_go(array)
-        return found
+        return sums
 
     if threads == 1 or len(starts) == 1:
-        found = [of_chunk(start) for start in starts]
+        sums = [of_chunk(start) for start in starts]
     else:
         with ThreadPoolExecutor(threads) as pool:
-            found = list(pool.map(of_chunk, starts))
-    if len(found) == 1:
-        return _named(found[0][0].sum(axis=1), found[0][1])
-    table = np.hstack([chunk for chunk, _ in found])
+            sums = list(pool.map(of_chunk, starts))
+    if len(sums) == 1:
+        return _named(sums[0][0].sum(axis=1), sums[0][1])
+    table = np.hstack([chunk for chunk, _ in sums])
     totals = np.array([total(row) for row in table])
-    return _named(totals, any(negative for _, negative in found))
+    return _named(totals, any(negative for _, negative in sums))
 
 
 def chunks(array: NDArray[Any]) -> Iterator[NDArray[np.float64]]:
     """Copies of the rows in doubles, as many at a time as one call takes."""
-    size = PassSettings().chunk_points
-    for start in range(0, len(array), size):
-        part = array[start : start + size]
+    for start in range(0, len(array), CHUNK_POINTS):
+        part = array[start : start + CHUNK_POINTS]
         yield part.astype(np.float64)
         let_go(part)
 
@@ -162,11 +161,11 @@ def compiled() -> Callable[[CloudPair], tuple[NDArray[np.float64], bool]] | None
 
     def one_pass(clouds: CloudPair) -> tuple[NDArray[np.float64], bool]:
         kept = [_readable(array) for array in (clouds.source, clouds.target, clouds.weights)]
-        found, negative = np.empty((COUNT, 2)), ctypes.c_int()
+        sums, negative = np.empty((COUNT, 2)), ctypes.c_int()
         columns = chain.from_iterable(map(_columns, kept))
         passed = _Points(clouds.n, *columns, tuple(clouds.origin.tolist()))
-        function(ctypes.byref(passed), ctypes.c_void_p(found.ctypes.data), ctypes.byref(negative))
-        return found, bool(negative.value)
+        function(ctypes.byref(passed), ctypes.c_void_p(sums.ctypes.data), ctypes.byref(negative))
+        return sums, bool(negative.value)
 
     return one_pass
 
@@ -186,13 +185,12 @@ def _columns(array: NDArray[Any] | None) -> tuple[int | None, int, int, bool]:
 def _plain(clouds: CloudPair) -> tuple[NDArray[np.float64], bool]:
     """As the pass in C: block by block, and the blocks without rounding."""
     full = clouds.n // BLOCK * BLOCK
-    found = [
+    blocks = [
         _blocks(clouds.part(slice(first, last)), size)
         for first, last, size in ((0, full, BLOCK), (full, clouds.n, clouds.n - full))
         if last > first
     ]
-    table = np.vstack(found)
-    rounded = np.array([total(column) for column in table.T])
+    rounded = np.array([total(column) for column in np.vstack(blocks).T])
     negative = clouds.weights is not None and bool(np.signbit(clouds.weights).any())
     return np.column_stack((rounded, np.zeros(COUNT))), negative
 

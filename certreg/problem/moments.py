@@ -19,10 +19,9 @@ import numpy as np
 
 from certreg.errors import InvalidProblemError
 from certreg.exact import power_of_two
-from certreg.problem.exact_sums import sums
+from certreg.problem.exact_sums import sums as exact_sums
 from certreg.problem.floating_sums import CloudPair, chunks, floating_sums
 from certreg.problem.memory_mapped import let_go, mapped_file
-from certreg.settings import PassSettings
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -36,6 +35,11 @@ if TYPE_CHECKING:
     from certreg.problem.problem import RegistrationProblem
 
 MOST_EXPONENT = 1025  # two doubles are less than 2^1025 apart
+SAMPLE_POINTS = 32  # whose mean is the first origin: near enough for almost every cloud
+LARGEST_LEVER = 1.0  # squared distance of origin and mean, over the mean squared radius
+PASSES = 4  # origins: each is the mean as the one before it sees it; two are rare
+LEAST_SUM = 2.0**-400  # of squares: what underflows is below 2^-400 of it
+MOST_SUM = 2.0**400  # of squares: products of two sums do not overflow
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -132,18 +136,18 @@ class Moments:
 
 def exact_moments(problem: RegistrationProblem) -> ExactMoments:
     """The moments of a problem in integer arithmetic: no rounding anywhere."""
-    return moments_of(sums(problem), problem.n)
+    return moments_of(exact_sums(problem), problem.n)
 
 
-def moments_of(found: Sums, n: int) -> ExactMoments:
+def moments_of(sums: Sums, n: int) -> ExactMoments:
     """The moments that exact sums over n points make."""
-    mass, *rest = found.integers
+    mass, *rest = sums.integers
     source_sum, target_sum = _vector(rest[:3]), _vector(rest[3:6])
     return ExactMoments(
         n=n,
-        source_exponent=found.source_exponent or 0,
-        target_exponent=found.target_exponent or 0,
-        weight_exponent=found.weight_exponent or 0,
+        source_exponent=sums.source_exponent or 0,
+        target_exponent=sums.target_exponent or 0,
+        weight_exponent=sums.weight_exponent or 0,
         mass=mass,
         source_sum=source_sum,
         target_sum=target_sum,
@@ -171,21 +175,21 @@ def moments_of_clouds(
     points; more where the mean turns out to be far from that, or sums leave the range of doubles.
     Raises InvalidProblemError, with the row, for numbers that are not finite and weights < 0.
     """
-    settings, factor, shift = PassSettings(), 1.0, 0
+    factor, shift = 1.0, 0
     if weights is not None and weights.strides == (0,):  # one weight in the place of all
         _require_numbers("weights", weights[:1], least=0.0)
         (factor, shift), weights = math.frexp(weights[0]), None
     origin = np.concatenate([_near_mean(source), _near_mean(target)])
     clouds = CloudPair(source=source, target=target, weights=weights, origin=origin)
-    clouds, found = _summed(clouds, threads)
-    for _ in range(settings.passes - 1):
-        if factor == 0.0 or found.mass == 0.0 or _is_near(found, settings.largest_lever):
+    clouds, sums = _summed(clouds, threads)
+    for _ in range(PASSES - 1):
+        if factor == 0.0 or sums.mass == 0.0 or _is_near(sums, LARGEST_LEVER):
             break
-        clouds, found = _summed(replace(clouds, origin=_means(clouds, found)), threads)
-    if factor == 0.0 or found.mass == 0.0:
+        clouds, sums = _summed(replace(clouds, origin=_means(clouds, sums)), threads)
+    if factor == 0.0 or sums.mass == 0.0:
         message = "all weights are zero: no correspondence counts, so every pose is as good"
-        raise InvalidProblemError(message)
-    return _about_means(clouds, found, factor=factor, weight_exponent=shift)
+        raise InvalidProblemError(message, array="weights", value=0.0)
+    return _about_means(clouds, sums, factor=factor, weight_exponent=shift)
 
 
 def inertia(scatter: Matrix3[int]) -> Matrix3[int]:
@@ -224,18 +228,18 @@ def _centred(
 
 def _summed(clouds: CloudPair, threads: int) -> tuple[CloudPair, FloatingSums]:
     """The sums, of clouds over powers of two if they leave the range of doubles otherwise."""
-    found = floating_sums(clouds, threads=threads)
-    if found.negative or not _in_range(found):
+    sums = floating_sums(clouds, threads=threads)
+    if sums.negative or not _in_range(sums):
         _require_clouds(clouds)
-    if not _in_range(found):
+    if not _in_range(sums):
         clouds = _rescaled(clouds)
-        found = floating_sums(clouds, threads=threads)
-    return clouds, found
+        sums = floating_sums(clouds, threads=threads)
+    return clouds, sums
 
 
 def _near_mean(points: NDArray[Any]) -> NDArray[np.float64]:
     """The mean of a few points, or one of them where that is beyond the doubles."""
-    some = points[:: max(1, len(points) // PassSettings().sample_points)]
+    some = points[:: max(1, len(points) // SAMPLE_POINTS)]
     copied = np.empty(some.shape)  # the same sum for every layout
     for copy, point in zip(copied, some, strict=True) if mapped_file(points) else [(copied, some)]:
         copy[:] = point
@@ -245,29 +249,27 @@ def _near_mean(points: NDArray[Any]) -> NDArray[np.float64]:
     return mean if np.isfinite(mean).all() else copied[0]
 
 
-def _in_range(found: FloatingSums) -> bool:
-    """Whether products are far from both ends of the doubles; False for what is no number."""
-    settings = PassSettings()
-    least, most = 2.0**settings.least_exponent, 2.0**settings.most_exponent
-    scatter = float(np.trace(found.scatter))
-    return all(least <= size <= most for size in (found.mass, found.spread, scatter))
+def _in_range(sums: FloatingSums) -> bool:
+    """Whether products are far from both ends of the doubles; False if a sum is not a number."""
+    scatter = float(np.trace(sums.scatter))
+    return all(LEAST_SUM <= size <= MOST_SUM for size in (sums.mass, sums.spread, scatter))
 
 
-def _is_near(found: FloatingSums, lever: float) -> bool:
+def _is_near(sums: FloatingSums, lever: float) -> bool:
     """Whether both origins are so near the means that deviations from them hold all digits."""
-    parts = ((found.source, float(np.trace(found.scatter))), (found.target, found.spread))
-    return all((1.0 + lever) * (s @ s) <= lever * found.mass * square for s, square in parts)
+    parts = ((sums.source, float(np.trace(sums.scatter))), (sums.target, sums.spread))
+    return all((1.0 + lever) * (s @ s) <= lever * sums.mass * square for s, square in parts)
 
 
-def _means(clouds: CloudPair, found: FloatingSums) -> NDArray[np.float64]:
+def _means(clouds: CloudPair, sums: FloatingSums) -> NDArray[np.float64]:
     """(6,) weighted means of source and target, in the user's unit."""
     here, there, _ = clouds.exponents
-    shifts = np.ldexp(found.source / found.mass, here), np.ldexp(found.target / found.mass, there)
+    shifts = np.ldexp(sums.source / sums.mass, here), np.ldexp(sums.target / sums.mass, there)
     return clouds.origin + np.concatenate(shifts)
 
 
 def _about_means(
-    clouds: CloudPair, found: FloatingSums, *, factor: float, weight_exponent: int
+    clouds: CloudPair, sums: FloatingSums, *, factor: float, weight_exponent: int
 ) -> Moments:
     """Moments about the means from sums about the origins.
 
@@ -275,8 +277,8 @@ def _about_means(
     P = sqrt(sum w |x|^2 sum w |y|^2), Cauchy and Schwarz give A <= P for the products, and the same
     for what the sums of x and y contribute: in all 3 e P, and little more for what is rounded here.
     """
-    x, y, mass, means = found.source, found.target, found.mass, _means(clouds, found)
-    size = math.sqrt(float(np.trace(found.scatter))) * math.sqrt(found.spread)
+    x, y, mass, means = sums.source, sums.target, sums.mass, _means(clouds, sums)
+    size = math.sqrt(float(np.trace(sums.scatter))) * math.sqrt(sums.spread)
     return Moments(
         n=clouds.n,
         source_exponent=clouds.exponents[0],
@@ -285,9 +287,9 @@ def _about_means(
         mass=factor * mass,
         source_centroid=means[:3],
         target_centroid=means[3:],
-        cross_covariance=factor * (found.cross - np.outer(y, x / mass)),
-        source_scatter=factor * (found.scatter - np.outer(x, x / mass)),
-        target_spread=factor * max(0.0, found.spread - float(y @ y) / mass),
+        cross_covariance=factor * (sums.cross - np.outer(y, x / mass)),
+        source_scatter=factor * (sums.scatter - np.outer(x, x / mass)),
+        target_spread=factor * max(0.0, sums.spread - float(y @ y) / mass),
         rounding=800.0 * 2.0**-53 * factor * size,
     )
 
@@ -328,5 +330,9 @@ def _require_numbers(name: str, array: NDArray[Any], *, least: float = -math.inf
                 f"must be finite{' and >= 0' if least == 0.0 else ''}; remove the correspondence "
                 "from both clouds"
             )
-            raise InvalidProblemError(message)
+            limit = 0.0 if least == 0.0 else None
+            value = part[row].tolist()
+            raise InvalidProblemError(
+                message, array=name, row=first + row, value=value, limit=limit
+            )
         first += len(part)

@@ -19,7 +19,6 @@ import numpy as np
 from certreg.errors import InvalidProblemError
 from certreg.exact import weight_of_sigma
 from certreg.problem.memory_mapped import let_go, mapped_file
-from certreg.settings import SumSettings
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -29,6 +28,7 @@ if TYPE_CHECKING:
 CHANGED = "the file of a mapped array was changed while it was read: state the problem anew"
 DIGEST_PREFIX = b"certreg-problem/1\0"
 MANTISSA_BITS = 53
+BLOCK_POINTS = 1 << 16  # read at a time: 3.5 MB; a share of a second, for Ctrl-C
 DEFAULT_DAMPING = math.sqrt(8.0)  # critical damping of every mode of noise-free data: 2 sqrt(2)
 MIN_DAMPING, MAX_DAMPING = 1e-150, 1e150  # their squares, in the spectrum, are doubles
 
@@ -71,7 +71,7 @@ class RegistrationProblem:
     ) -> None:
         if sigma is not None and weights is not None:
             message = "both sigma and weights were given: give one (weights = 1/sigma^2)"
-            raise InvalidProblemError(message)
+            raise InvalidProblemError(message, array="weights")
         source_points = finite_doubles(cloud_array(source, "source"), "source")
         target_points = finite_doubles(cloud_array(target, "target"), "target")
         n = len(source_points)
@@ -80,7 +80,7 @@ class RegistrationProblem:
                 f"source has {n} points, target has {len(target_points)}: correspondences pair "
                 "row i with row i, so both need the same number"
             )
-            raise InvalidProblemError(message)
+            raise InvalidProblemError(message, array="target", value=len(target_points), limit=n)
         masses = _weights_from_sigma(sigma, n) if sigma is not None else _given_weights(weights, n)
         for name, value in (
             ("source", source_points),
@@ -122,12 +122,13 @@ class RegistrationProblem:
 
         Raises InvalidProblemError where a file holds no proper points any more.
         """
-        weights = contiguous(self.weights, rows)
+        weights = contiguous(self.weights, rows, "weights")
         if not (weights >= 0).all():
-            raise InvalidProblemError(CHANGED)
+            row = rows.start + int(np.argmin(weights >= 0))
+            raise InvalidProblemError(CHANGED, array="weights", row=row, limit=0.0)
         return Block(
-            source=contiguous(self.source, rows),
-            target=contiguous(self.target, rows),
+            source=contiguous(self.source, rows, "source"),
+            target=contiguous(self.target, rows, "target"),
             weights=weights,
         )
 
@@ -140,17 +141,18 @@ class RegistrationProblem:
 
     def digest(self) -> str:
         """SHA-256 of `data_bytes()`, 64 hexadecimal digits: the identity of the problem."""
-        found = hashlib.sha256()
+        digest = hashlib.sha256()
         for piece in self._pieces():
-            found.update(piece)
-        return found.hexdigest()
+            digest.update(piece)
+        return digest.hexdigest()
 
     def _pieces(self) -> Iterator[bytes | memoryview]:
         """What `data_bytes` holds, piece by piece."""
         yield DIGEST_PREFIX + self.n.to_bytes(8, "little")
-        for array in (self.source, self.target, self.weights):
+        for name in ("source", "target", "weights"):
+            array = getattr(self, name)
             for rows in row_blocks(len(array)):
-                yield contiguous(array, rows).astype("<f8", copy=False).data
+                yield contiguous(array, rows, name).astype("<f8", copy=False).data
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -168,12 +170,14 @@ class Block:
 
 def row_blocks(n: int) -> Iterator[slice]:
     """The rows 0 to n in blocks of a size that is read at a time."""
-    size = SumSettings().block_points
-    return (slice(first, min(first + size, n)) for first in range(0, n, size))
+    starts = range(0, n, BLOCK_POINTS)
+    return (slice(first, min(first + BLOCK_POINTS, n)) for first in starts)
 
 
-def contiguous(array: NDArray[np.float64], rows: slice) -> NDArray[np.float64]:
-    """Rows of an array of a problem as contiguous doubles, -0.0 as 0.0.
+def contiguous(
+    array: NDArray[np.float64], rows: slice, name: str | None = None
+) -> NDArray[np.float64]:
+    """Rows of an array of a problem as contiguous doubles, -0.0 as 0.0; `name` is for errors.
 
     A copy where the array is mapped from a file, which is let go of. Raises InvalidProblemError
     where the file holds a number that is not finite: it did not, once.
@@ -183,8 +187,12 @@ def contiguous(array: NDArray[np.float64], rows: slice) -> NDArray[np.float64]:
     copied = array[rows].astype(np.float64, order="C")
     copied += 0.0  # -0.0 + 0.0 is 0.0: one point, one digest
     let_go(array[rows])
-    if not np.isfinite(copied).all():
-        raise InvalidProblemError(CHANGED)
+    finite = np.isfinite(copied)
+    if not finite.all():
+        row = rows.start + int(np.argwhere(~finite)[0][0])
+        raise InvalidProblemError(
+            CHANGED, array=name, row=row, value=copied[row - rows.start].tolist()
+        )
     return copied
 
 
@@ -226,10 +234,10 @@ def cloud_array(cloud: Any, name: str) -> NDArray[Any]:
     if array.ndim != 2 or array.shape[1] != 3:
         hint = "; transpose it" if array.ndim == 2 and array.shape[0] == 3 else ""
         message = f"{name} has shape {array.shape}: expected (N, 3), one point per row{hint}"
-        raise InvalidProblemError(message)
+        raise InvalidProblemError(message, array=name, value=array.shape)
     if len(array) == 0:
         message = f"{name} has no points: at least one correspondence is needed"
-        raise InvalidProblemError(message)
+        raise InvalidProblemError(message, array=name, value=0, limit=1)
     return array
 
 
@@ -237,15 +245,15 @@ def real_numbers(values: Any, name: str) -> NDArray[Any]:
     """The values as an array of real numbers of any type, not copied if they are one."""
     if np.ma.isMaskedArray(values):
         message = f"{name} is a masked array: drop the masked rows from both clouds first"
-        raise InvalidProblemError(message)
+        raise InvalidProblemError(message, array=name)
     try:
         array = np.asarray(values)
     except (ValueError, TypeError) as error:
         message = f"{name} is not an array of numbers: {error}"
-        raise InvalidProblemError(message) from error
+        raise InvalidProblemError(message, array=name) from error
     if array.dtype.kind not in "fiu":
         message = f"{name} has entries of type {array.dtype}: expected real numbers"
-        raise InvalidProblemError(message)
+        raise InvalidProblemError(message, array=name, value=array.dtype)
     return array
 
 
@@ -255,15 +263,17 @@ def finite_doubles(array: NDArray[Any], name: str) -> NDArray[np.float64]:
     Refused where a conversion would lose or invent something. In blocks: no second copy is made.
     """
     mapped = mapped_file(array) is not None
-    found = array if mapped else np.empty(array.shape)
+    kept = array if mapped else np.empty(array.shape)
     for rows in row_blocks(len(array)):
-        doubles, kept = as_doubles(array[rows])
-        if not kept.all():
+        doubles, same = as_doubles(array[rows])
+        if not same.all():
             message = (
                 f"{name} has entries of type {array.dtype} that no double holds exactly: "
                 "round them yourself with .astype(float) if that is what you mean"
             )
-            raise InvalidProblemError(message)
+            row = rows.start + int(np.argwhere(~same)[0][0])
+            value = array[row].tolist()
+            raise InvalidProblemError(message, array=name, row=row, value=value)
         finite = np.isfinite(doubles)
         if not finite.all():
             row = int(np.argwhere(~finite)[0][0])
@@ -271,34 +281,38 @@ def finite_doubles(array: NDArray[Any], name: str) -> NDArray[np.float64]:
                 f"{name} row {rows.start + row} (counting from 0) is {doubles[row].tolist()}: "
                 "every value must be finite; remove the correspondence from both clouds"
             )
-            raise InvalidProblemError(message)
+            raise InvalidProblemError(
+                message, array=name, row=rows.start + row, value=doubles[row].tolist()
+            )
         if mapped:
             let_go(array[rows])
         else:
-            np.add(doubles, 0.0, out=found[rows])  # -0.0 + 0.0 is 0.0: one point, one digest
-    return found
+            np.add(doubles, 0.0, out=kept[rows])  # -0.0 + 0.0 is 0.0: one point, one digest
+    return kept
 
 
 def checked_damping(damping: Any) -> float:
-    """A damping mu > 0 as a double; raises InvalidProblemError for what is none."""
+    """A damping mu > 0 as a double; raises InvalidProblemError for anything else."""
     try:
         value = float(damping)
     except (TypeError, ValueError, OverflowError):
         value = math.nan
     if isinstance(damping, str) or not MIN_DAMPING <= value <= MAX_DAMPING:
         message = f"damping is {damping!r}: it must be a positive finite number, 1e-150 to 1e150"
-        raise InvalidProblemError(message)
+        limit = (MIN_DAMPING, MAX_DAMPING)
+        raise InvalidProblemError(message, array="damping", value=damping, limit=limit)
     return value
 
 
 def checked_threads(threads: Any) -> int:
-    """A number of threads; raises InvalidProblemError for what is none."""
+    """A number of threads, 1 or more; raises InvalidProblemError for anything else."""
     try:
         count = operator.index(threads)
     except TypeError:
         count = 0
     if isinstance(threads, bool) or count < 1:
-        raise InvalidProblemError(f"threads is {threads!r}: it must be a whole number, 1 or more")
+        message = f"threads is {threads!r}: it must be a whole number, 1 or more"
+        raise InvalidProblemError(message, array="threads", value=threads, limit=1)
     return count
 
 
@@ -323,7 +337,7 @@ def _per_point(values: ArrayLike, name: str, n: int) -> NDArray[np.float64]:
         return finite_doubles(array.reshape(1), name)
     if array.shape != (n,):
         message = f"{name} has shape {array.shape}: expected one number, or ({n},), one per point"
-        raise InvalidProblemError(message)
+        raise InvalidProblemError(message, array=name, value=array.shape, limit=(n,))
     return finite_doubles(array, name)
 
 
@@ -332,9 +346,9 @@ def first_row(
 ) -> int | None:
     """The first row where something is wrong, None if nowhere."""
     for rows in row_blocks(len(array)):
-        found = wrong(contiguous(array, rows))
-        if found.any():
-            return rows.start + int(np.argmax(found))
+        faults = wrong(contiguous(array, rows))
+        if faults.any():
+            return rows.start + int(np.argmax(faults))
     return None
 
 
@@ -344,10 +358,11 @@ def _given_weights(weights: ArrayLike | None, n: int) -> NDArray[np.float64]:
     row = first_row(array, lambda block: block < 0)
     if row is not None:
         message = f"weights[{row}] is {array[row]}: weights must be >= 0"
-        raise InvalidProblemError(message)
+        value = float(array[row])
+        raise InvalidProblemError(message, array="weights", row=row, value=value, limit=0.0)
     if first_row(array, lambda block: block > 0) is None:
         message = "all weights are zero: no correspondence counts, so every pose is as good"
-        raise InvalidProblemError(message)
+        raise InvalidProblemError(message, array="weights", value=0.0)
     return np.broadcast_to(array, (n,))
 
 
@@ -358,7 +373,9 @@ def _weights_from_sigma(sigma: ArrayLike, n: int) -> NDArray[np.float64]:
     if row is not None:
         place = "sigma" if np.ndim(sigma) == 0 else f"sigma[{row}]"
         message = f"{place} is {array[row]}: a standard deviation must be > 0"
-        raise InvalidProblemError(message)
+        named = None if np.ndim(sigma) == 0 else row
+        value = float(array[row])
+        raise InvalidProblemError(message, array="sigma", row=named, value=value, limit=0.0)
     distinct, inverse = np.unique(array, return_inverse=True)
     weights = np.empty(len(distinct))
     for i, value in enumerate(distinct.astype(float).tolist()):
@@ -368,5 +385,5 @@ def _weights_from_sigma(sigma: ArrayLike, n: int) -> NDArray[np.float64]:
                 f"sigma = {value!r} gives the weight 1/sigma^2 = {weights[i]}, outside the "
                 "doubles: change the unit of length, of clouds and sigma alike"
             )
-            raise InvalidProblemError(message)
+            raise InvalidProblemError(message, array="sigma", value=value)
     return np.broadcast_to(weights[inverse], (n,))

@@ -59,7 +59,14 @@ def gaussian_instances(
             f"{count} instances of {points} points with sigma {sigma!r}: give at least one point, "
             "and a finite standard deviation >= 0"
         )
-        raise InvalidProblemError(message)
+        wrong = (
+            ("points", points)
+            if points < 1
+            else ("count", count)
+            if count < 0
+            else ("sigma", sigma)
+        )
+        raise InvalidProblemError(message, array=wrong[0], value=wrong[1])
     sources = rng.standard_normal((count, points, 3))
     rotations = _uniform_rotations(rng.standard_normal((count, 4)))
     translations = rng.standard_normal((count, 3))

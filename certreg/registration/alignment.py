@@ -16,7 +16,6 @@ from certreg.problem import (
     moments_of_clouds,
     real_numbers,
 )
-from certreg.settings import PassSettings
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
     from certreg.problem import Moments
 
 EIGENVALUE_ROUNDING = 64.0 * 2.0**-53  # of the norm of a 4x4 matrix: more than LAPACK loses
+LARGEST_TURN = 1e-3  # radians by which rounding may turn a pose before it is refused
 
 
 def register(
@@ -40,7 +40,7 @@ def register(
         the bit for every number of them.
 
     Raises InvalidProblemError for arrays that are no clouds in correspondence or a number of
-    threads that is none, and DegenerateProblemError where rounding may turn the pose by more than
+    threads below 1, and DegenerateProblemError where rounding may turn the pose by more than
     1e-3 rad: above all where the best rotation is not unique, as for points on one line.
 
     >>> pose = register([[0, 0, 0], [1, 0, 0], [0, 2, 0]], [[5, 0, 0], [5, 1, 0], [3, 0, 0]])
@@ -55,11 +55,11 @@ def register(
             f"source has {len(x)} points, target has {len(y)}: correspondences pair row i with "
             "row i, so both need the same number"
         )
-        raise InvalidProblemError(message)
+        raise InvalidProblemError(message, array="target", value=len(y), limit=len(x))
     w = None if weights is None else _readable(real_numbers(weights, "weights"), "weights")
     if w is not None and w.shape != (len(x),):
         message = f"weights has shape {w.shape}: expected ({len(x)},), one per point"
-        raise InvalidProblemError(message)
+        raise InvalidProblemError(message, array="weights", value=w.shape, limit=(len(x),))
     moments = moments_of_clouds(x, y, w, threads=threads)
     quaternion = _optimal_quaternion(moments)
     rotation = np.array(rotation_matrix(tuple(quaternion.tolist())))
@@ -82,13 +82,13 @@ def _optimal_quaternion(moments: Moments) -> NDArray[np.float64]:
     gap = float(values[-1] - values[-2])
     error = 3.0 * math.sqrt(3.0) * moments.rounding
     error += EIGENVALUE_ROUNDING * float(np.linalg.norm(davenport))
-    if not 2.0 * error < PassSettings().largest_turn * (gap - error):
+    if not 2.0 * error < LARGEST_TURN * (gap - error):
         message = (
             "floating point does not tell the rotation: the two largest eigenvalues of the "
             f"Davenport matrix are {gap:.3g} apart, and rounding may move them by {error:.3g}; "
             "certreg.certify decides exactly whether the best rotation is unique"
         )
-        raise DegenerateProblemError(message)
+        raise DegenerateProblemError(message, value=gap, limit=error)
     return canonical(vectors[:, -1])
 
 

@@ -21,7 +21,6 @@ from certreg.errors import InvalidFileError
 from certreg.io import streams
 from certreg.io.clouds import read_cloud, read_problem, read_weights
 from certreg.problem.memory_mapped import mapped_file
-from certreg.settings import SumSettings
 
 POINTS = np.random.default_rng(5).normal(size=(500, 3)).astype(np.float32)
 
@@ -156,8 +155,7 @@ def test_a_file_changed_anywhere_is_read_or_refused_as_if_it_were_small(place, d
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize("suffix", ["npy", "ply"])
 def test_a_row_that_is_no_number_is_named(tmp_path, suffix, bad, all_large, monkeypatch):
-    blocks = SumSettings(block_points=100)
-    monkeypatch.setattr("certreg.problem.problem.SumSettings", lambda: blocks)
+    monkeypatch.setattr("certreg.problem.problem.BLOCK_POINTS", 100)
     points = POINTS.copy()
     points[417, 1] = bad
     path = tmp_path / f"a.{suffix}"
@@ -201,8 +199,7 @@ def test_a_large_cloud_is_moved_block_by_block_to_the_same_bytes(tmp_path, suffi
     (tmp_path / "pose.txt").write_text("0.5 0.5 0.5 0.5 1 2 3\n")
     words = ("apply", tmp_path / "pose.txt", tmp_path / "a.npy", "--out")
     first = certreg(*words, tmp_path / f"small.{suffix}")
-    blocks = SumSettings(block_points=100)
-    monkeypatch.setattr("certreg.problem.problem.SumSettings", lambda: blocks)
+    monkeypatch.setattr("certreg.problem.problem.BLOCK_POINTS", 100)
     monkeypatch.setattr(streams, "MAPPED_BYTES", 1)
     second = certreg(*words, tmp_path / f"large.{suffix}")
     contents = [(tmp_path / f"{size}.{suffix}").read_bytes() for size in ("small", "large")]
@@ -219,8 +216,7 @@ def test_a_moved_row_beyond_the_doubles_is_named_and_nothing_is_written(tmp_path
     points[417] = 1.7e308
     np.save(tmp_path / "a.npy", points)
     (tmp_path / "pose.txt").write_text("1 0 0 0 1.7e308 0 0\n")
-    blocks = SumSettings(block_points=100)
-    monkeypatch.setattr("certreg.problem.problem.SumSettings", lambda: blocks)
+    monkeypatch.setattr("certreg.problem.problem.BLOCK_POINTS", 100)
     run = certreg("apply", tmp_path / "pose.txt", tmp_path / "a.npy", "--out", tmp_path / "b.npy")
 
     assert run.code == 2

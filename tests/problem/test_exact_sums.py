@@ -1,4 +1,4 @@
-"""Three roads to the exact sums give the same integers, whatever the numbers are."""
+"""Three methods to the exact sums give the same integers, whatever the numbers are."""
 
 from __future__ import annotations
 
@@ -16,9 +16,16 @@ from certreg.errors import CertregError
 from certreg.native import library as native
 from certreg.native.compiler import CompilationError
 from certreg.problem import exact_sums
-from certreg.problem.exact_sums import EMPTY, FACTORS, UPPER, SumRoad, road_for, sums, sums_by
+from certreg.problem.exact_sums import (
+    EMPTY,
+    FACTORS,
+    UPPER,
+    SumMethod,
+    fastest_method,
+    sums,
+    sums_by,
+)
 from certreg.problem.moments import exact_moments, moments_of
-from certreg.settings import SumSettings
 
 finite = st.floats(allow_nan=False, allow_infinity=False, allow_subnormal=True)
 LARGEST, LEAST = np.finfo(float).max, 5e-324
@@ -73,7 +80,7 @@ def values(found):
 @given(wild_problems())
 @settings(max_examples=150)
 def test_every_road_gives_the_same_integers_and_they_are_those_of_the_definition(problem):
-    one, *others = (sums_by(road, problem) for road in SumRoad)
+    one, *others = (sums_by(method, problem) for method in SumMethod)
 
     assert others == [one, one]
     assert values(one) == by_definition(problem)
@@ -105,51 +112,50 @@ def test_accumulators_do_not_overflow_where_all_numbers_are_extreme(source, weig
     n = 40_000  # more than one portion of the compiled loop, and five of the limbs
     problem = RegistrationProblem(np.full((n, 3), source), np.full((n, 3), LARGEST), weights=weight)
     one = RegistrationProblem(np.full((1, 3), source), np.full((1, 3), LARGEST), weights=weight)
-    expected = [n * value for value in values(sums_by(SumRoad.INTEGERS, one))]
+    expected = [n * value for value in values(sums_by(SumMethod.INTEGERS, one))]
 
-    for road in (SumRoad.COMPILED, SumRoad.LIMBS):
-        assert values(sums_by(road, problem)) == expected
+    for method in (SumMethod.COMPILED, SumMethod.LIMBS):
+        assert values(sums_by(method, problem)) == expected
 
 
 def test_many_points_of_many_scales_on_threads_sum_up_to_the_same_integers(monkeypatch):
     rng = np.random.default_rng(8)
     problem = strategies.random_problem(rng, n=20_011, offset=1e6, decades=9.0)
-    expected = sums_by(SumRoad.INTEGERS, problem)
-    few = SumSettings(block_points=1000, threads=3, limb_points=777)
-    for module in (exact_sums, __import__("certreg.problem.problem", fromlist=["problem"])):
-        monkeypatch.setattr(module, "SumSettings", lambda: few)
+    expected = sums_by(SumMethod.INTEGERS, problem)
+    monkeypatch.setattr("certreg.problem.problem.BLOCK_POINTS", 1000)
+    monkeypatch.setattr(exact_sums, "LIMB_POINTS", 777)
 
-    assert [sums_by(road, problem) for road in SumRoad] == [expected] * 3
+    assert [sums_by(method, problem, threads=3) for method in SumMethod] == [expected] * 3
 
 
 def test_products_of_the_largest_limbs_do_not_round():
     rng = np.random.default_rng(9)
-    n = SumSettings().limb_points
+    n = exact_sums.LIMB_POINTS
     source, target, weights = (rng.uniform(0.9, 1.0, size) for size in ((n, 3), (n, 3), n))
     problem = RegistrationProblem(source, target, weights=weights)
 
-    assert sums_by(SumRoad.LIMBS, problem) == sums_by(SumRoad.INTEGERS, problem)
+    assert sums_by(SumMethod.LIMBS, problem) == sums_by(SumMethod.INTEGERS, problem)
 
 
 def test_limbs_are_used_where_they_are_said_to_be(monkeypatch):
-    """Otherwise that road could be the one of integers, and agreement would say nothing."""
+    """Otherwise that method could be the one of integers, and agreement would say nothing."""
     rng = np.random.default_rng(1)
     monkeypatch.setattr(exact_sums, "_by_integers", None)
 
     for scale in (1e-150, 1.0, 1e150):
-        assert sums_by(SumRoad.LIMBS, strategies.random_problem(rng, n=300, scale=scale))
+        assert sums_by(SumMethod.LIMBS, strategies.random_problem(rng, n=300, scale=scale))
 
 
-def test_the_road_is_chosen_by_the_number_of_points_and_whether_there_is_a_compiler(monkeypatch):
-    n = SumSettings().many_points
+def test_the_method_is_chosen_by_the_number_of_points_and_whether_there_is_a_compiler(monkeypatch):
+    n = exact_sums.MANY_POINTS
     few, many = (RegistrationProblem(np.eye(size, 3), np.eye(size, 3)) for size in (n - 1, n))
 
-    assert [road_for(few), road_for(many)] == [SumRoad.INTEGERS, SumRoad.COMPILED]
+    assert [fastest_method(few), fastest_method(many)] == [SumMethod.INTEGERS, SumMethod.COMPILED]
     monkeypatch.setattr(exact_sums, "_compiled", lambda: None)
-    assert [road_for(few), road_for(many)] == [SumRoad.INTEGERS, SumRoad.LIMBS]
+    assert [fastest_method(few), fastest_method(many)] == [SumMethod.INTEGERS, SumMethod.LIMBS]
 
 
-def test_without_integers_of_128_bits_there_is_no_compiled_road(monkeypatch):
+def test_without_integers_of_128_bits_there_is_no_compiled_method(monkeypatch):
     def refused(*_):
         raise CompilationError("no integers of 128 bits")
 
@@ -162,10 +168,10 @@ def test_without_integers_of_128_bits_there_is_no_compiled_road(monkeypatch):
 
 
 def test_exact_moments_of_many_points_are_those_of_integers():
-    problem = strategies.random_problem(np.random.default_rng(5), n=SumSettings().many_points)
+    problem = strategies.random_problem(np.random.default_rng(5), n=exact_sums.MANY_POINTS)
 
-    assert road_for(problem) is SumRoad.COMPILED
-    assert exact_moments(problem) == moments_of(sums_by(SumRoad.INTEGERS, problem), problem.n)
+    assert fastest_method(problem) is SumMethod.COMPILED
+    assert exact_moments(problem) == moments_of(sums_by(SumMethod.INTEGERS, problem), problem.n)
 
 
 @pytest.mark.parametrize("bad", [np.inf, -np.inf, np.nan])
@@ -194,4 +200,4 @@ def test_a_failure_in_a_thread_ends_the_sums(monkeypatch):
     monkeypatch.setattr(native.Library, "exact_sums", fails)
     problem = strategies.random_problem(np.random.default_rng(5), n=30)
     with pytest.raises(CertregError, match="as planned"):
-        sums_by(SumRoad.COMPILED, problem)
+        sums_by(SumMethod.COMPILED, problem)

@@ -1,4 +1,4 @@
-"""Certificates of many points: the file in pieces, their own check by a second road, in blocks."""
+"""Certificates of many points: the file in pieces, their own check by a second method, in blocks."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from certreg.certificate.envelope import PIECE, file_pieces
 from certreg.certificate.producing import count_certificate
 from certreg.errors import RefusedCertificateError
 from certreg.exact.dyadic import Dyadic
-from certreg.problem.exact_sums import SumRoad, sums_by
+from certreg.problem.exact_sums import SumMethod, sums_by
 from certreg.registration.certification import solve
 from certreg.results import Optimality, Ruling
 from certreg.verify import check, moments
@@ -103,30 +103,30 @@ def test_a_certificate_of_other_points_or_of_too_strong_a_claim_is_refused(way):
         assert words in outcome.reason
 
 
-def test_its_own_certificate_of_many_points_is_checked_on_sums_by_another_road(monkeypatch):
+def test_its_own_certificate_of_many_points_is_checked_on_sums_by_another_method(monkeypatch):
     problem = random_problem(n=checking.PYTHON_POINTS + 1)
-    roads: list[SumRoad] = []
+    methods: list[SumMethod] = []
 
-    def noted(road, problem):
-        roads.append(road)
-        return sums_by(road, problem)
+    def noted(method, problem):
+        methods.append(method)
+        return sums_by(method, problem)
 
     monkeypatch.setattr(blockwise, "sums_by", noted)
     monkeypatch.setattr(checking, "check", None)
     registration = certreg.certify(problem, relaxation=False, simulation=False)
 
-    assert roads == [SumRoad.LIMBS]
+    assert methods == [SumMethod.LIMBS]
     assert registration.status is Optimality.CERTIFIED
     assert registration.certificate is not None
     assert registration.verdict is not None
     assert check(registration.certificate.to_json()).theorems == registration.verdict.theorems
 
 
-def test_sums_that_err_are_refused_by_the_other_road(monkeypatch):
+def test_sums_that_err_are_refused_by_the_other_method(monkeypatch):
     problem = random_problem(n=checking.PYTHON_POINTS + 1)
 
-    def wrong(road, about):
-        found = sums_by(road, about)
+    def wrong(method, about):
+        found = sums_by(method, about)
         return replace(found, integers=(*found.integers[:7], *found.integers[8:], 0))
 
     monkeypatch.setattr(blockwise, "sums_by", wrong)

@@ -11,11 +11,11 @@ import strategies
 
 from certreg import RegistrationProblem
 from certreg.errors import InvalidProblemError
-from certreg.problem.exact_sums import SumRoad, sums_by
+from certreg.problem.exact_sums import SumMethod, sums_by
 from certreg.problem.memory_mapped import let_go, mapped_file
-from certreg.settings import SumSettings
+from certreg.problem.problem import BLOCK_POINTS
 
-MANY = SumSettings().block_points + 1000  # more than one block
+MANY = BLOCK_POINTS + 1000  # more than one block
 
 
 def saved(folder: Path, name: str, array: np.ndarray, mode: str = "r") -> np.ndarray:
@@ -56,7 +56,7 @@ def test_a_mapped_problem_is_the_same_problem(tmp_path, cloud):
         assert not array.flags.writeable
     assert mapped.digest() == cloud.digest()
     assert mapped.data_bytes() == cloud.data_bytes()
-    assert sums_by(SumRoad.COMPILED, mapped) == sums_by(SumRoad.LIMBS, cloud)
+    assert sums_by(SumMethod.COMPILED, mapped) == sums_by(SumMethod.LIMBS, cloud)
 
 
 @pytest.mark.parametrize("mode", ["r+", "c"])
@@ -85,7 +85,7 @@ def test_a_mapped_array_of_another_type_gives_the_problem_of_its_values(tmp_path
 
     assert mapped.source.dtype == points.dtype
     assert mapped.digest() == plain.digest()
-    assert sums_by(SumRoad.COMPILED, mapped) == sums_by(SumRoad.INTEGERS, plain)
+    assert sums_by(SumMethod.COMPILED, mapped) == sums_by(SumMethod.INTEGERS, plain)
 
 
 def test_columns_and_rows_backwards_may_be_mapped(tmp_path):
@@ -96,7 +96,7 @@ def test_columns_and_rows_backwards_may_be_mapped(tmp_path):
 
     assert mapped_file(problem.source) is not None
     assert problem.digest() == plain.digest()
-    assert sums_by(SumRoad.COMPILED, problem) == sums_by(SumRoad.COMPILED, plain)
+    assert sums_by(SumMethod.COMPILED, problem) == sums_by(SumMethod.COMPILED, plain)
 
 
 def test_a_mapped_zero_with_a_sign_is_a_plain_zero(tmp_path):
@@ -123,7 +123,7 @@ def test_reading_a_mapped_problem_leaves_little_of_it_in_memory(tmp_path):
     mapped = RegistrationProblem(saved(tmp_path, "s.npy", np.ones((n, 3))), target, weights=weights)
     assert resident_kilobytes(mapped.source) < most
 
-    sums_by(SumRoad.COMPILED, mapped)
+    sums_by(SumMethod.COMPILED, mapped)
     assert resident_kilobytes(mapped.source) < most
     mapped.digest()
     assert resident_kilobytes(mapped.source) < most
@@ -162,9 +162,9 @@ def test_a_file_that_is_spoilt_meanwhile_is_noticed(tmp_path, cloud, name, value
     writable = np.load(tmp_path / f"{name}.npy", mmap_mode="r+")
     writable[66000] = value
 
-    for road in SumRoad:
+    for method in SumMethod:
         with pytest.raises(InvalidProblemError, match="was changed"):
-            sums_by(road, mapped)
+            sums_by(method, mapped)
 
 
 def test_equal_weights_take_the_place_of_one():

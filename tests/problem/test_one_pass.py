@@ -147,7 +147,7 @@ def test_a_float_is_the_double_of_its_value(name):
 
 @pytest.mark.parametrize("points", [10, 4096, 300_000])
 def test_threads_change_no_bit(points, monkeypatch):
-    monkeypatch.setattr(sums, "PassSettings", Small)
+    small_chunks(monkeypatch)
     given_ = clouds(points, 3)
     one, two, many = (floating_sums(given_, threads=k) for k in (1, 2, 5))
 
@@ -156,10 +156,10 @@ def test_threads_change_no_bit(points, monkeypatch):
             assert (np.asarray(getattr(one, name)) == getattr(other, name)).all()
 
 
-class Small:
+def small_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
     """Chunks so small that there are many."""
-
-    compiled_points, chunk_points = 0, 1000
+    monkeypatch.setattr(sums, "COMPILED_POINTS", 0)
+    monkeypatch.setattr(sums, "CHUNK_POINTS", 1000)
 
 
 @pytest.mark.parametrize("name", PASSES)
@@ -344,7 +344,7 @@ def test_the_row_that_is_no_number_is_named(bad, which, name, n):
 
 @pytest.mark.parametrize(("which", "bad"), [(0, np.nan), (2, -1e-3)])
 def test_the_row_is_counted_over_all_chunks(which, bad, monkeypatch):
-    monkeypatch.setattr(sums, "PassSettings", Small)
+    small_chunks(monkeypatch)
     arrays = pair(5000)
     arrays[which][4321] = bad
     with pytest.raises(InvalidProblemError, match=r"^(source|weights) row 4321 "):

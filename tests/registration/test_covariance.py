@@ -24,7 +24,6 @@ from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.certification import certify
 from certreg.registration.covariance import pose_covariance, residual_distances, worst_residuals
-from certreg.settings import SumSettings
 
 REPETITIONS = 10_000
 SIGMA = 1e-3
@@ -231,7 +230,7 @@ def test_the_worst_residuals_are_the_largest_and_of_equal_ones_the_first(monkeyp
         rotation=np.eye(3), translation=np.zeros(3), quaternion_wxyz=np.array([1.0, 0, 0, 0])
     )
     expected = sorted(range(200), key=lambda k: (-offsets[k], k))
-    monkeypatch.setattr(problems, "SumSettings", lambda: SumSettings(block_points=7))
+    monkeypatch.setattr(problems, "BLOCK_POINTS", 7)
 
     for count in (1, 3, 50, 300):
         found = worst_residuals(problem, pose, count)
