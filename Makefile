@@ -59,7 +59,7 @@ proofs: $(READY)  ## check the Coq proofs and the verified checker (installs Coq
 	@$(RUN) derivations/coq/check.py
 	@CERTREG_PROOFS=1 $(RUN) -m pytest -q tests/certificate/test_coq.py
 
-test-huge: $(READY)  ## certify two mapped clouds of 8 GB each in 500 MB of memory (ten minutes of a quiet machine, 16 GB of disk)
+test-huge: $(READY)  ## certify two mapped clouds of 8 GB each in 200 MB of memory beside what starting takes (ten minutes of a quiet machine, 16 GB of disk)
 	@$(RUN) tests/huge.py
 
 golden: $(READY)  ## compare what users see now and at a commit: make golden BASE=<commit> (minutes)

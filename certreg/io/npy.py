@@ -14,7 +14,7 @@ import numpy as np
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import write_atomically
 from certreg.io.streams import held_bytes, large_file, reading
-from certreg.problem import as_doubles, let_go, mapped_file, row_blocks
+from certreg.problem import as_doubles, mapped_file, row_blocks
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -168,7 +168,6 @@ def _finite(file: Path, array: NDArray[Any]) -> NDArray[Any]:
     """A mapped array, looked through block by block."""
     for rows in row_blocks(len(array)):
         finite = np.isfinite(array[rows])
-        let_go(array[rows])
         if not finite.all():
             row = rows.start + int(np.argwhere(~finite)[0][0])
             raise _not_kept(file, row, array[row].tolist())

@@ -30,7 +30,6 @@ from certreg.io.streams import (
     rows_of_words,
     typed_number,
 )
-from certreg.problem import let_go
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -294,8 +293,6 @@ def _uniform(
     for k, length in zip(listed, lengths, strict=True):
         if (rows[f"length {k}"] != length).any():
             return None
-    if listed:
-        let_go(rows)
     return rows
 
 

@@ -11,8 +11,6 @@ if TYPE_CHECKING:
     from certreg.problem.exact_sums import UPPER as UPPER
     from certreg.problem.exact_sums import second_method as second_method
     from certreg.problem.exact_sums import sums_by as sums_by
-    from certreg.problem.memory_mapped import let_go as let_go
-    from certreg.problem.memory_mapped import mapped_file as mapped_file
     from certreg.problem.moments import ExactMoments as ExactMoments
     from certreg.problem.moments import Moments as Moments
     from certreg.problem.moments import exact_moments as exact_moments
@@ -32,6 +30,7 @@ if TYPE_CHECKING:
     from certreg.problem.problem import finite_doubles as finite_doubles
     from certreg.problem.problem import first_row as first_row
     from certreg.problem.problem import lift as lift
+    from certreg.problem.problem import mapped_file as mapped_file
     from certreg.problem.problem import real_numbers as real_numbers
     from certreg.problem.problem import row_blocks as row_blocks
     from certreg.problem.random_instances import PAPER_DAMPING as PAPER_DAMPING
@@ -48,10 +47,6 @@ __getattr__ = lazy_face(
             "UPPER",
             "second_method",
             "sums_by",
-        ),
-        "memory_mapped": (
-            "let_go",
-            "mapped_file",
         ),
         "moments": (
             "ExactMoments",
@@ -75,6 +70,7 @@ __getattr__ = lazy_face(
             "finite_doubles",
             "first_row",
             "lift",
+            "mapped_file",
             "real_numbers",
             "row_blocks",
         ),

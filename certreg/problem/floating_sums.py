@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.native import CompilationError, loaded_library
-from certreg.problem.memory_mapped import let_go
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
 COUNT = 23  # CERTREG_SUMS of native/sums.h
 BLOCK = 256  # points that are summed plainly
 COMPILED_POINTS = 4096  # from here on in C: below, NumPy takes a millisecond at most
-CHUNK_POINTS = 1 << 18  # of one call: a millisecond, and 15 MB of a mapped file at a time
+CHUNK_POINTS = 1 << 18  # of one call: a millisecond, and a few megabytes of copies
 UPPER = np.array([0, 1, 2, 1, 3, 4, 2, 4, 5])  # of a symmetric matrix, from the diagonal on
 TAKEN = (np.dtype(np.float64), np.dtype(np.float32))  # types that the compiled pass reads
 
@@ -115,12 +114,7 @@ def floating_sums(clouds: CloudPair, *, threads: int = 1) -> FloatingSums:
 
     def of_chunk(start: int) -> tuple[NDArray[np.float64], bool]:
         rows = slice(start, start + CHUNK_POINTS)
-        part = clouds if len(starts) == 1 else clouds.part(rows)
-        sums = one_pass(part)
-        for array in (part.source, part.target, part.weights):
-            if array is not None:
-                let_go(array)
-        return sums
+        return one_pass(clouds if len(starts) == 1 else clouds.part(rows))
 
     if threads == 1 or len(starts) == 1:
         sums = [of_chunk(start) for start in starts]
@@ -137,9 +131,7 @@ def floating_sums(clouds: CloudPair, *, threads: int = 1) -> FloatingSums:
 def chunks(array: NDArray[Any]) -> Iterator[NDArray[np.float64]]:
     """Copies of the rows in doubles, as many at a time as one call takes."""
     for start in range(0, len(array), CHUNK_POINTS):
-        part = array[start : start + CHUNK_POINTS]
-        yield part.astype(np.float64)
-        let_go(part)
+        yield array[start : start + CHUNK_POINTS].astype(np.float64)
 
 
 def total(row: NDArray[np.float64]) -> float:

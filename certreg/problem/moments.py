@@ -21,7 +21,6 @@ from certreg.errors import InvalidProblemError
 from certreg.exact import power_of_two
 from certreg.problem.exact_sums import sums as exact_sums
 from certreg.problem.floating_sums import CloudPair, chunks, floating_sums
-from certreg.problem.memory_mapped import let_go, mapped_file
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -241,9 +240,7 @@ def _near_mean(points: NDArray[Any]) -> NDArray[np.float64]:
     """The mean of a few points, or one of them where that is beyond the doubles."""
     some = points[:: max(1, len(points) // SAMPLE_POINTS)]
     copied = np.empty(some.shape)  # the same sum for every layout
-    for copy, point in zip(copied, some, strict=True) if mapped_file(points) else [(copied, some)]:
-        copy[:] = point
-        let_go(point)  # the system may show two megabytes around each
+    copied[:] = some
     with np.errstate(all="ignore"):
         mean = np.add.reduce(copied) / len(copied)
     return mean if np.isfinite(mean).all() else copied[0]

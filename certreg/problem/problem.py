@@ -10,6 +10,7 @@ import copy
 import hashlib
 import io
 import math
+import mmap
 import operator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -18,7 +19,6 @@ import numpy as np
 
 from certreg.errors import InvalidProblemError
 from certreg.exact import weight_of_sigma
-from certreg.problem.memory_mapped import let_go, mapped_file
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -118,7 +118,7 @@ class RegistrationProblem:
         return all((block == one).all() for block in blocks)
 
     def block(self, rows: slice) -> Block:
-        """Some of the points in doubles, contiguous; a mapped file is let go of afterwards.
+        """Some of the points in doubles, contiguous.
 
         Raises InvalidProblemError where a file holds no proper points any more.
         """
@@ -179,14 +179,13 @@ def contiguous(
 ) -> NDArray[np.float64]:
     """Rows of an array of a problem as contiguous doubles, -0.0 as 0.0; `name` is for errors.
 
-    A copy where the array is mapped from a file, which is let go of. Raises InvalidProblemError
-    where the file holds a number that is not finite: it did not, once.
+    A copy where the array is mapped from a file. Raises InvalidProblemError where the file holds a
+    number that is not finite: it did not, once.
     """
     if mapped_file(array) is None:
         return np.ascontiguousarray(array[rows])
     copied = array[rows].astype(np.float64, order="C")
     copied += 0.0  # -0.0 + 0.0 is 0.0: one point, one digest
-    let_go(array[rows])
     finite = np.isfinite(copied)
     if not finite.all():
         row = rows.start + int(np.argwhere(~finite)[0][0])
@@ -194,6 +193,18 @@ def contiguous(
             CHANGED, array=name, row=row, value=copied[row - rows.start].tolist()
         )
     return copied
+
+
+def mapped_file(array: NDArray[Any]) -> mmap.mmap | None:
+    """The file of an array that was mapped for reading only; None for any other array.
+
+    Through a map for reading only this process cannot change the array. The pages of the file that
+    were read are the system's: it takes them back when memory is scarce.
+    """
+    owner: Any = array
+    while owner is not None and not isinstance(owner, mmap.mmap):
+        owner = owner.obj if isinstance(owner, memoryview) else getattr(owner, "base", None)
+    return owner if owner is not None and memoryview(owner).readonly else None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -284,9 +295,7 @@ def finite_doubles(array: NDArray[Any], name: str) -> NDArray[np.float64]:
             raise InvalidProblemError(
                 message, array=name, row=rows.start + row, value=doubles[row].tolist()
             )
-        if mapped:
-            let_go(array[rows])
-        else:
+        if not mapped:
             np.add(doubles, 0.0, out=kept[rows])  # -0.0 + 0.0 is 0.0: one point, one digest
     return kept
 

@@ -20,7 +20,7 @@ from test_formats import REFUSED
 from certreg.errors import InvalidFileError
 from certreg.io import streams
 from certreg.io.clouds import read_cloud, read_problem, read_weights
-from certreg.problem.memory_mapped import mapped_file
+from certreg.problem.problem import mapped_file
 
 POINTS = np.random.default_rng(5).normal(size=(500, 3)).astype(np.float32)
 
@@ -237,11 +237,12 @@ import resource, sys, certreg
 from certreg.io.clouds import read_cloud
 from certreg.problem.floating_sums import compiled
 compiled(), certreg.register([[0, 0, 0], [1, 0, 0], [0, 2, 0]], [[0, 0, 0], [1, 0, 0], [0, 2, 0]])
-def peak(): return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
-before = peak()
+lines = open("/proc/self/status").read().splitlines()
+before = next(int(line.split()[1]) for line in lines if line.startswith("VmData")) << 10
+resource.setrlimit(resource.RLIMIT_DATA, (before + (50 << 20),) * 2)
 source, target = map(read_cloud, sys.argv[1:])
 pose = certreg.register(source.points, target.points)
-print(peak() - before, *pose.translation.round(6).tolist())
+print(*pose.translation.round(6).tolist())
 """
 
 
@@ -259,7 +260,5 @@ def test_two_files_are_registered_in_a_fraction_of_their_size(tmp_path):
         text=True,
         check=True,
     )
-    grown, *translation = map(float, run.stdout.split())
 
-    assert grown <= 50
-    assert translation == [2.0, 2.0, 2.0]
+    assert run.stdout.split() == ["2.0"] * 3

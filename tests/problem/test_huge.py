@@ -9,18 +9,17 @@ from certreg import RegistrationProblem, verify
 from certreg.certificate.blockwise import check_on_sums
 
 POINTS = 1_050_000  # more than a certificate holds
-MEGABYTES = 30  # of the 50 that both files have
+MEGABYTES = 45  # of the 50 that both files have; 16 are the stacks of two threads
 
 
 def test_mapped_clouds_are_certified_in_less_memory_than_they_take(tmp_path):
     files = write_clouds(tmp_path, POINTS)
-    run = Run.of(*files, tmp_path / "certificate.json")
+    run = Run.of(*files, tmp_path / "certificate.json", MEGABYTES)
 
     assert run.n == POINTS
     assert run.status == "CERTIFIED"
     assert np.abs(run.rotation - turn()).max() < 1e-3
-    assert sum(file.stat().st_size for file in files) > 1.6e6 * MEGABYTES
-    assert run.peak - run.before < MEGABYTES
+    assert sum(file.stat().st_size for file in files) > MEGABYTES << 20
 
     content = (tmp_path / "certificate.json").read_bytes()
     mapped = RegistrationProblem(*(np.load(file, mmap_mode="r") for file in files))

@@ -1,4 +1,4 @@
-"""Certificates of many points: the file in pieces, their own check by a second method, in blocks."""
+"""Certificates of many points: the file in pieces, checked in blocks by a second method."""
 
 from __future__ import annotations
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -12,8 +11,10 @@ import strategies
 from certreg import RegistrationProblem
 from certreg.errors import InvalidProblemError
 from certreg.problem.exact_sums import SumMethod, sums_by
-from certreg.problem.memory_mapped import let_go, mapped_file
-from certreg.problem.problem import BLOCK_POINTS
+from certreg.problem.problem import BLOCK_POINTS, mapped_file
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 MANY = BLOCK_POINTS + 1000  # more than one block
 
@@ -36,18 +37,6 @@ def cloud():
     return strategies.random_problem(np.random.default_rng(4), n=MANY)
 
 
-def resident_kilobytes(array: np.ndarray) -> int:
-    """How much of the map that an array lies in is in this process's memory (proc(5), smaps)."""
-    wanted, inside = array.ctypes.data, False
-    for line in Path("/proc/self/smaps").read_text().splitlines():
-        place = re.match(r"([0-9a-f]+)-([0-9a-f]+) ", line)
-        if place:
-            inside = int(place[1], 16) <= wanted < int(place[2], 16)
-        elif inside and line.startswith("Rss:"):
-            return int(line.split()[1])
-    raise AssertionError("no such map")
-
-
 def test_a_mapped_problem_is_the_same_problem(tmp_path, cloud):
     mapped = mapped_problem(tmp_path, cloud)
 
@@ -66,14 +55,6 @@ def test_an_array_that_could_be_written_to_is_copied(tmp_path, mode):
     array[0, 0] = 7.0
 
     assert problem.source[0, 0] == 1.0
-
-
-def test_a_private_change_is_not_lost_by_letting_go(tmp_path):
-    array = saved(tmp_path, "source.npy", np.eye(3), "c")
-    array[0, 0] = 7.0
-    let_go(array)
-
-    assert array[0, 0] == 7.0
 
 
 @pytest.mark.parametrize("dtype", ["<f4", ">f8", "<i4", "<f2"])
@@ -104,31 +85,6 @@ def test_a_mapped_zero_with_a_sign_is_a_plain_zero(tmp_path):
 
     plain = RegistrationProblem(np.zeros((2, 3)), np.eye(2, 3))
     assert RegistrationProblem(signed, np.eye(2, 3)).digest() == plain.digest()
-
-
-def test_blocks_read_in_any_order_leave_nothing_between_them(tmp_path):
-    """As threads do it: the later block shows the start of one that was let go of before."""
-    n, size, most = 2**20, 2**13, 512  # kilobytes; a page beside each block would be more
-    target = np.broadcast_to(1.0, (n, 3))
-    mapped = RegistrationProblem(saved(tmp_path, "s.npy", np.ones((n, 3))), target)
-
-    for first in range(n - size, -1, -size):
-        mapped.block(slice(first, first + size))
-    assert resident_kilobytes(mapped.source) < most
-
-
-def test_reading_a_mapped_problem_leaves_little_of_it_in_memory(tmp_path):
-    n, least, most = 2**20, 16 * 1024, 3 * 1024  # kilobytes: one block, and what is read ahead
-    target, weights = np.broadcast_to(1.0, (n, 3)), np.broadcast_to(1.0, n)
-    mapped = RegistrationProblem(saved(tmp_path, "s.npy", np.ones((n, 3))), target, weights=weights)
-    assert resident_kilobytes(mapped.source) < most
-
-    sums_by(SumMethod.COMPILED, mapped)
-    assert resident_kilobytes(mapped.source) < most
-    mapped.digest()
-    assert resident_kilobytes(mapped.source) < most
-    assert mapped.source.max() == 1.0  # all of it at once
-    assert resident_kilobytes(mapped.source) > least
 
 
 @pytest.mark.parametrize(
