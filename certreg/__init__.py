@@ -17,8 +17,10 @@ from certreg.certificate import verify as verify
 if TYPE_CHECKING:
     from certreg.certificate import Certificate as Certificate
     from certreg.dynamics import Trajectory as Trajectory
+    from certreg.equilibrium import solve_many as solve_many
     from certreg.errors import CertregError as CertregError
     from certreg.geometry import Pose as Pose
+    from certreg.io import read_problem as read_problem
     from certreg.problem import RegistrationProblem as RegistrationProblem
     from certreg.registration import Assessment as Assessment
     from certreg.registration import Registration as Registration
@@ -44,8 +46,10 @@ __all__ = [
     "assess",
     "certify",
     "equilibria",
+    "read_problem",
     "register",
     "simulate",
+    "solve_many",
     "verify",
 ]
 
@@ -54,8 +58,10 @@ __getattr__ = lazy_face(
     {
         "certificate": ("Certificate",),
         "dynamics": ("Trajectory",),
+        "equilibrium": ("solve_many",),
         "errors": ("CertregError",),
         "geometry": ("Pose",),
+        "io": ("read_problem",),
         "problem": ("RegistrationProblem",),
         "registration": (
             "Assessment",
