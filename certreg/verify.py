@@ -19,6 +19,7 @@ import hashlib
 import json
 import struct
 import sys
+from abc import ABC, abstractmethod
 from array import array
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context, Decimal
@@ -27,32 +28,19 @@ from itertools import accumulate, chain
 from math import frexp, gcd, isfinite, isqrt, lcm
 from operator import mul
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Container, Iterator, Sequence
 
 Matrix = list[list[int]]
-PREFIX, FORMAT = b"certreg-problem/1\0", "certreg-certificate/1"
-KEYS = {  # of kind isotropic and its parts; any others are refused; basin and sdp may be null
-    "": "about basin claims format kind optimality pose problem sdp",
-    "basin": "angular_velocity quaternion",
-    "sdp": "nu",
-    "claims": "basin gap pattern sdp_gap sin2_half_angle unique unstable",
-    "optimality": "delta mu",
-    "problem": "data digest n",
-}
-DYADICS = ("delta", "gap", "mu", "nu", "sdp_gap", "sin2_half_angle")  # [m, e] means m 2^e
-FREE = ("pattern", "unstable")  # lists of one to four integers; these have four:
-LISTS = ("angular_velocity", "chart", "pose", "quaternion", *FREE, *DYADICS)
-SCALARS: Any = {"n": int, "unique": bool, "basin": bool, "data": str, "digest": str}
-NULLS = ("angular_velocity", "basin", "data", "nu", "quaternion", *DYADICS[-2:], "unstable")
+Part = dict[str, Any]  # a JSON object
+FORMAT = "certreg-certificate/1"
 INLINE_MAX, FILE_MAX = 10**6, 10**8  # points in a certificate, 75 MB in base64; its bytes
 NODES_MAX = 50_000  # commas and brackets; each costs less than 600 bytes of memory: < 30 MB
 DIGITS_MAX, EXPONENT_MAX = 4300, 32768  # of an integer, as Python's own limit; of a dyadic
 BLOCK = 8192  # points lifted at a time: bounds the memory
 UNIT = 3 * (1073 + 53)  # each double is an integer times 2^-1126, a product of three 2^-UNIT
-KINDS = ("", "one rotation", "a circle", "a projective plane", "all rotations")
 
 
 class RefusalError(Exception):
@@ -77,14 +65,64 @@ class Clouds:
     weights: array[float] | None = None  # None: all equal, those of the certificate if it has any
 
 
+@dataclass(frozen=True)
+class Certificate(ABC):
+    """A well-formed certificate, of checked types and sizes; each kind adds its claims.
+
+    about: never read. n, digest, data: the number of points, what binds them, perhaps themselves.
+    """
+
+    kind: ClassVar[str]
+    keys: ClassVar[dict[str, str]]  # as `parts_of` takes them
+    prefix: ClassVar[bytes] = b"certreg-problem/1\0"  # of what the digest is taken of
+
+    about: Part
+    n: int
+    digest: str
+    data: str | None
+
+    @classmethod
+    @abstractmethod
+    def parse(cls, parts: dict[str, Part]) -> Certificate:
+        """The certificate with these parts, of the right keys; RefusalError for a wrong type."""
+
+    @abstractmethod
+    def prove(self, sums: Sums) -> tuple[str, ...]:
+        """Theorems about points with these sums; RefusalError if a claim does not follow."""
+
+
+@dataclass(frozen=True)
+class Sums:
+    """Recomputed of the points: the table m and e of `moments`; whether all weights are equal."""
+
+    m: Matrix
+    e: int
+    equal: bool
+
+
 def require(condition: object, reason: str) -> None:
     """Nothing if the condition holds; otherwise RefusalError."""
     if not condition:
         raise RefusalError(reason)
 
 
-def parse(text: bytes) -> dict[str, Any]:
-    """All fields of a well-formed certificate, of checked types and sizes, in one dictionary."""
+def check(certificate: bytes, clouds: Clouds | None = None) -> Outcome:
+    """Theorems that the certificate proves of its points, or why it is refused; never raises.
+
+    A claim weaker than what is proved passes, a stronger one does not.
+    """
+    try:
+        stated = parse(certificate)
+        del certificate  # as large as the points
+        doubles = bound_doubles(stated, clouds)
+        sums = Sums(*moments(doubles, stated.n), equally_weighted(doubles, stated.n))
+        return Outcome(verified=True, theorems=stated.prove(sums), reason="")
+    except (RefusalError, MemoryError) as error:
+        return Outcome(verified=False, theorems=(), reason=str(error) or "not enough memory")
+
+
+def parse(text: bytes) -> Certificate:
+    """The certificate in a file, of any kind in KINDS."""
     nodes = sum(map(text.count, (b",", b"[", b"{")))
     require(len(text) <= FILE_MAX and nodes <= NODES_MAX, "the certificate is too large")
     hooks: dict[str, Any] = {"parse_int": _bounded, "parse_constant": _bounded}
@@ -92,27 +130,52 @@ def parse(text: bytes) -> dict[str, Any]:
         document = json.loads(text.decode(), object_pairs_hook=_unique, **hooks)
     except (ValueError, RecursionError) as error:
         raise RefusalError("the certificate is not JSON in UTF-8 of a sane depth") from error
-    fields: dict[str, Any] = {"": document}
     kind = document["kind"] if _is(dict, document) and _is(str, document.get("kind")) else ""
-    for name, keys in FORMS.get(kind, FORMS["isotropic"])[0].items():
-        absent = name in {"basin", "sdp"} and fields[name] is None
-        part = dict.fromkeys(keys.split()) if absent else fields[name]
-        good = _is(dict, part) and sorted(part) == keys.split()
-        require(good, f"{name or 'the certificate'} must have exactly the keys {keys}")
-        fields.update(part)  # in this order: `basin` ends as the claim of that name
-    known = _is(dict, fields["about"]) and kind in FORMS
-    require(known and fields["format"] == FORMAT, f"not a {FORMAT} of a known kind")
-    present = [name for name in (*SCALARS, *LISTS) if name in fields]
-    for name in [name for name in present if fields[name] is not None or name not in NULLS]:
-        value = fields[name]
-        require(_is(SCALARS.get(name, list), value), f"{name} is of a wrong type")
-        if name in LISTS:
-            length = 2 if name in DYADICS else len(value) if name in FREE else 4
-            good = len(value) == length <= 4 and all(_is(int, entry) for entry in value)
-            require(good, f"{name} is not a list of integers of the right length")
-        if name in DYADICS:
-            fields[name] = value[0] * _power(value[1])
-    return fields
+    form = KINDS.get(kind, Isotropic)
+    parts = parts_of(document, form.keys)
+    known = _is(dict, document["about"]) and kind in KINDS
+    require(known and document["format"] == FORMAT, f"not a {FORMAT} of a known kind")
+    return form.parse(parts)
+
+
+def parts_of(document: Any, keys: dict[str, str]) -> dict[str, Part]:
+    """The document, under "", and the objects within by name, each with exactly the keys stated.
+
+    A key that ends in ? may be missing. An object whose name does may be null: all entries are.
+    """
+    parts: dict[str, Part] = {}
+    for place, words in keys.items():
+        name, known = place.rstrip("?"), words.replace("?", "").split()
+        absent = name != place and document[name] is None
+        part: Any = dict.fromkeys(known) if absent else document[name] if name else document
+        needed = {key for key in words.split() if not key.endswith("?")}
+        good = _is(dict, part) and needed <= set(part) <= set(known)
+        require(good, f"{name or 'the certificate'} must have exactly the keys {words}")
+        parts[name] = part
+    return parts
+
+
+def entry(kind: type, part: Part, name: str, *, null: bool = False) -> Any:
+    """An entry of this type; None where it may be and is null or missing. Else RefusalError."""
+    value = part.get(name)
+    require(_is(kind, value) or (null and value is None), f"{name} is of a wrong type")
+    return value
+
+
+def integers(part: Part, name: str, lengths: Container[int] = (4,), *, null: bool = False) -> Any:
+    """An entry that is a list of integers, of one of these lengths, as a tuple."""
+    found = entry(list, part, name, null=null)
+    if found is None:
+        return None
+    good = len(found) in lengths and all(_is(int, each) for each in found)
+    require(good, f"{name} is not a list of integers of the right length")
+    return tuple(found)
+
+
+def dyadic(part: Part, name: str, *, null: bool = False) -> Any:
+    """An entry [m, e], which means the Fraction m 2^e."""
+    found = integers(part, name, (2,), null=null)
+    return None if found is None else found[0] * _power(found[1])
 
 
 def _power(exponent: int) -> Fraction:
@@ -134,14 +197,15 @@ def _bounded(digits: str) -> int:
     return int(digits)  # ValueError for NaN and Infinity
 
 
-def bound_doubles(fields: dict[str, Any], clouds: Clouds | None) -> memoryview:
+def bound_doubles(certificate: Certificate, clouds: Clouds | None) -> memoryview:
     """Little-endian doubles source, target, weights (7n) that the digest, SHA-256, binds.
 
     From the certificate, or from `clouds` where it holds none; where both are given, they agree.
     """
-    n, text, content = fields["n"], fields["data"], b""
+    n, text, content = certificate.n, certificate.data, b""
     require(1 <= n < 2**40, "n is out of range")
-    head, size = PREFIX + struct.pack("<Q", n), len(PREFIX) + 8 + 56 * n
+    head = certificate.prefix + struct.pack("<Q", n)
+    size = len(head) + 56 * n
     if text is not None:
         require(n <= INLINE_MAX and len(text) == (size + 2) // 3 * 4, "data is not of n points")
         try:
@@ -156,17 +220,22 @@ def bound_doubles(fields: dict[str, Any], clouds: Clouds | None) -> memoryview:
         parts = [p for p in (clouds.source, clouds.target, clouds.weights) if p is not None]
         same = [len(part) for part in parts] == [3 * n, 3 * n, n][: len(parts)]
         require(same, "the certificate is about another number of points or weights")
-        given = array("d", map((0.0).__add__, chain(*parts)))  # 0.0 + -0.0 = 0.0
+        numbers = array("d", map((0.0).__add__, chain(*parts)))  # 0.0 + -0.0 = 0.0
         if sys.byteorder == "big":
-            given.byteswap()
-        given = head + given.tobytes()
+            numbers.byteswap()
+        given = head + numbers.tobytes()
         content = content or given + struct.pack("<d", 1.0) * ((size - len(given)) // 8)
         require(content.startswith(given), "the certificate is about other points or weights")
-    fields["equal"] = content[-8:] * n == content[-8 * n :]  # all weights
-    known = fields["equal"] or clouds is None or clouds.weights is not None
+    known = clouds is None or clouds.weights is not None or equally_weighted(content, n)
     require(known, "the certificate weights its points unequally: give the weights, too")
-    require(hashlib.sha256(content).hexdigest() == fields["digest"], "the digest is not theirs")
+    digest = hashlib.sha256(content).hexdigest()
+    require(digest == certificate.digest, "the digest is not theirs")
     return memoryview(content)[len(head) :]
+
+
+def equally_weighted(doubles: bytes | memoryview, n: int) -> bool:
+    """Whether the last n doubles, the weights, are all the same."""
+    return bytes(doubles[-8:]) * n == doubles[-8 * n :]
 
 
 def moments(doubles: bytes | memoryview, n: int) -> tuple[Matrix, int]:
@@ -203,6 +272,19 @@ def _lifted(doubles: bytes | memoryview, first: int, count: int) -> tuple[list[i
     return [int(k * 2**53) << (e - low) if k else 0 for k, e in split], low - 53
 
 
+def cross(m: Matrix) -> Matrix:
+    """C over 2^e/M', from a table of moments over 2^e with the sum of the weights m[0][0] = M'."""
+    return [[m[0][0] * m[j][k] - m[0][j] * m[0][k] for j in (1, 2, 3)] for k in (4, 5, 6)]
+
+
+def inertia(m: Matrix) -> Matrix:
+    """J over the same."""
+    xyz = (1, 2, 3)
+    S = [[m[0][0] * m[min(j, k)][max(j, k)] - m[0][j] * m[0][k] for k in xyz] for j in xyz]
+    trace = S[0][0] + S[1][1] + S[2][2]
+    return [[trace * (i == j) - S[i][j] for j in range(3)] for i in range(3)]
+
+
 def davenport(C: Matrix) -> Matrix:
     """4x4 matrix K of the 3x3 matrix C: symmetric, q^T K q = tr(R(q)^T C) for unit q."""
     trace = C[0][0] + C[1][1] + C[2][2]
@@ -228,11 +310,175 @@ def positive_definite(A: Sequence[Sequence[int | Fraction]]) -> bool:
     return True
 
 
-def _form(A: Matrix, v: list[int]) -> int:  # v^T A v
+def _form(A: Matrix, v: Sequence[int]) -> int:  # v^T A v
     return sum(entry * sum(map(mul, row, v)) for entry, row in zip(v, A))  # noqa: B905 (3.9)
 
 
-def proves_level(K: Matrix, unit: Fraction, q: list[int], level: Fraction, mu: Fraction) -> bool:
+def rounded_up(value: Fraction, digits: int) -> Decimal:
+    """Least decimal number of so many digits that is at least the value > 0."""
+    context = Context(prec=digits, rounding=ROUND_CEILING)
+    return context.divide(Decimal(value.numerator), Decimal(value.denominator))
+
+
+def shown(text: object) -> str:
+    """Text from outside made printable: ASCII, escaped, of bounded length."""
+    return ascii(str(text)[:200])[1:-1]
+
+
+def main(argv: list[str]) -> int:
+    """Exit code: 0 verified, 1 refused, 2 unreadable file or wrong usage."""
+    if len(argv) != 1 or argv[0].startswith("-"):
+        sys.stderr.write("usage: verify.py CERTIFICATE (a JSON file that holds its points)\n")
+        return 0 if argv == ["--help"] else 2
+    try:
+        with Path(argv[0]).open("rb") as file:
+            outcome = check(file.read(FILE_MAX + 1))
+    except (OSError, ValueError) as error:
+        sys.stderr.write(f"{shown(argv[0])}: {shown(error)}: give a readable file\n")
+        return 2
+    verdict = "VERIFIED" if outcome.verified else f"REFUSED: {outcome.reason}"
+    print(*outcome.theorems, verdict, sep="\n")
+    return 0 if outcome.verified else 1
+
+
+# --- kind: isotropic ----------------------------------------------------------------------------
+# Claims: the pose is optimal up to proved bounds; which rotations are at equilibrium; where a body
+# that moves from a given state ends.
+
+SETS = ("", "one rotation", "a circle", "a projective plane", "all rotations")
+
+
+@dataclass(frozen=True)
+class Isotropic(Certificate):
+    """delta, mu, nu, quaternion, angular_velocity make the proof short; the rest is claimed."""
+
+    kind: ClassVar = "isotropic"
+    keys: ClassVar = {
+        "": "about basin claims format kind optimality pose problem sdp",
+        "basin?": "angular_velocity quaternion",
+        "sdp?": "nu",
+        "claims": "basin gap pattern sdp_gap sin2_half_angle unique unstable",
+        "optimality": "delta mu",
+        "problem": "data digest n",
+    }
+
+    pose: tuple[int, int, int, int]  # a quaternion of any length; R is its rotation
+    delta: Fraction
+    mu: Fraction
+    gap: Fraction
+    sin2_half_angle: Fraction | None
+    unique: bool
+    pattern: tuple[int, ...]
+    unstable: tuple[int, ...] | None
+    nu: Fraction | None
+    sdp_gap: Fraction | None
+    basin: bool | None  # whether a body in the following state ends at the optimum
+    quaternion: tuple[int, int, int, int] | None
+    angular_velocity: tuple[int, int, int, int] | None  # three integers, the exponent of their unit
+
+    @classmethod
+    def parse(cls, parts: dict[str, Part]) -> Isotropic:
+        """Of several wrong types the first in this order is told."""
+        whole, problem, claims = parts[""], parts["problem"], parts["claims"]
+        optimality, state = parts["optimality"], parts["basin"]
+        return cls(
+            about=whole["about"],
+            n=entry(int, problem, "n"),
+            unique=entry(bool, claims, "unique"),
+            basin=entry(bool, claims, "basin", null=True),
+            data=entry(str, problem, "data", null=True),
+            digest=entry(str, problem, "digest"),
+            angular_velocity=integers(state, "angular_velocity", null=True),
+            pose=integers(whole, "pose"),
+            quaternion=integers(state, "quaternion", null=True),
+            pattern=integers(claims, "pattern", range(5)),
+            unstable=integers(claims, "unstable", range(5), null=True),
+            delta=dyadic(optimality, "delta"),
+            gap=dyadic(claims, "gap"),
+            mu=dyadic(optimality, "mu"),
+            nu=dyadic(parts["sdp"], "nu", null=True),
+            sdp_gap=dyadic(claims, "sdp_gap", null=True),
+            sin2_half_angle=dyadic(claims, "sin2_half_angle", null=True),
+        )
+
+    def prove(self, sums: Sums) -> tuple[str, ...]:
+        """All claims, by the functions below; what these prove stands in their docstrings."""
+        good = self.delta > 0 and self.mu >= 0 and any(self.pose)
+        require(good, "delta > 0, mu >= 0 and a pose other than 0 needed")
+        mass, C, J = sums.m[0][0], cross(sums.m), inertia(sums.m)
+        require(mass > 0, "no weight is positive")
+        unit = Fraction(2) ** sums.e / mass  # of C, J and K
+        K, pattern, solid = davenport(C), multiplicities(C), positive_definite(J)
+        v = Fraction(_form(K, self.pose), sum(c * c for c in self.pose)) * unit
+        level = v + self.delta - self.mu
+        optimal = proves_level(K, unit, self.pose, level, self.mu)
+        require(optimal, "delta and mu do not prove the pose optimal")
+        self._require_bounds()
+        self._require_equilibria(pattern, solid=solid)
+        nu, gap = self.nu, self.sdp_gap
+        dual = nu is None or proves_level(K, unit, self.pose, nu, Fraction(0))
+        require(dual, "sdp.nu bounds nothing")
+        bounded = gap is None or (nu is not None and gap >= 2 * (nu - v))
+        require(bounded, "claims.sdp_gap is below the proved bound 2 (nu - v)")
+        if self.basin:
+            p, w = self.quaternion, self.angular_velocity
+            inside = solid and p and w and proves_basin(K, J, level / unit, p, w)
+            require(inside, "claims.basin is not proved of the state in basin")
+        return tuple(self._sentences(pattern, solid=solid, equal=sums.equal))
+
+    def _require_bounds(self) -> None:
+        delta, mu, sin2 = self.delta, self.mu, self.sin2_half_angle
+        require(self.gap >= 2 * delta, "claims.gap is below the proved bound 2 delta")
+        angle = sin2 is None or (mu > 0 and sin2 * mu >= delta)
+        require(angle, "claims.sin2_half_angle is below the proved bound delta/mu")
+
+    def _require_equilibria(self, true: list[int], *, solid: bool) -> None:
+        good = list(self.pattern) == true
+        require(good, f"claims.pattern is wrong, the true one is {true}")
+        require(true[0] == 1 or not self.unique, "claims.unique is wrong: it is not unique")
+        unstable = [0, *accumulate(true[:-1])] if solid else None  # collinear: no dynamics
+        good = self.unstable is None or list(self.unstable) == unstable
+        require(good, f"claims.unstable is wrong or unproved: proved is {unstable}")
+
+    def _sentences(self, pattern: list[int], *, solid: bool, equal: bool) -> Iterator[str]:
+        q, delta, mu = self.pose, self.delta, self.mu
+        yield f"Data: n = {self.n} pairs, {'' if equal else 'NOT '}all of one weight."
+        yield f"SHA-256 of their doubles is {self.digest}."
+        length = isqrt(sum(c * c for c in q) << 128)
+        unit = ", ".join(f"{(c << 64) / length:.12f}" for c in q)
+        yield f"The certified rotation R is that of the quaternion ({unit}), rounded here; w first."
+        gap = f"less than {rounded_up(2 * delta, 2):.1e} (sum of weight x squared distance)"
+        yield f"The objective at R, best translation, exceeds the global minimum by {gap}."
+        if 2 * delta <= mu:  # a/2 < tan(a/2) < sqrt(s/(1 - s)) if sin^2(a/2) < s = delta/mu
+            context = Context(prec=20)
+            root = context.next_plus(context.sqrt(rounded_up(delta / (mu - delta), 20)))
+            degrees = rounded_up(
+                Fraction(root) * Fraction("114.591559027"), 2
+            )  # 360/pi = ...026...
+            yield f"Every global optimum is within {degrees:.1e} degrees of R."
+        if pattern[0] == 1:
+            yield "The global optimum is unique: every other rotation has a larger objective."
+        else:
+            yield f"The global optimum is NOT unique: the optima form {SETS[pattern[0]]}."
+        sets = ", ".join(SETS[k] for k in pattern)
+        counts = ", ".join(map(str, [0, *accumulate(pattern[:-1])]))
+        if solid:
+            yield "The moving cloud has three noncollinear points of positive weight (J > 0)."
+            yield f"The equilibria of the dynamics: {sets}; unstable directions: {counts}."
+        else:
+            yield "The moving points are collinear (J is singular): the dynamics is not defined."
+            yield f"The critical rotations: {sets}; directions of descent: {counts}."
+        if self.sdp_gap is not None:
+            yield f"The relaxation's dual bounds that gap by {rounded_up(self.sdp_gap, 2):.1e}."
+        if self.basin:
+            end = "ends at the optimum, whatever the damping > 0."
+            yield f"A body moving from the state `basin` {end}"
+        yield "Not proved: anything under `about`, and where the points come from."
+
+
+def proves_level(
+    K: Matrix, unit: Fraction, q: Sequence[int], level: Fraction, mu: Fraction
+) -> bool:
     """Whether A = level I - K + mu u u^T is positive definite; u = q/|q|, K given over unit.
 
     Where it is, mu >= 0 and level = v + delta - mu, v = u^T K u, every unit quaternion p satisfies
@@ -252,7 +498,9 @@ def proves_level(K: Matrix, unit: Fraction, q: list[int], level: Fraction, mu: F
     )
 
 
-def proves_basin(fields: dict[str, Any], K: Matrix, J: Matrix, level: Fraction) -> bool:
+def proves_basin(
+    K: Matrix, J: Matrix, level: Fraction, p: Sequence[int], velocity: Sequence[int]
+) -> bool:
     """Whether a body in the state (p, w), w its angular velocity, must end at the optimum; J > 0.
 
     E = w^T J w / 2 - 2 p^T K p, p a unit quaternion, never rises along the damped motion, which
@@ -260,7 +508,7 @@ def proves_basin(fields: dict[str, Any], K: Matrix, J: Matrix, level: Fraction) 
     eigenvalue of K, and by (*) that is < level = v + delta - mu, the bound across u. So
     p^T K p - w^T J w / 4 > level leaves only the optimum. K, J and level are over one unit.
     """
-    p, (*w, exponent) = fields["quaternion"], fields["angular_velocity"]
+    *w, exponent = velocity
     spin = Fraction(_form(J, w), 4) * _power(exponent) ** 2
     return any(p) and Fraction(_form(K, p), sum(c * c for c in p)) - spin > level
 
@@ -289,98 +537,74 @@ def multiplicities(C: Matrix) -> list[int]:
     return [1, 2, 1] if s < 0 else [1, 1, 2] if D > 0 else [2, 1, 1]
 
 
-def check(certificate: bytes, clouds: Clouds | None = None) -> Outcome:
-    """Theorems that the certificate proves of its points, or why it is refused; never raises.
-
-    A claim weaker than what is proved passes, a stronger one does not.
-    """
-    try:
-        fields = parse(certificate)
-        del certificate  # as large as the points
-        m, e = moments(bound_doubles(fields, clouds), fields["n"])
-        return Outcome(verified=True, theorems=FORMS[fields["kind"]][1](fields, m, e), reason="")
-    except (RefusalError, MemoryError) as error:
-        return Outcome(verified=False, theorems=(), reason=str(error) or "not enough memory")
-
-
-def _prove(fields: dict[str, Any], m: Matrix, e: int) -> tuple[str, ...]:
-    q, delta, mu, sin2 = (fields[name] for name in ("pose", "delta", "mu", "sin2_half_angle"))
-    require(delta > 0 and mu >= 0 and any(q), "delta > 0, mu >= 0 and a pose other than 0 needed")
-    mass, xyz = m[0][0], (1, 2, 3)
-    require(mass > 0, "no weight is positive")
-    unit = Fraction(2) ** e / mass  # of K and J below, which are M K and M J
-    C = [[mass * m[k][j] - m[0][k] * m[0][j] for k in xyz] for j in (4, 5, 6)]
-    S = [[mass * m[min(j, k)][max(j, k)] - m[0][k] * m[0][j] for k in xyz] for j in xyz]
-    trace = S[0][0] + S[1][1] + S[2][2]
-    J = [[trace * (i == j) - S[i][j] for j in range(3)] for i in range(3)]
-    solid, pattern, K = positive_definite(J), multiplicities(C), davenport(C)
-    v = Fraction(_form(K, q), sum(c * c for c in q)) * unit
-    level = v + delta - mu
-    require(proves_level(K, unit, q, level, mu), "delta and mu do not prove the pose optimal")
-    require(fields["gap"] >= 2 * delta, "claims.gap is below the proved bound 2 delta")
-    angle = sin2 is None or (mu > 0 and sin2 * mu >= delta)
-    require(angle, "claims.sin2_half_angle is below the proved bound delta/mu")
-    require(fields["pattern"] == pattern, f"claims.pattern is wrong, the true one is {pattern}")
-    require(pattern[0] == 1 or not fields["unique"], "claims.unique is wrong: it is not unique")
-    unstable = [0, *accumulate(pattern[:-1])] if solid else None  # collinear: no dynamics
-    good = fields["unstable"] in (None, unstable)
-    require(good, f"claims.unstable is wrong or unproved: proved is {unstable}")
-    nu, sdp_gap = fields["nu"], fields["sdp_gap"]
-    require(nu is None or proves_level(K, unit, q, nu, Fraction(0)), "sdp.nu bounds nothing")
-    bounded = sdp_gap is None or (nu is not None and sdp_gap >= 2 * (nu - v))
-    require(bounded, "claims.sdp_gap is below the proved bound 2 (nu - v)")
-    if fields["basin"]:
-        stated = solid and fields["quaternion"] and fields["angular_velocity"]
-        inside = stated and proves_basin(fields, K, J, level / unit)
-        require(inside, "claims.basin is not proved of the state in basin")
-    return tuple(_sentences(fields, pattern, solid=solid))
-
-
-def _sentences(fields: dict[str, Any], pattern: list[int], *, solid: bool) -> Iterator[str]:
-    q, delta, mu = fields["pose"], fields["delta"], fields["mu"]
-    yield f"Data: n = {fields['n']} pairs, {'' if fields['equal'] else 'NOT '}all of one weight."
-    yield f"SHA-256 of their doubles is {fields['digest']}."
-    length = isqrt(sum(c * c for c in q) << 128)
-    unit = ", ".join(f"{(c << 64) / length:.12f}" for c in q)
-    yield f"The certified rotation R is that of the quaternion ({unit}), rounded here; w first."
-    gap = f"{rounded_up(2 * delta, 2):.1e} (sum of weight x squared distance)"
-    yield f"The objective at R, best translation, exceeds the global minimum by less than {gap}."
-    if 2 * delta <= mu:  # a/2 < tan(a/2) < sqrt(s/(1 - s)) if sin^2(a/2) < s = delta/mu
-        context = Context(prec=20)
-        root = context.next_plus(context.sqrt(rounded_up(delta / (mu - delta), 20)))
-        degrees = rounded_up(Fraction(root) * Fraction("114.591559027"), 2)  # 360/pi = ...026...
-        yield f"Every global optimum is within {degrees:.1e} degrees of R."
-    if pattern[0] == 1:
-        yield "The global optimum is unique: every other rotation has a larger objective."
-    else:
-        yield f"The global optimum is NOT unique: the optima form {KINDS[pattern[0]]}."
-    kinds = ", ".join(KINDS[k] for k in pattern)
-    counts = ", ".join(map(str, [0, *accumulate(pattern[:-1])]))
-    if solid:
-        yield "The moving cloud has three noncollinear points of positive weight (J > 0)."
-        yield f"The equilibria of the dynamics: {kinds}; unstable directions: {counts}."
-    else:
-        yield "The moving points are collinear (J is singular): the dynamics is not defined."
-        yield f"The critical rotations: {kinds}; directions of descent: {counts}."
-    if fields["sdp_gap"] is not None:
-        yield f"The relaxation's dual bounds that gap by {rounded_up(fields['sdp_gap'], 2):.1e}."
-    if fields["basin"]:
-        yield "A body moving from the state `basin` ends at the optimum, whatever the damping > 0."
-    yield "Not proved: anything under `about`, and where the points come from."
-
+# --- end of kind: isotropic ---------------------------------------------------------------------
 
 # --- kind: count --------------------------------------------------------------------------------
 # Claims: at most four rotations are at equilibrium. It is about the torque of the springs alone.
 
-COUNT_KEYS = {
-    "": "about claims format kind problem proof",
-    "claims": "at_most",
-    "problem": "data digest n",
-    "proof": "chart modulus",
-}
-SCALARS.update({"at_most": int, "modulus": int})
 MODULUS_MAX = 2**64  # bounds the time; larger ones prove nothing more
 PAIRS = [(i, j) for i in range(4) for j in range(i, 4)]  # the ten monomials q_i q_j
+
+
+@dataclass(frozen=True)
+class Count(Certificate):
+    """chart, modulus: with which the quadratics are seen to be independent."""
+
+    kind: ClassVar = "count"
+    keys: ClassVar = {
+        "": "about claims format kind problem proof",
+        "claims": "at_most",
+        "problem": "data digest n",
+        "proof": "chart modulus",
+    }
+
+    at_most: int
+    chart: tuple[int, int, int, int]
+    modulus: int
+
+    @classmethod
+    def parse(cls, parts: dict[str, Part]) -> Count:
+        """Of several wrong types the first in this order is told."""
+        problem, proof = parts["problem"], parts["proof"]
+        return cls(
+            about=parts[""]["about"],
+            n=entry(int, problem, "n"),
+            data=entry(str, problem, "data", null=True),
+            digest=entry(str, problem, "digest"),
+            at_most=entry(int, parts["claims"], "at_most"),
+            modulus=entry(int, proof, "modulus"),
+            chart=integers(proof, "chart"),
+        )
+
+    def prove(self, sums: Sums) -> tuple[str, ...]:
+        """The six torques of R(q) and the four q_i (a . q), a = chart, are quadratic forms in q.
+
+        If their 10x10 coefficients are of full rank, every q_i q_j is a combination of the ten. At
+        an equilibrium with a . q = 1 so every q_i q_j is a fixed combination of the q_i: the
+        polynomials modulo the equations are spanned by four, and there are at most four solutions,
+        complex ones and multiplicities counted. With a . q = 0 every q_i q_j, so q, would be 0. And
+        q and -q, of which one at most has a . q = 1 when scaled, are the same rotation.
+        """
+        require(sums.m[0][0] > 0, "no weight is positive")
+        require(1 < self.modulus < MODULUS_MAX, "proof.modulus is out of range")
+        independent = has_full_rank(coefficients(cross(sums.m), self.chart), self.modulus)
+        require(independent, "proof does not show the quadratics independent")
+        require(self.at_most >= 4, "claims.at_most is below the proved bound 4")
+        return (
+            f"Data: n = {self.n} pairs. SHA-256 of their doubles is {self.digest}.",
+            "At most four rotations are at equilibrium: at all others the springs exert a torque.",
+            "Complex solutions and multiplicities are counted in.",
+            "Not proved: anything under `about`, and where the points come from.",
+        )
+
+
+def coefficients(C: Matrix, chart: Sequence[int]) -> Matrix:
+    """10x10: of the monomials in the order of PAIRS, in the six torques of R(q) and q_k (a . q)."""
+    return [
+        torques(rotation_coefficient(i, j), C)
+        + [chart[j] * (i == k) + chart[i] * (j == k and i != j) for k in range(4)]
+        for i, j in PAIRS
+    ]
 
 
 def rotation_coefficient(i: int, j: int) -> Matrix:
@@ -431,62 +655,10 @@ def has_full_rank(rows: Matrix, modulus: int) -> bool:
     return True
 
 
-def _prove_count(fields: dict[str, Any], m: Matrix, _: int) -> tuple[str, ...]:
-    """The six torques of R(q) and the four q_i (a . q), a = chart, are quadratic forms in q.
-
-    If their 10x10 coefficients are of full rank, every q_i q_j is a combination of the ten. At an
-    equilibrium with a . q = 1 so every q_i q_j is a fixed combination of the q_i: the polynomials
-    modulo the equations are spanned by four, and there are at most four solutions, complex ones and
-    multiplicities counted. With a . q = 0 every q_i q_j, so q, would be 0. And q and -q, of which
-    one at most has a . q = 1 when scaled, are the same rotation.
-    """
-    n, chart, modulus = fields["n"], fields["chart"], fields["modulus"]
-    require(m[0][0] > 0, "no weight is positive")
-    require(1 < modulus < MODULUS_MAX, "proof.modulus is out of range")
-    C = [[m[0][0] * m[k][j] - m[0][k] * m[0][j] for k in (1, 2, 3)] for j in (4, 5, 6)]
-    columns = [torques(rotation_coefficient(i, j), C) for i, j in PAIRS]
-    for (i, j), column in zip(PAIRS, columns):  # noqa: B905 (3.9)
-        column += [chart[j] * (i == k) + chart[i] * (j == k and i != j) for k in range(4)]
-    require(has_full_rank(columns, modulus), "proof does not show the quadratics independent")
-    require(fields["at_most"] >= 4, "claims.at_most is below the proved bound 4")
-    return (
-        f"Data: n = {n} pairs. SHA-256 of their doubles is {fields['digest']}.",
-        "At most four rotations are at equilibrium: at all others the springs exert a torque.",
-        "Complex solutions and multiplicities are counted in.",
-        "Not proved: anything under `about`, and where the points come from.",
-    )
-
-
-FORMS: Any = {"isotropic": (KEYS, _prove), "count": (COUNT_KEYS, _prove_count)}
 # --- end of kind: count -------------------------------------------------------------------------
 
 
-def rounded_up(value: Fraction, digits: int) -> Decimal:
-    """Least decimal number of so many digits that is at least the value > 0."""
-    context = Context(prec=digits, rounding=ROUND_CEILING)
-    return context.divide(Decimal(value.numerator), Decimal(value.denominator))
-
-
-def shown(text: object) -> str:
-    """Text from outside made printable: ASCII, escaped, of bounded length."""
-    return ascii(str(text)[:200])[1:-1]
-
-
-def main(argv: list[str]) -> int:
-    """Exit code: 0 verified, 1 refused, 2 unreadable file or wrong usage."""
-    if len(argv) != 1 or argv[0].startswith("-"):
-        sys.stderr.write("usage: verify.py CERTIFICATE (a JSON file that holds its points)\n")
-        return 0 if argv == ["--help"] else 2
-    try:
-        with Path(argv[0]).open("rb") as file:
-            outcome = check(file.read(FILE_MAX + 1))
-    except (OSError, ValueError) as error:
-        sys.stderr.write(f"{shown(argv[0])}: {shown(error)}: give a readable file\n")
-        return 2
-    verdict = "VERIFIED" if outcome.verified else f"REFUSED: {outcome.reason}"
-    print(*outcome.theorems, verdict, sep="\n")
-    return 0 if outcome.verified else 1
-
+KINDS: dict[str, type[Certificate]] = {form.kind: form for form in (Isotropic, Count)}
 
 if __name__ == "__main__":
     sys.exit(main(sys.argv[1:]))

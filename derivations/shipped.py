@@ -130,8 +130,8 @@ def checked_alignment(K: Any, J: Any, p: Any, omega: Any) -> Any:
         return ring.from_expr(TWO_POWER)
 
     decide = rerouted(proves_basin, Fraction=fraction_over(_norm(row)), _power=power)
-    fields = {"quaternion": row, "angular_velocity": [*_row(ring, omega), own]}
-    decided = decide(fields, _elements(ring, K), _elements(ring, J), bound)
+    velocity = [*_row(ring, omega), own]
+    decided = decide(_elements(ring, K), _elements(ring, J), bound, row, velocity)
     modelled(decided is True and bound.met, "more than one comparison decides")
     return bound.greater.as_expr()
 

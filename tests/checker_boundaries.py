@@ -686,6 +686,10 @@ def pattern_cases() -> Iterator[Case]:
         yield Case(f"{name}, unstable", outcome_of(claimed), "VERIFIED" if solid else refusal)
         wrong = changed(certificate, pattern=[4 if pattern != [4] else 1])
         yield Case(f"{name}, other", outcome_of(wrong), r"REFUSED: claims\.pattern is wrong")
+        for order in (sorted(pattern), sorted(pattern, reverse=True)):
+            moved = changed(certificate, pattern=order, unique=False)
+            answer = "VERIFIED" if order == pattern else r"REFUSED: claims\.pattern is wrong"
+            yield Case(f"{name}, as {order}", outcome_of(moved), answer)
     massless = oracle.produce(
         [[1, 0, 0], [2, 0, 0], [3, 0, 0], [0, 1, 0]], [[0, 1, 2]] * 4, [1, 1, 1, 0], pattern=[4]
     )

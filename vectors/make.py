@@ -19,12 +19,21 @@ from itertools import accumulate, chain
 from pathlib import Path
 from typing import Any
 
-from certreg.verify import PREFIX, davenport, moments, multiplicities, positive_definite
+from certreg.verify import (
+    Isotropic,
+    cross,
+    davenport,
+    inertia,
+    moments,
+    multiplicities,
+    positive_definite,
+)
 from certreg.verify import proves_level as proves
 
 Points = list[list[float]]
 Certificate = dict[str, Any]
 BITS = 64  # of the quaternions
+PREFIX = Isotropic.prefix
 
 GENERIC: Points = [[0, 0, 0], [3, 1, 0], [1, 4, 1], [2, 2, 5], [-3, 1, 2], [0.5, -2, 0.25]]
 MOVED: Points = [[7, 1, 2], [6, 4, 2], [3, 2, 3.5], [5, 3, 7], [6, -2, 4], [9, 1.5, 2]]
@@ -87,12 +96,8 @@ def produced(source: Points, target: Points, weights: list[float] | None = None)
     n, weights = len(source), weights or [1.0] * len(source)
     content = data_bytes(source, target, weights)
     m, e = moments(content[len(PREFIX) + 8 :], n)
-    xyz, mass = (1, 2, 3), m[0][0]
-    C = [[mass * m[k][j] - m[0][k] * m[0][j] for k in xyz] for j in (4, 5, 6)]
-    S = [[mass * m[min(j, k)][max(j, k)] - m[0][k] * m[0][j] for k in xyz] for j in xyz]
-    trace = sum(S[i][i] for i in range(3))
-    J = [[trace * (i == j) - S[i][j] for j in range(3)] for i in range(3)]
-    K, unit = davenport(C), Fraction(2) ** e / mass
+    C, J = cross(m), inertia(m)
+    K, unit = davenport(C), Fraction(2) ** e / m[0][0]
     q, pattern = top_vector(K) if any(chain(*K)) else [1, 0, 0, 0], multiplicities(C)
     norm = sum(c * c for c in q)
     v = sum(q[i] * K[i][j] * q[j] for i in range(4) for j in range(4)) * unit / norm

@@ -6,7 +6,7 @@ from the points to the checker is new: the digest is taken of the blocks, moment
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from certreg.problem import (
     FACTORS,
@@ -15,7 +15,7 @@ from certreg.problem import (
     second_method,
     sums_by,
 )
-from certreg.verify import FORMS, Outcome, RefusalError, bound_doubles, moments, parse, require
+from certreg.verify import Outcome, RefusalError, Sums, bound_doubles, moments, parse, require
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -65,18 +65,17 @@ def _theorems(
     table: Callable[[RegistrationProblem], tuple[Table, int]],
 ) -> tuple[str, ...]:
     """What is proved. The digest is taken before and after: a file may be changed meanwhile."""
-    fields: dict[str, Any] = parse(certificate)
-    same = fields["n"] == problem.n
+    stated = parse(certificate)
+    same = stated.n == problem.n
     require(same, "the certificate is about another number of points or weights")
-    if fields["data"] is not None:
-        bound_doubles(fields, None)
-    same = problem.digest() == fields["digest"]
+    if stated.data is not None:
+        bound_doubles(stated, None)
+    same = problem.digest() == stated.digest
     require(same, "the certificate is about other points or weights")
-    fields["equal"] = problem.equally_weighted
-    m, e = table(problem)
-    same = not problem.mapped or problem.digest() == fields["digest"]
+    sums = Sums(*table(problem), problem.equally_weighted)
+    same = not problem.mapped or problem.digest() == stated.digest
     require(same, "the clouds were changed while they were read")
-    return FORMS[fields["kind"]][1](fields, m, e)
+    return stated.prove(sums)
 
 
 def _added_moments(problem: RegistrationProblem) -> tuple[Table, int]:

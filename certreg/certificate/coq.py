@@ -10,10 +10,11 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass
 from math import isfinite
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from certreg.errors import InvalidFileError
 from certreg.settings import CoqSettings
-from certreg.verify import RefusalError, bound_doubles, parse, require
+from certreg.verify import Isotropic, RefusalError, bound_doubles, parse, require
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -68,17 +69,23 @@ class CoqProblem:
 def export(
     certificate: bytes, clouds: Clouds | None = None, *, settings: CoqSettings | None = None
 ) -> CoqProblem:
-    """The certificate for Coq. Raises RefusalError where it is malformed or of other points."""
-    fields = parse(certificate)
-    content, n = bytes(bound_doubles(fields, clouds)), fields["n"]
+    """The certificate for Coq, of kind isotropic; InvalidFileError for another.
+
+    Raises RefusalError where it is malformed or of other points.
+    """
+    stated = parse(certificate)
+    if not isinstance(stated, Isotropic):
+        message = f"a certificate of kind {stated.kind}: Coq decides on those of kind isotropic"
+        raise InvalidFileError(message)
+    content, n = bytes(bound_doubles(stated, clouds)), stated.n
     numbers = struct.unpack(f"<{7 * n}d", content)
     require(all(map(isfinite, numbers)), "the data hold a number that is not finite")
     minus_zero = struct.pack("<d", -0.0)
     whole = minus_zero not in content or all(struct.pack("<d", x) != minus_zero for x in numbers)
     require(whole, "the data hold -0.0, which is not canonical")
     length = (settings or CoqSettings()).points_in_a_list
-    definitions = _data(numbers, n, length) + _statement(fields)
-    return CoqProblem(n=n, digest=fields["digest"], definitions=definitions)
+    definitions = _data(numbers, n, length) + _statement(stated)
+    return CoqProblem(n=n, digest=stated.digest, definitions=definitions)
 
 
 def _data(numbers: Sequence[float], n: int, length: int) -> str:
@@ -111,25 +118,25 @@ def _integers(numbers: Sequence[float]) -> tuple[list[int], int]:
     return [k >> spare for k in lifted], spare - shift
 
 
-def _statement(fields: dict[str, Any]) -> str:
-    pose, turned = (_record("ZQuat", fields[name]) for name in ("pose", "quaternion"))
+def _statement(stated: Isotropic) -> str:
+    pose, turned = (_record("ZQuat", each) for each in (stated.pose, stated.quaternion))
     spinning = "None"
-    if fields["angular_velocity"] is not None:
-        *velocity, exponent = fields["angular_velocity"]
+    if stated.angular_velocity is not None:
+        *velocity, exponent = stated.angular_velocity
         spinning = f"(Some ({_record('ZVec', velocity)}, {_integer(exponent)}))"
     entries = {
         "pose": pose,
-        "delta": _dyadic(fields["delta"]),
-        "mu": _dyadic(fields["mu"]),
-        "gap": _dyadic(fields["gap"]),
-        "sin2": _optional_dyadic(fields["sin2_half_angle"]),
-        "unique": _truth(fields["unique"]),
-        "multiplicities": _list(fields["pattern"]),
-        "unstable": "None" if fields["unstable"] is None else f"Some {_list(fields['unstable'])}",
-        "nu": _optional_dyadic(fields["nu"]),
-        "sdp_gap": _optional_dyadic(fields["sdp_gap"]),
-        "basin": _truth(fields["basin"]),
-        "turned": "None" if fields["quaternion"] is None else f"Some {turned}",
+        "delta": _dyadic(stated.delta),
+        "mu": _dyadic(stated.mu),
+        "gap": _dyadic(stated.gap),
+        "sin2": _optional_dyadic(stated.sin2_half_angle),
+        "unique": _truth(stated.unique),
+        "multiplicities": _list(stated.pattern),
+        "unstable": "None" if stated.unstable is None else f"Some {_list(stated.unstable)}",
+        "nu": _optional_dyadic(stated.nu),
+        "sdp_gap": _optional_dyadic(stated.sdp_gap),
+        "basin": _truth(stated.basin),
+        "turned": "None" if stated.quaternion is None else f"Some {turned}",
         "spinning": spinning,
     }
     words = ";\n  ".join(f"{name} := {value}" for name, value in entries.items())

@@ -7,7 +7,7 @@ import hashlib
 import shlex
 from dataclasses import dataclass
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, cast
 
 from certreg import __version__
 from certreg.report.captions import motion_words, trap_words
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from certreg.dynamics import Record, Trajectory
     from certreg.registration import Registration
     from certreg.results import Verdict
+    from certreg.verify import Isotropic
 
 ASSETS = files("certreg.report") / "assets"
 GUARANTEE_WORDS = (
@@ -84,9 +85,9 @@ class Report:
         )
 
     @property
-    def claims(self) -> dict[str, Any]:
-        """The fields of the certificate."""
-        return parse(self.certificate)
+    def stated(self) -> Isotropic:
+        """What the certificate says; of other kinds there is no report."""
+        return cast("Isotropic", parse(self.certificate))
 
     @property
     def embedded(self) -> bool:
@@ -104,8 +105,8 @@ class Report:
 
 def html_page(report: Report) -> bytes:
     """The file's content, in UTF-8."""
-    claims = report.claims
-    names = Names.of(claims["about"], report.registration.problem.n)
+    stated = report.stated
+    names = Names.of(stated.about, report.registration.problem.n)
     style, script = ((ASSETS / name).read_text("utf-8") for name in ("report.css", "report.js"))
     head = (
         element("meta", charset="utf-8"),
@@ -118,9 +119,9 @@ def html_page(report: Report) -> bytes:
     )
     body = (
         _header(report, names),
-        element("main", *_sections(report, claims)),
+        element("main", *_sections(report, stated)),
         _footer(),
-        *_blocks(report, claims, names),
+        *_blocks(report, stated, names),
         asset_block("script", script),
     )
     whole = element("html", element("head", *head), element("body", *body), lang="en")
@@ -137,13 +138,13 @@ def _policy(style: str, script: str) -> str:
     )
 
 
-def _blocks(report: Report, claims: dict[str, Any], names: Names) -> Iterator[Markup]:
+def _blocks(report: Report, stated: Isotropic, names: Names) -> Iterator[Markup]:
     problem = report.registration.problem
     document = scene_document(report.registration, report.logged, names)
     yield json_block("scene", document)
     if report.embedded:
         yield data_block("certificate", "text/plain", packed(report.certificate))
-    if claims["data"] is None or not report.embedded:
+    if stated.data is None or not report.embedded:
         yield data_block("sample", "text/plain", sample_of(problem))
 
 
@@ -206,10 +207,10 @@ def _split(words: str) -> tuple[str, str]:
     return (f"{figure}{' %' if percent else ''}", f"{unit}{': ' if unit else ''}{rest}")
 
 
-def _sections(report: Report, claims: dict[str, Any]) -> Iterator[Markup]:
+def _sections(report: Report, stated: Isotropic) -> Iterator[Markup]:
     yield _section("see", "See it", stage(report.registration))
     yield _section("charts", "In numbers", *_charts())
-    known = sentences(report.registration, claims, report.roads)
+    known = sentences(report.registration, stated, report.roads)
     yield _section(
         "proof",
         "What is proved, and how we know",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from certreg.exact import double_above
 from certreg.report.summary import bounded, count_words, margin_words, proved_degrees
@@ -13,9 +13,9 @@ from certreg.settings import ReportSettings
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from fractions import Fraction
 
     from certreg.registration import Agreement, Registration
+    from certreg.verify import Isotropic
 
 THEOREMS = {  # claims of `certreg derive`, by the titles of their pages
     "optimality_certificate": "The optimality certificate",
@@ -72,12 +72,12 @@ class Roads:
         )
 
 
-def sentences(registration: Registration, claims: dict[str, Any], roads: Roads) -> list[Sentence]:
-    """What the page says is known; `claims` as `certreg.verify.parse` gives them, accepted."""
+def sentences(registration: Registration, stated: Isotropic, roads: Roads) -> list[Sentence]:
+    """What the page says is known; `stated` by a certificate that was accepted."""
     return [
         *_optimality(registration),
-        *_equilibria(registration, claims),
-        *_motion(claims),
+        *_equilibria(registration, stated),
+        *_motion(stated),
         *_numbers(registration, roads),
     ]
 
@@ -135,7 +135,7 @@ def _optimality(registration: Registration) -> Iterator[Sentence]:
     )
 
 
-def _equilibria(registration: Registration, claims: dict[str, Any]) -> Iterator[Sentence]:
+def _equilibria(registration: Registration, stated: Isotropic) -> Iterator[Sentence]:
     equilibria = registration.equilibria
     counted = count_words(equilibria).split(": ", 1)[1]
     listed = ", ".join(f"{NAMES[c.kind]} of index {c.morse_index}" for c in equilibria.components)
@@ -154,7 +154,7 @@ def _equilibria(registration: Registration, claims: dict[str, Any]) -> Iterator[
             guarantee=equilibria.guarantee,
             theorems=("classification",),
         )
-    elif len(unstable) > 1 and claims["unstable"] is not None:
+    elif len(unstable) > 1 and stated.unstable is not None:
         counts = ", ".join(map(str, unstable))
         yield Sentence(
             words=(
@@ -166,8 +166,8 @@ def _equilibria(registration: Registration, claims: dict[str, Any]) -> Iterator[
         )
 
 
-def _motion(claims: dict[str, Any]) -> Iterator[Sentence]:
-    if claims["basin"]:
+def _motion(stated: Isotropic) -> Iterator[Sentence]:
+    if stated.basin:
         yield Sentence(
             words=(
                 "The simulated body ended in a state from which the exact motion can end nowhere "
@@ -176,7 +176,7 @@ def _motion(claims: dict[str, Any]) -> Iterator[Sentence]:
             guarantee=Guarantee.EXACT,
             theorems=("certified_basin",),
         )
-    gap: Fraction | None = claims["sdp_gap"]
+    gap = stated.sdp_gap
     if gap is not None:
         yield Sentence(
             words=(

@@ -14,7 +14,7 @@ import math
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
 
@@ -44,7 +44,7 @@ from certreg.report.folder import RESULT, TRAJECTORY
 from certreg.report.page import Report
 from certreg.report.panel import Roads
 from certreg.settings import ReportSettings
-from certreg.verify import FILE_MAX, RefusalError, bound_doubles, parse, shown
+from certreg.verify import FILE_MAX, Isotropic, RefusalError, bound_doubles, parse, shown
 
 if TYPE_CHECKING:
     import os
@@ -84,9 +84,9 @@ def report_of(
     if not verdict.proved:
         message = f"{shown(file)}: REFUSED: {verdict.words}: there is nothing to report"
         raise RefusedCertificateError(message, verdict=verdict)
-    fields = parse(content)
-    known = _beside(file.with_name(RESULT), lambda beside: _known(beside, fields["digest"]), noted)
-    problem = _problem(fields, DEFAULT_DAMPING if known is None else known.damping)
+    stated = cast("Isotropic", parse(content))
+    known = _beside(file.with_name(RESULT), lambda beside: _known(beside, stated.digest), noted)
+    problem = _problem(stated, DEFAULT_DAMPING if known is None else known.damping)
     logged = None
     if known is not None:
         logged = _beside(file.with_name(TRAJECTORY), lambda beside: _logged(beside, problem), noted)
@@ -137,21 +137,21 @@ def _weaker(given: PoseBounds, proved: PoseBounds | None) -> bool:
 def _require_points(content: bytes, file: Path) -> None:
     """InvalidFileError for a certificate of which no report can be made, sound as it may be."""
     try:
-        fields = parse(content)
+        stated = parse(content)
     except (RefusalError, MemoryError):
         return  # the checker says why
-    if fields["kind"] != IsotropicBody.KIND:
-        what = f"is a certificate of kind {shown(fields['kind'])}, which holds no pose"
+    if not isinstance(stated, Isotropic):
+        what = f"is a certificate of kind {stated.kind}, which holds no pose"
         message = f"{shown(file)}: {what}: give the certificate.json that certify wrote"
         raise InvalidFileError(message)
-    if fields["data"] is None:
+    if stated.data is None:
         message = f"{shown(file)}: holds no points: certify --out writes the report of so many"
         raise InvalidFileError(message)
 
 
-def _problem(fields: dict[str, Any], damping: float) -> RegistrationProblem:
-    n = fields["n"]
-    doubles = np.frombuffer(bound_doubles(fields, None), dtype="<f8")
+def _problem(stated: Isotropic, damping: float) -> RegistrationProblem:
+    n = stated.n
+    doubles = np.frombuffer(bound_doubles(stated, None), dtype="<f8")
     source, target, weights = np.split(doubles, [3 * n, 6 * n])
     return RegistrationProblem(
         source.reshape(n, 3), target.reshape(n, 3), weights=weights, damping=damping

@@ -5,11 +5,13 @@ from __future__ import annotations
 import ast
 import re
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 
 import certreg
 
 PACKAGE = Path(certreg.__file__).parent
+verify = import_module("certreg.verify")
 
 # A wing, or a module beside the wings, imports only from those above its own line.
 WINGS = (
@@ -195,16 +197,40 @@ def test_few_imports_stand_within_functions():
     assert len(inner) <= INNER_IMPORTS, sorted(inner)
 
 
-def test_the_checker_stays_short():
+def test_the_checker_is_a_common_part_and_a_section_for_each_kind():
     text = (PACKAGE / "verify.py").read_text()
-    further = re.findall(r"# --- kind: .*?\n# --- end of kind: [^\n]*\n", text, re.DOTALL)
-    isotropic = re.sub(
-        r"\n\n# --- kind: .*?\n# --- end of kind: [^\n]*\n", "", text, flags=re.DOTALL
+    sections = re.findall(
+        r"^# --- kind: (\w+) -+\n(.*?)^# --- end of kind: \1 -+\n", text, re.DOTALL | re.MULTILINE
     )
+    own = sum(len(section.splitlines()) + 2 for _, section in sections)
 
-    assert len(isotropic.splitlines()) <= 400
-    assert [kind for kind in further if len(kind.splitlines()) > 200] == []
-    assert len(further) == len(re.findall("^# --- kind: ", text, re.MULTILINE)) == 1
+    assert [kind for kind, _ in sections] == list(verify.KINDS)
+    assert [kind for kind, section in sections if len(section.splitlines()) + 2 > 200] == []
+    assert len(text.splitlines()) - own <= 350
+    assert text.count("# --- ") == 2 * len(sections)
+
+
+def test_a_section_of_the_checker_is_read_beside_the_common_part_alone():
+    """No kind uses a name of another's section, and the common part only that of the first kind."""
+    text = (PACKAGE / "verify.py").read_text()
+    parts = re.split(r"^# --- (?:end of )?kind: .*\n", text, flags=re.MULTILINE)
+    common, sections = "".join(parts[::2]), parts[1::2]
+    own = [
+        {
+            ast.unparse(node.targets[0]) if isinstance(node, ast.Assign) else node.name
+            for node in ast.parse(part).body
+            if isinstance(node, (ast.Assign, ast.ClassDef, ast.FunctionDef))
+        }
+        for part in sections
+    ]
+    used = [
+        {n.id for n in ast.walk(ast.parse(part)) if isinstance(n, ast.Name)} for part in sections
+    ]
+
+    for k, names in enumerate(used):
+        assert not names & set().union(*own[:k], *own[k + 1 :])
+    among = {node.id for node in ast.walk(ast.parse(common)) if isinstance(node, ast.Name)}
+    assert among & set().union(*own) == {form.__name__ for form in verify.KINDS.values()}
 
 
 def test_finding_does_not_know_proving():

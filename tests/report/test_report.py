@@ -182,8 +182,8 @@ def test_a_road_that_ends_elsewhere_is_not_said_to_lead_here(
 ):
     angles = {"relaxation": relaxation, "simulation": simulation}
     roads = Roads(closed_form=1e-9, **angles)
-    claims = Report.of(survey).claims
-    said = [one.words for one in sentences(survey, claims, roads) if "roads lead" in one.words]
+    stated = Report.of(survey).stated
+    said = [one.words for one in sentences(survey, stated, roads) if "roads lead" in one.words]
     agreeing, _, others = said[0].partition("°. ")
 
     assert len(said) == 1
