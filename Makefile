@@ -19,7 +19,7 @@ UV_PYTHON_OPTION = $(if $(filter environment command,$(origin PYTHON)),--python 
 NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_EXTRA_INDEX_URL -u UV_FIND_LINKS
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test chromium test-browser test-huge test-oracles golden proofs fuzz kills generate report-asset check-report-asset lint bench peers lock clean
+.PHONY: help demo docs test chromium test-browser test-huge test-oracles golden proofs fuzz compare-checkers kills generate report-asset check-report-asset lint bench peers lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -67,6 +67,9 @@ golden: $(READY)  ## compare what users see now and at a commit: make golden BAS
 
 fuzz: $(READY)  ## a million broken files for the readers (two minutes)
 	@$(RUN) tests/fuzz_readers.py
+
+compare-checkers: $(READY)  ## hold verify.py to that of the commit BASE on 20,000 mutated certificates (a minute or two)
+	@PYTHONPATH=. $(RUN) tests/compare_checkers.py '$(BASE)'
 
 kills: $(READY)  ## kill campaigns at 20 random moments each and resume them (a few minutes)
 	@$(RUN) tests/campaign_kills.py

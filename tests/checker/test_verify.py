@@ -12,11 +12,12 @@ import struct
 import subprocess
 import sys
 from array import array
-from dataclasses import replace
+from dataclasses import FrozenInstanceError, dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
 from importlib import import_module
 from pathlib import Path
+from typing import ClassVar
 
 import certificates as oracle
 import numpy as np
@@ -485,6 +486,87 @@ def test_the_printed_gap_and_angle_are_upper_bounds_of_any_size(generic):
         )
     words = said_of(generic, Fraction(2), Fraction(3))
     assert "degrees" not in " ".join(words)
+
+
+# --- The seam of kinds ----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Weighed(checker.Certificate):
+    """A kind for the tests alone: it claims a mass, and a radius if it likes."""
+
+    kind = "weighed"
+    keys: ClassVar = {
+        "": "about claims format kind problem",
+        "claims?": "mass radius?",
+        "problem": "data digest n radius?",
+    }
+    prefix = b"certreg-weighed/1\0"
+
+    mass: int | None
+    radius: int | None
+
+    @classmethod
+    def parse(cls, parts):
+        whole, problem, claims = parts[""], parts["problem"], parts["claims"]
+        return cls(
+            about=whole["about"],
+            n=checker.entry(int, problem, "n"),
+            digest=checker.entry(str, problem, "digest"),
+            data=checker.entry(str, problem, "data", null=True),
+            mass=checker.entry(int, claims, "mass", null=True),
+            radius=checker.entry(int, claims, "radius", null=True),
+        )
+
+    def prove(self, sums):
+        mass = sums.m[0][0] * Fraction(2) ** sums.e
+        checker.require(self.mass in (None, mass), "claims.mass is wrong")
+        return (f"{self.mass} {self.radius}",)
+
+
+def weighed(claims, prefix=Weighed.prefix, **more):
+    content = prefix + oracle.problem_bytes(oracle.OCTAHEDRON, oracle.OCTAHEDRON, [1] * 6)[18:]
+    problem = {**oracle.stated_problem(content, 6), **more}
+    kept = {"about": {}, "format": checker.FORMAT, "kind": "weighed"}
+    return {**kept, "claims": claims, "problem": problem}
+
+
+@pytest.mark.parametrize(
+    ("certificate", "said"),
+    [
+        (weighed({"mass": 6}), "6 None"),
+        (weighed({"mass": 6, "radius": 3}, radius=2), "6 3"),
+        (weighed(None), "None None"),
+        (weighed({"mass": 7}), "claims.mass is wrong"),
+        (weighed({"radius": 3}), "claims must have exactly the keys mass radius?"),
+        (weighed({"mass": 6, "radius?": 3}), "claims must have exactly the keys mass radius?"),
+        (weighed({"mass": 6, "radius": "3"}), "radius is of a wrong type"),
+        (weighed({"mass": 6}, sdp=2), "problem must have exactly the keys data digest n radius?"),
+        (weighed({"mass": 6}, b"certreg-problem/1\0"), "data is not canonical, or not of n points"),
+    ],
+)
+def test_a_further_kind_is_one_class_in_the_table_with_keys_and_prefix_of_its_own(
+    monkeypatch, certificate, said
+):
+    unknown = verdict(certificate)
+    monkeypatch.setitem(checker.KINDS, "weighed", Weighed)
+    outcome = verdict(certificate)
+
+    assert not unknown.verified
+    assert outcome.verified == said.endswith(("None", "3"))
+    assert "".join(outcome.theorems) + outcome.reason == said
+
+
+def test_a_certificate_is_parsed_once_and_never_changed(generic):
+    stated = checker.parse(oracle.dump(generic))
+    before = repr(stated)
+
+    doubles = checker.bound_doubles(stated, None)
+    stated.prove(checker.Sums(*checker.moments(doubles, stated.n), False))
+
+    assert repr(stated) == before
+    with pytest.raises(FrozenInstanceError):
+        stated.n = 3
 
 
 # --- The command ----------------------------------------------------------------------------------

@@ -1,0 +1,62 @@
+"""Mutated certificates of both kinds: none is accepted unless it is true, none makes it raise."""
+
+from __future__ import annotations
+
+import json
+import random
+
+import compare_checkers
+import pytest
+from checker_mutants import FILE
+
+TEXT = FILE.read_text(encoding="utf-8")
+ONE_PER_CENT = compare_checkers.COUNT // 100
+
+
+def test_a_mutated_certificate_is_refused_unless_all_its_claims_are_true():
+    checker = compare_checkers.loaded(TEXT, "checker_as_shipped")
+    rng, certificates = random.Random(7), compare_checkers.originals()
+    accepted = 0
+    for _ in range(3 * ONE_PER_CENT):
+        content = compare_checkers.mutated(certificates, rng)
+        verified, theorems, reason = compare_checkers.answer(checker, content, None)
+
+        assert verified == bool(theorems) == (not reason)
+        assert reason.isascii()
+        if verified:
+            accepted += 1
+            assert compare_checkers.is_true(json.loads(content)), content
+
+    assert accepted > 20
+
+
+def test_the_vectors_are_accepted_by_definition_exactly_where_the_manifest_says_so():
+    vectors = json.loads((compare_checkers.VECTORS / "manifest.json").read_bytes())["vectors"]
+    for vector in vectors:
+        if vector["reason"] in {None, "claim", "optimality", "basin", "sdp"}:
+            content = (compare_checkers.VECTORS / vector["file"]).read_bytes()
+            true = compare_checkers.is_true(json.loads(content))
+            assert true == (vector["verdict"] == "VERIFIED"), vector["file"]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        (">= 2 * delta", "> 2 * delta"),
+        ("claims.gap is below", "claims.gap falls below"),
+        ("The objective at R", "The value at R"),
+    ],
+)
+def test_another_verdict_reason_or_sentence_is_seen(change):
+    assert TEXT.count(change[0]) == 1
+    base = compare_checkers.loaded(TEXT, "checker_of_base")
+    head = compare_checkers.loaded(TEXT.replace(*change), "checker_of_head")
+    vectors = [path.read_bytes() for path in sorted(compare_checkers.VECTORS.glob("*-*.json"))]
+    exact = json.loads(vectors[4])
+    delta = exact["optimality"]["delta"]
+    exact["claims"]["gap"] = [delta[0], delta[1] + 1]
+    vectors.append(json.dumps(exact).encode())
+
+    assert compare_checkers.compare(base, base, iter(vectors)).total() >= len(vectors)
+    with pytest.raises(compare_checkers.DifferentError):
+        compare_checkers.compare(base, head, iter(vectors))
