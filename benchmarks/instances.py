@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.measuring import Figure, Quantity, Series, fastest
-from certreg.dynamics.batch import ensemble
-from certreg.dynamics.body import Body
+from certreg.dynamics.batch import bodies_of
+from certreg.dynamics.body import Body, state_at_rest
 from certreg.equilibrium.batch import Solutions, exactly, solve_many
 from certreg.geometry.so3 import davenport_matrix, rotation_matrix
 from certreg.native.engine import current_engine
@@ -137,7 +137,7 @@ def _made(rng: np.random.Generator) -> tuple[Any, Any]:
 
 def _timed_loops(times: dict[str, list[float]], clouds: Any, found: Solutions) -> None:
     """The other ways to the unstable counts of a sample, the Jacobians given."""
-    bodies = ensemble(*(cloud[:SAMPLE] for cloud in clouds)).bodies
+    bodies = bodies_of(*(cloud[:SAMPLE] for cloud in clouds)).records
     intrinsic, ambient = _jacobians(bodies, found.quaternions[:SAMPLE])
     eigvals = np.linalg.eigvals
     works = {
@@ -154,11 +154,10 @@ def _timed_loops(times: dict[str, list[float]], clouds: Any, found: Solutions) -
 def _jacobians(bodies: Any, quaternions: Any) -> tuple[Any, Any]:
     """The Jacobians at four equilibria of each body, (4 count, 12, 12) and (4 count, 18, 18)."""
     intrinsic, ambient = [], []
-    for parameters, rows in zip(bodies, quaternions, strict=True):
-        body = Body(parameters=parameters, length_exponent=0)
+    for record, rows in zip(bodies, quaternions, strict=True):
+        body = Body(record=record, length_exponent=0)
         for q in rows:
-            turned = np.array(rotation_matrix(q.tolist())).ravel()
-            state = np.concatenate([np.zeros(3), turned, np.zeros(6)])
+            state = state_at_rest(np.array(rotation_matrix(q.tolist())))
             intrinsic.append(body.intrinsic_jacobian(state))
             ambient.append(body.ambient_jacobian(state))
     return np.array(intrinsic), np.array(ambient)

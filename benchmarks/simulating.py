@@ -16,16 +16,18 @@ from scipy.integrate import solve_ivp
 
 from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, fastest
-from certreg.dynamics.batch import Ensemble, ensemble
+from certreg.dynamics.basin import certified_basin
+from certreg.dynamics.batch import Bodies, bodies_of
 from certreg.dynamics.body import body_of, start_at_rest
-from certreg.dynamics.integrators import step_parameters
-from certreg.dynamics.simulation import certified_basin, simulate
+from certreg.dynamics.integrators import SimulationSettings, step_parameters
+from certreg.dynamics.simulation import simulate
 from certreg.equilibrium.spectral import spectrum
-from certreg.native.batch import Batch, Integrator
 from certreg.native.engine import current_engine
+from certreg.native.layout import MATRIX_STATE, named
+from certreg.native.layout import plain as doubles
+from certreg.native.loops import Batch, Integrator
 from certreg.problem.moments import ExactMoments, exact_moments
 from certreg.problem.problem import RegistrationProblem
-from certreg.settings import SimulationSettings
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -56,7 +58,7 @@ def _euler() -> Iterator[Figure]:
     single, many = _single(problem, Integrator.EULER), _many(Integrator.EULER)
     again = [_again(batch, SimulationSettings()) for batch in (single, many)]
     again[0]()
-    assert np.allclose(plain.run(int(single.taken[0]) + 9), single.states[0], atol=1e-9)
+    assert np.allclose(plain.run(int(single.taken[0]) + 9), doubles(single.states)[0], atol=1e-9)
     times = fastest(
         lambda: plain.run(LOOP_STEPS),
         lambda: tuned.run(LOOP_STEPS),
@@ -164,34 +166,34 @@ def _single(problem: RegistrationProblem, integrator: Integrator) -> Batch:
     found = spectrum(exact_moments(problem))
     moving = body_of(found.moments, DAMPING)
     basin = certified_basin(found, moving.length_exponent)
-    start = start_at_rest(found.moments, moving.length_exponent)
-    arrays = (moving.parameters, basin.parameters, start)
-    return _batch(integrator, *(array[np.newaxis] for array in arrays))
+    start = named(start_at_rest(found.moments, moving.length_exponent), MATRIX_STATE)
+    records = (moving.record, basin.record, start)
+    return _batch(integrator, *(record[np.newaxis] for record in records))
 
 
-def _ensemble(count: int) -> Ensemble:
+def _bodies(count: int) -> Bodies:
     problems = [random_problem(100, seed=seed, noise=0.1) for seed in range(64)]
-    some = ensemble(
+    some = bodies_of(
         [problem.source for problem in problems],
         [problem.target for problem in problems],
         damping=DAMPING,
     )
     repeat = count // 64
-    return Ensemble(
-        bodies=np.tile(some.bodies, (repeat, 1)),
-        basins=np.tile(some.basins, (repeat, 1)),
-        starts=np.tile(some.starts, (repeat, 1)),
+    return Bodies(
+        records=np.tile(some.records, repeat),
+        basins=np.tile(some.basins, repeat),
+        starts=np.tile(some.starts, repeat),
         length_exponents=np.tile(some.length_exponents, repeat),
     )
 
 
 def _many(integrator: Integrator, count: int | None = None) -> Batch:
-    bodies = _ensemble(count or INSTANCES[integrator])
+    bodies = _bodies(count or INSTANCES[integrator])
     starts = bodies.starts
     if integrator is Integrator.EULER:
-        turned = np.tile(np.eye(3).ravel(), (len(starts), 1))
-        starts = np.hstack([starts[:, :3], turned, starts[:, 7:]])
-    return _batch(integrator, bodies.bodies, bodies.basins, starts)
+        starts = np.zeros(len(starts), dtype=MATRIX_STATE)
+        starts["c"], starts["R"] = bodies.starts["c"], np.eye(3)
+    return _batch(integrator, bodies.records, bodies.basins, starts)
 
 
 def _batch(integrator: Integrator, bodies: Any, basins: Any, starts: Any) -> Batch:
@@ -205,7 +207,7 @@ def _again(batch: Batch, settings: SimulationSettings) -> Callable[[], object]:
 
     def work() -> None:
         batch.states[:] = starts
-        current_engine().run(batch, settings)
+        current_engine().run(batch, settings.rules)
 
     return work
 

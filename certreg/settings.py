@@ -196,37 +196,6 @@ class CoqSettings:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ReproductionSettings:
-    """The paper's numbers where it states them, and what counts as equal in doubles.
-
-    Differences are relative to the size of what is compared.
-    """
-
-    largest_runs: int = 1000  # in one process, with figures: beyond, a campaign
-    equilibrium_runs: int = 50  # [Yang2020]
-    simulation_runs: int = 100  # [Yang2020]
-    step: float = 0.01  # [Yang2020]
-    stop: float = 1e-4  # [Yang2020]: norm of the 18 rates of change, lengths in the user's unit
-    max_steps: int = 100_000  # a thousand are usual; a run of so many has not converged
-    states: int = 3  # random states per instance at which equations are compared
-    same_sum: float = 1e-12  # of two ways to add 100 terms: a thousand times their rounding
-    same_angle: float = 1e-9  # degrees, of two eigenvectors of a 4x4 matrix: their rounding
-    no_eigenvalue: float = 1e-9  # of the largest: a computed zero is below, a true one far above
-    near: float = 1.0  # degrees: a simulation stops near its end, not at it; saddles are at 180
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MapSettings:
-    """How much the maps beyond the paper measure."""
-
-    instances: int = 200  # at each value: the median is known to a tenth of the spread
-    full_points: int = 10_000  # of clouds larger than that fewer instances are made
-    least_instances: int = 10  # all the same
-    portion_points: int = 1 << 19  # made at a time: 25 MB
-    escape_step: float = 0.04  # of the time in which a displacement grows by e: wrong by 10^-4
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class ReportSettings:
     """What summary and report say and show of a run, and how much a report carries."""
 

@@ -13,6 +13,7 @@ import sympy
 
 from certreg.io.atomic import write_folder_of
 from certreg.native.codegen.emit import generated_files
+from certreg.native.codegen.records import Record, record_of
 from certreg.native.codegen.translate import Definition, Port, port
 
 from .integrators import (
@@ -27,9 +28,10 @@ from .integrators import (
     squared_speed,
 )
 from .linearisation import ambient_jacobian, hessian, intrinsic_jacobian
-from .motion import Body, State, kinetic, potential, rate, spring_torque, unit_cloud
+from .motion import Body, State, flat, kinetic, potential, rate, spring_torque, unit_cloud
 from .notation import Matrix, inner, jacobian, rotation, square, vector
 
+SPLITTING_STEP = {"h": STEP, "decay": DECAY, "impulse": IMPULSE}
 GENERATED = Path(__file__).resolve().parent.parent / "certreg" / "native" / "generated"
 
 
@@ -54,6 +56,51 @@ class Names:
         return tuple(self._values)
 
 
+def records() -> tuple[Record, ...]:
+    """The layout of what the functions take and give, and of what handwritten C does."""
+    matrix_state = record_of("matrix_state", State().parts)
+    quaternion_state = record_of("quaternion_state", QuaternionState().parts)
+    energies = record_of("energies", _energies(State(), Body()))
+    return (
+        matrix_state,
+        quaternion_state,
+        record_of("body", Body().parts),
+        energies,
+        record_of("step", {"h": STEP}),
+        record_of("splitting_step", SPLITTING_STEP),
+        _sample("matrix_sample", matrix_state, energies),
+        _sample("quaternion_sample", quaternion_state, energies),
+        *_HANDWRITTEN,
+    )
+
+
+def _sample(name: str, state: Record, energies: Record) -> Record:
+    """A row of a logged trajectory."""
+    return Record(name=name, parts={"time": (), "state": state, "energies": energies})
+
+
+# Of the C that is written by hand, in the order of its sums over points: w each, times the parts.
+_SUMS = {"source": (3,), "target": (3,)}
+_HANDWRITTEN = (
+    Record(name="basin", parts={"quaternions": (4, 4), "gaps": (4,)}),
+    Record(name="means", parts=_SUMS),
+    Record(name="spreads", parts={"source": (), "target": (), "centred_target": ()}),
+    Record(
+        name="sums", parts={"mass": (), "spread": (), **_SUMS, "scatter": (6,), "cross": (3, 3)}
+    ),
+    Record(
+        name="exact_sums",
+        parts={
+            "mass": (),
+            **_SUMS,
+            "cross": (3, 3),
+            "source_scatter": (6,),
+            "target_scatter": (6,),
+        },
+    ),
+)
+
+
 def definitions() -> tuple[Definition, ...]:
     """All functions of the generated code, in the order in which they are written."""
     return (*_of_matrix_states(), *_of_quaternion_states())
@@ -76,7 +123,7 @@ def _of_matrix_states() -> tuple[Definition, ...]:
             name="certreg_energies",
             says="Kinetic energy of translation and of rotation, potential energy, alignment.",
             arguments=given,
-            results=(_energies(state, body),),
+            results=(port("energies", flat(_energies(state, body))),),
         ),
         Definition(
             name="certreg_curvature",
@@ -120,7 +167,7 @@ def _of_quaternion_states() -> tuple[Definition, ...]:
             name="certreg_quaternion_energies",
             says="Kinetic energy of translation and of rotation, potential energy, alignment.",
             arguments=given,
-            results=(_energies(as_matrix, body),),
+            results=(port("energies", flat(_energies(as_matrix, body))),),
         ),
         Definition(
             name="certreg_quaternion_curvature",
@@ -137,7 +184,7 @@ def _of_quaternion_states() -> tuple[Definition, ...]:
         Definition(
             name="certreg_splitting_step",
             says="A kick with exact damping, then a drift; |F(s)|^2 before the step.",
-            arguments=(*given, port("step", [STEP, DECAY, IMPULSE])),
+            arguments=(*given, port("step", flat(SPLITTING_STEP))),
             results=(
                 port("next", splitting_step(state, body)),
                 port("squared_speed", [squared_speed(state, body)]),
@@ -161,9 +208,14 @@ def _of_quaternion_states() -> tuple[Definition, ...]:
     )
 
 
-def _energies(state: State, body: Body) -> Port:
-    aligned = inner(state.R, body.cross)
-    return port("energies", [*kinetic(state, body), potential(state, body), aligned])
+def _energies(state: State, body: Body) -> dict[str, Any]:
+    translation, rotation = kinetic(state, body)
+    return {
+        "translation": translation,
+        "rotation": rotation,
+        "potential": potential(state, body),
+        "alignment": inner(state.R, body.cross),
+    }
 
 
 def _curvature(state: State, body: Body) -> tuple[Port, ...]:
@@ -172,4 +224,4 @@ def _curvature(state: State, body: Body) -> tuple[Port, ...]:
 
 
 if __name__ == "__main__":
-    write_folder_of(GENERATED, generated_files(definitions()))
+    write_folder_of(GENERATED, generated_files(definitions(), records()))

@@ -15,7 +15,7 @@ import sympy
 
 from certreg.geometry.so3 import body_frame, davenport_matrix
 
-from .motion import DAMPING, Body, State, rate
+from .motion import DAMPING, Body, State, flat, rate
 from .notation import Array, Matrix, hat, quaternion, scalar, square, vector
 
 STEP = scalar("h")
@@ -36,9 +36,14 @@ class QuaternionState:
     omega: Array = field(default_factory=lambda: vector("omega"))
 
     @property
+    def parts(self) -> dict[str, Any]:
+        """c, q, v, omega, in the order in which a state is kept."""
+        return {"c": self.c, "q": self.q, "v": self.v, "omega": self.omega}
+
+    @property
     def flat(self) -> Array:
-        """The 13 numbers c, q, v, omega."""
-        return Matrix([*self.c, *self.q, *self.v, *self.omega])
+        """The 13 numbers of the parts."""
+        return flat(self.parts)
 
 
 def plain(name: str, value: Any) -> Any:

@@ -8,6 +8,7 @@ number of points.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -27,9 +28,20 @@ class State:
     omega: Array = field(default_factory=lambda: vector("omega"))
 
     @property
+    def parts(self) -> dict[str, Any]:
+        """c, R, v, omega, in the order in which a state is kept."""
+        return {"c": self.c, "R": self.R, "v": self.v, "omega": self.omega}
+
+    @property
     def flat(self) -> Array:
-        """The 18 numbers c, R row by row, v, omega."""
-        return Matrix([*self.c, *self.R, *self.v, *self.omega])
+        """The 18 numbers of the parts, R row by row."""
+        return flat(self.parts)
+
+
+def flat(parts: Mapping[str, Any]) -> Array:
+    """All numbers of matrices (row by row), sequences and numbers, one after the other."""
+    rows = [value if hasattr(value, "__len__") else [value] for value in parts.values()]
+    return Matrix([entry for row in rows for entry in row])
 
 
 DAMPING = scalar("mu")
@@ -118,11 +130,25 @@ class Body:
     spread: Any = field(default_factory=lambda: scalar("spread"))
 
     @property
+    def parts(self) -> dict[str, Any]:
+        """What is kept of a body, in order: of both inertias the upper triangles."""
+        return {
+            "cross": self.cross,
+            "inertia": upper_triangle(self.inertia),
+            "inertia_inverse": upper_triangle(self.inertia_inverse),
+            "spread": self.spread,
+            "damping": DAMPING,
+        }
+
+    @property
     def flat(self) -> Array:
-        """The 23 numbers: cross row by row, both inertias' upper triangles, spread, damping."""
-        upper = [(i, j) for i in range(3) for j in range(i, 3)]
-        halves = [A[i, j] for A in (self.inertia, self.inertia_inverse) for i, j in upper]
-        return Matrix([*self.cross, *halves, self.spread, DAMPING])
+        """The 23 numbers of the parts, cross row by row."""
+        return flat(self.parts)
+
+
+def upper_triangle(A: Array) -> list[Any]:
+    """The entries 11 12 13 22 23 33 of a symmetric matrix."""
+    return [A[i, j] for i in range(3) for j in range(i, 3)]
 
 
 def unit_cloud(body: Body) -> Cloud:

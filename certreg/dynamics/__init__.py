@@ -7,12 +7,15 @@ from typing import TYPE_CHECKING
 from certreg._faces import lazy_face
 
 if TYPE_CHECKING:
-    from certreg.dynamics.batch import Ensemble as Ensemble
-    from certreg.dynamics.batch import ensemble as ensemble
+    from certreg.dynamics.batch import Bodies as Bodies
+    from certreg.dynamics.batch import bodies_of as bodies_of
     from certreg.dynamics.batch import simulate_many as simulate_many
     from certreg.dynamics.body import Body as Body
     from certreg.dynamics.body import body_of as body_of
     from certreg.dynamics.body import start_at_rest as start_at_rest
+    from certreg.dynamics.body import state_at_rest as state_at_rest
+    from certreg.dynamics.integrators import EULER_STEP as EULER_STEP
+    from certreg.dynamics.integrators import SimulationSettings as SimulationSettings
     from certreg.dynamics.simulation import SimulationStatus as SimulationStatus
     from certreg.dynamics.simulation import Trajectory as Trajectory
     from certreg.dynamics.simulation import optimal_damping as optimal_damping
@@ -24,14 +27,19 @@ __getattr__ = lazy_face(
     __name__,
     {
         "batch": (
-            "Ensemble",
-            "ensemble",
+            "Bodies",
+            "bodies_of",
             "simulate_many",
         ),
         "body": (
             "Body",
             "body_of",
             "start_at_rest",
+            "state_at_rest",
+        ),
+        "integrators": (
+            "EULER_STEP",
+            "SimulationSettings",
         ),
         "simulation": (
             "SimulationStatus",

@@ -1,4 +1,4 @@
-"""Many registrations by simulation at once: instances side by side in the processor's lanes.
+"""Many registrations by simulation at once: bodies side by side in the processor's lanes.
 
 For Monte-Carlo studies. All in floating point: nothing here is exact or certified, but an end that
 is called converged is slow *and* in the basin from which the flow ends at the optimum, *and* within
@@ -9,7 +9,7 @@ problem).
 >>> rng = np.random.default_rng(0)
 >>> source = rng.normal(size=(20, 3))
 >>> targets = source + 0.01 * rng.normal(size=(1000, 20, 3))
->>> ends = simulate_many(ensemble(source, targets))
+>>> ends = simulate_many(bodies_of(source, targets))
 >>> bool(ends.converged.all()), ends.rotations.shape
 (True, (1000, 3, 3))
 """
@@ -21,43 +21,51 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dynamics.body import SMALLEST_BARRIER, SMALLEST_INERTIA
-from certreg.dynamics.integrators import integrate, step_parameters
-from certreg.equilibrium import clouds, rest_poses
+from certreg.dynamics.basin import basins_of
+from certreg.dynamics.body import SMALLEST_INERTIA
+from certreg.dynamics.integrators import SimulationSettings, integrate, step_parameters
+from certreg.equilibrium import clouds, stationary_poses
 from certreg.errors import DegenerateProblemError
 from certreg.geometry import rotation_matrix
-from certreg.native import Batch, Ending, Integrator
+from certreg.native import (
+    BODY,
+    MATRIX_STATE,
+    QUATERNION_STATE,
+    Batch,
+    Ending,
+    Integrator,
+    symmetric,
+)
 from certreg.problem import DEFAULT_DAMPING, checked_damping
-from certreg.settings import SimulationSettings
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from certreg.native import RestPoses
+    from certreg.native import Records, StationaryPoses
 
-TIE = 1e-13  # of l1 - l4: doubles do not tell such eigenvalues apart
+DIAGONAL = [0, 3, 5]  # of an upper triangle
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Ensemble:
+class Bodies:
     """Bodies to be simulated: what the dynamics knows of each, per unit of mass.
 
-    bodies: (count, 23) and basins: (count, 20), as `certreg.native.batch` describes them.
-    starts: (count, 13), c, q = (w, x, y, z), v, omega. Lengths over 2^length_exponents (count,).
+    records, basins, starts: (count,) records BODY, BASIN and QUATERNION_STATE of
+    `certreg.native.layout`, lengths over 2^length_exponents (count,).
     """
 
-    bodies: NDArray[np.float64]
-    basins: NDArray[np.float64]
-    starts: NDArray[np.float64]
+    records: Records
+    basins: Records
+    starts: Records
     length_exponents: NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Ends:
-    """Where the bodies of an ensemble ended, and how.
+    """Where the bodies ended, and how.
 
-    status: (count,), of `certreg.native.batch.Ending`; steps, escapes: (count,) integers; times:
-    (count,), of the springs. states: (count, 18) for Euler, else (count, 13), as they were stepped.
+    status: (count,), of `certreg.native.loops.Ending`; steps, escapes: (count,) integers; times:
+    (count,), of the springs. states: (count,) records `integrator.state`, as they were stepped.
     """
 
     integrator: Integrator
@@ -65,7 +73,7 @@ class Ends:
     steps: NDArray[np.int64]
     escapes: NDArray[np.int32]
     times: NDArray[np.float64]
-    states: NDArray[np.float64]
+    states: Records
 
     @property
     def converged(self) -> NDArray[np.bool_]:
@@ -76,17 +84,17 @@ class Ends:
     def rotations(self) -> NDArray[np.float64]:
         """The rotations at the ends, (count, 3, 3), body to world: target from source."""
         if self.integrator is Integrator.EULER:
-            return self.states[:, 3:12].reshape(-1, 3, 3)
-        return np.moveaxis(np.array(rotation_matrix(list(self.states[:, 3:7].T))), -1, 0)
+            return self.states["R"]
+        return _rotations(self.states)
 
 
-def ensemble(
+def bodies_of(
     sources: ArrayLike,
     targets: ArrayLike,
     *,
     weights: ArrayLike | None = None,
     damping: float = DEFAULT_DAMPING,
-) -> Ensemble:
+) -> Bodies:
     """The bodies of many problems, each released at rest where its source is.
 
     sources, targets: (count, N, 3), or (N, 3) for the same in all; weights: (count, N) or (N,),
@@ -95,34 +103,34 @@ def ensemble(
     springs are too weak for doubles.
     """
     damping = checked_damping(damping)
-    found = rest_poses(clouds(sources, targets, weights))
-    exponents = _length_exponents(found)
-    units = found.exponents - exponents[:, np.newaxis]
+    poses = stationary_poses(clouds(sources, targets, weights))
+    exponents = _length_exponents(poses)
+    units = poses.exponents - exponents[:, np.newaxis]
     unit = np.ldexp(1.0, units.sum(axis=1))[:, np.newaxis]  # of C and K
-    offsets = found.means[:, :3] - found.means[:, 3:]
-    count = len(offsets)
-    return Ensemble(
-        bodies=np.hstack(
-            [found.cross * unit, _inertias(found, units), np.full((count, 1), damping)]
-        ),
-        basins=_basins(found.vectors, found.values, unit),
-        starts=np.hstack(
-            [
-                np.ldexp(offsets, -exponents[:, np.newaxis]),
-                np.tile([1.0] + [0.0] * 9, (count, 1)),
-            ]
-        ),
+    records = np.empty(len(unit), dtype=BODY)
+    records["cross"] = (poses.cross * unit).reshape(-1, 3, 3)
+    records["inertia"] = _inertias(poses, units)
+    records["inertia_inverse"] = _inverses(records["inertia"])
+    records["spread"], records["damping"] = _spreads(poses, units), damping
+    starts = np.zeros(len(unit), dtype=QUATERNION_STATE)
+    offsets = poses.means["source"] - poses.means["target"]
+    starts["c"] = np.ldexp(offsets, -exponents[:, np.newaxis])
+    starts["q"] = (1.0, 0.0, 0.0, 0.0)
+    return Bodies(
+        records=records,
+        basins=basins_of(poses.vectors, poses.values, unit),
+        starts=starts,
         length_exponents=exponents,
     )
 
 
 def simulate_many(
-    bodies: Ensemble,
+    bodies: Bodies,
     integrator: Integrator = Integrator.SPLITTING,
     *,
     settings: SimulationSettings | None = None,
 ) -> Ends:
-    """Every body of an ensemble simulated to its end, on `settings.threads` threads.
+    """Every body simulated to its end, on `settings.threads` threads.
 
     The interpreter's lock is free meanwhile. Raises DegenerateProblemError where a body is too
     stiff for explicit Euler.
@@ -130,9 +138,9 @@ def simulate_many(
     settings = settings or SimulationSettings()
     batch = Batch.of(
         integrator,
-        bodies=bodies.bodies,
+        bodies=bodies.records,
         basins=bodies.basins,
-        steps=step_parameters(integrator, bodies.bodies, bodies.basins, settings),
+        steps=step_parameters(integrator, bodies.records, bodies.basins, settings),
         states=_stepped(bodies.starts, integrator),
     )
     integrate(batch, settings)
@@ -146,52 +154,50 @@ def simulate_many(
     )
 
 
-def _length_exponents(found: RestPoses) -> NDArray[np.int64]:
+def _length_exponents(poses: StationaryPoses) -> NDArray[np.int64]:
     """Of the power of two next to the root-mean-square radius of both clouds, (count,)."""
-    largest = found.exponents.max(axis=1)
-    spread = _spreads(found, found.exponents - largest[:, np.newaxis])
+    largest = poses.exponents.max(axis=1)
+    spread = _spreads(poses, poses.exponents - largest[:, np.newaxis])
     return largest + np.frexp(spread)[1].astype(np.int64) // 2
 
 
-def _spreads(found: RestPoses, units: NDArray[np.integer[Any]]) -> NDArray[np.float64]:
+def _spreads(poses: StationaryPoses, units: NDArray[np.integer[Any]]) -> NDArray[np.float64]:
     """The mean squares of both clouds about their means, (count,), in units of 2^units each."""
-    source = found.scatter[:, [0, 3, 5]].sum(axis=1)
-    return np.ldexp(source, 2 * units[:, 0]) + np.ldexp(found.spreads[:, 2], 2 * units[:, 1])
+    source = poses.scatter[:, DIAGONAL].sum(axis=1)
+    of_source, of_target = units.T
+    target = np.ldexp(poses.spreads["centred_target"], 2 * of_target)
+    return np.ldexp(source, 2 * of_source) + target
 
 
-def _inertias(found: RestPoses, units: NDArray[np.integer[Any]]) -> NDArray[np.float64]:
-    """The upper triangles of J and of its inverse, and the spread, (count, 13)."""
-    a, b, c, d, e, f = np.ldexp(found.scatter, 2 * units[:, :1]).T
+def _inertias(poses: StationaryPoses, units: NDArray[np.integer[Any]]) -> NDArray[np.float64]:
+    """The upper triangles of J, (count, 6), in units of 2^units each of the source."""
+    a, b, c, d, e, f = np.ldexp(poses.scatter, 2 * units[:, :1]).T
     upper = np.column_stack([d + f, -b, -c, a + f, -e, a + d])
-    inertia = upper[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].reshape(-1, 3, 3)
-    flat = ~(np.linalg.eigvalsh(inertia)[:, 0] > SMALLEST_INERTIA)
+    thinnest, _, _ = np.linalg.eigvalsh(symmetric(upper)).T
+    flat = ~(thinnest > SMALLEST_INERTIA)
     if flat.any():
         message = f"the source of instance {int(np.argmax(flat))} is collinear, or nearly so"
         raise DegenerateProblemError(message)
-    inverse = np.asarray(np.linalg.inv(inertia), dtype=np.float64)
-    return np.column_stack(
-        [upper, inverse[(slice(None), *np.triu_indices(3))], _spreads(found, units)]
-    )
+    return upper
 
 
-def _basins(
-    vectors: NDArray[np.float64], values: NDArray[np.float64], unit: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Eigenvectors and deficits of the Davenport matrices of C / M, (count, 20)."""
-    differences = values[:, :1] - values
-    differences[differences < TIE * differences[:, -1:]] = 0.0
-    deficits = differences * unit
-    lost = ((differences > 0.0) & (deficits < SMALLEST_BARRIER)).any(axis=1)
-    if lost.any():
-        where = f"the clouds of instance {int(np.argmax(lost))}"
-        message = f"{where} differ too much in size for double precision: bring both to one unit"
-        raise DegenerateProblemError(message)
-    return np.hstack([vectors.reshape(-1, 16), deficits])
+def _inverses(upper: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The upper triangles of the inverses of symmetric matrices, (count, 6)."""
+    inverse = np.asarray(np.linalg.inv(symmetric(upper)), dtype=np.float64)
+    return inverse[(slice(None), *np.triu_indices(3))]
 
 
-def _stepped(starts: NDArray[np.float64], integrator: Integrator) -> NDArray[np.float64]:
+def _stepped(starts: Records, integrator: Integrator) -> Records:
     """The starts as the integrator keeps them: with a matrix if it has one."""
     if integrator is not Integrator.EULER:
         return starts
-    turned = np.moveaxis(np.array(rotation_matrix(list(starts[:, 3:7].T))), -1, 0).reshape(-1, 9)
-    return np.hstack([starts[:, :3], turned, starts[:, 7:]])
+    states = np.empty(len(starts), dtype=MATRIX_STATE)
+    states["R"] = _rotations(starts)
+    for part in ("c", "v", "omega"):
+        states[part] = starts[part]
+    return states
+
+
+def _rotations(states: Records) -> NDArray[np.float64]:
+    """The rotation matrices of states with quaternions, (count, 3, 3)."""
+    return np.moveaxis(np.array(rotation_matrix(list(states["q"].T))), -1, 0)

@@ -8,9 +8,9 @@ The body moves under springs 2 w and damping mu w per point; only moments enter 
 c the source's centre of mass minus the target's, omega in the body frame. The mass is divided out
 and lengths are over a power of two (|s'| mixes lengths and angles); time has its own unit.
 
-A state is 18 numbers: c, R row by row, v, omega: the order of [Yang2020]. Nothing is evaluated
-here: the functions are generated from the derivation (certreg/native/generated), and run compiled
-or in CasADi's evaluator (certreg/native).
+A state is 18 numbers, the parts of the record MATRIX_STATE: c, R row by row, v, omega, the order of
+[Yang2020]. Nothing is evaluated here: the functions are generated from the derivation
+(certreg/native/generated), and run compiled or in CasADi's evaluator (certreg/native).
 """
 
 from __future__ import annotations
@@ -22,18 +22,15 @@ import numpy as np
 
 from certreg.errors import DegenerateProblemError
 from certreg.exact import power_of_two
-from certreg.native import ENERGIES, current_engine
+from certreg.native import BODY, ENERGIES, MATRIX_STATE, current_engine, named, plain, symmetric
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
+    from certreg.native import Records
     from certreg.problem import ExactMoments
 
-SMALLEST_BARRIER = 1e-280  # of l1 - l2: shares of it, times squares of small angles, are doubles
 SMALLEST_INERTIA = 1e-14  # of the clouds' spread: below, rounding is larger than J itself
-IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
-AT_REST = (0.0,) * 6
-STATE = 18
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,34 +52,37 @@ class Energies:
 class Body:
     """What the dynamics knows of a problem: per unit of mass, lengths over 2^length_exponent.
 
-    parameters: (23,), as certreg/native/generated/dynamics.h lists them: C / M row by row, the
-    upper triangles of J / M and of its inverse, the spread of both clouds over M, the damping
-    mu > 0.
+    record: () of BODY: C / M, the upper triangles of J / M and of its inverse, the spread of both
+    clouds over M, the damping mu > 0.
     """
 
-    parameters: NDArray[np.float64]
+    record: Records
     length_exponent: int
+
+    @property
+    def parameters(self) -> NDArray[np.float64]:
+        """The record as 23 doubles, as certreg/native/generated/dynamics.h lists them."""
+        return plain(self.record)
 
     @property
     def cross_covariance(self) -> NDArray[np.float64]:
         """C / M, (3, 3)."""
-        return self.parameters[:9].reshape(3, 3)
+        return self.record["cross"]
 
     @property
     def inertia(self) -> NDArray[np.float64]:
         """J / M, (3, 3)."""
-        a, b, c, d, e, f = self.parameters[9:15].tolist()
-        return np.array([[a, b, c], [b, d, e], [c, e, f]])
+        return symmetric(self.record["inertia"])
 
     @property
     def spread(self) -> float:
         """(sum w |x - mean|^2 + sum w |y - mean|^2) / M."""
-        return float(self.parameters[21])
+        return float(self.record["spread"])
 
     @property
     def damping(self) -> float:
         """The damping mu."""
-        return float(self.parameters[22])
+        return float(self.record["damping"])
 
     def rate(self, state: NDArray[np.float64]) -> NDArray[np.float64]:
         """The rates of change s' = F(s), (18,), at a state (18,), R any matrix [Yang2020]."""
@@ -90,19 +90,19 @@ class Body:
 
     def energies(self, state: NDArray[np.float64]) -> Energies:
         """The energies at a state (18,) whose R is a rotation."""
-        found = self._evaluated("certreg_energies", state).tolist()
-        return Energies(**dict(zip(ENERGIES, found, strict=True)))
+        energies = named(self._evaluated("certreg_energies", state), ENERGIES)
+        return Energies(**{name: float(energies[name]) for name in ENERGIES.names or ()})
 
     def ambient_jacobian(self, state: NDArray[np.float64]) -> NDArray[np.float64]:
         """The derivative of F in all 18 numbers of the state, (18, 18): six structural zeros."""
-        return self._evaluated("certreg_ambient_jacobian", state).reshape(STATE, STATE)
+        return self._evaluated("certreg_ambient_jacobian", state).reshape(18, 18)
 
     def intrinsic_jacobian(self, state: NDArray[np.float64]) -> NDArray[np.float64]:
         """The linearised dynamics in (c, phi, v, omega), (12, 12), R turned to R exp([phi]x)."""
         return self._evaluated("certreg_intrinsic_jacobian", state).reshape(12, 12)
 
     def _evaluated(self, name: str, state: NDArray[np.float64]) -> NDArray[np.float64]:
-        return current_engine().evaluate(name, state, self.parameters)[0]
+        return current_engine().evaluate(name, state, self.record)[0]
 
 
 def body_of(moments: ExactMoments, damping: float, *, length_exponent: int | None = None) -> Body:
@@ -127,15 +127,23 @@ def body_of(moments: ExactMoments, damping: float, *, length_exponent: int | Non
             "singular in double precision: the dynamics cannot be simulated"
         )
         raise DegenerateProblemError(message)
-    upper = np.triu_indices(3)
-    cross = [float(e * cross_unit) for row in moments.cross for e in row]
-    inverse = np.linalg.inv(inertia)
-    parameters = [*cross, *inertia[upper], *inverse[upper], float(moments.spread * unit), damping]
-    return Body(parameters=np.array(parameters), length_exponent=exponent)
+    upper, record = np.triu_indices(3), np.empty((), dtype=BODY)
+    record["cross"] = [[float(e * cross_unit) for e in row] for row in moments.cross]
+    record["inertia"] = inertia[upper]
+    record["inertia_inverse"] = np.linalg.inv(inertia)[upper]
+    record["spread"], record["damping"] = float(moments.spread * unit), damping
+    return Body(record=record, length_exponent=exponent)
 
 
 def start_at_rest(moments: ExactMoments, length_exponent: int) -> NDArray[np.float64]:
     """The start of [Yang2020], (18,): the source where it was given, R = I, no velocity."""
     unit = power_of_two(-length_exponent)
     pairs = zip(moments.source_centroid, moments.target_centroid, strict=True)
-    return np.array([*(float((x - y) * unit) for x, y in pairs), *IDENTITY, *AT_REST])
+    return state_at_rest(np.eye(3), [float((x - y) * unit) for x, y in pairs])
+
+
+def state_at_rest(rotation: ArrayLike, c: ArrayLike = (0.0, 0.0, 0.0)) -> NDArray[np.float64]:
+    """The state (18,) at rest with a rotation, the centres of mass together unless c is given."""
+    state = np.zeros((), dtype=MATRIX_STATE)
+    state["c"], state["R"] = c, rotation
+    return plain(state)

@@ -1,10 +1,12 @@
-"""The step that each integrator is given, for one body or for many; and the run.
+"""What a user may set of a simulation, the step that each integrator is given, and the run.
 
 Floating point proposes: a step decides how fast a run ends, never where it may end.
 """
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,53 +14,105 @@ import numpy as np
 from certreg.equilibrium import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
 from certreg.geometry import rotation_matrix
-from certreg.native import Ending, Integrator, current_engine
+from certreg.native import (
+    Ending,
+    Integrator,
+    Rules,
+    current_engine,
+    plain,
+    symmetric,
+)
 from certreg.problem import DEFAULT_DAMPING
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.native import Batch, Log
-    from certreg.settings import SimulationSettings
+    from certreg.native import Batch, Log, Records
+
+EULER_STEP = 0.01  # [Yang2020]
+STABILITY_SHARE = 0.25  # of the largest stable step of explicit Euler
+MIDPOINT_SHARE = 1.4  # of sqrt(2 / g_max): kills a critically damped mode in one step
+MIDPOINT_MOST = 1000.0  # of that: larger steps gain nothing; halving brings them back
+SPLITTING_SHARE = 0.8  # of sqrt(2 / g_max): 12 to 23 steps from anywhere
+SPLITTING_HALVINGS = 8  # of the step, from the start, where a fast spin lost the state
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SimulationSettings:
+    """What may be set of a simulation.
+
+    step: the largest, in the time unit of the springs; None: each integrator's own.
+    max_steps: after which a run ends all the same.
+    speed_tolerance: of the norm of the 18 rates of change, below which a body is slow.
+    rest_angle: radians from the optimum, beyond which a body that stopped would never get.
+    first_perturbation: radians, of a slow body off a saddle; while it stays slow, the next ones are
+        ten times as large.
+    least_step: of explicit Euler; a body that is too stiff for it is refused.
+    threads: for many bodies at once.
+    """
+
+    step: float | None = None
+    max_steps: int = 1_000_000  # a tenth of a second of compiled Euler steps; a thousand are usual
+    speed_tolerance: float = 1e-4  # [Yang2020]
+    rest_angle: float = 1e-3
+    first_perturbation: float = 1e-3
+    least_step: float = 1e-5  # below, a run would outlast anyone's patience
+    threads: int = 1
+
+    @property
+    def rules(self) -> Rules:
+        """What the loops take of it.
+
+        The height above the optimum over l1 - l2 bounds sin^2 of half the angle to the optimum.
+        """
+        return Rules(
+            speed_tolerance=self.speed_tolerance,
+            rest_share=math.sin(self.rest_angle / 2.0) ** 2,
+            first_perturbation=self.first_perturbation,
+            max_steps=self.max_steps,
+            threads=self.threads,
+        )
 
 
 def step_parameters(
-    integrator: Integrator,
-    parameters: NDArray[np.float64],
-    basins: NDArray[np.float64],
-    settings: SimulationSettings,
-) -> NDArray[np.float64]:
-    """The parameters of a step, (count, 1 or 3): the integrator's own, or the user's where stable.
+    integrator: Integrator, bodies: Records, basins: Records, settings: SimulationSettings
+) -> Records:
+    """The steps (count,), records `integrator.step`: its own, or the user's where stable.
 
-    parameters: (count, 23) and basins: (count, 20), as `native.batch` describes them. Raises
-    DegenerateProblemError where explicit Euler would need too small a step.
+    bodies, basins: (count,) records BODY and BASIN. Raises DegenerateProblemError where explicit
+    Euler would need too small a step.
     """
+    steps = np.empty(len(bodies), dtype=integrator.step)
     if integrator is Integrator.EULER:
-        limit = _stable_euler_steps(parameters, basins, settings)
-        return np.minimum(settings.step or settings.euler_step, limit)[:, np.newaxis]
-    fastest = np.maximum(TRANSLATION_STIFFNESS, spring_ratios(parameters, basins)[:, -1])
+        limit = _stable_euler_steps(bodies, basins, settings)
+        steps["h"] = np.minimum(settings.step or EULER_STEP, limit)
+        return steps
+    _, _, stiffest = spring_ratios(bodies, basins).T
+    fastest = np.maximum(TRANSLATION_STIFFNESS, stiffest)
     period = np.sqrt(TRANSLATION_STIFFNESS / fastest)  # 1 without noise
     if integrator is Integrator.MIDPOINT:
-        own = settings.midpoint_share * period
-        given = np.minimum(settings.step or np.inf, settings.midpoint_most * own)
-        return (given if settings.step else own)[:, np.newaxis]
-    h = np.minimum(settings.step or np.inf, settings.splitting_share * period)
-    mu = parameters[:, 22]
-    return np.column_stack([h, np.exp(-mu * h), -np.expm1(-mu * h) / mu])
+        own = MIDPOINT_SHARE * period
+        given = np.minimum(settings.step or np.inf, MIDPOINT_MOST * own)
+        steps["h"] = given if settings.step else own
+        return steps
+    h = np.minimum(settings.step or np.inf, SPLITTING_SHARE * period)
+    mu = bodies["damping"]
+    steps["h"], steps["decay"], steps["impulse"] = h, np.exp(-mu * h), -np.expm1(-mu * h) / mu
+    return steps
 
 
 def integrate(batch: Batch, settings: SimulationSettings, log: Log | None = None) -> None:
-    """Run every instance of a batch to its end.
+    """Run every body of a batch to its end.
 
     The splitting's step suits small angular velocities. Where a nearly collinear body spins so fast
     that its state is lost, it starts anew with half the step.
     """
-    starts = batch.states.copy()
-    current_engine().run(batch, settings, log)
-    halvings = settings.splitting_halvings if batch.integrator is Integrator.SPLITTING else 0
+    starts, rules = batch.states.copy(), settings.rules
+    current_engine().run(batch, rules, log)
+    halvings = SPLITTING_HALVINGS if batch.integrator is Integrator.SPLITTING else 0
     for _ in range(halvings):
-        unfinished = (batch.status == Ending.OUT_OF_STEPS) & (batch.taken < settings.max_steps)
-        lost = np.asarray(unfinished & np.isfinite(starts).all(axis=1), dtype=np.bool_)
+        unfinished = (batch.status == Ending.OUT_OF_STEPS) & (batch.taken < rules.max_steps)
+        lost = np.asarray(unfinished & np.isfinite(plain(starts)).all(axis=1), dtype=np.bool_)
         if not lost.any():
             return
         again = batch.chosen(lost)
@@ -66,62 +120,55 @@ def integrate(batch: Batch, settings: SimulationSettings, log: Log | None = None
         again.steps[:] = _halved(again.steps)
         if log is not None:
             log.clear()
-        current_engine().run(again, settings, log)
+        current_engine().run(again, rules, log)
         batch.put(lost, again)
 
 
-def spring_ratios(
-    parameters: NDArray[np.float64], basins: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def spring_ratios(bodies: Records, basins: Records) -> NDArray[np.float64]:
     """The eigenvalues of the pencil (G, J) at the optimum, ascending, (count, 3)."""
-    turned = np.moveaxis(np.array(rotation_matrix(list(basins[:, :4].T))), -1, 0)
-    aligned = turned.mT @ parameters[:, :9].reshape(-1, 3, 3)
+    optima = basins["quaternions"][:, 0]
+    turned = np.moveaxis(np.array(rotation_matrix(list(optima.T))), -1, 0)
+    aligned = turned.mT @ bodies["cross"]
     traces = np.trace(aligned, axis1=1, axis2=2)[:, np.newaxis, np.newaxis]
     hessian = 2.0 * traces * np.eye(3) - aligned - aligned.mT
-    whitening = np.linalg.inv(np.linalg.cholesky(inertias(parameters)))
+    whitening = np.linalg.inv(np.linalg.cholesky(symmetric(bodies["inertia"])))
     return np.linalg.eigvalsh(whitening @ hessian @ whitening.mT).astype(np.float64)
 
 
-def inertias(parameters: NDArray[np.float64]) -> NDArray[np.float64]:
-    """J / M of bodies (count, 23), (count, 3, 3)."""
-    return parameters[:, [9, 10, 11, 10, 12, 13, 11, 13, 14]].reshape(-1, 3, 3)
-
-
-def _halved(steps: NDArray[np.float64]) -> NDArray[np.float64]:
+def _halved(steps: Records) -> Records:
     """Half of h, with exp(-mu h) and (1 - exp(-mu h)) / mu to match."""
-    root = np.sqrt(steps[:, 1])
-    return np.column_stack([steps[:, 0] / 2.0, root, steps[:, 2] / (1.0 + root)])
+    root, halves = np.sqrt(steps["decay"]), np.empty_like(steps)
+    halves["h"], halves["decay"] = steps["h"] / 2.0, root
+    halves["impulse"] = steps["impulse"] / (1.0 + root)
+    return halves
 
 
 def _stable_euler_steps(
-    parameters: NDArray[np.float64], basins: NDArray[np.float64], settings: SimulationSettings
+    bodies: Records, basins: Records, settings: SimulationSettings
 ) -> NDArray[np.float64]:
     """The largest steps that explicit Euler is given here, (count,).
 
     The stiffest mode s^2 + mu s + g has g <= (l1 - l4) / least eigenvalue of J; Euler follows an
     oscillation only if h < mu / g, a decay only if h < 2 / mu.
     """
-    least = np.maximum(np.linalg.eigvalsh(inertias(parameters))[:, 0], 5e-324)
+    thinnest, _, _ = np.linalg.eigvalsh(symmetric(bodies["inertia"])).T
+    *_, span = basins["gaps"].T
     with np.errstate(over="ignore"):
-        stiffness = np.maximum(TRANSLATION_STIFFNESS, basins[:, 19] / least)
-    mu = parameters[:, 22]
-    limit = settings.stability_share * np.minimum(1.0 / mu, mu / stiffness)
+        stiffness = np.maximum(TRANSLATION_STIFFNESS, span / np.maximum(thinnest, 5e-324))
+    mu = bodies["damping"]
+    limit = STABILITY_SHARE * np.minimum(1.0 / mu, mu / stiffness)
     refused = np.flatnonzero(~(limit > settings.least_step))
     if refused.size:
-        raise DegenerateProblemError(_why_no_euler(parameters, basins, refused[0], settings))
+        first = refused[0]
+        raise DegenerateProblemError(_why_no_euler(bodies[first], basins[first], settings))
     return limit
 
 
-def _why_no_euler(
-    parameters: NDArray[np.float64],
-    basins: NDArray[np.float64],
-    instance: np.intp,
-    settings: SimulationSettings,
-) -> str:
-    """What makes an instance too stiff for explicit Euler: what, if usual, would make it easier."""
-    thin, _, thick = np.linalg.eigvalsh(inertias(parameters[[instance]]))[0].tolist()
-    mu, span = float(parameters[instance, 22]), float(basins[instance, 19])
-    share = settings.least_step / settings.stability_share  # of min(1 / mu, mu / stiffness)
+def _why_no_euler(body: Records, basin: Records, settings: SimulationSettings) -> str:
+    """What makes a body too stiff for explicit Euler: what, if usual, would make it easier."""
+    thin, _, thick = np.linalg.eigvalsh(symmetric(body["inertia"])).tolist()
+    mu, span = float(body["damping"]), float(basin["gaps"].max())
+    share = settings.least_step / STABILITY_SHARE  # of min(1 / mu, mu / stiffness)
     usual = share * max(TRANSLATION_STIFFNESS, span / thick)  # had it no thin direction
     if not share * mu < 1.0:
         cause, remedy = f"the damping {mu:.3g} is so large", "take one nearer to sqrt(8)"

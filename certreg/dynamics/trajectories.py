@@ -11,6 +11,7 @@ import numpy as np
 
 from certreg.errors import InvalidFileError
 from certreg.io import read_arrays, reading
+from certreg.native import MATRIX_STATE, named, width
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from certreg.problem import RegistrationProblem
 
 ARRAYS = ("times", "states", "potential", "kinetic", "length_exponent", "damping", "digest")
-STATE = 18  # as in certreg.dynamics.body
 LARGEST_STATE = 1e150  # of a position or velocity, in the body's unit: its square is a double
 ORTHONORMAL = 1e-6  # of R^T R - I: what is integrated is projected at every step
 LARGEST_EXPONENT = 1100  # of a unit of length: doubles reach from 2^-1074 to 2^1024
@@ -81,7 +81,7 @@ def read_record(path: str | os.PathLike[str]) -> Record:
     count = arrays["times"].size
     shapes = dict.fromkeys(ARRAYS, ())
     shapes |= dict.fromkeys(("times", "potential", "kinetic"), (count,))
-    shapes |= {"states": (count, STATE), "digest": (32,)}
+    shapes |= {"states": (count, width(MATRIX_STATE)), "digest": (32,)}
     wrong = [name for name in ARRAYS if arrays[name].shape != shapes[name]]
     if not wrong and count:
         wrong = _unsound(arrays)
@@ -104,7 +104,7 @@ def _unsound(arrays: dict[str, NDArray[np.float64]]) -> list[str]:
     """The names of arrays whose numbers, finite as they are, no simulation gives."""
     times, states, exponent = (arrays[name] for name in ("times", "states", "length_exponent"))
     digest, sizes = arrays["digest"], np.abs(states)
-    rotations = states[:, 3:12].reshape(-1, 3, 3)
+    rotations = named(states, MATRIX_STATE)["R"]
     sound = {
         "times": times[0] == 0.0 and bool((np.diff(times) > 0.0).all()),
         "states": bool((sizes <= LARGEST_STATE).all())

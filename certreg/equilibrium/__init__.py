@@ -10,8 +10,8 @@ if TYPE_CHECKING:
     from certreg.equilibrium.batch import Solutions as Solutions
     from certreg.equilibrium.batch import clouds as clouds
     from certreg.equilibrium.batch import exactly as exactly
-    from certreg.equilibrium.batch import rest_poses as rest_poses
     from certreg.equilibrium.batch import solve_many as solve_many
+    from certreg.equilibrium.batch import stationary_poses as stationary_poses
     from certreg.equilibrium.counting import at_most_four as at_most_four
     from certreg.equilibrium.critical_set import Component as Component
     from certreg.equilibrium.critical_set import EquilibriumSet as EquilibriumSet
@@ -35,7 +35,7 @@ __getattr__ = lazy_face(
             "Solutions",
             "clouds",
             "exactly",
-            "rest_poses",
+            "stationary_poses",
             "solve_many",
         ),
         "counting": ("at_most_four",),

@@ -71,7 +71,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from certreg.equilibrium.critical_set import EquilibriumSet
-    from certreg.native import RestPoses
+    from certreg.native import StationaryPoses
 
 Array = Any  # NDArray[np.float64]
 MODES = 12  # of the linearised dynamics
@@ -149,7 +149,7 @@ def solve_many(
     def solve(start: int) -> None:
         chosen = slice(start, start + PORTION)
         some = given.part(chosen)
-        found = rest_poses(some, start)
+        found = stationary_poses(some, start)
         _write(solutions.part(chosen), found, some, damping)
 
     starts = range(0, given.count, PORTION)
@@ -190,13 +190,13 @@ def clouds(sources: ArrayLike, targets: ArrayLike, weights: ArrayLike | None) ->
     return ManyClouds(count=count, sources=x, targets=y, weights=w)
 
 
-def rest_poses(given: ManyClouds, first: int = 0) -> RestPoses:
+def stationary_poses(given: ManyClouds, first: int = 0) -> StationaryPoses:
     """What doubles say of the rest poses of each problem, on one thread.
 
     Raises InvalidProblemError, which names the instance, counted from `first`, for a number that is
     not finite: it shows in the sums, and nothing else makes a NaN of them.
     """
-    found = current_engine().rest_poses(given)
+    found = current_engine().stationary_poses(given)
     lost = np.isnan(found.cross).any(axis=1)
     if lost.any():
         k = int(np.argmax(lost))
@@ -247,7 +247,7 @@ def _doubles(given: ArrayLike, name: str) -> Array:
     return np.ascontiguousarray(array, dtype=np.float64)
 
 
-def _write(solutions: Solutions, found: RestPoses, some: ManyClouds, damping: float) -> None:
+def _write(solutions: Solutions, found: StationaryPoses, some: ManyClouds, damping: float) -> None:
     """Put what follows from the rest poses of some problems where it belongs."""
     bounds = Bounds.of(found, some.sources.shape[1])
     least = (found.values[:, :-1] - found.values[:, 1:]).min(axis=1)
@@ -279,9 +279,9 @@ class Bounds:
     ratio: NDArray[np.float64]
 
     @classmethod
-    def of(cls, found: RestPoses, points: int) -> Bounds:
+    def of(cls, found: StationaryPoses, points: int) -> Bounds:
         """The bounds for problems of so many points."""
-        source, target = found.spreads[:, 0], found.spreads[:, 1]
+        source, target = found.spreads["source"], found.spreads["target"]
         sound = (source > LEAST_SPREAD) & (target > LEAST_SPREAD)
         g = 5.0 * (points + 8) * ROUNDING / (1.0 - (points + 8) * ROUNDING)
         size = 2.0 * np.linalg.norm(found.cross, axis=1)  # of K
@@ -300,7 +300,7 @@ class Bounds:
         )
 
 
-def _springs(found: RestPoses) -> Array:
+def _springs(found: StationaryPoses) -> Array:
     """The ratios in the units given: G scales as source times target, J as the source squared."""
     exponents = found.exponents[:, 1] - found.exponents[:, 0]
     with np.errstate(over="ignore"):

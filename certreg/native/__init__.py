@@ -1,7 +1,7 @@
 """The generated code at work: compiled once and cached, or evaluated by CasADi; trajectory loops.
 
 No formula of the dynamics stands here: those are in certreg/native/generated. Handwritten are the
-loops around a step, the stop test, and the kick off a saddle.
+loops around a step, the stop test, and the escape from a saddle.
 """
 
 from __future__ import annotations
@@ -11,13 +11,6 @@ from typing import TYPE_CHECKING
 from certreg._faces import lazy_face
 
 if TYPE_CHECKING:
-    from certreg.native.batch import ENERGIES as ENERGIES
-    from certreg.native.batch import Batch as Batch
-    from certreg.native.batch import Ending as Ending
-    from certreg.native.batch import Integrator as Integrator
-    from certreg.native.batch import Log as Log
-    from certreg.native.clouds import ManyClouds as ManyClouds
-    from certreg.native.clouds import RestPoses as RestPoses
     from certreg.native.codegen.emit import C_FILE as C_FILE
     from certreg.native.codegen.emit import HEADER_FILE as HEADER_FILE
     from certreg.native.codegen.emit import generated_files as generated_files
@@ -25,23 +18,35 @@ if TYPE_CHECKING:
     from certreg.native.compiler import HERE as HERE
     from certreg.native.compiler import CompilationError as CompilationError
     from certreg.native.engine import current_engine as current_engine
+    from certreg.native.layout import BASIN as BASIN
+    from certreg.native.layout import BODY as BODY
+    from certreg.native.layout import ENERGIES as ENERGIES
+    from certreg.native.layout import EXACT_SUMS as EXACT_SUMS
+    from certreg.native.layout import MATRIX_STATE as MATRIX_STATE
+    from certreg.native.layout import QUATERNION_STATE as QUATERNION_STATE
+    from certreg.native.layout import SUMS as SUMS
+    from certreg.native.layout import Records as Records
+    from certreg.native.layout import RecordType as RecordType
+    from certreg.native.layout import named as named
+    from certreg.native.layout import plain as plain
+    from certreg.native.layout import symmetric as symmetric
+    from certreg.native.layout import width as width
     from certreg.native.library import Library as Library
     from certreg.native.library import loaded_library as loaded_library
+    from certreg.native.loops import BASIN_SHARE as BASIN_SHARE
+    from certreg.native.loops import LARGEST_PERTURBATION as LARGEST_PERTURBATION
+    from certreg.native.loops import PERTURBATION_GROWTH as PERTURBATION_GROWTH
+    from certreg.native.loops import Batch as Batch
+    from certreg.native.loops import Ending as Ending
+    from certreg.native.loops import Integrator as Integrator
+    from certreg.native.loops import Log as Log
+    from certreg.native.loops import Rules as Rules
+    from certreg.native.stationary import ManyClouds as ManyClouds
+    from certreg.native.stationary import StationaryPoses as StationaryPoses
 
 __getattr__ = lazy_face(
     __name__,
     {
-        "batch": (
-            "Batch",
-            "ENERGIES",
-            "Ending",
-            "Integrator",
-            "Log",
-        ),
-        "clouds": (
-            "ManyClouds",
-            "RestPoses",
-        ),
         "codegen.emit": (
             "C_FILE",
             "HEADER_FILE",
@@ -53,9 +58,38 @@ __getattr__ = lazy_face(
             "HERE",
         ),
         "engine": ("current_engine",),
+        "layout": (
+            "BASIN",
+            "BODY",
+            "ENERGIES",
+            "EXACT_SUMS",
+            "MATRIX_STATE",
+            "QUATERNION_STATE",
+            "RecordType",
+            "Records",
+            "SUMS",
+            "named",
+            "plain",
+            "symmetric",
+            "width",
+        ),
         "library": (
             "Library",
             "loaded_library",
+        ),
+        "loops": (
+            "BASIN_SHARE",
+            "Batch",
+            "Ending",
+            "Integrator",
+            "LARGEST_PERTURBATION",
+            "Log",
+            "PERTURBATION_GROWTH",
+            "Rules",
+        ),
+        "stationary": (
+            "ManyClouds",
+            "StationaryPoses",
         ),
     },
 )

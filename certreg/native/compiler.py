@@ -31,17 +31,21 @@ GENERATED = HERE / "generated"
 SIGNATURES = GENERATED / "signatures.json"
 UNITS = (
     GENERATED / "dynamics.c",
-    HERE / "settle.c",
+    HERE / "escape.c",
     HERE / "midpoint.c",
     HERE / "single.c",
     HERE / "lanes.c",
     HERE / "exact.c",
-    HERE / "resting.c",
+    HERE / "stationary.c",
     HERE / "sums.c",
 )
 HEADERS = (
     GENERATED / "dynamics.h",
-    *(HERE / name for name in ("loops.h", "lanes.h", "loop.h", "exact.h", "resting.h", "sums.h")),
+    GENERATED / "layout.h",
+    *(
+        HERE / name
+        for name in ("loops.h", "lanes.h", "loop.h", "exact.h", "stationary.h", "sums.h")
+    ),
 )
 # No -ffast-math: a NaN must stay one. -fno-math-errno: sqrt as one instruction.
 FLAGS = ("-std=gnu11", "-O3", "-march=native", "-fno-math-errno", "-fPIC", "-shared", "-Wno-psabi")
@@ -53,7 +57,7 @@ TRIAL = """
 import ctypes, json, sys
 library = ctypes.CDLL(sys.argv[1])
 library.certreg_euler_lanes, library.certreg_splitting_lanes, library.certreg_midpoint_single
-library.certreg_exact_sums, library.certreg_rest_poses, library.certreg_sums
+library.certreg_exact_sums, library.certreg_stationary_poses, library.certreg_sums
 for name, sizes in json.load(open(sys.argv[2])).items():
     numbers = [(ctypes.c_double * n)() for n in sizes["arguments"] + sizes["results"]]
     getattr(library, name)(*numbers)

@@ -12,7 +12,7 @@ from certreg.native.evaluator import evaluator
 from certreg.native.library import loaded_library
 
 if TYPE_CHECKING:
-    from certreg.native.batch import Engine
+    from certreg.native.loops import Engine
 
 
 @cache

@@ -1,7 +1,7 @@
 """The same functions and loops without a compiler: CasADi evaluates, Python loops.
 
 Slower by a factor of hundreds, the same numbers up to rounding. `Evaluator.run` does what
-native/loop.h, settle.c and midpoint.c do, in the same order.
+native/loop.h, escape.c and midpoint.c do, in the same order.
 """
 
 from __future__ import annotations
@@ -15,19 +15,37 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from certreg.geometry import quaternion_from_matrix, rotation_matrix
-from certreg.native.batch import BODY, ENERGIES, Batch, Ending, Integrator, Log
 from certreg.native.compiler import GENERATED
+from certreg.native.layout import (
+    BODY,
+    ENERGIES,
+    MATRIX_STATE,
+    QUATERNION_STATE,
+    named,
+    plain,
+)
 from certreg.native.library import Signature, signatures
-from certreg.native.resting import rest_poses
+from certreg.native.loops import (
+    BASIN_SHARE,
+    HALVINGS,
+    LARGEST_PERTURBATION,
+    LARGEST_TURN,
+    NEWTON_STEPS,
+    NEWTON_TOLERANCE,
+    PERTURBATION_GROWTH,
+    STALLED_TORQUE,
+    Ending,
+    Integrator,
+)
+from certreg.native.stationary import stationary_poses
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.native.clouds import ManyClouds, RestPoses
-    from certreg.settings import SimulationSettings
+    from certreg.native.loops import Batch, Log, Rules
+    from certreg.native.stationary import ManyClouds, StationaryPoses
 
 Array = Any  # NDArray[np.float64]
-ROTATION = ENERGIES.index("rotation")
 NO_TORQUE = 1e-12  # of the curvature: less is rounding, and must not choose a side
 JACOBI_SWEEPS = 12  # the sixth changes nothing any more
 
@@ -43,28 +61,27 @@ class Evaluator:
         """What it is, for `certreg info`."""
         return "CasADi's evaluator (no compiled code)"
 
-    def evaluate(
-        self, name: str, *arguments: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], ...]:
+    def evaluate(self, name: str, *arguments: NDArray[Any]) -> tuple[NDArray[np.float64], ...]:
         """The results of one generated function, flat. Raises ValueError for other sizes."""
         return self.calls[name](*arguments)
 
-    def rest_poses(self, clouds: ManyClouds) -> RestPoses:
-        """What doubles say of the rest poses of many problems."""
-        return rest_poses(clouds, self._hessians)
+    def stationary_poses(self, clouds: ManyClouds) -> StationaryPoses:
+        """What doubles say of the stationary poses of many problems."""
+        return stationary_poses(clouds, self._hessians)
 
     def _hessians(self, quaternions: Array, cross: Array) -> Array:
         """The generated Hessian at unit quaternions (count, 4), of C (count, 9): (count, 3, 3)."""
-        state = np.zeros((Integrator.SPLITTING.state_size, len(quaternions)))
-        bodies = np.zeros((BODY, len(quaternions)))
-        state[3:7], bodies[:9] = quaternions.T, cross.T
-        hessians, _ = self.calls["certreg_quaternion_curvature"].function(state, bodies)
+        states = np.zeros(len(quaternions), dtype=QUATERNION_STATE)
+        bodies = np.zeros(len(quaternions), dtype=BODY)
+        states["q"], bodies["cross"] = quaternions, cross.reshape(-1, 3, 3)
+        function = self.calls["certreg_quaternion_curvature"].function
+        hessians, _ = function(plain(states).T, plain(bodies).T)
         return np.array(hessians).T.reshape(-1, 3, 3)
 
-    def run(self, batch: Batch, settings: SimulationSettings, log: Log | None = None) -> None:
-        """Integrate every instance of a batch, one after another."""
+    def run(self, batch: Batch, rules: Rules, log: Log | None = None) -> None:
+        """Integrate every body of a batch, one after another."""
         for k in range(len(batch.bodies)):
-            _Run(self, batch.part(slice(k, k + 1)), settings, log).to_the_end()
+            _Run(self, batch.part(slice(k, k + 1)), rules, log).to_the_end()
 
 
 class _Call:
@@ -83,7 +100,7 @@ class _Call:
         for k, array in enumerate(self._results):
             self._buffer.set_res(k, memoryview(cast("Any", array)))
 
-    def __call__(self, *arguments: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+    def __call__(self, *arguments: NDArray[Any]) -> tuple[NDArray[np.float64], ...]:
         for mine, given in zip(
             self._arguments, self._shape.checked(self._name, arguments), strict=True
         ):
@@ -108,43 +125,43 @@ def evaluator() -> Evaluator:
 
 
 class _Run:
-    """One instance on its way."""
+    """One body on its way; its state, a step and so on as plain doubles, read through `named`."""
 
-    def __init__(
-        self, machine: Evaluator, batch: Batch, settings: SimulationSettings, log: Log | None
-    ) -> None:
-        self.machine, self.batch, self.settings, self.log = machine, batch, settings, log
+    def __init__(self, machine: Evaluator, batch: Batch, rules: Rules, log: Log | None) -> None:
+        self.machine, self.batch, self.rules, self.log = machine, batch, rules, log
         self.integrator = batch.integrator
-        self.body, self.basin, self.step = batch.bodies[0], batch.basins[0], batch.steps[0]
+        self.body, self.step = plain(batch.bodies)[0], plain(batch.steps)[0]
+        self.size = float(batch.steps["h"][0])
+        self.quaternions, self.gaps = batch.basins["quaternions"][0], batch.basins["gaps"][0]
         self.prefix = "certreg_" if self.integrator is Integrator.EULER else "certreg_quaternion_"
-        self.kick = settings.first_kick
+        self.perturbation = rules.first_perturbation
 
     def to_the_end(self) -> None:
         """Step until the state may stop, or the steps run out."""
-        batch, settings = self.batch, self.settings
-        state, time, taken, escapes = batch.states[0].copy(), 0.0, 0, 0
+        batch, rules = self.batch, self.rules
+        state, time, taken, escapes = plain(batch.states)[0].copy(), 0.0, 0, 0
         while True:
             self._record(taken, time, state)
             following, speed = self._look_ahead(state)
             end = Ending.OUT_OF_STEPS
-            if speed < settings.speed_tolerance**2:
-                end, state = self._settled(state)
-                escapes += end is Ending.KICKED
+            if speed < rules.speed_tolerance**2:
+                end, state = self._looked_at(state)
+                escapes += end is Ending.PERTURBED
             ended = end in {Ending.CONVERGED, Ending.AT_REST}
-            if ended or taken >= settings.max_steps or math.isnan(speed):
+            if ended or taken >= rules.max_steps or math.isnan(speed):
                 break
-            if end is Ending.KICKED or following is None:
+            if end is Ending.PERTURBED or following is None:
                 following, size = self._advanced(state)
             else:
-                size = float(self.step[0])
+                size = self.size
             if following is None:
                 break
             state, time, taken = following, time + size, taken + 1
         if self.integrator is not Integrator.MIDPOINT:
-            time = taken * float(self.step[0])
-        batch.states[0] = state
+            time = taken * self.size
+        batch.states[0] = named(state, self.integrator.state)
         batch.taken[0], batch.escapes[0], batch.times[0] = taken, escapes, time
-        batch.status[0] = Ending.OUT_OF_STEPS if end is Ending.KICKED else end
+        batch.status[0] = Ending.OUT_OF_STEPS if end is Ending.PERTURBED else end
 
     def _look_ahead(self, state: Array) -> tuple[Array | None, float]:
         """The next state where it comes with the speed, else None; |s'|^2 now."""
@@ -162,23 +179,23 @@ class _Run:
     def _advanced(self, state: Array) -> tuple[Array | None, float]:
         """The state after a step and the step's size; None where Newton never converges."""
         if self.integrator is not Integrator.MIDPOINT:
-            return self._explicit(state)[0], float(self.step[0])
-        size = float(self.step[0])
-        for _ in range(self.settings.halvings + 1):
+            return self._explicit(state)[0], self.size
+        size = self.size
+        for _ in range(HALVINGS + 1):
             middle = self._middle(state, size)
             if middle is not None:
                 arguments = (state, self.body, middle, np.array([size]))
                 (following,) = self.machine.evaluate("certreg_midpoint_step", *arguments)
-                following[3:7] /= math.sqrt(float(following[3:7] @ following[3:7]))
+                q = named(following, QUATERNION_STATE)["q"]
+                q /= math.sqrt(float(q @ q))
                 return following, size
             size /= 2.0
         return None, 0.0
 
     def _middle(self, state: Array, size: float) -> Array | None:
         """The middle angular velocity by Newton's method; None if it does not converge."""
-        settings = self.settings
-        middle, before = state[10:].copy(), math.inf
-        for _ in range(settings.newton_steps):
+        middle, before = named(state, QUATERNION_STATE)["omega"].copy(), math.inf
+        for _ in range(NEWTON_STEPS):
             residual, slope = self.machine.evaluate(
                 "certreg_midpoint_residual", state, self.body, middle, np.array([size])
             )
@@ -188,44 +205,48 @@ class _Run:
                 return None
             middle = middle - change
             length, moved = float(middle @ middle), float(change @ change)
-            if not math.isfinite(length) or size * size * length > settings.largest_turn**2:
+            if not math.isfinite(length) or size * size * length > LARGEST_TURN**2:
                 return None
-            small = size * size * moved <= settings.newton_tolerance**2
+            small = size * size * moved <= NEWTON_TOLERANCE**2
             if small and (moved >= before / 4.0 or moved == 0.0):
                 return middle
             before = moved
         return None
 
-    def _settled(self, state: Array) -> tuple[Ending, Array]:
-        """What a slow state may do, and the state, kicked if it has to be."""
-        q = state[3:7] if self.integrator is not Integrator.EULER else _quaternion(state)
+    def _looked_at(self, state: Array) -> tuple[Ending, Array]:
+        """What a slow state may do, and the state, perturbed if it has to be."""
         (energies,) = self.machine.evaluate(f"{self.prefix}energies", state, self.body)
-        deficits = self.basin[16:]
-        above = float(deficits @ (self.basin[:16].reshape(4, 4) @ q) ** 2)
-        above += float(energies[ROTATION]) / 2.0
-        worse = deficits[1:][deficits[1:] != 0.0]
+        above = float(self.gaps @ (self.quaternions @ self._quaternion(state)) ** 2)
+        above += float(named(energies, ENERGIES)["rotation"]) / 2.0
+        worse = self.gaps[1:][self.gaps[1:] != 0.0]
         if len(worse) == 0:
             return Ending.AT_REST, state
-        if not above < self.settings.basin_share * worse[0]:
-            return self._kicked(state)
-        if not above < self.settings.rest_share * worse[0]:
+        if not above < BASIN_SHARE * worse[0]:
+            return self._perturbed(state)
+        if not above < self.rules.rest_share * worse[0]:
             return Ending.OUT_OF_STEPS, state  # unless there are more
         return (Ending.CONVERGED if len(worse) == 3 else Ending.AT_REST), state
 
-    def _kicked(self, state: Array) -> tuple[Ending, Array]:
+    def _perturbed(self, state: Array) -> tuple[Ending, Array]:
         hessian, torque = self.machine.evaluate(f"{self.prefix}curvature", state, self.body)
         least, axis = _least_curvature(hessian.reshape(3, 3))
         if least >= 0.0:
             return Ending.OUT_OF_STEPS, state
         size = float(np.abs(hessian).max())
-        if float(np.abs(torque).max()) > self.settings.stalled_torque * size:
+        if float(np.abs(torque).max()) > STALLED_TORQUE * size:
             return Ending.OUT_OF_STEPS, state
         along = float(axis @ torque)
         if abs(along) <= NO_TORQUE * size:
             along = float(axis[np.argmax(np.abs(axis))])
-        half = math.copysign(self.kick / 2.0, along)
-        self.kick = min(self.kick * self.settings.kick_growth, self.settings.largest_kick)
-        return Ending.KICKED, _turned(state, math.cos(half), math.sin(half) * axis)
+        half = math.copysign(self.perturbation / 2.0, along)
+        self.perturbation = min(self.perturbation * PERTURBATION_GROWTH, LARGEST_PERTURBATION)
+        turned = _turned(state, self.integrator, math.cos(half), math.sin(half) * axis)
+        return Ending.PERTURBED, turned
+
+    def _quaternion(self, state: Array) -> Array:
+        if self.integrator is Integrator.EULER:
+            return quaternion_from_matrix(named(state, MATRIX_STATE)["R"])
+        return named(state, QUATERNION_STATE)["q"]
 
     def _record(self, taken: int, time: float, state: Array) -> None:
         log = self.log
@@ -239,15 +260,16 @@ class _Run:
                 return
         (energies,) = self.machine.evaluate(f"{self.prefix}energies", state, self.body)
         if self.integrator is not Integrator.MIDPOINT:
-            time = taken * float(self.step[0])
-        log.rows[log.count] = np.concatenate([[time], state, energies])
+            time = taken * self.size
+        row = np.concatenate([[time], state, energies])
+        log.rows[log.count] = named(row, self.integrator.sample)
         log.count += 1
 
 
 def _least_curvature(hessian: Array) -> tuple[float, Array]:
     """The least eigenvalue of a symmetric (3, 3) matrix and its unit eigenvector.
 
-    By Jacobi's rotations as in settle.c: another method could take the other side of a saddle.
+    By Jacobi's rotations as in escape.c: another method could take the other side of a saddle.
     """
     a, v = hessian.copy(), np.eye(3)
     for p, q in ((0, 1), (0, 2), (1, 2)) * JACOBI_SWEEPS:
@@ -264,18 +286,15 @@ def _least_curvature(hessian: Array) -> tuple[float, Array]:
     return float(a[k, k]), v[:, k]
 
 
-def _quaternion(state: Array) -> Array:
-    return quaternion_from_matrix(state[3:12].reshape(3, 3))
-
-
-def _turned(state: Array, cosine: float, sine: Array) -> Array:
+def _turned(state: Array, integrator: Integrator, cosine: float, sine: Array) -> Array:
     """The state with its body turned by the unit quaternion (cosine, sine), in the body frame."""
     turned = state.copy()
-    if len(state) == Integrator.EULER.state_size:
+    if integrator is Integrator.EULER:
         turn = np.array(rotation_matrix((cosine, *sine.tolist())))
-        turned[3:12] = (state[3:12].reshape(3, 3) @ turn).ravel()
+        named(turned, MATRIX_STATE)["R"] = named(state, MATRIX_STATE)["R"] @ turn
         return turned
-    w, v = state[3], state[4:7]
-    turned[3] = cosine * w - v @ sine
-    turned[4:7] = cosine * v + w * sine + np.cross(v, sine)
+    w, *vector = named(state, QUATERNION_STATE)["q"]
+    v = np.array(vector)
+    following = [cosine * w - v @ sine, *(cosine * v + w * sine + np.cross(v, sine))]
+    named(turned, QUATERNION_STATE)["q"] = following
     return turned

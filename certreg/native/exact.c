@@ -17,7 +17,13 @@
 #define POWERS 1534   /* 3 * 511 + 1: a sum of three e is below, whatever the bits */
 #define PITCH 1539    /* so that the accumulators of one power do not share a place in the cache */
 
-enum { MASS = 0, FIRST = 1, CROSS = 7, SOURCE = 16, TARGET = 22 };
+enum {
+    MASS = CERTREG_EXACT_SUMS_MASS,
+    FIRST = CERTREG_EXACT_SUMS_SOURCE,
+    CROSS = CERTREG_EXACT_SUMS_CROSS,
+    SOURCE = CERTREG_EXACT_SUMS_SOURCE_SCATTER,
+    TARGET = CERTREG_EXACT_SUMS_TARGET_SCATTER
+};
 
 typedef struct {
     __int128 high, low;

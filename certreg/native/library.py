@@ -11,19 +11,30 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.native.batch import Batch, Integrator, Log
-from certreg.native.clouds import RestPoses
 from certreg.native.compiler import SIGNATURES, CompilationError, compiled_library
+from certreg.native.layout import EXACT_SUMS, plain, width
+from certreg.native.loops import (
+    BASIN_SHARE,
+    HALVINGS,
+    LARGEST_PERTURBATION,
+    LARGEST_TURN,
+    NEWTON_STEPS,
+    NEWTON_TOLERANCE,
+    PERTURBATION_GROWTH,
+    STALLED_TORQUE,
+    Integrator,
+)
+from certreg.native.stationary import StationaryPoses
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.native.clouds import ManyClouds
-    from certreg.settings import SimulationSettings
+    from certreg.native.loops import Batch, Log, Rules
+    from certreg.native.stationary import ManyClouds
 
-EXACT_SUMS, EXACT_WORDS, NOT_FINITE, NOWHERE = 28, 101, 2, 2**63 - 1  # as in exact.h
-SCRATCH = 56  # doubles per point: CERTREG_SCRATCH of native/resting.h
-PORTION = 512  # instances that one call takes: Ctrl-C is answered within milliseconds
+EXACT_WORDS, NOT_FINITE, NOWHERE = 101, 2, 2**63 - 1  # as in exact.h
+SCRATCH = 56  # doubles per point: CERTREG_SCRATCH of native/stationary.h
+PORTION = 512  # bodies that one call takes: Ctrl-C is answered within milliseconds
 _POINTER = ctypes.c_void_p
 
 
@@ -33,9 +44,9 @@ class _Settings(ctypes.Structure):
         ("basin_share", ctypes.c_double),
         ("rest_share", ctypes.c_double),
         ("stalled_torque", ctypes.c_double),
-        ("first_kick", ctypes.c_double),
-        ("kick_growth", ctypes.c_double),
-        ("largest_kick", ctypes.c_double),
+        ("first_perturbation", ctypes.c_double),
+        ("perturbation_growth", ctypes.c_double),
+        ("largest_perturbation", ctypes.c_double),
         ("newton_tolerance", ctypes.c_double),
         ("largest_turn", ctypes.c_double),
         ("newton_steps", ctypes.c_long),
@@ -75,7 +86,7 @@ class _Clouds(ctypes.Structure):
         *((name, _POINTER) for name in ("sources", "targets", "weights")),
         *((f"{name}_step", ctypes.c_long) for name in ("source", "target", "weight")),
         ("scratch", _POINTER),
-        *((field.name, _POINTER) for field in fields(RestPoses)),
+        *((field.name, _POINTER) for field in fields(StationaryPoses)),
     )
 
 
@@ -92,9 +103,7 @@ class Library:
         """What it is, for `certreg info`."""
         return f"compiled C ({self.path})"
 
-    def evaluate(
-        self, name: str, *arguments: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], ...]:
+    def evaluate(self, name: str, *arguments: NDArray[Any]) -> tuple[NDArray[np.float64], ...]:
         """The results of one generated function, flat. Raises ValueError for other sizes."""
         shape = self.shapes[name]
         given = shape.checked(name, arguments)
@@ -115,7 +124,7 @@ class Library:
         shapes, k = [array.shape for array in arrays], len(weights)
         if shapes != [(k, 3), (k, 3), (k,)]:
             raise ValueError(f"points of shapes {shapes}: expected (k, 3), (k, 3), (k,)")
-        words = np.empty((EXACT_SUMS, EXACT_WORDS), dtype=np.uint64)
+        words = np.empty((width(EXACT_SUMS), EXACT_WORDS), dtype=np.uint64)
         lowest = np.empty(3, dtype=np.int64)
         pointers = [_POINTER(array.ctypes.data) for array in (*arrays, words, lowest)]
         refused = self.handle.certreg_exact_sums(ctypes.c_long(k), *pointers)
@@ -129,12 +138,12 @@ class Library:
             lowest=tuple(None if bit == NOWHERE else bit for bit in lowest.tolist()),
         )
 
-    def rest_poses(self, clouds: ManyClouds) -> RestPoses:
+    def stationary_poses(self, clouds: ManyClouds) -> StationaryPoses:
         """What doubles say of the rest poses of many problems."""
         given = (clouds.sources, clouds.targets, clouds.weights)
         arrays = [np.ascontiguousarray(array, dtype=float) for array in given]
         points = clouds.weights.shape[1]
-        scratch, found = np.empty(SCRATCH * points), RestPoses.empty(clouds.count)
+        scratch, found = np.empty(SCRATCH * points), StationaryPoses.empty(clouds.count)
         passed = _Clouds(
             clouds.count,
             points,
@@ -143,22 +152,22 @@ class Library:
             scratch.ctypes.data,
             *[getattr(found, field.name).ctypes.data for field in fields(found)],
         )
-        self.handle.certreg_rest_poses(ctypes.byref(passed))
+        self.handle.certreg_stationary_poses(ctypes.byref(passed))
         return found
 
-    def run(self, batch: Batch, settings: SimulationSettings, log: Log | None = None) -> None:
-        """Integrate every instance; several run on all given threads, a log is for one instance."""
+    def run(self, batch: Batch, rules: Rules, log: Log | None = None) -> None:
+        """Integrate every body; several run on all given threads, a log is for one body."""
         count = len(batch.bodies)
         if log is not None or count == 1:
-            self._run(batch, settings, log)
+            self._run(batch, rules, log)
             return
-        portion = min(PORTION, -(-count // settings.threads))
+        portion = min(PORTION, -(-count // rules.threads))
         parts = [batch.part(slice(k, k + portion)) for k in range(0, count, portion)]
-        with ThreadPoolExecutor(settings.threads) as pool:
-            for done in [pool.submit(self._run, part, settings, None) for part in parts]:
+        with ThreadPoolExecutor(rules.threads) as pool:
+            for done in [pool.submit(self._run, part, rules, None) for part in parts]:
                 done.result()
 
-    def _run(self, batch: Batch, settings: SimulationSettings, log: Log | None) -> None:
+    def _run(self, batch: Batch, rules: Rules, log: Log | None) -> None:
         single = len(batch.bodies) == 1 or batch.integrator is Integrator.MIDPOINT
         name = f"certreg_{batch.integrator.value}_{'single' if single else 'lanes'}"
         record = None
@@ -171,7 +180,7 @@ class Library:
             *[array.ctypes.data for array in fields],
             None if record is None else ctypes.pointer(record),
         )
-        getattr(self.handle, name)(ctypes.byref(passed), ctypes.byref(_settings(settings)))
+        getattr(self.handle, name)(ctypes.byref(passed), ctypes.byref(_settings(rules)))
         if log is not None and record is not None:
             log.count, log.stride = record.count, record.stride
 
@@ -195,31 +204,30 @@ class Signature:
     arguments: tuple[int, ...]
     results: tuple[int, ...]
 
-    def checked(
-        self, name: str, arguments: tuple[NDArray[np.float64], ...]
-    ) -> list[NDArray[np.float64]]:
+    def checked(self, name: str, arguments: tuple[NDArray[Any], ...]) -> list[NDArray[np.float64]]:
         """The arguments as contiguous doubles; raises ValueError where one has another size."""
-        given = [np.ascontiguousarray(array, dtype=float).ravel() for array in arguments]
+        numbers = [array if array.dtype.names is None else plain(array) for array in arguments]
+        given = [np.ascontiguousarray(array, dtype=float).ravel() for array in numbers]
         sizes = tuple(array.size for array in given)
         if sizes != self.arguments:
             raise ValueError(f"{name} takes {self.arguments} numbers, not {sizes}")
         return given
 
 
-def _settings(settings: SimulationSettings) -> _Settings:
+def _settings(rules: Rules) -> _Settings:
     return _Settings(
-        settings.speed_tolerance**2,
-        settings.basin_share,
-        settings.rest_share,
-        settings.stalled_torque,
-        settings.first_kick,
-        settings.kick_growth,
-        settings.largest_kick,
-        settings.newton_tolerance,
-        settings.largest_turn,
-        settings.newton_steps,
-        settings.halvings,
-        settings.max_steps,
+        squared_tolerance=rules.speed_tolerance**2,
+        basin_share=BASIN_SHARE,
+        rest_share=rules.rest_share,
+        stalled_torque=STALLED_TORQUE,
+        first_perturbation=rules.first_perturbation,
+        perturbation_growth=PERTURBATION_GROWTH,
+        largest_perturbation=LARGEST_PERTURBATION,
+        newton_tolerance=NEWTON_TOLERANCE,
+        largest_turn=LARGEST_TURN,
+        newton_steps=NEWTON_STEPS,
+        halvings=HALVINGS,
+        max_steps=rules.max_steps,
     )
 
 

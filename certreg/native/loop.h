@@ -1,24 +1,25 @@
-/* One trajectory loop: included with LOOP, STATE, STEPS, ADVANCE, SETTLE, RECORD defined.
+/* One trajectory loop: included with LOOP, STATE, STEPS, ADVANCE, ESCAPE, RECORD defined; every record
+ * of a step begins with h.
  *
- * A lane whose instance ended takes the next one, so that all lanes work to the end. What a lane
+ * A lane whose body came to its end takes the next one, so that all lanes work to the end. What a lane
  * has to be looked at for (slow, no number any more, out of steps, logged) is rare: the loop itself
  * only steps, and tests all lanes at once. */
 struct NAMED(LOOP, _lanes) {
     lanes one[STATE], other[STATE], body[CERTREG_BODY], step[STEPS];
-    long instance[LANES]; /* -1: none */
+    long which[LANES];    /* -1: none */
     long start[LANES];    /* the tick of its step 0 */
-    long passed[LANES];   /* the tick at which it is not looked at: it was, before a kick */
-    double kick[LANES];
-    long waiting, live, due; /* the next instance; how many run; the tick when the first is out of steps */
+    long passed[LANES];   /* the tick at which it is not looked at: it was, before a perturbation */
+    double perturbation[LANES];
+    long waiting, live, due; /* the next body; how many run; the tick when the first is out of steps */
 };
 
-/* The next instance for a lane from a tick on, or one that stands still and is never slow. */
+/* The next body for a lane from a tick on, or one that stands still and is never slow. */
 static void NAMED(LOOP, _take)(struct NAMED(LOOP, _lanes) *own, lanes *state, int lane, long tick,
                                const struct certreg_batch *batch, const struct certreg_settings *settings)
 {
     const long i = own->waiting < batch->count ? own->waiting++ : -1;
-    own->instance[lane] = i, own->start[lane] = tick, own->passed[lane] = -1;
-    own->kick[lane] = settings->first_kick;
+    own->which[lane] = i, own->start[lane] = tick, own->passed[lane] = -1;
+    own->perturbation[lane] = settings->first_perturbation;
     own->live += i >= 0;
     for (int k = 0; k < CERTREG_BODY; k++)
         AT(own->body[k], lane) = i < 0 ? 0 : batch->bodies[i * CERTREG_BODY + k];
@@ -35,13 +36,14 @@ static void NAMED(LOOP, _look)(struct NAMED(LOOP, _lanes) *own, const lanes *sta
                                long tick, double speed, const struct certreg_batch *batch,
                                const struct certreg_settings *settings)
 {
-    const long i = own->instance[lane];
+    const long i = own->which[lane];
     const long taken = tick - own->start[lane];
     const int slow = speed < settings->squared_tolerance;
     const int last = taken >= settings->max_steps || speed != speed; /* NaN stays NaN */
     if (!(slow || last || batch->log) || i < 0 || own->passed[lane] == tick)
         return;
-    const double *body = batch->bodies + i * CERTREG_BODY, time = (double)taken * batch->steps[i * STEPS];
+    const double *body = batch->bodies + i * CERTREG_BODY;
+    const double time = (double)taken * batch->steps[i * STEPS + CERTREG_STEP_H];
     double alone[STATE];
     int end = CERTREG_GO_ON;
     for (int k = 0; k < STATE; k++)
@@ -49,17 +51,17 @@ static void NAMED(LOOP, _look)(struct NAMED(LOOP, _lanes) *own, const lanes *sta
     if (batch->log)
         RECORD(batch->log, taken, time, alone, body);
     if (slow)
-        end = SETTLE(alone, body, batch->basins + i * CERTREG_BASIN, settings, own->kick + lane);
-    batch->escapes[i] += end == CERTREG_KICKED;
+        end = ESCAPE(alone, body, batch->basins + i * CERTREG_BASIN, settings, own->perturbation + lane);
+    batch->escapes[i] += end == CERTREG_PERTURBED;
     if (end == CERTREG_CONVERGED || end == CERTREG_AT_REST || last) {
-        batch->status[i] = end == CERTREG_KICKED ? CERTREG_GO_ON : end;
+        batch->status[i] = end == CERTREG_PERTURBED ? CERTREG_GO_ON : end;
         batch->taken[i] = taken;
         batch->times[i] = time;
         for (int k = 0; k < STATE; k++)
             batch->states[i * STATE + k] = alone[k];
         own->live--;
         NAMED(LOOP, _take)(own, next, lane, tick + 1, batch, settings);
-    } else if (end == CERTREG_KICKED) { /* the step is to be made from where the kick led */
+    } else if (end == CERTREG_PERTURBED) { /* the step is to be made from where the perturbation led */
         own->start[lane]++, own->passed[lane] = tick + 1;
         for (int k = 0; k < STATE; k++)
             AT(next[k], lane) = alone[k];
@@ -77,7 +79,7 @@ static __attribute__((noinline)) void NAMED(LOOP, _look_at_all)(
         const long due = own->start[lane] + settings->max_steps;
         if (batch->log)
             own->due = tick + 1;
-        else if (own->instance[lane] >= 0 && due < own->due)
+        else if (own->which[lane] >= 0 && due < own->due)
             own->due = due;
     }
 }
@@ -100,5 +102,5 @@ void LOOP(const struct certreg_batch *batch, const struct certreg_settings *sett
 #undef STATE
 #undef STEPS
 #undef ADVANCE
-#undef SETTLE
+#undef ESCAPE
 #undef RECORD

@@ -2,20 +2,21 @@
 #ifndef CERTREG_LOOPS_H
 #define CERTREG_LOOPS_H
 
-#define CERTREG_BODY 23   /* doubles of a body, see dynamics.h */
-#define CERTREG_BASIN 20  /* orthonormal quaternions by descending eigenvalue (4 x 4), deficits (4) */
+#include "layout.h"
 
-/* What to do with a state that hardly moves; the first three say how an instance ended. */
-enum { CERTREG_GO_ON /* out of steps */, CERTREG_CONVERGED, CERTREG_AT_REST, CERTREG_KICKED };
+/* A basin is orthonormal quaternions by descending eigenvalue, and their gaps to the largest. */
+
+/* What to do with a state that hardly moves; the first three say how a run ended. */
+enum { CERTREG_GO_ON /* out of steps */, CERTREG_CONVERGED, CERTREG_AT_REST, CERTREG_PERTURBED };
 
 struct certreg_settings {
     double squared_tolerance; /* of the 18 rates of change */
     double basin_share;       /* of the barrier */
     double rest_share;        /* of the barrier: sin^2 of half the angle that rest allows */
     double stalled_torque;    /* of the curvature: above, a body is not at a saddle */
-    double first_kick;        /* radians */
-    double kick_growth;
-    double largest_kick;
+    double first_perturbation;        /* radians */
+    double perturbation_growth;
+    double largest_perturbation;
     double newton_tolerance;  /* of h omega_m, midpoint only: radians */
     double largest_turn;      /* of h |omega_m| in a step, midpoint only: radians */
     long newton_steps;        /* before the step is halved */
@@ -23,8 +24,8 @@ struct certreg_settings {
     long max_steps;
 };
 
-/* Samples of one trajectory at evenly spaced steps; when full, every second goes. A row is the
- * time, the state, the four energies. */
+/* Samples of one trajectory at evenly spaced steps, matrix_sample or quaternion_sample; when full,
+ * every second goes. */
 struct certreg_log {
     double *rows;
     long capacity;
@@ -32,14 +33,13 @@ struct certreg_log {
     long stride;
 };
 
-/* Instances one after another in every array; `log` may be null, and is for one instance only. */
+/* Bodies one after another in every array; `log` may be null, and is for one body only. */
 struct certreg_batch {
     long count;
-    const double *bodies; /* count x 23 */
-    const double *basins; /* count x 20 */
-    const double *steps;  /* count x 1 (euler, midpoint): h; x 3 (splitting): and exp(-mu h),
-                           * (1 - exp(-mu h)) / mu */
-    double *states;       /* count x 18 (euler) or 13, start in, end out */
+    const double *bodies; /* records of layout.h: body */
+    const double *basins; /* basin */
+    const double *steps;  /* step (euler, midpoint), splitting_step */
+    double *states;       /* matrix_state (euler), quaternion_state; start in, end out */
     long *taken;          /* count: steps */
     int *status;          /* count */
     int *escapes;         /* count */
@@ -47,10 +47,12 @@ struct certreg_batch {
     struct certreg_log *log;
 };
 
-int certreg_settle_matrix(double state[18], const double body[23], const double basin[20],
-                          const struct certreg_settings *settings, double *kick);
-int certreg_settle_quaternion(double state[13], const double body[23], const double basin[20],
-                              const struct certreg_settings *settings, double *kick);
+int certreg_escape_matrix(double state[CERTREG_MATRIX_STATE], const double body[CERTREG_BODY],
+                          const double basin[CERTREG_BASIN],
+                          const struct certreg_settings *settings, double *perturbation);
+int certreg_escape_quaternion(double state[CERTREG_QUATERNION_STATE], const double body[CERTREG_BODY],
+                              const double basin[CERTREG_BASIN],
+                              const struct certreg_settings *settings, double *perturbation);
 void certreg_record_matrix(struct certreg_log *log, long step, double time, const double *state,
                            const double *body);
 void certreg_record_quaternion(struct certreg_log *log, long step, double time, const double *state,

@@ -20,11 +20,11 @@ static int solve3(const double a[9], const double b[3], double x[3])
 }
 
 /* The middle angular velocity by Newton's method from the present one; 0 if it does not converge. */
-static int middle_of(const double state[13], const double body[23], double step,
+static int middle_of(const double state[CERTREG_QUATERNION_STATE], const double body[CERTREG_BODY], double step,
                      const struct certreg_settings *settings, double middle[3])
 {
     double residual[3], jacobian[9], change[3], before = INFINITY;
-    memcpy(middle, state + 10, 3 * sizeof(double));
+    memcpy(middle, state + CERTREG_QUATERNION_STATE_OMEGA, 3 * sizeof(double));
     for (long k = 0; k < settings->newton_steps; k++) {
         certreg_midpoint_residual(state, body, middle, &step, residual, jacobian);
         if (!solve3(jacobian, residual, change))
@@ -47,20 +47,20 @@ static int middle_of(const double state[13], const double body[23], double step,
 }
 
 /* One step of at most `step`, halved until Newton converges; the step taken, or 0. */
-static double advance(double state[13], const double body[23], double step,
+static double advance(double state[CERTREG_QUATERNION_STATE], const double body[CERTREG_BODY], double step,
                       const struct certreg_settings *settings)
 {
-    double middle[3], next[13];
+    double middle[3], next[CERTREG_QUATERNION_STATE], *q = next + CERTREG_QUATERNION_STATE_Q;
     for (long k = 0; k <= settings->halvings; k++, step /= 2) {
         if (!middle_of(state, body, step, settings, middle))
             continue;
         certreg_midpoint_step(state, body, middle, &step, next);
         double norm = 0; /* |q| is kept up to rounding: take the rounding out */
-        for (int i = 3; i < 7; i++)
-            norm += next[i] * next[i];
+        for (int i = 0; i < 4; i++)
+            norm += q[i] * q[i];
         norm = sqrt(norm);
-        for (int i = 3; i < 7; i++)
-            next[i] /= norm;
+        for (int i = 0; i < 4; i++)
+            q[i] /= norm;
         memcpy(state, next, sizeof next);
         return step;
     }
@@ -69,8 +69,9 @@ static double advance(double state[13], const double body[23], double step,
 
 static void run_one(const struct certreg_batch *batch, const struct certreg_settings *settings, long i)
 {
-    const double *body = batch->bodies + i * CERTREG_BODY;
-    double *state = batch->states + 13 * i, kick = settings->first_kick, time = 0, speed;
+    const double *body = batch->bodies + i * CERTREG_BODY, *basin = batch->basins + i * CERTREG_BASIN;
+    double *state = batch->states + i * CERTREG_QUATERNION_STATE;
+    double perturbation = settings->first_perturbation, time = 0, speed;
     int end = CERTREG_GO_ON;
     long taken = 0;
     batch->escapes[i] = 0;
@@ -79,19 +80,19 @@ static void run_one(const struct certreg_batch *batch, const struct certreg_sett
         if (batch->log)
             certreg_record_quaternion(batch->log, taken, time, state, body);
         if (speed < settings->squared_tolerance) {
-            end = certreg_settle_quaternion(state, body, batch->basins + i * CERTREG_BASIN, settings, &kick);
-            batch->escapes[i] += end == CERTREG_KICKED;
+            end = certreg_escape_quaternion(state, body, basin, settings, &perturbation);
+            batch->escapes[i] += end == CERTREG_PERTURBED;
         } else
             end = CERTREG_GO_ON;
         if (end == CERTREG_CONVERGED || end == CERTREG_AT_REST || taken >= settings->max_steps ||
             speed != speed)
             break;
-        const double step = advance(state, body, batch->steps[i], settings);
+        const double step = advance(state, body, batch->steps[i * CERTREG_STEP + CERTREG_STEP_H], settings);
         if (step == 0)
             break;
         time += step;
     }
-    batch->status[i] = end == CERTREG_KICKED ? CERTREG_GO_ON : end;
+    batch->status[i] = end == CERTREG_PERTURBED ? CERTREG_GO_ON : end;
     batch->taken[i] = taken;
     batch->times[i] = time;
 }

@@ -151,16 +151,16 @@ INLINE void add(struct total *total, int which, lanes block)
 static __attribute__((noinline)) void add_block(struct total *total, const struct block *sum)
 {
     total->signs |= sum->signs;
-    add(total, 0, sum->mass);
-    add(total, 1, sum->spread);
+    add(total, CERTREG_SUMS_MASS, sum->mass);
+    add(total, CERTREG_SUMS_SPREAD, sum->spread);
     for (int k = 0; k < 3; k++) {
-        add(total, 2 + k, sum->source[k]);
-        add(total, 5 + k, sum->target[k]);
+        add(total, CERTREG_SUMS_SOURCE + k, sum->source[k]);
+        add(total, CERTREG_SUMS_TARGET + k, sum->target[k]);
     }
     for (int k = 0; k < 6; k++)
-        add(total, 8 + k, sum->scatter[k]);
+        add(total, CERTREG_SUMS_SCATTER + k, sum->scatter[k]);
     for (int k = 0; k < 9; k++)
-        add(total, 14 + k, sum->cross[k]);
+        add(total, CERTREG_SUMS_CROSS + k, sum->cross[k]);
 }
 
 /* At most a block of points in any layout. */
@@ -254,7 +254,7 @@ void certreg_sums(const struct certreg_points *points, double sums[CERTREG_SUMS]
     for (int which = 0; which < CERTREG_SUMS; which++)
         fold(&total, which, sums[which]);
     if (!points->weights.data)
-        sums[0][0] = (double)points->count;
+        sums[CERTREG_SUMS_MASS][0] = (double)points->count;
     *negative = 0;
     for (int lane = 0; lane < LANES; lane++)
         *negative |= total.signs[lane] < 0;

@@ -2,9 +2,9 @@
 #ifndef CERTREG_SUMS_H
 #define CERTREG_SUMS_H
 
-/* With deviations x, y of source and target from their origins, each times the weight and summed:
- * 1; y.y; x (3), y (3); xx, xy, xz, yy, yz, zz of the source; y x^T row by row (9). */
-#define CERTREG_SUMS 23
+/* The record `sums` of layout.h holds, with deviations x, y of source and target from their origins,
+ * each times the weight and summed: 1; y.y; x, y; x x^T; y x^T. */
+#include "layout.h"
 
 /* Columns of numbers anywhere in memory: entry (i, k) stands `i * row + k * column` bytes on. */
 struct certreg_columns {

@@ -107,7 +107,9 @@ def write_code(folder: Path) -> None:
     # Loads CasADi, which no other job of this module needs.
     from certreg.native import generated_files
 
-    write_folder_of(folder / CODE_FOLDER, generated_files(_module("emit").definitions()))
+    emit = _module("emit")
+    files = generated_files(emit.definitions(), emit.records())
+    write_folder_of(folder / CODE_FOLDER, files)
 
 
 def _module(name: str) -> Any:

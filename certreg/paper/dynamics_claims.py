@@ -10,6 +10,7 @@ import numpy as np
 from certreg.geometry import quaternion_from_matrix
 from certreg.paper.equilibria import angle
 from certreg.paper.evidence import NEAR, SAME_SUM, Clouds, Evidence, rough, share, tally
+from certreg.paper.particles import parts
 from certreg.paper.scheme import STEP, descend
 from certreg.problem import RegistrationProblem
 from certreg.registration import equilibria
@@ -75,7 +76,7 @@ def any_damping(observed: Observations, clouds: Clouds) -> Evidence:
     """Row 15b: explicit Euler at two dampings."""
     cloud = clouds[0].damped(SPIRAL_DAMPING)
     run = descend(cloud, max_steps=SPIRAL_STEPS)
-    c, v = run.state[:3], run.state[12:15]
+    c, _, v, _ = parts(run.state)
     size = v @ v + SPIRAL_DAMPING * (c @ v) + 2.0 * (c @ c)
     ratio = (float(size) / 2.0) ** (1.0 / SPIRAL_STEPS)
     stopped = sum(each.stopped for each in observed.simulations)

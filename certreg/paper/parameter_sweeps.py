@@ -14,13 +14,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dynamics import Ensemble, ensemble, simulate_many
+from certreg.dynamics import Bodies, SimulationSettings, bodies_of, simulate_many
 from certreg.equilibrium import exactly, solve_many
 from certreg.geometry import rotation_matrix
-from certreg.native import Integrator
+from certreg.native import BASIN_SHARE, QUATERNION_STATE, Integrator
 from certreg.paper.parameter_families import FAMILIES
 from certreg.paper.scheme import NO_BASIN
-from certreg.settings import SimulationSettings
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -28,6 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.equilibrium import Solutions
+    from certreg.native import Records
     from certreg.paper.observations import StageProgress
     from certreg.paper.parameter_families import Family, Sample
 
@@ -45,8 +45,7 @@ SIMULATION = SimulationSettings(
 AT_ONCE = replace(
     SIMULATION,
     speed_tolerance=1e100,  # every state counts as slow, so that a run ends on entering the basin
-    first_kick=0.0,
-    largest_kick=0.0,  # and no state is disturbed
+    first_perturbation=0.0,  # and no state is disturbed
 )
 
 
@@ -177,7 +176,7 @@ def measurements(
 def _measured(sample: Sample) -> dict[str, Any]:
     mu = sample.damping
     solutions = solve_many(sample.sources, sample.targets, damping=mu, spectrum=True)
-    bodies = ensemble(sample.sources, sample.targets, damping=mu)
+    bodies = bodies_of(sample.sources, sample.targets, damping=mu)
     near = replace(bodies, starts=_near_saddle(solutions, sample.distance))
     released = near if sample.from_saddle else bodies
     ends = simulate_many(released, Integrator.EULER, settings=SIMULATION)
@@ -201,16 +200,18 @@ def _measured(sample: Sample) -> dict[str, Any]:
     }
 
 
-def _near_saddle(solutions: Solutions, distance: float) -> NDArray[np.float64]:
-    """At rest on the shortest way from the best saddle to the optimum, (count, 13)."""
+def _near_saddle(solutions: Solutions, distance: float) -> Records:
+    """At rest on the shortest way from the best saddle to the optimum, states (count,)."""
     best, saddle = solutions.quaternions[:, 0], solutions.quaternions[:, 1]
     q = math.cos(distance / 2.0) * saddle + math.sin(distance / 2.0) * best
-    return np.hstack([np.zeros((len(q), 3)), q, np.zeros((len(q), 6))])
+    states = np.zeros(len(q), dtype=QUATERNION_STATE)
+    states["q"] = q
+    return states
 
 
-def _lost(bodies: Ensemble, solutions: Solutions) -> NDArray[np.bool_]:
+def _lost(bodies: Bodies, solutions: Solutions) -> NDArray[np.bool_]:
     """Whether the paper's rule, slow is enough, stops further than 90 degrees from the optimum."""
-    anywhere = replace(bodies, basins=np.tile(NO_BASIN, (len(bodies.bodies), 1)))
+    anywhere = replace(bodies, basins=np.repeat(NO_BASIN, len(bodies.records)))
     ends = simulate_many(anywhere, Integrator.EULER, settings=SIMULATION)
     traces = np.einsum("kij,kij->k", ends.rotations, _rotations(solutions.quaternions[:, 0]))
     return np.asarray(traces < 1.0, dtype=np.bool_)
@@ -234,7 +235,7 @@ def predicted_escape_times(
     (s + mu) / (2 s + mu) e^(s t); the potential energy is 0.4 of the barrier above the optimum
     where sin^2 of half the angle from the saddle is 0.6.
     """
-    exit_angle = 2.0 * math.asin(math.sqrt(1.0 - SIMULATION.basin_share))
+    exit_angle = 2.0 * math.asin(math.sqrt(1.0 - BASIN_SHARE))
     share = (growing + damping) / (2.0 * growing + damping)
     return np.maximum(0.0, np.log(exit_angle / (distance * share))) / growing
 

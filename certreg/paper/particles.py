@@ -12,6 +12,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from certreg.dynamics import state_at_rest
+from certreg.native import MATRIX_STATE, named
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -134,12 +137,13 @@ def parts(
     state: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """c, R, v, omega of a state."""
-    return state[:3], state[3:12].reshape(3, 3), state[12:15], state[15:]
+    record = named(state, MATRIX_STATE)
+    return record["c"], record["R"], record["v"], record["omega"]
 
 
 def at_rest(R: NDArray[np.float64], c: NDArray[np.float64] | None = None) -> NDArray[np.float64]:
     """The state (18,) at rest with a rotation, the centres together unless c is given."""
-    return np.concatenate([np.zeros(3) if c is None else c, R.ravel(), np.zeros(6)])
+    return state_at_rest(R, np.zeros(3) if c is None else c)
 
 
 def hat(vectors: NDArray[np.float64]) -> NDArray[np.float64]:

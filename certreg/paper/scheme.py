@@ -1,7 +1,7 @@
 """The paper's simulation: explicit Euler, R projected, stopped where the rates are small.
 
 The same loop that `certreg simulate` runs, in the paper's raw units of length, with its fixed step
-and without what certreg adds: no certified basin, no kick off a saddle. So a run may stop where
+and without what certreg adds: no certified basin, no escape from a saddle. So a run may stop where
 it should not, as the paper's may.
 """
 
@@ -12,17 +12,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics import body_of, start_at_rest
+from certreg.dynamics import SimulationSettings, body_of, start_at_rest
 from certreg.native import (
-    ENERGIES,
+    BASIN,
+    MATRIX_STATE,
     Batch,
     Ending,
     Integrator,
     Log,
     current_engine,
+    named,
+    plain,
 )
 from certreg.problem import exact_moments
-from certreg.settings import SimulationSettings
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -33,9 +35,10 @@ STEP = 0.01  # [Yang2020]
 STOP = 1e-4  # [Yang2020]: norm of the 18 rates of change, lengths in the user's unit
 MAX_STEPS = 100_000  # a thousand are usual; a run of so many has not converged
 RAW_UNIT = 0  # the exponent of the unit of length: |s'| mixes lengths and angles, as in the paper
-# Deficits of zero: no pose is better than another, so that the loop, which would else look for the
+# Gaps of zero: no pose is better than another, so that the loop, which would else look for the
 # basin, stops wherever the body is slow. That is the paper's rule.
-NO_BASIN = np.concatenate([np.eye(4).ravel(), np.zeros(4)])
+NO_BASIN = np.zeros((), dtype=BASIN)
+NO_BASIN["quaternions"] = np.eye(4)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -62,7 +65,7 @@ class Descent:
     @property
     def rotation(self) -> NDArray[np.float64]:
         """The last R, (3, 3)."""
-        return self.state[3:12].reshape(3, 3)
+        return named(self.state, MATRIX_STATE)["R"]
 
     @property
     def energy(self) -> NDArray[np.float64]:
@@ -81,23 +84,22 @@ def descend(
     moving = body_of(moments, problem.damping, length_exponent=RAW_UNIT)
     batch = Batch.of(
         Integrator.EULER,
-        bodies=moving.parameters[np.newaxis],
+        bodies=moving.record[np.newaxis],
         basins=NO_BASIN[np.newaxis],
-        steps=np.array([[STEP]]),
-        states=start_at_rest(moments, RAW_UNIT)[np.newaxis],
+        steps=np.array([STEP]).view(Integrator.EULER.step),
+        states=named(start_at_rest(moments, RAW_UNIT), MATRIX_STATE)[np.newaxis],
     )
     log = Log.of_capacity(max_steps + 1, Integrator.EULER)
     loop = SimulationSettings(speed_tolerance=stop, max_steps=max_steps)
-    current_engine().run(batch, loop, log)
+    current_engine().run(batch, loop.rules, log)
     stopped = Ending(int(batch.status[0])) is not Ending.OUT_OF_STEPS
-    samples, size = log.samples, Integrator.EULER.state_size
-    per_mass = dict(zip(ENERGIES, samples[:, 1 + size :].T, strict=True))
+    per_mass = log.samples["energies"]
     mass = float(moments.total_weight)
     return Descent(
-        times=samples[:, 0].copy(),
+        times=log.samples["time"].copy(),
         potential=mass * per_mass["potential"],
         kinetic=mass * (per_mass["translation"] + per_mass["rotation"]),
-        state=batch.states[0],
+        state=plain(batch.states)[0],
         stopped=stopped,
         diverged=not stopped and int(batch.taken[0]) < max_steps,
     )

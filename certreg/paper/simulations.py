@@ -17,7 +17,7 @@ from certreg.geometry import quaternion_from_matrix, rotation_matrix
 from certreg.native import Integrator
 from certreg.paper.equilibria import angle
 from certreg.paper.evidence import SAME_SUM
-from certreg.paper.particles import Particles, at_rest
+from certreg.paper.particles import Particles, at_rest, parts
 from certreg.paper.scheme import RAW_UNIT, STEP, STOP, descend
 from certreg.problem import exact_moments
 from certreg.registration import horn
@@ -108,5 +108,5 @@ def _rises(energies: NDArray[np.float64], least: float) -> int:
 def _predicted_rise(particles: Particles, step: float) -> float:
     """h^2/2 (M |a|^2 + alpha^T J alpha) at the paper's start."""
     rate = particles.rate(particles.start)
-    a, alpha = rate[12:15], rate[15:]
+    _, _, a, alpha = parts(rate)
     return step**2 / 2.0 * float(particles.mass * a @ a + alpha @ particles.inertia @ alpha)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg.dynamics import SimulationSettings
 from certreg.paper.evidence import rough
 from certreg.paper.parameter_sweeps import QUANTITIES, Curves
 from certreg.paper.style import (
@@ -21,7 +22,6 @@ from certreg.paper.style import (
     house_style,
 )
 from certreg.problem import DEFAULT_DAMPING
-from certreg.settings import SimulationSettings
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -214,9 +214,9 @@ def _start(sweep: Sweep) -> str:
         "the body is released at rest, that far from the best saddle. For each decade nearer it "
         f"needs {(escape[0] - escape[-2]) / decades:.2f} units of time more, as the linearised "
         "dynamics says (dashed): the escape time is logarithmic. certreg kicks a body that is slow "
-        f"outside of the basin by {SimulationSettings().first_kick:g} radians, so the steps grow "
-        "no further (a); the most are made where it is just fast enough not to be kicked. The "
-        f"paper's rule, slow is enough, {stopped}."
+        f"outside of the basin by {SimulationSettings().first_perturbation:g} radians, so the "
+        "steps grow no further (a); the most are made where it is just fast enough not to be "
+        f"kicked. The paper's rule, slow is enough, {stopped}."
     )
 
 

@@ -18,18 +18,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.native import CompilationError, loaded_library
+from certreg.native import SUMS, CompilationError, loaded_library, named, symmetric, width
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from numpy.typing import NDArray
 
-COUNT = 23  # CERTREG_SUMS of native/sums.h
 BLOCK = 256  # points that are summed plainly
 COMPILED_POINTS = 4096  # from here on in C: below, NumPy takes a millisecond at most
 CHUNK_POINTS = 1 << 18  # of one call: a millisecond, and a few megabytes of copies
-UPPER = np.array([0, 1, 2, 1, 3, 4, 2, 4, 5])  # of a symmetric matrix, from the diagonal on
 TAKEN = (np.dtype(np.float64), np.dtype(np.float32))  # types that the compiled pass reads
 
 
@@ -153,7 +151,7 @@ def compiled() -> Callable[[CloudPair], tuple[NDArray[np.float64], bool]] | None
 
     def one_pass(clouds: CloudPair) -> tuple[NDArray[np.float64], bool]:
         kept = [_readable(array) for array in (clouds.source, clouds.target, clouds.weights)]
-        sums, negative = np.empty((COUNT, 2)), ctypes.c_int()
+        sums, negative = np.empty((width(SUMS), 2)), ctypes.c_int()
         columns = chain.from_iterable(map(_columns, kept))
         passed = _Points(clouds.n, *columns, tuple(clouds.origin.tolist()))
         function(ctypes.byref(passed), ctypes.c_void_p(sums.ctypes.data), ctypes.byref(negative))
@@ -184,7 +182,7 @@ def _plain(clouds: CloudPair) -> tuple[NDArray[np.float64], bool]:
     ]
     rounded = np.array([total(column) for column in np.vstack(blocks).T])
     negative = clouds.weights is not None and bool(np.signbit(clouds.weights).any())
-    return np.column_stack((rounded, np.zeros(COUNT))), negative
+    return np.column_stack((rounded, np.zeros(width(SUMS)))), negative
 
 
 def _blocks(clouds: CloudPair, size: int) -> NDArray[np.float64]:
@@ -219,12 +217,13 @@ def _scaled(values: NDArray[np.float64], exponent: int) -> NDArray[np.float64]:
 
 
 def _named(totals: NDArray[np.float64], negative: bool) -> FloatingSums:  # noqa: FBT001 - beside its sums
+    sums = named(totals, SUMS)
     return FloatingSums(
-        mass=float(totals[0]),
-        spread=float(totals[1]),
-        source=totals[2:5],
-        target=totals[5:8],
-        scatter=totals[8:14][UPPER].reshape(3, 3),
-        cross=totals[14:].reshape(3, 3),
+        mass=float(sums["mass"]),
+        spread=float(sums["spread"]),
+        source=sums["source"],
+        target=sums["target"],
+        scatter=symmetric(sums["scatter"]),
+        cross=sums["cross"],
         negative=negative,
     )

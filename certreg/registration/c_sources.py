@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.dynamics import body_of, start_at_rest
+from certreg.dynamics import EULER_STEP, SimulationSettings, body_of, start_at_rest
 from certreg.errors import InvalidFileError
 from certreg.io import write_atomically
 from certreg.native import C_FILE, GENERATED, HEADER_FILE, HERE
 from certreg.problem import exact_moments
 from certreg.registration.examples import STORIES, stated
-from certreg.settings import SimulationSettings
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -47,6 +46,6 @@ def example_input(problem: RegistrationProblem) -> str:
     moments = exact_moments(problem)
     moving = body_of(moments, problem.damping)
     start = start_at_rest(moments, moving.length_exponent)
-    control = [settings.euler_step, settings.speed_tolerance, float(settings.max_steps)]
+    control = [EULER_STEP, settings.speed_tolerance, float(settings.max_steps)]
     numbers = [*moving.parameters.tolist(), *start.tolist(), *control]
     return "".join(f"{number!r}\n" for number in numbers)

@@ -268,9 +268,9 @@ def _simulation(
 def _trajectory(
     found: Spectrum, problem: RegistrationProblem, integrator: str, step: float | None
 ) -> Trajectory:
+    from certreg.dynamics import SimulationSettings
     from certreg.dynamics import simulate as run
     from certreg.native import Integrator
-    from certreg.settings import SimulationSettings
 
     known = [one.value for one in Integrator]
     if integrator not in known:

@@ -30,6 +30,7 @@ from certreg.dynamics import body_of, read_record, start_at_rest
 from certreg.errors import DegenerateProblemError, InvalidFileError, RefusedCertificateError
 from certreg.geometry import quaternion_from_matrix
 from certreg.io import MAX_POSE_BYTES, reading
+from certreg.native import MATRIX_STATE, named
 from certreg.problem import (
     DEFAULT_DAMPING,
     MAX_DAMPING,
@@ -229,5 +230,5 @@ def _simulated(record: Record, moments: ExactMoments) -> bool:
 
 def _end(registration: Registration, logged: Record) -> float:
     """Degrees from the last rotation of a motion to the nearest optimum."""
-    q = lift(quaternion_from_matrix(logged.states[-1, 3:12].reshape(3, 3))).integers
+    q = lift(quaternion_from_matrix(named(logged.states[-1], MATRIX_STATE)["R"])).integers
     return math.degrees(registration.solution.spectrum.angle_to_optimum(q))

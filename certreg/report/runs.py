@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.dynamics import simulate
+from certreg.dynamics import SimulationSettings, simulate, state_at_rest
 from certreg.errors import DegenerateProblemError
 from certreg.geometry import quaternion_from_matrix, rotation_matrix
-from certreg.settings import ReportSettings, SimulationSettings
+from certreg.native import MATRIX_STATE, named
+from certreg.settings import ReportSettings
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -64,14 +65,12 @@ def shown_run(logged: Trajectory | Record, start: int | None = None) -> Run:
     wanted: NDArray[np.float64] = np.arange(settings.frames) / (settings.frames - 1)
     wanted = times[0] + wanted * (times[end] - times[0])
     rows = np.unique(np.searchsorted(times, wanted).clip(0, end))
-    states = logged.states[rows]
+    states = named(logged.states[rows], MATRIX_STATE)
     return Run(
         start=start,
         times=times[rows],
-        quaternions=np.array(
-            [quaternion_from_matrix(R) for R in states[:, 3:12].reshape(-1, 3, 3)]
-        ),
-        offsets=states[:, :3],
+        quaternions=np.array([quaternion_from_matrix(R) for R in states["R"]]),
+        offsets=states["c"],
         potential=logged.potential[rows],
         kinetic=logged.kinetic[rows],
         length_exponent=logged.length_exponent,
@@ -101,8 +100,7 @@ def _escape(solution: Solution, damping: float, index: int, axis: NDArray[np.flo
     half = settings.push / 2.0
     turn = np.array([np.cos(half), *(np.sin(half) * axis)])
     pushed = component.rotation @ np.array(rotation_matrix(turn.tolist()))
-    start = np.array([0.0, 0.0, 0.0, *pushed.ravel(), *(0.0,) * 6])
-    limits = SimulationSettings(max_steps=settings.escape_steps)
+    start, limits = state_at_rest(pushed), SimulationSettings(max_steps=settings.escape_steps)
     return shown_run(simulate(solution.spectrum, damping, start=start, settings=limits), index)
 
 

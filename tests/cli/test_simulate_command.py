@@ -12,7 +12,8 @@ from commands import certreg, strict_json, write_csv
 from strategies import AXES, BENT, LINE, MIRROR, TALL, ZOO
 
 import certreg as package
-from certreg import RegistrationProblem, settings
+from certreg import RegistrationProblem
+from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.simulation import SimulationStatus
 from certreg.dynamics.trajectories import read_record
 from certreg.io.clouds import read_problem
@@ -40,7 +41,7 @@ KEYS = {
 ENERGY = {"initial", "final"}
 
 
-MAKE_SETTINGS = settings.SimulationSettings.__init__
+MAKE_SETTINGS = SimulationSettings.__init__
 
 
 def _ten_steps(self, **chosen: float) -> None:
@@ -129,7 +130,7 @@ def test_step_and_damping_are_obeyed(data: Path):
 
 
 def test_a_run_that_does_not_converge_ends_with_code_four(data: Path, monkeypatch):
-    monkeypatch.setattr(settings.SimulationSettings, "__init__", _ten_steps)
+    monkeypatch.setattr(SimulationSettings, "__init__", _ten_steps)
     run = certreg("simulate", *survey(data))
     document = certreg("simulate", *survey(data), "--json").document
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from strategies import ZOO, Specimen, random_problem
 
-from certreg.dynamics.batch import ensemble
+from certreg.dynamics.batch import bodies_of
 from certreg.dynamics.body import body_of, start_at_rest
 from certreg.equilibrium import batch as instances
 from certreg.equilibrium.batch import Solutions, exactly, solve_many
@@ -21,6 +21,7 @@ from certreg.errors import InvalidProblemError
 from certreg.geometry.so3 import davenport_matrix, rotation_matrix
 from certreg.native.engine import current_engine
 from certreg.native.evaluator import evaluator
+from certreg.native.layout import plain
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.equilibrium.critical_set import EquilibriumSet
-    from certreg.native.clouds import RestPoses
+    from certreg.native.stationary import StationaryPoses
     from certreg.objective.classification import Classification
 
 ARRAYS = ("quaternions", "translations", "rmse", "unstable", "margins", "decided", "eigenvalues")
@@ -184,7 +185,7 @@ def test_the_evaluator_finds_the_same(monkeypatch):
 
 @pytest.mark.parametrize("machine", [current_engine, evaluator])
 def test_residuals_and_ratios_are_what_they_are_called(machine):
-    found = machine().rest_poses(instances.clouds(**some(70)))
+    found = machine().stationary_poses(instances.clouds(**some(70)))
     entries: Any = np.moveaxis(found.cross.reshape(-1, 3, 3), 0, -1)
     K = np.moveaxis(np.array(davenport_matrix(entries)), -1, 0)
 
@@ -217,9 +218,9 @@ def test_every_pose_is_at_rest_with_the_spectrum_of_the_derived_jacobian():
 
 
 @pytest.mark.parametrize("scale", [1e-140, 1.0, 1e140])
-def test_an_ensemble_has_the_body_and_the_start_of_each_problem(scale):
+def test_a_batch_has_the_body_and_the_start_of_each_problem(scale):
     given = some(30, n=6, decades=2.0, scale=scale)
-    found = ensemble(**given, damping=0.7)
+    found = bodies_of(**given, damping=0.7)
 
     for k in range(30):
         one = exact_moments(problem_of(given, k))
@@ -227,14 +228,15 @@ def test_an_ensemble_has_the_body_and_the_start_of_each_problem(scale):
         finer = int(found.length_exponents[k]) - moving.length_exponent
         assert finer in {0, 1}  # each takes a power of two next to the radius
         units = 4.0 ** (finer * np.array([1.0] * 15 + [-1.0] * 6 + [1.0, 0.0]))
-        assert found.bodies[k] * units == pytest.approx(moving.parameters, rel=1e-11, abs=1e-14)
+        numbers = plain(found.records)[k]
+        assert numbers * units == pytest.approx(moving.parameters, rel=1e-11, abs=1e-14)
         start = start_at_rest(one, moving.length_exponent)
-        assert found.starts[k, :3] * 2.0**finer == pytest.approx(start[:3], abs=1e-14)
-        deficits = solved_deficits(moving.cross_covariance)
-        assert found.basins[k, 16:] * 4.0**finer == pytest.approx(deficits, abs=1e-14)
+        assert found.starts["c"][k] * 2.0**finer == pytest.approx(start[:3], abs=1e-14)
+        gaps = solved_gaps(moving.cross_covariance)
+        assert found.basins["gaps"][k] * 4.0**finer == pytest.approx(gaps, abs=1e-14)
 
 
-def solved_deficits(cross: NDArray[np.float64]) -> NDArray[np.float64]:
+def solved_gaps(cross: NDArray[np.float64]) -> NDArray[np.float64]:
     values = np.linalg.eigvalsh(np.array(davenport_matrix(cross.tolist())))[::-1]
     return values[0] - values
 
@@ -341,7 +343,7 @@ def test_without_its_bound_a_decision_would_be_wrong(monkeypatch):
 
     proved = instances.Bounds.of
 
-    def bold(found: RestPoses, points: int) -> instances.Bounds:
+    def bold(found: StationaryPoses, points: int) -> instances.Bounds:
         bounds = proved(found, points)
         return replace(bounds, eigenvalue=bounds.eigenvalue / 1000.0)
 
@@ -354,7 +356,7 @@ def test_without_its_bound_a_decision_would_be_wrong(monkeypatch):
 def test_eigenvalues_are_as_near_as_the_bound_says(machine):
     for group in adversaries():
         given = instances.clouds(**stacked(list(group)))
-        found = machine().rest_poses(given)
+        found = machine().stationary_poses(given)
         bound = instances.Bounds.of(found, given.sources.shape[1]).eigenvalue
         for k, one in enumerate(group):
             if bound[k] == np.inf:  # a coincident cloud
@@ -379,8 +381,8 @@ def test_unstable_eigenvalues_are_counted_from_the_spectrum(monkeypatch):
     """With the Hessian's sign turned round, as many grow as did not: nothing follows the index."""
 
     class Turned:
-        def rest_poses(self, clouds: Any) -> RestPoses:
-            found = current_engine().rest_poses(clouds)
+        def stationary_poses(self, clouds: Any) -> StationaryPoses:
+            found = current_engine().stationary_poses(clouds)
             return replace(found, ratios=-found.ratios[:, :, ::-1])
 
     monkeypatch.setattr(instances, "current_engine", Turned)
@@ -390,8 +392,8 @@ def test_unstable_eigenvalues_are_counted_from_the_spectrum(monkeypatch):
 
 def test_a_count_that_rounding_could_change_is_not_given(monkeypatch):
     class Flat:
-        def rest_poses(self, clouds: Any) -> RestPoses:
-            found = current_engine().rest_poses(clouds)
+        def stationary_poses(self, clouds: Any) -> StationaryPoses:
+            found = current_engine().stationary_poses(clouds)
             ratios = found.ratios.copy()
             ratios[:, 2, 1] = 1e-14
             return replace(found, ratios=ratios)

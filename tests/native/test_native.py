@@ -25,22 +25,24 @@ from strategies import ZOO, random_problem
 from certreg.dynamics import body as dynamics
 from certreg.dynamics import integrators as integration
 from certreg.dynamics import simulation
+from certreg.dynamics.basin import certified_basin
+from certreg.dynamics.integrators import SimulationSettings
 from certreg.equilibrium.spectral import spectrum
 from certreg.errors import DegenerateProblemError, SlowSimulationWarning
-from certreg.native import batch, cache, compiler
+from certreg.native import cache, compiler, loops
 from certreg.native import engine as engines
 from certreg.native.compiler import CompilationError, compiled_library, find_compiler
 from certreg.native.evaluator import _least_curvature, evaluator
+from certreg.native.layout import named, width
 from certreg.native.library import loaded_library
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
-from certreg.settings import SimulationSettings
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT / "certreg" / "data"
 SURVEY = (str(DATA / "survey_source.csv"), str(DATA / "survey_target.csv"))
 SIMULATED = "import certreg.native.engine as e; print(e.current_engine().words)"
-each_integrator = pytest.mark.parametrize("integrator", batch.Integrator)
+each_integrator = pytest.mark.parametrize("integrator", loops.Integrator)
 
 
 @pytest.fixture(scope="session")
@@ -206,7 +208,7 @@ def test_the_evaluator_takes_the_same_way_through_the_zoo(specimen, integrator, 
 @pytest.mark.parametrize("index", [1, 2, 3])
 @pytest.mark.parametrize("angle", [0.0, 1e-6, 1e-3])
 def test_the_evaluator_escapes_from_saddles_on_the_same_side(index, angle, integrator, monkeypatch):
-    """Leaving a saddle, a difference of rounding grows a thousandfold with the kick."""
+    """Leaving a saddle, a difference of rounding grows a thousandfold with the perturbation."""
     problem = random_problem(np.random.default_rng(index), n=20, noise=0.05)
     found = spectrum(exact_moments(problem))
     start = saddle_start(found, index, angle, np.array([0.6, 0.0, 0.8]))
@@ -232,9 +234,9 @@ def test_the_evaluator_runs_out_of_steps_where_the_library_does(steps, integrato
 
 @pytest.mark.usefixtures("made")
 @each_integrator
-@pytest.mark.parametrize(("turn", "kicks"), [(1.0, 0), (math.pi - 1e-3, 3)])
+@pytest.mark.parametrize(("turn", "escapes"), [(1.0, 0), (math.pi - 1e-3, 3)])
 def test_the_evaluator_goes_on_where_weak_springs_make_all_slow(
-    turn, kicks, integrator, monkeypatch
+    turn, escapes, integrator, monkeypatch
 ):
     rng = np.random.default_rng(6)
     source = rng.normal(size=(12, 3))
@@ -248,7 +250,7 @@ def test_the_evaluator_goes_on_where_weak_springs_make_all_slow(
 
     assert one.status is simulation.SimulationStatus.OUT_OF_STEPS
     assert_same(one, other, tolerance=1e-11)
-    assert one.escapes == kicks
+    assert one.escapes == escapes
     assert one.speed < 1e-4
 
 
@@ -260,19 +262,19 @@ def test_a_state_that_is_no_number_ends_out_of_steps_at_once(bad, integrator):
     found = spectrum(exact_moments(problem))
     start = np.array([bad, 0, 0, *np.eye(3).ravel(), *[0.0] * 6])
     body = dynamics.body_of(found.moments, problem.damping)
-    basin = simulation.certified_basin(found, body.length_exponent)
-    state = simulation._native(start, integrator)
+    basin = certified_basin(found, body.length_exponent)
+    (state,) = simulation._stepped(start, integrator)
     for machine in (loaded_library(), evaluator()):
-        alone = batch.Batch.of(
+        alone = loops.Batch.of(
             integrator,
-            bodies=np.array([body.parameters] * 9),
-            basins=np.array([basin.parameters] * 9),
-            steps=np.full((9, integrator.step_size), 0.1),
-            states=np.array([state] * 9),
+            bodies=np.repeat(body.record, 9),
+            basins=np.repeat(basin.record, 9),
+            steps=named(np.full((9, width(integrator.step)), 0.1), integrator.step),
+            states=np.repeat(state, 9),
         )
-        machine.run(alone, SimulationSettings())
+        machine.run(alone, SimulationSettings().rules)
 
-        assert set(alone.status.tolist()) == {batch.Ending.OUT_OF_STEPS}
+        assert set(alone.status.tolist()) == {loops.Ending.OUT_OF_STEPS}
         assert alone.taken.max() <= 2
 
 

@@ -13,9 +13,10 @@ from commands import certreg, strict_json
 from jsonschema import Draft202012Validator
 from test_reproduce import SCHEMA, shown_texts
 
-from certreg.dynamics.batch import ensemble, simulate_many
+from certreg.dynamics.batch import bodies_of, simulate_many
+from certreg.dynamics.integrators import SimulationSettings
 from certreg.equilibrium.batch import solve_many
-from certreg.native.batch import Integrator
+from certreg.native.loops import Integrator
 from certreg.paper import parameter_sweeps as sweeping
 from certreg.paper.parameter_families import CUBE, FAMILIES, Family, limit_margin, margin
 from certreg.paper.parameter_sweeps import (
@@ -30,7 +31,6 @@ from certreg.paper.parameter_sweeps import (
 from certreg.paper.sweep_figures import sweep_drawings
 from certreg.problem.problem import DEFAULT_DAMPING
 from certreg.problem.random_instances import gaussian_instances
-from certreg.settings import SimulationSettings
 
 COUNT = 40
 
@@ -78,7 +78,7 @@ def test_the_motion_dies_out_at_the_rate_of_the_slowest_mode(mu: float):
     made = gaussian_instances(np.random.default_rng(2), count=COUNT)
     modes = solve_many(made.sources, made.targets, damping=mu, spectrum=True).eigenvalues
     assert modes is not None
-    bodies = ensemble(made.sources, made.targets, damping=mu)
+    bodies = bodies_of(made.sources, made.targets, damping=mu)
     first, last = (
         simulate_many(
             bodies, Integrator.EULER, settings=SimulationSettings(speed_tolerance=tolerance)

@@ -11,11 +11,13 @@ import json
 import re
 from typing import TYPE_CHECKING, Any
 
+from certreg.native.codegen.records import layout_files
 from certreg.native.codegen.translate import casadi_function
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from certreg.native.codegen.records import Record
     from certreg.native.codegen.translate import Definition, Port
 
 C_FILE, HEADER_FILE, SERIALISED_FILE = "dynamics.c", "dynamics.h", "dynamics.json"
@@ -69,10 +71,12 @@ _FOOTER = """\
 """
 
 
-def generated_files(definitions: Sequence[Definition]) -> dict[str, bytes]:
-    """The contents of dynamics.h, .c and .json and of signatures.json, by name.
+def generated_files(
+    definitions: Sequence[Definition], records: Sequence[Record]
+) -> dict[str, bytes]:
+    """The contents of dynamics.h, .c and .json, of signatures.json and of the layout, by name.
 
-    The same definitions and the same version of CasADi give the same bytes.
+    The same definitions and records and the same version of CasADi give the same bytes.
     """
     functions = [casadi_function(definition) for definition in definitions]
     return {
@@ -80,6 +84,7 @@ def generated_files(definitions: Sequence[Definition]) -> dict[str, bytes]:
         C_FILE: source(definitions, functions).encode(),
         SERIALISED_FILE: serialised(definitions, functions).encode(),
         SIGNATURES_FILE: signatures(definitions).encode(),
+        **layout_files(records),
     }
 
 

@@ -1,29 +1,108 @@
-"""Rest poses of many problems without a compiler: NumPy, and CasADi for the generated Hessian.
+"""Stationary poses of many small problems: the arrays, and how they are found without a compiler.
 
-Does what native/resting.c does; sums are taken in another order.
+NumPy, and CasADi for the generated Hessian, do what native/stationary.c does; sums are taken in
+another order.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from certreg.geometry import davenport_matrix, rotation_matrix
-from certreg.native.clouds import RestPoses
+from certreg.native.layout import MEANS, SPREADS, named
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
 
-    from certreg.native.clouds import ManyClouds
+    from certreg.native.layout import Records
 
 Array = Any  # NDArray[np.float64]
 UPPER = (slice(None), *np.triu_indices(3))
 
 
-def rest_poses(clouds: ManyClouds, hessians: Callable[[Array, Array], Array]) -> RestPoses:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ManyClouds:
+    """`count` problems of N points each; an array of length one is shared by all of them.
+
+    sources, targets: (count or 1, N, 3); weights: (count or 1, N), not negative.
+    """
+
+    count: int
+    sources: NDArray[np.float64]
+    targets: NDArray[np.float64]
+    weights: NDArray[np.float64]
+
+    def part(self, chosen: slice) -> ManyClouds:
+        """Some of the problems."""
+        arrays = (self.sources, self.targets, self.weights)
+        sources, targets, weights = (a if len(a) == 1 else a[chosen] for a in arrays)
+        count = len(range(*chosen.indices(self.count)))
+        return ManyClouds(count=count, sources=sources, targets=targets, weights=weights)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class StationaryPoses:
+    """What doubles say of each problem; source over 2^exponents[0], target over 2^exponents[1].
+
+    The largest coordinate of a cloud is in [1/2, 1) then. All sums are divided by the mass.
+
+    exponents: (count, 2). means: (count,) records MEANS of source and target, in the units given.
+    cross: (count, 9), C row by row. scatter: (count, 6), the upper triangle of S2.
+    spreads: (count,) records SPREADS, the mean squares of source and target about the points they
+        were shifted by, and of the target about its mean.
+    values: (count, 4), of the Davenport matrix, descending. vectors: (count, 4, 4), their
+        unit eigenvectors (w, x, y, z) row by row, the first nonzero entry positive.
+    residual: (count,), how far K is from having exactly these values.
+    ratios: (count, 4, 3), eigenvalues of the pencil (G, J) at each vector, ascending; NaN where J
+        is not positive definite to rounding.
+    translations: (count, 4, 3), target from source, and rmse: (count, 4), sqrt(sum w r^2 / sum w),
+        at each vector, in the units given: the first by its residuals, the others by the energy.
+    Not a number, all of them, where a coordinate or a weight is not finite.
+    """
+
+    exponents: NDArray[np.int32]
+    means: Records
+    cross: NDArray[np.float64]
+    scatter: NDArray[np.float64]
+    spreads: Records
+    values: NDArray[np.float64]
+    vectors: NDArray[np.float64]
+    residual: NDArray[np.float64]
+    ratios: NDArray[np.float64]
+    translations: NDArray[np.float64]
+    rmse: NDArray[np.float64]
+
+    @classmethod
+    def empty(cls, count: int) -> StationaryPoses:
+        """Room for so many problems."""
+        return cls(
+            exponents=np.empty((count, 2), dtype=np.int32),
+            means=np.empty(count, dtype=MEANS),
+            spreads=np.empty(count, dtype=SPREADS),
+            **{name: np.empty((count, *shape)) for name, shape in SHAPES.items()},
+        )
+
+
+SHAPES = {
+    "cross": (9,),
+    "scatter": (6,),
+    "values": (4,),
+    "vectors": (4, 4),
+    "residual": (),
+    "ratios": (4, 3),
+    "translations": (4, 3),
+    "rmse": (4,),
+}
+
+
+def stationary_poses(
+    clouds: ManyClouds, hessians: Callable[[Array, Array], Array]
+) -> StationaryPoses:
     """What doubles say of each problem.
 
     hessians: the generated function; (count, 3, 3) of unit quaternions (count, 4) and C (count, 9).
@@ -41,11 +120,11 @@ def rest_poses(clouds: ManyClouds, hessians: Callable[[Array, Array], Array]) ->
         turns = np.moveaxis(
             np.array(rotation_matrix(list(np.moveaxis(vectors, 2, 0)))), (0, 1), (2, 3)
         )
-        found = {
-            "means": np.column_stack(_same(source.means, target.means)),
+        arrays = {
+            "means": named(np.column_stack(_same(source.means, target.means)), MEANS),
             "cross": cross.reshape(-1, 9),
             "scatter": scatter[UPPER],
-            "spreads": np.column_stack(_same(*spreads)),
+            "spreads": named(np.column_stack(_same(*spreads)), SPREADS),
             "values": values,
             "vectors": vectors,
             "residual": _residual(davenport, values, vectors),
@@ -54,9 +133,9 @@ def rest_poses(clouds: ManyClouds, hessians: Callable[[Array, Array], Array]) ->
             - (turns @ source.means[:, None, :, None])[..., 0],
             "rmse": _errors(source, target, exponents, turns[:, 0], values),
         }
-        return RestPoses(
+        return StationaryPoses(
             exponents=np.broadcast_to(exponents, (clouds.count, 2)).astype(np.int32),
-            **{name: _of_each(array, clouds.count) for name, array in found.items()},
+            **{name: _of_each(array, clouds.count) for name, array in arrays.items()},
         )
 
 
@@ -171,5 +250,5 @@ def _same(*arrays: Array) -> list[Array]:
     return [_of_each(array, count) for array in arrays]
 
 
-def _of_each(array: Array, count: int) -> NDArray[np.float64]:
+def _of_each(array: Array, count: int) -> Array:
     return np.broadcast_to(array, (count, *array.shape[1:]))

@@ -1,8 +1,8 @@
-/* Rest poses of many small problems, side by side in the lanes: moments, eigenvectors of Davenport's
+/* Stationary poses of many small problems, side by side in the lanes: moments, eigenvectors of Davenport's
  * matrix, eigenvalues of the pencil (G, J). Linear algebra; the Hessian G is generated.
  *
  * What becomes of a lane does not depend on its neighbours: where one is done, it is left alone. */
-#include "resting.h"
+#include "stationary.h"
 
 #define LANES CERTREG_SIDE_BY_SIDE
 #include "lanes.h"
@@ -85,7 +85,7 @@ static void shifted(struct deviations *cloud, const loose *w, lanes mass, long p
 }
 
 struct moments {
-    lanes cross[9], scatter[6], spreads[3];
+    lanes cross[9], scatter[6], spreads[CERTREG_SPREADS];
 };
 
 static void products(const struct deviations *x, const struct deviations *y, const loose *w, lanes mass,
@@ -106,10 +106,10 @@ static void products(const struct deviations *x, const struct deviations *y, con
         found->cross[k] = cross[k] / mass - y->rest[k / 3] * x->rest[k % 3];
     for (int k = 0; k < 6; k++)
         found->scatter[k] = scatter[k] / mass - x->rest[row[k]] * x->rest[column[k]];
-    found->spreads[0] = (scatter[0] + scatter[3] + scatter[5]) / mass;
-    found->spreads[1] = spread / mass;
-    found->spreads[2] = found->spreads[1] - y->rest[0] * y->rest[0] - y->rest[1] * y->rest[1] -
-                        y->rest[2] * y->rest[2];
+    found->spreads[CERTREG_SPREADS_SOURCE] = (scatter[0] + scatter[3] + scatter[5]) / mass;
+    found->spreads[CERTREG_SPREADS_TARGET] = spread / mass;
+    found->spreads[CERTREG_SPREADS_CENTRED_TARGET] = spread / mass - y->rest[0] * y->rest[0] -
+                                                     y->rest[1] * y->rest[1] - y->rest[2] * y->rest[2];
 }
 
 /* The eigenvalues of a symmetric n x n matrix on its diagonal, by Jacobi's rotations; if there are
@@ -238,14 +238,14 @@ static inline void reduced(const lanes t[6], lanes a[9])
 /* The eigenvalues of T^-1 G T^-T, ascending, at each of four unit quaternions. */
 static void ratios_of(const struct moments *moments, const lanes vectors[16], lanes ratios[12])
 {
-    lanes factor[6], state[13] = {{0}}, body[23] = {{0}}, torque[3];
+    lanes factor[6], torque[3], state[CERTREG_QUATERNION_STATE] = {{0}}, body[CERTREG_BODY] = {{0}};
     const flags definite = factor_of_inertia(moments->scatter, factor);
     for (int i = 0; i < 9; i++)
-        body[i] = moments->cross[i];
+        body[CERTREG_BODY_CROSS + i] = moments->cross[i];
     for (int k = 0; k < 4; k++) {
         lanes hessian[9], pencil[9], *g = ratios + 3 * k;
         for (int i = 0; i < 4; i++)
-            state[3 + i] = vectors[4 * k + i];
+            state[CERTREG_QUATERNION_STATE_Q + i] = vectors[4 * k + i];
         certreg_quaternion_curvature(state, body, hessian, torque);
         reduced(factor, hessian);
         for (int i = 0; i < 9; i++)
@@ -323,13 +323,14 @@ static void means_of(const struct deviations *cloud, lanes means[3])
         means[k] = (cloud->shift[k] + cloud->rest[k]) * unit[0] * unit[1];
 }
 
-static void translations_of(const lanes means[6], const lanes vectors[16], lanes translations[12])
+static void translations_of(const lanes means[CERTREG_MEANS], const lanes vectors[16], lanes translations[12])
 {
     for (int k = 0; k < 4; k++) {
         lanes turn[9];
         rotation(vectors + 4 * k, turn);
         for (int r = 0; r < 3; r++)
-            translations[3 * k + r] = means[3 + r] - along(turn + 3 * r, means);
+            translations[3 * k + r] =
+                means[CERTREG_MEANS_TARGET + r] - along(turn + 3 * r, means + CERTREG_MEANS_SOURCE);
     }
 }
 
@@ -341,7 +342,7 @@ static inline void put(const lanes *from, long size, double *to, long live)
             to[lane * size + k] = from[k][lane];
 }
 
-static void rest_poses(const struct certreg_clouds *clouds, long first)
+static void stationary_poses(const struct certreg_clouds *clouds, long first)
 {
     const long left = clouds->count - first, live = left < LANES ? left : LANES, n = clouds->points;
     loose *const w = (loose *)clouds->scratch;
@@ -364,23 +365,23 @@ static void rest_poses(const struct certreg_clouds *clouds, long first)
     shifted(&y, w, mass, n);
     struct moments moments;
     products(&x, &y, w, mass, n, &moments);
-    lanes matrix[16], values[4], vectors[16], ratios[12], means[6], translations[12], errors[4];
+    lanes matrix[16], values[4], vectors[16], ratios[12], means[CERTREG_MEANS], translations[12], errors[4];
     davenport(moments.cross, matrix);
     eigenbasis(matrix, values, vectors);
     ratios_of(&moments, vectors, ratios);
     const lanes residual = residual_of(matrix, values, vectors);
-    means_of(&x, means);
-    means_of(&y, means + 3);
+    means_of(&x, means + CERTREG_MEANS_SOURCE);
+    means_of(&y, means + CERTREG_MEANS_TARGET);
     translations_of(means, vectors, translations);
     errors_of(&x, &y, w, mass, n, values, vectors, errors);
     for (long lane = 0; lane < live; lane++) {
         clouds->exponents[2 * (first + lane)] = x.exponents[lane];
         clouds->exponents[2 * (first + lane) + 1] = y.exponents[lane];
     }
-    put(means, 6, clouds->means + 6 * first, live);
+    put(means, CERTREG_MEANS, clouds->means + CERTREG_MEANS * first, live);
     put(moments.cross, 9, clouds->cross + 9 * first, live);
     put(moments.scatter, 6, clouds->scatter + 6 * first, live);
-    put(moments.spreads, 3, clouds->spreads + 3 * first, live);
+    put(moments.spreads, CERTREG_SPREADS, clouds->spreads + CERTREG_SPREADS * first, live);
     put(values, 4, clouds->values + 4 * first, live);
     put(vectors, 16, clouds->vectors + 16 * first, live);
     put(&residual, 1, clouds->residual + first, live);
@@ -389,8 +390,8 @@ static void rest_poses(const struct certreg_clouds *clouds, long first)
     put(errors, 4, clouds->rmse + 4 * first, live);
 }
 
-void certreg_rest_poses(const struct certreg_clouds *clouds)
+void certreg_stationary_poses(const struct certreg_clouds *clouds)
 {
     for (long first = 0; first < clouds->count; first += LANES)
-        rest_poses(clouds, first);
+        stationary_poses(clouds, first);
 }

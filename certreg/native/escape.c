@@ -1,4 +1,4 @@
-/* A state that hardly moves: is it where it may end, or at a saddle to be kicked off? And the log.
+/* A state that hardly moves: may it end there, or is it to be perturbed off a saddle? And the log.
  *
  * Formulas of the dynamics are generated; here is the logic, and the linear algebra of three
  * dimensions. evaluator.py does the same for machines without a compiler. */
@@ -10,8 +10,6 @@
 #include "dynamics.h"
 
 #define NO_TORQUE 1e-12 /* of the curvature: less is rounding, and must not choose a side */
-
-enum { TRANSLATION, ROTATION, POTENTIAL, ALIGNMENT, ENERGIES };
 
 /* The unit quaternion of a rotation matrix: the largest of the four squares decides (Shepperd). */
 static void quaternion_of(const double r[9], double q[4])
@@ -37,13 +35,13 @@ static void quaternion_of(const double r[9], double q[4])
 }
 
 /* l1 - q^T K q + omega^T J omega / 4 as a sum of squares (no cancellation); per unit of mass. */
-static double height(const double q[4], double rotational, const double basin[20])
+static double height(const double q[4], double rotational, const double basin[CERTREG_BASIN])
 {
     double sum = rotational / 2;
     for (int k = 0; k < 4; k++) {
-        const double *axis = basin + 4 * k;
+        const double *axis = basin + CERTREG_BASIN_QUATERNIONS + 4 * k;
         const double along = q[0] * axis[0] + q[1] * axis[1] + q[2] * axis[2] + q[3] * axis[3];
-        sum += basin[16 + k] * along * along;
+        sum += basin[CERTREG_BASIN_GAPS + k] * along * along;
     }
     return sum;
 }
@@ -93,29 +91,29 @@ static void turn(double q[4], double c, const double a[3])
     q[3] = c * z - y * a[0] + x * a[1] + w * a[2];
 }
 
-/* Whether a slow body may stop at a quaternion; CERTREG_KICKED if it may be at a saddle.
+/* Whether a slow body may stop at a quaternion; CERTREG_PERTURBED if it may be at a saddle.
  *
  * sin^2 of half the angle to the optima is at most the height over the barrier. The height never
  * rises: the exact motion stays as near. In the basin but not near it only needs more time. */
-static int ending(const double q[4], double rotational, const double basin[20],
+static int ending(const double q[4], double rotational, const double basin[CERTREG_BASIN],
                   const struct certreg_settings *settings)
 {
-    const double above = height(q, rotational, basin), *deficits = basin + 16;
-    int k = 1; /* of the first level that is not optimal */
-    while (k < 4 && deficits[k] == 0)
+    const double above = height(q, rotational, basin), *gaps = basin + CERTREG_BASIN_GAPS;
+    int k = 1; /* of the first eigenvalue that is not optimal */
+    while (k < 4 && gaps[k] == 0)
         k++;
     if (k == 4)
         return CERTREG_AT_REST;
-    if (!(above < settings->basin_share * deficits[k]))
-        return CERTREG_KICKED;
-    if (!(above < settings->rest_share * deficits[k]))
+    if (!(above < settings->basin_share * gaps[k]))
+        return CERTREG_PERTURBED;
+    if (!(above < settings->rest_share * gaps[k]))
         return CERTREG_GO_ON;
     return k == 1 ? CERTREG_CONVERGED : CERTREG_AT_REST;
 }
 
-/* The half-angle quaternion of a kick downhill along the direction of lowest curvature; 0 in a valley,
+/* The half-angle quaternion of a turn downhill along the direction of lowest curvature; 0 in a valley,
  * and where the springs turn the body away themselves. */
-static int kick_of(const double hessian[9], const double torque[3], double *angle,
+static int perturbation_of(const double hessian[9], const double torque[3], double *angle,
                    const struct certreg_settings *settings, double *cosine, double sine[3])
 {
     double axis[3], size = 0;
@@ -137,22 +135,23 @@ static int kick_of(const double hessian[9], const double torque[3], double *angl
     for (int i = 0; i < 3; i++)
         sine[i] = sign * sin(*angle / 2) * axis[i];
     *cosine = cos(*angle / 2);
-    *angle = fmin(*angle * settings->kick_growth, settings->largest_kick);
+    *angle = fmin(*angle * settings->perturbation_growth, settings->largest_perturbation);
     return 1;
 }
 
-int certreg_settle_matrix(double state[18], const double body[23], const double basin[20],
-                          const struct certreg_settings *settings, double *kick)
+int certreg_escape_matrix(double state[CERTREG_MATRIX_STATE], const double body[CERTREG_BODY],
+                          const double basin[CERTREG_BASIN],
+                          const struct certreg_settings *settings, double *perturbation)
 {
-    double q[4], energies[ENERGIES], hessian[9], torque[3], cosine, sine[3], turned[9];
-    double *r = state + 3;
+    double q[4], energies[CERTREG_ENERGIES], hessian[9], torque[3], cosine, sine[3], turned[9];
+    double *r = state + CERTREG_MATRIX_STATE_R;
     quaternion_of(r, q);
     certreg_energies(state, body, energies);
-    const int end = ending(q, energies[ROTATION], basin, settings);
-    if (end != CERTREG_KICKED)
+    const int end = ending(q, energies[CERTREG_ENERGIES_ROTATION], basin, settings);
+    if (end != CERTREG_PERTURBED)
         return end;
     certreg_curvature(state, body, hessian, torque);
-    if (!kick_of(hessian, torque, kick, settings, &cosine, sine))
+    if (!perturbation_of(hessian, torque, perturbation, settings, &cosine, sine))
         return CERTREG_GO_ON;
     const double w = cosine, x = sine[0], y = sine[1], z = sine[2];
     const double m[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
@@ -162,22 +161,24 @@ int certreg_settle_matrix(double state[18], const double body[23], const double 
         for (int j = 0; j < 3; j++)
             turned[3 * i + j] = r[3 * i] * m[j] + r[3 * i + 1] * m[3 + j] + r[3 * i + 2] * m[6 + j];
     memcpy(r, turned, sizeof turned);
-    return CERTREG_KICKED;
+    return CERTREG_PERTURBED;
 }
 
-int certreg_settle_quaternion(double state[13], const double body[23], const double basin[20],
-                              const struct certreg_settings *settings, double *kick)
+int certreg_escape_quaternion(double state[CERTREG_QUATERNION_STATE], const double body[CERTREG_BODY],
+                              const double basin[CERTREG_BASIN],
+                              const struct certreg_settings *settings, double *perturbation)
 {
-    double energies[ENERGIES], hessian[9], torque[3], cosine, sine[3];
+    double energies[CERTREG_ENERGIES], hessian[9], torque[3], cosine, sine[3];
+    double *q = state + CERTREG_QUATERNION_STATE_Q;
     certreg_quaternion_energies(state, body, energies);
-    const int end = ending(state + 3, energies[ROTATION], basin, settings);
-    if (end != CERTREG_KICKED)
+    const int end = ending(q, energies[CERTREG_ENERGIES_ROTATION], basin, settings);
+    if (end != CERTREG_PERTURBED)
         return end;
     certreg_quaternion_curvature(state, body, hessian, torque);
-    if (!kick_of(hessian, torque, kick, settings, &cosine, sine))
+    if (!perturbation_of(hessian, torque, perturbation, settings, &cosine, sine))
         return CERTREG_GO_ON;
-    turn(state + 3, cosine, sine);
-    return CERTREG_KICKED;
+    turn(q, cosine, sine);
+    return CERTREG_PERTURBED;
 }
 
 /* A row for the next sample, or null if this step is not one. */
@@ -199,21 +200,21 @@ static double *row_of(struct certreg_log *log, long step, long width)
 void certreg_record_matrix(struct certreg_log *log, long step, double time, const double *state,
                            const double *body)
 {
-    double *row = row_of(log, step, 1 + 18 + ENERGIES);
+    double *row = row_of(log, step, CERTREG_MATRIX_SAMPLE);
     if (!row)
         return;
-    row[0] = time;
-    memcpy(row + 1, state, 18 * sizeof(double));
-    certreg_energies(state, body, row + 19);
+    row[CERTREG_MATRIX_SAMPLE_TIME] = time;
+    memcpy(row + CERTREG_MATRIX_SAMPLE_STATE, state, CERTREG_MATRIX_STATE * sizeof(double));
+    certreg_energies(state, body, row + CERTREG_MATRIX_SAMPLE_ENERGIES);
 }
 
 void certreg_record_quaternion(struct certreg_log *log, long step, double time, const double *state,
                                const double *body)
 {
-    double *row = row_of(log, step, 1 + 13 + ENERGIES);
+    double *row = row_of(log, step, CERTREG_QUATERNION_SAMPLE);
     if (!row)
         return;
-    row[0] = time;
-    memcpy(row + 1, state, 13 * sizeof(double));
-    certreg_quaternion_energies(state, body, row + 14);
+    row[CERTREG_QUATERNION_SAMPLE_TIME] = time;
+    memcpy(row + CERTREG_QUATERNION_SAMPLE_STATE, state, CERTREG_QUATERNION_STATE * sizeof(double));
+    certreg_quaternion_energies(state, body, row + CERTREG_QUATERNION_SAMPLE_ENERGIES);
 }

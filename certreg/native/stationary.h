@@ -1,9 +1,11 @@
-/* What the batches of small problems and their caller agree on; resting.py does the same. */
-#ifndef CERTREG_RESTING_H
-#define CERTREG_RESTING_H
+/* What the batches of small problems and their caller agree on; stationary.py does the same. */
+#ifndef CERTREG_STATIONARY_H
+#define CERTREG_STATIONARY_H
+
+#include "layout.h"
 
 /* Problems one after another in every array; a step of 0 shares an array among all of them. What is
- * written is described in native/clouds.py. */
+ * written is described in native/stationary.py. */
 struct certreg_clouds {
     long count;
     long points;
@@ -15,10 +17,10 @@ struct certreg_clouds {
     long weight_step;
     double *scratch;      /* CERTREG_SCRATCH doubles per point */
     int *exponents;       /* count x 2 */
-    double *means;        /* count x 6 */
+    double *means;        /* records of layout.h: means */
     double *cross;        /* count x 9 */
     double *scatter;      /* count x 6 */
-    double *spreads;      /* count x 3 */
+    double *spreads;      /* spreads */
     double *values;       /* count x 4 */
     double *vectors;      /* count x 16 */
     double *residual;     /* count */
@@ -30,6 +32,6 @@ struct certreg_clouds {
 #define CERTREG_SIDE_BY_SIDE 8 /* problems: one in each lane */
 #define CERTREG_SCRATCH (7 * CERTREG_SIDE_BY_SIDE)
 
-void certreg_rest_poses(const struct certreg_clouds *clouds);
+void certreg_stationary_poses(const struct certreg_clouds *clouds);
 
 #endif

@@ -1,0 +1,97 @@
+"""The certified basin of the optimum, as a simulation sees it: floating point proposes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from certreg.equilibrium import unit_double
+from certreg.errors import DegenerateProblemError
+from certreg.native import BASIN
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from certreg.equilibrium import Spectrum
+    from certreg.native import Records
+
+SMALLEST_BARRIER = 1e-280  # of l1 - l2: shares of it, times squares of small angles, are doubles
+TIE = 1e-13  # of l1 - l4: doubles do not tell such eigenvalues apart
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Basin:
+    """The certified basin of the optimum, per unit of mass, lengths over the body's unit.
+
+    E = omega^T J omega / 2 - 2 q^T K q never rises along the exact flow, and at every spurious
+    equilibrium E >= -2 l2. So a state with l1 - q^T K q + omega^T J omega / 4 < l1 - l2 has less
+    energy than all of them, and by LaSalle's theorem ends at the optimum. The left side is a sum of
+    squares, (l1 - lk) (q . q_k)^2, and so has no cancellation. Over l1 - l2 it bounds sin^2 of half
+    the angle to the optimum, now and ever after. Proof: derivations, certified_basin.
+
+    record: () of BASIN, what the trajectory loops take: the q_k as orthonormal rows, by descending
+    eigenvalue, and their gaps l1 - lk over the mass, exact zeros on the optima.
+    """
+
+    record: Records
+
+    @property
+    def optimum(self) -> NDArray[np.float64]:
+        """The unit quaternion (w, x, y, z) of an optimum, (4,)."""
+        return self.record["quaternions"][0]
+
+    @property
+    def gaps(self) -> NDArray[np.float64]:
+        """l1 - lk over the mass, (4,)."""
+        return self.record["gaps"]
+
+    @property
+    def barrier(self) -> float:
+        """The alignment l1 - l2 that separates the optimum from the rest: half of that in E."""
+        return float(self.gaps[1])
+
+
+def certified_basin(spectrum: Spectrum, length_exponent: int) -> Basin:
+    """The basin that belongs to a spectrum, in the body's unit of length.
+
+    Raises DegenerateProblemError where doubles do not tell the optima from the other poses.
+    """
+    values = spectrum.basis.values
+    scale = spectrum.moments.total_weight * (4**length_exponent if length_exponent >= 0 else 1)
+    gaps = [(values[0] - value) * spectrum.unit / scale for value in values]
+    if length_exponent < 0:
+        gaps = [gap * 4**-length_exponent for gap in gaps]
+    optima = spectrum.classification.pattern[0]
+    record = np.zeros((), dtype=BASIN)
+    record["quaternions"] = [unit_double(v) for v in spectrum.basis.vectors]
+    record["gaps"][optima:] = [float(gap) for gap in gaps[optima:]]
+    if (record["gaps"][optima:] < SMALLEST_BARRIER).any():
+        message = (
+            "not every pose is optimal, but by less than double precision can tell: the clouds "
+            "differ so much in size, or are so nearly uncorrelated, that springs hardly turn the "
+            "body; bring both clouds to one unit of length"
+        )
+        raise DegenerateProblemError(message)
+    return Basin(record=record)
+
+
+def basins_of(
+    vectors: NDArray[np.float64], values: NDArray[np.float64], unit: NDArray[np.float64]
+) -> Records:
+    """The basins (count,) of Davenport matrices: `values` times `unit` (count, 1), descending.
+
+    vectors: (count, 4, 4), unit, row by row; values: (count, 4). Raises DegenerateProblemError
+    where doubles do not tell the optima from the other poses.
+    """
+    differences = values[:, :1] - values
+    differences[differences < TIE * differences[:, -1:]] = 0.0
+    basins = np.empty(len(values), dtype=BASIN)
+    basins["quaternions"], basins["gaps"] = vectors, differences * unit
+    lost = ((differences > 0.0) & (basins["gaps"] < SMALLEST_BARRIER)).any(axis=1)
+    if lost.any():
+        where = f"the clouds of instance {int(np.argmax(lost))}"
+        message = f"{where} differ too much in size for double precision: bring both to one unit"
+        raise DegenerateProblemError(message)
+    return basins

@@ -1,0 +1,76 @@
+"""Records of doubles that Python and C share, as NumPy types whose parts have names.
+
+The layout is generated once, with the C that reads and writes it: generated/layout.h has the
+offsets, generated/layout.json what the types here are made of. Of a symmetric matrix the upper
+triangle is kept: 11 12 13 22 23 33.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from certreg.native.compiler import GENERATED
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+RecordType = np.dtype[np.void]
+Records = NDArray[np.void]
+DOUBLE = np.dtype(np.float64)
+UPPER = (0, 1, 2, 1, 3, 4, 2, 4, 5)  # of the nine entries of a symmetric matrix
+
+
+def record_types(layout: Mapping[str, Mapping[str, Any]]) -> dict[str, RecordType]:
+    """A structured type for each record: its parts are arrays of doubles, or earlier records."""
+    types: dict[str, RecordType] = {}
+    for name, parts in layout.items():
+        fields: list[Any] = [
+            (part, types[of]) if isinstance(of, str) else (part, DOUBLE, tuple(of))
+            for part, of in parts.items()
+        ]
+        types[name] = np.dtype(fields)
+    return types
+
+
+_TYPES = record_types(json.loads((GENERATED / "layout.json").read_text()))
+MATRIX_STATE = _TYPES["matrix_state"]  # c, R, v, omega: the order of [Yang2020]
+QUATERNION_STATE = _TYPES["quaternion_state"]  # c, q, v, omega
+BODY = _TYPES["body"]  # per unit of mass: cross, inertia, inertia_inverse, spread, damping
+ENERGIES = _TYPES["energies"]  # per unit of mass: translation, rotation, potential, alignment
+STEP = _TYPES["step"]  # h
+SPLITTING_STEP = _TYPES["splitting_step"]  # h, decay exp(-mu h), impulse (1 - exp(-mu h)) / mu
+MATRIX_SAMPLE = _TYPES["matrix_sample"]  # time, state, energies
+QUATERNION_SAMPLE = _TYPES["quaternion_sample"]
+BASIN = _TYPES["basin"]  # quaternions by descending eigenvalue; their gaps l1 - lk over the mass
+MEANS = _TYPES["means"]  # source, target
+SPREADS = _TYPES["spreads"]  # source, target, centred_target
+SUMS = _TYPES["sums"]  # of native/sums.h
+EXACT_SUMS = _TYPES["exact_sums"]  # of native/exact.h
+
+
+def named(numbers: Any, record: RecordType) -> Records:
+    """Doubles (..., k) as records (...) of k: the same memory where they are contiguous."""
+    doubles = np.ascontiguousarray(numbers, dtype=DOUBLE)
+    if doubles.shape[-1:] != (width(record),):
+        raise ValueError(f"numbers of shape {doubles.shape}: expected (..., {width(record)})")
+    return doubles.view(record)[..., 0]
+
+
+def plain(records: NDArray[Any]) -> NDArray[np.float64]:
+    """Records (...) of k doubles as doubles (..., k): the same memory where they are contiguous."""
+    flat = np.ascontiguousarray(records).reshape(-1).view(DOUBLE)
+    return flat.reshape(*records.shape, width(records.dtype))
+
+
+def width(record: np.dtype[Any]) -> int:
+    """How many doubles a record has."""
+    return record.itemsize // DOUBLE.itemsize
+
+
+def symmetric(upper: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Symmetric matrices (..., 3, 3) from their upper triangles (..., 6)."""
+    return upper[..., UPPER].reshape(*upper.shape[:-1], 3, 3)
