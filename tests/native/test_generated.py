@@ -23,7 +23,14 @@ from certreg.registration.examples import STORIES, stated
 from derivations import emit as chain
 from derivations import motion
 
-FILES = ("dynamics.c", "dynamics.h", "dynamics.json", "signatures.json")
+FILES = (
+    "dynamics.c",
+    "dynamics.h",
+    "dynamics.json",
+    "layout.h",
+    "layout.json",
+    "signatures.json",
+)
 
 
 def c_compiler():
@@ -39,7 +46,7 @@ def library_or_skip():
 
 
 def test_generating_anew_gives_the_committed_bytes(tmp_path):
-    write_folder_of(tmp_path, generated_files(chain.definitions()))
+    write_folder_of(tmp_path, generated_files(chain.definitions(), chain.records()))
 
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(FILES)
     for name in FILES:
@@ -50,7 +57,7 @@ def test_a_mutated_derivation_changes_the_code(tmp_path, monkeypatch):
     honest = motion.spring_torque
     monkeypatch.setattr(motion, "spring_torque", lambda state, cloud: -honest(state, cloud))
 
-    write_folder_of(tmp_path, generated_files(chain.definitions()))
+    write_folder_of(tmp_path, generated_files(chain.definitions(), chain.records()))
 
     for name in ("dynamics.c", "dynamics.json"):
         assert (tmp_path / name).read_bytes() != (GENERATED / name).read_bytes()

@@ -1,0 +1,185 @@
+"""NumPy's records, the offsets in the headers and the C that reads and writes them agree."""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import subprocess
+
+import numpy as np
+import pytest
+
+from certreg.native import layout, library
+from certreg.native.codegen.records import Record, layout_files
+from certreg.native.compiler import GENERATED, HERE, CompilationError, find_compiler
+from certreg.native.engine import current_engine
+from certreg.native.layout import (
+    BASIN,
+    BODY,
+    ENERGIES,
+    MATRIX_STATE,
+    QUATERNION_STATE,
+    named,
+    plain,
+    record_types,
+    symmetric,
+    width,
+)
+from certreg.native.loops import Ending
+from certreg.problem import floating_sums
+from derivations import emit, motion
+
+RECORDS = {record.name: record for record in emit.records()}
+STRUCTS = {  # of handwritten headers, as Python passes them
+    "settings": library._Settings,
+    "log": library._Log,
+    "batch": library._Batch,
+    "clouds": library._Clouds,
+}
+
+
+def printed(folder, lines: list[str], include=GENERATED) -> list[int]:
+    """The integers that C expressions are worth."""
+    try:
+        compiler = find_compiler()
+    except CompilationError as error:
+        pytest.skip(str(error))
+    headers = ("layout.h", "loops.h", "stationary.h", "sums.h", "exact.h")
+    top = [f'#include "{name}"' for name in headers]
+    top += ["#include <stddef.h>", "#include <stdio.h>", "int main(void)", "{"]
+    body = [f'    printf("%ld\\n", (long)({line}));' for line in lines]
+    (folder / "program.c").write_text("\n".join([*top, *body, "    return 0;", "}", ""]))
+    places = [f"-I{include}", f"-I{HERE}"]
+    command = [*compiler, *places, str(folder / "program.c"), "-o", str(folder / "program")]
+    subprocess.run(command, check=True)
+    run = subprocess.run([str(folder / "program")], capture_output=True, text=True, check=True)
+    return [int(line) for line in run.stdout.split()]
+
+
+def faults(folder, types, include=GENERATED) -> list[str]:
+    """Parts of records that stand elsewhere in C than NumPy's types say."""
+    names, expected = [], []
+    for name, record in types.items():
+        names.append(f"CERTREG_{name.upper()}")
+        expected.append(width(record))
+        for part, (_, offset, *_) in record.fields.items():
+            names.append(f"CERTREG_{name.upper()}_{part.upper()}")
+            expected.append(offset // 8)
+    found = printed(folder, names, include)
+    return [name for name, one, other in zip(names, expected, found, strict=True) if one != other]
+
+
+def test_every_part_of_every_record_stands_where_the_c_says(tmp_path):
+    assert set(layout._TYPES) == set(RECORDS)
+    assert faults(tmp_path, layout._TYPES) == []
+
+
+def test_a_part_in_another_place_is_seen(tmp_path):
+    """Two parts of a body exchanged in one of both: the other no longer fits."""
+    parts = dict(RECORDS["body"].parts)
+    parts["damping"], parts["spread"] = parts.pop("damping"), parts.pop("spread")
+    other = [Record(name="body", parts=parts) if r.name == "body" else r for r in emit.records()]
+    files, place = layout_files(other), tmp_path / "mutated"
+    place.mkdir()
+    for name, content in files.items():
+        (place / name).write_bytes(content)
+    moved = ["CERTREG_BODY_SPREAD", "CERTREG_BODY_DAMPING"]
+
+    assert faults(tmp_path, layout._TYPES, include=place) == moved
+    mutated = record_types(json.loads(files["layout.json"]))
+    assert set(faults(tmp_path, mutated)) == set(moved)
+
+
+def test_the_records_are_those_of_the_derivations():
+    for name, parts in (
+        ("matrix_state", motion.State().parts),
+        ("quaternion_state", emit.QuaternionState().parts),
+        ("body", motion.Body().parts),
+    ):
+        record = layout._TYPES[name]
+        flat = motion.flat(parts)
+        entries = named(np.arange(float(len(flat))), record)
+        for part, value in parts.items():
+            mine = [flat[int(k)] for k in np.ravel(entries[part])]
+            assert mine == list(motion.flat({part: value})), (name, part)
+
+
+def test_structs_that_python_passes_are_those_of_the_headers(tmp_path):
+    lines, expected = [], []
+    for name, struct in STRUCTS.items():
+        lines.append(f"sizeof(struct certreg_{name})")
+        expected.append(ctypes.sizeof(struct))
+        for field, *_ in struct._fields_:
+            lines.append(f"offsetof(struct certreg_{name}, {field})")
+            expected.append(getattr(struct, field).offset)
+    points = floating_sums._Points
+    for field, *_ in points._fields_:
+        cloud, _, column = field.partition("_")
+        member = f"{cloud}.{column}" if column else field
+        lines.append(f"offsetof(struct certreg_points, {member})")
+        expected.append(getattr(points, field).offset)
+
+    assert printed(tmp_path, lines) == expected
+
+
+def test_numbers_that_c_and_python_share_are_equal(tmp_path):
+    lines = [
+        "CERTREG_EXACT_WORDS",
+        "CERTREG_NOT_FINITE",
+        "CERTREG_SCRATCH",
+        "CERTREG_GO_ON",
+        "CERTREG_CONVERGED",
+        "CERTREG_AT_REST",
+        "CERTREG_PERTURBED",
+    ]
+
+    assert printed(tmp_path, lines) == [
+        library.EXACT_WORDS,
+        library.NOT_FINITE,
+        library.SCRATCH,
+        *(
+            int(end)
+            for end in (
+                Ending.OUT_OF_STEPS,
+                Ending.CONVERGED,
+                Ending.AT_REST,
+                Ending.PERTURBED,
+            )
+        ),
+    ]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_generated_functions_read_and_write_the_parts_by_these_names(seed):
+    """c' = v and v' = -2 c - mu v, R' = R [omega]; energies term by term."""
+    rng = np.random.default_rng(seed)
+    state, body = named(rng.normal(size=18), MATRIX_STATE), named(rng.normal(size=23), BODY)
+    evaluate = current_engine().evaluate
+
+    (rates,) = evaluate("certreg_rate", state, body)
+    rate = named(rates, MATRIX_STATE)
+    (numbers,) = evaluate("certreg_energies", state, body)
+    energies = named(numbers, ENERGIES)
+
+    c, R, v, omega = (state[part] for part in ("c", "R", "v", "omega"))
+    assert np.array_equal(rate["c"], v)
+    assert rate["v"] == pytest.approx(-2.0 * c - body["damping"] * v)
+    assert rate["R"] == pytest.approx(R @ np.cross(omega, np.eye(3)).T)
+    alignment = (R * body["cross"]).sum()
+    assert energies["translation"] == pytest.approx(v @ v / 2.0)
+    assert energies["rotation"] == pytest.approx(omega @ symmetric(body["inertia"]) @ omega / 2.0)
+    assert energies["alignment"] == pytest.approx(alignment)
+    assert energies["potential"] == pytest.approx(c @ c + body["spread"] - 2.0 * alignment)
+
+
+def test_records_and_doubles_are_two_views_of_one_memory():
+    numbers = np.arange(26.0).reshape(2, 13)
+    states = named(numbers, QUATERNION_STATE)
+    states["q"][1] = 0.0
+
+    assert not numbers[1, 3:7].any()
+    assert np.shares_memory(plain(states), numbers)
+    assert plain(states[:0]).shape == (0, 13)
+    assert plain(states[::2]).tolist() == [numbers[0].tolist()]
+    with pytest.raises(ValueError, match=r"numbers of shape \(2, 13\): expected \(\.\.\., 20\)"):
+        named(numbers, BASIN)
