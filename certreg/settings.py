@@ -42,42 +42,6 @@ class AgreementSettings:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SimulationSettings:
-    """The integrators' steps, and what ends and restarts a run."""
-
-    step: float | None = None  # of the springs' time; None: each integrator's own
-    euler_step: float = 0.01  # [Yang2020]
-    midpoint_share: float = 1.4  # of sqrt(2 / g_max): kills a critically damped mode in one step
-    midpoint_most: float = 1000.0  # of that: larger steps gain nothing; halving brings them back
-    short_step: float = 0.1  # of the integrator's own: below, a run that did not end is told so
-    far_damping: float = 4.0  # times the best one, or a fourth of it: as above
-    many_kicks: float = 0.5  # radians in all, from which on a run is told of them
-    splitting_share: float = 0.8  # of sqrt(2 / g_max): 12 to 23 steps from anywhere
-    splitting_halvings: int = 8  # of the step, from the start, where a fast spin lost the state
-    speed_tolerance: float = 1e-4  # [Yang2020]: norm of the 18 rates of change
-    max_steps: int = 1_000_000  # a tenth of a second of compiled Euler steps; a thousand are usual
-    stability_share: float = 0.25  # of the largest stable step of explicit Euler
-    least_step: float = 1e-5  # below, a run would outlast anyone's patience
-    basin_share: float = 0.4  # of the barrier: below the 1/2 that the certificate's mu proves
-    rest_angle: float = 1e-3  # radians from the optimum, beyond which a body at rest never gets
-    stalled_torque: float = 0.05  # of the curvature: above, a body is off the saddle, only slow
-    first_kick: float = 1e-3  # radians, off a saddle
-    kick_growth: float = 10.0  # slow saddles need larger ones
-    largest_kick: float = 1.0  # radians
-    newton_tolerance: float = 1e-12  # radians of a midpoint step's turn; then on while it falls
-    newton_steps: int = 20  # before a midpoint step is halved; five are usual
-    largest_turn: float = 2.0  # radians of a midpoint step: beyond, it is halved
-    halvings: int = 60  # of a midpoint step: from h = 1 down to rounding
-    log_capacity: int = 2048  # samples of a trajectory that are kept
-    threads: int = 1  # for many instances at once
-
-    @property
-    def rest_share(self) -> float:
-        """Height above the optimum, over l1 - l2, below which `rest_angle` is never exceeded."""
-        return math.sin(self.rest_angle / 2.0) ** 2
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class RelaxationSettings:
     """How far the semidefinite solver goes. Data are scaled so that the largest entry is near 1."""
 
