@@ -272,7 +272,7 @@ def contents(kind: Kind, folder: Path) -> Iterator[bytes]:
             yield content
     if expected != manifest.shards:
         message = f"{shown(folder)}: shard {expected} is gone: run the same command again"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=folder, row=expected)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

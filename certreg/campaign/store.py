@@ -19,6 +19,7 @@ import re
 import sys
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -30,7 +31,6 @@ from certreg.verify import shown
 
 if TYPE_CHECKING:
     from collections.abc import Generator, Iterator, Sequence
-    from pathlib import Path
 
 MANIFEST, SHARDS, CERTIFICATES = "campaign.json", "shards", "certificates"  # within the folder
 FORMAT = "certreg-campaign/1"
@@ -91,10 +91,10 @@ def require_same(path: Path, manifest: Manifest) -> None:
         kept: dict[str, Any] = flat(json.loads(content))
     except OSError as error:
         message = f"{shown(path)}: cannot be read ({error.strerror}): choose another folder"
-        raise InvalidFileError(message) from error
+        raise InvalidFileError(message, path=path) from error
     except (ValueError, AttributeError, RecursionError) as error:
         message = f"{shown(path)}: is no manifest of a campaign: choose another folder"
-        raise InvalidFileError(message) from error
+        raise InvalidFileError(message, path=path) from error
     wanted = flat(json.loads(manifest.to_json()))
     for key in sorted(kept.keys() | wanted.keys()):
         if kept.get(key) != wanted.get(key):
@@ -103,7 +103,9 @@ def require_same(path: Path, manifest: Manifest) -> None:
                 f"{shown(kept.get(key))}, here it is {shown(wanted.get(key))}: choose another "
                 "folder, or give what it was begun with"
             )
-            raise InvalidFileError(message)
+            raise InvalidFileError(
+                message, path=path, column=key, value=kept.get(key), limit=wanted.get(key)
+            )
 
 
 def flat(document: dict[str, Any], prefix: str = "") -> dict[str, Any]:
@@ -138,7 +140,7 @@ def _prepare(folder: Path, manifest: Manifest) -> None:
         require_same(folder / MANIFEST, manifest)
     elif any(not name.startswith(TEMPORARY) for name in names):
         message = f"{shown(folder)}: holds other files: choose a new folder, or empty it"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=folder)
     for place in (folder, folder / SHARDS, folder / CERTIFICATES):
         place.mkdir(exist_ok=True)
         for left_over in place.glob(f"{TEMPORARY}*"):
@@ -155,7 +157,7 @@ def _complaints(folder: Path) -> Generator[None]:
     except OSError as error:
         place = shown(error.filename or folder)
         message = f"{place}: cannot be used ({error.strerror}): choose another folder"
-        raise InvalidFileError(message) from error
+        raise InvalidFileError(message, path=Path(error.filename or folder)) from error
 
 
 @contextmanager
@@ -176,7 +178,7 @@ def _locked(folder: Path) -> Generator[None]:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
             message = f"{shown(folder)}: another process is at work there: wait for it, or stop it"
-            raise CampaignError(message) from error
+            raise CampaignError(message, path=folder) from error
         except OSError:
             pass  # this disk has no locks
         yield

@@ -57,7 +57,7 @@ def require_parquet() -> None:
         import_module("pyarrow.parquet")
     except ImportError as error:
         message = "--parquet needs pyarrow: pip install 'certreg[parquet]'"
-        raise MissingToolError(message) from error
+        raise MissingToolError(message, tool="pyarrow") from error
 
 
 def csv_bytes(rows: Iterable[Iterable[Any]]) -> bytes:

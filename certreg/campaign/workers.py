@@ -140,7 +140,7 @@ class ClusterWorkers:
             threads: dict[str, int] = self._client.nthreads()
         except (OSError, TimeoutError) as error:
             message = f"the scheduler at {self._address} is gone: start it, and run the same again"
-            raise CampaignError(message) from error
+            raise CampaignError(message, address=self._address) from error
         if threads:
             self.count, self._last_seen = sum(threads.values()), time.monotonic()
         elif time.monotonic() - self._last_seen > PATIENCE:
@@ -155,7 +155,7 @@ class ClusterWorkers:
             f"the scheduler at {self._address} has no workers: start some with "
             f"`dask worker {self._address}`"
         )
-        return CampaignError(message)
+        return CampaignError(message, address=self._address)
 
     def __enter__(self) -> Self:
         return self
@@ -176,7 +176,7 @@ def _connected(address: str, timeout: float) -> Any:
         from distributed import Client  # optional: the extra `campaign`
     except ImportError as error:
         message = "--scheduler needs dask: pip install 'certreg[campaign]'"
-        raise MissingToolError(message) from error
+        raise MissingToolError(message, tool="dask") from error
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what it logs is raised, too
     try:
         return Client(address, timeout=timeout, set_as_default=False)
@@ -185,7 +185,7 @@ def _connected(address: str, timeout: float) -> Any:
             f"no dask scheduler answers at {shown(address)}: start one with `dask scheduler` and "
             "give the address that it prints"
         )
-        raise CampaignError(message) from error
+        raise CampaignError(message, address=address) from error
 
 
 def _killed_worker() -> type[BaseException]:

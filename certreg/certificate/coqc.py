@@ -87,7 +87,8 @@ def _refuted(done: subprocess.CompletedProcess[str]) -> Verdict:
     """Coq did not accept the theorem. Raises MissingToolError if it names no reason."""
     reasons = re.findall(r"\b[a-z]+_[a-z_]+", done.stdout.partition("=")[2].partition(" : ")[0])
     if done.returncode != 0 or not reasons:
-        raise MissingToolError(f"coqc failed: {_first_error(done.stderr)}: {HOW_TO_GET}")
+        message = f"coqc failed: {_first_error(done.stderr)}: {HOW_TO_GET}"
+        raise MissingToolError(message, tool="coqc")
     return Verdict(ruling=Ruling.REFUTED, words="; ".join(reasons).replace("_", " "))
 
 
@@ -95,7 +96,7 @@ def find_coqc() -> str:
     """Path of coqc. Raises MissingToolError."""
     found = shutil.which("coqc")
     if found is None:
-        raise MissingToolError(f"coqc was not found: {HOW_TO_GET}")
+        raise MissingToolError(f"coqc was not found: {HOW_TO_GET}", tool="coqc")
     return found
 
 
@@ -118,7 +119,8 @@ def proofs_folder() -> Path:
     for folder in (package.parent / "derivations" / "coq", package / "_derivations" / "coq"):
         if (folder / f"{GOAL}.v").is_file():
             return folder
-    raise MissingToolError("the proofs (derivations/coq) are not beside certreg: reinstall it")
+    message = "the proofs (derivations/coq) are not beside certreg: reinstall it"
+    raise MissingToolError(message, tool="derivations/coq")
 
 
 def needed(folder: Path, goal: str = GOAL) -> list[str]:
@@ -183,13 +185,14 @@ def _compile(coqc: str, folder: Path, modules: list[str], cache: Path) -> None:
     except OSError as error:
         reason = error.strerror or error
         message = f"{cache}: the proofs cannot be compiled there ({reason}): set XDG_CACHE_HOME"
-        raise InvalidFileError(message) from error
+        raise InvalidFileError(message, path=cache) from error
 
 
 def _run(command: list[str]) -> str:
     done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603
     if done.returncode != 0:
-        raise MissingToolError(f"coqc failed: {_first_error(done.stderr)}: {HOW_TO_GET}")
+        message = f"coqc failed: {_first_error(done.stderr)}: {HOW_TO_GET}"
+        raise MissingToolError(message, tool="coqc")
     return done.stdout
 
 
@@ -213,7 +216,8 @@ def axioms(coqc: str, proofs: Path) -> tuple[str, ...]:
     done = run_coqc(coqc, proofs, ASSUMPTIONS, seconds=CoqSettings().seconds)
     listed = axioms_in(done.stdout)
     if done.returncode != 0 or listed is None:
-        raise MissingToolError(f"coqc failed: {_first_error(done.stderr)}: {HOW_TO_GET}")
+        message = f"coqc failed: {_first_error(done.stderr)}: {HOW_TO_GET}"
+        raise MissingToolError(message, tool="coqc")
     found = _known(listed)
     with contextlib.suppress(InvalidFileError):  # cannot be written: asked again next time
         write_atomically(kept, " ".join([digest, *found]).encode())
@@ -238,5 +242,6 @@ def _known(found: tuple[str, ...]) -> tuple[str, ...]:
     unknown = sorted(set(found) - AXIOMS)
     if unknown:
         listed = ", ".join(unknown)
-        raise MissingToolError(f"the compiled proofs assume more than they may ({listed})")
+        message = f"the compiled proofs assume more than they may ({listed})"
+        raise MissingToolError(message, tool="derivations/coq")
     return found

@@ -75,7 +75,9 @@ class Certificate(Generic[AnyBody_co]):
         except (RefusalError, ValueError, MemoryError) as error:
             reason = str(error) or "not enough memory"
             message = f"{name}: is no certificate ({reason}): give a file that certreg wrote"
-            raise InvalidFileError(message) from error
+            raise InvalidFileError(
+                message, path=None if isinstance(certificate, bytes) else Path(certificate)
+            ) from error
         return Certificate(
             n=fields["problem"]["n"],
             digest=fields["problem"]["digest"],
@@ -128,4 +130,4 @@ def certificate_bytes(certificate: str | os.PathLike[str] | bytes) -> bytes:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "not a file name"
         message = f"{shown(certificate)}: cannot be read ({reason}): give a readable file"
-        raise InvalidFileError(message) from error
+        raise InvalidFileError(message, path=Path(certificate)) from error

@@ -65,7 +65,7 @@ def apply(result: Path, cloud: Path, *, out: Path) -> int:
     fault = why_no_rotation(pose.turn, AssessmentSettings().rotation_tolerance)
     if fault is not None:
         message = f"{shown(result)}: {PoseVerdict.NOT_A_ROTATION.value.upper()}. {fault}"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=result)
     points = read_cloud(cloud)
     write_cloud(out, points.points, points.labels, move=pose.apply)
     click.echo(f"{len(points.points)} points written to {printable(out)}")
@@ -84,7 +84,7 @@ def report(certificate: Path, *, out: Path | None) -> int:
     place = certificate.with_name(REPORT) if out is None else out
     if place.exists() and certificate.exists() and place.samefile(certificate):
         message = f"{printable(place)}: is the certificate itself: give another --out"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=place)
     write_atomically(place, html_page(report_of(certificate, note)))
     click.echo(f"{printable(place)}: open it in a browser; it needs no network")
     return DONE

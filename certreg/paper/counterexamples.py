@@ -81,7 +81,8 @@ def in_integers(cloud: Any) -> RegistrationProblem:
 
 def _double(number: Any) -> float:
     if float(number) != number:
-        raise InvalidProblemError(f"{number} is no double: give points of smaller denominators")
+        message = f"{number} is no double: give points of smaller denominators"
+        raise InvalidProblemError(message, value=number)
     return float(number)
 
 

@@ -96,7 +96,11 @@ class MonteCarlo:
         """All of it. Raises InvalidProblemError where it is no campaign."""
         if self.count < 1 or self.points < 1 or self.seed < 0:
             message = "give at least one instance of at least one point, and a seed >= 0"
-            raise InvalidProblemError(message)
+            least = {"count": 1, "points": 1, "seed": 0}
+            wrong = next(name for name in least if getattr(self, name) < least[name])
+            raise InvalidProblemError(
+                message, array=wrong, value=getattr(self, wrong), limit=least[wrong]
+            )
         given = asdict(self)
         fair = max(LEAST_INSTANCES, self.count // SHARDS)
         most = min(SHARD_INSTANCES, SHARD_POINTS // self.points)

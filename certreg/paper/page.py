@@ -108,7 +108,7 @@ def make_folder(folder: Path) -> None:
             (folder / name).mkdir(parents=True, exist_ok=True)
     except OSError as error:
         message = f"{folder}: cannot be made a folder ({error.strerror}): choose another place"
-        raise InvalidFileError(message) from error
+        raise InvalidFileError(message, path=folder) from error
 
 
 def write_reproduction(

@@ -74,7 +74,7 @@ def require_sound_trajectory(found: Spectrum, body: IsotropicBody, trajectory: T
     """
     if trajectory.status is SimulationStatus.CONVERGED and not body.claims.basin:
         message = "the simulation ended where the basin could not be proved: please report this"
-        raise ContradictionError(message)
+        raise ContradictionError(message, methods=("simulation", "certificate"))
     moments = found.moments
     unit = moments.total_weight * power_of_two(2 * trajectory.length_exponent)
     minimum = potential_energy(moments, body.quaternion) - body.gap
@@ -84,7 +84,12 @@ def require_sound_trajectory(found: Spectrum, body: IsotropicBody, trajectory: T
     slack = ulps * np.finfo(float).eps * terms
     if (trajectory.potential < float(minimum / unit) - slack).any():
         message = "the simulation went below the certified minimum: please report this"
-        raise ContradictionError(message)
+        raise ContradictionError(
+            message,
+            methods=("simulation", "certificate"),
+            value=float(trajectory.potential.min()),
+            limit=float(minimum / unit),
+        )
 
 
 def _rounded_covariance(found: Spectrum) -> NDArray[np.float64]:
@@ -96,10 +101,11 @@ def _rounded_covariance(found: Spectrum) -> NDArray[np.float64]:
 def _angle(found: Spectrum, road: str, quaternion: NDArray[np.float64], allowed: float) -> float:
     q = lift(quaternion).integers
     angle = found.angle_to_optimum(q)
-    if found.relative_loss(q) > allowed:
+    loss = float(found.relative_loss(q))
+    if loss > allowed:
         message = (
             f"{road} contradicts the certified pose: it is {math.degrees(angle):.3g} degrees away; "
             "please report this problem"
         )
-        raise ContradictionError(message)
+        raise ContradictionError(message, methods=(road, "certificate"), value=loss, limit=allowed)
     return angle

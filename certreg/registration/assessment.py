@@ -143,7 +143,7 @@ def _finite(values: ArrayLike, shape: tuple[int, ...], name: str) -> NDArray[np.
     array = np.asarray(values, dtype=np.float64)
     if array.shape != shape or not np.isfinite(array).all():
         message = f"{name} must be {shape} finite numbers, found shape {array.shape}"
-        raise InvalidProblemError(message)
+        raise InvalidProblemError(message, array=name, value=array.shape, limit=shape)
     return array
 
 

@@ -28,7 +28,7 @@ def write_sources(folder: Path) -> list[Path]:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         message = f"{folder}: cannot be made a folder ({error.strerror}): choose another place"
-        raise InvalidFileError(message) from error
+        raise InvalidFileError(message, path=folder) from error
     contents = {
         C_FILE: (GENERATED / C_FILE).read_bytes(),
         HEADER_FILE: (GENERATED / HEADER_FILE).read_bytes(),

@@ -336,7 +336,7 @@ def _optimal_pose(moments: ExactMoments, found: Spectrum) -> Pose:
             "the translation of the optimal pose exceeds the range of doubles: "
             "change the unit of length of both clouds"
         )
-        raise OutOfRangeError(message)
+        raise OutOfRangeError(message, value=best_translation(moments, q))
     return Pose(
         rotation=rotation_double(q),
         translation=np.array(translation),

@@ -32,7 +32,7 @@ def write_folder(registration: Registration, folder: str | os.PathLike[str]) -> 
         place.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         message = f"{place}: cannot be made a folder ({error.strerror}): choose another place"
-        raise InvalidFileError(message) from error
+        raise InvalidFileError(message, path=place) from error
     path = place / CERTIFICATE if registration.certificate is not None else None
     document = result_document(registration, None if path is None else str(path))
     rows = registration.pose.T_target_source.tolist()
@@ -54,5 +54,5 @@ def write_folder(registration: Registration, folder: str | os.PathLike[str]) -> 
         )
     except InvalidFileError as error:
         message = f"{place}: the files of this registration could not be written there: {error}"
-        raise InvalidFileError(message) from error
+        raise InvalidFileError(message, path=error.path or place) from error
     return path
