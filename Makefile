@@ -63,7 +63,7 @@ test-huge: $(READY)  ## certify two mapped clouds of 8 GB each in 200 MB of memo
 	@$(RUN) tests/huge.py
 
 golden: $(READY)  ## compare what users see now and at a commit: make golden BASE=<commit> (minutes)
-	@$(RUN) tests/golden/run.py $(BASE)
+	@$(RUN) tests/golden/run.py $(BASE) $(ONLY)
 
 fuzz: $(READY)  ## a million broken files for the readers (two minutes)
 	@$(RUN) tests/fuzz_readers.py

@@ -1,7 +1,8 @@
-"""`make golden BASE=<commit>`: what users see at a commit and now, recorded and compared.
+"""`make golden BASE=<commit> [ONLY=<prefix>]`: what users see, at a commit and now, compared.
 
 The commit is taken from git into build/golden; "now" is the working tree as it stands. Both run in
-this environment, on the same files, at the same time. Exit code 1 where something differs that
+this environment, on the same files, at the same time; the record of the base is kept for the next
+time. ONLY records the cases whose names begin so. Exit code 1 where something differs that
 tests/golden/meant.toml does not list.
 """
 
@@ -16,9 +17,15 @@ import sys
 import tarfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from comparison import MEANT, compare, read_meant
 from corpus import ROOT, write_corpus
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from comparison import Comparison
 
 BUILD = ROOT / "build" / "golden"
 RECORDING = ("cases.py", "public_calls.py", "record.py", "volatile.py")
@@ -28,34 +35,54 @@ SHOWN = 40  # lines of each difference on the terminal; all are in the file of d
 
 
 def main() -> int:
-    if len(sys.argv) != 2:
+    if len(sys.argv) not in {2, 3}:
         sys.exit("which commit is the base? make golden BASE=<commit>")
     commit = git("rev-parse", "--verify", f"{sys.argv[1]}^{{commit}}").decode().strip()
+    only = sys.argv[2] if len(sys.argv) == 3 else ""
     inputs, base, head = (BUILD / name for name in ("inputs", "base", "head"))
     shutil.rmtree(inputs, ignore_errors=True)
     write_corpus(inputs)
-    mark, done = marked(commit, inputs), base / "recorded"
-    sides = [(ROOT, head)]
-    if not done.exists() or done.read_text() != mark:
-        checkout = base / "checkout"
+    mark = marked(commit, inputs)
+    if not is_marked(base / "begun", mark):
         shutil.rmtree(base, ignore_errors=True)
-        check_out(commit, checkout)
-        record(checkout, base, "begun", "--begin")
-        sides.append((checkout, base))
-    shutil.rmtree(head / "record", ignore_errors=True)
-    begun = str(base / "begun")
+        check_out(commit, base / "checkout")
+        record(base / "checkout", base / "begun", "--begin")
+        mark_as(base / "begun", mark)
+    out = "some" if only else "all"
+    sides = {head / out: ROOT}
+    if only or not is_marked(base / out, mark):
+        sides[base / out] = base / "checkout"
+    record_all(sides, base / "begun", only)
+    if not only:
+        mark_as(base / out, mark)
+    return told(compare(base / out, head / out, read_meant()), whole=not only)
+
+
+def record_all(sides: Mapping[Path, Path], begun: Path, only: str) -> None:
+    """A record in each of the folders, of the checkout beside it, by a few processes at a time."""
+    for out in sides:
+        shutil.rmtree(out, ignore_errors=True)
     with ThreadPoolExecutor(PARTS) as pool:
+        options = [
+            ("--begun", begun, "--part", f"{k}/{PARTS}", "--only", only) for k in range(PARTS)
+        ]
         jobs = [
-            pool.submit(
-                record, checkout, side, "record", "--begun", begun, "--part", f"{k}/{PARTS}"
-            )
-            for checkout, side in sides
-            for k in range(PARTS)
+            pool.submit(record, checkout, out, *option)
+            for out, checkout in sides.items()
+            for option in options
         ]
         for job in jobs:
             job.result()
-    done.write_text(mark)
-    return told(base / "record", head / "record")
+
+
+def is_marked(folder: Path, mark: str) -> bool:
+    """Whether the folder was written whole, and from what the mark stands for."""
+    file = folder.with_suffix(".mark")
+    return file.exists() and file.read_text() == mark
+
+
+def mark_as(folder: Path, mark: str) -> None:
+    folder.with_suffix(".mark").write_text(mark)
 
 
 def git(*arguments: str) -> bytes:
@@ -81,23 +108,22 @@ def marked(commit: str, inputs: Path) -> str:
     return digest.hexdigest()
 
 
-def record(checkout: Path, side: Path, out: str, *options: str) -> None:
+def record(checkout: Path, out: Path, *options: str | Path) -> None:
     """The recorder on a checkout, which comes first on its path; compiled code is its own, too."""
     environment = {
         **os.environ,
         "PYTHONPATH": str(checkout),
-        "CERTREG_CACHE_DIR": str(side / "cache"),
+        "CERTREG_CACHE_DIR": str(out.parent / "cache"),
         "COLUMNS": "80",
         "LC_ALL": "C.UTF-8",
         "OPENBLAS_NUM_THREADS": "1",
     }
-    command = (sys.executable, HERE / "record.py", checkout, side / out, *options)
+    command = (sys.executable, HERE / "record.py", checkout, out, *options)
     subprocess.run([*command, "--inputs", BUILD / "inputs"], env=environment, check=True)
 
 
-def told(base: Path, head: Path) -> int:
+def told(found: Comparison, *, whole: bool) -> int:
     """The comparison in words; 1 where something differs that is not meant."""
-    found = compare(base, head, read_meant())
     report = BUILD / "differences.diff"
     report.write_text("".join(difference.diff for difference in found.unmeant))
     for difference in found.unmeant:
@@ -105,7 +131,7 @@ def told(base: Path, head: Path) -> int:
         sys.stdout.write("".join(lines[:SHOWN]))
         if len(lines) > SHOWN:
             sys.stdout.write(f"... {len(lines) - SHOWN} more lines\n")
-    for meant in found.unmet:
+    for meant in found.unmet if whole else ():
         entry = f"{meant.path}, {meant.found!r} ({meant.reason})"
         sys.stdout.write(f"listed in {MEANT.name}, but no longer there: {entry}\n")
     count = len(found.unmeant)
