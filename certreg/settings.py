@@ -156,22 +156,3 @@ class CoqSettings:
 
     seconds: float = 600.0  # 338 points take four; hostile exponents could take days
     points_in_a_list: int = 500  # 10^5 overflow the stack of its parser
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ReportSettings:
-    """What summary and report say and show of a run, and how much a report carries."""
-
-    unnoted_cost: float = 1e-24  # of the spread: a shift of 1e-12, finer than any data
-    comparable_step: float = 0.1  # h times the decay rate: a scheme's own differs by half of that
-    frames: int = 240  # of a motion; the page interpolates between them
-    visible_energy: float = 1e-8  # of what a run loses: 1e-4 of the first displacement
-    push: float = 0.02  # radians off a saddle: hardly seen, and soon on its way
-    escape_steps: int = 20_000  # of explicit Euler; some five hundred are usual
-    weaker: float = (
-        1e3  # times the bounds that certreg proves: the page warns of such a certificate
-    )
-    same_rotation: float = 0.1  # degrees: roads to it end nearer; a run stops a little before
-    energy_share: float = 1e-9  # by which a logged energy may differ from that of its state
-    embedded_bytes: int = 8 << 20  # of a certificate in its page; a larger one is named there
-    sample: int = 100_000  # points shown where the page holds no certificate with them

@@ -10,7 +10,6 @@ from importlib.resources import files
 from typing import TYPE_CHECKING, cast
 
 from certreg import __version__
-from certreg.report.captions import motion_words, trap_words
 from certreg.report.markup import (
     Markup,
     asset_block,
@@ -19,19 +18,19 @@ from certreg.report.markup import (
     json_block,
     printable,
 )
-from certreg.report.panel import (
+from certreg.report.summary import bounded, margin_words, number, verdict_words, warnings
+from certreg.report.viewer import Names, packed, sample_of, scene_document, viewer_section
+from certreg.report.words import (
     NOT_CLAIMED,
     THEOREMS,
     WEAK,
-    Roads,
+    MethodAngles,
     Sentence,
+    motion_words,
     sentences,
+    trap_words,
     weak_words,
 )
-from certreg.report.scene import Names, packed, sample_of, scene_document
-from certreg.report.stage import stage
-from certreg.report.summary import bounded, margin_words, number, verdict_words, warnings
-from certreg.settings import ReportSettings
 from certreg.verify import parse
 
 if TYPE_CHECKING:
@@ -47,6 +46,7 @@ GUARANTEE_WORDS = (
     "Exact: integer arithmetic and a theorem. Numerical: computed with rounding that nobody has "
     "bounded. Each theorem has a page in the documentation; certreg derive NAME proves it anew."
 )
+EMBEDDED_BYTES = 8 << 20  # of a certificate in its page; a larger one is named there
 CHECKERS = ("certreg verify", "python3 -I -S verify.py")
 
 
@@ -63,7 +63,7 @@ class Report:
     certificate: bytes
     verdict: Verdict
     logged: Trajectory | Record | None
-    roads: Roads
+    angles: MethodAngles
     name: str = "certificate.json"
     weak: bool = False
     documentation: str | None = None
@@ -80,7 +80,7 @@ class Report:
             certificate=certificate.to_json(),
             verdict=verdict,
             logged=registration.solution.trajectory,
-            roads=Roads.of(registration.solution.agreement),
+            angles=MethodAngles.of(registration.solution.agreement),
             documentation=documentation,
         )
 
@@ -92,7 +92,7 @@ class Report:
     @property
     def embedded(self) -> bool:
         """Whether the page carries the certificate; a large one it only names."""
-        return len(self.certificate) <= ReportSettings().embedded_bytes
+        return len(self.certificate) <= EMBEDDED_BYTES
 
     @property
     def verdict_words(self) -> list[str]:
@@ -208,9 +208,9 @@ def _split(words: str) -> tuple[str, str]:
 
 
 def _sections(report: Report, stated: Isotropic) -> Iterator[Markup]:
-    yield _section("see", "See it", stage(report.registration))
+    yield _section("see", "See it", viewer_section(report.registration))
     yield _section("charts", "In numbers", *_charts())
-    known = sentences(report.registration, stated, report.roads)
+    known = sentences(report.registration, stated, report.angles)
     yield _section(
         "proof",
         "What is proved, and how we know",
@@ -269,9 +269,7 @@ def _embedded() -> Iterator[Markup]:
 
 
 def _named(report: Report) -> Iterator[Markup]:
-    size, limit = (
-        count / 2**20 for count in (len(report.certificate), ReportSettings().embedded_bytes)
-    )
+    size, limit = (count / 2**20 for count in (len(report.certificate), EMBEDDED_BYTES))
     yield element(
         "p",
         f"The certificate is too large for a page: {size:.1f} MiB, more than {limit:.0f}. It is "

@@ -43,8 +43,7 @@ from certreg.registration import certify
 from certreg.report.document import RESULT_SCHEMA
 from certreg.report.folder import RESULT, TRAJECTORY
 from certreg.report.page import Report
-from certreg.report.panel import Roads
-from certreg.settings import ReportSettings
+from certreg.report.words import MethodAngles
 from certreg.verify import FILE_MAX, Isotropic, RefusalError, bound_doubles, parse, shown
 
 if TYPE_CHECKING:
@@ -57,6 +56,8 @@ if TYPE_CHECKING:
 
 Found = TypeVar("Found")
 NOT_USED = "is broken, or does not belong to the certificate: computed anew"
+WEAKER = 1e3  # times the bounds that certreg proves: the page warns of such a certificate
+ENERGY_SHARE = 1e-9  # by which a logged energy may differ from that of its state
 HALF_TURN = 180.0  # degrees: no angle between rotations is larger
 
 
@@ -96,11 +97,11 @@ def report_of(
         relaxation=known is None,
         simulation=known is None or (logged is None and known.simulation is not None),
     )
-    roads = Roads.of(registration.solution.agreement)
+    angles = MethodAngles.of(registration.solution.agreement)
     if known is not None:
-        roads = replace(roads, relaxation=known.relaxation)
+        angles = replace(angles, relaxation=known.relaxation)
     if logged is not None:
-        roads = replace(roads, simulation=_end(registration, logged))
+        angles = replace(angles, simulation=_end(registration, logged))
     body = Certificate.load(content).body
     if not isinstance(body, IsotropicBody):
         raise TypeError(body)
@@ -112,7 +113,7 @@ def report_of(
         name=file.name,
         weak=_weaker(given, registration.bounds),
         logged=logged or registration.solution.trajectory,
-        roads=roads,
+        angles=angles,
     )
 
 
@@ -127,12 +128,11 @@ def _weaker(given: PoseBounds, proved: PoseBounds | None) -> bool:
     """Whether a certificate proves far less of a pose than certreg does."""
     if proved is None:
         return False
-    factor = ReportSettings().weaker
-    if given.greatest_gap > Fraction(factor) * proved.greatest_gap:
+    if given.greatest_gap > Fraction(WEAKER) * proved.greatest_gap:
         return True
     if proved.angle_upper is None:
         return False
-    return given.angle_upper is None or given.angle_upper > factor * proved.angle_upper
+    return given.angle_upper is None or given.angle_upper > WEAKER * proved.angle_upper
 
 
 def _require_points(content: bytes, file: Path) -> None:
@@ -216,7 +216,6 @@ def _simulated(record: Record, moments: ExactMoments) -> bool:
         return False
     if record.length_exponent != moving.length_exponent:
         return False
-    share = ReportSettings().energy_share
     start = start_at_rest(moments, moving.length_exponent)
     energies = [moving.energies(state) for state in record.states]
     pairs = (
@@ -225,7 +224,7 @@ def _simulated(record: Record, moments: ExactMoments) -> bool:
         (record.kinetic, np.array([energy.kinetic for energy in energies])),
     )
     least = max(1.0, moving.spread)
-    return all(bool((abs(a - b) <= share * (least + abs(b))).all()) for a, b in pairs)
+    return all(bool((abs(a - b) <= ENERGY_SHARE * (least + abs(b))).all()) for a, b in pairs)
 
 
 def _end(registration: Registration, logged: Record) -> float:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from certreg.exact import double_above
 from certreg.registration import NOT_ASKED
 from certreg.results import ComponentKind, Guarantee, Optimality
-from certreg.settings import ReportSettings
 
 if TYPE_CHECKING:
     from certreg.dynamics import Trajectory
@@ -27,6 +26,8 @@ KINDS = {
 DISTINGUISHABLE = 25.0  # twice the log-likelihood ratio of five standard deviations
 ROUNDING_SHARE = 1e6  # a gap above a millionth of the minimum is worth a word
 MIRRORED_SHARE = -0.3  # d3 / d2: planar clouds with noise are near 0, mirrored ones near -1
+UNNOTED_COST = 1e-24  # of the spread: a shift of 1e-12, finer than any data
+COMPARABLE_STEP = 0.1  # h times the decay rate: a scheme's own differs by half of that
 DEGREE_SLACK = 1.0 + 1e-15  # radians to degrees rounds twice
 
 
@@ -42,7 +43,7 @@ def registration_summary(registration: Registration) -> str:
             f"  translation       {' '.join(map(repr, pose.translation.tolist()))}",
             f"  RMSE              {number(registration.rmse)}  (weighted, unit of the clouds)",
             f"  ambiguity margin  {margin_words(registration.equilibria)}",
-            *_road_lines(registration),
+            *_method_lines(registration),
             *(f"  warning           {words}" for words in warnings(registration)),
             "",
             equilibria_summary(registration.equilibria),
@@ -193,8 +194,8 @@ def proved_degrees(registration: Registration) -> str | None:
     return bounded(math.degrees(angle) * DEGREE_SLACK)
 
 
-def _road_lines(registration: Registration) -> list[str]:
-    """What the independent roads say, one line each."""
+def _method_lines(registration: Registration) -> list[str]:
+    """What the independent methods say, one line each."""
     solution, lines = registration.solution, list[str]()
     relaxation, trajectory, agreement = solution.relaxation, solution.trajectory, solution.agreement
     if relaxation is not None and agreement.relaxation is not None:
@@ -230,23 +231,23 @@ def _away(angle: float) -> str:
 
 def warnings(registration: Registration) -> list[str]:
     """What is true of the data and would be a pity to overlook."""
-    equilibria, bounds, found = registration.equilibria, registration.bounds, list[str]()
+    equilibria, bounds, notes = registration.equilibria, registration.bounds, list[str]()
     gap, minimum = equilibria.margin.eigenvalue_gap, equilibria.components[0].energy
     unique = equilibria.classification.unique
     if _looks_mirrored(equilibria):
-        found.append("the target looks mirrored: is an axis flipped?")
+        notes.append("the target looks mirrored: is an axis flipped?")
     noisy = unique and registration.problem.noise_given and gap is not None
     if noisy and 2.0 * (gap or 0.0) < DISTINGUISHABLE:
-        found.append("at the given noise the next equilibrium is as likely as the optimum")
+        notes.append("at the given noise the next equilibrium is as likely as the optimum")
     costs = 0.0 if bounds is None else ROUNDING_SHARE * bounds.gap_lower
-    unnoted = Fraction(ReportSettings().unnoted_cost) * registration.solution.moments.spread
+    unnoted = Fraction(UNNOTED_COST) * registration.solution.moments.spread
     noted = bounds is not None and bounds.greatest_gap > unnoted
     if noted and minimum is not None and costs > max(minimum, gap or 0.0):
-        found.append(
+        notes.append(
             "the rounding of the translation to doubles costs more than a millionth of the fit: "
             "move the origin to the clouds"
         )
-    return found
+    return notes
 
 
 def _looks_mirrored(equilibria: EquilibriumSet) -> bool:
@@ -291,7 +292,7 @@ def _rate_words(trajectory: Trajectory) -> str:
     """The measured rate beside the exact flow's, where the steps are small enough to tell."""
     measured, predicted = _rate(trajectory.decay_rate), _rate(trajectory.predicted_rate)
     advance = trajectory.step * (trajectory.predicted_rate or 0.0)
-    if trajectory.decay_rate is not None and advance > ReportSettings().comparable_step:
+    if trajectory.decay_rate is not None and advance > COMPARABLE_STEP:
         return f"{measured}  (too few steps to compare with the predicted {predicted})"
     return f"{measured}  (predicted {predicted})"
 

@@ -5,7 +5,6 @@ Part of `make test-browser`; where there is a chromium, of the usual tests only 
 
 from __future__ import annotations
 
-import functools
 import itertools
 import os
 import re
@@ -22,10 +21,9 @@ from certreg.problem.problem import RegistrationProblem
 from certreg.registration.certification import certify
 from certreg.registration.examples import STORIES, tell
 from certreg.report import page as page_module
-from certreg.report import scene
+from certreg.report import viewer
 from certreg.report.page import Report
 from certreg.report.page import html_page as page_of
-from certreg.settings import ReportSettings
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -555,7 +553,7 @@ def test_points_that_the_certificate_does_not_hold_are_shown_as_a_sample(
     shown, written, monkeypatch
 ):
     monkeypatch.setattr(producing, "INLINE_POINTS", 100)
-    monkeypatch.setattr(scene, "ReportSettings", functools.partial(ReportSettings, sample=50))
+    monkeypatch.setattr(viewer, "SAMPLE", 50)
     registration = certify(problem_of(101), relaxation=False)
     report = shown(registration)
 
@@ -567,9 +565,7 @@ def test_points_that_the_certificate_does_not_hold_are_shown_as_a_sample(
 
 
 def test_a_certificate_too_large_for_its_page_is_left_out_of_it(shown, monkeypatch):
-    monkeypatch.setattr(
-        page_module, "ReportSettings", functools.partial(ReportSettings, embedded_bytes=9)
-    )
+    monkeypatch.setattr(page_module, "EMBEDDED_BYTES", 9)
     problem = problem_of(40)
     registration = certify(problem, relaxation=False)
     report = shown(registration)

@@ -12,7 +12,6 @@ import os
 import re
 import shutil
 import signal
-from functools import partial
 from html.parser import HTMLParser
 from importlib.resources import files
 from pathlib import Path
@@ -31,11 +30,10 @@ from certreg.registration.certification import certify
 from certreg.registration.examples import STORIES, tell
 from certreg.report import revisiting
 from certreg.report.markup import Markup, asset_block, data_block, element, json_block
-from certreg.report.page import Report, html_page
-from certreg.report.panel import THEOREMS, Roads, sentences
-from certreg.report.runs import escapes, shown_run
-from certreg.report.scene import Names
-from certreg.settings import ReportSettings
+from certreg.report.page import EMBEDDED_BYTES, Report, html_page
+from certreg.report.thinning import simulated_escapes, thinned
+from certreg.report.viewer import Names
+from certreg.report.words import THEOREMS, MethodAngles, sentences
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -181,9 +179,9 @@ def test_a_road_that_ends_elsewhere_is_not_said_to_lead_here(
     survey: Registration, relaxation: float | None, simulation: float | None
 ):
     angles = {"relaxation": relaxation, "simulation": simulation}
-    roads = Roads(closed_form=1e-9, **angles)
+    methods = MethodAngles(closed_form=1e-9, **angles)
     stated = Report.of(survey).stated
-    said = [one.words for one in sentences(survey, stated, roads) if "roads lead" in one.words]
+    said = [one.words for one in sentences(survey, stated, methods) if "roads lead" in one.words]
     agreeing, _, others = said[0].partition("°. ")
 
     assert len(said) == 1
@@ -569,7 +567,7 @@ def test_any_about_is_borne(about: dict[str, Any]):
 
 def test_a_run_begins_and_ends_where_the_simulation_does(survey: Registration):
     trajectory = checked(survey.solution.trajectory)
-    run = shown_run(trajectory)
+    run = thinned(trajectory)
 
     assert len(run.times) <= 240
     assert run.times[0] == 0.0
@@ -581,7 +579,7 @@ def test_a_run_begins_and_ends_where_the_simulation_does(survey: Registration):
 
 
 def test_a_pushed_body_leaves_every_saddle_for_the_optimum(survey: Registration):
-    runs = escapes(survey.solution, survey.problem.damping)
+    runs = simulated_escapes(survey.solution, survey.problem.damping)
     best = survey.equilibria.components[0].quaternion_wxyz
 
     assert [run.start for run in runs] == [1, 2, 3]
@@ -606,9 +604,7 @@ def test_a_large_certificate_is_named_in_the_page_and_not_carried(
 ):
     content = (folder / "certificate.json").read_bytes()
     size = len(content) - 1
-    monkeypatch.setattr(
-        "certreg.report.page.ReportSettings", partial(ReportSettings, embedded_bytes=size)
-    )
+    monkeypatch.setattr("certreg.report.page.EMBEDDED_BYTES", size)
     (folder / "certificate.json").rename(folder / "my.json")
     assert certreg("report", folder / "my.json").code == 0
     made = (folder / "report.html").read_bytes()
@@ -620,7 +616,7 @@ def test_a_large_certificate_is_named_in_the_page_and_not_carried(
     assert "too large for a page" in outline.words
     assert hashlib.sha256(content).hexdigest() in outline.words
     assert "certreg verify my.json" in outline.words
-    assert ReportSettings().embedded_bytes == 8 << 20
+    assert EMBEDDED_BYTES == 8 << 20
 
 
 def test_three_js_comes_with_its_licence():

@@ -1,8 +1,12 @@
-"""What the page's script draws: equilibria, motions, labels. The points are in the certificate."""
+"""The viewer, the part of the page where the bodies move: its markup, and what its script draws.
+
+The script reads equilibria, motions and labels from a document; the points are in the certificate.
+"""
 
 from __future__ import annotations
 
 import base64
+import math
 import zlib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, cast
@@ -11,11 +15,10 @@ import numpy as np
 
 from certreg.exact import nearest_double
 from certreg.objective import potential_energy
-from certreg.report.captions import component_name, component_words
-from certreg.report.markup import printable
-from certreg.report.runs import escapes, shown_run
-from certreg.report.summary import margin_words
-from certreg.settings import ReportSettings
+from certreg.report.markup import Markup, element, printable
+from certreg.report.summary import margin_words, number
+from certreg.report.thinning import simulated_escapes, thinned
+from certreg.report.words import component_name, component_words, factor_words
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -24,10 +27,115 @@ if TYPE_CHECKING:
     from certreg.problem import RegistrationProblem
     from certreg.registration import Registration
 
+SPRINGS_WORDS = (
+    "Each pair is joined by a spring, and the source moves as one rigid body, with friction, until "
+    "it rests. Where it can rest is known completely."
+)
+INDEX_WORDS = "The index counts the independent turns that lower the energy: 0 only at the best."
 GZIP = 31  # of zlib's window bits: with a header of gzip, which browsers unpack
 NO_MOTION = "Nothing moves here: "
 COLLINEAR = "the source points are on one line, so the dynamics of the body is not defined."
 NOT_SIMULATED = "the motion was not simulated."
+SAMPLE = 100_000  # points shown where the page holds no certificate with them
+
+
+def viewer_section(registration: Registration) -> Markup:
+    """The scene, what moves it, and a button for each stationary pose."""
+    equilibria = registration.equilibria
+    poses = [_pose_button(registration, i) for i in range(len(equilibria.components))]
+    film = element(
+        "div",
+        element("div", _view(), _bar(), class_="film"),
+        element("p", id="caption", role="status"),
+        element("button", "Push it", id="push", type="button", hidden=True),
+        element("div", id="along"),
+    )
+    choices = element(
+        "div",
+        element(
+            "div",
+            element("h3", "Watch the registration"),
+            _button("From the start", "the source as it was given, released", id="released"),
+            id="watch",
+        ),
+        element("h3", "Every pose at which it can rest"),
+        element("div", *poses, class_="rests", role="group", aria_label="Poses at rest"),
+        element("p", INDEX_WORDS, class_="note"),
+        class_="choices",
+    )
+    silent = element("noscript", element("p", "The pictures need JavaScript; the words do not."))
+    return element(
+        "div",
+        element("p", SPRINGS_WORDS, class_="note"),
+        silent,
+        element("div", film, choices, class_="stage"),
+    )
+
+
+def _view() -> Markup:
+    zooms = (("+", "Closer"), ("−", "Farther"), ("⟲", "As at first"))
+    return element(
+        "div",
+        element(
+            "canvas",
+            id="view",
+            tabindex=0,
+            role="img",
+            aria_label="The two clouds in space. Arrow keys turn, + and - zoom, Home resets, "
+            "space plays.",
+        ),
+        element("div", id="tags", aria_hidden="true"),
+        element("p", id="view-note", role="status"),
+        element("p", id="legend", aria_hidden="true"),
+        element(
+            "div",
+            *(
+                element("button", sign, type="button", title=words, aria_label=words)
+                for sign, words in zooms
+            ),
+            id="zoom",
+        ),
+        class_="view",
+    )
+
+
+def _bar() -> Markup:
+    return element(
+        "div",
+        element("button", "Play", id="play", type="button"),
+        element("label", "Time", for_="time", class_="unseen"),
+        element("input", id="time", type="range", min=0, max=1000, value=0, step="any"),
+        element("output", id="clock", for_="time"),
+        class_="bar",
+    )
+
+
+def _pose_button(registration: Registration, index: int) -> Markup:
+    equilibria = registration.equilibria
+    component = equilibria.components[index]
+    away = math.degrees(component.angle_to_optimum)
+    fit = [f"RMSE {number(component.rmse)}"]
+    if not component.optimal:
+        fit += filter(None, [factor_words(equilibria, index), f"{away:.4g}° from the optimum"])
+    return _button(
+        component_name(equilibria, index),
+        *fit,
+        badge=f"index {component.morse_index}",
+        class_="rest best" if component.optimal else "rest wrong",
+        data_component=index,
+    )
+
+
+def _button(name: str, *notes: str, badge: str = "", **attributes: str | int) -> Markup:
+    return element(
+        "button",
+        element("span", name, class_="name"),
+        element("span", badge, class_="badge"),
+        *(element("span", note, class_="note") for note in notes),
+        type="button",
+        aria_pressed="false",
+        **attributes,
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -65,8 +173,8 @@ def scene_document(
     """What the script of the page reads beside the certificate."""
     problem, solution = registration.problem, registration.solution
     equilibria = registration.equilibria
-    runs = [] if logged is None else [shown_run(logged)]
-    runs += escapes(solution, problem.damping)
+    runs = [] if logged is None else [thinned(logged)]
+    runs += simulated_escapes(solution, problem.damping)
     exponent = runs[0].length_exponent if runs else 0
     unit = solution.moments.total_weight * (4**exponent if exponent >= 0 else 1)
     if exponent < 0:
@@ -101,7 +209,7 @@ def scene_document(
 
 def sample_of(problem: RegistrationProblem) -> str:
     """Evenly chosen pairs, for a page that does not hold all points."""
-    step = -(-problem.n // ReportSettings().sample)
+    step = -(-problem.n // SAMPLE)
     rows = slice(None, None, step)
     parts = (problem.source[rows], problem.target[rows], problem.weights[rows])
     body = b"".join(np.ascontiguousarray(part, dtype="<f8").tobytes() for part in parts)

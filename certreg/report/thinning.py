@@ -1,6 +1,7 @@
 """Simulated motions thinned for display: the registration itself, and an escape from each saddle.
 
-Poses and energies are sent to the page, never points.
+Poses and energies are sent to the page, never points. A module beside the viewer,
+which alone uses it: numbers and no markup.
 """
 
 from __future__ import annotations
@@ -15,13 +16,17 @@ from certreg.dynamics import SimulationSettings, simulate, state_at_rest
 from certreg.errors import DegenerateProblemError
 from certreg.geometry import quaternion_from_matrix, rotation_matrix
 from certreg.native import MATRIX_STATE, named
-from certreg.settings import ReportSettings
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.dynamics import Record, Trajectory
     from certreg.registration import Solution
+
+FRAMES = 240  # of a motion; the page interpolates between them
+VISIBLE_ENERGY = 1e-8  # of what a run loses: 1e-4 of the first displacement
+PUSH = 0.02  # radians off a saddle: hardly seen, and soon on its way
+ESCAPE_STEPS = 20_000  # of explicit Euler; some five hundred are usual
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -55,14 +60,13 @@ class Run:
         }
 
 
-def shown_run(logged: Trajectory | Record, start: int | None = None) -> Run:
+def thinned(logged: Trajectory | Record, start: int | None = None) -> Run:
     """The part of a trajectory in which something is seen to move, in evenly spaced frames."""
-    settings = ReportSettings()
     times, energy = logged.times, logged.potential + logged.kinetic
     above = energy - energy[-1]
-    moving = np.flatnonzero(above > settings.visible_energy * above[0])
+    moving = np.flatnonzero(above > VISIBLE_ENERGY * above[0])
     end = min(len(times) - 1, int(moving[-1]) + 1 if len(moving) else len(times) - 1)
-    wanted: NDArray[np.float64] = np.arange(settings.frames) / (settings.frames - 1)
+    wanted: NDArray[np.float64] = np.arange(FRAMES) / (FRAMES - 1)
     wanted = times[0] + wanted * (times[end] - times[0])
     rows = np.unique(np.searchsorted(times, wanted).clip(0, end))
     states = named(logged.states[rows], MATRIX_STATE)
@@ -78,7 +82,7 @@ def shown_run(logged: Trajectory | Record, start: int | None = None) -> Run:
     )
 
 
-def escapes(solution: Solution, damping: float) -> list[Run]:
+def simulated_escapes(solution: Solution, damping: float) -> list[Run]:
     """From each component that is not optimal, a run that begins a small turn off it.
 
     The turn is about the axis along which the energy falls fastest. Empty where the dynamics is not
@@ -96,12 +100,11 @@ def escapes(solution: Solution, damping: float) -> list[Run]:
 
 
 def _escape(solution: Solution, damping: float, index: int, axis: NDArray[np.float64]) -> Run:
-    settings, component = ReportSettings(), solution.equilibria.components[index]
-    half = settings.push / 2.0
+    component, half = solution.equilibria.components[index], PUSH / 2.0
     turn = np.array([np.cos(half), *(np.sin(half) * axis)])
     pushed = component.rotation @ np.array(rotation_matrix(turn.tolist()))
-    start, limits = state_at_rest(pushed), SimulationSettings(max_steps=settings.escape_steps)
-    return shown_run(simulate(solution.spectrum, damping, start=start, settings=limits), index)
+    start, limits = state_at_rest(pushed), SimulationSettings(max_steps=ESCAPE_STEPS)
+    return thinned(simulate(solution.spectrum, damping, start=start, settings=limits), index)
 
 
 def _packed(values: NDArray[np.float64]) -> str:

@@ -1,4 +1,4 @@
-"""The proof panel: what is known, in sentences, each with how it is known and by which theorem."""
+"""What the page says in sentences: what is proved and by which theorem, and what is to be seen."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from certreg.exact import double_above
-from certreg.report.summary import bounded, count_words, margin_words, proved_degrees
+from certreg.report.summary import bounded, count_words, margin_words, number, proved_degrees
 from certreg.results import ComponentKind, Guarantee
-from certreg.settings import ReportSettings
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from certreg.equilibrium import Component, EquilibriumSet
     from certreg.registration import Agreement, Registration
     from certreg.verify import Isotropic
 
@@ -41,6 +41,15 @@ NAMES = {
     ComponentKind.PROJECTIVE_PLANE: "a projective plane of poses",
     ComponentKind.ROTATION_GROUP: "every rotation",
 }
+PLURALS = {
+    ComponentKind.CIRCLE: "a circle of them",
+    ComponentKind.PROJECTIVE_PLANE: "a projective plane of them",
+    ComponentKind.ROTATION_GROUP: "every rotation",
+}
+NUMERALS = {1: "one axis", 2: "either of two axes", 3: "any of three axes"}
+LARGE_FACTOR = 1.05  # below, a factor says nothing that the two numbers do not
+LARGEST_FACTOR = 1e6  # above, the number means nothing to a reader
+SAME_ROTATION = 0.1  # degrees: methods that find it end nearer; a run stops a little before
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,15 +62,15 @@ class Sentence:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Roads:
-    """How far independent roads ended from the pose, in degrees; None where not taken."""
+class MethodAngles:
+    """How far independent methods ended from the pose, in degrees; None for those not run."""
 
     closed_form: float
     relaxation: float | None
     simulation: float | None
 
     @classmethod
-    def of(cls, agreement: Agreement) -> Roads:
+    def of(cls, agreement: Agreement) -> MethodAngles:
         """From the angles in radians."""
         others = (agreement.relaxation, agreement.simulation)
         relaxation, simulation = (None if a is None else math.degrees(a) for a in others)
@@ -72,13 +81,15 @@ class Roads:
         )
 
 
-def sentences(registration: Registration, stated: Isotropic, roads: Roads) -> list[Sentence]:
+def sentences(
+    registration: Registration, stated: Isotropic, angles: MethodAngles
+) -> list[Sentence]:
     """What the page says is known; `stated` by a certificate that was accepted."""
     return [
         *_optimality(registration),
         *_equilibria(registration, stated),
         *_motion(stated),
-        *_numbers(registration, roads),
+        *_numbers(registration, angles),
     ]
 
 
@@ -188,7 +199,7 @@ def _motion(stated: Isotropic) -> Iterator[Sentence]:
         )
 
 
-def _numbers(registration: Registration, roads: Roads) -> Iterator[Sentence]:
+def _numbers(registration: Registration, angles: MethodAngles) -> Iterator[Sentence]:
     yield Sentence(
         words=(
             "Poses, energies and RMSE are rounded to doubles from at least 57 digits. The "
@@ -198,7 +209,7 @@ def _numbers(registration: Registration, roads: Roads) -> Iterator[Sentence]:
         guarantee=Guarantee.NUMERICAL,
         theorems=("spectrum",),
     )
-    yield Sentence(words=_roads_words(roads), guarantee=Guarantee.NUMERICAL)
+    yield Sentence(words=_methods_words(angles), guarantee=Guarantee.NUMERICAL)
     yield Sentence(
         words=f"The ambiguity margin is {margin_words(registration.equilibria)}.",
         guarantee=Guarantee.NUMERICAL,
@@ -206,15 +217,15 @@ def _numbers(registration: Registration, roads: Roads) -> Iterator[Sentence]:
     )
 
 
-def _roads_words(roads: Roads) -> str:
-    """Which roads lead to the rotation that is printed, and which do not."""
+def _methods_words(methods: MethodAngles) -> str:
+    """Which methods lead to the rotation that is printed, and which do not."""
     angles = {
-        "the closed form": roads.closed_form,
-        "the semidefinite relaxation": roads.relaxation,
-        "the simulation": roads.simulation,
+        "the closed form": methods.closed_form,
+        "the semidefinite relaxation": methods.relaxation,
+        "the simulation": methods.simulation,
     }
     taken = {name: angle for name, angle in angles.items() if angle is not None}
-    apart = [name for name, angle in taken.items() if not angle <= ReportSettings().same_rotation]
+    apart = [name for name, angle in taken.items() if not angle <= SAME_ROTATION]
     told = [f"{name} to {angle:.1g}°" for name, angle in taken.items() if name not in apart]
     words = [f"Independent roads lead to the same rotation: {', '.join(told)}."] if told else []
     words += [
@@ -223,3 +234,91 @@ def _roads_words(roads: Roads) -> str:
         for name in apart
     ]
     return " ".join(words)
+
+
+def motion_words(registration: Registration) -> str:
+    """The pose as a turn about an axis and a shift."""
+    pose, unique = registration.pose, registration.equilibria.classification.unique
+    which = "The best motion" if unique else "That pose"
+    w, *axial = pose.quaternion_wxyz.tolist()
+    length = math.hypot(*axial)
+    shift = ", ".join(f"{entry:.6g}" for entry in pose.translation.tolist())
+    if length == 0.0:
+        return f"{which} turns nothing and shifts the source by ({shift})."
+    degrees = math.degrees(2.0 * math.atan2(length, w))
+    axis = ", ".join(f"{entry / length:.3f}" for entry in axial)
+    turn = f"turns the source by {degrees:.4g}° about the axis ({axis})"
+    return f"{which} {turn} and shifts it by ({shift})."
+
+
+def trap_words(equilibria: EquilibriumSet) -> str | None:
+    """How wrong the worst stationary pose is, and that bodies leave it; None if all are optimal."""
+    worst, last = equilibria.components[-1], len(equilibria.components) - 1
+    if worst.optimal or None in {worst.rmse, equilibria.components[0].rmse}:
+        return None
+    factor = factor_words(equilibria, last)
+    unstable = worst.unstable_eigenvalues is not None
+    return (
+        f"The worst rotation, {math.degrees(worst.angle_to_optimum):.4g}° off, balances the "
+        f"springs, too. It is wrong, with an RMSE of {number(worst.rmse)} instead of "
+        f"{number(equilibria.components[0].rmse)}{f' ({factor})' if factor else ''}"
+        f"{', and unstable: the smallest push ends it' if unstable else ''}."
+    )
+
+
+def component_name(equilibria: EquilibriumSet, index: int) -> str:
+    """A short name for a button."""
+    component = equilibria.components[index]
+    single = component.kind is ComponentKind.POINT
+    if component.optimal:
+        return "Optimum" if single else f"Optima: {PLURALS[component.kind]}"
+    name = "Worst rotation" if index == len(equilibria.components) - 1 else "Saddle"
+    return name if single else f"{name}s: {PLURALS[component.kind]}"
+
+
+def factor_words(equilibria: EquilibriumSet, index: int) -> str:
+    """How many times as far apart the pairs are as at the optimum; empty where that says little."""
+    best, here = equilibria.components[0].rmse, equilibria.components[index].rmse
+    if not best or not here or not LARGE_FACTOR < here / best < LARGEST_FACTOR:
+        return ""
+    return f"{here / best:.3g} times the optimum's"
+
+
+def component_words(equilibria: EquilibriumSet, index: int) -> str:
+    """What is to be seen at a component, and why a body stays there or leaves."""
+    component = equilibria.components[index]
+    if component.optimal:
+        return _optimal_words(component)
+    factor = factor_words(equilibria, index)
+    wrong = f"RMSE {number(component.rmse)}{f', {factor}' if factor else ''}"
+    last = index == len(equilibria.components) - 1
+    worst = " It is the worst rotation there is." if last else ""
+    axes = NUMERALS[component.morse_index]
+    return (
+        f"All forces and torques balance here, and yet it is wrong: {wrong}.{worst} Turning about "
+        f"{axes} lowers the energy, {_growth_words(component)}"
+    )
+
+
+def _growth_words(component: Component) -> str:
+    count = component.unstable_eigenvalues
+    if count is None:
+        return "so it is no minimum."
+    modes = "1 of the 12 eigenvalues has" if count == 1 else f"{count} of the 12 eigenvalues have"
+    return (
+        f"and so {modes} a positive real part: the smallest push grows, and the body leaves. "
+        "Push it, and watch."
+    )
+
+
+def _optimal_words(component: Component) -> str:
+    fit = f"RMSE {number(component.rmse)}"
+    if component.kind is not ComponentKind.POINT:
+        return (
+            f"No pose is better than these, and all of them are exactly as good: {fit}. "
+            "Move along them: the pairs come no closer, and get no farther apart."
+        )
+    stable = "" if component.unstable_eigenvalues is None else ", and the body comes back"
+    return (
+        f"The best pose there is: {fit}. Turned a little about any axis the energy rises{stable}."
+    )
