@@ -75,8 +75,10 @@ def export(
     """
     stated = parse(certificate)
     if not isinstance(stated, Isotropic):
-        message = f"a certificate of kind {stated.kind}: Coq decides on those of kind isotropic"
-        raise InvalidFileError(message, column="kind", value=stated.kind, limit="isotropic")
+        what = f"a certificate of kind {stated.kind}, and Coq decides on kind isotropic alone"
+        raise InvalidFileError(
+            f"{what}: leave out --coq", column="kind", value=stated.kind, limit="isotropic"
+        )
     content, n = bytes(bound_doubles(stated, clouds)), stated.n
     numbers = struct.unpack(f"<{7 * n}d", content)
     require(all(map(isfinite, numbers)), "the data hold a number that is not finite")

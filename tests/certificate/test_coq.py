@@ -244,6 +244,14 @@ def test_verify_with_coq_of_a_missing_file_is_exit_code_2(tmp_path):
     assert done.err.count("\n") == 1
 
 
+def test_verify_with_coq_of_a_certificate_of_the_count_is_one_line_and_exit_code_2():
+    done = certreg("verify", "--coq", VECTORS / "accept-count.json")
+
+    assert done.code == 2
+    assert done.out == ""
+    assert "of kind count, and Coq decides on kind isotropic alone: leave out --coq" in done.err
+
+
 def test_out_without_coq_is_wrong_usage(tmp_path):
     path = VECTORS / "accept-pattern-1111.json"
     done = certreg("verify", path, "--out", tmp_path / "certificate.v")
