@@ -16,7 +16,10 @@ from certreg.certificate import verify as verify
 
 if TYPE_CHECKING:
     from certreg.certificate import Certificate as Certificate
+    from certreg.dynamics import SimulationSettings as SimulationSettings
     from certreg.dynamics import Trajectory as Trajectory
+    from certreg.dynamics import bodies_of as bodies_of
+    from certreg.dynamics import simulate_many as simulate_many
     from certreg.equilibrium import solve_many as solve_many
     from certreg.errors import CertregError as CertregError
     from certreg.geometry import Pose as Pose
@@ -40,15 +43,18 @@ __all__ = [
     "Pose",
     "Registration",
     "RegistrationProblem",
+    "SimulationSettings",
     "Trajectory",
     "Verdict",
     "__version__",
     "assess",
+    "bodies_of",
     "certify",
     "equilibria",
     "read_problem",
     "register",
     "simulate",
+    "simulate_many",
     "solve_many",
     "verify",
 ]
@@ -57,7 +63,12 @@ __getattr__ = lazy_face(
     __name__,
     {
         "certificate": ("Certificate",),
-        "dynamics": ("Trajectory",),
+        "dynamics": (
+            "SimulationSettings",
+            "Trajectory",
+            "bodies_of",
+            "simulate_many",
+        ),
         "equilibrium": ("solve_many",),
         "errors": ("CertregError",),
         "geometry": ("Pose",),

@@ -18,13 +18,36 @@ from certreg.native.evaluator import evaluator
 
 ROOT = Path(__file__).parents[2]
 NAMES = ("embed-the-c-code", "simulate", "many-problems", "cluster")
-GUIDES = [ROOT / "docs" / "howto" / f"{name}.md" for name in NAMES]
+DOCS = ROOT / "docs"
+GUIDES = [DOCS / "howto" / f"{name}.md" for name in NAMES]
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 each_guide = pytest.mark.parametrize("guide", GUIDES, ids=lambda path: path.stem)
 
 
 def blocks(guide: Path, language: str) -> list[str]:
     return [body for found, body in FENCE.findall(guide.read_text()) if found == language]
+
+
+PRIVATE = re.compile(r"^\s*(?:from|import) (certreg\.\w+\.\w[\w.]*)", re.MULTILINE)
+INSIDE = {"four-roads"}  # takes the methods apart, each in its own module
+
+
+def private_imports(text: str) -> list[str]:
+    return PRIVATE.findall(text)
+
+
+@pytest.mark.parametrize("page", sorted(DOCS.rglob("*.md")), ids=lambda path: path.stem)
+def test_no_page_imports_a_private_module(page: Path):
+    if "modules" in page.parts or page.stem in INSIDE:
+        return
+
+    assert private_imports(page.read_text("utf-8")) == []
+
+
+def test_an_import_of_a_private_module_is_seen():
+    text = "from certreg.problem import exact_moments\nfrom certreg.exact.balls import box\n"
+
+    assert private_imports(text) == ["certreg.exact.balls"]
 
 
 def test_there_are_guides():
