@@ -23,7 +23,7 @@ class InvalidProblemError(CertregError):
     """The arguments given do not state a registration problem.
 
     array: the argument that is wrong, as in the signature: source, weights, sigma, damping.
-    row: the first row of it that is wrong, counted from 0; of a batch, the problem's number.
+    row: the first row of it that is wrong; instance: of many, the problem; both counted from 0.
     value: what stands there: a number, a row, a type, a shape, a count.
     limit: what the value would have to be, or to keep to.
     """
@@ -34,12 +34,14 @@ class InvalidProblemError(CertregError):
         *,
         array: str | None = None,
         row: int | None = None,
+        instance: int | None = None,
         value: object = None,
         limit: object = None,
     ) -> None:
         super().__init__(message)
         self.array = array
         self.row = row
+        self.instance = instance
         self.value = value
         self.limit = limit
 
@@ -47,8 +49,8 @@ class InvalidProblemError(CertregError):
 class DegenerateProblemError(CertregError):
     """The problem is well posed, but what was asked of it is not defined.
 
-    rank: of what would have to be of a larger one; of the centred source, 1 says collinear.
-    row: of a batch, the number of the problem, counted from 0.
+    rank: of the centred source: 1 if its points are collinear, 0 if they are all the same.
+    instance: of many problems, this one, counted from 0.
     value: what is too small or too large, if it is a number; limit: what it misses.
     """
 
@@ -57,13 +59,13 @@ class DegenerateProblemError(CertregError):
         message: str,
         *,
         rank: int | None = None,
-        row: int | None = None,
+        instance: int | None = None,
         value: object = None,
         limit: object = None,
     ) -> None:
         super().__init__(message)
         self.rank = rank
-        self.row = row
+        self.instance = instance
         self.value = value
         self.limit = limit
 

@@ -73,7 +73,9 @@ def certified_basin(spectrum: Spectrum, length_exponent: int) -> Basin:
             "differ so much in size, or are so nearly uncorrelated, that springs hardly turn the "
             "body; bring both clouds to one unit of length"
         )
-        raise DegenerateProblemError(message)
+        raise DegenerateProblemError(
+            message, value=float(record["gaps"][optima:].min()), limit=SMALLEST_BARRIER
+        )
     return Basin(record=record)
 
 
@@ -91,7 +93,8 @@ def basins_of(
     basins["quaternions"], basins["gaps"] = vectors, differences * unit
     lost = ((differences > 0.0) & (basins["gaps"] < SMALLEST_BARRIER)).any(axis=1)
     if lost.any():
-        where = f"the clouds of instance {int(np.argmax(lost))}"
+        instance = int(np.argmax(lost))
+        where = f"the clouds of instance {instance}"
         message = f"{where} differ too much in size for double precision: bring both to one unit"
-        raise DegenerateProblemError(message)
+        raise DegenerateProblemError(message, instance=instance, limit=SMALLEST_BARRIER)
     return basins

@@ -176,8 +176,11 @@ def _inertias(poses: StationaryPoses, units: NDArray[np.integer[Any]]) -> NDArra
     thinnest, _, _ = np.linalg.eigvalsh(symmetric(upper)).T
     flat = ~(thinnest > SMALLEST_INERTIA)
     if flat.any():
-        message = f"the source of instance {int(np.argmax(flat))} is collinear, or nearly so"
-        raise DegenerateProblemError(message)
+        instance = int(np.argmax(flat))
+        message = f"the source of instance {instance} is collinear, or nearly so"
+        raise DegenerateProblemError(
+            message, instance=instance, value=float(thinnest[instance]), limit=SMALLEST_INERTIA
+        )
     return upper
 
 

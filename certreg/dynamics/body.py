@@ -121,12 +121,13 @@ def body_of(moments: ExactMoments, damping: float, *, length_exponent: int | Non
     cross_unit = moments.cross_unit * unit
     inertia_unit = power_of_two(c + 2 * a) / moments.mass * unit
     inertia = np.array([[float(e * inertia_unit) for e in row] for row in moments.inertia])
-    if not np.linalg.eigvalsh(inertia)[0] > SMALLEST_INERTIA:
+    thinnest = float(np.linalg.eigvalsh(inertia)[0])
+    if not thinnest > SMALLEST_INERTIA:
         message = (
             "the source is so nearly collinear, or so small beside the target, that its inertia is "
             "singular in double precision: the dynamics cannot be simulated"
         )
-        raise DegenerateProblemError(message)
+        raise DegenerateProblemError(message, value=thinnest, limit=SMALLEST_INERTIA)
     upper, record = np.triu_indices(3), np.empty((), dtype=BODY)
     record["cross"] = [[float(e * cross_unit) for e in row] for row in moments.cross]
     record["inertia"] = inertia[upper]

@@ -159,8 +159,13 @@ def _stable_euler_steps(
     limit = STABILITY_SHARE * np.minimum(1.0 / mu, mu / stiffness)
     refused = np.flatnonzero(~(limit > settings.least_step))
     if refused.size:
-        first = refused[0]
-        raise DegenerateProblemError(_why_no_euler(bodies[first], basins[first], settings))
+        first = int(refused[0])
+        raise DegenerateProblemError(
+            _why_no_euler(bodies[first], basins[first], settings),
+            instance=first,
+            value=float(limit[first]),
+            limit=settings.least_step,
+        )
     return limit
 
 

@@ -27,6 +27,7 @@ from certreg.dynamics.integrators import (
 )
 from certreg.equilibrium import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
+from certreg.exact import rank
 from certreg.geometry import quaternion_from_matrix, rotation_matrix
 from certreg.native import (
     LARGEST_PERTURBATION,
@@ -129,7 +130,7 @@ def simulate(
     settings = settings or SimulationSettings()
     if not spectrum.classification.inertia_definite:
         message = "the source points are collinear: the rotational dynamics is not defined"
-        raise DegenerateProblemError(message)
+        raise DegenerateProblemError(message, rank=rank(spectrum.moments.source_scatter))
     moving = body_of(spectrum.moments, damping)
     basin = certified_basin(spectrum, moving.length_exponent)
     begin = start_at_rest(spectrum.moments, moving.length_exponent) if start is None else start
@@ -157,7 +158,7 @@ def _require_finite(begin: NDArray[np.float64], moving: Body, batch: Batch) -> N
             f"{moving.damping:.3g}: take the midpoint integrator, whose energy never rises, or "
             "more damping"
         )
-        raise DegenerateProblemError(message)
+        raise DegenerateProblemError(message, value=moving.damping)
 
 
 def optimal_damping(spectrum: Spectrum) -> float:
@@ -169,7 +170,7 @@ def optimal_damping(spectrum: Spectrum) -> float:
     """
     if not (spectrum.classification.inertia_definite and spectrum.classification.unique):
         message = "the best damping needs a source that is not collinear and a unique optimum"
-        raise DegenerateProblemError(message)
+        raise DegenerateProblemError(message, rank=rank(spectrum.moments.source_scatter))
     moving = body_of(spectrum.moments, 1.0)
     basin = certified_basin(spectrum, moving.length_exponent)
     return _best_damping(moving.record[np.newaxis], basin.record[np.newaxis])

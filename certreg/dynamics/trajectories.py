@@ -88,7 +88,7 @@ def read_record(path: str | os.PathLike[str]) -> Record:
     if wrong or count == 0:
         what = f"'{(wrong or ARRAYS)[0]}' is not that of a trajectory"
         message = f"{shown(file)}: {what}: write it anew with certreg simulate --out"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file, column=(wrong or ARRAYS)[0])
     return Record(
         times=arrays["times"],
         states=arrays["states"],

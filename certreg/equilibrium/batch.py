@@ -180,13 +180,13 @@ def clouds(sources: ArrayLike, targets: ArrayLike, weights: ArrayLike | None) ->
     x, y = _points(sources, "sources"), _points(targets, "targets")
     if x.shape[1] != y.shape[1]:
         message = f"sources have {x.shape[1]} points and targets {y.shape[1]}: they correspond"
-        raise InvalidProblemError(message)
+        raise InvalidProblemError(message, array="targets", value=y.shape[1], limit=x.shape[1])
     w = np.ones((1, x.shape[1])) if weights is None else _weights(weights, x.shape[1])
     count = max(len(x), len(y), len(w))
     for name, array in (("sources", x), ("targets", y), ("weights", w)):
         if len(array) not in {1, count}:
             message = f"{name} are of {len(array)} instances, other arrays of {count}"
-            raise InvalidProblemError(message)
+            raise InvalidProblemError(message, array=name, value=len(array), limit=count)
     return ManyClouds(count=count, sources=x, targets=y, weights=w)
 
 
@@ -200,17 +200,18 @@ def stationary_poses(given: ManyClouds, first: int = 0) -> StationaryPoses:
     lost = np.isnan(found.cross).any(axis=1)
     if lost.any():
         k = int(np.argmax(lost))
-        raise InvalidProblemError(_infinite(given.part(slice(k, k + 1)), first + k))
+        raise _infinite(given.part(slice(k, k + 1)), first + k)
     return found
 
 
-def _infinite(one: ManyClouds, number: int) -> str:
-    """Where a number of a problem is not finite."""
+def _infinite(one: ManyClouds, number: int) -> InvalidProblemError:
+    """The error that says where a number of a problem is not finite."""
     clouds = {"sources": one.sources[0], "targets": one.targets[0]}
     name = next(name for name, rows in clouds.items() if not np.isfinite(rows).all())
     row = int(np.argmin(np.isfinite(clouds[name]).all(axis=1)))
-    place = f"{name} of instance {number}, row {row}, is {clouds[name][row].tolist()}"
-    return f"{place}: every value must be finite"
+    value = clouds[name][row].tolist()
+    message = f"{name} of instance {number}, row {row}, is {value}: every value must be finite"
+    return InvalidProblemError(message, array=name, row=row, instance=number, value=value)
 
 
 def _points(given: ArrayLike, name: str) -> Array:
@@ -218,7 +219,7 @@ def _points(given: ArrayLike, name: str) -> Array:
     array = array[np.newaxis] if array.ndim == 2 else array
     if array.ndim != 3 or array.shape[2] != 3 or 0 in array.shape:
         message = f"{name} have the shape {array.shape}: give finite numbers, (count, N, 3)"
-        raise InvalidProblemError(message)
+        raise InvalidProblemError(message, array=name, value=array.shape)
     return array
 
 
@@ -226,14 +227,14 @@ def _weights(given: ArrayLike, points: int) -> Array:
     array = np.atleast_2d(_doubles(given, "weights"))
     if array.ndim != 2 or array.shape[1] != points:
         message = f"weights have the shape {array.shape}: give (count, {points}) or ({points},)"
-        raise InvalidProblemError(message)
+        raise InvalidProblemError(message, array="weights", value=array.shape)
     wrong = (array < 0.0).any(axis=1) | ~(array.max(axis=1) > 0.0) | ~np.isfinite(array).all(axis=1)
     if wrong.any():
+        k = int(np.argmax(wrong))
         message = (
-            f"the weights of instance {int(np.argmax(wrong))} are not finite numbers >= 0, "
-            "or all of them are zero"
+            f"the weights of instance {k} are not finite numbers >= 0, or all of them are zero"
         )
-        raise InvalidProblemError(message)
+        raise InvalidProblemError(message, array="weights", instance=k, limit=0.0)
     return array
 
 
@@ -241,9 +242,11 @@ def _doubles(given: ArrayLike, name: str) -> Array:
     try:
         array = np.asarray(given)
     except (ValueError, TypeError) as error:
-        raise InvalidProblemError(f"{name} are not an array of numbers: {error}") from error
+        message = f"{name} are not an array of numbers: {error}"
+        raise InvalidProblemError(message, array=name) from error
     if array.dtype.kind not in "fiu":
-        raise InvalidProblemError(f"{name} have entries of type {array.dtype}: give real numbers")
+        message = f"{name} have entries of type {array.dtype}: give real numbers"
+        raise InvalidProblemError(message, array=name, value=array.dtype)
     return np.ascontiguousarray(array, dtype=np.float64)
 
 

@@ -201,7 +201,7 @@ def _homotopy(moments: ExactMoments) -> _End:
         return proved
     outcome = ends.outcomes[0]
     if outcome is not HomotopyStatus.CONTINUUM:
-        raise UndecidedError(f"homotopy: {outcome.value}")
+        raise UndecidedError(f"homotopy: {outcome.value}", method="homotopy")
     found = _numerical(moments, ends)
     return _End(
         found=found,

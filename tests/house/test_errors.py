@@ -16,6 +16,8 @@ from hypothesis import strategies as st
 
 import certreg
 from certreg import RegistrationProblem, errors
+from certreg.dynamics import bodies_of
+from certreg.equilibrium import solve_many
 from certreg.errors import (
     CertregError,
     DegenerateProblemError,
@@ -194,6 +196,25 @@ def large(value: float) -> np.ndarray:
 )
 def test_what_is_wrong_with_a_problem_is_in_the_fields(act, expected):
     assert evidence(raised(InvalidProblemError, act)).items() >= expected.items()
+
+
+@pytest.mark.parametrize(
+    ("source", "rank"), [(np.outer(np.arange(9.0), [1, 2, 3]), 1), (np.ones((9, 3)), 0)]
+)
+def test_the_rank_of_a_source_that_cannot_turn_is_told(source, rank):
+    problem = RegistrationProblem(source, CLOUD[:9])
+
+    assert evidence(raised(DegenerateProblemError, certreg.simulate, problem)) == {"rank": rank}
+
+
+def test_the_problem_of_many_that_is_wrong_is_told():
+    sources = np.stack([CLOUD] * 6)
+    sources[4, 7, 2] = np.nan
+    error = raised(InvalidProblemError, solve_many, sources, CLOUD)
+
+    assert (error.array, error.instance, error.row) == ("sources", 4, 7)
+    sources[4] = np.outer(np.arange(10.0), [1, 2, 3])
+    assert raised(DegenerateProblemError, bodies_of, sources, CLOUD).instance == 4
 
 
 def test_rounding_that_leaves_a_rotation_in_doubt_is_measured():
