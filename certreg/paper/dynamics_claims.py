@@ -1,4 +1,7 @@
-"""Evidence on the paper's claims about the motion, the flow's and the simulation's."""
+"""Evidence on the paper's claims about the motion: of the flow, and of the simulation.
+
+`verdicts` has the table of all claims; they stand in two modules by what they are about.
+"""
 
 from __future__ import annotations
 

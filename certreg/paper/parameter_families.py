@@ -1,4 +1,4 @@
-"""Families of random instances along one parameter, which a sweep varies.
+"""Families of random instances along one parameter: what `parameter_sweeps` measures.
 
 >>> import numpy as np
 >>> sample = FAMILIES["symmetry"].sample(np.random.default_rng(0), 1e-3, 50)

@@ -1,4 +1,7 @@
-"""The figures that show clouds: the construction, the balanced polygons, poses of a real cloud."""
+"""The figures that show clouds: the construction, the balanced polygons, poses of a real cloud.
+
+Apart from `figures`, which shows numbers: both together are too long for one module.
+"""
 
 from __future__ import annotations
 

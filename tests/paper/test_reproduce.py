@@ -44,7 +44,7 @@ SCHEMA = json.loads(
 
 
 def quiet(stage: str, done: int, total: int) -> None:
-    """Nobody watches."""
+    """Shows no progress."""
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""Maps beyond the paper: what is measured obeys the theory beside it, and is what is drawn."""
+"""Sweeps beyond the paper: what is measured obeys the theory beside it, and is what is drawn."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ COUNT = 40
 
 
 def quiet(stage: str, done: int, total: int) -> None:
-    """Nobody watches."""
+    """Shows no progress."""
 
 
 def measured(name: str, value: float, count: int = COUNT):
