@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from certreg.equilibrium import solve_many as solve_many
     from certreg.errors import CertregError as CertregError
     from certreg.geometry import Pose as Pose
+    from certreg.io import read_cloud as read_cloud
     from certreg.io import read_problem as read_problem
     from certreg.problem import RegistrationProblem as RegistrationProblem
     from certreg.registration import Assessment as Assessment
@@ -51,6 +52,7 @@ __all__ = [
     "bodies_of",
     "certify",
     "equilibria",
+    "read_cloud",
     "read_problem",
     "register",
     "simulate",
@@ -72,7 +74,10 @@ __getattr__ = lazy_face(
         "equilibrium": ("solve_many",),
         "errors": ("CertregError",),
         "geometry": ("Pose",),
-        "io": ("read_problem",),
+        "io": (
+            "read_cloud",
+            "read_problem",
+        ),
         "problem": ("RegistrationProblem",),
         "registration": (
             "Assessment",

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import certreg
 from certreg.native.compiler import CompilationError, find_compiler
 from certreg.native.evaluator import evaluator
 
@@ -20,7 +21,7 @@ ROOT = Path(__file__).parents[2]
 NAMES = ("embed-the-c-code", "simulate", "many-problems", "cluster")
 DOCS = ROOT / "docs"
 GUIDES = [DOCS / "howto" / f"{name}.md" for name in NAMES]
-FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+FENCE = re.compile(r"^```(?:\{code-cell\} )?(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 each_guide = pytest.mark.parametrize("guide", GUIDES, ids=lambda path: path.stem)
 
 
@@ -48,6 +49,26 @@ def test_an_import_of_a_private_module_is_seen():
     text = "from certreg.problem import exact_moments\nfrom certreg.exact.balls import box\n"
 
     assert private_imports(text) == ["certreg.exact.balls"]
+
+
+TAUGHT = [ROOT / "README.md", DOCS / "index.md", DOCS / "tutorial.md", *DOCS.glob("howto/*.md")]
+IMPORT = re.compile(r"^\s*(?:from (certreg[\w.]*) import|import (certreg[\w.]*))", re.MULTILINE)
+WORDS = re.compile(r"\bcertreg(?:\.\w+)+")
+
+
+def imported(text: str) -> list[str]:
+    """The modules of certreg that the code of a page imports."""
+    return [source or module for source, module in IMPORT.findall(text)]
+
+
+@pytest.mark.parametrize("page", TAUGHT, ids=lambda path: path.stem)
+def test_a_guide_teaches_public_names_only(page):
+    text = page.read_text()
+    code = "\n".join(body for language, body in FENCE.findall(text) if language != "sh")
+    names = {word.split(".")[1] for word in WORDS.findall(code)}
+
+    assert set(imported(text)) <= {"certreg"}
+    assert names <= set(certreg.__all__), names - set(certreg.__all__)
 
 
 def test_there_are_guides():

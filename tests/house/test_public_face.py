@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
 import itertools
 import json
+import pkgutil
 import subprocess
 import sys
 from pathlib import Path
@@ -14,6 +16,7 @@ import pytest
 import certreg
 from certreg.certificate import checking
 from certreg.cli.main import COMMANDS
+from certreg.verify import check
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -23,12 +26,14 @@ DATA = ROOT / "certreg" / "data"
 PAIR = (DATA / "survey_source.csv", DATA / "survey_target.csv")
 HEAVY = {"scipy", "sympy", "casadi", "cvxpy", "matplotlib"}
 
-# Imports that could leave a submodule where the function of the same name should be.
+# Imports of the one name that is a function and a submodule.
 IMPORTS = (
+    "import certreg",
     "import certreg.verify",
-    "import certreg.equilibrium.spectral",
+    "from certreg import verify",
     "from certreg.verify import check",
-    "from certreg import verify, equilibria",
+    "import importlib; importlib.import_module('certreg.verify')",
+    "import certreg.certificate.checking",
 )
 
 
@@ -107,30 +112,58 @@ def forget() -> Iterator[Callable[[], None]]:
     sys.modules.update(saved)
 
 
-@pytest.mark.parametrize("order", [*itertools.permutations(range(4))], ids=str)
-def test_functions_win_over_submodules_of_the_same_name_in_any_order(order, forget):
-    forget()
+def taken_by(*statements: str) -> dict[str, Any]:
+    """The names that statements leave behind."""
     names: dict[str, Any] = {}
-    for k in order:
-        exec(IMPORTS[k], names)  # noqa: S102 (the import statements above)
-    again = sys.modules["certreg"]
-    problem = again.RegistrationProblem([[0, 0, 1]], [[1, 0, 0]])
+    for statement in statements:
+        exec(statement, names)  # noqa: S102 (the import statements above)
+    return names
 
-    assert again is not certreg
-    assert names["verify"] is again.verify is sys.modules["certreg.certificate.checking"].verify
-    assert (
-        names["equilibria"]
-        is again.equilibria
-        is sys.modules["certreg.registration.enumeration"].equilibria
-    )
-    assert names["check"] is sys.modules["certreg.verify"].check
-    assert again.equilibria(problem).classification.pattern == (4,)
+
+ORDERS = [*itertools.permutations(IMPORTS, 2), *itertools.permutations(IMPORTS[:4])]
+
+
+def test_verify_is_the_function_after_every_order_of_imports(forget):
+    for order in ORDERS:
+        forget()
+        names = taken_by(*order)
+        again = importlib.import_module("certreg")
+
+        assert again is not certreg
+        assert again.verify is sys.modules["certreg.certificate.checking"].verify, order
+        assert again.verify is not sys.modules["certreg.verify"], order
+        assert names.get("verify", again.verify) is again.verify, order
+        assert names.get("check", check) is check or names["check"].__module__ == "certreg.verify"
     assert not again.verify(b"{}").proved
 
 
+@pytest.mark.parametrize("statement", IMPORTS)
+def test_verify_is_the_function_in_a_new_process(statement):
+    code = f"{statement}\nimport certreg\nassert not certreg.verify(b'{{}}').proved"
+
+    assert "certreg" in top_level_modules(code)
+
+
+def test_loading_a_submodule_later_takes_no_name_from_the_face(forget):
+    forget()
+    again = importlib.import_module("certreg")
+    public = {name: getattr(again, name) for name in again.__all__}
+    for module in pkgutil.iter_modules(again.__path__, "certreg."):
+        if module.name != "certreg.__main__":
+            importlib.import_module(module.name)
+
+    assert {name: getattr(again, name) for name in again.__all__} == public
+
+
+def test_no_public_name_but_verify_is_a_submodule():
+    names = {module.name for module in pkgutil.iter_modules(certreg.__path__)}
+
+    assert names & set(certreg.__all__) == {"verify"}
+
+
 def test_every_public_name_is_listed_and_found():
-    assert set(certreg.__all__) <= set(dir(certreg))
-    assert dir(certreg) == sorted(set(dir(certreg)))
+    assert dir(certreg) == certreg.__all__ == sorted(certreg.__all__)
+    assert set(taken_by("from certreg import *")) - {"__builtins__"} == set(certreg.__all__)
     for name in certreg.__all__:
         assert getattr(certreg, name) is getattr(certreg, name)
     assert certreg.verify is checking.verify
