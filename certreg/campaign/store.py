@@ -83,7 +83,7 @@ def current_versions() -> dict[str, str]:
 def require_same(path: Path, manifest: Manifest) -> None:
     """That the manifest kept at `path` is this one. Raises InvalidFileError: the first difference.
 
-    So nobody mixes results of two seeds, settings or versions in one folder.
+    So results of two seeds, settings or versions are never mixed in one folder.
     """
     try:
         with path.open("rb") as stream:
@@ -121,7 +121,7 @@ def flat(document: dict[str, Any], prefix: str = "") -> dict[str, Any]:
 
 @contextmanager
 def occupied(folder: Path, manifest: Manifest) -> Generator[None]:
-    """The folder, made or gone on with, ours alone until the end of the block.
+    """Make the folder, or resume in it; no other process works there until the end of the block.
 
     Raises InvalidFileError where it holds another campaign or anything else, CampaignError where
     another process is at work in it.
@@ -164,7 +164,7 @@ def _complaints(folder: Path) -> Generator[None]:
 def _locked(folder: Path) -> Generator[None]:
     """The folder locked against other processes; the lock ends with this process, however it ends.
 
-    Without such locks (Windows, some network disks) there is none: two runs do the same work then,
+    Where there are no such locks (Windows, some network disks) two runs may do the same work,
     and every file is still whole.
     """
     try:

@@ -7,9 +7,19 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from certreg.cli.options import FOLDER
-from certreg.paper import all_hold, audit, chapters, outcomes, write_code, write_latex
+from certreg.paper import (
+    all_hold,
+    audit,
+    audit_lines,
+    chapters,
+    chapters_text,
+    claim_line,
+    closing_line,
+    outcomes,
+    write_code,
+    write_latex,
+)
 from certreg.registration import DONE, REFUSED
-from certreg.report import audit_lines, chapters_text, claim_line, closing_line
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -31,15 +41,15 @@ def derive(names: tuple[str, ...], out: Path | None, *, listing: bool) -> int:
             raise click.UsageError(message)
         click.echo(chapters_text(chapters()))
         return DONE
-    found: list[Any] = []
+    proofs: list[Any] = []
     for outcome in outcomes(names):
         click.echo(claim_line(outcome))
-        found.append(outcome)
-    audited = [] if names else audit(found)
+        proofs.append(outcome)
+    audited = [] if names else audit(proofs)
     for line in audit_lines(audited):
         click.echo(line)
-    click.echo(closing_line(found, audited))
+    click.echo(closing_line(proofs, audited))
     if out is not None:
-        write_latex(found, out)
+        write_latex(proofs, out)
         write_code(out)
-    return DONE if all_hold(found, audited) else REFUSED
+    return DONE if all_hold(proofs, audited) else REFUSED

@@ -1,4 +1,4 @@
-"""Commands about the dynamics: where it can rest, and how it moves."""
+"""Commands about the dynamics: its equilibria, and a simulated motion."""
 
 from __future__ import annotations
 

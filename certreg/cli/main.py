@@ -16,7 +16,7 @@ import click
 from certreg import __version__
 from certreg.cli.options import EXIT_CODES, warnings_as_notes
 from certreg.errors import CertregError
-from certreg.registration import DONE, MISUSED, code_of_error
+from certreg.registration import DONE, INTERRUPTED, MISUSED, code_of_error
 from certreg.report import printable
 
 if TYPE_CHECKING:
@@ -131,7 +131,7 @@ def main() -> NoReturn:
             code = cli.main(prog_name="certreg", standalone_mode=False)
     except click.exceptions.Abort:
         click.echo("interrupted", err=True)
-        sys.exit(130)
+        sys.exit(INTERRUPTED)
     except click.ClickException as error:
         error.show()
         sys.exit(error.exit_code)

@@ -136,7 +136,7 @@ def warnings_as_notes() -> Generator[None]:
 
 @contextmanager
 def _patience(doing: str) -> Generator[None]:
-    """Says on stderr what is going on if it takes longer than a second and someone is watching."""
+    """Says on stderr what is going on if it takes longer than a second, to a terminal only."""
     timer = threading.Timer(PATIENCE, lambda: click.echo(f"{doing} ...", err=True))
     if sys.stderr.isatty():
         timer.daemon = True

@@ -1,4 +1,4 @@
-"""How far a long run is: a bar on stderr with rate and time left, where someone is watching."""
+"""How far a long run is: a bar on stderr with rate and time left, where that is a terminal."""
 
 from __future__ import annotations
 

@@ -110,7 +110,7 @@ def reproduce(
     if apart:
         count = runs or setup.equilibrium_runs
         drawn = MonteCarlo(count=count, points=points, sigma=noise, damping=damping, seed=seed)
-        _carried_out(drawn, out / CAMPAIGN, scheduler, parquet=parquet)
+        _run_campaign(drawn, out / CAMPAIGN, scheduler, parquet=parquet)
         click.echo()
     with Stages() as stages:
         made = reproduced(setup, stages.at, proofs=not no_proofs)
@@ -124,8 +124,8 @@ def reproduce(
     return DONE if made.stands else REFUSED
 
 
-def _carried_out(campaign: MonteCarlo, out: Path, scheduler: str | None, *, parquet: bool) -> None:
-    """A campaign over random instances, begun or gone on with in a folder; says what it found."""
+def _run_campaign(campaign: MonteCarlo, out: Path, scheduler: str | None, *, parquet: bool) -> None:
+    """Run a campaign over random instances, begun or resumed in `out`; print what it found."""
     if parquet:
         require_parquet()
     manifest = campaign.manifest()
@@ -148,9 +148,9 @@ def _carried_out(campaign: MonteCarlo, out: Path, scheduler: str | None, *, parq
             f"{place}/{EXCEPTIONS}"
         )
     if progress.made:
-        rate, alone = progress.made / progress.seconds, progress.made / timings["solving"]
+        rate, solving = progress.made / progress.seconds, progress.made / timings["solving"]
         click.echo(
             f"{progress.made:,} in {progress.seconds:.1f} s: {rate:,.0f} a second; without making "
-            f"them {alone * workers.count:,.0f}, with {workers.count} at work"
+            f"them {solving * workers.count:,.0f}, with {workers.count} at work"
         )
     click.echo(f"Table: {place}/{SUMMARY}")

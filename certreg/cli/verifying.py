@@ -45,8 +45,8 @@ def verify(
     With SOURCE and TARGET it must also be about exactly those points, paired as they were.
     With --coq, Coq's kernel checks it instead, by a checker that is proved correct.
     """
-    told = sigma is not None or weights is not None or pairing is not None
-    if len(clouds) not in {0, 2} or (told and not clouds):
+    with_options = sigma is not None or weights is not None or pairing is not None
+    if len(clouds) not in {0, 2} or (with_options and not clouds):
         message = "give SOURCE and TARGET, or neither; the options go with them"
         raise click.UsageError(message)
     if out is not None and not coq:

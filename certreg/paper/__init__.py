@@ -28,6 +28,10 @@ if TYPE_CHECKING:
     from certreg.paper.parameter_sweeps import all_sweeps as all_sweeps
     from certreg.paper.style import written as written
     from certreg.paper.sweep_figures import sweep_drawings as sweep_drawings
+    from certreg.paper.terminal import audit_lines as audit_lines
+    from certreg.paper.terminal import chapters_text as chapters_text
+    from certreg.paper.terminal import claim_line as claim_line
+    from certreg.paper.terminal import closing_line as closing_line
     from certreg.paper.verdicts import reproduce as reproduce
 
 __getattr__ = lazy_face(
@@ -62,6 +66,12 @@ __getattr__ = lazy_face(
         "parameter_sweeps": ("all_sweeps",),
         "style": ("written",),
         "sweep_figures": ("sweep_drawings",),
+        "terminal": (
+            "audit_lines",
+            "chapters_text",
+            "claim_line",
+            "closing_line",
+        ),
         "verdicts": ("reproduce",),
     },
 )

@@ -14,7 +14,7 @@ from certreg.paper.equilibria import unstable_counts
 from certreg.paper.evidence import NEAR
 from certreg.paper.parameter_sweeps import sweep_rows
 from certreg.paper.scheme import STEP, STOP
-from certreg.report import plain
+from certreg.paper.terminal import plain
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

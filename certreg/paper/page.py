@@ -25,7 +25,8 @@ from certreg.paper.documents import (
 )
 from certreg.paper.parameter_sweeps import SWEEPS_FILE, sweep_table
 from certreg.paper.style import written
-from certreg.report import dumps, plain
+from certreg.paper.terminal import plain
+from certreg.report import dumps
 
 if TYPE_CHECKING:
     import os

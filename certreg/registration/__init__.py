@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from certreg.registration.examples import stated as stated
     from certreg.registration.examples import tell as tell
     from certreg.registration.exit_codes import DONE as DONE
+    from certreg.registration.exit_codes import INTERRUPTED as INTERRUPTED
     from certreg.registration.exit_codes import MISUSED as MISUSED
     from certreg.registration.exit_codes import NOT_CERTIFIED as NOT_CERTIFIED
     from certreg.registration.exit_codes import NOT_UNIQUE as NOT_UNIQUE
@@ -79,6 +80,7 @@ __getattr__ = lazy_face(
         ),
         "exit_codes": (
             "DONE",
+            "INTERRUPTED",
             "MISUSED",
             "NOT_CERTIFIED",
             "NOT_UNIQUE",

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from certreg.registration.certification import Registration
 
 DONE, REFUSED, MISUSED, NOT_UNIQUE, NOT_CERTIFIED = 0, 1, 2, 3, 4
+INTERRUPTED = 130  # as shells have it: 128 and the number of the signal, 2
 PRECEDENCE = (MISUSED, REFUSED, NOT_CERTIFIED, NOT_UNIQUE, DONE)
 
 

@@ -7,11 +7,6 @@ from typing import TYPE_CHECKING
 from certreg._faces import lazy_face
 
 if TYPE_CHECKING:
-    from certreg.report.claims import audit_lines as audit_lines
-    from certreg.report.claims import chapters_text as chapters_text
-    from certreg.report.claims import claim_line as claim_line
-    from certreg.report.claims import closing_line as closing_line
-    from certreg.report.claims import plain as plain
     from certreg.report.document import assessment_document as assessment_document
     from certreg.report.document import dumps as dumps
     from certreg.report.document import equilibria_document as equilibria_document
@@ -32,13 +27,6 @@ if TYPE_CHECKING:
 __getattr__ = lazy_face(
     __name__,
     {
-        "claims": (
-            "audit_lines",
-            "chapters_text",
-            "claim_line",
-            "closing_line",
-            "plain",
-        ),
         "document": (
             "assessment_document",
             "dumps",

@@ -1,4 +1,4 @@
-"""HTML whose every text is escaped: what is no `Markup` is text, whoever wrote it."""
+"""HTML whose every text is escaped: a string that is not `Markup` is text, whoever wrote it."""
 
 from __future__ import annotations
 

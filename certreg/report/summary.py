@@ -230,7 +230,7 @@ def _away(angle: float) -> str:
 
 
 def warnings(registration: Registration) -> list[str]:
-    """What is true of the data and would be a pity to overlook."""
+    """What is true of the data and should not be overlooked."""
     equilibria, bounds, notes = registration.equilibria, registration.bounds, list[str]()
     gap, minimum = equilibria.margin.eigenvalue_gap, equilibria.components[0].energy
     unique = equilibria.classification.unique

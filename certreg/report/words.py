@@ -224,12 +224,12 @@ def _methods_words(methods: MethodAngles) -> str:
         "the semidefinite relaxation": methods.relaxation,
         "the simulation": methods.simulation,
     }
-    taken = {name: angle for name, angle in angles.items() if angle is not None}
-    apart = [name for name, angle in taken.items() if not angle <= SAME_ROTATION]
-    told = [f"{name} to {angle:.1g}°" for name, angle in taken.items() if name not in apart]
-    words = [f"Independent roads lead to the same rotation: {', '.join(told)}."] if told else []
+    ran = {name: angle for name, angle in angles.items() if angle is not None}
+    apart = [name for name, angle in ran.items() if not angle <= SAME_ROTATION]
+    near = [f"{name} to {angle:.1g}°" for name, angle in ran.items() if name not in apart]
+    words = [f"Independent roads lead to the same rotation: {', '.join(near)}."] if near else []
     words += [
-        f"{name[0].upper()}{name[1:]} does not: it ended {taken[name]:.3g}° from it. "
+        f"{name[0].upper()}{name[1:]} does not: it ended {ran[name]:.3g}° from it. "
         "No proof rests on it."
         for name in apart
     ]

@@ -35,8 +35,8 @@ def audit_lines(audited: Iterable[tuple[Any, Verdict]]) -> Iterator[str]:
     for position, (row, verdict) in enumerate(audited):
         if position == 0:
             yield "\nThe claims of the paper [Yang2020]:"
-        told = "" if verdict.proved else f"  finding NOT CONFIRMED: {verdict.words}"
-        yield f"{row.number:>4}  {row.finding.value:23} {plain(row.claim)}{told}"
+        doubt = "" if verdict.proved else f"  finding NOT CONFIRMED: {verdict.words}"
+        yield f"{row.number:>4}  {row.finding.value:23} {plain(row.claim)}{doubt}"
 
 
 def closing_line(outcomes: Sequence[Any], audited: Sequence[Any]) -> str:
