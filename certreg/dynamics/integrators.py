@@ -34,6 +34,7 @@ STABILITY_SHARE = 0.25  # of the largest stable step of explicit Euler
 MIDPOINT_SHARE = 1.4  # of sqrt(2 / g_max): kills a critically damped mode in one step
 MIDPOINT_MOST = 1000.0  # of that: larger steps gain nothing; halving brings them back
 SPLITTING_SHARE = 0.8  # of sqrt(2 / g_max): 12 to 23 steps from anywhere
+MOST_STEPS = 1 << 53  # the sum of two of them is a long integer of C
 SPLITTING_HALVINGS = 8  # of the step, from the start, where a fast spin lost the state
 
 
@@ -49,6 +50,10 @@ class SimulationSettings:
         ten times as large.
     least_step: of explicit Euler; a body that is too stiff for it is refused.
     threads: for many bodies at once.
+    Raises ValueError for numbers that make no sense.
+
+    >>> SimulationSettings(step=0.1, max_steps=1000).speed_tolerance
+    0.0001
     """
 
     step: float | None = None
@@ -58,6 +63,18 @@ class SimulationSettings:
     first_perturbation: float = 1e-3
     least_step: float = 1e-5  # below, a run would outlast anyone's patience
     threads: int = 1
+
+    def __post_init__(self) -> None:
+        if self.step is not None and not 0.0 < self.step < math.inf:
+            raise ValueError(f"step is {self.step!r}: give a finite number above 0")
+        for name in ("speed_tolerance", "rest_angle", "first_perturbation", "least_step"):
+            value = getattr(self, name)
+            if not 0.0 <= value < math.inf:
+                raise ValueError(f"{name} is {value!r}: give a finite number, 0 or more")
+        for name, least in (("max_steps", 0), ("threads", 1)):
+            value = getattr(self, name)
+            if not least <= value <= MOST_STEPS:
+                raise ValueError(f"{name} is {value!r}: give a whole number from {least} on")
 
     @property
     def rules(self) -> Rules:

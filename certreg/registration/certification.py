@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import time
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +19,8 @@ from certreg.certificate import (
     produce,
     require_accepted,
 )
+from certreg.dynamics import SimulationSettings, optimal_damping
+from certreg.dynamics import simulate as run
 from certreg.equilibrium import (
     equilibrium_set,
     rotation_double,
@@ -37,6 +38,7 @@ from certreg.exact import (
     power_of_two,
 )
 from certreg.geometry import Pose
+from certreg.native import Integrator
 from certreg.objective import best_translation
 from certreg.problem import exact_moments, lift
 from certreg.registration.agreement import Agreement, agreement, require_sound_trajectory
@@ -153,12 +155,13 @@ def certify(
     problem: RegistrationProblem,
     *,
     relaxation: bool = True,
-    simulation: bool = True,
+    simulation: bool | SimulationSettings = True,
     about: dict[str, Any] | None = None,
 ) -> Registration:
     """Register, enumerate all equilibria, cross-check, certify, and run the checker.
 
-    relaxation, simulation: whether to take these two roads, too; all else is the same.
+    relaxation, simulation: whether to take these two roads, too; all else is the same. Instead of
+        True, settings of the simulation.
     Raises ContradictionError or RefusedCertificateError where certreg contradicts itself, and
     OutOfRangeError where no double can hold the pose.
     """
@@ -177,7 +180,11 @@ def certify(
 
 
 def simulate(
-    problem: RegistrationProblem, integrator: str = "euler", *, step: float | None = None
+    problem: RegistrationProblem,
+    integrator: str = "euler",
+    *,
+    step: float | None = None,
+    settings: SimulationSettings | None = None,
 ) -> Trajectory:
     """The trajectory of the damped body, released at rest where the source was given.
 
@@ -185,10 +192,12 @@ def simulate(
         "splitting", a few large steps.
     step: in the time unit of the springs, None for the integrator's own; less is taken, and noted
         in the trajectory, where this is not stable or gains nothing.
+    settings: what else may be set; a step given beside them comes before theirs.
     Raises ValueError for other integrators or steps, and DegenerateProblemError where the dynamics
     is not defined or too stiff.
     """
-    return _trajectory(spectrum(exact_moments(problem)), problem, integrator, step)
+    settings = _with_step(settings, step)
+    return _trajectory(spectrum(exact_moments(problem)), problem, integrator, settings)
 
 
 def simulated(
@@ -199,7 +208,7 @@ def simulated(
     Raises ContradictionError or RefusedCertificateError where certreg contradicts itself.
     """
     found = spectrum(exact_moments(problem))
-    trajectory = _trajectory(found, problem, integrator, step)
+    trajectory = _trajectory(found, problem, integrator, _with_step(None, step))
     certificate = produce(problem, found, state=_final_state(trajectory))
     if certificate is not None:
         require_accepted(check_own(certificate, problem))
@@ -216,14 +225,17 @@ def solve(
     problem: RegistrationProblem,
     *,
     relaxation: bool = False,
-    simulation: bool = False,
+    simulation: bool | SimulationSettings = False,
     about: dict[str, Any] | None = None,
 ) -> Solution:
     """Everything that is computed, nothing yet checked."""
     moments = exact_moments(problem)
     found = spectrum(moments)
     relaxed, no_relaxation = _relaxation(moments) if relaxation else (None, NOT_ASKED)
-    trajectory, no_trajectory = _simulation(found, problem) if simulation else (None, NOT_ASKED)
+    settings = SimulationSettings() if simulation is True else simulation
+    trajectory, no_trajectory = (
+        _simulation(found, problem, settings) if settings else (None, NOT_ASKED)
+    )
     certificate = produce(
         problem,
         found,
@@ -256,31 +268,31 @@ def _relaxation(moments: ExactMoments) -> tuple[Relaxation | None, str | None]:
 
 
 def _simulation(
-    found: Spectrum, problem: RegistrationProblem
+    found: Spectrum, problem: RegistrationProblem, settings: SimulationSettings
 ) -> tuple[Trajectory | None, str | None]:
     """The simulated registration, or why there is none."""
     try:
-        return _trajectory(found, problem, "euler", None), None
+        return _trajectory(found, problem, "euler", settings), None
     except DegenerateProblemError as error:
         return None, str(error)
 
 
 def _trajectory(
-    found: Spectrum, problem: RegistrationProblem, integrator: str, step: float | None
+    found: Spectrum,
+    problem: RegistrationProblem,
+    integrator: str,
+    settings: SimulationSettings,
 ) -> Trajectory:
-    from certreg.dynamics import SimulationSettings
-    from certreg.dynamics import simulate as run
-    from certreg.native import Integrator
-
     known = [one.value for one in Integrator]
     if integrator not in known:
         message = f"integrator is {integrator!r}: this version knows {', '.join(map(repr, known))}"
         raise ValueError(message)
-    if step is not None and not 0.0 < step < math.inf:
-        message = f"step is {step!r}: give a finite number above 0"
-        raise ValueError(message)
-    settings = SimulationSettings(step=step)
     return run(found, problem.damping, Integrator(integrator), settings=settings)
+
+
+def _with_step(settings: SimulationSettings | None, step: float | None) -> SimulationSettings:
+    settings = settings or SimulationSettings()
+    return settings if step is None else replace(settings, step=step)
 
 
 def optimally_damped(problem: RegistrationProblem) -> RegistrationProblem:
@@ -288,8 +300,6 @@ def optimally_damped(problem: RegistrationProblem) -> RegistrationProblem:
 
     Raises DegenerateProblemError where the dynamics is not defined or the optimum is not unique.
     """
-    from certreg.dynamics import optimal_damping
-
     return problem.damped(optimal_damping(spectrum(exact_moments(problem))))
 
 

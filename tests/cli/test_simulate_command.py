@@ -265,6 +265,40 @@ def test_the_python_function_takes_what_the_command_takes():
             package.simulate(problem, step=step)
 
 
+def test_settings_of_the_simulation_are_those_of_the_python_functions():
+    problem = RegistrationProblem(AXES, (2.0 * np.array(AXES) + 1.0).tolist())
+    few = package.SimulationSettings(max_steps=10, step=0.003)
+
+    registration = package.certify(problem, relaxation=False, simulation=few)
+    trajectory = package.simulate(problem, settings=few)
+    finer = package.simulate(problem, step=0.002, settings=few)
+
+    assert registration.solution.trajectory is not None
+    assert registration.solution.trajectory.steps == trajectory.steps == finer.steps == 10
+    assert registration.solution.trajectory.step == trajectory.step == 0.003
+    assert finer.step == 0.002
+    assert registration.certificate is not None
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"step": -1.0},
+        {"max_steps": -1},
+        {"max_steps": 1 << 63},
+        {"threads": 0},
+        {"speed_tolerance": math.nan},
+        {"rest_angle": -1e-3},
+        {"first_perturbation": math.inf},
+        {"least_step": -1.0},
+    ],
+)
+def test_settings_that_make_no_sense_are_refused(wrong):
+    (name,) = wrong
+    with pytest.raises(ValueError, match=f"^{name} is .*: give a "):
+        package.SimulationSettings(**wrong)
+
+
 def test_the_trajectory_is_written_as_npz_only_and_told_where(data: Path, tmp_path: Path):
     refused = certreg("simulate", *survey(data), "--out", tmp_path / "tr.txt")
     told = certreg("simulate", *survey(data), "--out", tmp_path / "tr.NPZ")
