@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from certreg.io import read_problem as read_problem
     from certreg.problem import RegistrationProblem as RegistrationProblem
     from certreg.registration import Assessment as Assessment
+    from certreg.registration import AssessmentSettings as AssessmentSettings
     from certreg.registration import Registration as Registration
     from certreg.registration import assess as assess
     from certreg.registration import certify as certify
@@ -39,6 +40,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Assessment",
+    "AssessmentSettings",
     "Certificate",
     "CertregError",
     "Pose",
@@ -81,6 +83,7 @@ __getattr__ = lazy_face(
         "problem": ("RegistrationProblem",),
         "registration": (
             "Assessment",
+            "AssessmentSettings",
             "Registration",
             "assess",
             "certify",

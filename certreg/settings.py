@@ -16,19 +16,6 @@ class SpectrumSettings:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AssessmentSettings:
-    """Where the words of an assessment change. Gaps are relative to the spread of both clouds."""
-
-    rotation_tolerance: float = 1e-4  # |R^T R - I|: admits 4x4 matrices printed with five decimals
-    optimal_gap: float = 1e-12  # a pose off by one part in a million
-    optimal_angle: float = 1e-5  # radians: where little is at stake, a small gap says little
-    near_optimal_gap: float = 1e-4  # a pose off by one part in a hundred
-    near_optimal_angle: float = 0.1  # radians
-    equilibrium_angle: float = 1e-3  # radians: a pose printed with few digits still counts
-    equilibrium_shift: float = 1e-3  # distance of the centroids, relative to the clouds' radius
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class AgreementSettings:
     """When a floating-point road contradicts the certificate.
 

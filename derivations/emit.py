@@ -11,7 +11,7 @@ from typing import Any
 
 import sympy
 
-from certreg.io.atomic import write_folder_of
+from certreg.io.atomic import write_files
 from certreg.native.codegen.emit import generated_files
 from certreg.native.codegen.records import Record, record_of
 from certreg.native.codegen.translate import Definition, Port, port
@@ -224,4 +224,4 @@ def _curvature(state: State, body: Body) -> tuple[Port, ...]:
 
 
 if __name__ == "__main__":
-    write_folder_of(GENERATED, generated_files(definitions(), records()))
+    write_files(GENERATED, generated_files(definitions(), records()))

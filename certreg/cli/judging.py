@@ -10,7 +10,13 @@ import click
 from certreg.cli.options import CLOUD, cloud_options
 from certreg.cli.progress import note
 from certreg.errors import InvalidFileError
-from certreg.io import read_cloud, read_result_pose, write_atomically, write_cloud
+from certreg.io import (
+    ROTATION_TOLERANCE,
+    read_cloud,
+    read_result_pose,
+    write_atomically,
+    write_cloud,
+)
 from certreg.registration import DONE, REFUSED, why_no_rotation
 from certreg.registration import assess as assessed
 from certreg.report import (
@@ -23,7 +29,6 @@ from certreg.report import (
     report_of,
 )
 from certreg.results import PoseVerdict
-from certreg.settings import AssessmentSettings
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -62,7 +67,7 @@ def apply(result: Path, cloud: Path, *, out: Path) -> int:
     What is no rotation (a reflection, a scaling) is refused.
     """
     pose = read_result_pose(result)
-    fault = why_no_rotation(pose.turn, AssessmentSettings().rotation_tolerance)
+    fault = why_no_rotation(pose.turn, ROTATION_TOLERANCE)
     if fault is not None:
         message = f"{shown(result)}: {PoseVerdict.NOT_A_ROTATION.value.upper()}. {fault}"
         raise InvalidFileError(message, path=result)

@@ -9,7 +9,7 @@ from certreg._faces import lazy_face
 if TYPE_CHECKING:
     from certreg.io.atomic import TEMPORARY as TEMPORARY
     from certreg.io.atomic import write_atomically as write_atomically
-    from certreg.io.atomic import write_folder_of as write_folder_of
+    from certreg.io.atomic import write_files as write_files
     from certreg.io.atomic import write_together as write_together
     from certreg.io.atomic import written_atomically as written_atomically
     from certreg.io.clouds import BY_LABEL as BY_LABEL
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from certreg.io.clouds import write_cloud as write_cloud
     from certreg.io.npz import read_arrays as read_arrays
     from certreg.io.poses import MAX_POSE_BYTES as MAX_POSE_BYTES
+    from certreg.io.poses import ROTATION_TOLERANCE as ROTATION_TOLERANCE
     from certreg.io.poses import read_result_pose as read_result_pose
     from certreg.io.streams import Place as Place
     from certreg.io.streams import number as number
@@ -35,7 +36,7 @@ __getattr__ = lazy_face(
         "atomic": (
             "TEMPORARY",
             "write_atomically",
-            "write_folder_of",
+            "write_files",
             "write_together",
             "written_atomically",
         ),
@@ -51,6 +52,7 @@ __getattr__ = lazy_face(
         "npz": ("read_arrays",),
         "poses": (
             "MAX_POSE_BYTES",
+            "ROTATION_TOLERANCE",
             "read_result_pose",
         ),
         "streams": (

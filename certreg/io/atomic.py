@@ -26,8 +26,11 @@ def write_atomically(path: str | os.PathLike[str], content: bytes | Iterable[byt
         stream.writelines([content] if isinstance(content, bytes) else content)
 
 
-def write_folder_of(folder: Path, contents: Mapping[str, bytes]) -> None:
-    """Write files, by name, to a folder that is made if it is missing; each whole or not at all."""
+def write_files(folder: Path, contents: Mapping[str, bytes]) -> None:
+    """Write files, by name, into a folder, made if it is missing; each whole or not at all.
+
+    Raises InvalidFileError where a file cannot be written, OSError where the folder cannot be made.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     for name, content in contents.items():
         write_atomically(folder / name, content)

@@ -91,17 +91,17 @@ class Pair:
     @property
     def notes(self) -> list[str]:
         """What the user should know about how the files were read."""
-        notes = (ignored_note(c.path, c.ignored) for c in (self.source, self.target))
-        found = [note for note in notes if note is not None]
+        ignored = (ignored_note(c.path, c.ignored) for c in (self.source, self.target))
+        notes = [note for note in ignored if note is not None]
         if self.source_rows is None:
             labelled = self.source.labels is not None, self.target.labels is not None
-            found += unused_labels_note(labelled, (self.source.path, self.target.path))
+            notes += unused_labels_note(labelled, (self.source.path, self.target.path))
         n = len(self.source.points)
         if self.sizes != (n, n):
             first, second = (size - n for size in self.sizes)
             names = shown(self.source.path), shown(self.target.path)
-            found.append(f"{n} pairs; left out: {first} of {names[0]}, {second} of {names[1]}")
-        return found
+            notes.append(f"{n} pairs; left out: {first} of {names[0]}, {second} of {names[1]}")
+        return notes
 
 
 def read_cloud(path: str | os.PathLike[str]) -> Cloud:
@@ -142,7 +142,7 @@ def parse_cloud(stream: BinaryIO, file: Path) -> Cloud:
 def read_pair(
     source: str | os.PathLike[str], target: str | os.PathLike[str], pairing: Pairing = BY_LABEL
 ) -> Pair:
-    """Two clouds in correspondence: as told, by label where both have labels, else by row."""
+    """Two clouds in correspondence: by the pairing, by label if both have them, else by row."""
     first, second = read_cloud(source), read_cloud(target)
     sizes = len(first.points), len(second.points)
     rows: tuple[Sequence[int] | NDArray[np.int64], ...]

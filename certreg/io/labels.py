@@ -1,4 +1,4 @@
-"""Which row of the source pairs with which row of the target, told by labels."""
+"""Which row of the source pairs with which row of the target, by their labels."""
 
 from __future__ import annotations
 

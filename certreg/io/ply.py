@@ -94,8 +94,8 @@ def parse_ply(stream: BinaryIO, file: Path) -> tuple[NDArray[np.float64], tuple[
     if declared.order is None:
         rows = rows_of_words(stream, file, len(top) + 1)
         for element in declared.elements:
-            found = _ascii_columns(rows, element, file)
-            columns = found if element is vertex else columns
+            read = _ascii_columns(rows, element, file)
+            columns = read if element is vertex else columns
         for place, _ in rows:
             raise place.refusal("more rows than the header declares: mend the header")
     else:
@@ -104,8 +104,8 @@ def parse_ply(stream: BinaryIO, file: Path) -> tuple[NDArray[np.float64], tuple[
         data = stream.read(held_bytes(stream, file)) if mapped is None else mapped
         first = offset = 0 if mapped is None else start
         for element in declared.elements:
-            found, offset = _binary_columns(data, offset, element, declared.order, file)
-            columns = found if element is vertex else columns
+            read, offset = _binary_columns(data, offset, element, declared.order, file)
+            columns = read if element is vertex else columns
         if offset != len(data):
             held, size = len(data) - first, offset - first
             message = (
@@ -304,15 +304,15 @@ def _walked(
     file: Path,
 ) -> tuple[list[NDArray[Any]], int]:
     """As `_binary_columns`, row by row: lists may be of any lengths."""
-    found = array("d")
+    numbers = array("d")
     for k in range(element.count):
         try:
             values, _, offset = _row(data, offset, steps)
         except struct.error as error:
             raise _truncated(file, element, k) from error
-        found.extend(values)
+        numbers.extend(values)
     names = [p.name for p in element.properties if p.kept]
-    columns = np.array(found).reshape(element.count, len(names))
+    columns = np.array(numbers).reshape(element.count, len(names))
     return [columns[:, names.index(axis)] for axis in "xyz" if axis in names], offset
 
 

@@ -174,7 +174,7 @@ def ignored_note(path: Path, ignored: tuple[str, ...]) -> str | None:
 def read_clouds(
     source: Path, target: Path, *, sigma: float | None = None, weights: Path | None = None
 ) -> tuple[Clouds, list[str]]:
-    """Two text clouds, paired, with their weights if told, for the checker; and notes."""
+    """Two text clouds, paired, with their weights if given, for the checker; and notes."""
     first, second = read_points(source), read_points(target)
     files = (source, target)
     notes = [ignored_note(source, first.ignored), ignored_note(target, second.ignored)]

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from certreg.campaign import LocalWorkers
 from certreg.errors import CertregError
-from certreg.io import write_atomically, write_folder_of
+from certreg.io import write_atomically, write_files
 
 if TYPE_CHECKING:
     from collections.abc import Generator, Iterator, Mapping, Sequence
@@ -109,7 +109,7 @@ def write_code(folder: Path) -> None:
 
     emit = _module("emit")
     files = generated_files(emit.definitions(), emit.records())
-    write_folder_of(folder / CODE_FOLDER, files)
+    write_files(folder / CODE_FOLDER, files)
 
 
 def _module(name: str) -> Any:

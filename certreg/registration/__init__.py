@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from certreg.registration.agreement import Agreement as Agreement
     from certreg.registration.alignment import register as register
     from certreg.registration.assessment import Assessment as Assessment
+    from certreg.registration.assessment import AssessmentSettings as AssessmentSettings
     from certreg.registration.assessment import assess as assess
     from certreg.registration.assessment import why_no_rotation as why_no_rotation
     from certreg.registration.c_sources import write_sources as write_sources
@@ -49,6 +50,7 @@ __getattr__ = lazy_face(
         "alignment": ("register",),
         "assessment": (
             "Assessment",
+            "AssessmentSettings",
             "assess",
             "why_no_rotation",
         ),

@@ -13,11 +13,11 @@ from certreg.certificate import ExactPose, pose_bounds, pose_energy
 from certreg.errors import InvalidProblemError
 from certreg.exact import nearest_double, nearest_root
 from certreg.geometry import quaternion_from_matrix, rotation_matrix, squared_norm
+from certreg.io import ROTATION_TOLERANCE
 from certreg.objective import translation_energy
 from certreg.problem import lift
 from certreg.registration.certification import certify
 from certreg.results import ComponentKind, PoseVerdict
-from certreg.settings import AssessmentSettings
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -31,6 +31,19 @@ if TYPE_CHECKING:
 GOOD = (PoseVerdict.OPTIMAL, PoseVerdict.NEAR_OPTIMAL)
 UNNOTED_DEFECT = 1e-12  # |R^T R - I| of a matrix of doubles: its own rounding
 UNNOTED_SHIFT = Fraction(1, 10**9)  # of the clouds' size
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AssessmentSettings:
+    """Where the words of an assessment change. Gaps are relative to the spread of both clouds."""
+
+    rotation_tolerance: float = ROTATION_TOLERANCE  # |R^T R - I|, as for poses in files
+    optimal_gap: float = 1e-12  # a pose off by one part in a million
+    optimal_angle: float = 1e-5  # radians: where little is at stake, a small gap says little
+    near_optimal_gap: float = 1e-4  # a pose off by one part in a hundred
+    near_optimal_angle: float = 0.1  # radians
+    equilibrium_angle: float = 1e-3  # radians: a pose printed with few digits still counts
+    equilibrium_shift: float = 1e-3  # distance of the centroids, relative to the clouds' radius
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

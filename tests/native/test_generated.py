@@ -11,7 +11,7 @@ import pytest
 from certreg.dynamics.body import body_of, start_at_rest
 from certreg.dynamics.simulation import simulate
 from certreg.equilibrium.spectral import spectrum
-from certreg.io.atomic import write_folder_of
+from certreg.io.atomic import write_files
 from certreg.native.codegen.emit import generated_files
 from certreg.native.codegen.translate import Definition, casadi_function, port
 from certreg.native.compiler import GENERATED, CompilationError, find_compiler
@@ -46,7 +46,7 @@ def library_or_skip():
 
 
 def test_generating_anew_gives_the_committed_bytes(tmp_path):
-    write_folder_of(tmp_path, generated_files(chain.definitions(), chain.records()))
+    write_files(tmp_path, generated_files(chain.definitions(), chain.records()))
 
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(FILES)
     for name in FILES:
@@ -57,7 +57,7 @@ def test_a_mutated_derivation_changes_the_code(tmp_path, monkeypatch):
     honest = motion.spring_torque
     monkeypatch.setattr(motion, "spring_torque", lambda state, cloud: -honest(state, cloud))
 
-    write_folder_of(tmp_path, generated_files(chain.definitions(), chain.records()))
+    write_files(tmp_path, generated_files(chain.definitions(), chain.records()))
 
     for name in ("dynamics.c", "dynamics.json"):
         assert (tmp_path / name).read_bytes() != (GENERATED / name).read_bytes()
