@@ -23,11 +23,13 @@ if TYPE_CHECKING:
     from certreg.native.layout import ENERGIES as ENERGIES
     from certreg.native.layout import EXACT_SUMS as EXACT_SUMS
     from certreg.native.layout import MATRIX_STATE as MATRIX_STATE
+    from certreg.native.layout import MEANS as MEANS
     from certreg.native.layout import QUATERNION_STATE as QUATERNION_STATE
     from certreg.native.layout import SUMS as SUMS
     from certreg.native.layout import Records as Records
     from certreg.native.layout import RecordType as RecordType
     from certreg.native.layout import named as named
+    from certreg.native.layout import parts_of as parts_of
     from certreg.native.layout import plain as plain
     from certreg.native.layout import symmetric as symmetric
     from certreg.native.layout import width as width
@@ -64,11 +66,13 @@ __getattr__ = lazy_face(
             "ENERGIES",
             "EXACT_SUMS",
             "MATRIX_STATE",
+            "MEANS",
             "QUATERNION_STATE",
             "RecordType",
             "Records",
             "SUMS",
             "named",
+            "parts_of",
             "plain",
             "symmetric",
             "width",

@@ -8,7 +8,7 @@ triangle is kept: 11 12 13 22 23 33.
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 from certreg.native.compiler import GENERATED
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
 RecordType = np.dtype[np.void]
 Records = NDArray[np.void]
+Number = TypeVar("Number")
 DOUBLE = np.dtype(np.float64)
 UPPER = (0, 1, 2, 1, 3, 4, 2, 4, 5)  # of the nine entries of a symmetric matrix
 
@@ -64,6 +65,16 @@ def plain(records: NDArray[Any]) -> NDArray[np.float64]:
     """Records (...) of k doubles as doubles (..., k): the same memory where they are contiguous."""
     flat = np.ascontiguousarray(records).reshape(-1).view(DOUBLE)
     return flat.reshape(*records.shape, width(records.dtype))
+
+
+def parts_of(numbers: Sequence[Number], record: RecordType) -> dict[str, Sequence[Number]]:
+    """The parts of a record by name, each flat, of as many numbers of any kind."""
+    parts: dict[str, Sequence[Number]] = {}
+    end = 0
+    for name in record.names or ():
+        start, end = end, end + width(record[name])
+        parts[name] = numbers[start:end]
+    return parts
 
 
 def width(record: np.dtype[Any]) -> int:

@@ -18,12 +18,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.native import SUMS, CompilationError, loaded_library, named, symmetric, width
+from certreg.native import (
+    MEANS,
+    SUMS,
+    CompilationError,
+    loaded_library,
+    named,
+    symmetric,
+    width,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from numpy.typing import NDArray
+
+    from certreg.native import Records
 
 BLOCK = 256  # points that are summed plainly
 COMPILED_POINTS = 4096  # from here on in C: below, NumPy takes a millisecond at most
@@ -45,6 +55,11 @@ class CloudPair:
     weights: NDArray[Any] | None
     origin: NDArray[np.float64]
     exponents: tuple[int, int, int] = (0, 0, 0)
+
+    @property
+    def origins(self) -> Records:
+        """The origin as a () record MEANS: of the source, of the target."""
+        return named(self.origin, MEANS)
 
     @property
     def n(self) -> int:
@@ -187,11 +202,13 @@ def _plain(clouds: CloudPair) -> tuple[NDArray[np.float64], bool]:
 
 def _blocks(clouds: CloudPair, size: int) -> NDArray[np.float64]:
     """The sums over each block, (blocks, 23)."""
-    x = _deviations(clouds.source, clouds.origin[:3], clouds.exponents[0]).reshape(-1, size, 3)
-    y = _deviations(clouds.target, clouds.origin[3:], clouds.exponents[1]).reshape(-1, size, 3)
+    of_source, of_target, of_weights = clouds.exponents
+    origins = clouds.origins
+    x = _deviations(clouds.source, origins["source"], of_source).reshape(-1, size, 3)
+    y = _deviations(clouds.target, origins["target"], of_target).reshape(-1, size, 3)
     w = np.ones(clouds.n) if clouds.weights is None else clouds.weights.astype(np.float64)
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
-        w = _scaled(w, clouds.exponents[2]).reshape(-1, size, 1)
+        w = _scaled(w, of_weights).reshape(-1, size, 1)
         wx, wy = w * x, w * y
         scatter = wx.transpose(0, 2, 1) @ x
         cross = wy.transpose(0, 2, 1) @ x

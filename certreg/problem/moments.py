@@ -19,6 +19,7 @@ import numpy as np
 
 from certreg.errors import InvalidProblemError
 from certreg.exact import power_of_two
+from certreg.native import EXACT_SUMS, MEANS, named, parts_of
 from certreg.problem.exact_sums import sums as exact_sums
 from certreg.problem.floating_sums import CloudPair, chunks, floating_sums
 
@@ -140,8 +141,12 @@ def exact_moments(problem: RegistrationProblem) -> ExactMoments:
 
 def moments_of(sums: Sums, n: int) -> ExactMoments:
     """The moments that exact sums over n points make."""
-    mass, *rest = sums.integers
-    source_sum, target_sum = _vector(rest[:3]), _vector(rest[3:6])
+    parts = parts_of(sums.integers, EXACT_SUMS)
+    (mass,) = parts["mass"]
+    source_sum, target_sum = _vector(parts["source"]), _vector(parts["target"])
+    source_scatter, target_scatter = (
+        _symmetric(parts[name]) for name in ("source_scatter", "target_scatter")
+    )
     return ExactMoments(
         n=n,
         source_exponent=sums.source_exponent or 0,
@@ -150,9 +155,9 @@ def moments_of(sums: Sums, n: int) -> ExactMoments:
         mass=mass,
         source_sum=source_sum,
         target_sum=target_sum,
-        cross=_centred(mass, rest[6:15], target_sum, source_sum),
-        source_scatter=_centred(mass, _symmetric(rest[15:21]), source_sum, source_sum),
-        target_scatter=_centred(mass, _symmetric(rest[21:]), target_sum, target_sum),
+        cross=_centred(mass, parts["cross"], target_sum, source_sum),
+        source_scatter=_centred(mass, source_scatter, source_sum, source_sum),
+        target_scatter=_centred(mass, target_scatter, target_sum, target_sum),
     )
 
 
@@ -274,7 +279,7 @@ def _about_means(
     P = sqrt(sum w |x|^2 sum w |y|^2), Cauchy and Schwarz give A <= P for the products, and the same
     for what the sums of x and y contribute: in all 3 e P, and little more for what is rounded here.
     """
-    x, y, mass, means = sums.source, sums.target, sums.mass, _means(clouds, sums)
+    x, y, mass, means = sums.source, sums.target, sums.mass, named(_means(clouds, sums), MEANS)
     size = math.sqrt(float(np.trace(sums.scatter))) * math.sqrt(sums.spread)
     return Moments(
         n=clouds.n,
@@ -282,8 +287,8 @@ def _about_means(
         target_exponent=clouds.exponents[1],
         weight_exponent=clouds.exponents[2] + weight_exponent,
         mass=factor * mass,
-        source_centroid=means[:3],
-        target_centroid=means[3:],
+        source_centroid=means["source"],
+        target_centroid=means["target"],
         cross_covariance=factor * (sums.cross - np.outer(y, x / mass)),
         source_scatter=factor * (sums.scatter - np.outer(x, x / mass)),
         target_spread=factor * max(0.0, sums.spread - float(y @ y) / mass),
@@ -293,7 +298,7 @@ def _about_means(
 
 def _rescaled(clouds: CloudPair) -> CloudPair:
     """The clouds over powers of two, so that no product of their deviations overflows."""
-    origins = (clouds.origin[:3], clouds.origin[3:], np.zeros(1))
+    origins = (clouds.origins["source"], clouds.origins["target"], np.zeros(1))
     arrays = (clouds.source, clouds.target, clouds.weights)
     a, b, c = (_exponent(*pair) for pair in zip(arrays, origins, strict=True))
     return replace(clouds, exponents=(a, b, c))

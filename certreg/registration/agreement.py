@@ -11,6 +11,7 @@ import numpy as np
 from certreg.dynamics import SimulationStatus
 from certreg.errors import ContradictionError
 from certreg.exact import power_of_two
+from certreg.native import MATRIX_STATE, named
 from certreg.objective import potential_energy
 from certreg.problem import floating_moments, lift
 from certreg.registration.closed_form import arun, horn
@@ -78,7 +79,7 @@ def require_sound_trajectory(found: Spectrum, body: IsotropicBody, trajectory: T
     moments = found.moments
     unit = moments.total_weight * power_of_two(2 * trajectory.length_exponent)
     minimum = potential_energy(moments, body.quaternion) - body.gap
-    centres = np.square(trajectory.states[:, :3]).sum(axis=1)
+    centres = np.square(named(trajectory.states, MATRIX_STATE)["c"]).sum(axis=1)
     terms = 3.0 * float(moments.spread / unit) + centres
     ulps = AgreementSettings().energy_ulps + trajectory.steps
     slack = ulps * np.finfo(float).eps * terms

@@ -163,7 +163,7 @@ CLAIM = Claim(
         "kinetic_energy",
         "potential_energy",
     ),
-    used_by=("certreg.dynamics.simulation.Basin", "derivations.motion.rate"),
+    used_by=("certreg.dynamics.basin.Basin", "derivations.motion.rate"),
     coq=(
         "dissipation_reduction",
         "rotations_stay_rotations",
