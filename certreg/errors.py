@@ -123,15 +123,26 @@ class OutOfRangeError(CertregError):
 class CampaignError(CertregError):
     """A campaign cannot begin or go on; what is done is kept.
 
-    path: the folder or the file in its way. address: of the scheduler that does not answer.
+    path: the folder in its way. address: of the scheduler that does not answer. shard: the one on
+    which a worker failed. value: what a worker has; limit: what it should have.
     """
 
     def __init__(
-        self, message: str, *, path: Path | None = None, address: str | None = None
+        self,
+        message: str,
+        *,
+        path: Path | None = None,
+        address: str | None = None,
+        shard: int | None = None,
+        value: object = None,
+        limit: object = None,
     ) -> None:
         super().__init__(message)
         self.path = path
         self.address = address
+        self.shard = shard
+        self.value = value
+        self.limit = limit
 
 
 class UndecidedError(CertregError):

@@ -144,11 +144,11 @@ def perform(task: Task, versions: dict[str, str]) -> TaskResult:
             f"a worker has {_listed(here)}, the campaign {_listed(versions)}: "
             "install the same everywhere"
         )
-        raise CampaignError(message)
+        raise CampaignError(message, value=here, limit=versions)
     try:
         return task.function(**task.arguments)
     except RefusedCertificateError as error:  # holds a verdict: does not travel between processes
-        raise ContradictionError(str(error)) from None
+        raise ContradictionError(str(error), methods=("certify", "verify")) from None
 
 
 class _Scheduler:
@@ -216,7 +216,7 @@ def _result(future: Future[TaskResult], task: Task, workers: Workers) -> TaskRes
             f"a worker failed on shard {task.shard} ({type(error).__name__}: {shown(error)}): "
             "certreg must be installed, in the same version, wherever workers run"
         )
-        raise CampaignError(message) from error
+        raise CampaignError(message, shard=task.shard) from error
 
 
 def _require_hope(breakdowns: int, lost: deque[Task]) -> None:
@@ -226,7 +226,9 @@ def _require_hope(breakdowns: int, lost: deque[Task]) -> None:
             f"workers died {breakdowns} times in a row, at work on shards {shards}: is memory too "
             "short for them? What is done is kept: run the same command to go on"
         )
-        raise CampaignError(message)
+        raise CampaignError(
+            message, shard=lost[0].shard if lost else None, value=breakdowns, limit=BREAKDOWNS
+        )
 
 
 def _listed(versions: dict[str, str]) -> str:
