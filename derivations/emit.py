@@ -51,7 +51,7 @@ class Names:
         return symbol
 
     @property
-    def found(self) -> tuple[tuple[Any, Any], ...]:
+    def values(self) -> tuple[tuple[Any, Any], ...]:
         """All that was named."""
         return tuple(self._values)
 
@@ -151,7 +151,7 @@ def _of_matrix_states() -> tuple[Definition, ...]:
                 port("next", euler_step(state, body, naming=euler)),
                 port("squared_speed", [square(rates)]),
             ),
-            named=euler.found,
+            named=euler.values,
         ),
     )
 

@@ -2,8 +2,8 @@
 
 Beside each library stands the digest of its bytes, so that a damaged file is seen before it is
 loaded. Both are written under temporary names and renamed: several processes may write at once, the
-last one wins, and all are equal. Who reads between the two renames sees a digest that does not fit,
-and compiles for itself.
+last one wins, and all are equal. A process that reads between the two renames sees a digest that
+does not fit, and compiles for itself.
 """
 
 from __future__ import annotations

@@ -86,9 +86,9 @@ def find_compiler() -> tuple[str, ...]:
     """The C compiler to use, with its arguments: `$CC`, or the first of cc, gcc, clang on PATH."""
     named = shlex.split(os.environ.get("CC", ""))
     for name in named[:1] or COMPILERS:
-        found = shutil.which(name)
-        if found:
-            return (found, *named[1:])
+        path = shutil.which(name)
+        if path:
+            return (path, *named[1:])
     raise CompilationError(f"no C compiler found ({' '.join(named) or ', '.join(COMPILERS)})")
 
 

@@ -26,7 +26,7 @@ static inline lanes lanes_sqrt(lanes x)
 #define CERTREG_LINKAGE static inline __attribute__((unused))
 #include "dynamics.c"
 
-/* Whether every lane is at least a bound; what is no number is not. */
+/* Whether every lane is at least a bound; a NaN is not. */
 static inline int all_above(lanes x, double bound)
 {
 #if LANES == 1

@@ -139,21 +139,21 @@ class Library:
         )
 
     def stationary_poses(self, clouds: ManyClouds) -> StationaryPoses:
-        """What doubles say of the rest poses of many problems."""
+        """What doubles say of the stationary poses of many problems."""
         given = (clouds.sources, clouds.targets, clouds.weights)
         arrays = [np.ascontiguousarray(array, dtype=float) for array in given]
         points = clouds.weights.shape[1]
-        scratch, found = np.empty(SCRATCH * points), StationaryPoses.empty(clouds.count)
+        scratch, poses = np.empty(SCRATCH * points), StationaryPoses.empty(clouds.count)
         passed = _Clouds(
             clouds.count,
             points,
             *[array.ctypes.data for array in arrays],
             *[0 if len(array) == 1 else array[0].size for array in arrays],
             scratch.ctypes.data,
-            *[getattr(found, field.name).ctypes.data for field in fields(found)],
+            *[getattr(poses, field.name).ctypes.data for field in fields(poses)],
         )
         self.handle.certreg_stationary_poses(ctypes.byref(passed))
-        return found
+        return poses
 
     def run(self, batch: Batch, rules: Rules, log: Log | None = None) -> None:
         """Integrate every body; several run on all given threads, a log is for one body."""
@@ -187,7 +187,7 @@ class Library:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExactSums:
-    """What native/exact.c found.
+    """Sums by native/exact.c.
 
     integers: the 28 sums, each over 2^-1074 to the power of the number of its factors.
     lowest: exponents over 2^-1074 of the lowest bit set in source, target, weights; None: all zero.

@@ -2,7 +2,7 @@
  * of a step begins with h.
  *
  * A lane whose body came to its end takes the next one, so that all lanes work to the end. What a lane
- * has to be looked at for (slow, no number any more, out of steps, logged) is rare: the loop itself
+ * has to be looked at for (slow, not a number, out of steps, logged) is rare: the loop itself
  * only steps, and tests all lanes at once. */
 struct NAMED(LOOP, _lanes) {
     lanes one[STATE], other[STATE], body[CERTREG_BODY], step[STEPS];

@@ -89,7 +89,7 @@ struct moments {
 };
 
 static void products(const struct deviations *x, const struct deviations *y, const loose *w, lanes mass,
-                     long points, struct moments *found)
+                     long points, struct moments *moments)
 {
     static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
     lanes cross[9] = {{0}}, scatter[6] = {{0}}, spread = {0};
@@ -103,13 +103,13 @@ static void products(const struct deviations *x, const struct deviations *y, con
         spread += w[i] * (b[0] * b[0] + b[1] * b[1] + b[2] * b[2]);
     }
     for (int k = 0; k < 9; k++)
-        found->cross[k] = cross[k] / mass - y->rest[k / 3] * x->rest[k % 3];
+        moments->cross[k] = cross[k] / mass - y->rest[k / 3] * x->rest[k % 3];
     for (int k = 0; k < 6; k++)
-        found->scatter[k] = scatter[k] / mass - x->rest[row[k]] * x->rest[column[k]];
-    found->spreads[CERTREG_SPREADS_SOURCE] = (scatter[0] + scatter[3] + scatter[5]) / mass;
-    found->spreads[CERTREG_SPREADS_TARGET] = spread / mass;
-    found->spreads[CERTREG_SPREADS_CENTRED_TARGET] = spread / mass - y->rest[0] * y->rest[0] -
-                                                     y->rest[1] * y->rest[1] - y->rest[2] * y->rest[2];
+        moments->scatter[k] = scatter[k] / mass - x->rest[row[k]] * x->rest[column[k]];
+    moments->spreads[CERTREG_SPREADS_SOURCE] = (scatter[0] + scatter[3] + scatter[5]) / mass;
+    moments->spreads[CERTREG_SPREADS_TARGET] = spread / mass;
+    moments->spreads[CERTREG_SPREADS_CENTRED_TARGET] = spread / mass - y->rest[0] * y->rest[0] -
+                                                       y->rest[1] * y->rest[1] - y->rest[2] * y->rest[2];
 }
 
 /* The eigenvalues of a symmetric n x n matrix on its diagonal, by Jacobi's rotations; if there are

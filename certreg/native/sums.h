@@ -23,7 +23,7 @@ struct certreg_points {
 };
 
 /* Each sum as a value and what rounding left of it; and whether any weight has the sign of -1. A
- * coordinate or weight that is no finite number makes its sum (x, y, 1) none, too. */
+ * coordinate or weight that is not finite makes its sum (x, y, 1) not finite, too. */
 void certreg_sums(const struct certreg_points *points, double sums[CERTREG_SUMS][2], int *negative);
 
 #endif

@@ -147,12 +147,12 @@ def _statements(definition: Definition, function: Any) -> str:
 
     generator = CodeGenerator("one")
     generator.add(function)
-    found = _BODY.search(generator.dump())
-    if found is None:
+    body = _BODY.search(generator.dump())
+    if body is None:
         raise ValueError(f"CasADi wrote C of another shape for {definition.name}")
     given = [port.name for port in definition.arguments]
     returned = [port.name for port in definition.results]
-    lines = found[1].replace("casadi_real ", "CERTREG_REAL ").replace("sqrt(", "CERTREG_SQRT(")
+    lines = body[1].replace("casadi_real ", "CERTREG_REAL ").replace("sqrt(", "CERTREG_SQRT(")
     lines = _LOAD.sub(lambda m: f"{given[int(m[1])]}[{m[2]}];", lines)
     lines = _STORE.sub(lambda m: f"{returned[int(m[1])]}[{m[2]}]=", lines)
     return _NUMBER.sub(r"CERTREG_CONSTANT(\1)", lines)

@@ -90,19 +90,19 @@ def _translated(expression: Any, known: dict[Any, Any], casadi: Any) -> Any:
     if expression in known:
         return known[expression]
     if expression.is_Rational:
-        found = casadi.SX(int(expression.p))
+        value = casadi.SX(int(expression.p))
         if expression.q != 1:
-            found = casadi.SX(float(expression)) if _is_dyadic(expression) else found / expression.q
+            value = casadi.SX(float(expression)) if _is_dyadic(expression) else value / expression.q
     elif expression.is_Add:
-        found = _total(expression.args, known, casadi)
+        value = _total(expression.args, known, casadi)
     elif expression.is_Mul:
-        found = reduce(mul, [_translated(part, known, casadi) for part in expression.args])
+        value = reduce(mul, [_translated(part, known, casadi) for part in expression.args])
     elif expression.is_Pow:
-        found = _power(_translated(expression.base, known, casadi), expression.exp, casadi)
+        value = _power(_translated(expression.base, known, casadi), expression.exp, casadi)
     else:
         raise TypeError(f"no arithmetic of the generated code: {expression}")
-    known[expression] = found
-    return found
+    known[expression] = value
+    return value
 
 
 def _is_dyadic(number: Any) -> bool:
