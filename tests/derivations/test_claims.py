@@ -5,11 +5,11 @@ from __future__ import annotations
 import dataclasses
 import importlib
 import sys
-from functools import cache
 from pathlib import Path
 
 import pytest
 import sympy
+from proofs import outcome
 
 from certreg.results import Ruling
 from derivations import algebra, book, latex
@@ -19,11 +19,6 @@ from derivations.notation import scalar, vector
 
 ROOT = Path(__file__).parents[2]
 X, Y = scalar("x"), scalar("y")
-
-
-@cache
-def outcome(name):
-    return prove(book.claim(name))
 
 
 @pytest.mark.parametrize("name", book.names())
