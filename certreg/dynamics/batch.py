@@ -50,8 +50,12 @@ DIAGONAL = [0, 3, 5]  # of an upper triangle
 class Bodies:
     """Bodies to be simulated: what the dynamics knows of each, per unit of mass.
 
-    records, basins, starts: (count,) records BODY, BASIN and QUATERNION_STATE of
-    `certreg.native.layout`, lengths over 2^length_exponents (count,).
+    Lengths are over 2^length_exponents, (count,). The others are (count,) records with these parts:
+    records: cross, C row by row; inertia and inertia_inverse, upper triangles of J and of its
+        inverse (11 12 13 22 23 33); spread of both clouds; damping.
+    basins: quaternions, (4, 4), of the equilibria by descending eigenvalue of the Davenport matrix;
+        gaps, (4,), of the eigenvalues to the largest.
+    starts: c, the centres of mass apart; q = (w, x, y, z); v; omega.
     """
 
     records: Records
@@ -64,8 +68,9 @@ class Bodies:
 class Ends:
     """Where the bodies ended, and how.
 
-    status: (count,), of `certreg.native.loops.Ending`; steps, escapes: (count,) integers; times:
-    (count,), of the springs. states: (count,) records `integrator.state`, as they were stepped.
+    status: (count,), 0 out of steps, 1 converged, 2 at rest at one of several optima; steps,
+    escapes: (count,) integers; times: (count,), of the springs. states: (count,) records with the
+    parts c, R for Euler, else q, v and omega, lengths as in `Bodies`.
     """
 
     integrator: Integrator
@@ -126,16 +131,16 @@ def bodies_of(
 
 def simulate_many(
     bodies: Bodies,
-    integrator: Integrator = Integrator.SPLITTING,
+    integrator: Integrator | str = Integrator.SPLITTING,
     *,
     settings: SimulationSettings | None = None,
 ) -> Ends:
     """Every body simulated to its end, on `settings.threads` threads.
 
-    The interpreter's lock is free meanwhile. Raises DegenerateProblemError where a body is too
-    stiff for explicit Euler.
+    integrator: also by name, as in `certreg.simulate`. The interpreter's lock is free meanwhile.
+    Raises DegenerateProblemError where a body is too stiff for explicit Euler.
     """
-    settings = settings or SimulationSettings()
+    integrator, settings = Integrator(integrator), settings or SimulationSettings()
     batch = Batch.of(
         integrator,
         bodies=bodies.records,

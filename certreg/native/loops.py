@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Never, Protocol
 
 import numpy as np
 
@@ -44,6 +44,11 @@ class Integrator(enum.Enum):
     EULER = "euler"  # explicit, R projected to the nearest rotation [Yang2020]
     MIDPOINT = "midpoint"  # implicit midpoint in quaternions: the energy never rises
     SPLITTING = "splitting"  # kick with exact damping, drift: a few large steps
+
+    @classmethod
+    def _missing_(cls, value: object) -> Never:
+        known = ", ".join(repr(one.value) for one in cls)
+        raise ValueError(f"integrator is {value!r}: this version knows {known}")
 
     @property
     def state(self) -> RecordType:

@@ -196,8 +196,8 @@ def simulate(
     Raises ValueError for other integrators or steps, and DegenerateProblemError where the dynamics
     is not defined or too stiff.
     """
-    settings = _with_step(settings, step)
-    return _trajectory(spectrum(exact_moments(problem)), problem, integrator, settings)
+    chosen, settings = Integrator(integrator), _with_step(settings, step)
+    return run(spectrum(exact_moments(problem)), problem.damping, chosen, settings=settings)
 
 
 def simulated(
@@ -207,8 +207,9 @@ def simulated(
 
     Raises ContradictionError or RefusedCertificateError where certreg contradicts itself.
     """
+    chosen, settings = Integrator(integrator), _with_step(None, step)
     found = spectrum(exact_moments(problem))
-    trajectory = _trajectory(found, problem, integrator, _with_step(None, step))
+    trajectory = run(found, problem.damping, chosen, settings=settings)
     certificate = produce(problem, found, state=_final_state(trajectory))
     if certificate is not None:
         require_accepted(check_own(certificate, problem))
@@ -272,22 +273,9 @@ def _simulation(
 ) -> tuple[Trajectory | None, str | None]:
     """The simulated registration, or why there is none."""
     try:
-        return _trajectory(found, problem, "euler", settings), None
+        return run(found, problem.damping, Integrator.EULER, settings=settings), None
     except DegenerateProblemError as error:
         return None, str(error)
-
-
-def _trajectory(
-    found: Spectrum,
-    problem: RegistrationProblem,
-    integrator: str,
-    settings: SimulationSettings,
-) -> Trajectory:
-    known = [one.value for one in Integrator]
-    if integrator not in known:
-        message = f"integrator is {integrator!r}: this version knows {', '.join(map(repr, known))}"
-        raise ValueError(message)
-    return run(found, problem.damping, Integrator(integrator), settings=settings)
 
 
 def _with_step(settings: SimulationSettings | None, step: float | None) -> SimulationSettings:

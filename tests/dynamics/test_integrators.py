@@ -429,8 +429,12 @@ def test_threads_change_nothing():
     one = simulate_many(bodies)
     two = simulate_many(bodies, settings=SimulationSettings(threads=2))
 
+    named = simulate_many(bodies, "splitting")
     for name in ("states", "steps", "status", "times", "escapes"):
         assert np.array_equal(getattr(one, name), getattr(two, name))
+        assert np.array_equal(getattr(one, name), getattr(named, name))
+    with pytest.raises(ValueError, match="integrator is 'heun': this version knows 'euler'"):
+        simulate_many(bodies, "heun")
 
 
 @each_integrator
