@@ -5,6 +5,8 @@ from __future__ import annotations
 import ast
 import inspect
 import pickle
+import sys
+from collections import deque
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -16,13 +18,19 @@ from hypothesis import strategies as st
 
 import certreg
 from certreg import RegistrationProblem, errors
+from certreg.campaign import runner, store, workers
+from certreg.campaign.table import require_parquet
+from certreg.certificate.coqc import find_coqc
 from certreg.dynamics import bodies_of
 from certreg.equilibrium import solve_many
 from certreg.errors import (
+    CampaignError,
     CertregError,
     DegenerateProblemError,
     InvalidFileError,
     InvalidProblemError,
+    MissingToolError,
+    OutOfRangeError,
 )
 from certreg.io.clouds import read_cloud, read_problem, read_weights
 from certreg.io.poses import read_pose
@@ -309,3 +317,44 @@ def test_the_label_in_the_way_is_named_with_its_file(tmp_path):
     error = raised(InvalidFileError, read_problem, *paths)
 
     assert evidence(error) == {"path": paths[1], "column": "label", "value": "q", "limit": 1}
+
+
+def test_the_tool_that_is_missing_is_named(monkeypatch):
+    monkeypatch.setattr("shutil.which", lambda _: None)
+    monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
+
+    assert evidence(raised(MissingToolError, find_coqc)) == {"tool": "coqc"}
+    assert evidence(raised(MissingToolError, require_parquet)) == {"tool": "pyarrow"}
+
+
+def test_the_translation_that_no_double_holds_is_given_exactly():
+    far = 2.0**1023
+    problem = RegistrationProblem([[far, 0, 0]], [[-far, 0, 0]])
+    error = raised(OutOfRangeError, certreg.certify, problem)
+
+    assert list(error.value) == [-(2**1024), 0, 0]
+
+
+def test_a_folder_at_work_is_named(tmp_path):
+    with store._locked(tmp_path):
+        error = raised(CampaignError, store._locked(tmp_path).__enter__)
+
+    assert evidence(error) == {"path": tmp_path}
+
+
+def test_the_shard_on_which_workers_die_is_named():
+    lost = deque([runner.Task(shard=7, function=runner.perform, arguments={})])
+    error = raised(CampaignError, runner._require_hope, runner.BREAKDOWNS + 1, lost)
+
+    assert evidence(error) == {
+        "shard": 7,
+        "value": runner.BREAKDOWNS + 1,
+        "limit": runner.BREAKDOWNS,
+    }
+
+
+def test_a_scheduler_that_does_not_answer_is_named():
+    pytest.importorskip("distributed", reason="the extra `campaign` is not installed")
+    error = raised(CampaignError, workers._connected, "no address", 0.1)
+
+    assert evidence(error) == {"address": "no address"}
