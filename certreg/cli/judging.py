@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from certreg.cli.options import CLOUD, cloud_options
+from certreg.cli.options import CLOUD, bound_clouds, cloud_options
 from certreg.cli.progress import note
 from certreg.errors import InvalidFileError
 from certreg.io import (
+    BY_LABEL,
     ROTATION_TOLERANCE,
     read_cloud,
+    read_problem,
     read_result_pose,
     write_atomically,
     write_cloud,
@@ -32,7 +34,7 @@ from certreg.results import PoseVerdict
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    from certreg.io import Pair
+    from certreg.io import Pair, Pairing
     from certreg.problem import RegistrationProblem
 
 
@@ -79,17 +81,34 @@ def apply(result: Path, cloud: Path, *, out: Path) -> int:
 
 @click.command(epilog="Exit code 0 when the report was written, 1 if the checker refuses, else 2.")
 @click.argument("certificate", type=CLOUD)
+@bound_clouds
 @click.option("--out", type=CLOUD, help="File to write; default: report.html beside CERTIFICATE.")
-def report(certificate: Path, *, out: Path | None) -> int:
+def report(
+    certificate: Path,
+    *,
+    clouds: tuple[Path, ...],
+    sigma: float | None,
+    weights: Path | None,
+    pairing: Pairing | None,
+    out: Path | None,
+) -> int:
     """One HTML file that shows the registration and its proof, for any browser, offline.
 
-    CERTIFICATE is checked first. The simulated motion is taken from the files that certify wrote
-    beside it, if they belong to it, and computed anew otherwise.
+    CERTIFICATE is checked first. All else is computed anew: the motion with the damping and the
+    integrator that it names. More than a million points are not in it: give SOURCE and TARGET.
     """
     place = certificate.with_name(REPORT) if out is None else out
     if place.exists() and certificate.exists() and place.samefile(certificate):
         message = f"{printable(place)}: is the certificate itself: give another --out"
         raise InvalidFileError(message, path=place)
-    write_atomically(place, html_page(report_of(certificate, note)))
+    problem = None
+    if clouds:
+        source, target = clouds
+        problem, pair = read_problem(
+            source, target, sigma=sigma, weights=weights, pairing=pairing or BY_LABEL
+        )
+        for words in pair.notes:
+            note(words)
+    write_atomically(place, html_page(report_of(certificate, problem, noted=note)))
     click.echo(f"{printable(place)}: open it in a browser; it needs no network")
     return DONE

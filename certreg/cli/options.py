@@ -60,6 +60,29 @@ def pairing_options(command: Callable[..., Any]) -> Callable[..., Any]:
     return wrapped
 
 
+def bound_clouds(command: Callable[..., Any]) -> Callable[..., Any]:
+    """[SOURCE TARGET] that a certificate must be about, and how their rows pair and weigh.
+
+    Arguments `clouds`, two paths or none, `sigma`, `weights` and `pairing`.
+    """
+
+    @click.argument("clouds", type=CLOUD, nargs=-1, metavar="[SOURCE TARGET]")
+    @click.option("--sigma", type=float, help="With SOURCE TARGET: the noise that was certified.")
+    @click.option(
+        "--weights", type=CLOUD, help="With SOURCE TARGET: the weights that were certified."
+    )
+    @pairing_options
+    @functools.wraps(command)
+    def wrapped(*args: Any, clouds: tuple[Path, ...], **options: Any) -> Any:
+        given = any(options[name] is not None for name in ("sigma", "weights", "pairing"))
+        if len(clouds) not in {0, 2} or (given and not clouds):
+            message = "give SOURCE and TARGET, or neither; the options go with them"
+            raise click.UsageError(message)
+        return command(*args, clouds=clouds, **options)
+
+    return wrapped
+
+
 def _damping(context: click.Context, parameter: click.Parameter, value: Any) -> Any:
     """The number given for the damping, the word 'optimal', or None; anything else is bad usage."""
     if value is None:

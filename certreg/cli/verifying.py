@@ -10,7 +10,7 @@ import click
 from certreg import io  # its names that load NumPy are asked of it where they are needed
 from certreg.certificate import verify as checked
 from certreg.certificate import verify_with_coq
-from certreg.cli.options import CLOUD, pairing_options
+from certreg.cli.options import CLOUD, bound_clouds
 from certreg.io import TEXT_FORMATS, read_clouds
 from certreg.registration import DONE, REFUSED
 from certreg.verify import INLINE_MAX, Clouds
@@ -24,16 +24,13 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("certificate", type=CLOUD)
-@click.argument("clouds", type=CLOUD, nargs=-1, metavar="[SOURCE TARGET]")
-@click.option("--sigma", type=float, help="With SOURCE TARGET: the noise that was certified.")
-@click.option("--weights", type=CLOUD, help="With SOURCE TARGET: the weights that were certified.")
-@pairing_options
+@bound_clouds
 @click.option("--coq", is_flag=True, help="Let Coq decide, by the proofs in derivations/coq.")
 @click.option("--out", type=CLOUD, help="With --coq: keep the file given to Coq, .v.")
 def verify(
     certificate: Path,
-    clouds: tuple[Path, ...],
     *,
+    clouds: tuple[Path, ...],
     sigma: float | None,
     weights: Path | None,
     pairing: Pairing | None,
@@ -45,10 +42,6 @@ def verify(
     With SOURCE and TARGET it must also be about exactly those points, paired as they were.
     With --coq, Coq's kernel checks it instead, by a checker that is proved correct.
     """
-    with_options = sigma is not None or weights is not None or pairing is not None
-    if len(clouds) not in {0, 2} or (with_options and not clouds):
-        message = "give SOURCE and TARGET, or neither; the options go with them"
-        raise click.UsageError(message)
     if out is not None and not coq:
         message = "--out goes with --coq"
         raise click.UsageError(message)

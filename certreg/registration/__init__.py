@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from certreg.registration.certification import Registration as Registration
     from certreg.registration.certification import SimulatedRegistration as SimulatedRegistration
     from certreg.registration.certification import Solution as Solution
+    from certreg.registration.certification import certified as certified
     from certreg.registration.certification import certify as certify
     from certreg.registration.certification import optimally_damped as optimally_damped
     from certreg.registration.certification import simulate as simulate
@@ -60,6 +61,7 @@ __getattr__ = lazy_face(
             "Registration",
             "SimulatedRegistration",
             "Solution",
+            "certified",
             "certify",
             "optimally_damped",
             "simulate",

@@ -160,14 +160,35 @@ def certify(
 ) -> Registration:
     """Register, enumerate all equilibria, cross-check, certify, and run the checker.
 
-    relaxation, simulation: whether to take these two roads, too; all else is the same. Instead of
+    relaxation, simulation: whether to take these two methods, too; all else is the same. Instead of
         True, settings of the simulation.
+    about: what else the certificate is to hold, unproved, besides damping and integrator.
     Raises ContradictionError or RefusedCertificateError where certreg contradicts itself, and
     OutOfRangeError where no double can hold the pose.
     """
+    return certified(
+        problem,
+        relaxation=relaxation,
+        integrator="euler" if simulation else None,
+        settings=None if isinstance(simulation, bool) else simulation,
+        about=about,
+    )
+
+
+def certified(
+    problem: RegistrationProblem,
+    *,
+    relaxation: bool,
+    integrator: str | None,
+    settings: SimulationSettings | None = None,
+    about: dict[str, Any] | None = None,
+) -> Registration:
+    """As `certify`, the simulation by an integrator of `simulate`; None for no simulation."""
     timings: dict[str, float] = {}
     with _timed(timings, "compute"):
-        solution = solve(problem, relaxation=relaxation, simulation=simulation, about=about)
+        solution = solve(
+            problem, relaxation=relaxation, integrator=integrator, settings=settings, about=about
+        )
     certificate = solution.certificate
     verdict = None
     if certificate is not None:
@@ -226,23 +247,24 @@ def solve(
     problem: RegistrationProblem,
     *,
     relaxation: bool = False,
-    simulation: bool | SimulationSettings = False,
+    integrator: str | None = None,
+    settings: SimulationSettings | None = None,
     about: dict[str, Any] | None = None,
 ) -> Solution:
-    """Everything that is computed, nothing yet checked."""
+    """Everything that is computed, nothing yet checked. integrator: None for no simulation."""
     moments = exact_moments(problem)
     found = spectrum(moments)
     relaxed, no_relaxation = _relaxation(moments) if relaxation else (None, NOT_ASKED)
-    settings = SimulationSettings() if simulation is True else simulation
-    trajectory, no_trajectory = (
-        _simulation(found, problem, settings) if settings else (None, NOT_ASKED)
-    )
+    trajectory, no_trajectory = None, NOT_ASKED
+    if integrator is not None:
+        settings = settings or SimulationSettings()
+        trajectory, no_trajectory = _simulation(found, problem, integrator, settings)
     certificate = produce(
         problem,
         found,
         proposal=None if relaxed is None else relaxed.proposal,
         state=None if trajectory is None else _final_state(trajectory),
-        about=about,
+        about={**(about or {}), "damping": problem.damping, "integrator": integrator},
     )
     return Solution(
         moments=moments,
@@ -269,11 +291,11 @@ def _relaxation(moments: ExactMoments) -> tuple[Relaxation | None, str | None]:
 
 
 def _simulation(
-    found: Spectrum, problem: RegistrationProblem, settings: SimulationSettings
+    found: Spectrum, problem: RegistrationProblem, integrator: str, settings: SimulationSettings
 ) -> tuple[Trajectory | None, str | None]:
     """The simulated registration, or why there is none."""
     try:
-        return run(found, problem.damping, Integrator.EULER, settings=settings), None
+        return run(found, problem.damping, Integrator(integrator), settings=settings), None
     except DegenerateProblemError as error:
         return None, str(error)
 

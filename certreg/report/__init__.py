@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from certreg.report.folder import write_folder as write_folder
     from certreg.report.markup import printable as printable
     from certreg.report.page import html_page as html_page
-    from certreg.report.revisiting import report_of as report_of
+    from certreg.report.reload import report_of as report_of
     from certreg.report.roads import roads_summary as roads_summary
     from certreg.report.roads import roads_table as roads_table
     from certreg.report.summary import assessment_summary as assessment_summary
@@ -40,7 +40,7 @@ __getattr__ = lazy_face(
         ),
         "markup": ("printable",),
         "page": ("html_page",),
-        "revisiting": ("report_of",),
+        "reload": ("report_of",),
         "roads": (
             "roads_summary",
             "roads_table",

@@ -7,7 +7,7 @@ import hashlib
 import shlex
 from dataclasses import dataclass
 from importlib.resources import files
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from certreg import __version__
 from certreg.report.markup import (
@@ -31,15 +31,13 @@ from certreg.report.words import (
     trap_words,
     weak_words,
 )
-from certreg.verify import parse
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.dynamics import Record, Trajectory
+    from certreg.certificate import Certificate, IsotropicBody
     from certreg.registration import Registration
     from certreg.results import Verdict
-    from certreg.verify import Isotropic
 
 ASSETS = files("certreg.report") / "assets"
 GUARANTEE_WORDS = (
@@ -54,16 +52,15 @@ CHECKERS = ("certreg verify", "python3 -I -S verify.py")
 class Report:
     """What a page shows.
 
-    certificate: the bytes of the file, name: what it is called. verdict: the checker's, on these;
-    the registration's bounds are those that it proves. weak: they are far from what can be proved.
-    logged: the simulated motion, if there is one. documentation: where its pages lie, to link to.
+    content: the bytes of the certificate's file, name: what it is called. verdict: the checker's,
+    on these; the registration's bounds are those that it proves. weak: they are far from what can
+    be proved. documentation: where its pages lie, to link to.
     """
 
     registration: Registration
-    certificate: bytes
+    certificate: Certificate[IsotropicBody]
+    content: bytes
     verdict: Verdict
-    logged: Trajectory | Record | None
-    angles: MethodAngles
     name: str = "certificate.json"
     weak: bool = False
     documentation: str | None = None
@@ -77,22 +74,16 @@ class Report:
             raise ValueError(message)
         return cls(
             registration=registration,
-            certificate=certificate.to_json(),
+            certificate=certificate,
+            content=certificate.to_json(),
             verdict=verdict,
-            logged=registration.solution.trajectory,
-            angles=MethodAngles.of(registration.solution.agreement),
             documentation=documentation,
         )
 
     @property
-    def stated(self) -> Isotropic:
-        """What the certificate says; of other kinds there is no report."""
-        return cast("Isotropic", parse(self.certificate))
-
-    @property
     def embedded(self) -> bool:
         """Whether the page carries the certificate; a large one it only names."""
-        return len(self.certificate) <= EMBEDDED_BYTES
+        return len(self.content) <= EMBEDDED_BYTES
 
     @property
     def verdict_words(self) -> list[str]:
@@ -105,8 +96,7 @@ class Report:
 
 def html_page(report: Report) -> bytes:
     """The file's content, in UTF-8."""
-    stated = report.stated
-    names = Names.of(stated.about, report.registration.problem.n)
+    names = Names.of(report.certificate.about, report.registration.problem.n)
     style, script = ((ASSETS / name).read_text("utf-8") for name in ("report.css", "report.js"))
     head = (
         element("meta", charset="utf-8"),
@@ -119,9 +109,9 @@ def html_page(report: Report) -> bytes:
     )
     body = (
         _header(report, names),
-        element("main", *_sections(report, stated)),
+        element("main", *_sections(report)),
         _footer(),
-        *_blocks(report, stated, names),
+        *_blocks(report, names),
         asset_block("script", script),
     )
     whole = element("html", element("head", *head), element("body", *body), lang="en")
@@ -138,13 +128,13 @@ def _policy(style: str, script: str) -> str:
     )
 
 
-def _blocks(report: Report, stated: Isotropic, names: Names) -> Iterator[Markup]:
+def _blocks(report: Report, names: Names) -> Iterator[Markup]:
     problem = report.registration.problem
-    document = scene_document(report.registration, report.logged, names)
+    document = scene_document(report.registration, names)
     yield json_block("scene", document)
     if report.embedded:
-        yield data_block("certificate", "text/plain", packed(report.certificate))
-    if stated.data is None or not report.embedded:
+        yield data_block("certificate", "text/plain", packed(report.content))
+    if report.certificate.data is None or not report.embedded:
         yield data_block("sample", "text/plain", sample_of(problem))
 
 
@@ -207,10 +197,11 @@ def _split(words: str) -> tuple[str, str]:
     return (f"{figure}{' %' if percent else ''}", f"{unit}{': ' if unit else ''}{rest}")
 
 
-def _sections(report: Report, stated: Isotropic) -> Iterator[Markup]:
+def _sections(report: Report) -> Iterator[Markup]:
     yield _section("see", "See it", viewer_section(report.registration))
     yield _section("charts", "In numbers", *_charts())
-    known = sentences(report.registration, stated, report.angles)
+    angles = MethodAngles.of(report.registration.solution.agreement)
+    known = sentences(report.registration, report.certificate.body.claims, angles)
     yield _section(
         "proof",
         "What is proved, and how we know",
@@ -269,7 +260,7 @@ def _embedded() -> Iterator[Markup]:
 
 
 def _named(report: Report) -> Iterator[Markup]:
-    size, limit = (count / 2**20 for count in (len(report.certificate), EMBEDDED_BYTES))
+    size, limit = (count / 2**20 for count in (len(report.content), EMBEDDED_BYTES))
     yield element(
         "p",
         f"The certificate is too large for a page: {size:.1f} MiB, more than {limit:.0f}. It is "
@@ -278,7 +269,7 @@ def _named(report: Report) -> Iterator[Markup]:
         " that was written or given with this page, and has the SHA-256 below. Let it be checked "
         "in exact integer arithmetic, with certreg or with nothing but Python:",
     )
-    digest = hashlib.sha256(report.certificate).hexdigest()
+    digest = hashlib.sha256(report.content).hexdigest()
     yield element("p", "SHA-256 of the certificate: ", element("code", digest, id="file-digest"))
 
 

@@ -20,7 +20,7 @@ from certreg.native import MATRIX_STATE, named
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.dynamics import Record, Trajectory
+    from certreg.dynamics import Trajectory
     from certreg.registration import Solution
 
 FRAMES = 240  # of a motion; the page interpolates between them
@@ -60,24 +60,24 @@ class Run:
         }
 
 
-def thinned(logged: Trajectory | Record, start: int | None = None) -> Run:
+def thinned(trajectory: Trajectory, start: int | None = None) -> Run:
     """The part of a trajectory in which something is seen to move, in evenly spaced frames."""
-    times, energy = logged.times, logged.potential + logged.kinetic
+    times, energy = trajectory.times, trajectory.potential + trajectory.kinetic
     above = energy - energy[-1]
     moving = np.flatnonzero(above > VISIBLE_ENERGY * above[0])
     end = min(len(times) - 1, int(moving[-1]) + 1 if len(moving) else len(times) - 1)
     wanted: NDArray[np.float64] = np.arange(FRAMES) / (FRAMES - 1)
     wanted = times[0] + wanted * (times[end] - times[0])
     rows = np.unique(np.searchsorted(times, wanted).clip(0, end))
-    states = named(logged.states[rows], MATRIX_STATE)
+    states = named(trajectory.states[rows], MATRIX_STATE)
     return Run(
         start=start,
         times=times[rows],
         quaternions=np.array([quaternion_from_matrix(R) for R in states["R"]]),
         offsets=states["c"],
-        potential=logged.potential[rows],
-        kinetic=logged.kinetic[rows],
-        length_exponent=logged.length_exponent,
+        potential=trajectory.potential[rows],
+        kinetic=trajectory.kinetic[rows],
+        length_exponent=trajectory.length_exponent,
         last=float(times[-1]),
     )
 

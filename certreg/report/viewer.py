@@ -23,7 +23,6 @@ from certreg.report.words import component_name, component_words, factor_words
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.dynamics import Record, Trajectory
     from certreg.problem import RegistrationProblem
     from certreg.registration import Registration
 
@@ -167,13 +166,11 @@ class Names:
         )
 
 
-def scene_document(
-    registration: Registration, logged: Trajectory | Record | None, names: Names
-) -> dict[str, Any]:
+def scene_document(registration: Registration, names: Names) -> dict[str, Any]:
     """What the script of the page reads beside the certificate."""
     problem, solution = registration.problem, registration.solution
     equilibria = registration.equilibria
-    runs = [] if logged is None else [thinned(logged)]
+    runs = [] if solution.trajectory is None else [thinned(solution.trajectory)]
     runs += simulated_escapes(solution, problem.damping)
     exponent = runs[0].length_exponent if runs else 0
     unit = solution.moments.total_weight * (4**exponent if exponent >= 0 else 1)

@@ -13,9 +13,9 @@ from certreg.results import ComponentKind, Guarantee
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from certreg.certificate import Claims
     from certreg.equilibrium import Component, EquilibriumSet
     from certreg.registration import Agreement, Registration
-    from certreg.verify import Isotropic
 
 THEOREMS = {  # claims of `certreg derive`, by the titles of their pages
     "optimality_certificate": "The optimality certificate",
@@ -81,14 +81,12 @@ class MethodAngles:
         )
 
 
-def sentences(
-    registration: Registration, stated: Isotropic, angles: MethodAngles
-) -> list[Sentence]:
-    """What the page says is known; `stated` by a certificate that was accepted."""
+def sentences(registration: Registration, claims: Claims, angles: MethodAngles) -> list[Sentence]:
+    """What the page says is known; the checker has accepted the claims."""
     return [
         *_optimality(registration),
-        *_equilibria(registration, stated),
-        *_motion(stated),
+        *_equilibria(registration, claims),
+        *_motion(claims),
         *_numbers(registration, angles),
     ]
 
@@ -146,7 +144,7 @@ def _optimality(registration: Registration) -> Iterator[Sentence]:
     )
 
 
-def _equilibria(registration: Registration, stated: Isotropic) -> Iterator[Sentence]:
+def _equilibria(registration: Registration, claims: Claims) -> Iterator[Sentence]:
     equilibria = registration.equilibria
     counted = count_words(equilibria).split(": ", 1)[1]
     listed = ", ".join(f"{NAMES[c.kind]} of index {c.morse_index}" for c in equilibria.components)
@@ -165,7 +163,7 @@ def _equilibria(registration: Registration, stated: Isotropic) -> Iterator[Sente
             guarantee=equilibria.guarantee,
             theorems=("classification",),
         )
-    elif len(unstable) > 1 and stated.unstable is not None:
+    elif len(unstable) > 1 and claims.unstable is not None:
         counts = ", ".join(map(str, unstable))
         yield Sentence(
             words=(
@@ -177,8 +175,8 @@ def _equilibria(registration: Registration, stated: Isotropic) -> Iterator[Sente
         )
 
 
-def _motion(stated: Isotropic) -> Iterator[Sentence]:
-    if stated.basin:
+def _motion(claims: Claims) -> Iterator[Sentence]:
+    if claims.basin:
         yield Sentence(
             words=(
                 "The simulated body ended in a state from which the exact motion can end nowhere "
@@ -187,12 +185,12 @@ def _motion(stated: Isotropic) -> Iterator[Sentence]:
             guarantee=Guarantee.EXACT,
             theorems=("certified_basin",),
         )
-    gap = stated.sdp_gap
+    gap = claims.sdp_gap
     if gap is not None:
         yield Sentence(
             words=(
                 "The dual of the semidefinite relaxation, rounded outwards, bounds the gap "
-                f"independently: at most {bounded(double_above(gap))}."
+                f"independently: at most {bounded(double_above(gap.value))}."
             ),
             guarantee=Guarantee.EXACT,
             theorems=("dual_bound",),

@@ -11,7 +11,6 @@ import json
 import os
 import re
 import shutil
-import signal
 from html.parser import HTMLParser
 from importlib.resources import files
 from pathlib import Path
@@ -24,20 +23,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from strategies import ZOO
 
-from certreg.problem.problem import RegistrationProblem
-from certreg.registration import certification as pipeline
-from certreg.registration.certification import certify
-from certreg.registration.examples import STORIES, tell
-from certreg.report import revisiting
+from certreg.problem.problem import DEFAULT_DAMPING, RegistrationProblem
+from certreg.registration.certification import certified, certify
+from certreg.registration.examples import STORIES, stated, tell
 from certreg.report.markup import Markup, asset_block, data_block, element, json_block
 from certreg.report.page import EMBEDDED_BYTES, Report, html_page
+from certreg.report.reload import Motion, report_of
 from certreg.report.thinning import simulated_escapes, thinned
 from certreg.report.viewer import Names
 from certreg.report.words import THEOREMS, MethodAngles, sentences
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from certreg.registration.certification import Registration
 
 ROOT = Path(__file__).parents[2]
@@ -180,8 +176,8 @@ def test_a_road_that_ends_elsewhere_is_not_said_to_lead_here(
 ):
     angles = {"relaxation": relaxation, "simulation": simulation}
     methods = MethodAngles(closed_form=1e-9, **angles)
-    stated = Report.of(survey).stated
-    said = [one.words for one in sentences(survey, stated, methods) if "roads lead" in one.words]
+    claims = checked(survey.certificate).body.claims
+    said = [one.words for one in sentences(survey, claims, methods) if "roads lead" in one.words]
     agreeing, _, others = said[0].partition("°. ")
 
     assert len(said) == 1
@@ -210,73 +206,92 @@ def test_with_documentation_the_theorems_are_links(survey: Registration):
     assert "<a " not in html_page(Report.of(survey)).decode()
 
 
-def test_the_report_again_is_the_same_and_takes_what_lies_beside_it(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
+def test_the_report_again_is_the_same_and_says_how_the_motion_is_computed(
+    data: Path, tmp_path: Path
 ):
-    first = (folder / "report.html").read_bytes()
-    taken = list[dict[str, Any]]()
-    real = pipeline.certify
+    pair = [data / name for name in SURVEY]
+    for options, words in {
+        (): "the motion is computed anew, with damping 2.82843 and integrator euler",
+        ("--damping", "1.5", "--no-relaxation"): "computed anew, with damping 1.5 and integrator",
+        ("--no-simulation",): "made without a simulation: no motion is computed anew",
+    }.items():
+        assert certreg("certify", *pair, *options, "--out", tmp_path).code == 0
+        first = (tmp_path / "report.html").read_bytes()
+        for name in ("result.json", "trajectory.npz"):
+            (tmp_path / name).write_text("not read")
+        run = certreg("report", tmp_path / "certificate.json", "--out", tmp_path / "again.html")
 
-    def spy(problem: RegistrationProblem, **options: Any) -> Registration:
-        taken.append(options)
-        return real(problem, **options)
-
-    monkeypatch.setattr(revisiting, "certify", spy)
-    run = certreg("report", folder / "certificate.json")
-
-    assert (run.code, run.err) == (0, "")
-    assert (folder / "report.html").read_bytes() == first
-    assert taken == [{"relaxation": False, "simulation": False}]
-
-
-def break_digest(folder: Path) -> None:
-    text = (folder / "result.json").read_text()
-    digest = json.loads(text)["digest"]
-    (folder / "result.json").write_text(text.replace(digest, digest[::-1]))
+        assert run.code == 0
+        assert re.fullmatch(rf"note: [^\n]*{re.escape(words)}[^\n]*\n", run.err)
+        assert (tmp_path / "again.html").read_bytes() == first
 
 
-def break_numbers(folder: Path) -> None:
-    text = (folder / "result.json").read_text()
-    (folder / "result.json").write_text(re.sub(r'"damping": [\d.]+', '"damping": NaN', text))
+def test_a_motion_by_another_integrator_is_shown_again(tmp_path: Path):
+    registration = certified(stated(STORIES[0]), relaxation=False, integrator="splitting")
+    certificate = checked(registration.certificate)
+    certificate.save(tmp_path / "certificate.json")
+    again = report_of(tmp_path / "certificate.json")
 
-
-def break_json(folder: Path) -> None:
-    (folder / "result.json").write_text("[" * 100_000)
-
-
-def break_angles(folder: Path) -> None:
-    text = (folder / "result.json").read_text()
-    spoiled = re.sub(r'"simulation_deg": [^,\n]+', '"simulation_deg": 181.0', text)
-    assert spoiled != text
-    (folder / "result.json").write_text(spoiled)
-
-
-def remove_all(folder: Path) -> None:
-    (folder / "result.json").unlink()
-    (folder / "trajectory.npz").unlink()
+    assert certificate.about["integrator"] == "splitting"
+    assert html_page(again) == html_page(Report.of(registration))
 
 
 @pytest.mark.parametrize(
-    "spoil", [break_digest, break_numbers, break_json, break_angles, remove_all]
+    "about",
+    [
+        {},
+        {"integrator": "euler"},
+        {"damping": 2.0, "integrator": "leapfrog"},
+        {"damping": 2.0, "integrator": ["euler"]},
+        {"damping": 0.0, "integrator": "euler"},
+        {"damping": 1e300, "integrator": "euler"},
+        {"damping": "2", "integrator": "euler"},
+        {"damping": 2, "integrator": "euler"},
+    ],
 )
-def test_what_does_not_belong_to_the_certificate_is_computed_anew(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, spoil: Any
-):
-    spoil(folder)
-    taken = list[dict[str, Any]]()
+def test_a_certificate_that_names_no_usable_motion_gets_the_usual_one(about: dict[str, Any]):
+    motion = Motion.of(about)
 
-    def spy(problem: RegistrationProblem, **options: Any) -> Registration:
-        taken.append(options)
-        return pipeline.certify(problem, simulation=True, relaxation=False)
+    assert (motion.damping, motion.integrator) == (DEFAULT_DAMPING, "euler")
+    assert "computed anew with the defaults, sqrt(8) and euler" in motion.words
 
-    monkeypatch.setattr(revisiting, "certify", spy)
-    first = (folder / "report.html").read_bytes()
-    run = certreg("report", folder / "certificate.json", "--out", folder / "again.html")
+
+def test_an_old_certificate_gets_its_report(folder: Path):
+    file = folder / "certificate.json"
+    document = json.loads(file.read_bytes())
+    del document["about"]["damping"], document["about"]["integrator"]
+    file.write_text(json.dumps(document))
+    first = Outline((folder / "report.html").read_bytes())
+    run = certreg("report", file)
 
     assert run.code == 0
-    assert ("result.json: is broken, or does not belong" in run.err) == (spoil is not remove_all)
-    assert taken == [{"relaxation": True, "simulation": True}]
-    assert (folder / "again.html").read_bytes() == first
+    assert "names no damping and integrator" in run.err
+    again = Outline((folder / "report.html").read_bytes())
+    assert again.scene == first.scene
+    assert again.certificate == file.read_bytes()
+
+
+def test_the_report_of_a_certificate_without_points_asks_for_them(folder: Path, data: Path):
+    pair = [data / name for name in SURVEY]
+    file = folder / "certificate.json"
+    document = json.loads(file.read_bytes())
+    document["problem"]["data"] = None
+    file.write_text(json.dumps(document))
+    first = Outline((folder / "report.html").read_bytes())
+
+    run = certreg("report", file)
+    assert (run.code, run.out) == (2, "")
+    assert re.fullmatch(r"certreg: [^\n]*holds no points[^\n]*: give SOURCE TARGET, too\n", run.err)
+    other = certreg("report", file, *reversed(pair))
+    assert other.code == 1
+    assert "REFUSED" in other.err
+    assert certreg("report", file, pair[0]).code == 2
+    assert certreg("report", file, "--sigma", "1").code == 2
+
+    assert certreg("report", file, *pair).code == 0
+    again = Outline((folder / "report.html").read_bytes())
+    assert again.scene == first.scene
+    assert "sample" in again.blocks
 
 
 def weak_claims(document: dict[str, Any]) -> None:
@@ -323,21 +338,6 @@ def test_no_more_is_said_to_be_proved_than_the_certificate_in_the_page_proves(
     assert "rounding of the translation" not in words  # which the large gap is not due to
     assert "can end nowhere but at the optimum" not in words
     assert "The best rotation is unique" in words  # by the pattern, which the checker decides
-
-
-@pytest.mark.parametrize("name", ["result.json", "trajectory.npz"])
-def test_a_pipe_beside_the_certificate_is_not_waited_for(folder: Path, name: str):
-    first = (folder / "report.html").read_bytes()
-    (folder / name).unlink()
-    os.mkfifo(folder / name)
-    signal.alarm(60)  # ends the process instead of hanging it
-    try:
-        run = certreg("report", folder / "certificate.json")
-    finally:
-        signal.alarm(0)
-
-    assert run.code == 0
-    assert Outline((folder / "report.html").read_bytes()).scene == Outline(first).scene
 
 
 class Full:
@@ -423,58 +423,6 @@ def test_the_certificate_is_not_overwritten_by_its_report(folder: Path, link: An
     assert file.read_bytes() == out.read_bytes() == content
 
 
-def spoiled_trajectories(whole: dict[str, Any]) -> Iterator[tuple[str, Any]]:
-    """One array at a time, with what no simulation of these points gives."""
-    states, last = whole["states"], len(whole["times"]) - 1
-    turned = states.copy()
-    turned[:, 3:6], turned[:, 6:9] = states[:, 6:9], states[:, 3:6]
-    yield "states", np.full_like(states, 1e308)
-    yield "states", np.full_like(states, np.nan)
-    yield "states", np.zeros_like(states)
-    yield "states", turned  # reflections
-    yield "states", states * np.where(np.arange(18) < 3, 2.0, 1.0)
-    yield "states", states[::-1].copy()
-    yield "times", whole["times"] + 1.0
-    yield "times", whole["times"][::-1].copy()
-    yield "times", np.where(np.arange(last + 1) == last, 0.0, whole["times"])
-    yield "times", np.full_like(whole["times"], np.inf)
-    yield "potential", whole["potential"] * 1.001
-    yield "kinetic", whole["kinetic"] + 0.1
-    yield "kinetic", np.full_like(whole["kinetic"], 1e308)
-    yield "length_exponent", whole["length_exponent"] + 0.5
-    yield "length_exponent", whole["length_exponent"] + 3
-    yield "digest", whole["digest"] + 256.0
-    yield "digest", whole["digest"] + 0.25
-
-
-def test_a_broken_trajectory_is_computed_anew_with_a_note(folder: Path):
-    first = (folder / "report.html").read_bytes()
-    whole = dict(np.load(folder / "trajectory.npz"))
-    for name, values in spoiled_trajectories(whole):
-        np.savez(folder / "trajectory.npz", **whole | {name: values})
-        run = certreg("report", folder / "certificate.json")
-
-        assert run.code == 0, name
-        assert re.fullmatch(r"note: \S*trajectory.npz: is broken, or does not [^\n]*\n", run.err), (
-            name
-        )
-        assert (folder / "report.html").read_bytes() == first, name
-
-
-@pytest.mark.parametrize("integrator", ["midpoint", "splitting"])
-def test_a_sound_trajectory_of_another_integrator_is_taken(
-    folder: Path, data: Path, integrator: str
-):
-    clouds = [data / name for name in SURVEY]
-    out = ("--out", folder / "trajectory.npz")
-    assert certreg("simulate", *clouds, "--integrator", integrator, *out).code == 0
-    first = (folder / "report.html").read_bytes()
-    run = certreg("report", folder / "certificate.json")
-
-    assert (run.code, run.err) == (0, "")
-    assert (folder / "report.html").read_bytes() != first
-
-
 def test_a_trajectory_of_other_data_is_not_shown(folder: Path, data: Path, tmp_path: Path):
     other = tmp_path / "other.npz"
     pair = (data / "abeta_2beg_model01.csv", data / "abeta_2beg_model02.csv")
@@ -517,13 +465,6 @@ def test_what_is_no_certificate_of_a_pose_is_refused(folder: Path, data: Path):
     assert (run.code, run.out) == (2, "")
     assert "kind count" in run.err
     assert "give the certificate.json" in run.err
-
-    document = json.loads((folder / "certificate.json").read_text())
-    document["problem"]["data"] = None
-    count.write_text(json.dumps(document))
-    run = certreg("report", count)
-    assert run.code == 2
-    assert "holds no points" in run.err
 
     assert certreg("report", folder / "missing.json").code == 2
     assert certreg("report", folder / "pose.txt").code == 1

@@ -1,0 +1,158 @@
+"""The report of a certificate in a file: the proof is checked, all else computed anew.
+
+The registration is computed again from the points, and the body simulated again with the damping
+and the integrator that the certificate names. Of the pose no more is said to be proved than the
+certificate given proves, be it less than certreg would prove.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from certreg.certificate import (
+    Certificate,
+    ExactPose,
+    IsotropicBody,
+    PoseBounds,
+    pose_bounds,
+    verify,
+)
+from certreg.errors import InvalidFileError, RefusedCertificateError
+from certreg.io import reading
+from certreg.native import Integrator
+from certreg.problem import DEFAULT_DAMPING, MAX_DAMPING, MIN_DAMPING, RegistrationProblem
+from certreg.registration import certified
+from certreg.report.page import Report
+from certreg.verify import FILE_MAX, shown
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable
+
+    from certreg.registration import Registration
+
+PAIR = 7 * 8  # bytes of two points and a weight; the data end with these, after a header
+WEAKER = 1e3  # times the bounds that certreg proves: the page warns of such a certificate
+DEFAULT_INTEGRATOR = Integrator.EULER.value
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Motion:
+    """How the body is simulated, and a sentence on it. integrator: None for not at all."""
+
+    damping: float
+    integrator: str | None
+    words: str
+
+    @classmethod
+    def of(cls, about: dict[str, Any]) -> Motion:
+        """As the `about` of a certificate says; where it does not, as usual, and it is told."""
+        damping, integrator = about.get("damping"), about.get("integrator", DEFAULT_INTEGRATOR)
+        known = (None, *(one.value for one in Integrator))
+        usable = isinstance(damping, float) and MIN_DAMPING <= damping <= MAX_DAMPING
+        if not isinstance(damping, float) or not usable or integrator not in known:
+            words = (
+                "the certificate names no damping and integrator of this version: the motion is "
+                f"computed anew with the defaults, sqrt(8) and {DEFAULT_INTEGRATOR}"
+            )
+            return cls(damping=DEFAULT_DAMPING, integrator=DEFAULT_INTEGRATOR, words=words)
+        words = (
+            f"the motion is computed anew, with damping {damping:.6g} and integrator {integrator}"
+        )
+        if integrator is None:
+            words = "the certificate was made without a simulation: no motion is computed anew"
+        return cls(damping=damping, integrator=integrator, words=words)
+
+
+def report_of(
+    certificate: str | os.PathLike[str],
+    problem: RegistrationProblem | None = None,
+    *,
+    noted: Callable[[str], None] | None = None,
+) -> Report:
+    """The report of a certificate of optimality.
+
+    problem: the points, where the certificate does not hold them; where it does and both are given,
+        it must be about exactly these. noted: hears in a sentence how the motion is computed.
+    Raises InvalidFileError for other files, RefusedCertificateError where the checker refuses.
+    """
+    file = Path(certificate)
+    with reading(file) as stream:
+        content = stream.read(FILE_MAX + 1)
+    loaded = _loaded(content)
+    body = None if loaded is None else _required_body(loaded, problem, file)
+    verdict = verify(content, problem)
+    if loaded is None or body is None or not verdict.proved:
+        message = f"{shown(file)}: REFUSED: {verdict.words}: there is nothing to report"
+        raise RefusedCertificateError(message, verdict=verdict)
+    motion = Motion.of(loaded.about)
+    if noted is not None:
+        noted(motion.words)
+    registration = certified(
+        (problem or _problem(loaded)).damped(motion.damping),
+        relaxation=body.multiplier is not None,
+        integrator=motion.integrator,
+    )
+    given = _bounds(body, registration)
+    return Report(
+        registration=replace(registration, bounds=given, verdict=verdict),
+        certificate=replace(loaded, body=body),
+        content=content,
+        verdict=verdict,
+        name=file.name,
+        weak=_weaker(given, registration.bounds),
+    )
+
+
+def _loaded(content: bytes) -> Certificate[Any] | None:
+    """The certificate; None where it is not well-formed, and the checker says why."""
+    try:
+        return Certificate.load(content)
+    except InvalidFileError:
+        return None
+
+
+def _required_body(
+    certificate: Certificate[Any], problem: RegistrationProblem | None, file: Path
+) -> IsotropicBody:
+    """InvalidFileError for a certificate of which no report can be made, sound as it may be."""
+    body = certificate.body
+    if not isinstance(body, IsotropicBody):
+        what = f"is a certificate of kind {shown(body.KIND)}, which holds no pose"
+        message = f"{shown(file)}: {what}: give the certificate.json that certify wrote"
+        raise InvalidFileError(message)
+    if certificate.data is None and problem is None:
+        message = f"{shown(file)}: holds no points, only their digest: give SOURCE TARGET, too"
+        raise InvalidFileError(message)
+    return body
+
+
+def _problem(certificate: Certificate[Any]) -> RegistrationProblem:
+    """The points and weights in a certificate that the checker has accepted."""
+    n, data = certificate.n, certificate.data or b""
+    doubles = np.frombuffer(data, dtype="<f8", offset=len(data) - PAIR * n)
+    source, target, weights = np.split(doubles, [3 * n, 6 * n])
+    return RegistrationProblem(source.reshape(n, 3), target.reshape(n, 3), weights=weights)
+
+
+def _bounds(body: IsotropicBody, registration: Registration) -> PoseBounds:
+    """What the certificate given proves of the pose that was computed anew."""
+    pose = registration.pose
+    place = ExactPose.of_doubles(pose.quaternion_wxyz, pose.translation)
+    return pose_bounds(registration.solution.moments, body, place)
+
+
+def _weaker(given: PoseBounds, proved: PoseBounds | None) -> bool:
+    """Whether a certificate proves far less of a pose than certreg does."""
+    if proved is None:
+        return False
+    if given.greatest_gap > Fraction(WEAKER) * proved.greatest_gap:
+        return True
+    if proved.angle_upper is None:
+        return False
+    return given.angle_upper is None or given.angle_upper > WEAKER * proved.angle_upper
