@@ -125,10 +125,10 @@ def _required_body(
     if not isinstance(body, IsotropicBody):
         what = f"is a certificate of kind {shown(body.KIND)}, which holds no pose"
         message = f"{shown(file)}: {what}: give the certificate.json that certify wrote"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file)
     if certificate.data is None and problem is None:
         message = f"{shown(file)}: holds no points, only their digest: give SOURCE TARGET, too"
-        raise InvalidFileError(message)
+        raise InvalidFileError(message, path=file)
     return body
 
 
