@@ -37,7 +37,7 @@ def verify(
     content = certificate_bytes(certificate)
     if problem is None or isinstance(problem, Clouds) or problem.n <= INLINE_MAX:
         return as_verdict(check(content, _bound(problem)))
-    from certreg.certificate.blockwise import check_in_blocks
+    from certreg.certificate.blockwise import check_in_blocks  # loads NumPy, for large ones alone
 
     return as_verdict(check_in_blocks(content, problem))
 
@@ -52,7 +52,7 @@ def verify_with_coq(
 
     out: where to keep the Coq file that was decided on. Raises MissingToolError without Coq.
     """
-    from certreg.certificate.coqc import decide
+    from certreg.certificate.coqc import decide  # few ask for Coq
 
     verdict, source = decide(certificate_bytes(certificate), _bound(problem), tell=_on_stderr)
     if out is not None and source:
@@ -76,7 +76,7 @@ def check_own(certificate: Certificate[Body], problem: RegistrationProblem) -> V
     """
     if problem.n <= PYTHON_POINTS:
         return verify(certificate.to_json(), problem)
-    from certreg.certificate.blockwise import check_on_sums
+    from certreg.certificate.blockwise import check_on_sums  # as above
 
     return as_verdict(check_on_sums(replace(certificate, data=None).to_json(), problem))
 

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from certreg.io import Pair
     from certreg.problem import RegistrationProblem
 
-SPECTRAL = "spectral"  # the road that the table of equilibria alone speaks of
+SPECTRAL = "spectral"  # of this method the table of the equilibria says everything
 TRAJECTORY = ".npz"  # the one format of a trajectory
 
 

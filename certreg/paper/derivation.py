@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from certreg import native  # asked for its generator where that is needed: it loads CasADi
 from certreg.campaign import LocalWorkers
 from certreg.errors import CertregError
 from certreg.io import write_atomically, write_files
@@ -104,11 +105,8 @@ def write_latex(proved: Sequence[Any], folder: Path) -> None:
 
 def write_code(folder: Path) -> None:
     """Write the C that the derived expressions become, generated anew."""
-    # Loads CasADi, which no other job of this module needs.
-    from certreg.native import generated_files
-
     emit = _module("emit")
-    files = generated_files(emit.definitions(), emit.records())
+    files = native.generated_files(emit.definitions(), emit.records())
     write_files(folder / CODE_FOLDER, files)
 
 

@@ -43,6 +43,7 @@ from certreg.objective import best_translation
 from certreg.problem import exact_moments, lift
 from certreg.registration.agreement import Agreement, agreement, require_sound_trajectory
 from certreg.registration.covariance import PoseCovariance, pose_covariance
+from certreg.relaxation import relax
 from certreg.results import Optimality
 
 if TYPE_CHECKING:
@@ -282,8 +283,6 @@ def solve(
 
 def _relaxation(moments: ExactMoments) -> tuple[Relaxation | None, str | None]:
     """The relaxation, or why there is none."""
-    from certreg.relaxation import relax
-
     relaxed = relax(moments)
     if relaxed.value is None:
         return None, relaxed.status.value

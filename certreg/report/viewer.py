@@ -1,6 +1,7 @@
 """The viewer, the part of the page where the bodies move: its markup, and what its script draws.
 
 The script reads equilibria, motions and labels from a document; the points are in the certificate.
+A module beside the page, which alone uses it: together they would be too long to read.
 """
 
 from __future__ import annotations
