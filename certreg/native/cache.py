@@ -4,6 +4,8 @@ Beside each library stands the digest of its bytes, so that a damaged file is se
 loaded. Both are written under temporary names and renamed: several processes may write at once, the
 last one wins, and all are equal. A process that reads between the two renames sees a digest that
 does not fit, and compiles for itself.
+
+Apart from the compiler: which folders, and which files in them, are trusted is judged here alone.
 """
 
 from __future__ import annotations

@@ -63,8 +63,8 @@ def named(numbers: Any, record: RecordType) -> Records:
 
 def plain(records: NDArray[Any]) -> NDArray[np.float64]:
     """Records (...) of k doubles as doubles (..., k): the same memory where they are contiguous."""
-    flat = np.ascontiguousarray(records).reshape(-1).view(DOUBLE)
-    return flat.reshape(*records.shape, width(records.dtype))
+    doubles = np.ascontiguousarray(records).view(DOUBLE)
+    return doubles.reshape(*records.shape, width(records.dtype))
 
 
 def parts_of(numbers: Sequence[Number], record: RecordType) -> dict[str, Sequence[Number]]:
