@@ -1,4 +1,4 @@
-"""The page "Four roads to four equilibria": every cell runs and says what the text says."""
+"""The page "Four methods, four equilibria": every cell runs and says what the text says."""
 
 from __future__ import annotations
 
@@ -29,16 +29,16 @@ def run():
     return names, printed.getvalue()
 
 
-def test_every_cell_runs_and_the_roads_agree(run):
+def test_every_cell_runs_and_the_methods_agree(run):
     names, printed = run
     assert len(CELLS) == 14
-    assert names["found"].dimension == names["ideal"].degree == 4
+    assert names["elimination"].dimension == names["ideal"].degree == 4
     assert "The roads spectral, groebner, homotopy agree" in printed
     assert "disjoint: True" in printed
     assert "At most four rotations" in printed
 
 
-def test_near_a_tie_the_exact_roads_decide_and_the_third_is_right_or_in_doubt(run):
+def test_near_a_tie_the_exact_methods_decide_and_the_third_is_right_or_in_doubt(run):
     lines = [line for line in run[1].splitlines() if re.match(r"1e-\d\d ", line)]
     assert len(lines) == 5
     assert all("spectral: exact, groebner: exact" in line for line in lines)
