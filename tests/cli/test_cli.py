@@ -10,6 +10,8 @@ import shlex
 import subprocess
 import sys
 from dataclasses import dataclass, replace
+from functools import cache
+from importlib.resources import files
 from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
@@ -19,6 +21,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from commands import certreg, strict_json, write_csv
+from jsonschema import Draft202012Validator
 from scipy.spatial.transform import Rotation
 from strategies import BENT, LINE, ZOO, random_problem, random_rotation
 
@@ -88,127 +91,11 @@ each_specimen = pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: sp
 # The contract of `--json` ------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Times:
-    """A list of so many of these."""
-
-    count: int
-    of: Any
-
-
-VECTOR, MATRIX = Times(3, float), Times(3, Times(3, float))
-MAYBE = (float, None)
-COMPONENT = {
-    "kind": ("point", "circle", "projective-plane", "rotation-group"),
-    "dimension": int,
-    "basis": Times(4, [float]),
-    "morse_index": int,
-    "unstable_eigenvalues": (int, None),
-    "eigenvalues": (Times(12, Times(2, float)), None),
-    "witness": (VECTOR, None),
-    "optimal": bool,
-    "energy": MAYBE,
-    "rmse": MAYBE,
-    "rotation": MATRIX,
-    "angle_to_optimum_deg": float,
-}
-EQUILIBRIA = {
-    "pattern": [int],
-    "finite": bool,
-    "count": (4, None),
-    "spurious": (0, 1, 2, 3, None),
-    "guarantee": ("exact", "enclosed", "numerical"),
-    "complete": bool,
-    "components": [COMPONENT],
-}
-MARGIN = {"eigenvalue_gap": MAYBE, "relative": float}
-RELAXATION = {
-    "solver": str,
-    "form": ("quaternion-4", "rotation-10"),
-    "status": str,
-    "value": float,
-    "proved_gap": MAYBE,
-    "rank": int,
-    "angle_to_pose_deg": float,
-}
-SIMULATION = {
-    "integrator": str,
-    "steps": int,
-    "converged": bool,
-    "in_certified_basin": bool,
-    "escapes": int,
-    "angle_to_pose_deg": float,
-    "energy": {"initial": float, "final": float},
-}
-RESULT = {
-    "schema": "certreg-result/1",
-    "n": int,
-    "pose": {
-        "rotation": MATRIX,
-        "translation": VECTOR,
-        "quaternion_wxyz": Times(4, float),
-        "covariance": (Times(6, Times(6, float)), None),
-        "covariance_scale": ("given", "estimated", None),
-    },
-    "objective": MAYBE,
-    "rmse": MAYBE,
-    "optimality": {
-        "status": ("certified", "certified-not-unique", "not-certified"),
-        "gap_bound": MAYBE,
-        "angle_bound_rad": MAYBE,
-        "unique": (True, False, None),
-    },
-    "equilibria": EQUILIBRIA,
-    "margin": MARGIN,
-    "relaxation": (RELAXATION, None),
-    "simulation": (SIMULATION, None),
-    "agreement": {"closed_form_deg": float, "relaxation_deg": MAYBE, "simulation_deg": MAYBE},
-    "certificate": (str, None),
-    "timings_ms": dict,
-    "reasons": dict,
-}
-ASSESSMENT = {
-    "schema": "certreg-assessment/1",
-    "objective": MAYBE,
-    "rmse": MAYBE,
-    "gap_lower": MAYBE,
-    "gap_upper": MAYBE,
-    "angle_to_optimum_deg": MAYBE,
-    "nearest": ({"morse_index": int, "angle_deg": float}, None),
-    "verdict": (
-        "optimal",
-        "near-optimal",
-        "spurious-equilibrium",
-        "not-an-equilibrium",
-        "not-a-rotation",
-    ),
-    "reasons": dict,
-}
-
-
-def faults(value: Any, shape: Any, path: str = "document") -> Iterator[str]:  # noqa: C901 (a case per kind of shape)
-    """Where a document departs from its contract; keys beyond the contract are free."""
-    if isinstance(shape, tuple):
-        options = [list(faults(value, option, path)) for option in shape]
-        if all(options):
-            yield min(options, key=len)[0]
-    elif isinstance(shape, dict) and isinstance(value, dict):
-        yield from (f"{path}.{key} is missing" for key in shape if key not in value)
-        for key in shape.keys() & value.keys():
-            yield from faults(value[key], shape[key], f"{path}.{key}")
-    elif isinstance(shape, Times) and isinstance(value, list):
-        if len(value) != shape.count:
-            yield f"{path} has {len(value)} entries, not {shape.count}"
-        yield from faults(value, [shape.of], path)
-    elif isinstance(shape, list) and isinstance(value, list):
-        for k, entry in enumerate(value):
-            yield from faults(entry, shape[0], f"{path}[{k}]")
-    elif isinstance(shape, type):
-        kinds = (int, float) if shape is float else (shape,)
-        if not isinstance(value, kinds) or (isinstance(value, bool) and shape is not bool):
-            yield f"{path} is {value!r}, not of type {shape.__name__}"
-    elif value != shape or type(value) is not type(shape):
-        yield f"{path} is {value!r}, not {shape!r}"
+@cache
+def validator(schema: str) -> Any:
+    """Of the published schema with that name: the only contract."""
+    file = files("certreg.report") / "schemas" / f"{schema.replace('/', '-')}.json"
+    return Draft202012Validator(json.loads(file.read_text()))
 
 
 def nulls(value: Any, path: str = "") -> Iterator[str]:
@@ -223,29 +110,24 @@ def nulls(value: Any, path: str = "") -> Iterator[str]:
             yield from nulls(inner, f"{path}[{k}]")
 
 
-def keeps(document: Any, shape: Any) -> None:
-    """The document has all keys, and a reason in words for exactly its nulls."""
-    assert list(faults(document, shape)) == []
+def keeps(document: Any, schema: str) -> None:
+    """The document is as its schema says, with a reason in words for exactly its nulls."""
+    assert document["schema"] == schema
+    assert [error.message for error in validator(schema).iter_errors(document)] == []
     assert set(document["reasons"]) == set(nulls(document))
     assert all(len(words.split()) > 1 for words in document["reasons"].values())
 
 
-def test_the_walkers_find_what_is_wrong():
-    good = {"a": [1.0, 2], "b": None, "c": {"d": [None, 1]}}
-    shape = {"a": Times(2, float), "b": MAYBE, "c": {"d": [(int, None)]}}
+def test_a_null_without_a_reason_is_seen(data: Path):
+    document = certreg("equilibria", *SURVEY.paths(data), "--json").document
+    reasons = document["reasons"]
 
-    assert list(faults(good, shape)) == []
-    assert list(nulls(good)) == ["b", "c.d[0]"]
-    for path, bad in {
-        "document.a": {**good, "a": [1.0]},
-        "document.a[1]": {**good, "a": [1.0, True]},
-        "document.b": {"a": [1, 2], "c": {"d": []}},
-        "document.c.d[0]": {**good, "c": {"d": ["1"]}},
-        "document.c": {**good, "c": [1]},
-    }.items():
-        assert [re.split(r" is | has ", fault)[0] for fault in faults(bad, shape)] == [path]
-    with pytest.raises(AssertionError):
-        keeps({"b": None, "reasons": {}}, {"b": None})
+    assert list(nulls({"a": [1.0, 2], "b": None, "c": {"d": [None, 1]}})) == ["b", "c.d[0]"]
+    keeps(document, "certreg-equilibria/1")
+    assert reasons
+    for spoilt in ({}, {**reasons, "more": "no such null"}, dict.fromkeys(reasons, "word")):
+        with pytest.raises(AssertionError):
+            keeps({**document, "reasons": spoilt}, "certreg-equilibria/1")
     with pytest.raises(ValueError, match="NaN"):
         strict_json('{"a": NaN}')
 
@@ -319,7 +201,7 @@ def test_the_packaged_pairs_are_certified_with_their_four_equilibria(data: Path,
     components = document["equilibria"]["components"]
 
     assert (run.code, run.err) == (0, "")
-    keeps(document, RESULT)
+    keeps(document, "certreg-result/1")
     assert document["n"] == pair.n
     assert document["optimality"]["status"] == "certified"
     assert document["optimality"]["unique"] is True
@@ -398,7 +280,7 @@ def test_every_row_of_the_classification_ends_with_its_code_and_its_words(specim
 
     assert run.code == told.code == (0 if unique else 3)
     assert run.err == told.err == ""
-    keeps(document, RESULT)
+    keeps(document, "certreg-result/1")
     assert document["equilibria"]["pattern"] == list(specimen.pattern)
     assert document["equilibria"]["finite"] is (specimen.pattern == (1, 1, 1, 1))
     assert document["optimality"]["unique"] is unique
@@ -416,7 +298,7 @@ def test_out_writes_three_files_that_agree(data: Path, tmp_path: Path):
     printed, written = run.document, strict_json((folder / "result.json").read_bytes())
 
     assert sorted(path.name for path in folder.iterdir()) == FILES
-    keeps(printed, RESULT)
+    keeps(printed, "certreg-result/1")
     assert printed["certificate"] == str(folder / "certificate.json")
     assert {**printed, "timings_ms": 0} == {**written, "timings_ms": 0}
     matrix = np.loadtxt(folder / "pose.txt")
@@ -495,7 +377,7 @@ def test_extreme_damping_is_answered_in_numbers_or_with_a_reason(data: Path, dam
     run = certreg("certify", *SURVEY.paths(data), "--damping", damping, "--json")
 
     assert run.code == 0
-    keeps(run.document, RESULT)
+    keeps(run.document, "certreg-result/1")
 
 
 def test_columns_that_are_not_used_are_noted_once(tmp_path: Path):
@@ -531,7 +413,7 @@ def test_a_pose_without_a_certificate_ends_with_code_4(data: Path, tmp_path: Pat
 
     assert run.code == told.code == 4
     assert told.out.startswith("NOT CERTIFIED")
-    keeps(run.document, RESULT)
+    keeps(run.document, "certreg-result/1")
     assert run.document["optimality"]["status"] == "not-certified"
     assert "without --out" not in run.document["reasons"]["certificate"]
     written = sorted(path.name for path in tmp_path.iterdir())
@@ -629,7 +511,7 @@ def test_equilibria_are_those_of_certify(specimen, tmp_path: Path):
     document = run.document
 
     assert run.code == told.code == (0 if specimen.pattern[0] == 1 else 3)
-    keeps(document, {"equilibria": EQUILIBRIA, "margin": MARGIN, "reasons": dict})
+    keeps(document, "certreg-equilibria/1")
     assert document["equilibria"] == whole["equilibria"]
     assert document["margin"] == whole["margin"]
     assert WORDS.get(specimen.name, "Equilibria (exact, complete): ") in told.out
@@ -835,7 +717,7 @@ def assess(data: Path, pair: Packaged, pose: NDArray[np.float64], tmp_path: Path
     run, told = certreg(*arguments, "--json"), certreg(*arguments)
     assert run.code == told.code
     assert run.err == told.err == ""
-    keeps(run.document, ASSESSMENT)
+    keeps(run.document, "certreg-assessment/1")
     assert told.out.startswith(f"{run.document['verdict'].upper()}. {run.document['words']}")
     return run.code, run.document, told.out
 
@@ -982,7 +864,7 @@ def test_assess_answers_every_row_of_the_classification(specimen, tmp_path: Path
     own = certreg("assess", source, target, "--pose", tmp_path / "pose.txt", "--json")
 
     assert own.code == 0
-    keeps(own.document, ASSESSMENT)
+    keeps(own.document, "certreg-assessment/1")
     assert own.document["verdict"] == "optimal"
     assert ("not the only one" in own.document["words"]) is (specimen.pattern[0] > 1)
 
