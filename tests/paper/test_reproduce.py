@@ -17,6 +17,7 @@ from jsonschema import Draft202012Validator
 
 from certreg.cli.progress import Stages
 from certreg.native.engine import current_engine
+from certreg.native.layout import plain
 from certreg.paper import derivation, dynamics_claims, equilibria, scheme, verdicts
 from certreg.paper.counterexamples import in_doubles
 from certreg.paper.derivation import proving
@@ -172,9 +173,9 @@ class WrongEngine:
     def __init__(self, mistake: Any) -> None:
         self._mistake = mistake
 
-    def run(self, batch, settings, log=None) -> None:
+    def run(self, batch, rules, log=None) -> None:
         self._mistake(batch)
-        current_engine().run(batch, settings, log)
+        current_engine().run(batch, rules, log)
 
 
 def failed(setup: Setup) -> set[str]:
@@ -202,7 +203,7 @@ def test_a_wrong_energy_is_seen(monkeypatch):
 
 def test_springs_that_push_are_seen(monkeypatch):
     def mistake(batch) -> None:
-        batch.bodies[:, :9] *= -1.0
+        batch.bodies["cross"] *= -1.0
 
     monkeypatch.setattr(scheme, "current_engine", lambda: WrongEngine(mistake))
 
@@ -211,7 +212,7 @@ def test_springs_that_push_are_seen(monkeypatch):
 
 def test_a_wrong_inertia_is_seen(monkeypatch):
     def mistake(batch) -> None:
-        batch.bodies[:, 15:21] *= 1.1  # the inverse: J alpha is not the torque any more
+        batch.bodies["inertia_inverse"] *= 1.1  # J alpha is not the torque any more
 
     monkeypatch.setattr(scheme, "current_engine", lambda: WrongEngine(mistake))
 
@@ -222,16 +223,14 @@ def test_a_step_without_projection_is_seen(monkeypatch):
     class Unprojected:
         """Explicit Euler in the 18 numbers: R leaves the rotations."""
 
-        def run(self, batch, settings, log=None) -> None:
-            for k in range(min(settings.max_steps, 400)):
-                state, body = batch.states[0], batch.bodies[0]
+        def run(self, batch, rules, log=None) -> None:
+            (state,), (body,), ((step,),) = map(plain, (batch.states, batch.bodies, batch.steps))
+            for k in range(min(rules.max_steps, 400)):
                 if log is not None:
                     (energies,) = current_engine().evaluate("certreg_energies", state, body)
-                    log.rows[log.count] = [k * batch.steps[0, 0], *state, *energies]
+                    plain(log.rows)[log.count] = [k * step, *state, *energies]
                     log.count += 1
-                batch.states[0] += (
-                    batch.steps[0] * current_engine().evaluate("certreg_rate", state, body)[0]
-                )
+                state += step * current_engine().evaluate("certreg_rate", state, body)[0]
             batch.status[0] = 1
 
     monkeypatch.setattr(scheme, "current_engine", Unprojected)
