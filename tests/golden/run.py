@@ -53,6 +53,8 @@ def main() -> int:
     if only or not is_marked(base / out, mark):
         sides[base / out] = base / "checkout"
     record_all(sides, base / "begun", only)
+    if marked(commit, inputs) != mark:
+        sys.exit(f"a command has written to {inputs}, which both sides read: mend its case")
     if not only:
         mark_as(base / out, mark)
     return told(compare(base / out, head / out, read_meant()), whole=not only)
