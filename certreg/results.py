@@ -59,6 +59,13 @@ class Verdict:
         return f"<Verdict.{self.ruling.name}: {self.words!r}>"
 
 
+@dataclass(frozen=True, slots=True)
+class Absent:
+    """Stands where a value is missing, and says why in a sentence: `null` and a reason in JSON."""
+
+    reason: str
+
+
 class Optimality(enum.Enum):
     """What is proved of the pose; the value is the word used in files."""
 

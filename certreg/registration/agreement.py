@@ -15,6 +15,7 @@ from certreg.native import MATRIX_STATE, named
 from certreg.objective import potential_energy
 from certreg.problem import floating_moments, lift
 from certreg.registration.closed_form import arun, horn
+from certreg.results import Absent
 from certreg.settings import AgreementSettings
 
 if TYPE_CHECKING:
@@ -43,8 +44,8 @@ def agreement(
     problem: RegistrationProblem,
     found: Spectrum,
     *,
-    relaxation: Relaxation | None,
-    trajectory: Trajectory | None,
+    relaxation: Relaxation | Absent,
+    trajectory: Trajectory | Absent,
 ) -> Agreement:
     """How well the roads agree. Raises ContradictionError if one ends where it must not."""
     settings, closed = AgreementSettings(), list[float]()
@@ -56,11 +57,11 @@ def agreement(
             quaternion = form(_rounded_covariance(found))
         closed.append(_angle(found, name, quaternion, settings.closed_form_loss))
     relaxed = None
-    if relaxation is not None and relaxation.quaternion_wxyz is not None:
+    if not isinstance(relaxation, Absent) and relaxation.quaternion_wxyz is not None:
         name, place = "the semidefinite relaxation", relaxation.quaternion_wxyz
         relaxed = _angle(found, name, place, settings.relaxation_loss)
     simulated = None
-    if trajectory is not None:
+    if not isinstance(trajectory, Absent):
         allowed = settings.simulation_loss if trajectory.converged else math.inf
         simulated = _angle(found, "the simulation", trajectory.quaternion, allowed)
     return Agreement(closed_form=max(closed), relaxation=relaxed, simulation=simulated)

@@ -44,7 +44,7 @@ from certreg.problem import exact_moments, lift
 from certreg.registration.agreement import Agreement, agreement, require_sound_trajectory
 from certreg.registration.covariance import PoseCovariance, pose_covariance
 from certreg.relaxation import relax
-from certreg.results import Optimality
+from certreg.results import Absent, Optimality
 
 if TYPE_CHECKING:
     from collections.abc import Generator
@@ -57,14 +57,15 @@ if TYPE_CHECKING:
     from certreg.relaxation import Relaxation
     from certreg.results import Verdict
 
-NOT_ASKED = "not asked for"
+NOT_ASKED = Absent("not asked for")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Solution:
     """What is computed before anything is checked.
 
-    relaxation, trajectory, covariance: None where `absences` says why.
+    relaxation, trajectory: Absent says why there is none. covariance: None where the optimum is not
+        unique or no double holds it.
     """
 
     moments: ExactMoments
@@ -72,24 +73,15 @@ class Solution:
     equilibria: EquilibriumSet
     pose: Pose
     covariance: PoseCovariance | None
-    relaxation: Relaxation | None
-    trajectory: Trajectory | None
+    relaxation: Relaxation | Absent
+    trajectory: Trajectory | Absent
     agreement: Agreement
     certificate: Certificate[IsotropicBody] | None
-    absences: Absences
 
     @property
     def energy_unit(self) -> Fraction:
         """What the trajectory's energies are worth in objective units."""
         return _energy_unit(self.moments, self.trajectory)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Absences:
-    """Why a part of a solution is missing, in words; None where it is there."""
-
-    relaxation: str | None
-    trajectory: str | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -196,7 +188,7 @@ def certified(
         with _timed(timings, "check"):
             verdict = check_own(certificate, problem)
         require_accepted(verdict)
-        if solution.trajectory is not None:
+        if not isinstance(solution.trajectory, Absent):
             require_sound_trajectory(solution.spectrum, certificate.body, solution.trajectory)
     return _registration(problem, solution, verdict, timings)
 
@@ -255,16 +247,16 @@ def solve(
     """Everything that is computed, nothing yet checked. integrator: None for no simulation."""
     moments = exact_moments(problem)
     found = spectrum(moments)
-    relaxed, no_relaxation = _relaxation(moments) if relaxation else (None, NOT_ASKED)
-    trajectory, no_trajectory = None, NOT_ASKED
+    relaxed = _relaxation(moments) if relaxation else NOT_ASKED
+    trajectory = NOT_ASKED
     if integrator is not None:
         settings = settings or SimulationSettings()
-        trajectory, no_trajectory = _simulation(found, problem, integrator, settings)
+        trajectory = _simulation(found, problem, integrator, settings)
     certificate = produce(
         problem,
         found,
-        proposal=None if relaxed is None else relaxed.proposal,
-        state=None if trajectory is None else _final_state(trajectory),
+        proposal=None if isinstance(relaxed, Absent) else relaxed.proposal,
+        state=None if isinstance(trajectory, Absent) else _final_state(trajectory),
         about={**(about or {}), "damping": problem.damping, "integrator": integrator},
     )
     return Solution(
@@ -277,26 +269,25 @@ def solve(
         trajectory=trajectory,
         agreement=agreement(problem, found, relaxation=relaxed, trajectory=trajectory),
         certificate=certificate,
-        absences=Absences(relaxation=no_relaxation, trajectory=no_trajectory),
     )
 
 
-def _relaxation(moments: ExactMoments) -> tuple[Relaxation | None, str | None]:
+def _relaxation(moments: ExactMoments) -> Relaxation | Absent:
     """The relaxation, or why there is none."""
     relaxed = relax(moments)
     if relaxed.value is None:
-        return None, relaxed.status.value
-    return relaxed, None
+        return Absent(relaxed.status.value)
+    return relaxed
 
 
 def _simulation(
     found: Spectrum, problem: RegistrationProblem, integrator: str, settings: SimulationSettings
-) -> tuple[Trajectory | None, str | None]:
+) -> Trajectory | Absent:
     """The simulated registration, or why there is none."""
     try:
-        return run(found, problem.damping, Integrator(integrator), settings=settings), None
+        return run(found, problem.damping, Integrator(integrator), settings=settings)
     except DegenerateProblemError as error:
-        return None, str(error)
+        return Absent(str(error))
 
 
 def _with_step(settings: SimulationSettings | None, step: float | None) -> SimulationSettings:
@@ -312,8 +303,8 @@ def optimally_damped(problem: RegistrationProblem) -> RegistrationProblem:
     return problem.damped(optimal_damping(spectrum(exact_moments(problem))))
 
 
-def _energy_unit(moments: ExactMoments, trajectory: Trajectory | None) -> Fraction:
-    exponent = 0 if trajectory is None else 2 * trajectory.length_exponent
+def _energy_unit(moments: ExactMoments, trajectory: Trajectory | Absent) -> Fraction:
+    exponent = 0 if isinstance(trajectory, Absent) else 2 * trajectory.length_exponent
     return moments.total_weight * power_of_two(exponent)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from certreg.errors import ContradictionError, RefusedCertificateError, UndecidedError
-from certreg.results import Optimality
+from certreg.results import Absent, Optimality
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -36,7 +36,7 @@ def code_of_error(error: Exception) -> int:
 def code_of_registration(registration: Registration) -> int:
     """What `certify` ends with."""
     trajectory = registration.solution.trajectory
-    if trajectory is not None and not trajectory.converged:
+    if not isinstance(trajectory, Absent) and not trajectory.converged:
         return NOT_CERTIFIED
     return {
         Optimality.CERTIFIED: DONE,

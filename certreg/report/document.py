@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from certreg.exact import double_above, nearest_double
 from certreg.registration import SimulatedRegistration, worst_residuals
 from certreg.report.roads import roads_fields
-from certreg.results import Optimality
+from certreg.results import Absent, Optimality
 
 if TYPE_CHECKING:
     from certreg.equilibrium import Component, EquilibriumSet, RoadAgreement
@@ -237,8 +237,8 @@ def _covariance(registration: Registration, reasons: dict[str, str]) -> Document
 def _relaxation(registration: Registration, reasons: dict[str, str]) -> Document | None:
     solution = registration.solution
     relaxation, certificate = solution.relaxation, solution.certificate
-    if relaxation is None or relaxation.value is None:
-        why = solution.absences.relaxation or "it gave no value"
+    if isinstance(relaxation, Absent) or relaxation.value is None:
+        why = relaxation.reason if isinstance(relaxation, Absent) else relaxation.status.value
         reasons |= dict.fromkeys(("relaxation", "agreement.relaxation_deg"), why)
         return None
     value = nearest_double(Fraction(relaxation.value) * relaxation.unit)
@@ -264,9 +264,9 @@ def _relaxation(registration: Registration, reasons: dict[str, str]) -> Document
 def _simulation(registration: Registration, reasons: dict[str, str]) -> Document | None:
     solution = registration.solution
     trajectory = solution.trajectory
-    if trajectory is None:
-        why = solution.absences.trajectory or "it was not run"
-        reasons |= dict.fromkeys(("simulation", "agreement.simulation_deg"), why)
+    if isinstance(trajectory, Absent):
+        names = ("simulation", "agreement.simulation_deg")
+        reasons |= dict.fromkeys(names, trajectory.reason)
         return None
     certificate = solution.certificate
     end = SimulatedRegistration(

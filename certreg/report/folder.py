@@ -10,6 +10,7 @@ from certreg.errors import InvalidFileError
 from certreg.io import write_together
 from certreg.report.document import dumps, result_document
 from certreg.report.page import Report, html_page
+from certreg.results import Absent
 
 if TYPE_CHECKING:
     import os
@@ -41,7 +42,7 @@ def write_folder(registration: Registration, folder: str | os.PathLike[str]) -> 
         POSE: ("\n".join(" ".join(map(repr, row)) for row in rows) + "\n").encode(),
     }
     trajectory = registration.solution.trajectory
-    if trajectory is not None:
+    if not isinstance(trajectory, Absent):
         contents[TRAJECTORY] = Record.of(registration.problem, trajectory).to_bytes()
     if registration.certificate is not None:
         contents[CERTIFICATE] = registration.certificate.to_json()

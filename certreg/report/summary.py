@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from certreg.exact import double_above
 from certreg.registration import NOT_ASKED
-from certreg.results import ComponentKind, Guarantee, Optimality
+from certreg.results import Absent, ComponentKind, Guarantee, Optimality
 
 if TYPE_CHECKING:
     from certreg.dynamics import Trajectory
@@ -198,13 +198,13 @@ def _method_lines(registration: Registration) -> list[str]:
     """What the independent methods say, one line each."""
     solution, lines = registration.solution, list[str]()
     relaxation, trajectory, agreement = solution.relaxation, solution.trajectory, solution.agreement
-    if relaxation is not None and agreement.relaxation is not None:
+    if not isinstance(relaxation, Absent) and agreement.relaxation is not None:
         gap = None if solution.certificate is None else solution.certificate.body.claims.sdp_gap
         bound = "" if gap is None else f", proved gap {bounded(double_above(gap.value))}"
         lines.append(
             f"  relaxation (SDP)  rank {relaxation.rank}, {_away(agreement.relaxation)}{bound}"
         )
-    if trajectory is not None and agreement.simulation is not None:
+    if not isinstance(trajectory, Absent) and agreement.simulation is not None:
         basin = solution.certificate is not None and solution.certificate.body.claims.basin
         where = ", proved in the basin of the optimum" if basin else ""
         lines.append(
@@ -214,13 +214,13 @@ def _method_lines(registration: Registration) -> list[str]:
             words = " ".join((trajectory.status.value, *trajectory.notes))
             lines.append(f"                    NOT CONVERGED: {words}")
     left_out = {
-        "relaxation (SDP)": solution.absences.relaxation,
-        "simulation": solution.absences.trajectory,
+        "relaxation (SDP)": solution.relaxation,
+        "simulation": solution.trajectory,
     }
     lines += [
-        f"  {name:16}  left out: {reason}"
-        for name, reason in left_out.items()
-        if reason not in {None, NOT_ASKED}
+        f"  {name:16}  left out: {part.reason}"
+        for name, part in left_out.items()
+        if isinstance(part, Absent) and part != NOT_ASKED
     ]
     return lines
 

@@ -20,6 +20,7 @@ from certreg.report.markup import Markup, element, printable
 from certreg.report.summary import margin_words, number
 from certreg.report.thinning import simulated_escapes, thinned
 from certreg.report.words import component_name, component_words, factor_words
+from certreg.results import Absent
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -171,7 +172,7 @@ def scene_document(registration: Registration, names: Names) -> dict[str, Any]:
     """What the script of the page reads beside the certificate."""
     problem, solution = registration.problem, registration.solution
     equilibria = registration.equilibria
-    runs = [] if solution.trajectory is None else [thinned(solution.trajectory)]
+    runs = [] if isinstance(solution.trajectory, Absent) else [thinned(solution.trajectory)]
     runs += simulated_escapes(solution, problem.damping)
     exponent = runs[0].length_exponent if runs else 0
     unit = solution.moments.total_weight * (4**exponent if exponent >= 0 else 1)
