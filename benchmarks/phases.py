@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, fastest
 from certreg.certificate.producing import produce
-from certreg.equilibrium.spectral import equilibrium_set, spectrum
+from certreg.equilibrium.presentation import equilibrium_set
+from certreg.equilibrium.spectral import by_eigenspaces
 from certreg.exact.eigenbasis import integer_eigenbasis
-from certreg.geometry.so3 import davenport_matrix
 from certreg.objective.classification import classify
+from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments, floating_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.certification import solve
@@ -20,7 +21,7 @@ from certreg.verify import check
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from certreg.equilibrium.spectral import Spectrum
+    from certreg.equilibrium.presentation import EquilibriumSet
 
 SIZES = (10, 100, 1000, 100_000)
 ROUNDS = 3
@@ -36,15 +37,14 @@ def measure() -> Iterator[Figure]:
 
 def _phases(problem: RegistrationProblem) -> dict[str, Callable[[], object]]:
     moments = exact_moments(problem)
-    found = spectrum(moments)
-    davenport = davenport_matrix(moments.cross)
+    found = Isotropic(moments)
     certificate = produce(problem, found)
     assert certificate is not None
     content = certificate.to_json()
 
-    def fresh() -> Spectrum:
-        """Without what a spectrum and its moments remember once it was computed."""
-        return replace(found, moments=replace(moments))
+    def fresh() -> Isotropic:
+        """Without what an objective and its moments remember once it was computed."""
+        return Isotropic(replace(moments))
 
     x, y, w = problem.source, problem.target, problem.weights
     return {
@@ -52,9 +52,13 @@ def _phases(problem: RegistrationProblem) -> dict[str, Callable[[], object]]:
         "exact moments": lambda: exact_moments(problem),
         "floating moments": lambda: floating_moments(problem),
         "classification": lambda: classify(moments),
-        "eigenbasis": lambda: integer_eigenbasis(davenport, found.basis.bits),
-        "equilibria, stability": lambda: equilibrium_set(fresh(), problem.damping),
+        "eigenbasis": lambda: integer_eigenbasis(found.davenport, found.eigenspaces.bits),
+        "equilibria, stability": lambda: _equilibria(fresh(), problem.damping),
         "certificate": lambda: produce(problem, fresh()),
         "solve, all of these": lambda: solve(problem),
         "check": lambda: check(content),
     }
+
+
+def _equilibria(objective: Isotropic, damping: float) -> EquilibriumSet:
+    return equilibrium_set(by_eigenspaces(objective), objective, damping)

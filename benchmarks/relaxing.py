@@ -19,9 +19,8 @@ import numpy as np
 
 from benchmarks.clouds import random_problem
 from benchmarks.measuring import Figure, Quantity, fastest
-from certreg.certificate.multiplier import multiplier_gap, proved_multiplier
-from certreg.equilibrium.spectral import spectrum
-from certreg.exact.dyadic import power_of_two
+from certreg.certificate.producing import multiplier_gap, proved_multiplier
+from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem, lift
 from certreg.relaxation.conic import solve, statement
@@ -33,7 +32,6 @@ from tests.strategies import ZOO, Specimen
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from certreg.problem.moments import ExactMoments
 
 GAP_BOUND = 1e-6  # of the spread
 SOLVE_BOUNDS = {Form.QUATERNION: 1.5e-3, Form.ROTATION: 3e-3}  # seconds
@@ -124,16 +122,14 @@ def _resized(specimen: Specimen, exponent: int) -> RegistrationProblem:
 
 
 def _outcome(problem: RegistrationProblem) -> Outcome:
-    moments = exact_moments(problem)
-    found = spectrum(moments)
-    unit = power_of_two(found.basis.shift - found.basis.bits) * moments.cross_unit
-    largest = found.levels[0] * unit
-    answers = {form: relax(moments, form) for form in Form}
+    objective = Isotropic(exact_moments(problem))
+    largest = objective.eigenvalues[0]
+    answers = {form: relax(objective, form) for form in Form}
     ours = answers[Form.QUATERNION]
     assert ours.proposal is not None
     assert ours.value is not None
     return Outcome(
-        unique=found.classification.unique,
+        unique=objective.classification.unique,
         ranks={form: answer.rank or 0 for form, answer in answers.items()},
         errors={
             form: abs(float(Fraction(answer.value or 0.0) - largest / answer.unit))
@@ -141,16 +137,17 @@ def _outcome(problem: RegistrationProblem) -> Outcome:
         },
         value_below=Fraction(ours.value) * ours.unit < largest,
         multiplier_below=ours.proposal < largest,
-        gap=_gap(moments, ours.proposal, ours.quaternion_wxyz),
+        gap=_gap(objective, ours.proposal, ours.quaternion_wxyz),
     )
 
 
-def _gap(moments: ExactMoments, proposal: Fraction, quaternion: object) -> float:
+def _gap(objective: Isotropic, proposal: Fraction, quaternion: object) -> float:
     """Proved, over the spread; infinite where nothing was proved."""
-    nu = proved_multiplier(moments, proposal)
+    nu = proved_multiplier(objective, proposal)
     if nu is None:
         return np.inf
-    gap = multiplier_gap(moments, lift(np.asarray(quaternion)).integers, nu)
+    gap = multiplier_gap(objective, lift(np.asarray(quaternion)).integers, nu)
+    moments = objective.moments
     return float(gap / (moments.spread or moments.cross_unit))
 
 

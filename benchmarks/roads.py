@@ -20,17 +20,18 @@ import numpy as np
 
 from benchmarks.measuring import Figure, Quantity, fastest
 from certreg.equilibrium.counting import at_most_four
-from certreg.equilibrium.exports import as_msolve, as_phcpack, as_singular, value_unit
 from certreg.equilibrium.groebner import eliminate, fibres
-from certreg.equilibrium.homotopy import HomotopyStatus, continuation
-from certreg.equilibrium.krawczyk import EigenBalls, proved_root
-from certreg.equilibrium.polynomials import multiplier_system, quaternion_system
-from certreg.equilibrium.reference import rotation_ideal
+from certreg.equilibrium.homotopy import EigenBalls, HomotopyStatus, continuation
+from certreg.equilibrium.krawczyk import proved_root
 from certreg.exact.balls import exact_matrix
 from certreg.geometry.so3 import davenport_matrix
 from certreg.io.clouds import read_problem
 from certreg.objective.classification import pattern_of
+from certreg.objective.polynomials import multiplier_system
 from certreg.problem.moments import exact_moments
+from tests.oracles.exports import as_msolve, as_phcpack, as_singular, value_unit
+from tests.oracles.groebner_basis import rotation_ideal
+from tests.oracles.systems import quaternion_system
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -113,9 +114,10 @@ def _proofs(K: object, vectors: list[list[float]]) -> Callable[[], object]:
 
 def _times(C: Matrix3[int]) -> tuple[float, float, float | None, float | None, float | None]:
     """Seconds of the chart, of SymPy, and of Singular, msolve, PHCpack; None: not installed."""
+    K = davenport_matrix(C)
     with tempfile.TemporaryDirectory() as folder:
         works = [
-            lambda: fibres(eliminate(C), BITS),
+            lambda: fibres(eliminate(C, K), BITS),
             lambda: rotation_ideal(C),
             *_processes(C, Path(folder)),
         ]
@@ -135,7 +137,7 @@ def _processes(C: Matrix3[int], folder: Path) -> list[Callable[[], object] | Non
     singular.write_text(as_singular(chart) + "ideal G = groebner(I);\nvdim(G);\nquit;\n")
     msolve, phc = folder / "msolve", folder / "phc"
     msolve.write_text(as_msolve(chart))
-    phc.write_text(as_phcpack(multiplier_system(C, unit=value_unit(C))))
+    phc.write_text(as_phcpack(multiplier_system(davenport_matrix(C), unit=value_unit(C))))
     return [
         _process("Singular", lambda tool: [tool, "-q", str(singular)], r"^4$"),
         _process(

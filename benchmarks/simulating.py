@@ -21,11 +21,11 @@ from certreg.dynamics.batch import Bodies, bodies_of
 from certreg.dynamics.body import body_of, start_at_rest
 from certreg.dynamics.integrators import SimulationSettings, step_parameters
 from certreg.dynamics.simulation import simulate
-from certreg.equilibrium.spectral import spectrum
 from certreg.native.engine import current_engine
 from certreg.native.layout import MATRIX_STATE, named
 from certreg.native.layout import plain as doubles
 from certreg.native.loops import Batch, Integrator
+from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import ExactMoments, exact_moments
 from certreg.problem.problem import RegistrationProblem
 
@@ -159,11 +159,11 @@ def _times(moments: ExactMoments, k: int) -> ExactMoments:
 
 
 def _registered(moments: ExactMoments) -> Callable[[], object]:
-    return lambda: simulate(spectrum(replace(moments)), DAMPING, Integrator.SPLITTING)
+    return lambda: simulate(Isotropic(replace(moments)), DAMPING, Integrator.SPLITTING)
 
 
 def _single(problem: RegistrationProblem, integrator: Integrator) -> Batch:
-    found = spectrum(exact_moments(problem))
+    found = Isotropic(exact_moments(problem))
     moving = body_of(found.moments, DAMPING)
     basin = certified_basin(found, moving.length_exponent)
     start = named(start_at_rest(found.moments, moving.length_exponent), MATRIX_STATE)

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 
 from certreg.exact import double_above, double_below, half_angle_bound
 from certreg.geometry import body_frame, squared_norm
-from certreg.objective import potential_energy, translation_energy
 from certreg.problem import lift
 
 if TYPE_CHECKING:
@@ -24,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.isotropic import IsotropicBody
-    from certreg.problem import ExactMoments
+    from certreg.objective import Isotropic
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,9 +67,9 @@ class ExactPose:
         )
 
 
-def pose_bounds(moments: ExactMoments, body: IsotropicBody, pose: ExactPose) -> PoseBounds:
+def pose_bounds(objective: Isotropic, body: IsotropicBody, pose: ExactPose) -> PoseBounds:
     """Bounds on a pose; they hold if the checker accepts the certificate for these data."""
-    above = pose_energy(moments, pose) - potential_energy(moments, body.quaternion)
+    above = pose_energy(objective, pose) - objective.energy(body.quaternion)
     return PoseBounds(
         least_gap=max(Fraction(0), above),
         greatest_gap=max(Fraction(0), above + body.gap),
@@ -78,10 +77,10 @@ def pose_bounds(moments: ExactMoments, body: IsotropicBody, pose: ExactPose) -> 
     )
 
 
-def pose_energy(moments: ExactMoments, pose: ExactPose) -> Fraction:
+def pose_energy(objective: Isotropic, pose: ExactPose) -> Fraction:
     """The objective sum w |y - R x - t|^2 at exactly this pose."""
     q = pose.quaternion
-    return potential_energy(moments, q) + translation_energy(moments, q, pose.translation)
+    return objective.energy(q) + objective.translation_energy(q, pose.translation)
 
 
 def sin2_half_angle_between(p: Sequence[int], q: Sequence[int]) -> Fraction:

@@ -4,6 +4,10 @@ With v = q^T K q / |q|^2 and r = K q - v q, |q| = 1, in the splitting along q an
 matrix (v + delta - mu) I - K + mu q q^T is [[delta, -r^T], [-r, (v + delta - mu) I - K_across]].
 It is positive definite as soon as delta > |r|^2 / (gap - mu + ...), gap = l1 - l2, so that mu near
 gap / 2 and delta near 4 |r|^2 / gap do. Whether they do is decided by exact elimination.
+
+A proposed multiplier nu of the relaxation becomes a proved bound in the same way: if nu I - K is
+positive definite then tr(R(q)^T C) = q^T K q / |q|^2 < nu for every rotation R(q). A solver's nu
+lies on either side of the largest eigenvalue, so it is rounded outwards until that is accepted.
 """
 
 from __future__ import annotations
@@ -15,7 +19,6 @@ from typing import TYPE_CHECKING
 from certreg.certificate.count import CountBody
 from certreg.certificate.envelope import Certificate
 from certreg.certificate.isotropic import Claims, IsotropicBody, RotationState
-from certreg.certificate.multiplier import multiplier_gap, proved_multiplier
 from certreg.exact import (
     Dyadic,
     dyadic_above,
@@ -24,12 +27,10 @@ from certreg.exact import (
     power_of_two,
 )
 from certreg.geometry import (
-    davenport_matrix,
     dot,
     quadratic_form,
     squared_norm,
 )
-from certreg.objective import alignment
 from certreg.problem import exact_moments
 
 if TYPE_CHECKING:
@@ -37,8 +38,8 @@ if TYPE_CHECKING:
     from typing import Any
 
     from certreg.certificate.envelope import AnyBody_co
-    from certreg.equilibrium import Spectrum
-    from certreg.problem import ExactMoments, RegistrationProblem
+    from certreg.objective import Isotropic
+    from certreg.problem import RegistrationProblem
 
 INLINE_POINTS = 1_000_000  # the contract: beyond, the file carries the digest only
 BOUND_BITS = 32  # mantissa of mu and delta: short numbers, at most 2^-31 wasted
@@ -46,32 +47,38 @@ GROWTH_BITS = 16  # delta grows by 2^16 after a refused attempt
 LEAST_BITS = 8192  # delta is at least 2^-8192 of the spread: exponents stay in bounds
 ATTEMPTS = 8  # 8 * 16 bits: far beyond any rounding of the first guess
 
+# Of a multiplier; steps are relative to the size of K.
+MULTIPLIER_BITS = 40  # mantissa of nu: a short number, at most 2^-39 of it wasted
+FIRST_STEP_BITS = 36  # 2^-36 = 1.5e-11, below what a solver promises
+STEP_GROWTH_BITS = 2  # each step four times the last: at most four times too far
+STEPS = 16  # up to 2^-6: whatever is still refused was no solution
+
 
 def produce(
     problem: RegistrationProblem,
-    found: Spectrum,
+    objective: Isotropic,
     *,
     proposal: Fraction | None = None,
     state: RotationState | None = None,
     about: dict[str, Any] | None = None,
 ) -> Certificate[IsotropicBody] | None:
-    """A certificate of the optimum of a spectrum; None where no attempt passed the exact test.
+    """A certificate of the optimum of an objective; None where no attempt passed the exact test.
 
     proposal: a multiplier of the semidefinite relaxation, made a proved bound if it can be.
     state: where a simulation ended, included if it is proved to lie in the certified basin.
     None means not proved, not disproved.
     """
-    bounds = _optimality(found)
+    bounds = _optimality(objective)
     if bounds is None:
         return None
     mu, delta = bounds
     angle = None
     if mu.mantissa:
         angle = dyadic_above(delta.value / mu.value, BOUND_BITS)
-    classification, q = found.classification, found.quaternions[0]
-    multiplier = None if proposal is None else proved_multiplier(found.moments, proposal)
-    level = alignment(found.moments, q) + delta.value - mu.value
-    inside = state is not None and proves_basin(found, state, level)
+    classification, q = objective.classification, objective.quaternions[0]
+    multiplier = None if proposal is None else proved_multiplier(objective, proposal)
+    level = objective.alignment(q) + delta.value - mu.value
+    inside = state is not None and proves_basin(objective, state, level)
     body = IsotropicBody(
         quaternion=q,
         mu=mu,
@@ -83,7 +90,7 @@ def produce(
             pattern=classification.pattern,
             unstable=classification.unstable,
             basin=True if inside else None,
-            sdp_gap=None if multiplier is None else _sdp_gap(found, multiplier),
+            sdp_gap=None if multiplier is None else _sdp_gap(objective, multiplier),
         ),
         multiplier=multiplier,
         basin=state if inside else None,
@@ -118,15 +125,15 @@ def _enclosed(
 
 
 def proves_optimality(
-    moments: ExactMoments, q: Sequence[int], mu: Fraction, delta: Fraction
+    objective: Isotropic, q: Sequence[int], mu: Fraction, delta: Fraction
 ) -> bool:
     """Whether (v + delta - mu) I - K + mu q q^T / |q|^2 is positive definite, exactly.
 
     False means not proved, not disproved.
     """
-    davenport = davenport_matrix(moments.cross)
+    davenport, unit = objective.davenport, objective.moments.cross_unit
     norm = squared_norm(q)
-    mu_unit, delta_unit = mu / moments.cross_unit, delta / moments.cross_unit
+    mu_unit, delta_unit = mu / unit, delta / unit
     clear = math.lcm(mu_unit.denominator, delta_unit.denominator)
     lift, lead = int(mu_unit * clear), int(delta_unit * clear)
     diagonal = quadratic_form(davenport, q) * clear + (lead - lift) * norm
@@ -142,51 +149,78 @@ def proves_optimality(
     )
 
 
-def proves_basin(found: Spectrum, state: RotationState, level: Fraction) -> bool:
+def proves_basin(objective: Isotropic, state: RotationState, level: Fraction) -> bool:
     """Whether q^T K q / |q|^2 - omega^T J omega / 4 > level, exactly, and J is positive definite.
 
     With level = v + delta - mu above the second eigenvalue of K the state then has less energy
     than any spurious equilibrium, so that by LaSalle's theorem the damped body ends at the optimum.
     False means not proved, not disproved.
     """
-    moments, omega = found.moments, state.angular_velocity
-    if not (found.classification.inertia_definite and any(state.quaternion)):
+    moments, omega = objective.moments, state.angular_velocity
+    if not (objective.classification.inertia_definite and any(state.quaternion)):
         return False
     spin = sum(a * dot(row, omega) for a, row in zip(omega, moments.inertia, strict=True))
     unit = power_of_two(moments.weight_exponent + 2 * (moments.source_exponent + state.exponent))
-    return alignment(moments, state.quaternion) - spin * unit / (4 * moments.mass) > level
+    return objective.alignment(state.quaternion) - spin * unit / (4 * moments.mass) > level
 
 
-def _sdp_gap(found: Spectrum, nu: Dyadic) -> Dyadic:
-    return dyadic_above(multiplier_gap(found.moments, found.quaternions[0], nu), BOUND_BITS)
+def proved_multiplier(objective: Isotropic, proposal: Fraction) -> Dyadic | None:
+    """A short dyadic nu just above the proposal with nu I - K > 0, proved; in units of tr(R^T C).
+
+    The proposal itself, rounded up, then moved out by growing steps relative to the largest entry
+    of K. None means not proved, not disproved: the proposal is far too small.
+    """
+    start = max(proposal, Fraction(0))
+    first = objective.size * power_of_two(-FIRST_STEP_BITS)
+    steps = (first * power_of_two(STEP_GROWTH_BITS * k) for k in range(STEPS))
+    for step in (Fraction(0), *steps):
+        nu = dyadic_above(start + step, MULTIPLIER_BITS)
+        if proves_multiplier(objective, nu.value):
+            return nu
+    return None
 
 
-def _optimality(found: Spectrum) -> tuple[Dyadic, Dyadic] | None:
+def proves_multiplier(objective: Isotropic, nu: Fraction) -> bool:
+    """Whether nu I - K is positive definite, exactly: nu lies above every tr(R^T C).
+
+    False means that nu is not above the largest eigenvalue of K.
+    """
+    in_units = nu / objective.moments.cross_unit
+    return is_positive_definite(
+        [
+            [
+                (in_units.numerator if i == j else 0) - in_units.denominator * entry
+                for j, entry in enumerate(row)
+            ]
+            for i, row in enumerate(objective.davenport)
+        ]
+    )
+
+
+def multiplier_gap(objective: Isotropic, q: Sequence[int], nu: Dyadic) -> Fraction:
+    """2 (nu - v), v = q^T K q / |q|^2: more than objective(R(q)) - minimum if nu is proved.
+
+    The objective at the best translation is spread - 2 v, and the minimum exceeds spread - 2 nu.
+    """
+    return 2 * (nu.value - objective.alignment(q))
+
+
+def _sdp_gap(objective: Isotropic, nu: Dyadic) -> Dyadic:
+    return dyadic_above(multiplier_gap(objective, objective.quaternions[0], nu), BOUND_BITS)
+
+
+def _optimality(objective: Isotropic) -> tuple[Dyadic, Dyadic] | None:
     """The mu and delta that pass, delta as small as the residual of the quaternion allows."""
-    q = found.quaternions[0]
-    gap = found.level_difference(0, 1) if len(found.groups) > 1 else Fraction(0)
-    unique = found.classification.unique
-    mu = dyadic_below(gap / 2, BOUND_BITS) if unique else Dyadic(mantissa=0, exponent=0)
-    smallest = _scale(found.moments) * power_of_two(-min(4 * found.pose_bits, LEAST_BITS))
-    residual = _squared_residual(found.moments, q)
+    q, shape = objective.quaternions[0], objective.classification
+    gap = objective.eigenvalue_difference(0, 1) if len(shape.pattern) > 1 else Fraction(0)
+    mu = dyadic_below(gap / 2, BOUND_BITS) if shape.unique else Dyadic(mantissa=0, exponent=0)
+    scale = objective.moments.spread or Fraction(1)  # positive even where all points coincide
+    smallest = scale * power_of_two(-min(4 * objective.eigenspaces.pose_bits, LEAST_BITS))
+    residual = objective.squared_residual(q)
     first = max(4 * residual / gap if gap else Fraction(0), smallest)
     for attempt in range(ATTEMPTS):
         guess = first * power_of_two(GROWTH_BITS * attempt)
         delta = dyadic_above(guess, BOUND_BITS)
-        if proves_optimality(found.moments, q, mu.value, delta.value):
+        if proves_optimality(objective, q, mu.value, delta.value):
             return mu, delta
     return None
-
-
-def _scale(moments: ExactMoments) -> Fraction:
-    """An energy of the size of the problem, positive even where all points coincide."""
-    return moments.spread or Fraction(1)
-
-
-def _squared_residual(moments: ExactMoments, q: Sequence[int]) -> Fraction:
-    """|K q - v q|^2 / |q|^2, in objective units squared."""
-    davenport = davenport_matrix(moments.cross)
-    norm, form = squared_norm(q), quadratic_form(davenport, q)
-    image = [dot(row, q) for row in davenport]
-    rest = [norm * a - form * b for a, b in zip(image, q, strict=True)]
-    return Fraction(squared_norm(rest), norm**3) * moments.cross_unit**2

@@ -14,18 +14,15 @@ from certreg.registration import (
     NOT_CERTIFIED,
     NOT_UNIQUE,
     certified_count,
-    equilibrium_road,
-    equilibrium_roads,
-    road_equilibria,
+    enumerated,
     simulated,
 )
 from certreg.report import (
     dumps,
     equilibria_document,
     equilibria_words,
+    methods_summary,
     printable,
-    roads_summary,
-    roads_table,
     simulation_document,
     simulation_summary,
 )
@@ -61,19 +58,16 @@ def equilibria(
 ) -> int:
     """All equilibria of the registration dynamics, with their stability."""
     del pair
-    roads = equilibrium_roads(problem) if method == "all" else None
-    taken = equilibrium_road(problem, method) if roads is None else roads.roads[0]
-    found = road_equilibria(problem, taken)
+    enumeration = enumerated(problem, method)
+    found = enumeration.equilibria
     if out is not None:
         _write_count(problem, out)
     if as_json:
-        click.echo(dumps(equilibria_document(found, roads)))
+        click.echo(dumps(equilibria_document(enumeration)))
     else:
         click.echo(equilibria_words(found))
-        if roads is not None:
-            click.echo(f"\n{roads_summary(roads)}")
-        elif method != SPECTRAL:
-            click.echo(f"\n{roads_table([taken])}")
+        if method != SPECTRAL:
+            click.echo(f"\n{methods_summary(enumeration)}")
     if not found.complete:
         return NOT_CERTIFIED
     return DONE if found.classification.unique else NOT_UNIQUE

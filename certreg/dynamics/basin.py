@@ -14,8 +14,8 @@ from certreg.native import BASIN
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.equilibrium import Spectrum
     from certreg.native import Records
+    from certreg.objective import Isotropic
 
 SMALLEST_BARRIER = 1e-280  # of l1 - l2: shares of it, times squares of small angles, are doubles
 TIE = 1e-13  # of l1 - l4: doubles do not tell such eigenvalues apart
@@ -53,19 +53,19 @@ class Basin:
         return float(self.gaps[1])
 
 
-def certified_basin(spectrum: Spectrum, length_exponent: int) -> Basin:
-    """The basin that belongs to a spectrum, in the body's unit of length.
+def certified_basin(objective: Isotropic, length_exponent: int) -> Basin:
+    """The basin that belongs to an objective, in the body's unit of length.
 
     Raises DegenerateProblemError where doubles do not tell the optima from the other poses.
     """
-    values = spectrum.basis.values
-    scale = spectrum.moments.total_weight * (4**length_exponent if length_exponent >= 0 else 1)
-    gaps = [(values[0] - value) * spectrum.unit / scale for value in values]
+    values = objective.eigenvalues
+    scale = objective.moments.total_weight * (4**length_exponent if length_exponent >= 0 else 1)
+    gaps = [(values[0] - value) / scale for value in values]
     if length_exponent < 0:
         gaps = [gap * 4**-length_exponent for gap in gaps]
-    optima = spectrum.classification.pattern[0]
+    optima = objective.classification.pattern[0]
     record = np.zeros((), dtype=BASIN)
-    record["quaternions"] = [unit_double(v) for v in spectrum.basis.vectors]
+    record["quaternions"] = [unit_double(v) for v in objective.eigenvectors]
     record["gaps"][optima:] = [float(gap) for gap in gaps[optima:]]
     if (record["gaps"][optima:] < SMALLEST_BARRIER).any():
         message = (

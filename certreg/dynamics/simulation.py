@@ -49,8 +49,8 @@ if TYPE_CHECKING:
 
     from certreg.dynamics.basin import Basin
     from certreg.dynamics.body import Body
-    from certreg.equilibrium import Spectrum
     from certreg.native import Records
+    from certreg.objective import Isotropic
 
 RATE_START = 1e-3  # of the energy at the start: transients are over
 RATE_END = 1e-13  # of the spread: rounding
@@ -114,7 +114,7 @@ class Trajectory:
 
 
 def simulate(
-    spectrum: Spectrum,
+    objective: Isotropic,
     damping: float,
     integrator: Integrator = Integrator.EULER,
     *,
@@ -128,12 +128,12 @@ def simulate(
     so little damped that the integrator gains energy without end.
     """
     settings = settings or SimulationSettings()
-    if not spectrum.classification.inertia_definite:
+    if not objective.classification.inertia_definite:
         message = "the source points are collinear: the rotational dynamics is not defined"
-        raise DegenerateProblemError(message, rank=rank(spectrum.moments.source_scatter))
-    moving = body_of(spectrum.moments, damping)
-    basin = certified_basin(spectrum, moving.length_exponent)
-    begin = start_at_rest(spectrum.moments, moving.length_exponent) if start is None else start
+        raise DegenerateProblemError(message, rank=rank(objective.moments.source_scatter))
+    moving = body_of(objective.moments, damping)
+    basin = certified_basin(objective, moving.length_exponent)
+    begin = start_at_rest(objective.moments, moving.length_exponent) if start is None else start
     bodies, basins = moving.record[np.newaxis], basin.record[np.newaxis]
     batch = Batch.of(
         integrator,
@@ -161,18 +161,18 @@ def _require_finite(begin: NDArray[np.float64], moving: Body, batch: Batch) -> N
         raise DegenerateProblemError(message, value=moving.damping)
 
 
-def optimal_damping(spectrum: Spectrum) -> float:
+def optimal_damping(objective: Isotropic) -> float:
     """The damping mu* = 2 sqrt(min(2, g_min)) under which the slowest mode decays fastest.
 
     g: eigenvalues of the pencil (G, J) at the optimum; sqrt(8) without noise. Raises
     DegenerateProblemError where the dynamics is not defined or the optimum is not unique.
     Proof: derivations, optimal_damping.
     """
-    if not (spectrum.classification.inertia_definite and spectrum.classification.unique):
+    if not (objective.classification.inertia_definite and objective.classification.unique):
         message = "the best damping needs a source that is not collinear and a unique optimum"
-        raise DegenerateProblemError(message, rank=rank(spectrum.moments.source_scatter))
-    moving = body_of(spectrum.moments, 1.0)
-    basin = certified_basin(spectrum, moving.length_exponent)
+        raise DegenerateProblemError(message, rank=rank(objective.moments.source_scatter))
+    moving = body_of(objective.moments, 1.0)
+    basin = certified_basin(objective, moving.length_exponent)
     return _best_damping(moving.record[np.newaxis], basin.record[np.newaxis])
 
 

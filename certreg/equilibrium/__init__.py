@@ -13,19 +13,22 @@ if TYPE_CHECKING:
     from certreg.equilibrium.batch import solve_many as solve_many
     from certreg.equilibrium.batch import stationary_poses as stationary_poses
     from certreg.equilibrium.counting import at_most_four as at_most_four
-    from certreg.equilibrium.critical_set import Component as Component
-    from certreg.equilibrium.critical_set import EquilibriumSet as EquilibriumSet
+    from certreg.equilibrium.critical_set import Completeness as Completeness
+    from certreg.equilibrium.critical_set import Critical as Critical
+    from certreg.equilibrium.critical_set import CriticalSet as CriticalSet
+    from certreg.equilibrium.methods import METHODS as METHODS
+    from certreg.equilibrium.methods import Comparison as Comparison
     from certreg.equilibrium.methods import Method as Method
-    from certreg.equilibrium.methods import Road as Road
-    from certreg.equilibrium.methods import RoadAgreement as RoadAgreement
-    from certreg.equilibrium.methods import UndecidedRoad as UndecidedRoad
-    from certreg.equilibrium.methods import all_roads as all_roads
-    from certreg.equilibrium.methods import road as road
-    from certreg.equilibrium.spectral import Spectrum as Spectrum
-    from certreg.equilibrium.spectral import equilibrium_set as equilibrium_set
-    from certreg.equilibrium.spectral import rotation_double as rotation_double
-    from certreg.equilibrium.spectral import spectrum as spectrum
-    from certreg.equilibrium.spectral import unit_double as unit_double
+    from certreg.equilibrium.methods import Search as Search
+    from certreg.equilibrium.methods import compare as compare
+    from certreg.equilibrium.methods import method_named as method_named
+    from certreg.equilibrium.methods import search as search
+    from certreg.equilibrium.presentation import Component as Component
+    from certreg.equilibrium.presentation import EquilibriumSet as EquilibriumSet
+    from certreg.equilibrium.presentation import equilibrium_set as equilibrium_set
+    from certreg.equilibrium.presentation import rotation_double as rotation_double
+    from certreg.equilibrium.presentation import unit_double as unit_double
+    from certreg.equilibrium.spectral import by_eigenspaces as by_eigenspaces
     from certreg.equilibrium.stability import TRANSLATION_STIFFNESS as TRANSLATION_STIFFNESS
 
 __getattr__ = lazy_face(
@@ -40,24 +43,27 @@ __getattr__ = lazy_face(
         ),
         "counting": ("at_most_four",),
         "critical_set": (
-            "Component",
-            "EquilibriumSet",
+            "Completeness",
+            "Critical",
+            "CriticalSet",
         ),
         "methods": (
+            "METHODS",
+            "Comparison",
             "Method",
-            "Road",
-            "RoadAgreement",
-            "UndecidedRoad",
-            "all_roads",
-            "road",
+            "Search",
+            "compare",
+            "method_named",
+            "search",
         ),
-        "spectral": (
-            "Spectrum",
+        "presentation": (
+            "Component",
+            "EquilibriumSet",
             "equilibrium_set",
             "rotation_double",
-            "spectrum",
             "unit_double",
         ),
+        "spectral": ("by_eigenspaces",),
         "stability": ("TRANSLATION_STIFFNESS",),
     },
 )

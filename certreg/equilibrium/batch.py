@@ -55,10 +55,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.equilibrium.spectral import equilibrium_set, spectrum
+from certreg.equilibrium.presentation import equilibrium_set
+from certreg.equilibrium.spectral import by_eigenspaces
 from certreg.equilibrium.stability import Oscillations
 from certreg.errors import InvalidProblemError
 from certreg.native import ManyClouds, current_engine
+from certreg.objective import Isotropic
 from certreg.problem import (
     DEFAULT_DAMPING,
     RegistrationProblem,
@@ -70,7 +72,7 @@ from certreg.problem import (
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from certreg.equilibrium.critical_set import EquilibriumSet
+    from certreg.equilibrium.presentation import EquilibriumSet
     from certreg.native import StationaryPoses
 
 Array = Any  # NDArray[np.float64]
@@ -172,7 +174,8 @@ def exactly(
 ) -> EquilibriumSet:
     """All equilibria of one problem in exact arithmetic: the road for what is not decided."""
     problem = RegistrationProblem(source, target, weights=weights, damping=damping)
-    return equilibrium_set(spectrum(exact_moments(problem)), problem.damping)
+    objective = Isotropic(exact_moments(problem))
+    return equilibrium_set(by_eigenspaces(objective), objective, problem.damping)
 
 
 def clouds(sources: ArrayLike, targets: ArrayLike, weights: ArrayLike | None) -> ManyClouds:

@@ -15,13 +15,15 @@ from typing import TYPE_CHECKING
 
 from flint import nmod_mat
 
-from certreg.equilibrium.polynomials import COLUMNS, torque_table
-from certreg.settings import CountSettings
+from certreg.equilibrium.torques import COLUMNS, torque_table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.equilibrium.polynomials import Table
+    from certreg.equilibrium.torques import Table
+
+CHARTS = 13  # four lines lie in at most 4 * 3 = 12 hyperplanes (1, t, t^2, t^3)
+PRIMES = (2**61 - 1,)  # divides a determinant by accident once in 10^18
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,18 +43,15 @@ def macaulay_matrix(C: Sequence[Sequence[int]], chart: Sequence[int]) -> Table:
     return [*torque_table(C), *products]
 
 
-def at_most_four(
-    C: Sequence[Sequence[int]], settings: CountSettings | None = None
-) -> RankProof | None:
+def at_most_four(C: Sequence[Sequence[int]]) -> RankProof | None:
     """A proof that C has at most four equilibria; None where the solutions form a continuum.
 
     None means not proved, not disproved; it would be wrong once in 10^17 problems.
     """
-    settings = settings or CountSettings()
-    for t in range(settings.charts):
+    for t in range(CHARTS):
         chart = (1, t, t * t, t**3)
         entries = [entry for row in macaulay_matrix(C, chart) for entry in row]
-        for prime in settings.primes:
+        for prime in PRIMES:
             if nmod_mat(10, 10, [entry % prime for entry in entries], prime).rank() == 10:
                 return RankProof(chart=chart, prime=prime)
     return None

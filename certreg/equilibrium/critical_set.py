@@ -1,92 +1,113 @@
-"""The equilibrium set as it is handed to the user: components, and the set of them."""
+"""What every search for equilibria returns, whatever it searches with: a critical set."""
 
 from __future__ import annotations
 
+import enum
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+    from collections.abc import Callable, Sequence
+    from fractions import Fraction
 
-    from certreg.objective import Classification
-    from certreg.results import ComponentKind, Guarantee
-
-
-WEAK_MARGIN = 1e-3  # of the range of energies: what separates right from wrong is less
+    from certreg.exact import IntegerQuaternion, Resolution
+    from certreg.results import Guarantee
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Component:
-    """A connected component of the rest poses of the damped rigid body.
+class Completeness(enum.Enum):
+    """The theorem by which a list has every critical rotation; the value is its statement."""
 
-    Kind, index, unstable count and optimality are exact; the numbers are rounded to doubles from a
-    basis of at least 57 digits. Where the component is not a point, `rotation`, `quaternion_wxyz`,
-    `eigenvalues` and `witness` are those of one representative: the member with the least rotation
-    angle from the identity.
-
-    basis: (4, k), orthonormal columns: the unit quaternions of the component are its combinations.
-    morse_index: number of independent directions in which the energy falls.
-    unstable_eigenvalues: number of the 12 with positive real part; None where J is singular.
-    eigenvalues: (12,) complex, of the linearised dynamics, in 1/time; None where J is singular.
-    witness: (3,), unit, body frame: turning about it lowers the energy most; None at an optimum.
-    energy: V_p at rest; None where no double holds it (see `rmse`).
-    rmse: sqrt(sum w r^2 / sum w), in the unit of length.
-    angle_to_optimum: radians, to the nearest optimum.
-    """
-
-    kind: ComponentKind
-    basis: NDArray[np.float64]
-    morse_index: int
-    unstable_eigenvalues: int | None
-    eigenvalues: NDArray[np.complex128] | None
-    witness: NDArray[np.float64] | None
-    energy: float | None
-    rmse: float | None
-    rotation: NDArray[np.float64]
-    quaternion_wxyz: NDArray[np.float64]
-    angle_to_optimum: float
-
-    @property
-    def optimal(self) -> bool:
-        """Whether these are the global optima: exactly those of index 0."""
-        return self.morse_index == 0
+    SPECTRAL = (
+        "The critical quaternions are the eigenvectors of a symmetric matrix, and these are its "
+        "eigenspaces."
+    )
+    ELIMINATION = (
+        "The quotient ring, or the Hilbert function, of the critical equations has no room for "
+        "further solutions."
+    )
+    COUNT = "There are at most as many solutions as disjoint boxes with one root each."
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Margin:
-    """How far the optimum is from being ambiguous.
+class Critical:
+    """A critical rotation of an objective, or a continuum of them.
 
-    eigenvalue_gap: l1 - l2 = 2 (d2 + d3), in objective units; half the energy between the optimum
-        and the lowest spurious equilibrium. None where no double holds it.
-    relative: (l1 - l2) / (l1 - l4), from 0 (not unique) to 1.
+    quaternion: of the rotation, in integers of any common length; in a continuum, of the member
+        nearest to the identity, else to a half turn.
+    span: unit quaternions in fixed point, orthogonal where there are several: the rotations of
+        their combinations are the component. One for a point.
+    value: of the objective, in its own unit, to the precision of the set.
+    index: the number of independent directions in which the objective falls; None: not decided.
+    guarantee: of the span, up to its precision, and of the index.
     """
 
-    eigenvalue_gap: float | None
-    relative: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class EquilibriumSet:
-    """All equilibria of the registration dynamics, by descending eigenvalue: the optimum first.
-
-    `guarantee` speaks of the classification: that the list is complete, the kinds, the indices.
-    `doubt` says in words why the list may not be complete; None where it is.
-    """
-
-    classification: Classification
-    components: tuple[Component, ...]
-    margin: Margin
+    quaternion: IntegerQuaternion
+    span: tuple[tuple[int, ...], ...]
+    value: Fraction
+    index: int | None
     guarantee: Guarantee
-    complete: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CriticalSet:
+    """Critical rotations by ascending value, found by one method.
+
+    bits: fractional bits of every span.
+    completeness: why these are all; None where that is not proved, and then `doubt` says in words
+        what may be missing.
+    """
+
+    method: str
+    components: tuple[Critical, ...]
+    bits: int
+    completeness: Completeness | None
     doubt: str | None = None
 
-    @property
-    def nearly_ambiguous(self) -> bool:
-        """Whether the optimum is unique, but so narrowly that the noise may turn it over."""
-        return self.classification.unique and self.margin.relative < WEAK_MARGIN
+    def __post_init__(self) -> None:
+        """Raises ValueError unless there is either a proof or a doubt."""
+        if (self.completeness is None) == (self.doubt is None):
+            message = "a list is proved to be complete, or it says what may be missing"
+            raise ValueError(message)
 
     @property
-    def count(self) -> int | None:
-        """Number of equilibria; None means infinitely many."""
-        return len(self.components) if self.classification.finite else None
+    def guarantee(self) -> Guarantee:
+        """That of the least sure component."""
+        return min(part.guarantee for part in self.components)
+
+    @property
+    def complete(self) -> bool:
+        """Whether these are proved to be all critical rotations."""
+        return self.completeness is not None
+
+    @property
+    def pattern(self) -> tuple[int, ...]:
+        """Dimensions of the spans, by ascending value: 1 for a point."""
+        return tuple(len(part.span) for part in self.components)
+
+    @property
+    def indices(self) -> tuple[int | None, ...]:
+        """The index of each component, None where it is not decided."""
+        return tuple(part.index for part in self.components)
+
+
+def spaces_as_components(
+    resolution: Resolution,
+    value_of: Callable[[int, int], Fraction],
+    indices: Sequence[int | None],
+    guarantee: Guarantee,
+) -> tuple[Critical, ...]:
+    """Linear spaces of quaternions as critical components.
+
+    value_of: the objective at a value of theirs, in fixed point with so many bits.
+    """
+    parts = zip(resolution.quaternions, resolution.spaces, indices, strict=True)
+    return tuple(
+        Critical(
+            quaternion=q,
+            span=space.vectors,
+            value=value_of(space.value, resolution.bits),
+            index=index,
+            guarantee=guarantee,
+        )
+        for q, space, index in parts
+    )

@@ -26,17 +26,21 @@ from typing import TYPE_CHECKING, Any
 
 from flint import acb, arb, arb_mat, ctx, fmpq_mat, fmpz_mat, fmpz_poly
 
-from certreg.equilibrium.polynomials import COLUMNS, torque_table
+from certreg.equilibrium.critical_set import Completeness, CriticalSet, spaces_as_components
+from certreg.equilibrium.torques import COLUMNS, torque_table
 from certreg.errors import ContradictionError
-from certreg.exact import orthonormal, radius_bits
-from certreg.geometry import davenport_matrix
-from certreg.settings import EliminationSettings
+from certreg.exact import Space, fixed_point, morse_bott_index, orthonormal, radius_bits, resolved
+from certreg.results import Guarantee
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.equilibrium.polynomials import Table
+    from certreg.equilibrium.torques import Table
+    from certreg.objective import Isotropic
 
+GROEBNER = "groebner"
+CHARTS = 13  # four lines lie in at most 4 * 3 = 12 hyperplanes (1, t, t^2, t^3)
+GUARD_BITS = 32  # more than products of four matrices lose; more are taken where not
 SOLUTIONS = 4  # dimension of the quotient ring: the basis 1, u1, u2, u3
 PRODUCTS = 6  # u_i u_j, i <= j
 
@@ -86,13 +90,43 @@ class Fibre:
         return 1 << self.dimension
 
 
-def eliminate(
-    C: Sequence[Sequence[int]], settings: EliminationSettings | None = None
-) -> Elimination:
-    """The elimination of an integer 3x3 matrix C (any positive factor of it will do), exactly."""
-    settings = settings or EliminationSettings()
-    table, K = torque_table(C), davenport_matrix(C)
-    for t in range(settings.charts):
+def by_elimination(objective: Isotropic) -> CriticalSet:
+    """The fibres of the elimination; indices from the Hessian of the energy, in ball arithmetic."""
+    cross, shift = objective.moments.cross, objective.shift
+    elimination = eliminate(cross, objective.davenport)
+    parts: tuple[Fibre, ...] = ()
+
+    def spaces_at(bits: int) -> tuple[Space, ...]:
+        nonlocal parts
+        parts = fibres(elimination, bits)
+        return tuple(
+            Space(
+                values=(fixed_point(part.value, bits - shift),) * len(part.vectors),
+                vectors=tuple(tuple(fixed_point(c, bits) for c in v) for v in part.vectors),
+            )
+            for part in parts
+        )
+
+    resolution = resolved(spaces_at)
+    bits = 2 * resolution.bits
+    indices = [morse_bott_index(cross, p.vectors[0], p.dimension, bits=bits) for p in parts]
+    return CriticalSet(
+        method=GROEBNER,
+        components=spaces_as_components(
+            resolution, objective.energy_of_eigenvalue, indices, Guarantee.EXACT
+        ),
+        bits=resolution.bits,
+        completeness=Completeness.ELIMINATION,
+    )
+
+
+def eliminate(C: Sequence[Sequence[int]], K: Sequence[Sequence[int]]) -> Elimination:
+    """The elimination of an integer 3x3 matrix C (any positive factor of it will do), exactly.
+
+    K: Davenport's matrix of C, of which nothing is used but that it gives the critical value.
+    """
+    table = torque_table(C)
+    for t in range(CHARTS):
         frame = _frame(t)
         reduced, unit, rank = fmpz_mat(_in_frame(table, t)).rref()
         if rank < PRODUCTS:
@@ -104,20 +138,24 @@ def eliminate(
     raise ContradictionError(message)
 
 
-def fibres(found: Elimination, bits: int) -> tuple[Fibre, ...]:
+def fibres(elimination: Elimination, bits: int) -> tuple[Fibre, ...]:
     """The real components, largest critical value first, quaternions to about so many bits.
 
     Exactly isolated: balls of different roots are disjoint, those of real roots are real. The
     fibre over a root r is the image of the product of (action - s) over the other roots s.
     """
-    precision = bits + EliminationSettings().guard_bits
+    precision = bits + GUARD_BITS
     while True:
         with ctx.workprec(precision):
-            parts = [_fibre(found, root.real, d) for root, d in _roots(found) if root.imag == 0]
+            parts = [
+                _fibre(elimination, root.real, d)
+                for root, d in _roots(elimination)
+                if root.imag == 0
+            ]
             if all(
                 radius_bits(entry) < -bits for part in parts for v in part.vectors for entry in v
             ):
-                return tuple(sorted(parts, key=_level, reverse=True))
+                return tuple(sorted(parts, key=_value, reverse=True))
         precision *= 2
 
 
@@ -213,10 +251,10 @@ def _nullity(factor: fmpz_poly, action: fmpz_mat) -> int:
     return (4 - image.rank()) // factor.degree()
 
 
-def _roots(found: Elimination) -> list[tuple[acb, int]]:
+def _roots(elimination: Elimination) -> list[tuple[acb, int]]:
     """Each complex root of the eliminant, isolated, with the dimension of its fibre."""
     roots: list[tuple[acb, int]] = []
-    for factor, dimension in found.factors:
+    for factor, dimension in elimination.factors:
         pairs: Any = factor.complex_roots()  # the stubs of python-flint know no pairs
         if any(multiplicity > 1 for _, multiplicity in pairs):
             message = "a critical value of the finite case is repeated"
@@ -225,15 +263,15 @@ def _roots(found: Elimination) -> list[tuple[acb, int]]:
     return roots
 
 
-def _fibre(found: Elimination, value: arb, dimension: int) -> Fibre:
+def _fibre(elimination: Elimination, value: arb, dimension: int) -> Fibre:
     """The fibre over a real root r: the image of (eliminant / (x - r))(action), in q."""
-    *rest, leading = found.eliminant.coeffs()
-    action, one = arb_mat(found.action), arb_mat(4, 4, 1)
+    *rest, leading = elimination.eliminant.coeffs()
+    action, one = arb_mat(elimination.action), arb_mat(4, 4, 1)
     image, quotient = arb_mat(4, 4, arb(leading)), arb(leading)
     for coefficient in reversed(rest[1:]):
         quotient = quotient * value + coefficient
         image = image * action + quotient * one
-    spanning = arb_mat(found.frame) * image
+    spanning = arb_mat(elimination.frame) * image
     return Fibre(
         dimension=dimension,
         value=value,
@@ -241,5 +279,5 @@ def _fibre(found: Elimination, value: arb, dimension: int) -> Fibre:
     )
 
 
-def _level(part: Fibre) -> arb:
+def _value(part: Fibre) -> arb:
     return part.value.mid()

@@ -6,9 +6,8 @@ holds exactly one root, and it is a simple one [Krawczyk1969], [Moore1977]. In r
 root is real. In complex arithmetic a coordinate whose imaginary part is not zero anywhere in the
 box proves the root not to be real. False means not proved, not disproved.
 
-The equilibria are roots of K q = l q, a . q = 1 (see `quadratics`), with K exact and a near the
-quaternion itself. Where a box is not mapped into itself, the same is done with twice the bits. Four
-disjoint boxes and a proof that there are at most four roots are a complete list.
+Where a box is not mapped into itself, the same is done with twice the bits. As many disjoint boxes
+as there are roots at most are a complete list. Nothing is known here of what is solved.
 """
 
 from __future__ import annotations
@@ -22,11 +21,14 @@ from flint import acb, acb_mat, arb, arb_mat, ctx
 
 from certreg.errors import ContradictionError
 from certreg.exact import radius_bits
-from certreg.settings import KrawczykSettings
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+START_BITS = 128  # costs as much as 64, and the boxes are as small as 1e-30
+MAX_BITS = 2048  # for relative gaps down to 1e-300
+REFINEMENTS = 12  # Newton steps at one precision: 2^-4 to 2^-2048 takes nine
+INFLATION = 4  # of Newton's step to the box: what is left is quadratic in the step
 Balls = Any  # arb_mat or acb_mat: real or complex balls
 
 
@@ -70,67 +72,24 @@ class RootBox:
         return Reality.UNKNOWN
 
 
-class EigenBalls:
-    """K q = l q and a . q = 1 in (q, l), for balls of either kind."""
-
-    def __init__(self, K: arb_mat, chart: Sequence[float]) -> None:
-        """K: 4x4. chart: the vector a."""
-        base = arb_mat(5, 5)
-        for i, a in enumerate(chart):
-            base[4, i] = a
-            for j in range(4):
-                base[i, j] = K[i, j]
-        self._base = base
-
-    def start(self, q: Sequence[float], settings: KrawczykSettings | None = None) -> arb_mat:
-        """The point (q, l) along q with a . q = 1 and the best l for it, q^T K q / |q|^2."""
-        with ctx.workprec((settings or KrawczykSettings()).start_bits):
-            x = arb_mat(5, 1, [*q, 0])
-            image, along = self._base * x, x.transpose() * x
-            value = (x.transpose() * image)[0, 0] / along[0, 0]
-            x = x / image[4, 0]
-            x[4, 0] = value
-            return x.mid()
-
-    def values(self, x: Balls) -> Balls:
-        """An enclosure of (K q - l q, a . q - 1)."""
-        found, value = self._base_for(x) * x, x[4, 0]
-        for i in range(4):
-            found[i, 0] -= value * x[i, 0]
-        found[4, 0] -= 1
-        return found
-
-    def jacobian(self, x: Balls) -> Balls:
-        """An enclosure of [[K - l I, -q], [a, 0]]."""
-        found, value = _kind(x)(self._base_for(x)), x[4, 0]
-        for i in range(4):
-            found[i, i] -= value
-            found[i, 4] = -x[i, 0]
-        return found
-
-    def _base_for(self, x: Balls) -> Balls:
-        return self._base if _kind(x) is arb_mat else acb_mat(self._base)
-
-
 def proved_root(
-    system: BallSystem, start: Balls, settings: KrawczykSettings | None = None
+    system: BallSystem, start: Balls, *, start_bits: int = START_BITS, max_bits: int = MAX_BITS
 ) -> RootBox | None:
     """A box near `start` (n x 1, exact) that holds exactly one root of the system.
 
     With ever more bits, until Krawczyk's condition holds. None means not proved, not disproved: no
     simple root was found near enough.
     """
-    settings = settings or KrawczykSettings()
-    bits, x = settings.start_bits, start
-    while bits <= settings.max_bits:
+    bits, x = start_bits, start
+    while bits <= max_bits:
         with ctx.workprec(bits):
-            for _ in range(settings.refinements):
+            for _ in range(REFINEMENTS):
                 try:
                     inverse = system.jacobian(x).inv().mid()
                 except ZeroDivisionError:
                     break  # singular as far as these bits tell
                 step = inverse * system.values(x)
-                box = _krawczyk(system, x, inverse, step, settings)
+                box = _krawczyk(system, x, inverse, step)
                 if box is not None:
                     return RootBox(coordinates=tuple(box.entries()), bits=bits)
                 x = (x - step).mid()
@@ -141,12 +100,11 @@ def proved_root(
 def tightened(system: BallSystem, box: RootBox, bits: int) -> RootBox:
     """The same root in a box whose radii are below 2^-bits."""
     start = 2 * max(bits, box.bits)
-    settings = KrawczykSettings(start_bits=start, max_bits=4 * start)
     while max(radius_bits(ball) for ball in box.coordinates) >= -bits:
-        middle = _kind(box.coordinates[0])(
+        middle = kind_of(box.coordinates[0])(
             len(box.coordinates), 1, [ball.mid() for ball in box.coordinates]
         )
-        smaller = proved_root(system, middle, settings)
+        smaller = proved_root(system, middle, start_bits=start, max_bits=4 * start)
         if smaller is None:  # it holds with more bits whatever held with fewer
             message = "a proved root was lost on the way to a smaller box"
             raise ContradictionError(message)
@@ -154,19 +112,17 @@ def tightened(system: BallSystem, box: RootBox, bits: int) -> RootBox:
     return box
 
 
-def _kind(balls: Any) -> Any:
+def kind_of(balls: Any) -> Any:
     """arb_mat or acb_mat, for a matrix or a number of real or complex balls."""
     return arb_mat if isinstance(balls, arb_mat | arb) else acb_mat
 
 
-def _krawczyk(
-    system: BallSystem, x: Balls, inverse: Balls, step: Balls, settings: KrawczykSettings
-) -> Balls | None:
+def _krawczyk(system: BallSystem, x: Balls, inverse: Balls, step: Balls) -> Balls | None:
     """The Krawczyk set of a box around x, if the box holds it in its interior."""
-    n, kind = x.nrows(), _kind(x)
+    n, kind = x.nrows(), kind_of(x)
     sizes = [ball.abs_upper() for ball in x.entries()]
     least = max(sizes) * arb(2) ** -(ctx.prec // 2)
-    radius = (max(ball.abs_upper() for ball in step.entries()) * settings.inflation + least).upper()
+    radius = (max(ball.abs_upper() for ball in step.entries()) * INFLATION + least).upper()
     side = arb(0, radius)
     offset = kind(n, 1, [side if kind is arb_mat else acb(side, side)] * n)
     box = x + offset

@@ -61,7 +61,7 @@ def curvature(q: NDArray[np.float64], others: NDArray[np.float64], gaps: list[fl
 
 
 def spring_ratios(
-    bends: Sequence[Curvature], inertia: NDArray[np.float64]
+    curvatures: Sequence[Curvature], inertia: NDArray[np.float64]
 ) -> list[list[float] | None]:
     """For each equilibrium the eigenvalues g of the pencil (G, J), ascending, signs exact.
 
@@ -70,17 +70,19 @@ def spring_ratios(
     """
     values = np.linalg.eigvalsh(inertia)
     if not values[0] * WORST_CONDITION > values[-1]:
-        return [None] * len(bends)
+        return [None] * len(curvatures)
     factor = np.linalg.cholesky(inertia)
-    halves = np.linalg.solve(factor, np.array([bend.matrix for bend in bends]))
+    halves = np.linalg.solve(factor, np.array([each.matrix for each in curvatures]))
     pencils = np.linalg.eigvalsh(np.linalg.solve(factor, halves.transpose(0, 2, 1)))
     rounding = float(np.finfo(float).eps * values[-1] / values[0])
-    return [_signed(row, bend, rounding) for row, bend in zip(pencils.tolist(), bends, strict=True)]
+    return [
+        _signed(row, each, rounding) for row, each in zip(pencils.tolist(), curvatures, strict=True)
+    ]
 
 
-def _signed(ratios: list[float], bend: Curvature, rounding: float) -> list[float] | None:
+def _signed(ratios: list[float], at: Curvature, rounding: float) -> list[float] | None:
     """The ratios with the signs that Sylvester's law gives them; None where rounding drowns one."""
-    gaps = bend.values.tolist()
+    gaps = at.values.tolist()
     negative, zero = sum(gap < 0.0 for gap in gaps), gaps.count(0.0)
     below, above = ratios[:negative], ratios[negative + zero :]
     least = max(map(abs, ratios)) * rounding * DIGITS

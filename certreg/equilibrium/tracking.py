@@ -11,12 +11,10 @@ This is floating point: it proposes. What became of each path is said for each p
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
-
-from certreg.settings import TrackerSettings
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -44,6 +42,47 @@ class PathStatus(enum.Enum):
 
 
 REGULAR, SINGULAR, DIVERGED, LOST = range(4)  # as stored: places in `list(PathStatus)`
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrackerSettings:
+    """Steps of the path tracker in t, from 1 to 0; changes of a point are relative to its size.
+
+    Long steps may leave a path for another; whoever needs every root compares the ends.
+    """
+
+    first_step: float = 0.2  # a start system is chosen well conditioned; halved where it fails
+    predictor_bound: float = 0.2  # of Newton's first change: beyond, it may leave its basin
+    predictor_aim: float = 0.05  # what the next step is chosen for
+    corrector_bound: float = 0.01  # of its last change, whose square is what is left: 1e-4
+    step_power: float = 0.25  # the error of a cubic grows with the fourth power of the step
+    least_growth: float = 0.5  # an accepted step was not that bad
+    most_growth: float = 3.0  # a step is not to outrun what is known of the path
+    shrink: float = 0.4  # after a step that failed
+    least_step: float = 1e-4  # of t: below, something is in the way
+    endgame: float = 1e-14  # t below counts as 0: less than the rounding of the coefficients
+    max_rounds: int = 300  # fifteen are usual, sixty at a singular end
+    care: float = 0.25  # factor of all bounds of a step when a lost path is tried again
+    infinity: float = 1e6  # in a random chart a root is as large once in 10^12
+    straightenings: int = 2  # quadratic convergence from 1e-4
+    polishings: int = 30  # two are usual; at a double root each halves the error, to 2^-27
+    polished: float = 1e-10  # of Newton's change: squared, nothing is left
+    largest_move: float = 0.5  # of one polishing step: beyond, it leads to another root
+    weak_share: float = 1e-2  # of a Jacobian's largest singular value: a corrector's own accuracy
+    singular_condition: float = 1e11  # beyond, fewer than five digits of a root are right
+    singular_residual: float = 1e-7  # relative; a double root is right to the root of an ulp
+    steadiness: float = 0.5  # of a singular value: less of it may change within the error
+    rounding: float = 100.0  # of Newton's last change, in ulps times the condition
+
+    def careful(self) -> TrackerSettings:
+        """The same with shorter steps that are corrected further."""
+        return replace(
+            self,
+            first_step=self.first_step * self.care,
+            predictor_bound=self.predictor_bound * self.care,
+            predictor_aim=self.predictor_aim * self.care,
+            corrector_bound=self.corrector_bound * self.care,
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -27,6 +27,10 @@ if TYPE_CHECKING:
     from certreg.exact.eigenbasis import integer_eigenbasis as integer_eigenbasis
     from certreg.exact.elimination import is_positive_definite as is_positive_definite
     from certreg.exact.elimination import rank as rank
+    from certreg.exact.spaces import IntegerQuaternion as IntegerQuaternion
+    from certreg.exact.spaces import Resolution as Resolution
+    from certreg.exact.spaces import Space as Space
+    from certreg.exact.spaces import resolved as resolved
 
 __getattr__ = lazy_face(
     __name__,
@@ -58,6 +62,12 @@ __getattr__ = lazy_face(
         "elimination": (
             "is_positive_definite",
             "rank",
+        ),
+        "spaces": (
+            "IntegerQuaternion",
+            "Resolution",
+            "Space",
+            "resolved",
         ),
     },
 )

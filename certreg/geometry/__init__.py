@@ -7,10 +7,17 @@ from typing import TYPE_CHECKING
 from certreg._faces import lazy_face
 
 if TYPE_CHECKING:
+    from certreg.geometry.constraints import ROTATION_SIZE as ROTATION_SIZE
+    from certreg.geometry.constraints import SquareMatrix as SquareMatrix
+    from certreg.geometry.constraints import homogeneous as homogeneous
+    from certreg.geometry.constraints import rotation_quadratics as rotation_quadratics
+    from certreg.geometry.constraints import symmetric as symmetric
     from certreg.geometry.pose import Pose as Pose
     from certreg.geometry.so3 import Matrix3 as Matrix3
+    from certreg.geometry.so3 import Matrix4 as Matrix4
     from certreg.geometry.so3 import T as T
     from certreg.geometry.so3 import Vector3 as Vector3
+    from certreg.geometry.so3 import Vector4 as Vector4
     from certreg.geometry.so3 import body_frame as body_frame
     from certreg.geometry.so3 import canonical as canonical
     from certreg.geometry.so3 import davenport_matrix as davenport_matrix
@@ -23,11 +30,20 @@ if TYPE_CHECKING:
 __getattr__ = lazy_face(
     __name__,
     {
+        "constraints": (
+            "ROTATION_SIZE",
+            "SquareMatrix",
+            "homogeneous",
+            "rotation_quadratics",
+            "symmetric",
+        ),
         "pose": ("Pose",),
         "so3": (
             "Matrix3",
+            "Matrix4",
             "T",
             "Vector3",
+            "Vector4",
             "body_frame",
             "canonical",
             "davenport_matrix",

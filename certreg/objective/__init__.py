@@ -8,26 +8,20 @@ from certreg._faces import lazy_face
 
 if TYPE_CHECKING:
     from certreg.objective.classification import Classification as Classification
-    from certreg.objective.classification import classify as classify
-    from certreg.objective.classification import with_pattern as with_pattern
-    from certreg.objective.energy import alignment as alignment
-    from certreg.objective.energy import best_translation as best_translation
-    from certreg.objective.energy import potential_energy as potential_energy
-    from certreg.objective.energy import translation_energy as translation_energy
+    from certreg.objective.classification import Pattern as Pattern
+    from certreg.objective.isotropic import Isotropic as Isotropic
+    from certreg.objective.objective import Objective as Objective
+    from certreg.objective.polynomials import PolynomialSystem as PolynomialSystem
 
 __getattr__ = lazy_face(
     __name__,
     {
         "classification": (
             "Classification",
-            "classify",
-            "with_pattern",
+            "Pattern",
         ),
-        "energy": (
-            "alignment",
-            "best_translation",
-            "potential_energy",
-            "translation_energy",
-        ),
+        "isotropic": ("Isotropic",),
+        "objective": ("Objective",),
+        "polynomials": ("PolynomialSystem",),
     },
 )

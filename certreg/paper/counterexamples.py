@@ -13,16 +13,15 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from certreg.certificate import AT_MOST, count_certificate, produce, verify
-from certreg.equilibrium import spectrum
 from certreg.errors import InvalidProblemError
 from certreg.geometry import squared_norm
+from certreg.objective import Isotropic
 from certreg.problem import PAPER_DAMPING, RegistrationProblem, exact_moments
 from certreg.results import Ruling, Verdict
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.equilibrium import Spectrum
 
 SUFFIX, COUNT_SUFFIX = ".json", ".count.json"
 NO_PROOF = Verdict(ruling=Ruling.INCONCLUSIVE, words="no certificate was found")
@@ -88,8 +87,8 @@ def _double(number: Any) -> float:
 
 def _certified_cloud(name: str, cloud: Any, about: dict[str, Any]) -> CertifiedCloud:
     problem = in_integers(cloud)
-    equilibria = spectrum(exact_moments(problem))
-    made = (produce(problem, equilibria, about=about), count_certificate(problem))
+    objective = Isotropic(exact_moments(problem))
+    made = (produce(problem, objective, about=about), count_certificate(problem))
     suffixes = (SUFFIX, COUNT_SUFFIX)
     files = {
         name + suffix: certificate.to_json()
@@ -99,7 +98,7 @@ def _certified_cloud(name: str, cloud: Any, about: dict[str, Any]) -> CertifiedC
     return CertifiedCloud(
         problem=problem,
         files=files,
-        words=_words(equilibria, counted=made[1] is not None),
+        words=_words(objective, counted=made[1] is not None),
         verdict=_judged(list(files.values()), problem) if made[0] else NO_PROOF,
     )
 
@@ -110,11 +109,11 @@ def _judged(contents: Sequence[bytes], problem: RegistrationProblem) -> Verdict:
     return next((v for v in verdicts if not v.proved), verdicts[0])
 
 
-def _words(equilibria: Spectrum, *, counted: bool) -> str:
+def _words(objective: Isotropic, *, counted: bool) -> str:
     """Uniqueness, spurious equilibria, and how far the optimum is from the paper's start."""
-    shape = equilibria.classification
+    shape = objective.classification
     spurious = "infinitely many" if shape.spurious is None else shape.spurious
-    w, *axis = equilibria.quaternions[0]
+    w, *axis = objective.quaternions[0]
     turn = math.degrees(2.0 * math.atan2(math.sqrt(squared_norm(axis)), abs(w)))
     parts = [
         f"pattern {', '.join(map(str, shape.pattern))}",

@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.dynamics import body_of
-from certreg.equilibrium import Method, road, rotation_double, unit_double
+from certreg.equilibrium import method_named, rotation_double, unit_double
 from certreg.geometry import rotation_matrix
+from certreg.objective import Isotropic
 from certreg.paper.particles import Particles, at_rest
 from certreg.paper.scheme import RAW_UNIT
 from certreg.problem import exact_moments
@@ -84,14 +85,17 @@ def equilibrium_run(problem: RegistrationProblem) -> EquilibriumRun:
     moments = exact_moments(problem)
     moving = body_of(moments, problem.damping, length_exponent=RAW_UNIT)
     particles = Particles.of(problem)
-    spectrum = road(moments, Method.GROEBNER).found
+    objective = Isotropic(moments)
+    critical = method_named("groebner")(objective)
+    shape = objective.classified(critical.pattern)
     best = horn(moving.cross_covariance)
-    poses = tuple(_stationary_pose(q, moving, particles, best) for q in spectrum.quaternions)
-    finite = spectrum.classification.finite
+    poses = tuple(
+        _stationary_pose(part.quaternion, moving, particles, best) for part in critical.components
+    )
     inertia = np.linalg.eigvalsh(moving.inertia)
     return EquilibriumRun(
-        count=len(poses) if finite else None,
-        unique=spectrum.classification.unique,
+        count=len(poses) if shape.finite else None,
+        unique=shape.unique,
         poses=poses,
         pair_errors=tuple(
             half_turn_error(a.quaternion, b.quaternion) for a, b in combinations(poses, 2)

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.dynamics import body_of, simulate
-from certreg.equilibrium import spectrum
 from certreg.geometry import quaternion_from_matrix, rotation_matrix
 from certreg.native import Integrator
+from certreg.objective import Isotropic
 from certreg.paper.equilibria import angle
 from certreg.paper.evidence import SAME_SUM
 from certreg.paper.particles import Particles, at_rest, parts
@@ -83,7 +83,7 @@ def simulation_run(
     if not descent.diverged:
         end = quaternion_from_matrix(descent.rotation)
     energy, least = descent.energy, SAME_SUM
-    midpoint = simulate(spectrum(moments), problem.damping, Integrator.MIDPOINT)
+    midpoint = simulate(Isotropic(moments), problem.damping, Integrator.MIDPOINT)
     falling = midpoint.potential + midpoint.kinetic
     return SimulationRun(
         descent=descent,

@@ -25,11 +25,10 @@ if TYPE_CHECKING:
     from certreg.registration.certification import simulated as simulated
     from certreg.registration.closed_form import horn as horn
     from certreg.registration.covariance import worst_residuals as worst_residuals
+    from certreg.registration.enumeration import Enumeration as Enumeration
     from certreg.registration.enumeration import certified_count as certified_count
+    from certreg.registration.enumeration import enumerated as enumerated
     from certreg.registration.enumeration import equilibria as equilibria
-    from certreg.registration.enumeration import equilibrium_road as equilibrium_road
-    from certreg.registration.enumeration import equilibrium_roads as equilibrium_roads
-    from certreg.registration.enumeration import road_equilibria as road_equilibria
     from certreg.registration.examples import STORIES as STORIES
     from certreg.registration.examples import differences as differences
     from certreg.registration.examples import stated as stated
@@ -70,11 +69,10 @@ __getattr__ = lazy_face(
         "closed_form": ("horn",),
         "covariance": ("worst_residuals",),
         "enumeration": (
+            "Enumeration",
             "certified_count",
             "equilibria",
-            "equilibrium_road",
-            "equilibrium_roads",
-            "road_equilibria",
+            "enumerated",
         ),
         "examples": (
             "STORIES",

@@ -12,7 +12,6 @@ from certreg.dynamics import SimulationStatus
 from certreg.errors import ContradictionError
 from certreg.exact import power_of_two
 from certreg.native import MATRIX_STATE, named
-from certreg.objective import potential_energy
 from certreg.problem import floating_moments, lift
 from certreg.registration.closed_form import arun, horn
 from certreg.results import Absent
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
 
     from certreg.certificate import IsotropicBody
     from certreg.dynamics import Trajectory
-    from certreg.equilibrium import Spectrum
+    from certreg.objective import Isotropic
     from certreg.problem import RegistrationProblem
     from certreg.relaxation import Relaxation
 
@@ -42,7 +41,7 @@ class Agreement:
 
 def agreement(
     problem: RegistrationProblem,
-    found: Spectrum,
+    objective: Isotropic,
     *,
     relaxation: Relaxation | Absent,
     trajectory: Trajectory | Absent,
@@ -52,22 +51,24 @@ def agreement(
     moments = floating_moments(problem)
     for name, form in (("Horn's closed form", horn), ("Arun's closed form", arun)):
         quaternion = form(moments.cross_covariance)
-        if found.relative_loss(lift(quaternion).integers) > settings.closed_form_loss:
+        if objective.relative_loss(lift(quaternion).integers) > settings.closed_form_loss:
             # weights or lengths more than 300 decades apart vanish from sums of doubles
-            quaternion = form(_rounded_covariance(found))
-        closed.append(_angle(found, name, quaternion, settings.closed_form_loss))
+            quaternion = form(_rounded_covariance(objective))
+        closed.append(_angle(objective, name, quaternion, settings.closed_form_loss))
     relaxed = None
     if not isinstance(relaxation, Absent) and relaxation.quaternion_wxyz is not None:
         name, place = "the semidefinite relaxation", relaxation.quaternion_wxyz
-        relaxed = _angle(found, name, place, settings.relaxation_loss)
+        relaxed = _angle(objective, name, place, settings.relaxation_loss)
     simulated = None
     if not isinstance(trajectory, Absent):
         allowed = settings.simulation_loss if trajectory.converged else math.inf
-        simulated = _angle(found, "the simulation", trajectory.quaternion, allowed)
+        simulated = _angle(objective, "the simulation", trajectory.quaternion, allowed)
     return Agreement(closed_form=max(closed), relaxation=relaxed, simulation=simulated)
 
 
-def require_sound_trajectory(found: Spectrum, body: IsotropicBody, trajectory: Trajectory) -> None:
+def require_sound_trajectory(
+    objective: Isotropic, body: IsotropicBody, trajectory: Trajectory
+) -> None:
     """Nothing, if a trajectory respects what is proved; ContradictionError if not.
 
     A run that came to rest inside the basin must be proved to lie there, and no logged V_p may be
@@ -77,9 +78,9 @@ def require_sound_trajectory(found: Spectrum, body: IsotropicBody, trajectory: T
     if trajectory.status is SimulationStatus.CONVERGED and not body.claims.basin:
         message = "the simulation ended where the basin could not be proved: please report this"
         raise ContradictionError(message, methods=("simulation", "certificate"))
-    moments = found.moments
+    moments = objective.moments
     unit = moments.total_weight * power_of_two(2 * trajectory.length_exponent)
-    minimum = potential_energy(moments, body.quaternion) - body.gap
+    minimum = objective.energy(body.quaternion) - body.gap
     centres = np.square(named(trajectory.states, MATRIX_STATE)["c"]).sum(axis=1)
     terms = 3.0 * float(moments.spread / unit) + centres
     ulps = AgreementSettings().energy_ulps + trajectory.steps
@@ -94,20 +95,24 @@ def require_sound_trajectory(found: Spectrum, body: IsotropicBody, trajectory: T
         )
 
 
-def _rounded_covariance(found: Spectrum) -> NDArray[np.float64]:
+def _rounded_covariance(objective: Isotropic) -> NDArray[np.float64]:
     """The exact cross-covariance, each entry rounded once, in some unit."""
-    shift = found.basis.shift
-    return np.array([[entry / (1 << shift) for entry in row] for row in found.moments.cross])
+    shift = objective.shift
+    return np.array([[entry / (1 << shift) for entry in row] for row in objective.moments.cross])
 
 
-def _angle(found: Spectrum, road: str, quaternion: NDArray[np.float64], allowed: float) -> float:
+def _angle(
+    objective: Isotropic, method: str, quaternion: NDArray[np.float64], allowed: float
+) -> float:
     q = lift(quaternion).integers
-    angle = found.angle_to_optimum(q)
-    loss = float(found.relative_loss(q))
+    angle = objective.angle_to_optimum(q)
+    loss = float(objective.relative_loss(q))
     if loss > allowed:
         message = (
-            f"{road} contradicts the certified pose: it is {math.degrees(angle):.3g} degrees away; "
-            "please report this problem"
+            f"{method} contradicts the certified pose: it is {math.degrees(angle):.3g} degrees "
+            "away; please report this problem"
         )
-        raise ContradictionError(message, methods=(road, "certificate"), value=loss, limit=allowed)
+        raise ContradictionError(
+            message, methods=(method, "certificate"), value=loss, limit=allowed
+        )
     return angle

@@ -14,7 +14,6 @@ from certreg.errors import InvalidProblemError
 from certreg.exact import nearest_double, nearest_root
 from certreg.geometry import quaternion_from_matrix, rotation_matrix, squared_norm
 from certreg.io import ROTATION_TOLERANCE
-from certreg.objective import translation_energy
 from certreg.problem import lift
 from certreg.registration.certification import certify
 from certreg.results import ComponentKind, PoseVerdict
@@ -209,16 +208,16 @@ class _Findings:
 
 def _findings(registration: Registration, pose: ExactPose) -> _Findings:
     solution = registration.solution
-    found, moments, q = solution.spectrum, solution.moments, pose.quaternion
-    angles = [found.angle_to(i, q) for i in range(len(found.groups))]
+    objective, q = solution.objective, pose.quaternion
+    angles = [objective.angle_to(i, q) for i in range(len(objective.classification.pattern))]
     bounds = None
     if solution.certificate is not None:
-        bounds = pose_bounds(moments, solution.certificate.body, pose)
+        bounds = pose_bounds(objective, solution.certificate.body, pose)
     return _Findings(
         registration=registration,
         bounds=bounds,
-        energy=pose_energy(moments, pose),
-        translation_energy=translation_energy(moments, q, pose.translation),
+        energy=pose_energy(objective, pose),
+        translation_energy=objective.translation_energy(q, pose.translation),
         energy_range=_energy_range(solution),
         angles=angles,
         nearest=min(range(len(angles)), key=angles.__getitem__),
@@ -227,9 +226,10 @@ def _findings(registration: Registration, pose: ExactPose) -> _Findings:
 
 def _energy_range(solution: Solution) -> Fraction:
     """Energy between the best and the worst rotation; the clouds' own where all are equal."""
-    found, moments = solution.spectrum, solution.moments
-    if len(found.groups) > 1:
-        return 2 * found.level_difference(0, len(found.groups) - 1)
+    objective, moments = solution.objective, solution.moments
+    spaces = len(objective.classification.pattern)
+    if spaces > 1:
+        return 2 * objective.eigenvalue_difference(0, spaces - 1)
     centroids = (*moments.source_centroid, *moments.target_centroid)
     distance = sum((entry * entry for entry in centroids), start=Fraction(0))
     return moments.spread or moments.total_weight * distance or Fraction(1)

@@ -22,9 +22,9 @@ from certreg.certificate import (
 from certreg.dynamics import SimulationSettings, optimal_damping
 from certreg.dynamics import simulate as run
 from certreg.equilibrium import (
+    by_eigenspaces,
     equilibrium_set,
     rotation_double,
-    spectrum,
     unit_double,
 )
 from certreg.errors import (
@@ -39,7 +39,7 @@ from certreg.exact import (
 )
 from certreg.geometry import Pose
 from certreg.native import Integrator
-from certreg.objective import best_translation
+from certreg.objective import Isotropic
 from certreg.problem import exact_moments, lift
 from certreg.registration.agreement import Agreement, agreement, require_sound_trajectory
 from certreg.registration.covariance import PoseCovariance, pose_covariance
@@ -52,7 +52,7 @@ if TYPE_CHECKING:
 
     from certreg.certificate import Certificate, IsotropicBody
     from certreg.dynamics import Trajectory
-    from certreg.equilibrium import EquilibriumSet, Spectrum
+    from certreg.equilibrium import EquilibriumSet
     from certreg.problem import ExactMoments, RegistrationProblem
     from certreg.relaxation import Relaxation
     from certreg.results import Verdict
@@ -68,8 +68,7 @@ class Solution:
         unique or no double holds it.
     """
 
-    moments: ExactMoments
-    spectrum: Spectrum
+    objective: Isotropic
     equilibria: EquilibriumSet
     pose: Pose
     covariance: PoseCovariance | None
@@ -77,6 +76,11 @@ class Solution:
     trajectory: Trajectory | Absent
     agreement: Agreement
     certificate: Certificate[IsotropicBody] | None
+
+    @property
+    def moments(self) -> ExactMoments:
+        """The sums over the points, exactly."""
+        return self.objective.moments
 
     @property
     def energy_unit(self) -> Fraction:
@@ -189,7 +193,7 @@ def certified(
             verdict = check_own(certificate, problem)
         require_accepted(verdict)
         if not isinstance(solution.trajectory, Absent):
-            require_sound_trajectory(solution.spectrum, certificate.body, solution.trajectory)
+            require_sound_trajectory(solution.objective, certificate.body, solution.trajectory)
     return _registration(problem, solution, verdict, timings)
 
 
@@ -211,7 +215,7 @@ def simulate(
     is not defined or too stiff.
     """
     chosen, settings = Integrator(integrator), _with_step(settings, step)
-    return run(spectrum(exact_moments(problem)), problem.damping, chosen, settings=settings)
+    return run(Isotropic(exact_moments(problem)), problem.damping, chosen, settings=settings)
 
 
 def simulated(
@@ -222,16 +226,16 @@ def simulated(
     Raises ContradictionError or RefusedCertificateError where certreg contradicts itself.
     """
     chosen, settings = Integrator(integrator), _with_step(None, step)
-    found = spectrum(exact_moments(problem))
-    trajectory = run(found, problem.damping, chosen, settings=settings)
-    certificate = produce(problem, found, state=_final_state(trajectory))
+    objective = Isotropic(exact_moments(problem))
+    trajectory = run(objective, problem.damping, chosen, settings=settings)
+    certificate = produce(problem, objective, state=_final_state(trajectory))
     if certificate is not None:
         require_accepted(check_own(certificate, problem))
-        require_sound_trajectory(found, certificate.body, trajectory)
+        require_sound_trajectory(objective, certificate.body, trajectory)
     return SimulatedRegistration(
         trajectory=trajectory,
-        energy_unit=_energy_unit(found.moments, trajectory),
-        angle_to_optimum=found.angle_to_optimum(lift(trajectory.quaternion).integers),
+        energy_unit=_energy_unit(objective.moments, trajectory),
+        angle_to_optimum=objective.angle_to_optimum(lift(trajectory.quaternion).integers),
         in_certified_basin=certificate is not None and bool(certificate.body.claims.basin),
     )
 
@@ -245,47 +249,48 @@ def solve(
     about: dict[str, Any] | None = None,
 ) -> Solution:
     """Everything that is computed, nothing yet checked. integrator: None for no simulation."""
-    moments = exact_moments(problem)
-    found = spectrum(moments)
-    relaxed = _relaxation(moments) if relaxation else NOT_ASKED
+    objective = Isotropic(exact_moments(problem))
+    relaxed = _relaxation(objective) if relaxation else NOT_ASKED
     trajectory = NOT_ASKED
     if integrator is not None:
         settings = settings or SimulationSettings()
-        trajectory = _simulation(found, problem, integrator, settings)
+        trajectory = _simulation(objective, problem, integrator, settings)
     certificate = produce(
         problem,
-        found,
+        objective,
         proposal=None if isinstance(relaxed, Absent) else relaxed.proposal,
         state=None if isinstance(trajectory, Absent) else _final_state(trajectory),
         about={**(about or {}), "damping": problem.damping, "integrator": integrator},
     )
     return Solution(
-        moments=moments,
-        spectrum=found,
-        equilibria=equilibrium_set(found, problem.damping),
-        pose=_optimal_pose(moments, found),
-        covariance=pose_covariance(problem, found),
+        objective=objective,
+        equilibria=equilibrium_set(by_eigenspaces(objective), objective, problem.damping),
+        pose=_optimal_pose(objective),
+        covariance=pose_covariance(problem, objective),
         relaxation=relaxed,
         trajectory=trajectory,
-        agreement=agreement(problem, found, relaxation=relaxed, trajectory=trajectory),
+        agreement=agreement(problem, objective, relaxation=relaxed, trajectory=trajectory),
         certificate=certificate,
     )
 
 
-def _relaxation(moments: ExactMoments) -> Relaxation | Absent:
+def _relaxation(objective: Isotropic) -> Relaxation | Absent:
     """The relaxation, or why there is none."""
-    relaxed = relax(moments)
+    relaxed = relax(objective)
     if relaxed.value is None:
         return Absent(relaxed.status.value)
     return relaxed
 
 
 def _simulation(
-    found: Spectrum, problem: RegistrationProblem, integrator: str, settings: SimulationSettings
+    objective: Isotropic,
+    problem: RegistrationProblem,
+    integrator: str,
+    settings: SimulationSettings,
 ) -> Trajectory | Absent:
     """The simulated registration, or why there is none."""
     try:
-        return run(found, problem.damping, Integrator(integrator), settings=settings)
+        return run(objective, problem.damping, Integrator(integrator), settings=settings)
     except DegenerateProblemError as error:
         return Absent(str(error))
 
@@ -300,7 +305,7 @@ def optimally_damped(problem: RegistrationProblem) -> RegistrationProblem:
 
     Raises DegenerateProblemError where the dynamics is not defined or the optimum is not unique.
     """
-    return problem.damped(optimal_damping(spectrum(exact_moments(problem))))
+    return problem.damped(optimal_damping(Isotropic(exact_moments(problem))))
 
 
 def _energy_unit(moments: ExactMoments, trajectory: Trajectory | Absent) -> Fraction:
@@ -325,28 +330,32 @@ def _registration(
 ) -> Registration:
     pose, moments, certificate = solution.pose, solution.moments, solution.certificate
     place = ExactPose.of_doubles(pose.quaternion_wxyz, pose.translation)
-    energy = pose_energy(moments, place)
+    energy = pose_energy(solution.objective, place)
     return Registration(
         problem=problem,
         solution=solution,
         objective=nearest_double(energy),
         rmse=nearest_root(energy / moments.total_weight),
-        bounds=None if certificate is None else pose_bounds(moments, certificate.body, place),
+        bounds=(
+            None
+            if certificate is None
+            else pose_bounds(solution.objective, certificate.body, place)
+        ),
         verdict=verdict,
         timings=timings,
     )
 
 
-def _optimal_pose(moments: ExactMoments, found: Spectrum) -> Pose:
+def _optimal_pose(objective: Isotropic) -> Pose:
     """The representative of the optimal component, every number rounded once."""
-    q = found.quaternions[0]
-    translation = [nearest_or_zero(entry) for entry in best_translation(moments, q)]
+    q = objective.quaternions[0]
+    translation = [nearest_or_zero(entry) for entry in objective.best_translation(q)]
     if not np.isfinite(translation).all():
         message = (
             "the translation of the optimal pose exceeds the range of doubles: "
             "change the unit of length of both clouds"
         )
-        raise OutOfRangeError(message, value=best_translation(moments, q))
+        raise OutOfRangeError(message, value=objective.best_translation(q))
     return Pose(
         rotation=rotation_double(q),
         translation=np.array(translation),

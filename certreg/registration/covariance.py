@@ -19,14 +19,13 @@ import numpy as np
 from certreg.equilibrium import rotation_double, unit_double
 from certreg.exact import nearest_double
 from certreg.geometry import body_frame
-from certreg.objective import potential_energy
 from certreg.problem import contiguous, row_blocks
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.equilibrium import Spectrum
     from certreg.geometry import Pose
+    from certreg.objective import Isotropic
     from certreg.problem import Block, RegistrationProblem
 
 PARAMETERS = 6  # of a pose
@@ -71,21 +70,21 @@ class PoseCovariance:
         return change @ self.matrix @ change.T
 
 
-def pose_covariance(problem: RegistrationProblem, found: Spectrum) -> PoseCovariance | None:
+def pose_covariance(problem: RegistrationProblem, objective: Isotropic) -> PoseCovariance | None:
     """The covariance of the optimal pose; None where the optimum is not unique or doubles overflow.
 
     Where no noise was given the variance is estimated, which takes N >= 3 points with weight.
     """
-    if not found.classification.unique:
+    if not objective.classification.unique:
         return None
-    moments, q = found.moments, found.quaternions[0]
+    moments, q = objective.moments, objective.quaternions[0]
     degrees = 3 * _present(problem) - PARAMETERS
     factor = None
     if degrees > 0:
-        factor = nearest_double(potential_energy(moments, q) / degrees)
+        factor = nearest_double(objective.energy(q) / degrees)
     scale = 1.0 if problem.noise_given else factor
     with np.errstate(over="ignore", invalid="ignore"):
-        inverse = _inverse_hessian(found)
+        inverse = _inverse_hessian(objective)
         weight = nearest_double(1 / moments.total_weight)
         if scale is None or inverse is None or weight is None:
             return None
@@ -147,13 +146,13 @@ def _present(problem: RegistrationProblem) -> int:
     return sum(int(np.count_nonzero(block)) for block in blocks)
 
 
-def _inverse_hessian(found: Spectrum) -> NDArray[np.float64] | None:
+def _inverse_hessian(objective: Isotropic) -> NDArray[np.float64] | None:
     """G^-1 from the eigenvectors: sum of u u^T / (l1 - lk), u = L(q)^T q_k; no cancellation."""
-    values, vectors = found.basis.values, found.basis.vectors
-    frame = np.array(body_frame(tuple(unit_double(found.quaternions[0]).tolist())))
+    values, vectors = objective.eigenvalues, objective.eigenvectors
+    frame = np.array(body_frame(tuple(unit_double(objective.quaternions[0]).tolist())))
     total = np.zeros((3, 3))
     for k in (1, 2, 3):
-        gap = (values[0] - values[k]) * found.unit
+        gap = values[0] - values[k]
         inverse = nearest_double(1 / gap) if gap > 0 else None
         if inverse is None:
             return None

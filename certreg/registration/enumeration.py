@@ -1,19 +1,35 @@
-"""All equilibria of a problem: by one road, or by all of them, held against each other."""
+"""All equilibria of a problem: by one method, or by all of them, held against each other."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from certreg.certificate import check_own, count_certificate, require_accepted
-from certreg.equilibrium import equilibrium_set
+from certreg.equilibrium import METHODS, compare, equilibrium_set, search
+from certreg.errors import UndecidedError
+from certreg.objective import Isotropic
 from certreg.problem import exact_moments
 
 if TYPE_CHECKING:
     from certreg.certificate import Certificate, CountBody
-    from certreg.equilibrium import EquilibriumSet, Road, RoadAgreement
+    from certreg.equilibrium import Comparison, EquilibriumSet, Search
     from certreg.problem import RegistrationProblem
 
-ALL = "all"  # roads
+ALL = "all"  # methods
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Enumeration:
+    """All equilibria, and the searches for them.
+
+    equilibria: at the end of the first search. comparison: of several; None if there was one.
+    """
+
+    objective: Isotropic
+    searches: tuple[Search, ...]
+    equilibria: EquilibriumSet
+    comparison: Comparison | None
 
 
 def equilibria(problem: RegistrationProblem, method: str = "spectral") -> EquilibriumSet:
@@ -23,29 +39,30 @@ def equilibria(problem: RegistrationProblem, method: str = "spectral") -> Equili
         the torque quadratics; "homotopy", continuation in floating point, each root proved in ball
         arithmetic; "all", every one of them, held against each other. Raises ValueError for others.
     Raises UndecidedError where the homotopy comes to no list, and ContradictionError where two
-    roads disagree.
+    methods disagree.
     """
-    if method == ALL:
-        return road_equilibria(problem, equilibrium_roads(problem).roads[0])
-    return road_equilibria(problem, equilibrium_road(problem, method))
+    return enumerated(problem, method).equilibria
 
 
-def equilibrium_road(problem: RegistrationProblem, method: str) -> Road:
-    """One road to the equilibria, by name. Raises ValueError and UndecidedError: `equilibria`."""
-    from certreg.equilibrium import Method, road
-
-    if method not in {known.value for known in Method}:
-        known = ", ".join(repr(each.value) for each in Method)
-        message = f"method is {method!r}: this version knows {known} and {ALL!r}"
+def enumerated(problem: RegistrationProblem, method: str = "spectral") -> Enumeration:
+    """All equilibria, with every search that was made; arguments and errors as `equilibria`."""
+    if method not in (*METHODS, ALL):
+        message = (
+            f"method is {method!r}: this version knows {', '.join(map(repr, METHODS))} and {ALL!r}"
+        )
         raise ValueError(message)
-    return road(exact_moments(problem), Method(method))
-
-
-def equilibrium_roads(problem: RegistrationProblem) -> RoadAgreement:
-    """Every road to the equilibria. Raises ContradictionError where two disagree."""
-    from certreg.equilibrium import all_roads
-
-    return all_roads(exact_moments(problem))
+    objective = Isotropic(exact_moments(problem))
+    searches = tuple(search(objective, name) for name in (METHODS if method == ALL else [method]))
+    sets = [each.critical for each in searches if each.critical is not None]
+    if not sets:
+        (reason,) = (each.reason for each in searches)
+        raise UndecidedError(reason or "", method=method)
+    return Enumeration(
+        objective=objective,
+        searches=searches,
+        equilibria=equilibrium_set(sets[0], objective, problem.damping),
+        comparison=compare(sets) if method == ALL else None,
+    )
 
 
 def certified_count(problem: RegistrationProblem) -> Certificate[CountBody] | None:
@@ -58,10 +75,3 @@ def certified_count(problem: RegistrationProblem) -> Certificate[CountBody] | No
     if certificate is not None:
         require_accepted(check_own(certificate, problem))
     return certificate
-
-
-def road_equilibria(problem: RegistrationProblem, taken: Road) -> EquilibriumSet:
-    """The equilibrium set at the end of a road."""
-    return equilibrium_set(
-        taken.found, problem.damping, guarantee=taken.guarantee, doubt=taken.doubt
-    )

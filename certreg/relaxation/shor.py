@@ -1,7 +1,7 @@
 """The semidefinite (Shor) relaxation of the rotation problem max tr(R^T C), solved in doubles.
 
 A relaxation proposes. Its value is right up to the solver's tolerance and on either side of the
-truth, so it bounds nothing; certificate/multiplier.py makes a proved bound of its multiplier.
+truth, so it bounds nothing; certificate/producing.py makes a proved bound of its multiplier.
 Source: [Briales2017]; tight for this problem, as the quaternion form is an eigenvalue problem.
 """
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.geometry import Matrix3
-    from certreg.problem import ExactMoments
+    from certreg.objective import Isotropic
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -60,7 +60,7 @@ class Relaxation:
 
 
 def relax(
-    moments: ExactMoments,
+    objective: Isotropic,
     form: str = Form.QUATERNION,
     *,
     settings: RelaxationSettings | None = None,
@@ -70,7 +70,7 @@ def relax(
     Solved for C over a power of two, each entry rounded once, so at any scale. Raises ValueError
     for a form that does not exist; whatever befalls the solver is a status.
     """
-    settings, form = settings or RelaxationSettings(), _known(form)
+    settings, form, moments = settings or RelaxationSettings(), _known(form), objective.moments
     shift = max(abs(entry) for row in moments.cross for entry in row).bit_length()
     found = solve(form, _normalised(moments.cross, shift), settings)
     unit, status = power_of_two(shift) * moments.cross_unit, found.status

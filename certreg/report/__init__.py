@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from certreg.report.folder import REPORT as REPORT
     from certreg.report.folder import write_folder as write_folder
     from certreg.report.markup import printable as printable
+    from certreg.report.methods import methods_summary as methods_summary
+    from certreg.report.methods import methods_table as methods_table
     from certreg.report.page import html_page as html_page
     from certreg.report.reload import report_of as report_of
-    from certreg.report.roads import roads_summary as roads_summary
-    from certreg.report.roads import roads_table as roads_table
     from certreg.report.summary import assessment_summary as assessment_summary
     from certreg.report.summary import equilibria_words as equilibria_words
     from certreg.report.summary import registration_summary as registration_summary
@@ -39,12 +39,12 @@ __getattr__ = lazy_face(
             "write_folder",
         ),
         "markup": ("printable",),
+        "methods": (
+            "methods_summary",
+            "methods_table",
+        ),
         "page": ("html_page",),
         "reload": ("report_of",),
-        "roads": (
-            "roads_summary",
-            "roads_table",
-        ),
         "summary": (
             "assessment_summary",
             "equilibria_words",

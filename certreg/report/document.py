@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 from certreg.exact import double_above, nearest_double
 from certreg.registration import SimulatedRegistration, worst_residuals
-from certreg.report.roads import roads_fields
+from certreg.report.methods import methods_fields
 from certreg.results import Absent, Optimality
 
 if TYPE_CHECKING:
-    from certreg.equilibrium import Component, EquilibriumSet, RoadAgreement
-    from certreg.registration import Assessment, Registration
+    from certreg.equilibrium import Component, EquilibriumSet
+    from certreg.registration import Assessment, Enumeration, Registration
 
 RESULT_SCHEMA = "certreg-result/1"
 ASSESSMENT_SCHEMA = "certreg-assessment/1"
@@ -88,14 +88,14 @@ def result_document(registration: Registration, certificate_path: str | None = N
     }
 
 
-def equilibria_document(equilibria: EquilibriumSet, roads: RoadAgreement | None = None) -> Document:
-    """An equilibrium set on its own; with the roads to it, if more than one was taken."""
+def equilibria_document(enumeration: Enumeration) -> Document:
+    """An equilibrium set on its own; with the searches for it, if there were several."""
     reasons: dict[str, str] = {}
     return {
         "schema": EQUILIBRIA_SCHEMA,
-        "equilibria": equilibria_fields(equilibria, reasons),
-        "margin": _margin(equilibria, reasons),
-        **({} if roads is None else roads_fields(roads, reasons)),
+        "equilibria": equilibria_fields(enumeration.equilibria, reasons),
+        "margin": _margin(enumeration.equilibria, reasons),
+        **methods_fields(enumeration, reasons),
         "reasons": reasons,
     }
 

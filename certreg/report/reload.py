@@ -144,7 +144,7 @@ def _bounds(body: IsotropicBody, registration: Registration) -> PoseBounds:
     """What the certificate given proves of the pose that was computed anew."""
     pose = registration.pose
     place = ExactPose.of_doubles(pose.quaternion_wxyz, pose.translation)
-    return pose_bounds(registration.solution.moments, body, place)
+    return pose_bounds(registration.solution.objective, body, place)
 
 
 def _weaker(given: PoseBounds, proved: PoseBounds | None) -> bool:

@@ -104,7 +104,7 @@ def _escape(solution: Solution, damping: float, index: int, axis: NDArray[np.flo
     turn = np.array([np.cos(half), *(np.sin(half) * axis)])
     pushed = component.rotation @ np.array(rotation_matrix(turn.tolist()))
     start, limits = state_at_rest(pushed), SimulationSettings(max_steps=ESCAPE_STEPS)
-    return thinned(simulate(solution.spectrum, damping, start=start, settings=limits), index)
+    return thinned(simulate(solution.objective, damping, start=start, settings=limits), index)
 
 
 def _packed(values: NDArray[np.float64]) -> str:

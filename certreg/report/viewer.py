@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from certreg.exact import nearest_double
-from certreg.objective import potential_energy
 from certreg.report.markup import Markup, element, printable
 from certreg.report.summary import margin_words, number
 from certreg.report.thinning import simulated_escapes, thinned
@@ -192,10 +191,10 @@ def scene_document(registration: Registration, names: Names) -> dict[str, Any]:
                 "index": component.morse_index,
                 "optimal": component.optimal,
                 "eigenvalues": _pairs(component.eigenvalues),
-                "level": nearest_double(potential_energy(solution.moments, q) / unit),
+                "level": nearest_double(solution.objective.energy(q) / unit),
             }
             for i, (component, q) in enumerate(
-                zip(equilibria.components, solution.spectrum.quaternions, strict=True)
+                zip(equilibria.components, solution.objective.quaternions, strict=True)
             )
         ],
         "runs": [run.fields for run in runs],

@@ -58,7 +58,10 @@ CLAIM = Claim(
         "the axial vector with the other sign": lambda: proof(_wrong_axial_sign),
     },
     not_claimed=r"Anything about $q = 0$. That $R(q)$ is a rotation is the claim `quaternions`.",
-    used_by=("certreg.geometry.so3.davenport_matrix", "certreg.objective.energy.alignment"),
+    used_by=(
+        "certreg.geometry.so3.davenport_matrix",
+        "certreg.objective.isotropic.Isotropic.alignment",
+    ),
     coq=(
         "davenport_form",
         "davenport_traceless",

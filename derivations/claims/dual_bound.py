@@ -101,8 +101,8 @@ CLAIM = Claim(
     r"proved exactly.",
     needs=("davenport", "quaternions", "optimality_certificate", "elimination"),
     used_by=(
-        "certreg.certificate.multiplier.proves_multiplier",
-        "certreg.certificate.multiplier.multiplier_gap",
+        "certreg.certificate.producing.proves_multiplier",
+        "certreg.certificate.producing.multiplier_gap",
         "certreg.verify.proves_level",
     ),
     coq=(

@@ -139,9 +139,9 @@ CLAIM = Claim(
     needs=("davenport", "quaternions", "torque", "equilibrium_equations"),
     standard=(SPECTRAL,),
     used_by=(
-        "certreg.equilibrium.spectral.equilibrium_set",
+        "certreg.equilibrium.presentation.equilibrium_set",
         "certreg.registration.closed_form.horn",
-        "certreg.objective.energy.potential_energy",
+        "certreg.objective.isotropic.Isotropic.energy",
     ),
     coq=(
         "balanced_iff_eigenvector",

@@ -152,7 +152,7 @@ CLAIM = Claim(
     "`classification`. The argument of the paper about the next time step is not needed.",
     needs=("euler_poincare", "total_torque", "potential_energy"),
     used_by=(
-        "certreg.equilibrium.spectral.equilibrium_set",
+        "certreg.equilibrium.presentation.equilibrium_set",
         "certreg.registration.enumeration.equilibria",
     ),
     coq=(

@@ -123,7 +123,7 @@ CLAIM = Claim(
     needs=("quaternions", "eigenvectors"),
     used_by=(
         "certreg.geometry.so3.angle_between",
-        "certreg.equilibrium.spectral.Spectrum.angle_to",
+        "certreg.objective.isotropic.Isotropic.angle_to",
     ),
     coq=(
         "half_turn_apart_iff_orthogonal",

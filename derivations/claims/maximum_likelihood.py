@@ -122,8 +122,8 @@ CLAIM = Claim(
     "That the minimum over rotations is unique: see the claim `classification`.",
     needs=("potential_energy",),
     used_by=(
-        "certreg.objective.energy.best_translation",
-        "certreg.objective.energy.translation_energy",
+        "certreg.objective.isotropic.Isotropic.best_translation",
+        "certreg.objective.isotropic.Isotropic.translation_energy",
     ),
     coq=(
         "potential_is_objective",

@@ -116,7 +116,7 @@ CLAIM = Claim(
     r"term $\operatorname{tr}(R S_2 R^{\mathsf T})$ is not constant.",
     needs=("davenport", "quaternions"),
     used_by=(
-        "certreg.objective.energy.potential_energy",
+        "certreg.objective.isotropic.Isotropic.energy",
         "derivations.motion.potential",
         "certreg.dynamics.body.Body.energies",
     ),

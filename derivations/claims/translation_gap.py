@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from certreg.geometry.so3 import dot, rotation_matrix, squared_norm
-from certreg.objective.energy import potential_energy, translation_energy
+from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 
@@ -28,7 +28,7 @@ TRANSLATION = (Fraction(1, 2), Fraction(-3), Fraction(5, 7))
 
 
 def proof(
-    shipped: TranslationEnergy = translation_energy, mean_sign: int = 1, weight: int = 1
+    shipped: TranslationEnergy = Isotropic.translation_energy, mean_sign: int = 1, weight: int = 1
 ) -> Proof:
     """The square completed: by moments, again for 3 and 4 points, and the code on an instance."""
     R, t, cloud = matrix("R"), vector("t"), Cloud()
@@ -57,7 +57,7 @@ def proof(
     yield facts(
         r"The shipped functions, on four weighted points with different scales for source and "
         r"target, at three integer quaternions and a rational translation: "
-        r"`certreg.objective.potential_energy` plus `translation_energy` is the sum over the "
+        r"`energy` plus `translation_energy` of `certreg.objective.Isotropic` is the sum over the "
         r"points of $w\,|y - R x - t|^2$, computed directly in fractions.",
         found,
         [_summed(q) for q in QUATERNIONS],
@@ -86,8 +86,8 @@ def _written_out(n: int) -> Step:
 
 def _told(shipped: TranslationEnergy, q: Sequence[int]) -> Fraction:
     problem = RegistrationProblem(np.array(SOURCE), np.array(TARGET), weights=np.array(WEIGHTS))
-    moments = exact_moments(problem)
-    return potential_energy(moments, q) + shipped(moments, q, TRANSLATION)
+    objective = Isotropic(exact_moments(problem))
+    return objective.energy(q) + shipped(objective, q, TRANSLATION)
 
 
 def _summed(q: Sequence[int]) -> Fraction:
@@ -99,8 +99,9 @@ def _summed(q: Sequence[int]) -> Fraction:
     return total
 
 
-def _without_the_mean(moments: Any, _q: Sequence[int], t: Sequence[Fraction]) -> Fraction:
+def _without_the_mean(objective: Isotropic, _q: Sequence[int], t: Sequence[Fraction]) -> Fraction:
     """The target's mean taken for the best translation."""
+    moments = objective.moments
     offset = [a - b for a, b in zip(t, moments.target_centroid, strict=True)]
     return moments.total_weight * sum(d * d for d in offset)
 
@@ -124,8 +125,8 @@ CLAIM = Claim(
     r"to doubles, and its exact cost is what `translation_energy` returns.",
     needs=("maximum_likelihood",),
     used_by=(
-        "certreg.objective.energy.best_translation",
-        "certreg.objective.energy.translation_energy",
+        "certreg.objective.isotropic.Isotropic.best_translation",
+        "certreg.objective.isotropic.Isotropic.translation_energy",
         "certreg.certificate.bounds.pose_energy",
     ),
     coq=(

@@ -21,15 +21,15 @@ from certreg.certificate.bounds import (
     sin2_half_angle_between,
 )
 from certreg.certificate.producing import count_certificate, produce, proves_optimality
-from certreg.equilibrium.spectral import spectrum
 from certreg.errors import InvalidFileError
+from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.results import Guarantee, Optimality, Ruling, Verdict
 from certreg.verify import check
 
 
 def certificate_of(problem):
-    return produce(problem, spectrum(exact_moments(problem)))
+    return produce(problem, Isotropic(exact_moments(problem)))
 
 
 def certified(problem):
@@ -129,22 +129,22 @@ def test_a_quaternion_beside_the_optimum_is_not_proved_optimal():
     )
     beside = (q[0] + (q[0] >> 40), *q[1:])
 
-    assert proves_optimality(moments, q, mu, delta)
-    assert not proves_optimality(moments, beside, mu, delta)
-    assert not proves_optimality(moments, q, mu, delta / 2**40)
-    assert not proves_optimality(moments, q, 3 * mu, delta)
+    assert proves_optimality(Isotropic(moments), q, mu, delta)
+    assert not proves_optimality(Isotropic(moments), beside, mu, delta)
+    assert not proves_optimality(Isotropic(moments), q, mu, delta / 2**40)
+    assert not proves_optimality(Isotropic(moments), q, 3 * mu, delta)
 
 
 @pytest.mark.parametrize("index", [1, 2, 3])
 def test_a_spurious_equilibrium_is_never_proved_optimal(index):
     problem = strategies.random_problem(np.random.default_rng(1))
-    found = spectrum(exact_moments(problem))
+    found = Isotropic(exact_moments(problem))
     certificate = certificate_of(problem)
     assert certificate is not None
 
     q = found.quaternions[index]
     for mu in (certificate.body.mu.value, Fraction(0)):
-        assert not proves_optimality(found.moments, q, mu, certificate.body.delta.value)
+        assert not proves_optimality(found, q, mu, certificate.body.delta.value)
 
 
 @given(strategies.problems())
@@ -155,7 +155,7 @@ def test_bounds_on_the_reported_pose_hold_for_its_exact_energy(problem):
     assert bounds is not None
     pose, moments = registration.pose, registration.solution.moments
     exact = ExactPose.of_doubles(pose.quaternion_wxyz, pose.translation)
-    energy = pose_energy(moments, exact)
+    energy = pose_energy(Isotropic(moments), exact)
 
     assert bounds.gap_lower <= bounds.gap_upper
     if registration.objective is not None and registration.objective > 1e-290:
@@ -170,7 +170,7 @@ def test_bounds_bracket_the_energy_of_any_pose_above_the_minimum():
     minimum = squared_distances(problem, registration.pose)
     for component in registration.equilibria.components[1:]:
         bounds = pose_bounds(
-            registration.solution.moments,
+            registration.solution.objective,
             registration.certificate.body,
             ExactPose.of_doubles(component.quaternion_wxyz, registration.pose.translation),
         )
@@ -218,7 +218,7 @@ def test_a_certificate_of_another_problem_is_refused():
 def test_a_certificate_without_its_points_needs_them(monkeypatch):
     monkeypatch.setattr(producing, "INLINE_POINTS", 5)
     problem = strategies.random_problem(np.random.default_rng(0))
-    certificate = produce(problem, spectrum(exact_moments(problem)))
+    certificate = produce(problem, Isotropic(exact_moments(problem)))
     assert certificate is not None
     assert certificate.data is None
     assert not certreg.verify(certificate.to_json()).proved

@@ -22,7 +22,6 @@ from certreg.dynamics.integrators import (
     step_parameters,
 )
 from certreg.dynamics.simulation import SimulationStatus, optimal_damping, simulate
-from certreg.equilibrium.spectral import spectrum
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.geometry.so3 import rotation_matrix
 from certreg.native.engine import current_engine
@@ -38,6 +37,7 @@ from certreg.native.layout import (
 )
 from certreg.native.library import Library
 from certreg.native.loops import LARGEST_TURN, Batch, Ending, Integrator
+from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 
@@ -117,7 +117,7 @@ def papers_loop(problem: RegistrationProblem, unit: float, step: float, toleranc
 @pytest.mark.parametrize("seed", range(3))
 def test_euler_is_the_loop_of_the_paper(seed):
     problem = random_problem(np.random.default_rng(seed), n=8, noise=0.2)
-    trajectory = simulate(spectrum(exact_moments(problem)), problem.damping)
+    trajectory = simulate(Isotropic(exact_moments(problem)), problem.damping)
     unit = 2.0**trajectory.length_exponent
 
     steps, state = papers_loop(problem, unit, 0.01, 1e-4)
@@ -218,7 +218,7 @@ def test_a_midpoint_run_logs_energies_that_fall():
     problem = random_problem(np.random.default_rng(2), n=10, noise=0.3, offset=2.0)
     for step in (0.1, 1.0, 5.0):
         trajectory = simulate(
-            spectrum(exact_moments(problem)),
+            Isotropic(exact_moments(problem)),
             0.3,
             Integrator.MIDPOINT,
             settings=SimulationSettings(step=step),
@@ -300,7 +300,7 @@ def test_ends_of_a_sample_are_proved(registrations):
     clouds, _, ends = registrations[0]
     for k in range(20):
         problem = RegistrationProblem(clouds.sources[k], clouds.targets[k])
-        found = spectrum(exact_moments(problem))
+        found = Isotropic(exact_moments(problem))
         end = replace(
             simulate(found, problem.damping, Integrator.SPLITTING),
             quaternion=ends.states["q"][k],
@@ -338,7 +338,7 @@ def test_a_spin_that_loses_the_state_starts_anew_with_half_the_step(monkeypatch)
 
     k = int(lost[0])
     problem = RegistrationProblem(clouds.sources[k], clouds.targets[k])
-    trajectory = simulate(spectrum(exact_moments(problem)), problem.damping, Integrator.SPLITTING)
+    trajectory = simulate(Isotropic(exact_moments(problem)), problem.damping, Integrator.SPLITTING)
     usual = step_parameters(
         Integrator.SPLITTING, bodies.records[[k]], bodies.basins[[k]], SimulationSettings()
     )
@@ -448,7 +448,7 @@ def test_a_batch_ends_where_each_problem_does(integrator):
     ends = simulate_many(bodies, integrator, settings=exact)
     for k in range(12):
         problem = RegistrationProblem(clouds.sources[k], clouds.targets[k], weights=weights[k])
-        found = spectrum(exact_moments(problem))
+        found = Isotropic(exact_moments(problem))
         trajectory = simulate(found, 2.0, integrator, settings=exact)
         own = body_of(found.moments, 2.0)
         basin = certified_basin(found, own.length_exponent)
@@ -512,7 +512,7 @@ def test_a_damping_that_is_none_is_refused_a_batch(damping):
 def test_springs_too_weak_for_doubles_are_refused(scale):
     """Their gaps would vanish, as where every pose is optimal."""
     source, target = np.array(AXES) * 1e150, np.array(AXES) @ np.diag([1, -1, -1]) * scale
-    found = spectrum(exact_moments(RegistrationProblem(source, target)))
+    found = Isotropic(exact_moments(RegistrationProblem(source, target)))
     with pytest.raises(DegenerateProblemError, match="less than double precision can tell"):
         simulate(found, 2.8)
     with pytest.raises(DegenerateProblemError, match="instance 0 differ too much in size"):
@@ -543,7 +543,7 @@ def test_batches_of_other_shapes_are_refused():
 def test_no_damping_beside_the_optimal_one_decays_faster(seed):
     rng = np.random.default_rng(seed)
     problem = random_problem(rng, n=8, noise=0.4)
-    found = spectrum(exact_moments(problem))
+    found = Isotropic(exact_moments(problem))
     best = optimal_damping(found)
 
     def predicted(damping: float) -> float:
@@ -563,7 +563,7 @@ def test_no_damping_beside_the_optimal_one_decays_faster(seed):
 def test_the_optimal_damping_without_noise_is_the_root_of_eight():
     problem = random_problem(np.random.default_rng(6), n=8, noise=0.0)
 
-    assert optimal_damping(spectrum(exact_moments(problem))) == pytest.approx(np.sqrt(8.0))
+    assert optimal_damping(Isotropic(exact_moments(problem))) == pytest.approx(np.sqrt(8.0))
 
 
 @each_integrator
@@ -571,7 +571,7 @@ def test_the_optimal_damping_without_noise_is_the_root_of_eight():
 def test_the_energy_decays_as_fast_as_predicted(integrator, damping):
     problem = random_problem(np.random.default_rng(16), n=12, noise=0.3, offset=4.0)
     settings = SimulationSettings(speed_tolerance=1e-6, step=0.01)
-    found = spectrum(exact_moments(problem))
+    found = Isotropic(exact_moments(problem))
     trajectory = simulate(found, damping, integrator, settings=settings)
 
     assert trajectory.predicted_rate is not None
@@ -596,7 +596,7 @@ def test_converged_means_slow_and_in_the_proved_basin(integrator):
     rng = np.random.default_rng(17)
     for tolerance in (1e-2, 1e-4, 1e-10):
         problem = random_problem(rng, n=10, noise=0.5)
-        found = spectrum(exact_moments(problem))
+        found = Isotropic(exact_moments(problem))
         settings = SimulationSettings(speed_tolerance=tolerance)
         trajectory = simulate(found, problem.damping, integrator, settings=settings)
 

@@ -20,11 +20,11 @@ from certreg.certificate.producing import produce, proves_basin
 from certreg.dynamics.body import body_of
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.simulation import SimulationStatus, simulate
-from certreg.equilibrium.spectral import rotation_double, spectrum, unit_double
+from certreg.equilibrium.presentation import rotation_double, unit_double
 from certreg.errors import ContradictionError, DegenerateProblemError
 from certreg.exact.dyadic import dyadic_below
 from certreg.native.engine import current_engine
-from certreg.objective.energy import alignment
+from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem, lift
 from certreg.registration.agreement import require_sound_trajectory
@@ -75,7 +75,7 @@ def assert_ends_in_the_proved_basin(registration):
 def test_a_start_at_or_beside_a_saddle_ends_at_the_optimum(index, angle):
     rng = np.random.default_rng(1000 + index)
     problem = random_problem(rng, n=20, noise=0.05)
-    found = spectrum(exact_moments(problem))
+    found = Isotropic(exact_moments(problem))
     axis = rng.normal(size=3)
     start = saddle_start(found, index, angle, axis / np.linalg.norm(axis))
 
@@ -92,7 +92,7 @@ def test_a_start_at_or_beside_a_saddle_ends_at_the_optimum(index, angle):
 def test_a_body_left_on_a_saddle_of_exact_coordinates_is_perturbed_off_it(index):
     turns = {1: (1.0, -1.0, -1.0), 2: (-1.0, 1.0, -1.0), 3: (-1.0, -1.0, 1.0)}[index]
     problem = RegistrationProblem(AXES, AXES)  # d = 18, 8, 2: half-turns about x, y, z
-    found = spectrum(exact_moments(problem))
+    found = Isotropic(exact_moments(problem))
     start = np.array([*[0.0] * 3, *np.diag(turns).ravel(), *[0.0] * 6])
 
     trajectory = simulate(found, problem.damping, start=start)
@@ -141,7 +141,7 @@ def test_a_nearly_ambiguous_problem_is_slow_but_ends_in_the_proved_basin():
 @pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: specimen.name)
 def test_no_basin_is_claimed_where_the_optimum_is_not_unique(specimen):
     problem = specimen.problem
-    found = spectrum(exact_moments(problem))
+    found = Isotropic(exact_moments(problem))
     try:
         trajectory = simulate(found, problem.damping)
     except DegenerateProblemError:
@@ -158,7 +158,7 @@ def test_no_basin_is_claimed_where_the_optimum_is_not_unique(specimen):
 
 def test_too_few_steps_are_reported_and_claim_no_convergence():
     problem = random_problem(np.random.default_rng(5))
-    found = spectrum(exact_moments(problem))
+    found = Isotropic(exact_moments(problem))
 
     trajectory = simulate(found, problem.damping, settings=SimulationSettings(max_steps=10))
 
@@ -196,13 +196,13 @@ def test_a_million_roundings_are_no_contradiction():
 
 def level_of(registration):
     body, moments = registration.certificate.body, registration.solution.moments
-    v = alignment(moments, body.quaternion)
+    v = Isotropic(moments).alignment(body.quaternion)
     return v + body.delta.value - body.mu.value
 
 
 def refused_states(registration):
     """States outside the basin by what is known of them; the last two are no states at all."""
-    found = registration.solution.spectrum
+    found = registration.solution.objective
     best = [int(entry) for entry in found.quaternions[0]]
     spurious = [list(found.quaternions[k]) for k in (1, 2, 3)]
     states = {f"equilibrium {k}": (q, [0, 0, 0, 0]) for k, q in enumerate(spurious, 1)}
@@ -230,16 +230,16 @@ def test_a_state_outside_the_basin_is_refused(name, what):
         state = RotationState(
             quaternion=tuple(quaternion), angular_velocity=tuple(omega), exponent=exponent
         )
-        assert not proves_basin(registration.solution.spectrum, state, level_of(registration))
+        assert not proves_basin(registration.solution.objective, state, level_of(registration))
 
 
 def test_the_basin_ends_at_the_barrier_whether_turned_or_spun():
     """d = 18, 8, 2: l1 - l2 = 20; turned by a about z the deficit is 40 sin^2(a/2)... at rest."""
     problem = RegistrationProblem(AXES, AXES)
-    found = spectrum(exact_moments(problem))
-    values = [float(value * found.unit) for value in found.basis.values]
+    found = Isotropic(exact_moments(problem))
+    values = [float(value) for value in found.eigenvalues]
     assert values == pytest.approx([28, 8, -12, -24])
-    level = alignment(found.moments, (1, 0, 0, 0)) - 10  # the certificate's mu is half the gap
+    level = found.alignment((1, 0, 0, 0)) - 10  # the certificate's mu is half the gap
     inertia_x = 2 * (2**2 + 1**2)  # J_xx = sum of y^2 + z^2: spin energy / 2 = J w^2 / 4
 
     def inside(k, w):
@@ -270,7 +270,7 @@ def test_a_basin_is_refused_where_the_inertia_is_singular():
 def test_forged_bounds_of_the_relaxation_are_refused():
     registration = told("survey")
     honest = json.loads(registration.certificate.to_json())
-    v = alignment(registration.solution.moments, registration.certificate.body.quaternion)
+    v = registration.solution.objective.alignment(registration.certificate.body.quaternion)
     below = dyadic_below(v, 64)
 
     def verdict(change):
@@ -293,7 +293,7 @@ def test_forged_bounds_of_the_relaxation_are_refused():
 def test_planted_contradictions_are_raised():
     registration = told("survey")
     solution, body = registration.solution, registration.certificate.body
-    found, trajectory = solution.spectrum, solution.trajectory
+    found, trajectory = solution.objective, solution.trajectory
     require_sound_trajectory(found, body, trajectory)
     minimum = trajectory.potential.min()
 
@@ -313,7 +313,7 @@ def test_planted_contradictions_are_raised():
 def test_the_energy_falls_but_for_what_an_explicit_step_adds(seed):
     """A step from rest adds h^2/2 (M |a|^2 + alpha^T J alpha): with |a|^2 M <= 4 V_p, all < h^2."""
     problem = random_problem(np.random.default_rng(seed), n=30, noise=0.1, offset=3.0)
-    found = spectrum(exact_moments(problem))
+    found = Isotropic(exact_moments(problem))
     trajectory = simulate(found, problem.damping)
     total = trajectory.potential + trajectory.kinetic
     rises = np.diff(total) / (total[0] - total[-1])
@@ -403,7 +403,7 @@ def test_the_projection_of_a_step_is_the_polar_factor(step):
 
 def test_a_trajectory_starts_where_the_source_was_given():
     problem = random_problem(np.random.default_rng(9), offset=10.0)
-    trajectory = simulate(spectrum(exact_moments(problem)), problem.damping)
+    trajectory = simulate(Isotropic(exact_moments(problem)), problem.damping)
     offset = problem.source.mean(axis=0) - problem.target.mean(axis=0)
     first = trajectory.states[0]
 
@@ -414,6 +414,6 @@ def test_a_trajectory_starts_where_the_source_was_given():
     assert not first[12:].any()
     assert np.allclose(
         trajectory.states[-1][3:12],
-        rotation_double(spectrum(exact_moments(problem)).quaternions[0]).ravel(),
+        rotation_double(Isotropic(exact_moments(problem)).quaternions[0]).ravel(),
         atol=1e-3,
     )

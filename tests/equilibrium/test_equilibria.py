@@ -11,9 +11,9 @@ from rotations import turned
 
 import certreg
 from certreg import RegistrationProblem
-from certreg.equilibrium.spectral import spectrum
 from certreg.exact.eigenbasis import integer_eigenbasis
 from certreg.geometry.so3 import angle_between, davenport_matrix, dot, quaternion_from_matrix
+from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments, floating_moments
 from certreg.registration.closed_form import arun, horn
 
@@ -264,4 +264,4 @@ def test_quaternions_and_matrices_go_back_and_forth():
 def test_the_working_precision_grows_only_where_it_must():
     generic = exact_moments(strategies.random_problem(np.random.default_rng(0)))
 
-    assert spectrum(generic).basis.bits == 192
+    assert Isotropic(generic).eigenspaces.bits == 192

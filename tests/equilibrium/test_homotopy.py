@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 import strategies
 
+from certreg.equilibrium import homotopy
 from certreg.equilibrium.homotopy import HomotopyStatus, continuation
+from certreg.equilibrium.tracking import TrackerSettings
 from certreg.geometry.so3 import davenport_matrix
 from certreg.problem.moments import exact_moments
-from certreg.settings import HomotopySettings, TrackerSettings
 
 
 def davenports(count, seed=0):
@@ -34,11 +35,12 @@ def test_a_thousand_random_instances_have_four_roots_each_and_none_is_silently_w
     assert np.abs(overlaps - np.eye(4)).max() < 1e-10
 
 
-def test_lost_paths_are_tried_again_with_another_gamma():
+def test_lost_paths_are_tried_again_with_another_gamma(monkeypatch):
     K = davenports(1000)
     hasty = TrackerSettings(max_rounds=12)
-    once = continuation(K, settings=HomotopySettings(attempts=1), tracker=hasty)
     again = continuation(K, tracker=hasty)
+    monkeypatch.setattr(homotopy, "ATTEMPTS", 1)
+    once = continuation(K, tracker=hasty)
 
     missing = [outcome is HomotopyStatus.INCOMPLETE for outcome in once.outcomes]
     assert 0 < sum(missing) < 1000
@@ -46,9 +48,11 @@ def test_lost_paths_are_tried_again_with_another_gamma():
     assert (again.attempts > 1).tolist() == missing
 
 
-def test_the_same_seed_gives_the_same_paths_and_another_the_same_roots():
+def test_the_same_seed_gives_the_same_paths_and_another_the_same_roots(monkeypatch):
     K = davenports(5)
-    one, same, other = (continuation(K, settings=HomotopySettings(seed=s)) for s in (1, 1, 2))
+    one, same = continuation(K), continuation(K)
+    monkeypatch.setattr(homotopy, "SEED", homotopy.SEED + 1)
+    other = continuation(K)
 
     assert np.array_equal(one.quaternions, same.quaternions)
     assert np.abs(one.values - other.values).max() < 1e-13
@@ -96,9 +100,10 @@ def test_shorter_steps_after_a_failure_find_what_the_same_steps_do_not():
     assert missing[1] == 0 < missing[0]
 
 
-def test_two_paths_that_end_at_the_same_root_are_not_called_complete():
-    K = davenports(1)
-    strict = HomotopySettings(same_root=1.6, attempts=2)  # 92 degrees: every pair counts as one
+def test_two_paths_that_end_at_the_same_root_are_not_called_complete(monkeypatch):
+    monkeypatch.setattr(homotopy, "SAME_ROOT", 1.6)  # 92 degrees: every pair counts as one
+    monkeypatch.setattr(homotopy, "ATTEMPTS", 2)
+    ends = continuation(davenports(1))
 
-    assert continuation(K, settings=strict).outcomes == (HomotopyStatus.INCOMPLETE,)
-    assert continuation(K, settings=strict).attempts.tolist() == [2]
+    assert ends.outcomes == (HomotopyStatus.INCOMPLETE,)
+    assert ends.attempts.tolist() == [2]

@@ -15,20 +15,20 @@ from certreg.dynamics.batch import bodies_of
 from certreg.dynamics.body import body_of, start_at_rest
 from certreg.equilibrium import batch as instances
 from certreg.equilibrium.batch import Solutions, exactly, solve_many
-from certreg.equilibrium.spectral import Spectrum, spectrum
 from certreg.equilibrium.stability import Oscillations, linearised_spectrum
 from certreg.errors import InvalidProblemError
 from certreg.geometry.so3 import davenport_matrix, rotation_matrix
 from certreg.native.engine import current_engine
 from certreg.native.evaluator import evaluator
 from certreg.native.layout import plain
+from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.equilibrium.critical_set import EquilibriumSet
+    from certreg.equilibrium.presentation import EquilibriumSet
     from certreg.native.stationary import StationaryPoses
     from certreg.objective.classification import Classification
 
@@ -300,10 +300,10 @@ def adversaries() -> tuple[tuple[RegistrationProblem, ...], ...]:
     return tuple(tuple(group) for group in found.values())
 
 
-def rows_are_right(found: Solutions, k: int, exact: Spectrum) -> bool:
+def rows_are_right(found: Solutions, k: int, exact: Isotropic) -> bool:
     """Whether each row is nearer to the exact eigenvector of its index than to all others."""
     basis = np.array(
-        [[float(Fraction(e, 1 << exact.basis.bits)) for e in v] for v in exact.basis.vectors]
+        [[float(Fraction(e, 1 << exact.eigenspaces.bits)) for e in v] for v in exact.eigenvectors]
     )
     along = np.abs(found.quaternions[k] @ basis.T)
     return bool((along.argmax(axis=1) == np.arange(4)).all() and along.diagonal().min() > 0.8)
@@ -315,7 +315,7 @@ def judged(claims: Any = solve_many) -> dict[str, int]:
     for group in adversaries():
         found = claims(**stacked(list(group)))
         for k, one in enumerate(group):
-            exact = spectrum(exact_moments(one))
+            exact = Isotropic(exact_moments(one))
             kind: Classification = exact.classification
             counts["generic"] += kind.finite and kind.inertia_definite
             counts["decided" if found.decided[k] else "undecided"] += 1
@@ -361,11 +361,11 @@ def test_eigenvalues_are_as_near_as_the_bound_says(machine):
         for k, one in enumerate(group):
             if bound[k] == np.inf:  # a coincident cloud
                 continue
-            exact = spectrum(exact_moments(one))
+            exact = Isotropic(exact_moments(one))
             exponents = found.exponents[k].sum()
-            unit = exact.unit / exact.moments.total_weight / Fraction(2) ** int(exponents)
-            for value, expected in zip(found.values[k].tolist(), exact.basis.values, strict=True):
-                assert abs(Fraction(value) - expected * unit) <= Fraction(float(bound[k]))
+            scale = exact.moments.total_weight * Fraction(2) ** int(exponents)
+            for value, expected in zip(found.values[k].tolist(), exact.eigenvalues, strict=True):
+                assert abs(Fraction(value) - expected / scale) <= Fraction(float(bound[k]))
 
 
 @pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: specimen.name)

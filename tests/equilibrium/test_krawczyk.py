@@ -8,8 +8,8 @@ from commands import checked
 from flint import acb, acb_mat, arb, arb_mat
 
 from certreg.equilibrium.counting import at_most_four, macaulay_matrix
+from certreg.equilibrium.homotopy import EigenBalls
 from certreg.equilibrium.krawczyk import (
-    EigenBalls,
     Reality,
     are_distinct,
     proved_root,
@@ -17,7 +17,6 @@ from certreg.equilibrium.krawczyk import (
 )
 from certreg.exact.balls import exact_matrix, radius_bits
 from certreg.geometry.so3 import davenport_matrix
-from certreg.settings import KrawczykSettings
 
 C = [[3, 1, -2], [7, 2, 5], [0, -1, 4]]
 
@@ -125,7 +124,7 @@ def test_a_double_root_is_never_proved():
 
 def test_without_the_interior_condition_a_box_without_root_would_pass(monkeypatch):
     """x^2 = -2 has no real root; each ball passes if containment is not asked for."""
-    assert proved_root(Square(-2), arb_mat([[1.0]]), KrawczykSettings(max_bits=256)) is None
+    assert proved_root(Square(-2), arb_mat([[1.0]]), max_bits=256) is None
     monkeypatch.setattr("builtins.all", lambda _: True)
     assert proved_root(Square(-2), arb_mat([[1.0]])) is not None
 

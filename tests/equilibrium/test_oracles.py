@@ -15,11 +15,12 @@ from fractions import Fraction
 import numpy as np
 import pytest
 import strategies
+from oracles.exports import as_msolve, as_phcpack, as_singular, value_unit
+from oracles.systems import quaternion_system, rotation_system
 
-from certreg.equilibrium.exports import as_msolve, as_phcpack, as_singular, value_unit
 from certreg.equilibrium.groebner import eliminate, fibres
-from certreg.equilibrium.polynomials import multiplier_system, quaternion_system, rotation_system
-from certreg.geometry.so3 import rotation_matrix
+from certreg.geometry.so3 import davenport_matrix, rotation_matrix
+from certreg.objective.polynomials import multiplier_system
 from certreg.problem.moments import exact_moments
 
 FOLDER = os.environ.get("CERTREG_ORACLES")
@@ -48,7 +49,7 @@ def generic(seed):
 
 def ours(C):
     """The four unit quaternions (4, 4), w first and positive."""
-    parts = fibres(eliminate(C), 100)
+    parts = fibres(eliminate(C, davenport_matrix(C)), 100)
     q = np.array([[float(c.mid()) for c in part.vectors[0]] for part in parts])
     return q * np.sign(q[:, :1])
 
@@ -94,7 +95,7 @@ def test_singular_finds_dimension_and_degree_of_every_row(specimen):
     answer = told([singular, "-q"], text)
     numbers = [int(line) for line in answer.splitlines() if re.fullmatch(r"-?\d+", line)]
     dimension, degree, *components = numbers
-    parts = fibres(eliminate(C), 60)
+    parts = fibres(eliminate(C, davenport_matrix(C)), 60)
 
     assert dimension == max(part.dimension for part in parts)
     assert degree == sum(part.degree for part in parts if part.dimension == dimension)
@@ -125,7 +126,7 @@ def test_msolve_isolates_the_same_four_real_roots(seed, tmp_path):
 def test_phcpack_finds_the_same_four_roots(seed, tmp_path):
     phc, C = program("phc"), generic(seed)
     source, target = tmp_path / "system", tmp_path / "solutions"
-    source.write_text(as_phcpack(multiplier_system(C, unit=value_unit(C))))
+    source.write_text(as_phcpack(multiplier_system(davenport_matrix(C), unit=value_unit(C))))
     told([phc, "-b", f"-0{seed + 1}", str(source), str(target)])
     text = target.read_text()
     text = text[text.rindex("THE SOLUTIONS") :]

@@ -8,17 +8,13 @@ import strategies
 import sympy
 from hypothesis import given
 from hypothesis import strategies as st
+from oracles.exports import as_msolve, as_phcpack, as_singular, as_sympy
+from oracles.groebner_basis import dimension_and_degree, rotation_ideal
+from oracles.systems import quaternion_system, rotation_system
 
-from certreg.equilibrium.exports import as_msolve, as_phcpack, as_singular, as_sympy
-from certreg.equilibrium.polynomials import (
-    COLUMNS,
-    multiplier_system,
-    quaternion_system,
-    rotation_system,
-    torque_table,
-)
-from certreg.equilibrium.reference import dimension_and_degree, rotation_ideal
+from certreg.equilibrium.torques import COLUMNS, torque_table
 from certreg.geometry.so3 import davenport_matrix, dot, rotation_matrix
+from certreg.objective.polynomials import multiplier_system
 from certreg.problem.moments import exact_moments
 
 small = st.integers(-9, 9)
@@ -103,7 +99,7 @@ def test_the_table_lists_products_of_the_last_three_coordinates_first():
 
 @given(matrices, quaternions, small)
 def test_the_multiplier_system_vanishes_exactly_at_eigenvectors_in_the_chart(C, q, value):
-    values = multiplier_system(C, (1, 0, 0, 0)).evaluate((*q, value))
+    values = multiplier_system(davenport_matrix(C), (1, 0, 0, 0)).evaluate((*q, value))
     K = davenport_matrix(C)
 
     assert values == [*(dot(row, q) - value * c for row, c in zip(K, q, strict=True)), q[0] - 1]

@@ -7,8 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from certreg.equilibrium.tracking import PathStatus, track
-from certreg.settings import TrackerSettings
+from certreg.equilibrium.tracking import PathStatus, TrackerSettings, track
 
 GAMMA = np.exp(0.7j)
 

@@ -163,13 +163,13 @@ def test_a_planted_upward_import_is_seen():
 def test_a_planted_import_of_a_private_module_is_seen():
     planted = sources()
     planted["certreg.dynamics.body"] += "\nfrom certreg.problem.moments import trace\n"
-    planted["certreg.objective.energy"] += "\nfrom certreg.problem import moments\n"
+    planted["certreg.objective.isotropic"] += "\nfrom certreg.problem import moments\n"
     planted["certreg.io.text"] += "\ndef f():\n    import certreg.exact.dyadic\n"
 
     assert trespassing(planted) == [
         "certreg.dynamics.body imports certreg.problem.moments.trace",
         "certreg.io.text imports certreg.exact.dyadic",
-        "certreg.objective.energy imports certreg.problem.moments",
+        "certreg.objective.isotropic imports certreg.problem.moments",
     ]
 
 

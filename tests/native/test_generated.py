@@ -10,13 +10,13 @@ import pytest
 
 from certreg.dynamics.body import body_of, start_at_rest
 from certreg.dynamics.simulation import simulate
-from certreg.equilibrium.spectral import spectrum
 from certreg.io.atomic import write_files
 from certreg.native.codegen.emit import generated_files
 from certreg.native.codegen.translate import Definition, casadi_function, port
 from certreg.native.compiler import GENERATED, CompilationError, find_compiler
 from certreg.native.evaluator import evaluator
 from certreg.native.library import loaded_library
+from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.registration.c_sources import write_sources
 from certreg.registration.examples import STORIES, stated
@@ -164,7 +164,7 @@ def test_the_sources_to_embed_compile_without_a_warning_and_reproduce_a_trajecto
         check=True,
     )
     steps, *state = run.stdout.split()
-    trajectory = simulate(spectrum(exact_moments(stated(STORIES[0]))), stated(STORIES[0]).damping)
+    trajectory = simulate(Isotropic(exact_moments(stated(STORIES[0]))), stated(STORIES[0]).damping)
 
     assert {path.name for path in paths} == {"dynamics.c", "dynamics.h", "example.c", "survey.txt"}
     assert int(steps) == trajectory.steps

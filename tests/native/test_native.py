@@ -27,7 +27,6 @@ from certreg.dynamics import integrators as integration
 from certreg.dynamics import simulation
 from certreg.dynamics.basin import certified_basin
 from certreg.dynamics.integrators import SimulationSettings
-from certreg.equilibrium.spectral import spectrum
 from certreg.errors import DegenerateProblemError, SlowSimulationWarning
 from certreg.native import cache, compiler, loops
 from certreg.native import engine as engines
@@ -35,6 +34,7 @@ from certreg.native.compiler import CompilationError, compiled_library, find_com
 from certreg.native.evaluator import _least_curvature, evaluator
 from certreg.native.layout import named, width
 from certreg.native.library import loaded_library
+from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 
@@ -197,7 +197,7 @@ def assert_same(
 @each_integrator
 @pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: specimen.name)
 def test_the_evaluator_takes_the_same_way_through_the_zoo(specimen, integrator, monkeypatch):
-    found = spectrum(exact_moments(specimen.problem))
+    found = Isotropic(exact_moments(specimen.problem))
     with contextlib.suppress(DegenerateProblemError):
         pair = by_both(monkeypatch, found, specimen.problem.damping, integrator)
         assert_same(*pair, tolerance=1e-12)
@@ -210,7 +210,7 @@ def test_the_evaluator_takes_the_same_way_through_the_zoo(specimen, integrator, 
 def test_the_evaluator_escapes_from_saddles_on_the_same_side(index, angle, integrator, monkeypatch):
     """Leaving a saddle, a difference of rounding grows a thousandfold with the perturbation."""
     problem = random_problem(np.random.default_rng(index), n=20, noise=0.05)
-    found = spectrum(exact_moments(problem))
+    found = Isotropic(exact_moments(problem))
     start = saddle_start(found, index, angle, np.array([0.6, 0.0, 0.8]))
 
     one, other = by_both(monkeypatch, found, problem.damping, integrator, start=start)
@@ -224,7 +224,7 @@ def test_the_evaluator_escapes_from_saddles_on_the_same_side(index, angle, integ
 @pytest.mark.parametrize("steps", [0, 1, 5])
 def test_the_evaluator_runs_out_of_steps_where_the_library_does(steps, integrator, monkeypatch):
     problem = random_problem(np.random.default_rng(4))
-    found, few = spectrum(exact_moments(problem)), SimulationSettings(max_steps=steps)
+    found, few = Isotropic(exact_moments(problem)), SimulationSettings(max_steps=steps)
 
     pair = by_both(monkeypatch, found, problem.damping, integrator, settings=few)
 
@@ -243,7 +243,7 @@ def test_the_evaluator_goes_on_where_weak_springs_make_all_slow(
     source -= source.mean(axis=0)
     source = source @ np.linalg.svd(source)[2].T  # half a turn about z is an equilibrium
     weak = 1e-6 * Rotation.from_rotvec([0.0, 0.0, turn]).apply(source)
-    found = spectrum(exact_moments(RegistrationProblem(source, weak)))
+    found = Isotropic(exact_moments(RegistrationProblem(source, weak)))
     settings = SimulationSettings(max_steps=20)
 
     one, other = by_both(monkeypatch, found, 2.8, integrator, settings=settings)
@@ -259,7 +259,7 @@ def test_the_evaluator_goes_on_where_weak_springs_make_all_slow(
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_a_state_that_is_no_number_ends_out_of_steps_at_once(bad, integrator):
     problem = random_problem(np.random.default_rng(4))
-    found = spectrum(exact_moments(problem))
+    found = Isotropic(exact_moments(problem))
     start = np.array([bad, 0, 0, *np.eye(3).ravel(), *[0.0] * 6])
     body = dynamics.body_of(found.moments, problem.damping)
     basin = certified_basin(found, body.length_exponent)

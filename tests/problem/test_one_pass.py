@@ -16,9 +16,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import certreg
-from certreg.equilibrium.spectral import spectrum
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.geometry.so3 import angle_between, rotation_matrix
+from certreg.objective.isotropic import Isotropic
 from certreg.problem import floating_sums as sums
 from certreg.problem.floating_sums import CloudPair, compiled, floating_sums
 from certreg.problem.moments import exact_moments, floating_moments, moments_of_clouds
@@ -280,7 +280,7 @@ def test_the_pose_is_the_certified_one(n, scale, offset):
     x, y, w = pair(n, scale=scale, offset=offset)
     pose = certreg.register(x, y, w)
     problem = certreg.RegistrationProblem(x, y, weights=w)
-    found = spectrum(exact_moments(problem))
+    found = Isotropic(exact_moments(problem))
     exact = np.array(found.quaternions[0], dtype=float)
     middle = pose.rotation @ (w @ x / w.sum()) + pose.translation
 
@@ -320,7 +320,7 @@ def test_a_pose_that_is_given_is_within_the_promise(seed, thin):
     x = rng.normal(size=(12, 3)) * [1.0, 2.0**-thin, 2.0**-thin]
     x = x @ strategies.random_rotation(rng).T
     y = x @ strategies.random_rotation(rng).T
-    found = spectrum(exact_moments(certreg.RegistrationProblem(x, y)))
+    found = Isotropic(exact_moments(certreg.RegistrationProblem(x, y)))
     try:
         pose = certreg.register(x, y)
     except DegenerateProblemError:

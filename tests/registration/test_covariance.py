@@ -17,8 +17,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 from strategies import TETRAHEDRON, ZOO, random_rotation
 
-from certreg.equilibrium.spectral import spectrum
 from certreg.geometry.pose import Pose
+from certreg.objective.isotropic import Isotropic
 from certreg.problem import problem as problems
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
@@ -31,7 +31,7 @@ SHAPES = {"isotropic": (1.0, 1.0, 1.0), "elongated": (50.0, 1.0, 0.2)}
 
 
 def covariance_of(problem) -> Any:
-    return pose_covariance(problem, spectrum(exact_moments(problem)))
+    return pose_covariance(problem, Isotropic(exact_moments(problem)))
 
 
 class Experiment:

@@ -20,12 +20,16 @@ from hypothesis import strategies as st
 
 import certreg
 from certreg import RegistrationProblem
-from certreg.certificate.multiplier import multiplier_gap, proved_multiplier, proves_multiplier
-from certreg.equilibrium.spectral import spectrum
+from certreg.certificate.producing import (
+    MULTIPLIER_BITS,
+    multiplier_gap,
+    proved_multiplier,
+    proves_multiplier,
+)
 from certreg.exact.dyadic import Dyadic, power_of_two
 from certreg.exact.elimination import rank
 from certreg.geometry.so3 import quadratic_form, rotation_matrix, squared_norm
-from certreg.objective.energy import alignment, potential_energy
+from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import lift
 from certreg.relaxation import conic
@@ -39,7 +43,7 @@ from certreg.relaxation.qcqp import (
     rotation_quadratics,
 )
 from certreg.relaxation.shor import relax
-from certreg.settings import MultiplierSettings, RelaxationSettings
+from certreg.settings import RelaxationSettings
 
 PACKAGE = Path(certreg.__file__).parent
 ACCURACY = 1e-7  # of value and multiplier, relative to the largest entry of C
@@ -148,7 +152,7 @@ def test_the_rotation_form_is_the_energy_up_to_a_constant():
     q = (3, -1, 4, 1)
     form = quadratic_form(rotation_program(C).objective, homogeneous(rational_rotation(q)))
 
-    assert potential_energy(moments, q) == moments.spread - form
+    assert Isotropic(moments).energy(q) == moments.spread - form
 
 
 @pytest.mark.parametrize("form", Form)
@@ -171,7 +175,7 @@ def solve(form, C) -> Any:
 
 def relaxed(moments, form: str = Form.QUATERNION, **options) -> Any:
     """The relaxation, its numbers taken to be there."""
-    return relax(moments, form, **options)
+    return relax(Isotropic(moments), form, **options)
 
 
 def scaled_matrix(rng):
@@ -285,10 +289,11 @@ def test_nothing_is_printed_or_warned_and_nothing_is_loaded_before_it_is_used():
         "import sys, numpy as np\n"
         "from certreg import RegistrationProblem\n"
         "from certreg.problem.moments import exact_moments\n"
+        "from certreg.objective import Isotropic\n"
         "from certreg.relaxation.shor import relax\n"
         "assert not {'cvxpy', 'clarabel', 'scipy'} & set(sys.modules)\n"
-        "moments = exact_moments(RegistrationProblem(np.eye(3), np.eye(3)))\n"
-        "assert relax(moments).rank == relax(moments, 'rotation-10').rank == 1\n"
+        "objective = Isotropic(exact_moments(RegistrationProblem(np.eye(3), np.eye(3))))\n"
+        "assert relax(objective).rank == relax(objective, 'rotation-10').rank == 1\n"
     )
     run = subprocess.run(
         [sys.executable, "-W", "error", "-c", code],
@@ -320,16 +325,16 @@ def test_one_module_knows_the_solver_and_none_here_knows_equilibria_or_proofs():
 
 def truth(moments):
     """The largest eigenvalue of K to 200 bits, in units of tr(R^T C), and how far off it may be."""
-    found = spectrum(moments)
-    unit = power_of_two(found.basis.shift - found.basis.bits) * moments.cross_unit
-    return found.levels[0] * unit, (1 << 12) * unit
+    found = Isotropic(moments)
+    unit = power_of_two(found.shift - found.eigenspaces.bits) * moments.cross_unit
+    return found.eigenspaces.spaces[0].value * unit, (1 << 12) * unit
 
 
 def suboptimality(moments, quaternion):
     """(l_1 - q^T K q) over the size of C."""
     q = lift(quaternion).integers
     largest = max(abs(entry) for row in moments.cross for entry in row) * moments.cross_unit
-    return float((truth(moments)[0] - alignment(moments, q)) / (largest or 1))
+    return float((truth(moments)[0] - Isotropic(moments).alignment(q)) / (largest or 1))
 
 
 @pytest.mark.parametrize("form", Form)
@@ -408,15 +413,15 @@ def test_the_proved_multiplier_is_above_the_largest_eigenvalue_and_bounds_the_ga
     moments = exact_moments(problem)
     found = relaxed(moments)
     largest, error = truth(moments)
-    nu = proved_multiplier(moments, found.proposal)
+    nu = proved_multiplier(Isotropic(moments), found.proposal)
 
     assert nu is not None
     assert nu.value > largest - error
-    assert nu.mantissa.bit_length() <= MultiplierSettings().bound_bits + 1
+    assert nu.mantissa.bit_length() <= MULTIPLIER_BITS + 1
     q = lift(found.quaternion_wxyz).integers
-    gap = multiplier_gap(moments, q, nu)
-    minimum = potential_energy(moments, spectrum(moments).quaternions[0])
-    assert potential_energy(moments, q) - minimum < gap
+    gap = multiplier_gap(Isotropic(moments), q, nu)
+    minimum = Isotropic(moments).energy(Isotropic(moments).quaternions[0])
+    assert Isotropic(moments).energy(q) - minimum < gap
     assert gap <= Fraction(1, 10**6) * (moments.spread or found.unit)
 
 
@@ -428,8 +433,8 @@ def test_no_number_below_the_largest_eigenvalue_is_ever_proved(problem, exponent
     nu = largest + distance if above else largest - distance
 
     if distance > error:
-        assert proves_multiplier(moments, nu) == above
-    proved = proved_multiplier(moments, nu)
+        assert proves_multiplier(Isotropic(moments), nu) == above
+    proved = proved_multiplier(Isotropic(moments), nu)
     assert proved is None or proved.value > largest - error
 
 
@@ -438,7 +443,7 @@ def test_the_gap_is_the_energy_above_what_the_multiplier_leaves_for_the_minimum(
     nu, q = Dyadic(mantissa=12345, exponent=-3), (1, -2, 3, 4)
 
     left = moments.spread - 2 * nu.value
-    assert multiplier_gap(moments, q, nu) == potential_energy(moments, q) - left
+    assert multiplier_gap(Isotropic(moments), q, nu) == Isotropic(moments).energy(q) - left
 
 
 def test_where_c_is_zero_the_gap_is_small_beside_the_spread_however_far_the_coordinates():
@@ -447,20 +452,24 @@ def test_where_c_is_zero_the_gap_is_small_beside_the_spread_however_far_the_coor
     target = np.array(strategies.TETRAHEDRON) * 1e-100
     moments = exact_moments(RegistrationProblem(source, target))
     found = relaxed(moments)
-    nu = proved_multiplier(moments, found.proposal)
+    nu = proved_multiplier(Isotropic(moments), found.proposal)
 
     assert found.status is RelaxationStatus.DEGENERATE
     assert nu is not None
-    assert 0 < multiplier_gap(moments, (1, 0, 0, 0), nu) < Fraction(1, 10**6) * moments.spread
+    assert (
+        0
+        < multiplier_gap(Isotropic(moments), (1, 0, 0, 0), nu)
+        < Fraction(1, 10**6) * moments.spread
+    )
 
 
 def test_a_proposal_far_too_small_is_not_proved_and_one_too_large_is_taken():
     moments = exact_moments(strategies.random_problem(np.random.default_rng(0)))
     largest, _ = truth(moments)
 
-    assert proved_multiplier(moments, largest / 2) is None
-    assert proved_multiplier(moments, -largest) is None
-    generous = proved_multiplier(moments, 2 * largest)
+    assert proved_multiplier(Isotropic(moments), largest / 2) is None
+    assert proved_multiplier(Isotropic(moments), -largest) is None
+    generous = proved_multiplier(Isotropic(moments), 2 * largest)
     assert generous is not None
     assert 2 * largest <= generous.value <= 2 * largest * (1 + Fraction(1, 2**38))
 

@@ -1,4 +1,4 @@
-"""The roads to the equilibria agree: by eigenspaces, by elimination, by continuation."""
+"""The methods for equilibria agree: by eigenspaces, by elimination, by continuation."""
 
 from __future__ import annotations
 
@@ -11,23 +11,25 @@ import strategies
 from commands import certreg, checked, write_csv
 
 import certreg as package
+from certreg.equilibrium.critical_set import Completeness
 from certreg.equilibrium.groebner import eliminate, fibres
-from certreg.equilibrium.homotopy import HomotopyStatus, continuation
-from certreg.equilibrium.krawczyk import EigenBalls, are_distinct, proved_root
-from certreg.equilibrium.methods import Method, UndecidedRoad, agreement_of, all_roads, road
-from certreg.equilibrium.spectral import spectrum, unit_double
+from certreg.equilibrium.homotopy import EigenBalls, HomotopyStatus, continuation
+from certreg.equilibrium.krawczyk import are_distinct, proved_root
+from certreg.equilibrium.methods import METHODS, compare, search
+from certreg.equilibrium.presentation import unit_double
 from certreg.errors import ContradictionError, UndecidedError
 from certreg.exact.balls import exact_matrix
 from certreg.geometry.so3 import davenport_matrix
+from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
-from certreg.report.roads import roads_fields, roads_summary
+from certreg.registration.enumeration import enumerated
+from certreg.report.methods import methods_fields, methods_summary
 from certreg.results import Guarantee
 
-# `equilibria` is a submodule and a function, and the function wins
 HOMOTOPY = import_module("certreg.equilibrium.homotopy")
 GROEBNER = import_module("certreg.equilibrium.groebner")
-ANGLE = 1e-10  # radians, between the rotations of two roads
+ANGLE = 1e-10  # radians, between the rotations by two methods
 
 
 def met(K):
@@ -38,13 +40,19 @@ def met(K):
     return dataclasses.replace(ends, quaternions=same, outcomes=outcomes)
 
 
+def critical_sets(problem):
+    """The critical set by each method."""
+    objective = Isotropic(exact_moments(problem))
+    return [checked(search(objective, name).critical) for name in METHODS]
+
+
 def turned_apart(p, q):
     """The angle between the rotations of unit quaternions."""
     across = min(np.linalg.norm(p - q), np.linalg.norm(p + q))
     return 4 * np.arcsin(min(1.0, across / 2))
 
 
-def test_a_thousand_random_instances_agree_on_all_roads_with_four_equilibria_each():
+def test_a_thousand_random_instances_agree_by_all_methods_with_four_equilibria_each():
     moments = [
         exact_moments(
             strategies.random_problem(np.random.default_rng(k), noise=10.0 ** (k % 5 - 3))
@@ -60,8 +68,8 @@ def test_a_thousand_random_instances_agree_on_all_roads_with_four_equilibria_eac
 
     assert set(ends.outcomes) == {HomotopyStatus.FOUND}
     for k, each in enumerate(moments):
-        spectral = [unit_double(v) for v in spectrum(each).basis.vectors]
-        parts = fibres(eliminate(each.cross), 60)
+        spectral = [unit_double(v) for v in Isotropic(each).eigenvectors]
+        parts = fibres(eliminate(each.cross, K[k]), 60)
         algebraic = [[float(c.mid()) for c in part.vectors[0]] for part in parts]
         balls = exact_matrix(K[k], shifts[k])
         tracked = ends.quaternions[k].tolist()
@@ -75,13 +83,13 @@ def test_a_thousand_random_instances_agree_on_all_roads_with_four_equilibria_eac
 
 
 @pytest.mark.parametrize("specimen", strategies.ZOO, ids=lambda s: s.name)
-def test_every_row_is_the_same_on_both_exact_roads_and_not_contradicted_by_the_third(specimen):
-    found = all_roads(exact_moments(specimen.problem))
+def test_every_row_is_the_same_by_both_exact_methods_and_not_contradicted_by_the_third(specimen):
+    sets = critical_sets(specimen.problem)
 
-    assert [r.found.classification.pattern for r in found.roads] == [specimen.pattern] * 3
-    assert [r.doubt is None for r in found.roads[:2]] == [True, True]
-    assert (found.roads[2].doubt is None) == (specimen.pattern == (1, 1, 1, 1))
-    assert found.angle < 1e-25
+    assert [each.pattern for each in sets] == [specimen.pattern] * 3
+    assert [each.complete for each in sets[:2]] == [True, True]
+    assert sets[2].complete == (specimen.pattern == (1, 1, 1, 1))
+    assert compare(sets).angle < 1e-25
 
 
 @pytest.mark.parametrize("gap", [1e-3, 1e-6, 1e-9, 1e-12])
@@ -94,19 +102,20 @@ def test_near_degeneracy_is_decided_exactly_and_the_homotopy_is_right_or_says_so
     problem = RegistrationProblem(
         np.vstack([source, -source]) @ U.T, np.vstack([np.eye(3), -np.eye(3)]) @ V.T
     )
-    found = all_roads(exact_moments(problem))
+    objective = Isotropic(exact_moments(problem))
+    first, second, third = (search(objective, name) for name in METHODS)
 
-    assert [r.found.classification.pattern for r in found.roads[:2]] == [(1, 1, 1, 1)] * 2
-    assert found.angle < ANGLE
-    third = found.roads[2] if len(found.roads) > 2 else found.undecided[0]
-    decided = not isinstance(third, UndecidedRoad) and third.doubt is None
-    assert decided or (third.reason if isinstance(third, UndecidedRoad) else third.doubt)
+    assert [checked(each.critical).pattern for each in (first, second)] == [(1, 1, 1, 1)] * 2
+    sets = [each.critical for each in (first, second, third) if each.critical is not None]
+    assert compare(sets).angle < ANGLE
+    decided = third.critical is not None and third.critical.complete
+    assert decided or (third.reason if third.critical is None else third.critical.doubt)
     if gap >= 1e-6:
         assert decided
 
 
 @pytest.mark.parametrize("method", ["spectral", "groebner", "homotopy", "all"])
-def test_the_public_function_gives_the_same_set_on_every_road(method):
+def test_the_public_function_gives_the_same_set_by_every_method(method):
     problem = strategies.random_problem(np.random.default_rng(3), noise=0.1)
     found, known = package.equilibria(problem, method=method), package.equilibria(problem)
 
@@ -135,40 +144,63 @@ def test_a_continuum_is_numerical_and_in_doubt_by_homotopy():
     assert found.classification.pattern == (1, 2, 1)
 
 
-def test_lost_paths_are_an_undecided_road_and_no_list(monkeypatch):
+def test_lost_paths_leave_a_method_undecided_and_are_no_list(monkeypatch):
     monkeypatch.setattr(HOMOTOPY, "continuation", met)
-    moments = exact_moments(strategies.random_problem(np.random.default_rng(1)))
+    problem = strategies.random_problem(np.random.default_rng(1))
     with pytest.raises(UndecidedError, match="lost"):
-        road(moments, Method.HOMOTOPY)
-    found = all_roads(moments)
-    assert [each.method for each in found.undecided] == [Method.HOMOTOPY]
-    assert "undecided" in roads_summary(found)
+        enumerated(problem, "homotopy")
+    found = enumerated(problem, "all")
+    undecided = [each.method for each in found.searches if each.critical is None]
+    assert undecided == ["homotopy"]
+    assert "undecided" in methods_summary(found)
     reasons: dict[str, str] = {}
-    fields = roads_fields(found, reasons)
+    fields = methods_fields(found, reasons)
     assert fields["roads"][2]["energies"] is None
     assert "lost" in reasons["roads[2].energies"]
 
 
-def test_roads_that_disagree_are_an_error():
-    moments = exact_moments(strategies.random_problem(np.random.default_rng(4), noise=0.1))
-    first, second, third = all_roads(moments).roads
-    turned = dataclasses.replace(second.found.basis, vectors=(second.found.basis.vectors[1],) * 4)
-    shifted = dataclasses.replace(
-        second.found.basis, values=tuple(v + (1 << 160) for v in second.found.basis.values)
+def changed(critical, **parts):
+    """A critical set with some of each component replaced."""
+    components = tuple(
+        dataclasses.replace(part, **{name: change(k, part) for name, change in parts.items()})
+        for k, part in enumerate(critical.components)
     )
-    for basis in (turned, shifted):
-        forged = dataclasses.replace(second, found=dataclasses.replace(second.found, basis=basis))
+    return dataclasses.replace(critical, components=components)
+
+
+def test_methods_that_disagree_are_an_error():
+    first, second, third = critical_sets(
+        strategies.random_problem(np.random.default_rng(4), noise=0.1)
+    )
+    turned = changed(second, span=lambda *_: second.components[1].span)
+    span = first.components[-1].value - first.components[0].value
+    shifted = changed(second, value=lambda _, part: part.value + span / 10**11)
+    for forged in (turned, shifted):
         with pytest.raises(ContradictionError, match=r"spectral .* groebner"):
-            agreement_of([first, forged, third])
+            compare([first, forged, third])
+    nearly = changed(second, value=lambda _, part: part.value + span / 10**13)
+    assert 9e-14 < compare([first, nearly]).energy < 1.1e-13
     with pytest.raises(ContradictionError, match="homotopy"):
-        agreement_of([first, second, dataclasses.replace(third, indices=(0, 1, 3, 2))])
-    other = all_roads(exact_moments(strategies.ZOO[4].problem)).roads[0]
+        compare([first, second, changed(third, index=lambda k, _: (0, 1, 3, 2)[k])])
+
+
+def test_a_list_in_doubt_may_only_take_neighbours_together():
+    first, *_ = critical_sets(strategies.random_problem(np.random.default_rng(4), noise=0.1))
+    other, _, doubtful = critical_sets(strategies.ZOO[4].problem)
     with pytest.raises(ContradictionError, match="disagree"):
-        agreement_of([first, other])
-    doubtful = dataclasses.replace(all_roads(exact_moments(strategies.ZOO[4].problem)).roads[2])
-    assert agreement_of([first, doubtful]).angle == 0.0
+        compare([first, other])
+    assert compare([first, doubtful]).angle == 0.0
     with pytest.raises(ContradictionError, match="disagree"):
-        agreement_of([other, dataclasses.replace(first, doubt="in doubt")])
+        compare([other, dataclasses.replace(first, completeness=None, doubt="in doubt")])
+
+
+def test_a_list_has_a_proof_of_completeness_or_a_doubt_and_not_both():
+    found = critical_sets(strategies.random_problem(np.random.default_rng(4)))
+    assert [each.completeness for each in found] == list(Completeness)
+    assert [each.doubt for each in found] == [None] * 3
+    for wrong in ({"completeness": None}, {"doubt": "in doubt"}):
+        with pytest.raises(ValueError, match="proved to be complete"):
+            dataclasses.replace(found[0], **wrong)
 
 
 @pytest.fixture
@@ -176,7 +208,7 @@ def survey(data):
     return data / "survey_source.csv", data / "survey_target.csv"
 
 
-def test_the_command_shows_all_roads_in_one_table(survey):
+def test_the_command_shows_all_methods_in_one_table(survey):
     run = certreg("equilibria", *survey, "--method", "all")
 
     assert run.code == 0
@@ -196,7 +228,7 @@ def test_the_command_shows_all_roads_in_one_table(survey):
     assert "agree: rotations to" in table[4]
 
 
-def test_the_command_writes_the_roads_as_json(survey):
+def test_the_command_writes_the_methods_as_json(survey):
     run = certreg("equilibria", *survey, "--method", "all", "--json")
 
     assert run.code == 0
@@ -206,8 +238,10 @@ def test_the_command_writes_the_roads_as_json(survey):
     assert all(r["indices"] == [0, 1, 2, 3] for r in run.document["roads"])
 
 
-def test_the_command_fails_loudly_where_roads_disagree(survey, monkeypatch):
-    monkeypatch.setattr(GROEBNER, "fibres", lambda found, bits: fibres(found, bits)[::-1])
+def test_the_command_fails_loudly_where_methods_disagree(survey, monkeypatch):
+    monkeypatch.setattr(
+        GROEBNER, "fibres", lambda elimination, bits: fibres(elimination, bits)[::-1]
+    )
     run = certreg("equilibria", *survey, "--method", "all")
 
     assert run.code == 1
@@ -227,7 +261,7 @@ def test_a_list_in_doubt_ends_with_code_four(tmp_path):
     assert certreg("equilibria", square, square, "--method", "all").code == 0
 
 
-def test_an_undecided_road_ends_with_code_four_and_one_line(survey, monkeypatch):
+def test_an_undecided_method_ends_with_code_four_and_one_line(survey, monkeypatch):
     monkeypatch.setattr(HOMOTOPY, "continuation", met)
     run = certreg("equilibria", *survey, "--method", "homotopy")
 

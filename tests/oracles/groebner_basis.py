@@ -9,13 +9,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from certreg.equilibrium.exports import as_sympy
-from certreg.equilibrium.polynomials import rotation_system
+import sympy  # pyright: ignore[reportMissingTypeStubs]
+
+from .exports import as_sympy
+from .systems import rotation_system
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.equilibrium.polynomials import Monomial
+    from certreg.objective.polynomials import Monomial
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,8 +41,6 @@ def rotation_ideal(C: Sequence[Sequence[int]]) -> RotationIdeal:
     >>> ideal.dimension, ideal.degree
     (0, 4)
     """
-    import sympy  # pyright: ignore[reportMissingTypeStubs]
-
     library: Any = sympy
     polynomials = as_sympy(rotation_system(C))
     found = library.groebner(polynomials, *polynomials[0].gens, order="grevlex", domain=library.QQ)

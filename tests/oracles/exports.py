@@ -8,16 +8,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import sympy  # pyright: ignore[reportMissingTypeStubs]
+
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from certreg.equilibrium.polynomials import Monomial, PolynomialSystem
+    from certreg.objective.polynomials import Monomial, PolynomialSystem
 
 
 def as_sympy(system: PolynomialSystem) -> list[Any]:
     """The polynomials as `sympy.Poly` over the integers, in `system.variables`."""
-    import sympy  # pyright: ignore[reportMissingTypeStubs]
-
     library: Any = sympy
     symbols = library.symbols(system.variables)
     return [

@@ -1,0 +1,259 @@
+"""The objective of one weight per correspondence: an eigenvalue problem of four dimensions.
+
+V(q) = sum w |y - mean|^2 + sum w |x - mean|^2 - 2 q^T K q / |q|^2 at the best translation, with
+Davenport's matrix K, and M |c|^2 more where the source's centre of mass is c away from the target's
+[Yang2020, V_p]. So critical rotations are eigenvectors of K.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from certreg.exact import Resolution, Space, integer_eigenbasis, power_of_two, resolved
+from certreg.geometry import (
+    davenport_matrix,
+    dot,
+    homogeneous,
+    quadratic_form,
+    rotation_matrix,
+    squared_norm,
+)
+from certreg.objective.classification import classify, with_pattern
+from certreg.objective.polynomials import multiplier_system
+from certreg.problem import trace
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from certreg.exact import IntegerQuaternion
+    from certreg.geometry import Matrix4, SquareMatrix, T, Vector3, Vector4
+    from certreg.objective.classification import Classification, Pattern
+    from certreg.objective.polynomials import PolynomialSystem
+    from certreg.problem import ExactMoments
+
+
+@dataclass(frozen=True)
+class Isotropic:
+    """The objective of the exact moments of a problem; see `Objective`.
+
+    Davenport's matrix, its classification and its eigenspaces are made once, when first asked for.
+    """
+
+    moments: ExactMoments
+
+    @cached_property
+    def davenport(self) -> Matrix4[int]:
+        """K in units of `moments.cross_unit`."""
+        return davenport_matrix(self.moments.cross)
+
+    @cached_property
+    def largest_entry(self) -> int:
+        """Of K, without its sign."""
+        return max(abs(entry) for row in self.davenport for entry in row)
+
+    @property
+    def shift(self) -> int:
+        """The entries of K are below 2^shift."""
+        return self.largest_entry.bit_length()
+
+    @cached_property
+    def size(self) -> Fraction:
+        """The largest entry of K, in units of tr(R^T C); positive even where K is zero."""
+        unit = self.moments.cross_unit
+        return self.largest_entry * unit or self.moments.spread or unit
+
+    @cached_property
+    def classification(self) -> Classification:
+        """Which of the eight kinds of equilibrium set this is, decided in integers."""
+        return classify(self.moments)
+
+    def classified(self, pattern: Pattern) -> Classification:
+        """The classification if the pattern is this one, as some method says."""
+        return with_pattern(self.moments, pattern)
+
+    # --- the objective
+
+    @cached_property
+    def unit(self) -> Fraction:
+        """What 1 is worth, in units of the energy."""
+        return power_of_two(self.moments.weight_exponent + 2 * self._least) / self.moments.mass
+
+    @property
+    def free_translations(self) -> tuple[Vector3[Fraction], ...]:
+        """None: every spring resists every shift."""
+        return ()
+
+    @property
+    def _least(self) -> int:
+        return min(self.moments.source_exponent, self.moments.target_exponent)
+
+    @cached_property
+    def _spread(self) -> int:
+        """The spread of both clouds in units of `unit`."""
+        moments, least = self.moments, self._least
+        source = trace(moments.source_scatter) << 2 * (moments.source_exponent - least)
+        return source + (trace(moments.target_scatter) << 2 * (moments.target_exponent - least))
+
+    @property
+    def _places(self) -> int:
+        """One unit of `moments.cross` is 2^places of `unit`."""
+        return self.moments.source_exponent + self.moments.target_exponent - 2 * self._least
+
+    @cached_property
+    def _matrix(self) -> list[list[int]]:
+        """K in units of `unit`."""
+        return [[entry << self._places for entry in row] for row in self.davenport]
+
+    def form(self) -> SquareMatrix[int]:
+        """Q with V(R) = unit * r^T Q r, r = (1, vec R): nothing but a border."""
+        cross = [[-entry << self._places for entry in row] for row in self.moments.cross]
+        border: tuple[Any, ...] = homogeneous(cross, unit=self._spread)
+        return (border, *((entry, *[0] * (len(border) - 1)) for entry in border[1:]))
+
+    def value(self, q: Sequence[T]) -> T:
+        """F(q) = |q|^2 (s |q|^2 - 2 q^T K q), s the spread."""
+        norm: Any = squared_norm(q)
+        matrix: Any = self._matrix
+        return norm * (self._spread * norm - 2 * quadratic_form(matrix, q))
+
+    def gradient(self, q: Sequence[T]) -> Vector4[T]:
+        """4 (s |q|^2 - q^T K q) q - 4 |q|^2 K q."""
+        norm, image, common = self._parts(q)
+        a, b, c, d = (4 * (common * e - norm * i) for e, i in zip(q, image, strict=True))
+        return (a, b, c, d)
+
+    def hessian(self, q: Sequence[T]) -> Matrix4[T]:
+        """4 (s |q|^2 - q^T K q) I - 4 |q|^2 K + 8 (s q q^T - q (K q)^T - (K q) q^T)."""
+        norm, image, common = self._parts(q)
+        entries: Any = tuple(
+            tuple(
+                4 * (common * int(i == j) - norm * entry)
+                + 8 * (self._spread * q[i] * q[j] - q[i] * image[j] - image[i] * q[j])
+                for j, entry in enumerate(row)
+            )
+            for i, row in enumerate(self._matrix)
+        )
+        return entries
+
+    def _parts(self, q: Sequence[T]) -> tuple[Any, list[Any], Any]:
+        """|q|^2, K q and s |q|^2 - q^T K q."""
+        matrix: Any = self._matrix
+        norm: Any = squared_norm(q)
+        image = [dot(row, q) for row in matrix]
+        return norm, image, self._spread * norm - dot(image, q)
+
+    def best_translation(self, q: Sequence[int]) -> Vector3[Fraction]:
+        """The translation mean(y) - R(q) mean(x): the minimiser at fixed rotation."""
+        moments, norm = self.moments, squared_norm(q)
+        rotated = [dot(row, moments.source_sum) for row in rotation_matrix(q)]
+        a, b = moments.source_exponent, moments.target_exponent
+        common = min(a, b)
+        unit = power_of_two(common) / (moments.mass * norm)
+        x, y, z = (
+            ((end * norm << (b - common)) - (moved << (a - common))) * unit
+            for end, moved in zip(moments.target_sum, rotated, strict=True)
+        )
+        return (x, y, z)
+
+    def equilibrium_system(self, chart: Sequence[int]) -> PolynomialSystem:
+        """K q = l q and chart . q = 1 in (w, x, y, z, l): four paths."""
+        return multiplier_system(self.davenport, chart)
+
+    # --- energies of single poses, exactly
+
+    def alignment(self, q: Sequence[int]) -> Fraction:
+        """q^T K q / |q|^2 = tr(R(q)^T C), for an integer quaternion q other than zero."""
+        unit = self.moments.cross_unit
+        return Fraction(
+            quadratic_form(self.davenport, q) * unit.numerator, squared_norm(q) * unit.denominator
+        )
+
+    def energy(self, q: Sequence[int]) -> Fraction:
+        """V at R(q) and the best translation: the least sum of w |y - R x - t|^2 over t."""
+        return self.moments.spread - 2 * self.alignment(q)
+
+    def translation_energy(self, q: Sequence[int], translation: Sequence[Fraction]) -> Fraction:
+        """M |t - best t|^2: what a translation adds to the energy at rotation R(q)."""
+        best = self.best_translation(q)
+        offset = [a - b for a, b in zip(translation, best, strict=True)]
+        return self.moments.total_weight * sum((d * d for d in offset), start=Fraction(0))
+
+    def squared_residual(self, q: Sequence[int]) -> Fraction:
+        """|K q - v q|^2 / |q|^2, v = q^T K q / |q|^2, in units of tr(R^T C) squared."""
+        norm, image = squared_norm(q), [dot(row, q) for row in self.davenport]
+        form = dot(image, q)
+        rest = [norm * a - form * b for a, b in zip(image, q, strict=True)]
+        return Fraction(squared_norm(rest), norm**3) * self.moments.cross_unit**2
+
+    # --- eigenspaces, refined in integer arithmetic; a proposal, but for what the pattern says
+
+    @cached_property
+    def eigenspaces(self) -> Resolution:
+        """The eigenspaces of K, largest eigenvalue first; values over 2^shift of K."""
+        return resolved(self._spaces_at)
+
+    def _spaces_at(self, bits: int) -> tuple[Space, ...]:
+        basis = integer_eigenbasis(self.davenport, bits)
+        shape = self.classification
+        groups = [slice(s, s + m) for s, m in zip(shape.indices, shape.pattern, strict=True)]
+        return tuple(Space(values=basis.values[g], vectors=basis.vectors[g]) for g in groups)
+
+    @property
+    def quaternions(self) -> tuple[IntegerQuaternion, ...]:
+        """The member of each eigenspace nearest to the identity, in integers; the optimum first."""
+        return self.eigenspaces.quaternions
+
+    @cached_property
+    def eigenvectors(self) -> tuple[tuple[int, ...], ...]:
+        """Four orthogonal vectors of one length, largest eigenvalue first."""
+        return tuple(v for space in self.eigenspaces.spaces for v in space.vectors)
+
+    @cached_property
+    def eigenvalues(self) -> tuple[Fraction, ...]:
+        """Of each eigenvector, in units of tr(R^T C)."""
+        unit = self._eigenvalue_unit(self.eigenspaces.bits)
+        return tuple(v * unit for space in self.eigenspaces.spaces for v in space.values)
+
+    def eigenvalue_difference(self, upper: int, lower: int) -> Fraction:
+        """The eigenvalue of one space minus that of another: half the difference in energy."""
+        spaces, bits = self.eigenspaces.spaces, self.eigenspaces.bits
+        return (spaces[upper].value - spaces[lower].value) * self._eigenvalue_unit(bits)
+
+    def energy_of_eigenvalue(self, value: int, bits: int) -> Fraction:
+        """V where q^T K q / |q|^2 is value / 2^bits, in units of 2^shift of K."""
+        return self.moments.spread - 2 * value * self._eigenvalue_unit(bits)
+
+    def _eigenvalue_unit(self, bits: int) -> Fraction:
+        return power_of_two(self.shift - bits) * self.moments.cross_unit
+
+    def angle_to(self, component: int, q: Sequence[int]) -> float:
+        """The angle in radians from R(q) to the nearest rotation of an eigenspace.
+
+        Twice the angle of q to it, from the projections in integers.
+        """
+        first = sum(self.classification.pattern[:component])
+        group = range(first, first + self.classification.pattern[component])
+        inside = [dot(v, q) for v in self.eigenvectors]
+        along = math.isqrt(sum(inside[k] ** 2 for k in group))
+        across = math.isqrt(sum(p**2 for k, p in enumerate(inside) if k not in group))
+        return 2.0 * math.atan2(across / (along + across), along / (along + across))
+
+    def angle_to_optimum(self, q: Sequence[int]) -> float:
+        """The angle in radians from R(q) to the nearest optimum."""
+        return self.angle_to(0, q)
+
+    def relative_loss(self, q: Sequence[int]) -> float:
+        """How far R(q) is from the best alignment, 0, to the worst, 1; 0 if all are as good.
+
+        The mean of the eigenvalues with the squares of the projections of q as weights.
+        """
+        spaces = self.eigenspaces.spaces
+        best, worst = spaces[0].value, spaces[-1].value
+        weights = [dot(v, q) ** 2 for v in self.eigenvectors]
+        values = [value for space in spaces for value in space.values]
+        lost = sum(w * (best - value) for w, value in zip(weights, values, strict=True))
+        return max(0, lost) / (sum(weights) * (best - worst) or 1)

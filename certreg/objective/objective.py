@@ -1,0 +1,77 @@
+"""What everything below the moments may know of them: an objective, a function of the rotation.
+
+The energy of the springs is quadratic in the translation, and the best translation can be had
+exactly. What is left is quadratic in the nine entries of R, so a quartic in the quaternion, of a
+fixed size whatever the number of points is.
+
+`Isotropic` is the case of one weight per correspondence, where the quartic is |q|^2 times a
+quadratic form and equilibria are eigenvectors. Spring matrices per correspondence keep the ten
+by ten form of this protocol and lose the eigenvectors; further labels of wrong pairs change the
+sums alone; a free scale adds an unknown beside the translation. Each is another class here, made
+from its own moments, and a body of certificates; trackers, proofs of roots and the relaxation ask
+for no more than this protocol.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from fractions import Fraction
+
+    from certreg.geometry import Matrix4, SquareMatrix, T, Vector3, Vector4
+    from certreg.objective.polynomials import PolynomialSystem
+
+
+class Objective(Protocol):
+    """The energy V after the best translation, as a function of the rotation: integers times unit.
+
+    With F(q) = `value(q)`, homogeneous of degree four, V(R(q)) = unit * F(q) / |q|^4. Value,
+    gradient and hessian use + - * alone: they run over integers, fractions, balls, floats, SymPy
+    and CasADi expressions.
+    """
+
+    @property
+    def unit(self) -> Fraction:
+        """What 1 is worth, in units of the energy."""
+        ...
+
+    @property
+    def free_translations(self) -> tuple[Vector3[Fraction], ...]:
+        """Directions, linearly independent, in which a shift costs nothing at any rotation."""
+        ...
+
+    def form(self) -> SquareMatrix[int]:
+        """Q, 10x10, with V(R) = unit * r^T Q r for r = (1, vec R), R by columns.
+
+        What the relaxation, and a certificate that knows nothing of eigenvectors, reads.
+        """
+        ...
+
+    def value(self, q: Sequence[T]) -> T:
+        """F(q)."""
+        ...
+
+    def gradient(self, q: Sequence[T]) -> Vector4[T]:
+        """The four first derivatives of F."""
+        ...
+
+    def hessian(self, q: Sequence[T]) -> Matrix4[T]:
+        """The second derivatives of F."""
+        ...
+
+    def best_translation(self, q: Sequence[int]) -> Vector3[Fraction]:
+        """The translation of least energy at the rotation R(q), exactly.
+
+        One of them where `free_translations` are left.
+        """
+        ...
+
+    def equilibrium_system(self, chart: Sequence[int]) -> PolynomialSystem:
+        """Equations for the critical quaternions with chart . q = 1, as many as unknowns.
+
+        What is tracked and proved: each solution is one up to sign and length. Those with
+        chart . q = 0 are missed.
+        """
+        ...

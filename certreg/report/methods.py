@@ -1,0 +1,130 @@
+"""The methods that searched for equilibria side by side: a table and a JSON object."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from certreg.exact import nearest_double
+from certreg.results import ComponentKind
+
+if TYPE_CHECKING:
+    from certreg.equilibrium import CriticalSet, Search
+    from certreg.registration import Enumeration
+
+PLURALS = {
+    ComponentKind.POINT: ("point", "points"),
+    ComponentKind.CIRCLE: ("circle", "circles"),
+    ComponentKind.PROJECTIVE_PLANE: ("projective plane", "projective planes"),
+    ComponentKind.ROTATION_GROUP: ("every rotation", "every rotation"),
+}
+HEADINGS = ("road", "solutions", "energies", "index", "time", "guarantee")
+NO_LIST = "-"
+
+
+def methods_summary(enumeration: Enumeration) -> str:
+    """The table of all methods, and what their agreement amounts to."""
+    lines, searches = [methods_table(enumeration)], enumeration.searches
+    found = [each.critical for each in searches if each.critical is not None]
+    decided = [critical.method for critical in found if critical.complete]
+    comparison = enumeration.comparison
+    if comparison is not None and len(decided) > 1:
+        lines.append(
+            f"The roads {', '.join(decided)} agree: rotations to {_degrees(comparison.angle)} "
+            f"degrees, energies to {comparison.energy:.0e} of their range."
+        )
+    doubts = [critical.doubt for critical in found if critical.doubt is not None]
+    doubts += [each.reason for each in searches if each.reason is not None]
+    return "\n".join((*lines, *(f"Not decided by {doubt}" for doubt in doubts)))
+
+
+def methods_table(enumeration: Enumeration) -> str:
+    """A line for each method: what it found, how long it took, how it knows."""
+    rows = [HEADINGS, *(_row(each, enumeration) for each in _decided_first(enumeration))]
+    widths = [max(len(row[k]) for row in rows) for k in range(len(HEADINGS))]
+    return "\n".join(
+        ("  " + "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True))).rstrip()
+        for row in rows
+    )
+
+
+def methods_fields(enumeration: Enumeration, reasons: dict[str, str]) -> dict[str, Any]:
+    """The `roads` and `agreement` of a document; adds the reason of each null to `reasons`."""
+    if enumeration.comparison is None:
+        return {}
+    searches = enumerate(_decided_first(enumeration))
+    return {
+        "roads": [_fields(each, k, enumeration, reasons) for k, each in searches],
+        "agreement": {
+            "rotation_deg": math.degrees(enumeration.comparison.angle),
+            "energy_relative": enumeration.comparison.energy,
+        },
+    }
+
+
+def _decided_first(enumeration: Enumeration) -> list[Search]:
+    return sorted(enumeration.searches, key=lambda each: each.critical is None)
+
+
+def _fields(
+    each: Search, place: int, enumeration: Enumeration, reasons: dict[str, str]
+) -> dict[str, Any]:
+    critical, path = each.critical, f"roads[{place}]"
+    if critical is None:
+        names = ("pattern", "energies", "indices", "guarantee")
+        reasons |= {f"{path}.{name}": each.reason or "" for name in names}
+        known: dict[str, Any] = {**dict.fromkeys(names), "complete": False}
+    else:
+        known = _known_fields(critical, path, enumeration, reasons)
+    return {"method": each.method, **known, "time_ms": 1e3 * each.seconds}
+
+
+def _known_fields(
+    critical: CriticalSet, path: str, enumeration: Enumeration, reasons: dict[str, str]
+) -> dict[str, Any]:
+    energies = _energies(critical, enumeration)
+    if None in energies:
+        reasons[f"{path}.energies"] = "no double holds the value: change the unit of length"
+    if None in critical.indices:
+        why = critical.doubt or "the balls are too wide to tell the signs of the Hessian"
+        reasons[f"{path}.indices"] = why
+    if critical.doubt is not None:
+        reasons[f"{path}.complete"] = critical.doubt
+    return {
+        "pattern": list(critical.pattern),
+        "energies": energies,
+        "indices": list(critical.indices),
+        "guarantee": critical.guarantee.label,
+        "complete": critical.complete,
+    }
+
+
+def _energies(critical: CriticalSet, enumeration: Enumeration) -> list[float | None]:
+    energy = enumeration.objective.energy
+    return [nearest_double(energy(part.quaternion)) for part in critical.components]
+
+
+def _row(each: Search, enumeration: Enumeration) -> tuple[str, ...]:
+    critical, time = each.critical, f"{1e3 * each.seconds:.2f} ms"
+    if critical is None:
+        return (each.method, NO_LIST, NO_LIST, NO_LIST, time, "undecided")
+    kinds = [ComponentKind.of_multiplicity(m) for m in critical.pattern]
+    energies = _energies(critical, enumeration)
+    return (
+        each.method,
+        ", ".join(_counted(kind, kinds.count(kind)) for kind in dict.fromkeys(kinds)),
+        " ".join("beyond doubles" if e is None else f"{e:.10g}" for e in energies),
+        " ".join(NO_LIST if index is None else str(index) for index in critical.indices),
+        time,
+        critical.guarantee.label + ("" if critical.complete else ", in doubt"),
+    )
+
+
+def _counted(kind: ComponentKind, count: int) -> str:
+    if kind is ComponentKind.ROTATION_GROUP:
+        return PLURALS[kind][0]
+    return f"{count} {PLURALS[kind][count > 1]}"
+
+
+def _degrees(angle: float) -> str:
+    return f"{math.degrees(angle):.0e}"

@@ -1,0 +1,1 @@
+"""Independent programs and textbook algorithms that the shipped methods are held against."""
