@@ -135,7 +135,7 @@ def eliminate(C: Sequence[Sequence[int]], K: Sequence[Sequence[int]]) -> Elimina
             continue  # a solution at infinity of this chart
         return _quotient(K, frame, reduced, int(unit), chart=(1, t, t * t, t**3))
     message = "the quadratics are independent, yet every chart has a solution at infinity"
-    raise ContradictionError(message)
+    raise ContradictionError(message, methods=("groebner",))
 
 
 def fibres(elimination: Elimination, bits: int) -> tuple[Fibre, ...]:
@@ -186,7 +186,7 @@ def _quotient(
     shifts = _multiplications(reduced, unit)
     if any(a * b != b * a for a, b in combinations(shifts, 2)):
         message = "the rules of a chart are no Groebner basis: the quadratics contradict each other"
-        raise ContradictionError(message)
+        raise ContradictionError(message, methods=("groebner",))
     image = [sum(a * entry for a, entry in zip(chart, column, strict=True)) for column in K]
     form = [sum(image[i] * frame[i][k] for i in range(4)) for k in range(4)]
     product = fmpz_mat(4, 4, [form[0] * unit * (i == j) for i in range(4) for j in range(4)])
@@ -230,7 +230,7 @@ def _continuum(K: Sequence[Sequence[int]], rank: int) -> Elimination:
     sections = sum(f.degree() * (d + 1) * (d + 2) // 2 for f, d in factors)
     if sections != len(COLUMNS) - rank:
         message = "the components found have another Hilbert function than the quadratics"
-        raise ContradictionError(message)
+        raise ContradictionError(message, methods=("groebner",))
     return Elimination(
         chart=None,
         dimension=None,
@@ -258,7 +258,7 @@ def _roots(elimination: Elimination) -> list[tuple[acb, int]]:
         pairs: Any = factor.complex_roots()  # the stubs of python-flint know no pairs
         if any(multiplicity > 1 for _, multiplicity in pairs):
             message = "a critical value of the finite case is repeated"
-            raise ContradictionError(message)
+            raise ContradictionError(message, methods=("groebner",))
         roots += [(root, dimension) for root, _ in pairs]
     return roots
 
