@@ -31,7 +31,7 @@ def run():
 
 def test_every_cell_runs_and_the_methods_agree(run):
     names, printed = run
-    assert len(CELLS) == 14
+    assert len(CELLS) == 15
     assert names["elimination"].dimension == names["ideal"].degree == 4
     assert "The roads spectral, groebner, homotopy agree" in printed
     assert "disjoint: True" in printed
