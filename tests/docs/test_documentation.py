@@ -8,6 +8,7 @@ import importlib
 import re
 import subprocess
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -82,22 +83,111 @@ def extension(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], Any]:
     return importlib.import_module
 
 
-def built(folder: Path, page: str, settings: str = "") -> subprocess.CompletedProcess[str]:
-    """The finished build of a site of one page, warnings being errors."""
+BIBLIOGRAPHY = """\
+---
+orphan: true
+---
+# Works
+
+```{entry} Horn1987
+Horn.
+```
+```{entry} Davenport1968
+Davenport.
+```
+"""
+THEOREMS = "---\norphan: true\n---\n# Theorems\n\n## All\n\n"
+
+# Each a site of one page: the page, what its configuration does beside, what stops its build.
+SITES = {
+    "a claim": ("```{proof} davenport\n```\n", "", ""),
+    "in Coq": ("```{proof} eigenvectors\n```\n", "", ""),
+    "not in Coq": ("```{proof} polar_projection\n```\n", "", ""),
+    "formulas": ("```{proof} optimality_certificate\n```\n", "", ""),
+    "more formulas": ("```{proof} spectrum\n```\n", "", ""),
+    "false claim": ("```{proof} davenport\n```\n", FALSE_CLAIM, "is refuted, not proved"),
+    "toothless claim": (
+        "```{proof} davenport\n```\n",
+        TOOTHLESS_CLAIM,
+        "is inconclusive, not proved",
+    ),
+    "stale claim": (
+        "```{proof} davenport\n```\n",
+        STALE_CLAIM,
+        "no code is called certreg.geometry.so3.gone",
+    ),
+    "no such claim": ("```{proof} nonsense\n```\n", "", "the book has no claim 'nonsense'"),
+    "link to none": ("{claim}`nonsense`\n", "", "the book has no claim 'nonsense'"),
+    "no such work": ("As in [Nobody1999].\n", "", "[Nobody1999] is not in the bibliography"),
+    "torn formula": (
+        "It costs $$ a\n+ b $$ and more.\n",
+        "",
+        "a formula is left in the text",
+    ),
+    "stars": ("At every R^*, or $R*, say.\n", "", "a formula is left in the text"),
+    "command fails": ("```{command} certreg info --nonsense\n```\n", "", "ended with 2, not 0"),
+    "command does not": ("```{command} certreg info\n:exit: 3\n```\n", "", "ended with 0, not 3"),
+    "other program": ("```{command} rm -r survey\n```\n", "", "pages run certreg"),
+    "failing cell": (f"{NOTEBOOK}# Page\n\n```{{code-cell}} ipython3\n1 / 0\n```\n", "", "ZeroDiv"),
+}
+# One interpreter loads Sphinx and forks for each site, so that none sees another's configuration.
+BUILDER = """\
+import os, pathlib, sys
+import myst_nb, sympy
+from sphinx.cmd.build import main
+import derivations.book
+
+for folder in map(pathlib.Path, sys.argv[1:]):
+    if os.fork() == 0:
+        words = os.open(folder / "words", os.O_WRONLY | os.O_CREAT)
+        os.dup2(words, 1), os.dup2(words, 2)
+        code = main(["-q", "-W", "-b", "html", str(folder), str(folder / "html")])
+        (folder / "code").write_text(str(code))
+        sys.stderr.flush()
+        os._exit(0)
+    os.wait()
+"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Site:
+    """A finished build: its exit code, what it said, and its page if there is one."""
+
+    code: int
+    words: str
+    html: str
+
+
+@pytest.fixture(scope="module")
+def sites(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Site]:
+    """Every site, built with warnings being errors."""
+    root = tmp_path_factory.mktemp("sites")
+    folders = {name: root / name.replace(" ", "-") for name in SITES}
+    for name, folder in folders.items():
+        page, settings, _ = SITES[name]
+        write_site(folder, page if page.startswith(NOTEBOOK) else f"# Page\n\n{page}", settings)
+    command = [sys.executable, "-c", BUILDER, *map(str, folders.values())]
+    subprocess.run(command, check=True, cwd=DOCS.parent, stdin=subprocess.DEVNULL)
+    return {name: finished(folder) for name, folder in folders.items()}
+
+
+def write_site(folder: Path, page: str, settings: str) -> None:
+    folder.mkdir()
     conf = BUILD.format(extensions=str(DOCS / "_ext"), root=str(DOCS.parent))
     (folder / "conf.py").write_text(conf + settings, "utf-8")
     (folder / "index.md").write_text(page, "utf-8")
-    (folder / "bibliography.md").write_text(
-        "---\norphan: true\n---\n# Works\n\n```{entry} Horn1987\nHorn.\n```\n"
-        "```{entry} Davenport1968\nDavenport.\n```\n",
-        "utf-8",
-    )
+    (folder / "bibliography.md").write_text(BIBLIOGRAPHY, "utf-8")
     listed = "".join(f"### {name}\n\n" for name in theorems())
-    (folder / "machine-checked-proofs.md").write_text(
-        f"---\norphan: true\n---\n# Theorems\n\n## All\n\n{listed}", "utf-8"
+    (folder / "machine-checked-proofs.md").write_text(THEOREMS + listed, "utf-8")
+
+
+def finished(folder: Path) -> Site:
+    page = folder / "html" / "index.html"
+    return Site(
+        code=int((folder / "code").read_text()),
+        words=(folder / "words").read_text("utf-8"),
+        html=page.read_text("utf-8") if page.exists() else "",
     )
-    command = [sys.executable, "-m", "sphinx", "-q", "-W", "-b", "html", folder, folder / "html"]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
 def test_mathjax_is_the_published_file():
@@ -134,73 +224,50 @@ def test_a_page_speaks_of_commands_that_exist(page: Path):
     assert set(MENTION.findall(page.read_text("utf-8"))) <= set(cli.commands)
 
 
-def test_a_claim_becomes_a_theorem_with_steps_and_controls(tmp_path: Path):
-    done = built(tmp_path, "# Page\n\n```{proof} davenport\n```\n")
-    html = (tmp_path / "html" / "index.html").read_text("utf-8")
+def test_a_claim_becomes_a_theorem_with_steps_and_controls(sites: dict[str, Site]):
+    site = sites["a claim"]
 
-    assert done.returncode == 0, done.stderr
-    assert html.count('id="step-') == 3
-    assert 'href="bibliography.html#cite-horn1987"' in html
-    assert "K of the transpose of C" in html
-    assert "PROVED" in html
+    assert site.code == 0, site.words
+    assert site.html.count('id="step-') == 3
+    assert 'href="bibliography.html#cite-horn1987"' in site.html
+    assert "K of the transpose of C" in site.html
+    assert "PROVED" in site.html
 
 
-def test_a_claim_shows_its_theorems_in_coq_as_their_files_state_them(tmp_path: Path):
-    done = built(tmp_path, "# Page\n\n```{proof} eigenvectors\n```\n")
-    page = (tmp_path / "html" / "index.html").read_text("utf-8")
-    words = markup.unescape(re.sub(r"<[^>]*>", "", page))
+def test_a_claim_shows_its_theorems_in_coq_as_their_files_state_them(sites: dict[str, Site]):
+    site = sites["in Coq"]
+    words = markup.unescape(re.sub(r"<[^>]*>", "", site.html))
 
-    assert "xref_missing" not in done.stderr
+    assert "xref_missing" not in site.words
     assert "Not proved in Coq:" in words
     for name in book.claim("eigenvectors").coq:
         theorem = theorems()[name]
         assert theorem.statement in words
-        assert f'href="machine-checked-proofs.html#{name.replace("_", "-")}"' in page
+        assert f'href="machine-checked-proofs.html#{name.replace("_", "-")}"' in site.html
         assert all(words.count(each) >= 2 for each in theorem.hypotheses)
         assert all(axiom in words for axiom in theorem.axioms)
 
 
-def test_a_claim_without_a_theorem_in_coq_says_so(tmp_path: Path):
-    done = built(tmp_path, "# Page\n\n```{proof} polar_projection\n```\n")
-    page = (tmp_path / "html" / "index.html").read_text("utf-8")
+def test_a_claim_without_a_theorem_in_coq_says_so(sites: dict[str, Site]):
+    site = sites["not in Coq"]
 
-    assert "xref_missing" not in done.stderr
-    assert "<strong>Not machine-checked.</strong>" in page
-
-
-@pytest.mark.parametrize("name", ["optimality_certificate", "spectrum"])
-def test_formulas_are_set_as_formulas_wherever_they_stand(tmp_path: Path, name: str):
-    done = built(tmp_path, f"# Page\n\n```{{proof}} {name}\n```\n")
-    html = (tmp_path / "html" / "index.html").read_text("utf-8")
-
-    assert "a formula is left in the text" not in done.stderr
-    assert "$" not in re.sub(r"<pre>.*?</pre>", "", html, flags=re.DOTALL)
+    assert "xref_missing" not in site.words
+    assert "<strong>Not machine-checked.</strong>" in site.html
 
 
-@pytest.mark.parametrize(
-    ("page", "settings", "complaint"),
-    [
-        ("```{proof} davenport\n```\n", FALSE_CLAIM, "is refuted, not proved"),
-        ("```{proof} davenport\n```\n", TOOTHLESS_CLAIM, "is inconclusive, not proved"),
-        ("```{proof} davenport\n```\n", STALE_CLAIM, "no code is called certreg.geometry.so3.gone"),
-        ("```{proof} nonsense\n```\n", "", "the book has no claim 'nonsense'"),
-        ("{claim}`nonsense`\n", "", "the book has no claim 'nonsense'"),
-        ("As in [Nobody1999].\n", "", "[Nobody1999] is not in the bibliography"),
-        ("It costs $$ a\n+ b $$ and more.\n", "", "a formula is left in the text"),
-        ("At every R^*, or $R*, say.\n", "", "a formula is left in the text"),
-        ("```{command} certreg info --nonsense\n```\n", "", "ended with 2, not 0"),
-        ("```{command} certreg info\n:exit: 3\n```\n", "", "ended with 0, not 3"),
-        ("```{command} rm -r survey\n```\n", "", "pages run certreg"),
-        ("```{code-cell} ipython3\n1 / 0\n```\n", "notebook", "ZeroDivisionError"),
-    ],
-    ids=lambda value: value.strip().splitlines()[0][:40] if value else "",
-)
-def test_what_is_wrong_stops_the_build(tmp_path: Path, page: str, settings: str, complaint: str):
-    head = NOTEBOOK if settings == "notebook" else ""
-    done = built(tmp_path, f"{head}# Page\n\n{page}", "" if head else settings)
+@pytest.mark.parametrize("name", ["formulas", "more formulas"])
+def test_formulas_are_set_as_formulas_wherever_they_stand(sites: dict[str, Site], name: str):
+    site = sites[name]
 
-    assert done.returncode != 0
-    assert complaint in done.stderr
+    assert "a formula is left in the text" not in site.words
+    assert site.html
+    assert "$" not in re.sub(r"<pre>.*?</pre>", "", site.html, flags=re.DOTALL)
+
+
+@pytest.mark.parametrize("name", [name for name, (*_, complaint) in SITES.items() if complaint])
+def test_what_is_wrong_stops_the_build(sites: dict[str, Site], name: str):
+    assert sites[name].code != 0
+    assert SITES[name][2] in sites[name].words
 
 
 def test_lines_that_are_left_out_are_marked(extension: Callable[[str], Any]):
