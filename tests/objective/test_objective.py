@@ -1,0 +1,170 @@
+"""The objective of a problem: one form in every ring, and Davenport's matrix made once."""
+
+from __future__ import annotations
+
+import sys
+from fractions import Fraction
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+import casadi
+import numpy as np
+import pytest
+import strategies
+import sympy
+from flint import arb, ctx
+from hypothesis import given
+
+import certreg
+from certreg.equilibrium.batch import solve_many
+from certreg.geometry.constraints import homogeneous
+from certreg.geometry.so3 import davenport_matrix, quadratic_form, rotation_matrix, squared_norm
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.moments import exact_moments
+
+if TYPE_CHECKING:
+    from certreg.objective.objective import Objective
+
+checker_module = import_module("certreg.verify")  # the name of the function, too
+Q = (2, -1, 3, 5)
+CHART = (1, 2, 3, 4)
+TOP_CALLS = 3  # of Davenport's matrix in one run: of the objective, of Horn, of the checker
+
+
+def objective_of(problem) -> Objective:
+    return Isotropic(exact_moments(problem))
+
+
+def energy_at(problem, q, translation):
+    """Sum of w |y - R x - t|^2 over the points, in fractions."""
+    norm, rows = squared_norm(q), rotation_matrix(q)
+    total = Fraction(0)
+    for x, y, w in zip(problem.source, problem.target, problem.weights, strict=True):
+        for row, t, there in zip(rows, translation, y, strict=True):
+            moved = sum(Fraction(a) * Fraction(b) for a, b in zip(row, x.tolist(), strict=True))
+            total += Fraction(w) * (Fraction(there) - moved / norm - t) ** 2
+    return total
+
+
+@given(strategies.problems())
+def test_form_value_energy_and_best_translation_say_the_same(problem):
+    objective, isotropic = objective_of(problem), Isotropic(exact_moments(problem))
+    norm = squared_norm(Q)
+    value = objective.value(Q)
+    form = quadratic_form(objective.form(), homogeneous(rotation_matrix(Q), unit=norm))
+    energy = objective.unit * Fraction(value, norm**2)
+
+    assert form == value
+    assert energy == isotropic.energy(Q)
+    assert energy == energy_at(problem, Q, objective.best_translation(Q))
+    assert objective.free_translations == ()
+
+
+@pytest.mark.parametrize("specimen", strategies.ZOO, ids=lambda s: s.name)
+def test_the_value_is_the_same_in_every_ring(specimen):
+    objective = objective_of(specimen.problem)
+    exact, symbols = objective.value(Q), sympy.symbols("w x y z")
+    unknown: Any = casadi.SX.sym("q", 4)
+    evaluate = casadi.Function("F", [unknown], [objective.value(casadi.vertsplit(unknown))])
+
+    assert objective.value(tuple(map(Fraction, Q))) == exact
+    assert objective.value(tuple(map(float, Q))) == pytest.approx(float(exact), rel=1e-12)
+    assert sympy.expand(objective.value(symbols)).subs(dict(zip(symbols, Q, strict=True))) == exact
+    assert float(evaluate(Q)) == pytest.approx(float(exact), rel=1e-12)
+    with ctx.workprec(200):
+        assert objective.value(tuple(map(arb, Q))) == exact
+
+
+@pytest.mark.parametrize("specimen", strategies.ZOO, ids=lambda s: s.name)
+def test_gradient_and_hessian_are_the_derivatives(specimen):
+    objective, q = objective_of(specimen.problem), sympy.symbols("w x y z")
+    value = sympy.expand(objective.value(q))
+    gradient, hessian = objective.gradient(q), objective.hessian(q)
+
+    for i in range(4):
+        assert sympy.expand(gradient[i] - sympy.diff(value, q[i])) == 0
+        for j in range(4):
+            assert sympy.expand(hessian[i][j] - sympy.diff(value, q[i], q[j])) == 0
+
+
+@pytest.mark.parametrize("specimen", strategies.ZOO, ids=lambda s: s.name)
+def test_the_system_vanishes_where_the_gradient_is_radial_and_nowhere_near(specimen):
+    objective = Isotropic(exact_moments(specimen.problem))
+    system = objective.equilibrium_system(CHART)
+    size, bits = objective.largest_entry or 1, objective.eigenspaces.bits
+    for vector, value in zip(objective.eigenvectors, objective.eigenvalues, strict=True):
+        q = [Fraction(entry, 1 << bits) for entry in vector]
+        reach = sum(a * b for a, b in zip(CHART, q, strict=True))
+        if abs(reach) < Fraction(1, 1000):
+            continue  # at infinity of this chart
+        along = [entry / reach for entry in q]
+        level = value / objective.moments.cross_unit
+        residuals = [abs(r) / size for r in system.evaluate((*along, level))]
+        gradient = objective.gradient(along)
+        radial = [
+            gradient[i] * along[j] - gradient[j] * along[i] for i in range(4) for j in range(i)
+        ]
+        scale = abs(objective.value(along)) + max(map(abs, gradient)) + 1
+        assert max(residuals) < Fraction(1, 10**40)
+        assert max(map(abs, radial)) < scale * Fraction(1, 10**40)
+        assert max(map(abs, system.evaluate((*along, level + size)))) > 0
+
+
+def counted(monkeypatch) -> dict[str, list[Any]]:
+    """Calls of the two builders of Davenport's matrix, wherever they were imported."""
+    calls: dict[str, list[Any]] = {"certreg": [], "checker": []}
+    checkers = checker_module.davenport
+
+    def built(C):
+        calls["certreg"].append(C)
+        return davenport_matrix(C)
+
+    def checked(C):
+        calls["checker"].append(C)
+        return checkers(C)
+
+    for name, module in list(sys.modules.items()):
+        if name.startswith("certreg.") and getattr(module, "davenport_matrix", None) is not None:
+            monkeypatch.setattr(module, "davenport_matrix", built)
+    monkeypatch.setattr(checker_module, "davenport", checked)
+    return calls
+
+
+def is_of_the_moments(C, problem) -> bool:
+    """Whether C is a multiple of the cross-covariance, and not some rotation."""
+    known = np.array([[float(e) for e in row] for row in exact_moments(problem).cross])
+    given = np.array([[float(e) for e in row] for row in C])
+    known, given = known / np.linalg.norm(known), given / np.linalg.norm(given)
+    return bool(np.allclose(known, given, atol=1e-9))
+
+
+def test_one_run_makes_davenports_matrix_of_the_moments_three_times(monkeypatch):
+    """Of the objective, of Horn's closed form in doubles, of the checker."""
+    problem = strategies.random_problem(np.random.default_rng(5), noise=1.0)
+    certreg.certify(problem)  # the relaxation is compiled once in a process, from symbols
+    calls = counted(monkeypatch)
+    certreg.certify(problem)
+    ours = [C for C in calls["certreg"] if is_of_the_moments(C, problem)]
+
+    assert len(calls["checker"]) == 1
+    assert len(ours) + len(calls["checker"]) <= TOP_CALLS
+
+
+def test_batches_and_register_build_no_objective_and_agree_with_it(monkeypatch):
+    problem = strategies.random_problem(np.random.default_rng(6), noise=0.3)
+    objective = Isotropic(exact_moments(problem))
+    best = np.array(objective.quaternions[0], dtype=float)
+    best /= np.linalg.norm(best)
+    shift = [float(entry) for entry in objective.best_translation(objective.quaternions[0])]
+
+    def forbidden(self, *_):
+        raise AssertionError(self)
+
+    monkeypatch.setattr(Isotropic, "__init__", forbidden)
+    solved = solve_many(problem.source, problem.target[None])
+    pose = certreg.register(problem.source, problem.target)
+
+    assert abs(solved.quaternions[0, 0] @ best) == pytest.approx(1.0, abs=1e-14)
+    assert abs(pose.quaternion_wxyz @ best) == pytest.approx(1.0, abs=1e-14)
+    assert solved.translations[0, 0] == pytest.approx(shift, abs=1e-12)
+    assert pose.translation == pytest.approx(shift, abs=1e-12)
