@@ -77,7 +77,7 @@ class Isotropic:
 
     # --- the objective
 
-    @cached_property
+    @property
     def unit(self) -> Fraction:
         """What 1 is worth, in units of the energy."""
         return power_of_two(self.moments.weight_exponent + 2 * self._least) / self.moments.mass
