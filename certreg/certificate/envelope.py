@@ -63,7 +63,8 @@ class Certificate(Generic[AnyBody_co]):
         """The certificate in a file, a path or its bytes. Proves nothing: ask `certreg.verify`.
 
         As strict as the checker: it must have all keys of its kind, of the right types and sizes,
-        and no others. Raises InvalidFileError where the file cannot be read or is not well-formed.
+        and no others. Stricter in one thing: a state in `basin` is there or null, not null in part.
+        Raises InvalidFileError where the file cannot be read or is not well-formed.
         """
         content = certificate_bytes(certificate)
         name = "the certificate" if isinstance(certificate, bytes) else shown(certificate)
@@ -72,6 +73,7 @@ class Certificate(Generic[AnyBody_co]):
             fields: dict[str, Any] = json.loads(content)
             text = fields["problem"]["data"]
             data = None if text is None else base64.b64decode(text, validate=True)
+            body = KINDS[fields["kind"]].from_fields(fields)
         except (RefusalError, ValueError, MemoryError) as error:
             reason = str(error) or "not enough memory"
             message = f"{name}: is no certificate ({reason}): give a file that certreg wrote"
@@ -82,7 +84,7 @@ class Certificate(Generic[AnyBody_co]):
             n=fields["problem"]["n"],
             digest=fields["problem"]["digest"],
             data=data,
-            body=KINDS[fields["kind"]].from_fields(fields),
+            body=body,
             about=fields["about"],
         )
 

@@ -79,8 +79,14 @@ class RotationState:
         return {"angular_velocity": velocity, "quaternion": list(self.quaternion)}
 
     @classmethod
-    def from_fields(cls, fields: dict[str, Any]) -> RotationState:
-        """The inverse of `to_fields`."""
+    def from_fields(cls, fields: dict[str, Any]) -> RotationState | None:
+        """The inverse of `to_fields`; None if all is null. Raises ValueError if a part is."""
+        missing = [name for name, value in fields.items() if value is None]
+        if len(missing) == len(fields):
+            return None
+        if missing:
+            message = f"basin.{missing[0]} is null beside a state"
+            raise ValueError(message)
         *velocity, exponent = fields["angular_velocity"]
         return cls(
             quaternion=tuple(fields["quaternion"]),

@@ -300,6 +300,26 @@ def spoilt(certificate):
     yield "base64", json.dumps({**honest, "problem": problem}).encode()
 
 
+@pytest.mark.parametrize("missing", [(), ("quaternion",), ("angular_velocity",)])
+def test_a_state_that_is_null_in_part_is_refused_and_in_whole_is_none(missing):
+    """The checker accepts both where nothing is claimed of the state."""
+    certificate = certificate_of(strategies.random_problem(np.random.default_rng(0)))
+    assert certificate is not None
+    fields = json.loads(certificate.to_json())
+    state = {"quaternion": [1, 0, 0, 0], "angular_velocity": [0, 0, 0, 0]}
+    fields["basin"] = {**state, **dict.fromkeys(missing or state)}
+    content = json.dumps(fields).encode()
+
+    assert check(content).verified
+    if missing:
+        with pytest.raises(InvalidFileError, match=rf"\(basin\.{missing[0]} is null"):
+            certreg.Certificate.load(content)
+    else:
+        loaded = certreg.Certificate.load(content)
+        assert loaded.body.to_fields()["basin"] is None
+        assert certreg.Certificate.load(loaded.to_json()) == loaded
+
+
 def test_what_is_no_certificate_is_refused_in_one_line(tmp_path):
     certificate = certificate_of(strategies.random_problem(np.random.default_rng(0)))
     for words, content in spoilt(certificate):
