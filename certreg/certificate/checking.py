@@ -52,7 +52,7 @@ def verify_with_coq(
 
     out: where to keep the Coq file that was decided on. Raises MissingToolError without Coq.
     """
-    from certreg.certificate.coqc import decide  # few ask for Coq
+    from certreg.certificate.coq import decide  # few ask for Coq
 
     verdict, source = decide(certificate_bytes(certificate), _bound(problem), tell=_on_stderr)
     if out is not None and source:

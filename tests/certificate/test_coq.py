@@ -22,13 +22,13 @@ import numpy as np
 import pytest
 from commands import certreg
 
-from certreg.certificate.coq import export
-from certreg.certificate.coqc import (
+from certreg.certificate.coq import (
     ASSUMPTIONS,
     AXIOMS,
     axioms,
     axioms_in,
     compiled_proofs,
+    export,
     find_coqc,
     is_compiled,
     needed,

@@ -20,7 +20,7 @@ import certreg
 from certreg import RegistrationProblem, errors
 from certreg.campaign import runner, store, workers
 from certreg.campaign.table import require_parquet
-from certreg.certificate.coqc import find_coqc
+from certreg.certificate.coq import find_coqc
 from certreg.dynamics import bodies_of
 from certreg.equilibrium import solve_many
 from certreg.errors import (
