@@ -26,7 +26,6 @@ from certreg.problem.problem import RegistrationProblem, lift
 from certreg.relaxation.conic import solve, statement
 from certreg.relaxation.qcqp import Form
 from certreg.relaxation.shor import relax
-from certreg.settings import RelaxationSettings
 from tests.strategies import ZOO, Specimen
 
 if TYPE_CHECKING:
@@ -51,8 +50,8 @@ NEARLY = next(specimen for specimen in ZOO if specimen.name == "mirrored tall")
 IMPORT = "import time; t = time.perf_counter(); import cvxpy; print(time.perf_counter() - t)"
 COMPILE = (
     "import time, cvxpy, numpy; from certreg.relaxation.conic import solve; "
-    "from certreg.settings import RelaxationSettings; from certreg.relaxation.qcqp import Form; "
-    "t = time.perf_counter(); solve(Form({!r}), numpy.eye(3), RelaxationSettings()); "
+    "from certreg.relaxation.qcqp import Form; "
+    "t = time.perf_counter(); solve(Form({!r}), numpy.eye(3)); "
     "print(time.perf_counter() - t)"
 )
 
@@ -188,7 +187,7 @@ def _percent(cases: Iterable[bool]) -> float:
 def _speed(form: Form, bound: float) -> Figure:
     C = np.random.default_rng(0).normal(size=(3, 3))
     C /= np.abs(C).max()
-    stated, settings = statement(form), RelaxationSettings()
+    stated = statement(form)
 
     def by_cvxpy() -> float:
         stated.cross_covariance.value = C
@@ -199,10 +198,10 @@ def _speed(form: Form, bound: float) -> Figure:
         anew.cross_covariance.value = C
         return anew.problem.solve(solver="CLARABEL")
 
-    value = solve(form, C, settings).value
+    value = solve(form, C).value
     assert value is not None
     assert abs(value - by_cvxpy()) < 1e-7
-    times = fastest(lambda: solve(form, C, settings), by_cvxpy, fresh, rounds=ROUNDS)
+    times = fastest(lambda: solve(form, C), by_cvxpy, fresh, rounds=ROUNDS)
     again, plain, first = (Quantity(seconds, "s") for seconds in times)
     return Figure(
         what=f"solve {form}",

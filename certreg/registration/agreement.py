@@ -15,7 +15,6 @@ from certreg.native import MATRIX_STATE, named
 from certreg.problem import floating_moments, lift
 from certreg.registration.closed_form import arun, horn
 from certreg.results import Absent
-from certreg.settings import AgreementSettings
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -25,6 +24,13 @@ if TYPE_CHECKING:
     from certreg.objective import Isotropic
     from certreg.problem import RegistrationProblem
     from certreg.relaxation import Relaxation
+
+# A floating-point method whose loss is larger contradicts the certificate. Losses are relative to
+# the alignment between the best and the worst rotation.
+CLOSED_FORM_LOSS = 1e-11  # a thousand times the rounding of an O(N) sum
+RELAXATION_LOSS = 1e-5  # a thousand times the solver's tolerance
+SIMULATION_LOSS = 1e-2  # a run stops at |s'| < 1e-4, near the optimum, not at it
+ENERGY_ULPS = 64.0  # of rounding in a logged energy: a sum of twelve products
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,21 +53,21 @@ def agreement(
     trajectory: Trajectory | Absent,
 ) -> Agreement:
     """How well the roads agree. Raises ContradictionError if one ends where it must not."""
-    settings, closed = AgreementSettings(), list[float]()
+    closed = list[float]()
     moments = floating_moments(problem)
     for name, form in (("Horn's closed form", horn), ("Arun's closed form", arun)):
         quaternion = form(moments.cross_covariance)
-        if objective.relative_loss(lift(quaternion).integers) > settings.closed_form_loss:
+        if objective.relative_loss(lift(quaternion).integers) > CLOSED_FORM_LOSS:
             # weights or lengths more than 300 decades apart vanish from sums of doubles
             quaternion = form(_rounded_covariance(objective))
-        closed.append(_angle(objective, name, quaternion, settings.closed_form_loss))
+        closed.append(_angle(objective, name, quaternion, CLOSED_FORM_LOSS))
     relaxed = None
     if not isinstance(relaxation, Absent) and relaxation.quaternion_wxyz is not None:
         name, place = "the semidefinite relaxation", relaxation.quaternion_wxyz
-        relaxed = _angle(objective, name, place, settings.relaxation_loss)
+        relaxed = _angle(objective, name, place, RELAXATION_LOSS)
     simulated = None
     if not isinstance(trajectory, Absent):
-        allowed = settings.simulation_loss if trajectory.converged else math.inf
+        allowed = SIMULATION_LOSS if trajectory.converged else math.inf
         simulated = _angle(objective, "the simulation", trajectory.quaternion, allowed)
     return Agreement(closed_form=max(closed), relaxation=relaxed, simulation=simulated)
 
@@ -83,7 +89,7 @@ def require_sound_trajectory(
     minimum = objective.energy(body.quaternion) - body.gap
     centres = np.square(named(trajectory.states, MATRIX_STATE)["c"]).sum(axis=1)
     terms = 3.0 * float(moments.spread / unit) + centres
-    ulps = AgreementSettings().energy_ulps + trajectory.steps
+    ulps = ENERGY_ULPS + trajectory.steps
     slack = ulps * np.finfo(float).eps * terms
     if (trajectory.potential < float(minimum / unit) - slack).any():
         message = "the simulation went below the certified minimum: please report this"

@@ -22,9 +22,11 @@ from certreg.relaxation.qcqp import Form, quadratic_program
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.settings import RelaxationSettings
-
 SOLVER = "Clarabel"
+# How far the solver goes. Data are scaled so that the largest entry is near 1.
+GAP_TOLERANCE = 1e-8  # Clarabel's own default
+FEASIBILITY_TOLERANCE = 1e-8  # as above
+MAX_ITERATIONS = 100  # seven are usual
 
 
 class RelaxationStatus(enum.Enum):
@@ -111,14 +113,14 @@ def statement(form: Form) -> Statement:
     return Statement(problem=problem, cross_covariance=C, solution=Z)
 
 
-def solve(form: Form, C: NDArray[np.float64], settings: RelaxationSettings) -> ConicSolution:
+def solve(form: Form, C: NDArray[np.float64]) -> ConicSolution:
     """The solution of a relaxation for a finite C (3, 3) with its largest entry near 1, or zero.
 
     The tolerances of a solver are absolute as much as relative: far from 1 they mean little.
     """
     try:
         compiled = _compiled(form)
-        found = _call(compiled, compiled.cost @ C.ravel(), settings)
+        found = _call(compiled, compiled.cost @ C.ravel())
     except ImportError as error:
         return ConicSolution(status=RelaxationStatus.UNAVAILABLE, said=str(error))
     said = str(found.status)
@@ -179,15 +181,15 @@ def _conic_data(stated: Statement, C: NDArray[np.float64]) -> dict[str, Any]:
         raise ImportError(str(error)) from error
 
 
-def _call(compiled: _Compiled, cost: NDArray[np.float64], settings: RelaxationSettings) -> Any:
+def _call(compiled: _Compiled, cost: NDArray[np.float64]) -> Any:
     import clarabel  # pyright: ignore[reportMissingTypeStubs, reportMissingModuleSource]
 
     solver: Any = clarabel
     options = solver.DefaultSettings()
     options.verbose = False
-    options.max_iter = settings.max_iterations
-    options.tol_gap_abs = options.tol_gap_rel = settings.gap_tolerance
-    options.tol_feas = settings.feasibility_tolerance
+    options.max_iter = MAX_ITERATIONS
+    options.tol_gap_abs = options.tol_gap_rel = GAP_TOLERANCE
+    options.tol_feas = FEASIBILITY_TOLERANCE
     cones = [solver.ZeroConeT(compiled.equalities), solver.PSDTriangleConeT(compiled.size)]
     data = (compiled.curvature, cost, compiled.rows, compiled.right, cones, options)
     return solver.DefaultSolver(*data).solve()

@@ -17,13 +17,14 @@ from certreg.exact import power_of_two
 from certreg.geometry import canonical, quaternion_from_matrix
 from certreg.relaxation.conic import ConicSolution, RelaxationStatus, solve, solver_name
 from certreg.relaxation.qcqp import Form
-from certreg.settings import RelaxationSettings
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.geometry import Matrix3
     from certreg.objective import Isotropic
+
+RANK_THRESHOLD = 1e-4  # of the largest eigenvalue of Z; the solver's tolerance is 1e-8
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -36,7 +37,7 @@ class Relaxation:
     value: of the relaxation, times unit; not a bound.
     multiplier: the least nu with nu I - K >= 0 as the solver sees it, times unit; not a bound
         either. None in the rotation form.
-    rank: number of eigenvalues of the optimal Z above the threshold of the settings. With m the
+    rank: number of eigenvalues of the optimal Z above RANK_THRESHOLD times the largest. With m the
         multiplicity of the largest eigenvalue of K, the optima span m dimensions in the quaternion
         form and m (m + 1) / 2 in the rotation form, and that is the rank of Z: 1 iff the optimum is
         unique, as far as the solver can tell.
@@ -59,20 +60,15 @@ class Relaxation:
         return None if self.multiplier is None else Fraction(self.multiplier) * self.unit
 
 
-def relax(
-    objective: Isotropic,
-    form: str = Form.QUATERNION,
-    *,
-    settings: RelaxationSettings | None = None,
-) -> Relaxation:
+def relax(objective: Isotropic, form: str = Form.QUATERNION) -> Relaxation:
     """The relaxation of a problem, in one of the two forms of `Form`.
 
     Solved for C over a power of two, each entry rounded once, so at any scale. Raises ValueError
     for a form that does not exist; whatever befalls the solver is a status.
     """
-    settings, form, moments = settings or RelaxationSettings(), _known(form), objective.moments
+    form, moments = _known(form), objective.moments
     shift = max(abs(entry) for row in moments.cross for entry in row).bit_length()
-    found = solve(form, _normalised(moments.cross, shift), settings)
+    found = solve(form, _normalised(moments.cross, shift))
     unit, status = power_of_two(shift) * moments.cross_unit, found.status
     if shift == 0:
         unit = moments.spread or unit
@@ -85,7 +81,7 @@ def relax(
         unit=unit,
         value=found.value,
         multiplier=found.multiplier if form is Form.QUATERNION else None,
-        rank=_rank(found, settings),
+        rank=_rank(found),
         quaternion_wxyz=_quaternion(found, form),
     )
 
@@ -102,11 +98,11 @@ def _normalised(cross: Matrix3[int], shift: int) -> NDArray[np.float64]:
     return np.array([[entry / (1 << shift) for entry in row] for row in cross])
 
 
-def _rank(found: ConicSolution, settings: RelaxationSettings) -> int | None:
+def _rank(found: ConicSolution) -> int | None:
     if found.matrix is None:
         return None
     values = np.linalg.eigvalsh(found.matrix)
-    return int((values > settings.rank_threshold * values[-1]).sum())
+    return int((values > RANK_THRESHOLD * values[-1]).sum())
 
 
 def _quaternion(found: ConicSolution, form: Form) -> NDArray[np.float64] | None:

@@ -43,7 +43,6 @@ from certreg.relaxation.qcqp import (
     rotation_quadratics,
 )
 from certreg.relaxation.shor import relax
-from certreg.settings import RelaxationSettings
 
 PACKAGE = Path(certreg.__file__).parent
 ACCURACY = 1e-7  # of value and multiplier, relative to the largest entry of C
@@ -170,7 +169,7 @@ def test_all_matrices_are_symmetric_and_the_constants_are_integers(form):
 
 def solve(form, C) -> Any:
     """The solution, its numbers taken to be there: where one is missing the test fails."""
-    return conic.solve(form, C, RelaxationSettings())
+    return conic.solve(form, C)
 
 
 def relaxed(moments, form: str = Form.QUATERNION, **options) -> Any:
@@ -236,9 +235,10 @@ def test_a_solve_leaves_no_trace_in_the_next(form):
 
 
 @pytest.mark.parametrize("form", Form)
-def test_a_solver_that_fails_is_a_status_without_numbers(form):
+def test_a_solver_that_fails_is_a_status_without_numbers(form, monkeypatch):
+    monkeypatch.setattr(conic, "MAX_ITERATIONS", 1)
     moments = exact_moments(strategies.random_problem(np.random.default_rng(0)))
-    found = relaxed(moments, form, settings=RelaxationSettings(max_iterations=1))
+    found = relaxed(moments, form)
 
     assert (found.status, found.solver_word) == (RelaxationStatus.FAILED, "MaxIterations")
     assert (found.value, found.multiplier, found.rank) == (None, None, None)
@@ -246,10 +246,11 @@ def test_a_solver_that_fails_is_a_status_without_numbers(form):
     assert found.proposal is None
 
 
-def test_a_solver_that_stops_short_says_so():
+def test_a_solver_that_stops_short_says_so(monkeypatch):
+    monkeypatch.setattr(conic, "GAP_TOLERANCE", 1e-14)
+    monkeypatch.setattr(conic, "FEASIBILITY_TOLERANCE", 1e-14)
     moments = exact_moments(strategies.random_problem(np.random.default_rng(0)))
-    out_of_reach = RelaxationSettings(gap_tolerance=1e-14, feasibility_tolerance=1e-14)
-    found = relaxed(moments, Form.ROTATION, settings=out_of_reach)
+    found = relaxed(moments, Form.ROTATION)
 
     assert (found.status, found.solver_word) == (RelaxationStatus.INACCURATE, "AlmostSolved")
     assert found.value is not None
