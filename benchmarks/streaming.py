@@ -20,7 +20,7 @@ from certreg.native.compiler import FLAGS, find_compiler
 from certreg.problem.floating_sums import CloudPair, compiled, floating_sums
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.alignment import register
+from certreg.registration.closed_form import register
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

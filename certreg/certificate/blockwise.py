@@ -2,6 +2,7 @@
 
 `certreg.verify.check` has all points in memory. Here they may stay in their files, and only the way
 from the points to the checker is new: the digest is taken of the blocks, moments are added up.
+A module of its own: it loads NumPy, and `checking`, which asks it, answers without.
 """
 
 from __future__ import annotations

@@ -8,7 +8,6 @@ from certreg._faces import lazy_face
 
 if TYPE_CHECKING:
     from certreg.registration.agreement import Agreement as Agreement
-    from certreg.registration.alignment import register as register
     from certreg.registration.assessment import Assessment as Assessment
     from certreg.registration.assessment import AssessmentSettings as AssessmentSettings
     from certreg.registration.assessment import assess as assess
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
     from certreg.registration.certification import simulate as simulate
     from certreg.registration.certification import simulated as simulated
     from certreg.registration.closed_form import horn as horn
+    from certreg.registration.closed_form import register as register
     from certreg.registration.covariance import worst_residuals as worst_residuals
     from certreg.registration.enumeration import Enumeration as Enumeration
     from certreg.registration.enumeration import certified_count as certified_count
@@ -47,7 +47,6 @@ __getattr__ = lazy_face(
     __name__,
     {
         "agreement": ("Agreement",),
-        "alignment": ("register",),
         "assessment": (
             "Assessment",
             "AssessmentSettings",
@@ -66,7 +65,10 @@ __getattr__ = lazy_face(
             "simulate",
             "simulated",
         ),
-        "closed_form": ("horn",),
+        "closed_form": (
+            "horn",
+            "register",
+        ),
         "covariance": ("worst_residuals",),
         "enumeration": (
             "Enumeration",

@@ -1,18 +1,111 @@
-"""The two classical closed forms of the optimal rotation, in floating point.
+"""The best pose of two clouds in floating point: fast, and not certified.
 
-Independent of each other and of the exact road: they propose, and are compared with what is proved.
+Two classical closed forms of the rotation, independent of each other and of the exact methods:
+they propose, and are compared with what is proved.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.geometry import canonical, davenport_matrix, quaternion_from_matrix
+from certreg.errors import DegenerateProblemError, InvalidProblemError
+from certreg.geometry import (
+    Pose,
+    canonical,
+    davenport_matrix,
+    quaternion_from_matrix,
+    rotation_matrix,
+)
+from certreg.problem import (
+    checked_threads,
+    cloud_array,
+    finite_doubles,
+    moments_of_clouds,
+    real_numbers,
+)
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
+
+    from certreg.problem import Moments
+
+EIGENVALUE_ROUNDING = 64.0 * 2.0**-53  # of the norm of a 4x4 matrix: more than LAPACK loses
+LARGEST_TURN = 1e-3  # radians by which rounding may turn a pose before it is refused
+
+
+def register(
+    source: ArrayLike, target: ArrayLike, weights: ArrayLike | None = None, *, threads: int = 1
+) -> Pose:
+    """The pose that takes `source` to `target`, row i to row i, in floating point: not certified.
+
+    For those who need only the pose, fast: one pass over the points, with no copy of them, then
+    Horn's closed form [Horn1987]. `certreg.certify` proves its pose, and finds all equilibria.
+
+    source, target: (N, 3) in one unit of length. Arrays of float64 and float32 are read where they
+        stand, with any strides: slices, transposes of 3xN arrays (`cloud.T`), arrays that are
+        mapped from files. weights: (N,), >= 0; None: all are one. threads: the pose is the same to
+        the bit for every number of them.
+
+    Raises InvalidProblemError for arrays that are no clouds in correspondence or a number of
+    threads below 1, and DegenerateProblemError where rounding may turn the pose by more than
+    1e-3 rad: above all where the best rotation is not unique, as for points on one line.
+
+    >>> pose = register([[0, 0, 0], [1, 0, 0], [0, 2, 0]], [[5, 0, 0], [5, 1, 0], [3, 0, 0]])
+    >>> pose.translation.round(9)
+    array([5., 0., 0.])
+    """
+    threads = checked_threads(threads)
+    x = _readable(cloud_array(source, "source"), "source")
+    y = _readable(cloud_array(target, "target"), "target")
+    if len(x) != len(y):
+        message = (
+            f"source has {len(x)} points, target has {len(y)}: correspondences pair row i with "
+            "row i, so both need the same number"
+        )
+        raise InvalidProblemError(message, array="target", value=len(y), limit=len(x))
+    w = None if weights is None else _readable(real_numbers(weights, "weights"), "weights")
+    if w is not None and w.shape != (len(x),):
+        message = f"weights has shape {w.shape}: expected ({len(x)},), one per point"
+        raise InvalidProblemError(message, array="weights", value=w.shape, limit=(len(x),))
+    moments = moments_of_clouds(x, y, w, threads=threads)
+    quaternion = _optimal_quaternion(moments)
+    rotation = np.array(rotation_matrix(tuple(quaternion.tolist())))
+    return Pose(
+        rotation=rotation,
+        translation=moments.target_centroid - rotation @ moments.source_centroid,
+        quaternion_wxyz=quaternion,
+    )
+
+
+def _optimal_quaternion(moments: Moments) -> NDArray[np.float64]:
+    """The unit eigenvector (4,) of the largest eigenvalue of the Davenport matrix K.
+
+    With every entry of C off by at most r, K is off by at most 3 sqrt(3) r, since K(E) has the
+    eigenvalues s1 +- s2 +- s3 of the singular values of E. If e bounds that and the rounding of the
+    eigenvalues, sin(theta / 2) <= e / (l1 - l2 - e) for the angle theta of the pose [Davis1970].
+    """
+    davenport = np.array(davenport_matrix(moments.cross_covariance.tolist()))
+    values, vectors = np.linalg.eigh(davenport)
+    gap = float(values[-1] - values[-2])
+    error = 3.0 * math.sqrt(3.0) * moments.rounding
+    error += EIGENVALUE_ROUNDING * float(np.linalg.norm(davenport))
+    if not 2.0 * error < LARGEST_TURN * (gap - error):
+        message = (
+            "floating point does not tell the rotation: the two largest eigenvalues of the "
+            f"Davenport matrix are {gap:.3g} apart, and rounding may move them by {error:.3g}; "
+            "certreg.certify decides exactly whether the best rotation is unique"
+        )
+        raise DegenerateProblemError(message, value=gap, limit=error)
+    return canonical(vectors[:, -1])
+
+
+def _readable(array: NDArray[Any], name: str) -> NDArray[Any]:
+    """The array, if every entry of its type is a double; else its values, if they all are."""
+    floating = array.dtype.kind == "f" and array.dtype.itemsize <= 8
+    return array if floating else finite_doubles(array, name)
 
 
 def horn(cross_covariance: NDArray[np.float64]) -> NDArray[np.float64]:
