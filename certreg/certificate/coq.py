@@ -3,7 +3,8 @@
 Nothing is computed here but powers of two taken out of the doubles; `Checker.v` recomputes the
 rest, and its theorem `checker_sound` says what an accepted file proves. The form of the file, its
 digest and the finiteness of its numbers are checked while reading, by the code of `certreg.verify`.
-The proofs are found, compiled once, and `coqc` is run on the file.
+The proofs are found, compiled once, and `coqc` is run on the file. A module of its own: few ask
+for Coq, and `checking`, which alone asks here, is short to read without.
 """
 
 from __future__ import annotations

@@ -7,7 +7,8 @@ root is real. In complex arithmetic a coordinate whose imaginary part is not zer
 box proves the root not to be real. False means not proved, not disproved.
 
 Where a box is not mapped into itself, the same is done with twice the bits. As many disjoint boxes
-as there are roots at most are a complete list. Nothing is known here of what is solved.
+as there are roots at most are a complete list. A module of its own: nothing is known here of what
+is solved.
 """
 
 from __future__ import annotations

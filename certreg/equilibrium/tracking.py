@@ -2,8 +2,8 @@
 
 H(x, t) = gamma t G(x) + (1 - t) F(x), t from 1 (the start system G) to 0 (the target F). With a
 random complex gamma the paths meet no singularity before t = 0, with probability one [Sommese2005].
-All paths of all instances advance at once, each with its own t and step. The tracker knows nothing
-of what it solves: any two systems of n polynomials in n unknowns will do.
+All paths of all instances advance at once, each with its own t and step. A module of its own: the
+tracker knows nothing of what it solves; any two systems of n polynomials in n unknowns will do.
 
 This is floating point: it proposes. What became of each path is said for each path.
 """

@@ -5,7 +5,7 @@ loaded. Both are written under temporary names and renamed: several processes ma
 last one wins, and all are equal. A process that reads between the two renames sees a digest that
 does not fit, and compiles for itself.
 
-Apart from the compiler: which folders, and which files in them, are trusted is judged here alone.
+A module of its own: which folders, and which files in them, are trusted is judged here alone.
 """
 
 from __future__ import annotations

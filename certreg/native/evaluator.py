@@ -1,7 +1,8 @@
 """The same functions and loops without a compiler: CasADi evaluates, Python loops.
 
 Slower by a factor of hundreds, the same numbers up to rounding. `Evaluator.run` does what
-native/loop.h, escape.c and midpoint.c do, in the same order.
+native/loop.h, escape.c and midpoint.c do, in the same order. A module of its own: it is one of two
+engines, as `library` is the other, and `engine` chooses.
 """
 
 from __future__ import annotations

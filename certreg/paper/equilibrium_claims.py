@@ -3,6 +3,7 @@
 A claim that is true must be seen to hold in every run; one that is false as stated, or true under a
 condition only, must be seen to fail on its counterexample, on which the shipped code is run: the
 audit's own proof of it is in fractions and shares nothing with that.
+`verdicts` has the table of all claims; they stand in two modules by what they are about.
 """
 
 from __future__ import annotations

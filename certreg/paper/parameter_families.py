@@ -1,5 +1,7 @@
 """Families of random instances along one parameter: what `parameter_sweeps` measures.
 
+A module of its own: both together would be too long.
+
 >>> import numpy as np
 >>> sample = FAMILIES["symmetry"].sample(np.random.default_rng(0), 1e-3, 50)
 >>> sample.sources.shape, sample.targets.shape

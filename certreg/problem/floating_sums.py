@@ -4,6 +4,7 @@ Both add up blocks of 256 points, and the blocks with what rounding takes from e
 deviations x, y from the origins as rounded doubles, u = 2^-53, and A the sum of the terms' absolute
 values, every sum is within 260 u A of the exact one: 255 additions in any order [Higham2002, 4.2],
 two roundings of a product of three, three of sums of blocks; what is left is of order N u^2.
+A module of its own: it adds up, and `moments`, long enough, says of what and how well.
 """
 
 from __future__ import annotations

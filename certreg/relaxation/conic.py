@@ -1,9 +1,10 @@
 """The semidefinite programs: stated in CVXPY once per process, solved by Clarabel every time.
 
-The only module that imports them, where they are used: the import takes about a second. A program
-depends on C through its cost alone, and linearly. So CVXPY compiles it once, the cost is read off
-at the nine unit matrices, and a solve is a matrix product and one call of Clarabel, with no state
-from solve to solve. What the libraries complain of becomes a status here and goes no further.
+A module of its own: the only one that imports them, where they are used, as the import takes about
+a second. A program depends on C through its cost alone, and linearly. So CVXPY compiles it once,
+the cost is read off at the nine unit matrices, and a solve is a matrix product and one call of
+Clarabel, with no state from solve to solve. What the libraries complain of becomes a status here
+and goes no further.
 """
 
 from __future__ import annotations

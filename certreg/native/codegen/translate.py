@@ -2,6 +2,7 @@
 
 Sums, products, integer powers and square roots become the same in CasADi, and equal subexpressions
 are computed once. One rewriting: terms with equal numbers before them are added, then multiplied.
+A module of its own: it knows SymPy and no C, and `emit` knows C and no SymPy.
 """
 
 from __future__ import annotations
