@@ -344,7 +344,7 @@ def test_certify_says_which_road_it_left_out_and_why(tmp_path: Path, monkeypatch
     told = certreg("certify", *thin)
     reason = certreg("certify", *thin, "--json").document["reasons"]["simulation"]
     asked = certreg("certify", *thin, "--no-simulation", "--no-relaxation")
-    monkeypatch.setattr(pipeline, "_relaxation", lambda _: (None, "out of luck"))
+    monkeypatch.setattr(pipeline, "_relaxation", lambda _: Absent("out of luck"))
     unlucky = certreg("certify", *thin, "--no-simulation")
 
     assert f"  simulation        left out: {reason}\n" in told.out

@@ -130,13 +130,15 @@ SITES = {
     "other program": ("```{command} rm -r survey\n```\n", "", "pages run certreg"),
     "failing cell": (f"{NOTEBOOK}# Page\n\n```{{code-cell}} ipython3\n1 / 0\n```\n", "", "ZeroDiv"),
 }
-# One interpreter loads Sphinx and forks for each site, so that none sees another's configuration.
+# One interpreter loads Sphinx, by building the first site, and forks for each, so that none sees
+# another's configuration.
 BUILDER = """\
 import os, pathlib, sys
 import myst_nb, sympy
 from sphinx.cmd.build import main
 import derivations.book
 
+main(["-q", "-b", "html", sys.argv[1], sys.argv[1] + "/html"])
 for folder in map(pathlib.Path, sys.argv[1:]):
     if os.fork() == 0:
         words = os.open(folder / "words", os.O_WRONLY | os.O_CREAT)
@@ -166,7 +168,9 @@ def sites(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Site]:
     for name, folder in folders.items():
         page, settings, _ = SITES[name]
         write_site(folder, page if page.startswith(NOTEBOOK) else f"# Page\n\n{page}", settings)
-    command = [sys.executable, "-c", BUILDER, *map(str, folders.values())]
+    first = root / "first"
+    write_site(first, "# Page\n\nAs in [Horn1987].\n", "")
+    command = [sys.executable, "-c", BUILDER, *map(str, (first, *folders.values()))]
     subprocess.run(command, check=True, cwd=DOCS.parent, stdin=subprocess.DEVNULL)
     return {name: finished(folder) for name, folder in folders.items()}
 

@@ -277,6 +277,7 @@ def test_what_converged_is_within_a_thousandth_of_a_radian(registrations):
         assert (off < 1e-3 + 1e-6)[ends.converged].all()
 
 
+@pytest.mark.slow
 @each_integrator
 @pytest.mark.parametrize(("scale", "damping"), [(1e-3, 2.8), (1e-5, 2.8), (1e-50, 2.8), (1, 1e5)])
 def test_a_body_that_is_slow_far_from_the_optimum_goes_on(scale, damping, integrator):

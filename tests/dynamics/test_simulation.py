@@ -130,6 +130,7 @@ def test_five_hundred_random_problems_end_in_the_proved_basin():
         proved += 1
 
 
+@pytest.mark.slow
 def test_a_nearly_ambiguous_problem_is_slow_but_ends_in_the_proved_basin():
     mirrored = np.array(AXES) * [1.0, 1.0, -math.sqrt(3.9)]  # d3 near -d2: a margin of 1/250
     source = np.array(AXES) * [1.0, 1.0, 2.0]
