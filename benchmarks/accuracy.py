@@ -53,12 +53,12 @@ def measure() -> Iterator[Figure]:
 
 
 def _figure(what: str, bound: float, errors: Sequence[dict[str, float]]) -> Figure:
-    worst = {road: _worst(each[road] for each in errors) for road in errors[0]}
+    worst = {method: _worst(each[method] for each in errors) for method in errors[0]}
     return Figure(
         what=what,
-        value=Quantity(_worst(worst[road] for road in OURS if road in worst), "rad"),
+        value=Quantity(_worst(worst[method] for method in OURS if method in worst), "rad"),
         bound=bound,
-        beside={road: Quantity(error, "rad") for road, error in worst.items()},
+        beside={method: Quantity(error, "rad") for method, error in worst.items()},
     )
 
 
@@ -68,7 +68,7 @@ def _worst(errors: Iterable[float]) -> float:
 
 
 def _errors(problem: RegistrationProblem) -> dict[str, float]:
-    """Radians, of each road to the rotation."""
+    """Radians, of each method to the rotation."""
     reference = optimal_quaternion(problem.source, problem.target, problem.weights)
     moments = floating_moments(problem)
     answers = {
@@ -76,7 +76,7 @@ def _errors(problem: RegistrationProblem) -> dict[str, float]:
         "Horn": horn(moments.cross_covariance),
         "Arun": arun(moments.cross_covariance),
     }
-    errors = {road: angle(answer.tolist(), reference) for road, answer in answers.items()}
+    errors = {method: angle(answer.tolist(), reference) for method, answer in answers.items()}
     return errors | {"SciPy": _scipy_error(problem, reference)}
 
 
@@ -85,7 +85,9 @@ def _errors_of(peers: Sequence[Peer], source: Any, target: Any) -> dict[str, flo
     problem = RegistrationProblem(source, target)
     reference = optimal_quaternion(problem.source, problem.target, problem.weights)
     poses = {"certreg": register(source, target), "certreg, with proof": solve(problem).pose}
-    errors = {road: angle(pose.quaternion_wxyz.tolist(), reference) for road, pose in poses.items()}
+    errors = {
+        method: angle(pose.quaternion_wxyz.tolist(), reference) for method, pose in poses.items()
+    }
     return errors | {peer.name: _peer_error(peer, source, target, reference) for peer in peers}
 
 

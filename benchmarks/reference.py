@@ -1,4 +1,4 @@
-"""The optimal rotation to 60 digits, by a road that shares no code with certreg.
+"""The optimal rotation to 60 digits, by a method that shares no code with certreg.
 
 For a unit quaternion q and pure quaternions x, y: y . (q x q*) = (y q) . (q x). So the sum of
 w y . R(q) x is the quadratic form in q with the entries sum of C[a][b] (e_a e_i) . (e_j e_b).

@@ -42,9 +42,9 @@ def check_in_blocks(certificate: bytes, problem: RegistrationProblem) -> Outcome
 
 
 def check_on_sums(certificate: bytes, problem: RegistrationProblem) -> Outcome:
-    """The checker's proofs on exact sums by another road than those that a certificate is made of.
+    """The checker's proofs on exact sums by another method than a certificate's own.
 
-    For certificates just made: a thousand times faster, and two roads would have to err alike.
+    For certificates just made: a thousand times faster, and two methods would have to err alike.
     """
     return _checked(certificate, problem, _table_of_sums)
 
@@ -97,7 +97,7 @@ def _added_moments(problem: RegistrationProblem) -> tuple[Table, int]:
 
 
 def _table_of_sums(problem: RegistrationProblem) -> tuple[Table, int]:
-    """The same from sums by a road that the problem's moments did not take."""
+    """The same from sums by a method that the problem's moments did not take."""
     found = sums_by(second_method(problem), problem)
     a, b, c = (
         e or 0 for e in (found.source_exponent, found.target_exponent, found.weight_exponent)

@@ -72,7 +72,7 @@ def check_own(certificate: Certificate[Body], problem: RegistrationProblem) -> V
     """The checker's answer on a certificate just made, from its bytes, as a stranger would.
 
     Of many points it does not add up all products again, which takes a stranger 15 seconds for a
-    million: its proofs are run on exact sums by another road than those the certificate is made of.
+    million: its proofs are run on exact sums by another method than those that it is made of.
     """
     if problem.n <= PYTHON_POINTS:
         return verify(certificate.to_json(), problem)

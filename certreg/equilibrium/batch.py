@@ -2,7 +2,7 @@ r"""All equilibria of many problems at once, and which of the answers doubles ar
 
 For campaigns of millions of instances. Nothing here is a certificate: an instance that is `decided`
 has exactly four equilibria, listed in the order of their Morse index, by the bound below and the
-theorem that an equilibrium is an eigenvector of the Davenport matrix. The others go the exact road
+theorem that an equilibrium is an eigenvector of the Davenport matrix. The others go the exact way
 (`exactly`), one by one.
 
 >>> import numpy as np
@@ -172,7 +172,7 @@ def exactly(
     weights: ArrayLike | None = None,
     damping: float = DEFAULT_DAMPING,
 ) -> EquilibriumSet:
-    """All equilibria of one problem in exact arithmetic: the road for what is not decided."""
+    """All equilibria of one problem in exact arithmetic: for what is not decided."""
     problem = RegistrationProblem(source, target, weights=weights, damping=damping)
     objective = Isotropic(exact_moments(problem))
     return equilibrium_set(by_eigenspaces(objective), objective, problem.damping)

@@ -112,7 +112,7 @@ def classify(moments: ExactMoments) -> Classification:
 
 
 def with_pattern(moments: ExactMoments, pattern: Pattern) -> Classification:
-    """The classification of a problem whose pattern is known, from whichever road."""
+    """The classification of a problem whose pattern is known, by whichever method."""
     return Classification(
         pattern=pattern,
         inertia_definite=is_positive_definite(moments.inertia),

@@ -1,4 +1,4 @@
-"""Independent roads to one pose: they must agree with the certified one, or something is broken."""
+"""Independent methods for one pose: they must agree with what is certified."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ ENERGY_ULPS = 64.0  # of rounding in a logged energy: a sum of twelve products
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Agreement:
-    """Angles in radians from the pose of each road to the nearest optimum; None: not taken.
+    """Angles in radians from the pose of each method to the nearest optimum; None: not taken.
 
     closed_form: the larger of Horn's and Arun's.
     """
@@ -52,7 +52,7 @@ def agreement(
     relaxation: Relaxation | Absent,
     trajectory: Trajectory | Absent,
 ) -> Agreement:
-    """How well the roads agree. Raises ContradictionError if one ends where it must not."""
+    """How well the methods agree. Raises ContradictionError if one ends where it must not."""
     closed = list[float]()
     moments = floating_moments(problem)
     for name, form in (("Horn's closed form", horn), ("Arun's closed form", arun)):

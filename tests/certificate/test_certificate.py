@@ -33,7 +33,7 @@ def certificate_of(problem):
 
 
 def certified(problem):
-    """Without the two slow roads: they have tests of their own."""
+    """Without the two slow methods: they have tests of their own."""
     return certreg.certify(problem, relaxation=False, simulation=False)
 
 

@@ -420,7 +420,7 @@ def test_a_pose_without_a_certificate_ends_with_code_4(data: Path, tmp_path: Pat
     assert written == ["pose.txt", "result.json", "trajectory.npz"]
 
 
-def test_two_roads_that_disagree_end_with_code_1(data: Path, monkeypatch):
+def test_two_methods_that_disagree_end_with_code_1(data: Path, monkeypatch):
     monkeypatch.setattr(agreement, "horn", lambda _: np.array([0.0, 1.0, 0.0, 0.0]))
     run = certreg("certify", *SURVEY.paths(data))
 
@@ -529,7 +529,7 @@ def test_what_is_numerical_is_not_called_exact(specimen, tmp_path: Path):
 
 
 @pytest.mark.parametrize("method", ["groebner", "homotopy"])
-def test_one_road_shows_the_columns_of_all(data: Path, method: str):
+def test_one_method_shows_the_columns_of_all(data: Path, method: str):
     def rows(chosen: str) -> dict[str, list[str]]:
         out = certreg("equilibria", *SURVEY.paths(data), "--method", chosen).out
         lines = [re.split("  +", line.strip()) for line in out.partition("\n\n")[2].splitlines()]

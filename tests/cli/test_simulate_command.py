@@ -339,7 +339,7 @@ def test_explicit_euler_names_why_it_cannot(data: Path, tmp_path: Path):
     assert certreg("simulate", *thin, "--integrator", "splitting").code == 0
 
 
-def test_certify_says_which_road_it_left_out_and_why(tmp_path: Path, monkeypatch):
+def test_certify_says_which_method_it_left_out_and_why(tmp_path: Path, monkeypatch):
     thin = nearly_collinear(tmp_path)
     told = certreg("certify", *thin)
     reason = certreg("certify", *thin, "--json").document["reasons"]["simulation"]

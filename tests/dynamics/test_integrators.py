@@ -74,7 +74,7 @@ def rotations(q) -> Any:
 
 
 def best_rotations(clouds: Clouds) -> Any:
-    """The optima by singular values [Umeyama1991], a road that shares nothing with certreg's."""
+    """The optima by singular values [Umeyama1991], a method that shares nothing with certreg's."""
     x = clouds.sources - clouds.sources.mean(axis=1, keepdims=True)
     y = clouds.targets - clouds.targets.mean(axis=1, keepdims=True)
     left, _, right = np.linalg.svd(y.mT @ x)

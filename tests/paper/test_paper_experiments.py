@@ -1,4 +1,4 @@
-"""The experiments of the paper: what they observe obeys laws, and comes out on other roads, too."""
+"""The experiments of the paper: what they observe obeys laws, and other methods observe it, too."""
 
 from __future__ import annotations
 

@@ -79,7 +79,7 @@ def values(found):
 
 @given(wild_problems())
 @settings(max_examples=150)
-def test_every_road_gives_the_same_integers_and_they_are_those_of_the_definition(problem):
+def test_every_method_gives_the_same_integers_and_they_are_those_of_the_definition(problem):
     one, *others = (sums_by(method, problem) for method in SumMethod)
 
     assert others == [one, one]

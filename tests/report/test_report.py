@@ -172,7 +172,7 @@ def test_what_is_not_unique_is_said_first(specimen):
 
 
 @given(*[st.none() | st.floats(0.0, 180.0)] * 2)
-def test_a_road_that_ends_elsewhere_is_not_said_to_lead_here(
+def test_a_method_that_ends_elsewhere_is_not_said_to_lead_here(
     survey: Registration, relaxation: float | None, simulation: float | None
 ):
     angles = {"relaxation": relaxation, "simulation": simulation}

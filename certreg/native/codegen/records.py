@@ -1,8 +1,8 @@
 """The layout of records of doubles that C and Python share: written once, for both.
 
 A record is a row of doubles whose parts have names: numbers, arrays, or other records. C gets
-offsets (layout.h), Python what it makes NumPy's structured types of (layout.json). A module of its
-own: it is about data, `emit` about functions.
+offsets (layout.h), Python what it makes NumPy's structured types of (layout.json).
+A module of its own: it is about data, `emit` about functions.
 """
 
 from __future__ import annotations
