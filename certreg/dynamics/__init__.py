@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from certreg.dynamics.simulation import optimal_damping as optimal_damping
     from certreg.dynamics.simulation import simulate as simulate
     from certreg.dynamics.trajectories import Record as Record
-    from certreg.dynamics.trajectories import read_record as read_record
 
 __getattr__ = lazy_face(
     __name__,
@@ -47,9 +46,6 @@ __getattr__ = lazy_face(
             "optimal_damping",
             "simulate",
         ),
-        "trajectories": (
-            "Record",
-            "read_record",
-        ),
+        "trajectories": ("Record",),
     },
 )

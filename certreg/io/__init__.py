@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from certreg.io.clouds import read_cloud as read_cloud
     from certreg.io.clouds import read_problem as read_problem
     from certreg.io.clouds import write_cloud as write_cloud
-    from certreg.io.npz import read_arrays as read_arrays
     from certreg.io.poses import MAX_POSE_BYTES as MAX_POSE_BYTES
     from certreg.io.poses import ROTATION_TOLERANCE as ROTATION_TOLERANCE
     from certreg.io.poses import read_result_pose as read_result_pose
@@ -49,7 +48,6 @@ __getattr__ = lazy_face(
             "read_problem",
             "write_cloud",
         ),
-        "npz": ("read_arrays",),
         "poses": (
             "MAX_POSE_BYTES",
             "ROTATION_TOLERANCE",

@@ -66,20 +66,6 @@ def parse_npz(stream: BinaryIO, file: Path) -> tuple[NDArray[np.float64], tuple[
     return parse_array(io.BytesIO(content), file), others
 
 
-def read_arrays(
-    stream: BinaryIO, file: Path, names: tuple[str, ...]
-) -> dict[str, NDArray[np.float64]]:
-    """The arrays of these names in an archive, as finite doubles. Raises InvalidFileError."""
-    with _opened(stream, file) as (archive, members):
-        arrays = {member.name: member for member in members if member.shape is not None}
-        missing = [name for name in names if name not in arrays]
-        if missing:
-            message = f"{shown(file)}: holds no numbers named '{missing[0]}': write the file anew"
-            raise InvalidFileError(message, path=file, column=missing[0])
-        contents = {name: _unpacked(archive, arrays[name], file) for name in names}
-    return {name: parse_array(io.BytesIO(text), file) for name, text in contents.items()}
-
-
 @contextmanager
 def _opened(stream: BinaryIO, file: Path) -> Generator[tuple[zipfile.ZipFile, list[Member]]]:
     """An archive and what its directory says of its members; refused if it is none."""
