@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
-from typing import NoReturn
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+T = TypeVar("T")
 
 
 class Guarantee(enum.IntEnum):
@@ -64,6 +69,35 @@ class Absent:
     """Stands where a value is missing, and says why in a sentence: `null` and a reason in JSON."""
 
     reason: str
+
+
+OUT_OF_RANGE = Absent("no double holds the value: change the unit of length")
+
+
+def present(value: T | Absent) -> T | None:
+    """The value; None where it is missing."""
+    return None if isinstance(value, Absent) else value
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Explained:
+    """A result whose missing values are None, and whose `absent` says why.
+
+    absent: of each attribute that is None and has a reason; of what is given, only these are kept.
+    """
+
+    absent: Mapping[str, Absent] = field(
+        default_factory=dict[str, Absent], compare=False, repr=False
+    )
+
+    def __post_init__(self) -> None:
+        missing = {name: why for name, why in self.absent.items() if getattr(self, name) is None}
+        object.__setattr__(self, "absent", missing)
+
+    def stated(self, name: str) -> Any:
+        """The attribute of that name, or the Absent that stands for it."""
+        value = getattr(self, name)
+        return self.absent[name] if value is None else value
 
 
 class Optimality(enum.Enum):

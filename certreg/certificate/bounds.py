@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 from certreg.exact import double_above, double_below, half_angle_bound
 from certreg.geometry import body_frame, squared_norm
 from certreg.problem import lift
+from certreg.results import Absent, Explained
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,9 +26,11 @@ if TYPE_CHECKING:
     from certreg.certificate.isotropic import IsotropicBody
     from certreg.objective import Isotropic
 
+NO_ANGLE = Absent("the optimum is not unique: no angle to 'the' optimum exists")
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PoseBounds:
+class PoseBounds(Explained):
     """What is proved of one pose.
 
     least_gap, greatest_gap: exact bounds on objective - minimum, in objective units.
@@ -74,6 +77,7 @@ def pose_bounds(objective: Isotropic, body: IsotropicBody, pose: ExactPose) -> P
         least_gap=max(Fraction(0), above),
         greatest_gap=max(Fraction(0), above + body.gap),
         angle_upper=_angle_upper(body, pose.quaternion),
+        absent={"angle_upper": NO_ANGLE},
     )
 
 

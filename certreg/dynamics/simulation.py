@@ -41,6 +41,7 @@ from certreg.native import (
     named,
     plain,
 )
+from certreg.results import Absent, Explained
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -60,6 +61,9 @@ SHORT_STEP = 0.1  # of the integrator's own: below, a run that did not end is to
 FAR_DAMPING = 4.0  # times the best one, or a fourth of it: as above
 LARGE_TURN = 0.5  # radians of all perturbations, from which on a run is told of them
 
+NO_RATE = Absent("the optimum is not unique: no rate belongs to it")
+TOO_FEW_SAMPLES = Absent("too few logged samples lie between the start and rest")
+
 
 class SimulationStatus(enum.Enum):
     """How a simulation ended; the value is the message shown to the user."""
@@ -75,7 +79,7 @@ class SimulationStatus(enum.Enum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Trajectory:
+class Trajectory(Explained):
     """A simulated registration; logged at evenly spaced steps, the last one included.
 
     times (L,), in the time unit of the springs; states (L, 18) with lengths over
@@ -236,6 +240,10 @@ def _trajectory(
         predicted_rate=_predicted_rate(moving, basin) if unique else None,
         decay_rate=_decay_rate(times, potential + kinetic, moving, basin) if unique else None,
         notes=tuple(_notes(basin, batch, settings)),
+        absent={
+            "predicted_rate": NO_RATE,
+            "decay_rate": TOO_FEW_SAMPLES if unique else NO_RATE,
+        },
     )
 
 

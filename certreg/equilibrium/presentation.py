@@ -22,6 +22,7 @@ from certreg.equilibrium.stability import (
 from certreg.exact import nearest_double, nearest_root, power_of_two
 from certreg.geometry import canonical, dot, rotation_matrix, squared_norm
 from certreg.problem import trace
+from certreg.results import OUT_OF_RANGE, Absent, Explained, present
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -36,10 +37,21 @@ if TYPE_CHECKING:
 LEAST = 5e-324  # the least positive double
 DOUBLE_BITS = 60  # more than a double holds: integers of that size convert without double rounding
 WEAK_MARGIN = 1e-3  # of the range of energies: what separates right from wrong is less
+SINGULAR = Absent(
+    "the inertia matrix is singular (fewer than three noncollinear points): "
+    "the rotational dynamics is not defined"
+)
+ILL_CONDITIONED = Absent(
+    "the source points are so nearly collinear, or the eigenvalues so nearly equal, that double "
+    "precision cannot give the eigenvalues with their proven signs; the counts are exact"
+)
+AT_OPTIMUM = Absent("optimal: the energy falls in no direction")
+CONTINUUM = Absent("the equilibria form a continuum: there are infinitely many")
+SPURIOUS_CONTINUUM = Absent("there are infinitely many spurious equilibria")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Component:
+class Component(Explained):
     """A connected component of the rest poses of the damped rigid body.
 
     Kind, index, unstable count and optimality are exact; the numbers are rounded to doubles from a
@@ -76,7 +88,7 @@ class Component:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Margin:
+class Margin(Explained):
     """How far the optimum is from being ambiguous.
 
     eigenvalue_gap: l1 - l2 = 2 (d2 + d3), in objective units; half the energy between the optimum
@@ -89,7 +101,7 @@ class Margin:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class EquilibriumSet:
+class EquilibriumSet(Explained):
     """All equilibria of the registration dynamics, by descending eigenvalue: the optimum first.
 
     `guarantee` speaks of the classification: that the list is complete, the kinds, the indices.
@@ -113,6 +125,11 @@ class EquilibriumSet:
         """Number of equilibria; None means infinitely many."""
         return len(self.components) if self.classification.finite else None
 
+    @property
+    def spurious(self) -> int | None:
+        """Number of equilibria that are not optimal; None means infinitely many."""
+        return self.classification.spurious
+
 
 def equilibrium_set(critical: CriticalSet, objective: Isotropic, damping: float) -> EquilibriumSet:
     """The equilibria of the damped body at the critical rotations of its objective."""
@@ -128,6 +145,7 @@ def equilibrium_set(critical: CriticalSet, objective: Isotropic, damping: float)
         guarantee=critical.guarantee,
         complete=critical.complete,
         doubt=critical.doubt,
+        absent={"count": CONTINUUM, "spurious": SPURIOUS_CONTINUUM},
     )
 
 
@@ -139,6 +157,7 @@ def _margin(critical: CriticalSet, classification: Classification) -> Margin:
     return Margin(
         eigenvalue_gap=nearest_double((second - best) / 2),
         relative=_nonzero((second - best) / (values[-1] - best)),
+        absent={"eigenvalue_gap": OUT_OF_RANGE},
     )
 
 
@@ -192,7 +211,7 @@ def _component(
     classification: Classification,
     index: int,
     curvature: Curvature,
-    eigenvalues: NDArray[np.complex128] | None,
+    eigenvalues: NDArray[np.complex128] | Absent,
 ) -> Component:
     objective, q = frame.objective, frame.critical.components[index].quaternion
     energy, unstable = objective.energy(q), classification.unstable
@@ -201,13 +220,19 @@ def _component(
         basis=np.array([canonical(v) for v in frame.vectors[frame.rows(index)]]).T,
         morse_index=classification.indices[index],
         unstable_eigenvalues=None if unstable is None else unstable[index],
-        eigenvalues=eigenvalues,
+        eigenvalues=present(eigenvalues),
         witness=curvature.witness,
         energy=nearest_double(energy),
         rmse=nearest_root(energy / objective.moments.total_weight),
         rotation=rotation_double(q),
         quaternion_wxyz=unit_double(q),
         angle_to_optimum=_angle_to_optimum(frame.critical, q) if index else 0.0,
+        absent={
+            "unstable_eigenvalues": SINGULAR,
+            "witness": AT_OPTIMUM,
+            **dict.fromkeys(("energy", "rmse"), OUT_OF_RANGE),
+            **({"eigenvalues": eigenvalues} if isinstance(eigenvalues, Absent) else {}),
+        },
     )
 
 
@@ -237,22 +262,23 @@ def _curvature(frame: _Frame, index: int) -> Curvature:
 
 def _linearised_spectra(
     objective: Isotropic, curvatures: list[Curvature], damping: float
-) -> list[NDArray[np.complex128] | None]:
-    """The 12 eigenvalues of the linearised dynamics at each component."""
+) -> list[NDArray[np.complex128] | Absent]:
+    """The 12 eigenvalues of the linearised dynamics at each component, or why there are none."""
     moments = objective.moments
     if not objective.classification.inertia_definite:
-        return [None] * len(curvatures)
+        return [SINGULAR] * len(curvatures)
     inertia_scale = trace(moments.source_scatter)
     inertia = np.array([[entry / inertia_scale for entry in row] for row in moments.inertia])
     # G is in units of 2^shift of `cross`, J in units of the trace of the scatter
     length_ratio = power_of_two(moments.target_exponent - moments.source_exponent)
     unit = nearest_double(Fraction(1 << objective.shift, inertia_scale) * length_ratio)
     if unit is None:
-        return [None] * len(curvatures)
-    return [
+        return [ILL_CONDITIONED] * len(curvatures)
+    spectra = (
         None if ratios is None else linearised_spectrum(ratios, unit, damping)
         for ratios in spring_ratios(curvatures, inertia)
-    ]
+    )
+    return [ILL_CONDITIONED if spectrum is None else spectrum for spectrum in spectra]
 
 
 def _completion(q: NDArray[np.float64], members: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -14,7 +14,7 @@ from certreg.exact import power_of_two
 from certreg.native import MATRIX_STATE, named
 from certreg.problem import floating_moments, lift
 from certreg.registration.closed_form import arun, horn
-from certreg.results import Absent
+from certreg.results import Absent, Explained
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -34,7 +34,7 @@ ENERGY_ULPS = 64.0  # of rounding in a logged energy: a sum of twelve products
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Agreement:
+class Agreement(Explained):
     """Angles in radians from the pose of each method to the nearest optimum; None: not taken.
 
     closed_form: the larger of Horn's and Arun's.
@@ -69,7 +69,13 @@ def agreement(
     if not isinstance(trajectory, Absent):
         allowed = SIMULATION_LOSS if trajectory.converged else math.inf
         simulated = _angle(objective, "the simulation", trajectory.quaternion, allowed)
-    return Agreement(closed_form=max(closed), relaxation=relaxed, simulation=simulated)
+    not_taken = {"relaxation": relaxation, "simulation": trajectory}
+    return Agreement(
+        closed_form=max(closed),
+        relaxation=relaxed,
+        simulation=simulated,
+        absent={name: why for name, why in not_taken.items() if isinstance(why, Absent)},
+    )
 
 
 def require_sound_trajectory(

@@ -15,8 +15,8 @@ from certreg.exact import nearest_double, nearest_root
 from certreg.geometry import quaternion_from_matrix, rotation_matrix, squared_norm
 from certreg.io import ROTATION_TOLERANCE
 from certreg.problem import lift
-from certreg.registration.certification import certify
-from certreg.results import ComponentKind, PoseVerdict
+from certreg.registration.certification import NOT_CERTIFIED, certify
+from certreg.results import OUT_OF_RANGE, Absent, ComponentKind, Explained, PoseVerdict
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -30,6 +30,11 @@ if TYPE_CHECKING:
 GOOD = (PoseVerdict.OPTIMAL, PoseVerdict.NEAR_OPTIMAL)
 UNNOTED_DEFECT = 1e-12  # |R^T R - I| of a matrix of doubles: its own rounding
 UNNOTED_SHIFT = Fraction(1, 10**9)  # of the clouds' size
+NUMBERS = (
+    *("objective", "rmse", "gap_lower", "gap_upper"),
+    *("angle_to_optimum", "nearest_index", "nearest_angle"),
+)
+NO_HINT = Absent("no usual mistake explains the verdict")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,7 +51,7 @@ class AssessmentSettings:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Assessment:
+class Assessment(Explained):
     """What is known of a given pose.
 
     objective, rmse: at the pose; None where it is no rotation, or beyond the doubles.
@@ -88,7 +93,11 @@ def assess(
     shift = _finite(translation, (3,), "translation")
     fault = why_no_rotation(turn, settings.rotation_tolerance)
     if fault is not None:
-        return Assessment(verdict=PoseVerdict.NOT_A_ROTATION, words=fault)
+        return Assessment(
+            verdict=PoseVerdict.NOT_A_ROTATION,
+            words=fault,
+            absent={**dict.fromkeys(NUMBERS, Absent(fault)), "hint": NO_HINT},
+        )
     registration = certify(problem, relaxation=False, simulation=False)
     if shape == (4,):
         pose = ExactPose.of_doubles(turn, shift)
@@ -266,6 +275,11 @@ def _described(facts: _Findings, verdict: PoseVerdict) -> Assessment:
         angle_to_optimum=facts.angles[0],
         nearest_index=components[facts.nearest].morse_index,
         nearest_angle=facts.angles[facts.nearest],
+        absent={
+            **dict.fromkeys(("objective", "rmse"), OUT_OF_RANGE),
+            **dict.fromkeys(("gap_lower", "gap_upper"), NOT_CERTIFIED),
+            "hint": NO_HINT,
+        },
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -44,11 +45,10 @@ from certreg.problem import exact_moments, lift
 from certreg.registration.agreement import Agreement, agreement, require_sound_trajectory
 from certreg.registration.covariance import PoseCovariance, pose_covariance
 from certreg.relaxation import relax
-from certreg.results import Absent, Optimality
+from certreg.results import OUT_OF_RANGE, Absent, Explained, Optimality, present
 
 if TYPE_CHECKING:
     from collections.abc import Generator
-    from fractions import Fraction
 
     from certreg.certificate import Certificate, IsotropicBody
     from certreg.dynamics import Trajectory
@@ -58,10 +58,11 @@ if TYPE_CHECKING:
     from certreg.results import Verdict
 
 NOT_ASKED = Absent("not asked for")
+NOT_CERTIFIED = Absent("not certified")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Solution:
+class Solution(Explained):
     """What is computed before anything is checked.
 
     relaxation, trajectory: Absent says why there is none. covariance: None where the optimum is not
@@ -103,9 +104,16 @@ class SimulatedRegistration:
     angle_to_optimum: float
     in_certified_basin: bool
 
+    @property
+    def energies(self) -> tuple[float | Absent, ...]:
+        """V_p + V_k at the start and at the end, in objective units."""
+        ends = (self.trajectory.potential + self.trajectory.kinetic)[[0, -1]].tolist()
+        energies = [nearest_double(Fraction(value) * self.energy_unit) for value in ends]
+        return tuple(OUT_OF_RANGE if energy is None else energy for energy in energies)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Registration:
+class Registration(Explained):
     """The result of `certify`: a solution and what the checker has accepted of it.
 
     objective: sum w |y - R x - t|^2 at `pose`; None where no double holds it.
@@ -255,6 +263,7 @@ def solve(
     if integrator is not None:
         settings = settings or SimulationSettings()
         trajectory = _simulation(objective, problem, integrator, settings)
+    covariance = pose_covariance(problem, objective)
     certificate = produce(
         problem,
         objective,
@@ -266,11 +275,15 @@ def solve(
         objective=objective,
         equilibria=equilibrium_set(by_eigenspaces(objective), objective, problem.damping),
         pose=_optimal_pose(objective),
-        covariance=pose_covariance(problem, objective),
+        covariance=present(covariance),
         relaxation=relaxed,
         trajectory=trajectory,
         agreement=agreement(problem, objective, relaxation=relaxed, trajectory=trajectory),
         certificate=certificate,
+        absent={
+            **({"covariance": covariance} if isinstance(covariance, Absent) else {}),
+            "certificate": NOT_CERTIFIED,
+        },
     )
 
 
@@ -343,6 +356,7 @@ def _registration(
         ),
         verdict=verdict,
         timings=timings,
+        absent={"objective": OUT_OF_RANGE, "rmse": OUT_OF_RANGE, "bounds": NOT_CERTIFIED},
     )
 
 

@@ -20,6 +20,7 @@ from certreg.equilibrium import rotation_double, unit_double
 from certreg.exact import nearest_double
 from certreg.geometry import body_frame
 from certreg.problem import contiguous, row_blocks
+from certreg.results import OUT_OF_RANGE, Absent, Explained
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -29,10 +30,15 @@ if TYPE_CHECKING:
     from certreg.problem import Block, RegistrationProblem
 
 PARAMETERS = 6  # of a pose
+NOT_UNIQUE = Absent("the optimum is not unique")
+NO_VARIANCE = Absent(
+    f"{OUT_OF_RANGE.reason}, or fewer than three points with weight leave no degree of freedom for "
+    "the noise"
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PoseCovariance:
+class PoseCovariance(Explained):
     """Covariance of a pose, in three conventions.
 
     matrix: (6, 6), order (dt, phi): translation in the target's frame and unit squared, then the
@@ -70,13 +76,14 @@ class PoseCovariance:
         return change @ self.matrix @ change.T
 
 
-def pose_covariance(problem: RegistrationProblem, objective: Isotropic) -> PoseCovariance | None:
-    """The covariance of the optimal pose; None where the optimum is not unique or doubles overflow.
+def pose_covariance(problem: RegistrationProblem, objective: Isotropic) -> PoseCovariance | Absent:
+    """The covariance of the optimal pose; Absent if the optimum is not unique or doubles overflow.
 
     Where no noise was given the variance is estimated, which takes N >= 3 points with weight.
     """
     if not objective.classification.unique:
-        return None
+        return NOT_UNIQUE
+    reason = OUT_OF_RANGE if problem.noise_given else NO_VARIANCE
     moments, q = objective.moments, objective.quaternions[0]
     degrees = 3 * _present(problem) - PARAMETERS
     factor = None
@@ -87,7 +94,7 @@ def pose_covariance(problem: RegistrationProblem, objective: Isotropic) -> PoseC
         inverse = _inverse_hessian(objective)
         weight = nearest_double(1 / moments.total_weight)
         if scale is None or inverse is None or weight is None:
-            return None
+            return reason
         R = rotation_double(q)
         x, y, z = (float(entry) for entry in moments.source_centroid)
         lever = R @ np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
@@ -99,12 +106,13 @@ def pose_covariance(problem: RegistrationProblem, objective: Isotropic) -> PoseC
         )
         matrix = scale * (blocks + blocks.T) / 2.0
     if not np.isfinite(matrix).all():
-        return None
+        return reason
     return PoseCovariance(
         matrix=matrix,
         variance_factor=factor,
         estimated=not problem.noise_given,
         rotation=R,
+        absent={"variance_factor": NO_VARIANCE},
     )
 
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from certreg.exact import nearest_double
-from certreg.results import ComponentKind
+from certreg.report.encoding import Document, Noted
+from certreg.results import OUT_OF_RANGE, Absent, ComponentKind
 
 if TYPE_CHECKING:
     from certreg.equilibrium import CriticalSet, Search
@@ -48,13 +49,12 @@ def methods_table(enumeration: Enumeration) -> str:
     )
 
 
-def methods_fields(enumeration: Enumeration, reasons: dict[str, str]) -> dict[str, Any]:
-    """The `roads` and `agreement` of a document; adds the reason of each null to `reasons`."""
+def methods_fields(enumeration: Enumeration) -> Document:
+    """The `roads` and `agreement` of a document, to be encoded; empty if there was one method."""
     if enumeration.comparison is None:
         return {}
-    searches = enumerate(_decided_first(enumeration))
     return {
-        "roads": [_fields(each, k, enumeration, reasons) for k, each in searches],
+        "roads": [_fields(each, enumeration) for each in _decided_first(enumeration)],
         "agreement": {
             "rotation_deg": math.degrees(enumeration.comparison.angle),
             "energy_relative": enumeration.comparison.energy,
@@ -66,36 +66,25 @@ def _decided_first(enumeration: Enumeration) -> list[Search]:
     return sorted(enumeration.searches, key=lambda each: each.critical is None)
 
 
-def _fields(
-    each: Search, place: int, enumeration: Enumeration, reasons: dict[str, str]
-) -> dict[str, Any]:
-    critical, path = each.critical, f"roads[{place}]"
-    if critical is None:
+def _fields(each: Search, enumeration: Enumeration) -> Document:
+    if each.critical is None:
         names = ("pattern", "energies", "indices", "guarantee")
-        reasons |= {f"{path}.{name}": each.reason or "" for name in names}
-        known: dict[str, Any] = {**dict.fromkeys(names), "complete": False}
+        known = {**dict.fromkeys(names, Absent(each.reason or "")), "complete": False}
     else:
-        known = _known_fields(critical, path, enumeration, reasons)
+        known = _known_fields(each.critical, enumeration)
     return {"method": each.method, **known, "time_ms": 1e3 * each.seconds}
 
 
-def _known_fields(
-    critical: CriticalSet, path: str, enumeration: Enumeration, reasons: dict[str, str]
-) -> dict[str, Any]:
-    energies = _energies(critical, enumeration)
-    if None in energies:
-        reasons[f"{path}.energies"] = "no double holds the value: change the unit of length"
-    if None in critical.indices:
-        why = critical.doubt or "the balls are too wide to tell the signs of the Hessian"
-        reasons[f"{path}.indices"] = why
-    if critical.doubt is not None:
-        reasons[f"{path}.complete"] = critical.doubt
+def _known_fields(critical: CriticalSet, enumeration: Enumeration) -> Document:
+    energies, doubt = _energies(critical, enumeration), critical.doubt
+    complete, indices = critical.complete, critical.indices
+    undecided = doubt or "the balls are too wide to tell the signs of the Hessian"
     return {
-        "pattern": list(critical.pattern),
-        "energies": energies,
-        "indices": list(critical.indices),
+        "pattern": critical.pattern,
+        "energies": Noted(energies, OUT_OF_RANGE.reason) if None in energies else energies,
+        "indices": Noted(indices, undecided) if None in indices else indices,
         "guarantee": critical.guarantee.label,
-        "complete": critical.complete,
+        "complete": complete if doubt is None else Noted(complete, doubt),
     }
 
 

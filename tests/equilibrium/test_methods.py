@@ -24,6 +24,7 @@ from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.enumeration import enumerated
+from certreg.report.encoding import encoded
 from certreg.report.methods import methods_fields, methods_summary
 from certreg.results import Guarantee
 
@@ -153,10 +154,9 @@ def test_lost_paths_leave_a_method_undecided_and_are_no_list(monkeypatch):
     undecided = [each.method for each in found.searches if each.critical is None]
     assert undecided == ["homotopy"]
     assert "undecided" in methods_summary(found)
-    reasons: dict[str, str] = {}
-    fields = methods_fields(found, reasons)
-    assert fields["roads"][2]["energies"] is None
-    assert "lost" in reasons["roads[2].energies"]
+    document = encoded(methods_fields(found))
+    assert document["roads"][2]["energies"] is None
+    assert "lost" in document["reasons"]["roads[2].energies"]
 
 
 def changed(critical, **parts):
