@@ -408,10 +408,10 @@ MUTANTS = (
         ("classification",),
     ),
     Mutant(
-        "sign of the lopsidedness",
+        "sign of the cubic invariant",
         CLASSES,
-        "if lopsidedness < 0:",
-        "if lopsidedness > 0:",
+        "if cubic_invariant < 0:",
+        "if cubic_invariant > 0:",
         ("classification",),
     ),
     Mutant(
@@ -422,7 +422,7 @@ MUTANTS = (
         ("discriminant", "classification"),
     ),
     Mutant(
-        "lopsidedness' coefficient",
+        "cubic invariant's coefficient",
         CLASSES,
         "- 9 * e1 * e2 + 27 * e3",
         "- 9 * e1 * e2 + 9 * e3",

@@ -86,7 +86,7 @@ SLACK = 1.0 + 2.0**-10  # for the roundings in evaluating a bound itself
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Solutions:
-    """The four rest poses of each problem, by descending eigenvalue: row k has Morse index k.
+    """The four equilibria of each problem, by descending eigenvalue: row k has Morse index k.
 
     That holds where `decided`; elsewhere the rows are what doubles make of it.
 
@@ -138,7 +138,7 @@ def solve_many(
     threads: int = 2,
     spectrum: bool = False,
 ) -> Solutions:
-    """The rest poses of many problems, on so many threads; the same numbers on any.
+    """The equilibria of many problems, on so many threads; the same numbers on any.
 
     sources, targets: (count, N, 3), or (N, 3) for the same in all; weights: (count, N) or (N,), not
     negative. spectrum: the eigenvalues, too. The interpreter's lock is free most of the time.
@@ -194,7 +194,7 @@ def clouds(sources: ArrayLike, targets: ArrayLike, weights: ArrayLike | None) ->
 
 
 def stationary_poses(given: ManyClouds, first: int = 0) -> StationaryPoses:
-    """What doubles say of the rest poses of each problem, on one thread.
+    """What doubles say of the equilibria of each problem, on one thread.
 
     Raises InvalidProblemError, which names the instance, counted from `first`, for a number that is
     not finite: it shows in the sums, and nothing else makes a NaN of them.
@@ -254,7 +254,7 @@ def _doubles(given: ArrayLike, name: str) -> Array:
 
 
 def _write(solutions: Solutions, found: StationaryPoses, some: ManyClouds, damping: float) -> None:
-    """Put what follows from the rest poses of some problems where it belongs."""
+    """Put what follows from the equilibria of some problems where it belongs."""
     bounds = Bounds.of(found, some.sources.shape[1])
     least = (found.values[:, :-1] - found.values[:, 1:]).min(axis=1)
     span = found.values[:, 0] - found.values[:, 3]

@@ -139,7 +139,7 @@ class Invariants:
         return e2 * e2 * (e1 * e1 - 4 * e2) - e3 * (4 * e1 * e1 * e1 - 18 * e1 * e2 + 27 * e3)
 
     @property
-    def lopsidedness(self) -> Any:
+    def cubic_invariant(self) -> Any:
         """2 e1^3 - 9 e1 e2 + 27 e3, for a double d_i^2 = p and a single one r 2 (r - p)^3."""
         e1, e2, e3 = self.e1, self.e2, self.det * self.det
         return 2 * e1 * e1 * e1 - 9 * e1 * e2 + 27 * e3
@@ -168,10 +168,10 @@ def decide(found: Invariants) -> Pattern:
         return (4,)
     if found.e2 == 0:
         return (2, 2)
-    lopsidedness = found.lopsidedness
-    if lopsidedness == 0:
+    cubic_invariant = found.cubic_invariant
+    if cubic_invariant == 0:
         return (1, 3) if found.det > 0 else (3, 1)
-    if lopsidedness < 0:
+    if cubic_invariant < 0:
         return (1, 2, 1)
     return (1, 1, 2) if found.det > 0 else (2, 1, 1)
 

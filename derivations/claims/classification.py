@@ -94,10 +94,10 @@ def _factored(decisive: Callable[[Any], Invariants]) -> Proof:
         (a * b * c * (a + b) * (b + c) * (a + b + c)) ** 2,
     )
     middle, last = (
-        decisive(sympy.diag(*singular_values(gaps)).tolist()).lopsidedness
+        decisive(sympy.diag(*singular_values(gaps)).tolist()).cubic_invariant
         for gaps in ((a, 0, c), (a, b, 0))
     )
-    first = decisive(sympy.diag(*singular_values((0, b, c))).tolist()).lopsidedness
+    first = decisive(sympy.diag(*singular_values((0, b, c))).tolist()).cubic_invariant
     yield identity(
         r"Where one gap vanishes, $s = 2 e_1^3 - 9 e_1 e_2 + 27 e_3$ is a cube, $2 (r - p)^3$ for "
         r"the double $d_i^2 = p$ and the single one $r$: $32 s = -(g_1 g_3)^3$ for $g_2 = 0$, "
@@ -112,7 +112,7 @@ def _factored(decisive: Callable[[Any], Invariants]) -> Proof:
 def _row_signs(row: Row, decisive: Callable[[Any], Invariants]) -> Step:
     d = singular_values(row.gaps)
     found = decisive(sympy.diag(*d).tolist())
-    values = [found.discriminant, found.e1, found.e2, found.lopsidedness, found.det]
+    values = [found.discriminant, found.e1, found.e2, found.cubic_invariant, found.det]
     told = [sign(value) for value in values]
     names = ("\\operatorname{disc}", "e_1", "e_2", "s", "D")
     decided = [
@@ -190,7 +190,7 @@ class _Signs(Invariants):
         return self.disc
 
     @property
-    def lopsidedness(self) -> _Sign:
+    def cubic_invariant(self) -> _Sign:
         """The sign of s."""
         return self.s
 
@@ -234,18 +234,18 @@ def _shown(pattern: Pattern) -> str:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Lopsided(Invariants):
+class _WrongCubic(Invariants):
     """The decisive number s with 26 for 27."""
 
     @property
-    def lopsidedness(self) -> Any:
+    def cubic_invariant(self) -> Any:
         """The shipped one less e3."""
-        return super().lopsidedness - self.det**2
+        return super().cubic_invariant - self.det**2
 
 
 def _one_coefficient_wrong(C: Any) -> Invariants:
     found = invariants(C)
-    return _Lopsided(e1=found.e1, e2=found.e2, det=found.det)
+    return _WrongCubic(e1=found.e1, e2=found.e2, det=found.det)
 
 
 def _blind_to_mirroring(found: Any) -> Pattern:
@@ -253,7 +253,7 @@ def _blind_to_mirroring(found: Any) -> Pattern:
 
 
 def _sides_exchanged(found: Any) -> Pattern:
-    flipped = _Sign((found.lopsidedness < 0) - (found.lopsidedness > 0))
+    flipped = _Sign((found.cubic_invariant < 0) - (found.cubic_invariant > 0))
     return decide(replace(found, s=flipped))
 
 

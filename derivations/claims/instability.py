@@ -166,7 +166,7 @@ def _no_way_back() -> Step:
     )
 
 
-def _lopsided(C: Any) -> Any:
+def _wrong_sign(C: Any) -> Any:
     """K with the wrong sign in one diagonal entry."""
     K = [list(row) for row in davenport_matrix(C)]
     K[3][3] = -K[3][3]
@@ -184,7 +184,7 @@ CLAIM = Claim(
     source="[Yang2020], the conjecture's part (iii), there observed numerically",
     proof=proof,
     controls={
-        "K with a wrong entry": lambda: proof(davenport=_lopsided),
+        "K with a wrong entry": lambda: proof(davenport=_wrong_sign),
         "a Hessian with + L^T K L": lambda: proof(sign=-1),
         "a mode that turns back": lambda: proof(growth=-1),
         "an energy that falls to first order": lambda: proof(power=1),

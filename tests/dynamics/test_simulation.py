@@ -235,7 +235,7 @@ def test_a_state_outside_the_basin_is_refused(name, what):
 
 
 def test_the_basin_ends_at_the_barrier_whether_turned_or_spun():
-    """d = 18, 8, 2: l1 - l2 = 20; turned by a about z the deficit is 40 sin^2(a/2)... at rest."""
+    """d = 18, 8, 2: l1 - l2 = 20; turned by a about z it loses 40 sin^2(a/2) at rest."""
     problem = RegistrationProblem(AXES, AXES)
     found = Isotropic(exact_moments(problem))
     values = [float(value) for value in found.eigenvalues]
