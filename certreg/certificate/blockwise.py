@@ -98,13 +98,11 @@ def _added_moments(problem: RegistrationProblem) -> tuple[Table, int]:
 
 def _table_of_sums(problem: RegistrationProblem) -> tuple[Table, int]:
     """The same from sums by a method that the problem's moments did not take."""
-    found = sums_by(second_method(problem), problem)
-    a, b, c = (
-        e or 0 for e in (found.source_exponent, found.target_exponent, found.weight_exponent)
-    )
+    sums = sums_by(second_method(problem), problem)
+    a, b, c = (e or 0 for e in (sums.source_exponent, sums.target_exponent, sums.weight_exponent))
     exponents = [c + x * a + y * b for x, y in FACTORS]
     least = min(exponents)
     total = [[0] * 7 for _ in range(4)]
-    for (i, j), k, exponent in zip(PLACES, found.integers, exponents, strict=False):
+    for (i, j), k, exponent in zip(PLACES, sums.integers, exponents, strict=False):
         total[i][j] = k << exponent - least
     return total, least

@@ -249,10 +249,10 @@ def _refuted(done: subprocess.CompletedProcess[str]) -> Verdict:
 
 def find_coqc() -> str:
     """Path of coqc. Raises MissingToolError."""
-    found = shutil.which("coqc")
-    if found is None:
+    path = shutil.which("coqc")
+    if path is None:
         raise MissingToolError(f"coqc was not found: {HOW_TO_GET}", tool="coqc")
-    return found
+    return path
 
 
 def run_coqc(
@@ -373,10 +373,10 @@ def axioms(coqc: str, proofs: Path) -> tuple[str, ...]:
     if done.returncode != 0 or listed is None:
         message = f"coqc failed: {_first_error(done.stderr)}: {HOW_TO_GET}"
         raise MissingToolError(message, tool="coqc")
-    found = _known(listed)
+    names = _known(listed)
     with contextlib.suppress(InvalidFileError):  # cannot be written: asked again next time
-        write_atomically(kept, " ".join([digest, *found]).encode())
-    return found
+        write_atomically(kept, " ".join([digest, *names]).encode())
+    return names
 
 
 def axioms_in(stdout: str) -> tuple[str, ...] | None:
@@ -389,14 +389,14 @@ def axioms_in(stdout: str) -> tuple[str, ...] | None:
         return ()
     listed = [line for line in lines if not line.startswith(" ")]
     named = [re.match(r"[\w.]+(?=\s*(?::|$))", line) for line in listed]
-    found = tuple(name[0] if name else line for name, line in zip(named, listed, strict=True))
-    return found if head == "Axioms:" and found else None
+    names = tuple(name[0] if name else line for name, line in zip(named, listed, strict=True))
+    return names if head == "Axioms:" and names else None
 
 
-def _known(found: tuple[str, ...]) -> tuple[str, ...]:
-    unknown = sorted(set(found) - AXIOMS)
+def _known(names: tuple[str, ...]) -> tuple[str, ...]:
+    unknown = sorted(set(names) - AXIOMS)
     if unknown:
         listed = ", ".join(unknown)
         message = f"the compiled proofs assume more than they may ({listed})"
         raise MissingToolError(message, tool="derivations/coq")
-    return found
+    return names

@@ -104,10 +104,10 @@ def assess(
     else:
         pose = _nearest_pose(registration.solution.moments, turn, shift)
     facts = _findings(registration, pose)
-    found = _described(facts, _verdict(facts, settings))
+    assessment = _described(facts, _verdict(facts, settings))
     note = _projection_note(turn) if shape == (3, 3) else ""
-    hint = None if found.verdict in GOOD else _hint(registration, pose, settings)
-    return replace(found, words=found.words + note, hint=hint)
+    hint = None if assessment.verdict in GOOD else _hint(registration, pose, settings)
+    return replace(assessment, words=assessment.words + note, hint=hint)
 
 
 def _hint(registration: Registration, pose: ExactPose, settings: AssessmentSettings) -> str | None:

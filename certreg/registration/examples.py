@@ -87,9 +87,9 @@ def differences(story: Story, registration: Registration) -> Iterator[str]:
     if registration.status is not Optimality.CERTIFIED:
         yield f"status is {registration.status.value}, told: certified"
     components = registration.equilibria.components
-    found = tuple(round(c.rmse or 0.0, RMSE_DIGITS) for c in components)
-    if found != story.told_rmse:
-        yield f"RMSE of the equilibria are {found}, told: {story.told_rmse}"
+    rmse = tuple(round(c.rmse or 0.0, RMSE_DIGITS) for c in components)
+    if rmse != story.told_rmse:
+        yield f"RMSE of the equilibria are {rmse}, told: {story.told_rmse}"
     for component, index in zip(components, range(4), strict=False):
         if component.morse_index != index or component.unstable_eigenvalues != index:
             yield f"equilibrium {index} has Morse index {component.morse_index}"

@@ -121,10 +121,10 @@ def solve(form: Form, C: NDArray[np.float64]) -> ConicSolution:
     """
     try:
         compiled = _compiled(form)
-        found = _call(compiled, compiled.cost @ C.ravel())
+        answer = _call(compiled, compiled.cost @ C.ravel())
     except ImportError as error:
         return ConicSolution(status=RelaxationStatus.UNAVAILABLE, said=str(error))
-    said = str(found.status)
+    said = str(answer.status)
     status = {
         "Solved": RelaxationStatus.SOLVED,
         "AlmostSolved": RelaxationStatus.INACCURATE,
@@ -134,9 +134,9 @@ def solve(form: Form, C: NDArray[np.float64]) -> ConicSolution:
     return ConicSolution(
         status=status,
         said=said,
-        value=-found.obj_val,
-        multiplier=found.z[0],
-        matrix=_matrix(np.array(found.s[compiled.equalities :]), compiled.size),
+        value=-answer.obj_val,
+        multiplier=answer.z[0],
+        matrix=_matrix(np.array(answer.s[compiled.equalities :]), compiled.size),
     )
 
 

@@ -68,21 +68,21 @@ def relax(objective: Isotropic, form: str = Form.QUATERNION) -> Relaxation:
     """
     form, moments = _known(form), objective.moments
     shift = max(abs(entry) for row in moments.cross for entry in row).bit_length()
-    found = solve(form, _normalised(moments.cross, shift))
-    unit, status = power_of_two(shift) * moments.cross_unit, found.status
+    solution = solve(form, _normalised(moments.cross, shift))
+    unit, status = power_of_two(shift) * moments.cross_unit, solution.status
     if shift == 0:
         unit = moments.spread or unit
         status = RelaxationStatus.DEGENERATE if status is RelaxationStatus.SOLVED else status
     return Relaxation(
         form=form,
         solver=solver_name(),
-        solver_word=found.said,
+        solver_word=solution.said,
         status=status,
         unit=unit,
-        value=found.value,
-        multiplier=found.multiplier if form is Form.QUATERNION else None,
-        rank=_rank(found),
-        quaternion_wxyz=_quaternion(found, form),
+        value=solution.value,
+        multiplier=solution.multiplier if form is Form.QUATERNION else None,
+        rank=_rank(solution),
+        quaternion_wxyz=_quaternion(solution, form),
     )
 
 
@@ -98,17 +98,17 @@ def _normalised(cross: Matrix3[int], shift: int) -> NDArray[np.float64]:
     return np.array([[entry / (1 << shift) for entry in row] for row in cross])
 
 
-def _rank(found: ConicSolution) -> int | None:
-    if found.matrix is None:
+def _rank(solution: ConicSolution) -> int | None:
+    if solution.matrix is None:
         return None
-    values = np.linalg.eigvalsh(found.matrix)
+    values = np.linalg.eigvalsh(solution.matrix)
     return int((values > RANK_THRESHOLD * values[-1]).sum())
 
 
-def _quaternion(found: ConicSolution, form: Form) -> NDArray[np.float64] | None:
+def _quaternion(solution: ConicSolution, form: Form) -> NDArray[np.float64] | None:
     """The top eigenvector of Z; or the rotation nearest to the R in its first column."""
-    if found.matrix is None:
+    if solution.matrix is None:
         return None
     if form is Form.QUATERNION:
-        return canonical(np.linalg.eigh(found.matrix)[1][:, -1])
-    return quaternion_from_matrix(found.matrix[1:, 0].reshape(3, 3).T)
+        return canonical(np.linalg.eigh(solution.matrix)[1][:, -1])
+    return quaternion_from_matrix(solution.matrix[1:, 0].reshape(3, 3).T)
