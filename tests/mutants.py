@@ -444,7 +444,7 @@ MUTANTS = (
     ),
     Mutant(
         "best translation",
-        "certreg/objective/energy.py",
+        "certreg/objective/isotropic.py",
         "end * norm << (b - common)) - (moved",
         "end * norm << (b - common)) + (moved",
         ("translation_gap", "maximum_likelihood"),
@@ -534,6 +534,8 @@ class _Patched(importlib.abc.MetaPathFinder, importlib.machinery.SourceFileLoade
 
     def __init__(self, mutant: Mutant) -> None:
         self.mutant = mutant
+        if not (ROOT / mutant.file).is_file():
+            raise FileNotFoundError(mutant.file)
         name = mutant.file.removesuffix(".py").replace("/", ".")
         super().__init__(name, str(ROOT / mutant.file))
 

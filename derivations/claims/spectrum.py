@@ -168,7 +168,7 @@ CLAIM = Claim(
     needs=("davenport", "eigenvectors", "quaternions"),
     used_by=(
         "certreg.objective.classification",
-        "certreg.equilibrium.critical_set.Margin",
+        "certreg.equilibrium.presentation.Margin",
         "certreg.registration.closed_form.arun",
         "certreg.verify.multiplicities",
     ),

@@ -6,8 +6,8 @@ import dataclasses
 from pathlib import Path
 
 import pytest
+from claim_outcomes import outcome
 from commands import certreg
-from proofs import outcome
 
 from certreg.cli import derivations
 from certreg.native.compiler import GENERATED

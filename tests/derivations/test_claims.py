@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 import sympy
-from proofs import outcome
+from claim_outcomes import outcome
 
 from certreg.results import Ruling
 from derivations import algebra, book, latex
