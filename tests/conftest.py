@@ -22,6 +22,13 @@ settings.load_profile("certreg")
 DATA = Path(__file__).parent.parent / "certreg" / "data"
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """What is not slow is quick: `-m quick` takes less than a minute."""
+    for item in items:
+        if item.get_closest_marker("slow") is None:
+            item.add_marker("quick")
+
+
 @pytest.fixture
 def data() -> Path:
     return DATA

@@ -59,6 +59,7 @@ def valid(entry: dict) -> bool:
     return Draft202012Validator(schema).is_valid(entry)
 
 
+@pytest.mark.slow
 def test_a_pair_of_a_batch_is_what_certify_makes_of_it(folder):
     path = listing(folder, "a0.csv,b0.csv,0.01", header="source,target,sigma")
     (entry,) = lines(certreg("batch", path).out)

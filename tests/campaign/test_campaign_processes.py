@@ -22,6 +22,7 @@ HERE = Path(__file__).parents[1]
 pytestmark = pytest.mark.slow
 
 
+@pytest.mark.slow
 def test_a_campaign_killed_at_any_moment_ends_with_the_same_bytes():
     assert resumed_alike(KIND, trials=2, seed=2) == 2
 

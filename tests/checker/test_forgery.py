@@ -299,6 +299,7 @@ def test_extreme_points_and_weights_are_refused_unless_the_certificate_is_true_o
         assert refused or (extreme > 0 and place in {36, 41})
 
 
+@pytest.mark.slow
 def test_long_integers_and_far_exponents_are_refused_in_time():
     long = int("9" * 4299) if not hasattr(sys, "set_int_max_str_digits") else 10**4299 - 1
     for delta in (-32768, 0, 32768):
@@ -402,6 +403,7 @@ def test_random_edits_of_the_file_are_refused_unless_the_certificate_stays_true(
         assert oracle.holds(json.loads(text))
 
 
+@pytest.mark.slow
 @given(
     st.recursive(
         st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
@@ -458,6 +460,7 @@ def hostile_files():
     yield "pattern", text.replace(b'"pattern": [', b'"pattern": [' + b"1," * 400_000)
 
 
+@pytest.mark.slow
 def test_hostile_files_are_refused_within_bounds_of_time_and_memory(tmp_path):
     names = set()
     for name, content in hostile_files():

@@ -73,6 +73,7 @@ def run(*arguments, code=0):
 # --- What is true is verified --------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", oracle.PATTERNS)
 def test_every_kind_of_equilibrium_set_is_verified_and_its_pattern_is_the_only_one(name):
     pattern, source, target = oracle.PATTERNS[name]
@@ -199,6 +200,7 @@ def test_moments_of_several_blocks_add_up():
             assert m[i][j] * Fraction(2) ** exponent == total
 
 
+@pytest.mark.slow
 def test_optimality_is_decided_as_by_the_definition():
     """Near the threshold of delta, for poses that are optimal, almost and not at all."""
     random = np.random.default_rng(10)
@@ -239,6 +241,7 @@ def test_a_certificate_of_clouds_far_from_the_origin_is_verified():
     assert verdict(oracle.produce(source + 1e8, target - 1e9, weights)).verified
 
 
+@pytest.mark.slow
 def test_a_hundred_thousand_points_are_verified():
     assert verdict(oracle.produce_quickly(*oracle.random_problem(seed=1, n=100_000))).verified
 

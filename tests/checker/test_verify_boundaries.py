@@ -11,6 +11,7 @@ from checker_mutants import FILE, MUTANTS, answers, failing
 checker = import_module("certreg.verify")
 
 
+@pytest.mark.slow
 def test_the_checker_answers_rightly_on_either_side_of_each_of_its_inequalities():
     cases = boundaries.quick_cases()
 
@@ -18,6 +19,7 @@ def test_the_checker_answers_rightly_on_either_side_of_each_of_its_inequalities(
     assert [case.name for case in cases if not case.passes(checker)] == []
 
 
+@pytest.mark.slow
 def test_the_limits_of_size_are_those_of_files_of_a_hundred_megabytes():
     for case in boundaries.large_cases():
         assert case.passes(checker), case.name

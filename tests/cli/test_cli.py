@@ -170,6 +170,7 @@ def test_info_names_the_versions_it_runs_on():
         assert version in shown.out
 
 
+@pytest.mark.slow
 def test_python_m_certreg_is_the_same_command(tmp_path: Path):
     line, bent = write_csv(tmp_path / "a.csv", LINE), write_csv(tmp_path / "b.csv", BENT)
 

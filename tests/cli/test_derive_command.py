@@ -59,6 +59,7 @@ def test_a_list_goes_with_no_names():
     assert "--list" in run.err
 
 
+@pytest.mark.slow
 def test_out_takes_the_latex_and_the_code(tmp_path: Path):
     run = certreg("derive", "davenport", "--out", tmp_path / "proofs")
 

@@ -7,11 +7,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 from mutants import MUTANTS
 
 SCRIPT = Path(__file__).parents[1] / "mutants.py"
 
 
+@pytest.mark.slow
 def test_every_mutant_of_a_shipped_formula_is_noticed():
     run = subprocess.run(
         [sys.executable, str(SCRIPT)], capture_output=True, text=True, check=True, timeout=240
@@ -22,6 +24,7 @@ def test_every_mutant_of_a_shipped_formula_is_noticed():
     assert [says for says, claim in noticed.items() if claim is None] == []
 
 
+@pytest.mark.slow
 def test_the_unmutated_formula_is_not_noticed():
     same = MUTANTS[0]
     code = (

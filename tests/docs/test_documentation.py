@@ -228,6 +228,7 @@ def test_a_page_speaks_of_commands_that_exist(page: Path):
     assert set(MENTION.findall(page.read_text("utf-8"))) <= set(cli.commands)
 
 
+@pytest.mark.slow
 def test_a_claim_becomes_a_theorem_with_steps_and_controls(sites: dict[str, Site]):
     site = sites["a claim"]
 
@@ -259,6 +260,7 @@ def test_a_claim_without_a_theorem_in_coq_says_so(sites: dict[str, Site]):
     assert "<strong>Not machine-checked.</strong>" in site.html
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["formulas", "more formulas"])
 def test_formulas_are_set_as_formulas_wherever_they_stand(sites: dict[str, Site], name: str):
     site = sites[name]
@@ -268,6 +270,7 @@ def test_formulas_are_set_as_formulas_wherever_they_stand(sites: dict[str, Site]
     assert "$" not in re.sub(r"<pre>.*?</pre>", "", site.html, flags=re.DOTALL)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name, (*_, complaint) in SITES.items() if complaint])
 def test_what_is_wrong_stops_the_build(sites: dict[str, Site], name: str):
     assert sites[name].code != 0

@@ -29,6 +29,7 @@ def run():
     return names, printed.getvalue()
 
 
+@pytest.mark.slow
 def test_every_cell_runs_and_the_methods_agree(run):
     names, printed = run
     assert len(CELLS) == 15

@@ -88,6 +88,7 @@ def free_port() -> int:
         return probe.getsockname()[1]
 
 
+@pytest.mark.slow
 @each_guide
 def test_the_commands_of_a_guide_run(guide, tmp_path, data):
     """`certreg` is this checkout's; the shell stops at the first command that fails."""

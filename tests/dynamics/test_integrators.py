@@ -245,6 +245,7 @@ def registrations() -> list[tuple[Clouds, Bodies, Ends]]:
     return found
 
 
+@pytest.mark.slow
 def test_splitting_reaches_the_optimum_and_says_so(registrations):
     """|alpha| < 1e-4 bounds the torque, G / J times the angle; at convergence it is small."""
     reached = total = 0

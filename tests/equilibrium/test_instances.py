@@ -352,6 +352,7 @@ def test_without_its_bound_a_decision_would_be_wrong(monkeypatch):
     assert judged()["wrong"] > 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("machine", [current_engine, evaluator])
 def test_eigenvalues_are_as_near_as_the_bound_says(machine):
     for group in adversaries():
@@ -426,6 +427,7 @@ def test_modes_that_no_double_holds_are_not_counted():
 # What is refused ---------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize("name", ["sources", "targets"])
 @pytest.mark.parametrize("machine", [current_engine, evaluator])

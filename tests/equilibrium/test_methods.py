@@ -53,6 +53,7 @@ def turned_apart(p, q):
     return 4 * np.arcsin(min(1.0, across / 2))
 
 
+@pytest.mark.slow
 def test_a_thousand_random_instances_agree_by_all_methods_with_four_equilibria_each():
     moments = [
         exact_moments(

@@ -306,6 +306,7 @@ def test_names_in_a_column_do_not_overlap():
     )
 
 
+@pytest.mark.slow
 def test_the_drawings_are_svg_without_a_date(small_run, tmp_path):
     document = small_run.document()
 
@@ -317,6 +318,7 @@ def test_the_drawings_are_svg_without_a_date(small_run, tmp_path):
         assert ET.fromstring(path.read_bytes()).tag.endswith("svg")  # noqa: S314 (our own file)
 
 
+@pytest.mark.slow
 def test_the_page_is_made_from_the_committed_run():
     """Every cell runs; the tables hold every peer, absent or not, and every claim."""
     page = (ROOT / "docs" / "benchmarks.md").read_text("utf-8")

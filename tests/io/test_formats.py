@@ -61,6 +61,7 @@ def values(code: str) -> st.SearchStrategy[Any]:
 # PLY ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("name", files.PLY_CODES)
 @given(data=st.data())
@@ -595,6 +596,7 @@ def test_the_list_of_broken_files_is_long_and_its_good_files_are_good():
         assert read(content, suffix)[0] == POINTS
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", fuzz_readers.READERS)
 def test_mutated_files_are_refused_cleanly_or_read_as_finite_numbers(name: str):
     start = fuzz_readers.peak_memory()

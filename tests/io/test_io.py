@@ -265,6 +265,7 @@ def refused_or(read: Callable[[Path], Any], file: Path) -> Any:
     return None
 
 
+@pytest.mark.slow
 @settings(max_examples=400)
 @given(content=ANYTHING, suffix=st.sampled_from(FORMATS))
 @example(
@@ -301,6 +302,7 @@ def test_any_bytes_are_a_cloud_of_finite_points_or_refused(
         assert weights.min() >= 0 < weights.max()
 
 
+@pytest.mark.slow
 @settings(max_examples=400)
 @given(content=ANYTHING)
 @example(content=b",")

@@ -246,6 +246,7 @@ print(*pose.translation.round(6).tolist())
 """
 
 
+@pytest.mark.slow
 def test_two_files_are_registered_in_a_fraction_of_their_size(tmp_path):
     # 72 MB each; what is added is a block of both at a time.
     points = np.random.default_rng(0).integers(-9, 9, size=(6_000_000, 3)).astype(np.float32)

@@ -94,6 +94,7 @@ def test_an_expression_beyond_arithmetic_is_refused():
             casadi_function(definition)
 
 
+@pytest.mark.slow
 def test_named_values_are_those_of_the_derived_step():
     from derivations import integrators
 

@@ -111,6 +111,7 @@ def files(place: Path) -> list[str]:
 # Without a compiler ------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_without_a_compiler_all_simulation_tests_pass(tmp_path):
     names = (
         "dynamics/test_simulation.py",
@@ -128,6 +129,7 @@ def test_without_a_compiler_all_simulation_tests_pass(tmp_path):
     assert list((tmp_path / "empty").iterdir()) == []
 
 
+@pytest.mark.slow
 def test_without_a_compiler_the_user_is_told_once_in_one_line(tmp_path):
     command = (
         f"sys.argv[1:] = ['certify', *{SURVEY!r}, '--json'];"
@@ -292,6 +294,7 @@ def test_the_least_curvature_is_that_of_lapack():
 # Compiled once -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_user_s_compiler_makes_the_library(folder):
     try:
         find_compiler()
@@ -324,6 +327,7 @@ def test_another_compiler_other_flags_or_another_processor_compile_anew(copying,
     assert len(set(paths)) == 4
 
 
+@pytest.mark.slow
 def test_processes_that_compile_at_once_all_get_a_library(made, folder):
     slow = pretend(folder.parent / "slow", f"time.sleep(0.5); shutil.copy({str(made)!r}, target)")
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "CC": slow}
@@ -494,6 +498,7 @@ def test_a_folder_of_another_user_is_not_trusted(tmp_path):
         cache._require_own(tmp_path, os.stat_result(status))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("trap", ["link", "file", "open"])
 def test_what_others_put_among_temporary_files_is_not_trusted(trap, copying, monkeypatch):
     """Then the library is for this run only, and the user is told."""

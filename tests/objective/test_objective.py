@@ -75,6 +75,7 @@ def test_the_value_is_the_same_in_every_ring(specimen):
         assert objective.value(tuple(map(arb, Q))) == exact
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("specimen", strategies.ZOO, ids=lambda s: s.name)
 def test_gradient_and_hessian_are_the_derivatives(specimen):
     objective, q = objective_of(specimen.problem), sympy.symbols("w x y z")

@@ -211,6 +211,7 @@ def test_one_seed_gives_the_same_maps(found):
 # figures and files
 
 
+@pytest.mark.slow
 def test_every_family_has_a_figure_with_three_panels(drawn):
     assert [drawing.name for drawing in drawn] == [f"map-{name}" for name in FAMILIES]
     assert all(len(drawing.figure.axes) == len(QUANTITIES) for drawing in drawn)
@@ -281,6 +282,7 @@ def test_a_run_that_never_escapes_is_no_number(found):
     assert row["escape_times_worst"] is None
 
 
+@pytest.mark.slow
 def test_the_command_writes_the_maps_when_asked(tmp_path, monkeypatch, found, drawn):
     monkeypatch.setattr("certreg.cli.reproducing.all_sweeps", lambda *_: found)
     monkeypatch.setattr("certreg.cli.reproducing.sweep_drawings", lambda _: drawn[:1])

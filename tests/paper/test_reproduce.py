@@ -246,6 +246,7 @@ def test_an_eigenvalue_counted_on_the_wrong_side_is_seen(monkeypatch, seen):
     assert evidence("12", seen).agrees is False
 
 
+@pytest.mark.slow
 def test_a_damping_that_explicit_euler_cannot_follow_is_told_and_confirms_the_condition(drawn):
     found = reproduce(Setup(runs=1, damping=250.0), quiet, proofs=False)
     document = reproduction_document(found, drawn)
@@ -263,6 +264,7 @@ def test_a_damping_that_explicit_euler_cannot_follow_is_told_and_confirms_the_co
 # proofs
 
 
+@pytest.mark.slow
 def test_claims_are_proved_in_processes_of_their_own():
     with proving(["inertia", "davenport"]) as coming:
         found = {name: future.result(timeout=120) for name, future in coming.items()}
@@ -521,6 +523,7 @@ def test_the_page_shows_a_finding_that_is_not_confirmed(made, drawn):
     assert "a &lt; b &amp; c" in html
 
 
+@pytest.mark.slow
 def test_the_command_confirms_every_finding_and_writes_everything(
     tmp_path: Path, monkeypatch, drawn
 ):
@@ -545,6 +548,7 @@ def test_the_command_confirms_every_finding_and_writes_everything(
     assert (document["maps"], "maps.csv" in written_files) == ([], False)
 
 
+@pytest.mark.slow
 def test_a_finding_that_is_not_confirmed_is_exit_code_1(tmp_path: Path, monkeypatch, drawn):
     monkeypatch.setattr("certreg.cli.reproducing.paper_drawings", lambda seen: drawn[:1])
     monkeypatch.setattr(dynamics_claims, "SPIRAL_RATIO", 1.0)

@@ -64,6 +64,7 @@ def test_sums_by_either_way_are_the_moments_of_the_checker(problem):
         assert [[Fraction(k) * Fraction(2) ** unit for k in row] for row in found] == expected
 
 
+@pytest.mark.slow
 @given(strategies.problems())
 def test_many_points_are_accepted_with_the_theorems_that_the_checker_finds(problem):
     certificate = solve(problem).certificate

@@ -59,6 +59,7 @@ def exact_sums(given_):
 # The sums ----------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PASSES)
 @pytest.mark.parametrize("n", SIZES)
 @pytest.mark.parametrize("weighted", [True, False])

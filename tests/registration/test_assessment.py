@@ -84,6 +84,7 @@ def test_a_matrix_with_few_digits_is_judged_about_the_centroid_and_says_so(digit
     assert "judged" not in assess(problem, pose.rotation, pose.translation).words
 
 
+@pytest.mark.slow
 @given(st.floats(-6, 0.4), st.integers(0, 2**32 - 1))
 def test_the_gap_of_any_pose_lies_within_its_bounds(exponent, seed):
     rng = np.random.default_rng(seed)

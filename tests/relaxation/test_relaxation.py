@@ -285,6 +285,7 @@ def test_statuses_are_sentences():
     assert all(sentence[0].isupper() and sentence.endswith(".") for sentence in words)
 
 
+@pytest.mark.slow
 def test_nothing_is_printed_or_warned_and_nothing_is_loaded_before_it_is_used():
     code = (
         "import sys, numpy as np\n"
