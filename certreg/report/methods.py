@@ -24,12 +24,14 @@ NO_LIST = "-"
 
 
 def methods_summary(enumeration: Enumeration) -> str:
-    """The table of all methods, and what their agreement amounts to."""
+    """The table of all methods, and what their agreement amounts to; of one, the table alone."""
     lines, searches = [methods_table(enumeration)], enumeration.searches
+    comparison = enumeration.comparison
+    if comparison is None:  # the words about the equilibria have said what is in doubt
+        return lines[0]
     found = [each.critical for each in searches if each.critical is not None]
     decided = [critical.method for critical in found if critical.complete]
-    comparison = enumeration.comparison
-    if comparison is not None and len(decided) > 1:
+    if len(decided) > 1:
         lines.append(
             f"The roads {', '.join(decided)} agree: rotations to {_degrees(comparison.angle)} "
             f"degrees, energies to {comparison.energy:.0e} of their range."

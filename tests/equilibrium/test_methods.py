@@ -256,6 +256,7 @@ def test_a_list_in_doubt_ends_with_code_four(tmp_path):
 
     assert run.code == 4
     assert "not proved complete" in run.out
+    assert run.out.count("continuum") == 1  # said of the equilibria, not again below the table
     document = certreg("equilibria", square, square, "--method", "homotopy", "--json").document
     assert document["equilibria"]["complete"] is False
     assert "continuum" in document["reasons"]["equilibria.complete"]
