@@ -26,7 +26,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from cases import Case, How, Step, begun, cases, half_done
-from volatile import stable_file, stable_text
+from volatile import stable_file, stable_name, stable_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -57,10 +57,14 @@ class Recorder:
             (folder / f"step-{k:02}.txt").write_text(told, errors="surrogateescape")
         for path in sorted(place.rglob("*")):
             if path.is_file():
-                name = f"{path.relative_to(place)}.txt"
-                kept = folder / "files" / name
-                kept.parent.mkdir(parents=True, exist_ok=True)
-                kept.write_text(stable_file(path.name, path.read_bytes(), self.places()))
+                self.keep(path, folder / "files" / stable_name(f"{path.relative_to(place)}"))
+
+    def keep(self, path: Path, kept: Path) -> None:
+        """What is compared of a file; its own name, where the record has it under another."""
+        text = stable_file(path.name, path.read_bytes(), self.places())
+        title = "" if path.name == kept.name else f"name: {path.name}\n"
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        kept.with_name(f"{kept.name}.txt").write_text(f"{title}{text}")
 
     def run(self, step: Step, place: Path) -> tuple[int, str, str]:
         """Exit code, stdout and stderr of a step, the texts without what is volatile."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import gzip
 import io
 import re
 from typing import TYPE_CHECKING
@@ -11,7 +13,7 @@ import pytest
 from cases import COMMANDS, cases
 from commands import certreg
 from comparison import Meant, compare, read_meant
-from volatile import stable_file, stable_text
+from volatile import stable_file, stable_name, stable_text
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -171,6 +173,18 @@ def test_a_long_line_of_a_page_is_compared_to_the_last_character():
 
     assert text != other
     assert len(text) < 500
+
+
+def test_the_certificate_in_a_page_is_compared_as_text():
+    packed = base64.b64encode(gzip.compress(b'{\n "about": {}\n}\n')).decode()
+    page = f'<p><script id="certificate" type="text/plain">{packed}</script>'
+
+    assert ' "about": {}\n' in stable_file("a.html", page.encode(), {})
+
+
+def test_a_shard_is_compared_with_the_one_of_the_same_number():
+    assert stable_name(f"shards/00000001-{'0f' * 16}.npz") == "shards/00000001-DIGEST.npz"
+    assert stable_name("certificates/000001-pair.json") == "certificates/000001-pair.json"
 
 
 def test_every_command_is_recorded():

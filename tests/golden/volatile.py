@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import gzip
 import hashlib
 import io
 import re
 import zipfile
+from base64 import b64decode
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,6 +24,7 @@ TIMES = (  # what is printed of them, and what is kept
     (r"(refuted.*), in \d+\.\d s", r"\1, in 0 s"),
     (r"[\d,]+ in [\d.]+ s: .* at work", "0 in 0 s"),
 )
+PACKED = r'(?<=<script id="certificate" type="text/plain">)[\w+/=]+'  # base64 of gzip
 LONGEST = 2000  # characters of a line that is kept: a report carries its script and its motion
 
 
@@ -45,6 +48,11 @@ def stable_file(name: str, content: bytes, places: Mapping[str, str]) -> str:
     return readable(text) if name.endswith(".html") else text
 
 
+def stable_name(name: str) -> str:
+    """The name of a file in the record: a shard of a campaign without the digest in its own."""
+    return re.sub(r"-[0-9a-f]{32}(?=\.\w+$)", "-DIGEST", name)
+
+
 def arrays(content: bytes) -> str:
     """Name, type, shape and digest of each array of an .npz file, then that of the whole file."""
     lines = list[str]()
@@ -59,7 +67,8 @@ def arrays(content: bytes) -> str:
 
 
 def readable(page: str) -> str:
-    """A page by elements, one a line; of what is very long, the beginning and a digest."""
+    """A page by elements, one a line, the certificate in it unpacked; long lines by a digest."""
+    page = re.sub(PACKED, lambda packed: gzip.decompress(b64decode(packed[0])).decode(), page)
     lines = re.sub(r">(?=<)", ">\n", page).split("\n")
     return "\n".join(
         line
