@@ -248,7 +248,7 @@ def _columns(arrays: Arrays) -> Block:
     """The columns of the table, of a shard."""
     exact = np.isin(arrays["instance"], arrays["exception"]).astype(int)
     wide = (arrays["rmse"].T, arrays["unstable"].T)
-    single = [arrays[column.name].tolist() for column in INSTANCE_COLUMNS[9:-1]]
+    single = [arrays[name].tolist() for name in EXTREMES]
     return [
         arrays["instance"].tolist(),
         *(column.tolist() for matrix in wide for column in matrix),
