@@ -194,7 +194,7 @@ CLAIM = Claim(
     standard=(SPECTRAL,),
     used_by=(
         "certreg.relaxation.qcqp.quaternion_program",
-        "certreg.relaxation.qcqp.rotation_quadratics",
+        "certreg.geometry.constraints.rotation_quadratics",
         "certreg.relaxation.shor.relax",
     ),
     not_in_coq=(
