@@ -66,7 +66,7 @@ class Clouds:
 
 
 @dataclass(frozen=True)
-class Certificate(ABC):
+class Statement(ABC):
     """A well-formed certificate, of checked types and sizes; each kind adds its claims.
 
     about: never read. n, digest, data: the number of points, what binds them, perhaps themselves.
@@ -83,16 +83,16 @@ class Certificate(ABC):
 
     @classmethod
     @abstractmethod
-    def parse(cls, parts: dict[str, Part]) -> Certificate:
+    def parse(cls, parts: dict[str, Part]) -> Statement:
         """The certificate with these parts, of the right keys; RefusalError for a wrong type."""
 
     @abstractmethod
-    def prove(self, sums: Sums) -> tuple[str, ...]:
+    def prove(self, sums: PointSums) -> tuple[str, ...]:
         """Theorems about points with these sums; RefusalError if a claim does not follow."""
 
 
 @dataclass(frozen=True)
-class Sums:
+class PointSums:
     """Recomputed of the points: the table m and e of `moments`; whether all weights are equal."""
 
     m: Matrix
@@ -115,13 +115,13 @@ def check(certificate: bytes, clouds: Clouds | None = None) -> Outcome:
         stated = parse(certificate)
         del certificate  # as large as the points
         doubles = bound_doubles(stated, clouds)
-        sums = Sums(*moments(doubles, stated.n), equally_weighted(doubles, stated.n))
+        sums = PointSums(*moments(doubles, stated.n), equally_weighted(doubles, stated.n))
         return Outcome(verified=True, theorems=stated.prove(sums), reason="")
     except (RefusalError, MemoryError) as error:
         return Outcome(verified=False, theorems=(), reason=str(error) or "not enough memory")
 
 
-def parse(text: bytes) -> Certificate:
+def parse(text: bytes) -> Statement:
     """The certificate in a file, of any kind in KINDS."""
     nodes = sum(map(text.count, (b",", b"[", b"{")))
     require(len(text) <= FILE_MAX and nodes <= NODES_MAX, "the certificate is too large")
@@ -131,7 +131,7 @@ def parse(text: bytes) -> Certificate:
     except (ValueError, RecursionError) as error:
         raise RefusalError("the certificate is not JSON in UTF-8 of a sane depth") from error
     kind = document["kind"] if _is(dict, document) and _is(str, document.get("kind")) else ""
-    form = KINDS.get(kind, Isotropic)
+    form = KINDS.get(kind, IsotropicStatement)
     parts = parts_of(document, form.keys)
     known = _is(dict, document["about"]) and kind in KINDS
     require(known and document["format"] == FORMAT, f"not a {FORMAT} of a known kind")
@@ -197,7 +197,7 @@ def _bounded(digits: str) -> int:
     return int(digits)  # ValueError for NaN and Infinity
 
 
-def bound_doubles(certificate: Certificate, clouds: Clouds | None) -> memoryview:
+def bound_doubles(certificate: Statement, clouds: Clouds | None) -> memoryview:
     """Little-endian doubles source, target, weights (7n) that the digest, SHA-256, binds.
 
     From the certificate, or from `clouds` where it holds none; where both are given, they agree.
@@ -349,7 +349,7 @@ SETS = ("", "one rotation", "a circle", "a projective plane", "all rotations")
 
 
 @dataclass(frozen=True)
-class Isotropic(Certificate):
+class IsotropicStatement(Statement):
     """delta, mu, nu, quaternion, angular_velocity make the proof short; the rest is claimed."""
 
     kind: ClassVar = "isotropic"
@@ -377,7 +377,7 @@ class Isotropic(Certificate):
     angular_velocity: tuple[int, int, int, int] | None  # three integers, the exponent of their unit
 
     @classmethod
-    def parse(cls, parts: dict[str, Part]) -> Isotropic:
+    def parse(cls, parts: dict[str, Part]) -> IsotropicStatement:
         """Of several wrong types the first in this order is told."""
         whole, problem, claims = parts[""], parts["problem"], parts["claims"]
         optimality, state = parts["optimality"], parts["basin"]
@@ -401,7 +401,7 @@ class Isotropic(Certificate):
             sin2_half_angle=dyadic(claims, "sin2_half_angle", null=True),
         )
 
-    def prove(self, sums: Sums) -> tuple[str, ...]:
+    def prove(self, sums: PointSums) -> tuple[str, ...]:
         """All claims, by the functions below; what these prove stands in their docstrings."""
         good = self.delta > 0 and self.mu >= 0 and any(self.pose)
         require(good, "delta > 0, mu >= 0 and a pose other than 0 needed")
@@ -547,7 +547,7 @@ PAIRS = [(i, j) for i in range(4) for j in range(i, 4)]  # the ten monomials q_i
 
 
 @dataclass(frozen=True)
-class Count(Certificate):
+class CountStatement(Statement):
     """chart, modulus: with which the quadratics are seen to be independent."""
 
     kind: ClassVar = "count"
@@ -563,7 +563,7 @@ class Count(Certificate):
     modulus: int
 
     @classmethod
-    def parse(cls, parts: dict[str, Part]) -> Count:
+    def parse(cls, parts: dict[str, Part]) -> CountStatement:
         """Of several wrong types the first in this order is told."""
         problem, proof = parts["problem"], parts["proof"]
         return cls(
@@ -576,7 +576,7 @@ class Count(Certificate):
             chart=integers(proof, "chart"),
         )
 
-    def prove(self, sums: Sums) -> tuple[str, ...]:
+    def prove(self, sums: PointSums) -> tuple[str, ...]:
         """The six torques of R(q) and the four q_i (a . q), a = chart, are quadratic forms in q.
 
         If their 10x10 coefficients are of full rank, every q_i q_j is a combination of the ten. At
@@ -658,7 +658,7 @@ def has_full_rank(rows: Matrix, modulus: int) -> bool:
 # --- end of kind: count -------------------------------------------------------------------------
 
 
-KINDS: dict[str, type[Certificate]] = {form.kind: form for form in (Isotropic, Count)}
+KINDS: dict[str, type[Statement]] = {k.kind: k for k in (IsotropicStatement, CountStatement)}
 
 if __name__ == "__main__":
     sys.exit(main(sys.argv[1:]))

@@ -13,7 +13,7 @@ import sympy
 
 from certreg.io.atomic import write_files
 from certreg.native.codegen.emit import generated_files
-from certreg.native.codegen.records import Record, record_of
+from certreg.native.codegen.records import RecordLayout, record_of
 from certreg.native.codegen.translate import Definition, Port, port
 
 from .integrators import (
@@ -56,7 +56,7 @@ class Names:
         return tuple(self._values)
 
 
-def records() -> tuple[Record, ...]:
+def records() -> tuple[RecordLayout, ...]:
     """The layout of what the functions take and give, and of what handwritten C does."""
     matrix_state = record_of("matrix_state", State().parts)
     quaternion_state = record_of("quaternion_state", QuaternionState().parts)
@@ -74,21 +74,21 @@ def records() -> tuple[Record, ...]:
     )
 
 
-def _sample(name: str, state: Record, energies: Record) -> Record:
+def _sample(name: str, state: RecordLayout, energies: RecordLayout) -> RecordLayout:
     """A row of a logged trajectory."""
-    return Record(name=name, parts={"time": (), "state": state, "energies": energies})
+    return RecordLayout(name=name, parts={"time": (), "state": state, "energies": energies})
 
 
 # Of the C that is written by hand, in the order of its sums over points: w each, times the parts.
 _SUMS = {"source": (3,), "target": (3,)}
 _HANDWRITTEN = (
-    Record(name="basin", parts={"quaternions": (4, 4), "gaps": (4,)}),
-    Record(name="means", parts=_SUMS),
-    Record(name="spreads", parts={"source": (), "target": (), "centred_target": ()}),
-    Record(
+    RecordLayout(name="basin", parts={"quaternions": (4, 4), "gaps": (4,)}),
+    RecordLayout(name="means", parts=_SUMS),
+    RecordLayout(name="spreads", parts={"source": (), "target": (), "centred_target": ()}),
+    RecordLayout(
         name="sums", parts={"mass": (), "spread": (), **_SUMS, "scatter": (6,), "cross": (3, 3)}
     ),
-    Record(
+    RecordLayout(
         name="exact_sums",
         parts={
             "mass": (),

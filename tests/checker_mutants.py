@@ -210,7 +210,7 @@ FORM = mutants(
     ('"basin?": "ang', '"basin": "ang'),
     ('integers(whole, "pose")', 'integers(whole, "pose", null=True)'),
     ('integers(state, "quaternion", null=True)', 'integers(state, "quaternion")'),
-    ("for form in (Isotropic, Count)", "for form in (Isotropic,)"),
+    ("for k in (IsotropicStatement, CountStatement)", "for k in (IsotropicStatement,)"),
 )
 MUTANTS = LIMITS + DATA + FORM + SUMS + ISOTROPIC + COUNT
 

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from certreg.verify import (
-    Isotropic,
+    IsotropicStatement,
     cross,
     davenport,
     inertia,
@@ -33,7 +33,7 @@ from certreg.verify import proves_level as proves
 Points = list[list[float]]
 Certificate = dict[str, Any]
 BITS = 64  # of the quaternions
-PREFIX = Isotropic.prefix
+PREFIX = IsotropicStatement.prefix
 
 GENERIC: Points = [[0, 0, 0], [3, 1, 0], [1, 4, 1], [2, 2, 5], [-3, 1, 2], [0.5, -2, 0.25]]
 MOVED: Points = [[7, 1, 2], [6, 4, 2], [3, 2, 3.5], [5, 3, 7], [6, -2, 4], [9, 1.5, 2]]

@@ -16,7 +16,7 @@ from certreg.problem import (
     second_method,
     sums_by,
 )
-from certreg.verify import Outcome, RefusalError, Sums, bound_doubles, moments, parse, require
+from certreg.verify import Outcome, PointSums, RefusalError, bound_doubles, moments, parse, require
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -73,7 +73,7 @@ def _theorems(
         bound_doubles(stated, None)
     same = problem.digest() == stated.digest
     require(same, "the certificate is about other points or weights")
-    sums = Sums(*table(problem), problem.equally_weighted)
+    sums = PointSums(*table(problem), problem.equally_weighted)
     same = not problem.mapped or problem.digest() == stated.digest
     require(same, "the clouds were changed while they were read")
     return stated.prove(sums)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import os
     from pathlib import Path
 
-    from certreg.certificate.envelope import Body, Certificate
+    from certreg.certificate.envelope import Certificate, CertificateBody
     from certreg.problem import RegistrationProblem
 
 PYTHON_POINTS = 20_000  # of own certificates: the checker adds up itself (0.3 s)
@@ -68,7 +68,7 @@ def _bound(problem: RegistrationProblem | Clouds | None) -> Clouds | None:
     return problem if problem is None or isinstance(problem, Clouds) else _clouds(problem)
 
 
-def check_own(certificate: Certificate[Body], problem: RegistrationProblem) -> Verdict:
+def check_own(certificate: Certificate[CertificateBody], problem: RegistrationProblem) -> Verdict:
     """The checker's answer on a certificate just made, from its bytes, as a stranger would.
 
     Of many points it does not add up all products again, which takes a stranger 15 seconds for a

@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING
 from certreg.errors import InvalidFileError, MissingToolError
 from certreg.io import write_atomically
 from certreg.results import Ruling, Verdict
-from certreg.verify import Isotropic, RefusalError, bound_doubles, parse, require
+from certreg.verify import IsotropicStatement, RefusalError, bound_doubles, parse, require
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -99,7 +99,7 @@ def export(certificate: bytes, clouds: Clouds | None = None) -> CoqProblem:
     Raises RefusalError where it is malformed or of other points.
     """
     stated = parse(certificate)
-    if not isinstance(stated, Isotropic):
+    if not isinstance(stated, IsotropicStatement):
         what = f"a certificate of kind {stated.kind}, and Coq decides on kind isotropic alone"
         raise InvalidFileError(
             f"{what}: leave out --coq", column="kind", value=stated.kind, limit="isotropic"
@@ -144,7 +144,7 @@ def _integers(numbers: Sequence[float]) -> tuple[list[int], int]:
     return [k >> spare for k in lifted], spare - shift
 
 
-def _statement(stated: Isotropic) -> str:
+def _statement(stated: IsotropicStatement) -> str:
     pose, turned = (_record("ZQuat", each) for each in (stated.pose, stated.quaternion))
     spinning = "None"
     if stated.angular_velocity is not None:

@@ -26,7 +26,7 @@ FORMAT = "certreg-certificate/1"
 PIECE = 3 << 18  # bytes of data encoded at a time: a multiple of three
 
 
-class Body(Protocol):
+class CertificateBody(Protocol):
     """What a kind of certificate adds to the envelope: its proof and its claims."""
 
     KIND: ClassVar[str]
@@ -39,7 +39,7 @@ class Body(Protocol):
 KINDS: dict[str, type[IsotropicBody | CountBody]] = {
     body.KIND: body for body in (IsotropicBody, CountBody)
 }
-AnyBody_co = TypeVar("AnyBody_co", bound=Body, covariant=True)
+AnyBody_co = TypeVar("AnyBody_co", bound=CertificateBody, covariant=True)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,7 +59,7 @@ class Certificate(Generic[AnyBody_co]):
     about: dict[str, Any] = field(default_factory=dict[str, Any])
 
     @classmethod
-    def load(cls, certificate: str | os.PathLike[str] | bytes) -> Certificate[Body]:
+    def load(cls, certificate: str | os.PathLike[str] | bytes) -> Certificate[CertificateBody]:
         """The certificate in a file, a path or its bytes. Proves nothing: ask `certreg.verify`.
 
         As strict as the checker: it must have all keys of its kind, of the right types and sizes,

@@ -79,7 +79,7 @@ class Setup:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Comparison:
+class FormulaComparison:
     """The largest relative differences over the states compared.
 
     objective: of V_p to the maximum-likelihood objective at t = c - R x_mean. rate: of F(s), from
@@ -97,7 +97,7 @@ class Observations:
     """What was observed. balance_sums: of each polygon, polynomials that vanish if it balances."""
 
     setup: Setup
-    comparisons: tuple[Comparison, ...]
+    comparisons: tuple[FormulaComparison, ...]
     equilibria: tuple[EquilibriumRun, ...]
     simulations: tuple[SimulationRun, ...]
     turns: tuple[Turn, ...]
@@ -114,7 +114,7 @@ def observe(setup: Setup, progress: StageProgress) -> Observations:
     second = _made(setup, moving, setup.simulation_runs)
     polygons = (TRIANGLE, SQUARE)
 
-    def at(index: int) -> tuple[Comparison, EquilibriumRun]:
+    def at(index: int) -> tuple[FormulaComparison, EquilibriumRun]:
         problem = setup.problem(first, index)
         return compare(problem, comparing, STATES), equilibrium_run(problem)
 
@@ -147,7 +147,9 @@ def _each(
     progress(stage, count, count)
 
 
-def compare(problem: RegistrationProblem, rng: np.random.Generator, states: int) -> Comparison:
+def compare(
+    problem: RegistrationProblem, rng: np.random.Generator, states: int
+) -> FormulaComparison:
     """The comparison at random states whose R is a rotation."""
     moving = body_of(exact_moments(problem), problem.damping, length_exponent=RAW_UNIT)
     particles = Particles.of(problem)
@@ -157,7 +159,7 @@ def compare(problem: RegistrationProblem, rng: np.random.Generator, states: int)
     printed, derived = [particles.rate(s) for s in drawn], [moving.rate(s) for s in drawn]
     claimed = [particles.dissipation(s) for s in drawn]
     computed = [particles.energy_rate(s) for s in drawn]
-    return Comparison(
+    return FormulaComparison(
         objective=_difference(potentials, objectives),
         rate=_difference(derived, printed),
         dissipation=_difference(computed, claimed),

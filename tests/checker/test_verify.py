@@ -495,7 +495,7 @@ def test_the_printed_gap_and_angle_are_upper_bounds_of_any_size(generic):
 
 
 @dataclass(frozen=True)
-class Weighed(checker.Certificate):
+class Weighed(checker.Statement):
     """A kind for the tests alone: it claims a mass, and a radius if it likes."""
 
     kind = "weighed"
@@ -565,7 +565,7 @@ def test_a_certificate_is_parsed_once_and_never_changed(generic):
     before = repr(stated)
 
     doubles = checker.bound_doubles(stated, None)
-    stated.prove(checker.Sums(*checker.moments(doubles, stated.n), False))
+    stated.prove(checker.PointSums(*checker.moments(doubles, stated.n), False))
 
     assert repr(stated) == before
     with pytest.raises(FrozenInstanceError):

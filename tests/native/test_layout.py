@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from certreg.native import layout, library
-from certreg.native.codegen.records import Record, layout_files
+from certreg.native.codegen.records import RecordLayout, layout_files
 from certreg.native.compiler import GENERATED, HERE, CompilationError, find_compiler
 from certreg.native.engine import current_engine
 from certreg.native.layout import (
@@ -78,7 +78,9 @@ def test_a_part_in_another_place_is_seen(tmp_path):
     """Two parts of a body exchanged in one of both: the other no longer fits."""
     parts = dict(RECORDS["body"].parts)
     parts["damping"], parts["spread"] = parts.pop("damping"), parts.pop("spread")
-    other = [Record(name="body", parts=parts) if r.name == "body" else r for r in emit.records()]
+    other = [
+        RecordLayout(name="body", parts=parts) if r.name == "body" else r for r in emit.records()
+    ]
     files, place = layout_files(other), tmp_path / "mutated"
     place.mkdir()
     for name, content in files.items():

@@ -17,7 +17,7 @@ from certreg.native.codegen.translate import casadi_function
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.native.codegen.records import Record
+    from certreg.native.codegen.records import RecordLayout
     from certreg.native.codegen.translate import Definition, Port
 
 C_FILE, HEADER_FILE, SERIALISED_FILE = "dynamics.c", "dynamics.h", "dynamics.json"
@@ -72,7 +72,7 @@ _FOOTER = """\
 
 
 def generated_files(
-    definitions: Sequence[Definition], records: Sequence[Record]
+    definitions: Sequence[Definition], records: Sequence[RecordLayout]
 ) -> dict[str, bytes]:
     """The contents of dynamics.h, .c and .json, of signatures.json and of the layout, by name.
 

@@ -30,11 +30,11 @@ _FOOTER = """
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Record:
+class RecordLayout:
     """A row of doubles; `parts` are shapes, or records, by name and in order."""
 
     name: str
-    parts: Mapping[str, tuple[int, ...] | Record]
+    parts: Mapping[str, tuple[int, ...] | RecordLayout]
 
     @property
     def size(self) -> int:
@@ -52,12 +52,12 @@ class Record:
         return offsets
 
 
-def record_of(name: str, entries: Mapping[str, Any]) -> Record:
+def record_of(name: str, entries: Mapping[str, Any]) -> RecordLayout:
     """The record of matrices, columns, sequences and numbers, by name."""
-    return Record(name=name, parts={part: _shape(value) for part, value in entries.items()})
+    return RecordLayout(name=name, parts={part: _shape(value) for part, value in entries.items()})
 
 
-def layout_files(records: Sequence[Record]) -> dict[str, bytes]:
+def layout_files(records: Sequence[RecordLayout]) -> dict[str, bytes]:
     """The contents of layout.h and layout.json, by name; a record stands after those it holds."""
     return {
         LAYOUT_HEADER_FILE: _layout_header(records).encode(),
@@ -65,20 +65,20 @@ def layout_files(records: Sequence[Record]) -> dict[str, bytes]:
     }
 
 
-def _layout_header(records: Sequence[Record]) -> str:
+def _layout_header(records: Sequence[RecordLayout]) -> str:
     return _HEADER + "".join(map(_offsets, records)) + _FOOTER
 
 
-def _offsets(record: Record) -> str:
+def _offsets(record: RecordLayout) -> str:
     own = f"{PREFIX}_{record.name.upper()}"
     lines = [f"    {own}_{part.upper()} = {at}," for part, at in record.offsets.items()]
     return "\n".join(["", "enum {", *lines, f"    {own} = {record.size}", "};", ""])
 
 
-def _layout(records: Sequence[Record]) -> str:
+def _layout(records: Sequence[RecordLayout]) -> str:
     document = {
         record.name: {
-            name: part.name if isinstance(part, Record) else list(part)
+            name: part.name if isinstance(part, RecordLayout) else list(part)
             for name, part in record.parts.items()
         }
         for record in records
@@ -94,5 +94,5 @@ def _shape(value: Any) -> tuple[int, ...]:
     return (len(value),) if hasattr(value, "__len__") else ()
 
 
-def _size(part: tuple[int, ...] | Record) -> int:
-    return part.size if isinstance(part, Record) else prod(part)
+def _size(part: tuple[int, ...] | RecordLayout) -> int:
+    return part.size if isinstance(part, RecordLayout) else prod(part)
