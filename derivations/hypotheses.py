@@ -12,7 +12,7 @@ from typing import Any
 import sympy
 
 from .algebra import Relation
-from .moments import Cloud, PointCloud
+from .moments import MomentCloud, PointCloud
 from .notation import Array, Matrix
 
 IDENTITY = sympy.eye(3)
@@ -52,9 +52,9 @@ def centring(points: PointCloud) -> Array:
     return Matrix.vstack(points.total(points.sources), points.total(points.targets))
 
 
-def moments(points: PointCloud) -> Cloud:
+def moments(points: PointCloud) -> MomentCloud:
     """The moments of points that are written out, as sums over them."""
-    return Cloud(
+    return MomentCloud(
         mass=points.mass,
         source_scatter=points.total([x * x.T for x in points.sources]),
         target_scatter=points.total([y * y.T for y in points.targets]),

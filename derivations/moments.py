@@ -20,7 +20,7 @@ from .notation import Array, Matrix, matrix, scalar, symmetric, vector
 
 
 @dataclass(frozen=True)
-class Cloud:
+class MomentCloud:
     """The centred correspondences (x, y) of a cloud of any size, through its moments.
 
     mass M = sum m; source_scatter S2 = sum m x x^T; target_scatter T2 = sum m y y^T;

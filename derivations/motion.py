@@ -14,7 +14,7 @@ from typing import Any
 
 import sympy
 
-from .moments import Cloud
+from .moments import MomentCloud
 from .notation import Array, Matrix, gradient, hat, inner, matrix, scalar, square, symmetric, vector
 
 
@@ -57,28 +57,28 @@ def velocity(state: State, x: Any) -> Array:
     return state.R * state.omega.cross(x) + state.v
 
 
-def potential_energy(state: State, cloud: Cloud) -> Any:
+def potential_energy(state: State, cloud: MomentCloud) -> Any:
     """V_p: the springs' energy, the sum of m |y - R x - c|^2 (spring 2 m, energy half of it)."""
     return cloud.total(square(cloud.y - position(state, cloud.x)))
 
 
-def kinetic_energy(state: State, cloud: Cloud) -> Any:
+def kinetic_energy(state: State, cloud: MomentCloud) -> Any:
     """V_k as the sum of m |velocity|^2 / 2, for any matrix R."""
     return cloud.total(square(velocity(state, cloud.x))) / 2
 
 
-def body_kinetic_energy(state: State, cloud: Cloud) -> Any:
+def body_kinetic_energy(state: State, cloud: MomentCloud) -> Any:
     """V_k = M |v|^2 / 2 + omega^T J omega / 2, which the sum is where R is a rotation."""
     rotational = (state.omega.T * cloud.inertia * state.omega)[0]
     return (cloud.mass * square(state.v) + rotational) / 2
 
 
-def spring_force(state: State, cloud: Cloud) -> Array:
+def spring_force(state: State, cloud: MomentCloud) -> Array:
     """The total spring force, the sum of 2 m (y - R x - c), in the target's frame."""
     return cloud.total(2 * (cloud.y - position(state, cloud.x)))
 
 
-def spring_torque(state: State, cloud: Cloud) -> Array:
+def spring_torque(state: State, cloud: MomentCloud) -> Array:
     """The total spring torque of the paper in the body frame, the sum of x times 2 m R^T (y - c).
 
     The paper writes the force in the body frame with x for R^T R x: the same where R is a rotation.
@@ -87,7 +87,7 @@ def spring_torque(state: State, cloud: Cloud) -> Array:
     return cloud.total(cloud.x.cross(pull))
 
 
-def newton_euler(state: State, cloud: Cloud) -> tuple[Array, Array]:
+def newton_euler(state: State, cloud: MomentCloud) -> tuple[Array, Array]:
     """M a and J alpha of the paper: total force, and total torque less omega x J omega."""
     damping = DAMPING * cloud.total(state.R * hat(state.omega) * cloud.x + state.v)
     drag = DAMPING * cloud.total(cloud.x.cross(state.omega.cross(cloud.x)))
@@ -102,7 +102,7 @@ def left_gradient(function: Any, R: Array) -> Array:
     return Matrix([inner(slope, R * hat(axis)) for axis in sympy.eye(3).columnspace()])
 
 
-def euler_poincare(state: State, cloud: Cloud) -> tuple[Array, Array]:
+def euler_poincare(state: State, cloud: MomentCloud) -> tuple[Array, Array]:
     """M a and J alpha from the Lagrangian L = V_k - V_p with Rayleigh's dissipation mu V_k.
 
     d/dt dL/dv = dL/dc - dD/dv and, with p = dL/domega in the body frame,
@@ -151,11 +151,11 @@ def upper_triangle(A: Array) -> list[Any]:
     return [A[i, j] for i in range(3) for j in range(i, 3)]
 
 
-def unit_cloud(body: Body) -> Cloud:
+def unit_cloud(body: Body) -> MomentCloud:
     """The cloud of mass 1 with the body's moments: S2 = tr(J)/2 I - J, target scatter the rest."""
     scatter = body.inertia.trace() / 2 * sympy.eye(3) - body.inertia
     target = Matrix(3, 3, lambda i, j: (body.spread - scatter.trace()) if i == j == 0 else 0)
-    return Cloud(
+    return MomentCloud(
         mass=sympy.Integer(1), source_scatter=scatter, target_scatter=target, cross=body.cross
     )
 

@@ -12,12 +12,12 @@ from certreg.geometry.so3 import body_frame
 
 from ..algebra import flat, identity, ring_of
 from ..kernel import Claim, Proof
-from ..moments import Cloud
+from ..moments import MomentCloud
 from ..motion import DAMPING, State, newton_euler
 from ..notation import Array, Matrix, hat, inner, matrix, rotation, scalar, square, vector
 from .total_torque import drag_part, spring_part
 
-Equations = Callable[[State, Cloud], tuple[Array, Array]]
+Equations = Callable[[State, MomentCloud], tuple[Array, Array]]
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ def _put(powers: list[Any], value: Any) -> Any:
     return sum((part * power for part, power in zip(parts, powers, strict=True)), value.ring.zero)
 
 
-def closed_form(state: State, cloud: Cloud) -> Array:
+def closed_form(state: State, cloud: MomentCloud) -> Array:
     """The torque of springs and drag less omega x J omega."""
     gyroscopic = state.omega.cross(cloud.inertia * state.omega)
     return spring_part(state, cloud) + drag_part(state, cloud) - gyroscopic
@@ -86,7 +86,7 @@ def closed_form(state: State, cloud: Cloud) -> Array:
 def proof(equations: Equations = newton_euler, *, chart: Chart | None = None) -> Proof:
     """Kinematics of the chart; kinetic, potential and dissipative part; all together."""
     chart = chart or Chart()
-    state, cloud = State(), Cloud()
+    state, cloud = State(), MomentCloud()
     yield identity(
         r"What is to be found again: the right-hand side of Euler's equation $J\alpha = \tau - "
         r"\omega\times J\omega$, with $\tau = 2\operatorname{vee}(R^{\mathsf T}C - "
@@ -129,7 +129,7 @@ def _kinematics(chart: Chart) -> Proof:
 
 
 def _springs(chart: Chart) -> Proof:
-    cloud, R0 = Cloud(), matrix("Q")
+    cloud, R0 = MomentCloud(), matrix("Q")
     R = chart.orientation
     pulled = 2 * inner(R, cloud.cross)
     torque = -spring_part(State(R=R), cloud)
@@ -151,7 +151,7 @@ def _springs(chart: Chart) -> Proof:
 
 
 def _together(chart: Chart) -> Proof:
-    cloud, B = Cloud(), chart.frame
+    cloud, B = MomentCloud(), chart.frame
     J, omega = cloud.inertia, chart.frame * chart.speed
     energy = inner(omega, J * omega) / 2
     pulled = 2 * inner(chart.orientation, cloud.cross)
@@ -181,13 +181,13 @@ def _lagrange(chart: Chart, kinetic: Any, pulled: Any) -> list[Any]:
     return [equation.as_expr() for equation in equations]
 
 
-def _without_gyroscope(state: State, cloud: Cloud) -> tuple[Array, Array]:
+def _without_gyroscope(state: State, cloud: MomentCloud) -> tuple[Array, Array]:
     force, torque = newton_euler(state, cloud)
     return force, torque + state.omega.cross(cloud.inertia * state.omega)
 
 
-def _backwards(state: State, cloud: Cloud) -> tuple[Array, Array]:
-    flipped = Cloud(source_scatter=cloud.source_scatter, cross=-cloud.cross)
+def _backwards(state: State, cloud: MomentCloud) -> tuple[Array, Array]:
+    flipped = MomentCloud(source_scatter=cloud.source_scatter, cross=-cloud.cross)
     return newton_euler(state, flipped)
 
 

@@ -12,7 +12,7 @@ from certreg.geometry.so3 import body_frame, davenport_matrix, dot, quadratic_fo
 from ..algebra import Given, Square, combination, identity, nonnegative, quoted
 from ..hypotheses import SPECTRAL
 from ..kernel import Claim, Proof, Step
-from ..moments import Cloud
+from ..moments import MomentCloud
 from ..motion import DAMPING, State, newton_euler, spring_torque
 from ..notation import (
     Array,
@@ -29,11 +29,11 @@ from ..notation import (
 )
 from ..shipped import NORM_INVERSE, TWO_POWER, checked_alignment
 
-Torque = Callable[[State, Cloud], Array]
+Torque = Callable[[State, MomentCloud], Array]
 QUARTER = sympy.Rational(1, 4)  # E = omega^T J omega / 2 - 2 q^T K q is minus twice the left side
 
 
-def derived_torque(state: State, cloud: Cloud) -> Array:
+def derived_torque(state: State, cloud: MomentCloud) -> Array:
     """J alpha: the paper's total torque less omega x J omega."""
     return newton_euler(state, cloud)[1]
 
@@ -52,7 +52,7 @@ def proof(
 
 
 def _descent(torque: Torque) -> Proof:
-    state, cloud = State(), Cloud()
+    state, cloud = State(), MomentCloud()
     total, omega = torque(state, cloud), state.omega
     at_rest_of_translation = dict.fromkeys((*state.c, *state.v), 0)
     yield identity(
@@ -191,11 +191,11 @@ def _decided(spin: Any, shipped: Callable[..., Any]) -> Step:
     )
 
 
-def _twice_as_strong(state: State, cloud: Cloud) -> Array:
+def _twice_as_strong(state: State, cloud: MomentCloud) -> Array:
     return derived_torque(state, cloud) + spring_torque(state, cloud)
 
 
-def _pulled_from_outside(state: State, cloud: Cloud) -> Array:
+def _pulled_from_outside(state: State, cloud: MomentCloud) -> Array:
     return derived_torque(state, cloud) + state.c.cross(state.v)
 
 

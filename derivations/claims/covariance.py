@@ -14,7 +14,7 @@ from certreg.geometry.so3 import body_frame, davenport_matrix
 
 from ..algebra import combination, contraction, identity, quoted
 from ..kernel import Claim, Proof, Step
-from ..moments import Cloud
+from ..moments import MomentCloud
 from ..motion import State, spring_torque
 from ..notation import Array, Matrix, diagonal, hat, matrix, scalar, symmetric, vector
 
@@ -34,7 +34,7 @@ def proof(
     mean_weight: int = 1,
 ) -> Proof:
     """Hessian and sensitivity at noise-free data, then the blocks of the covariance."""
-    R, cloud = matrix("R"), Cloud()
+    R, cloud = matrix("R"), MomentCloud()
     yield from _translation(R, cloud, lever, mean_weight)
     yield _noise_free(cloud, hessian_factor)
     noise_mean = vector("ebar")
@@ -68,7 +68,7 @@ def proof(
     yield from _shipped_inverse()
 
 
-def _noise_free(cloud: Cloud, factor: int) -> Step:
+def _noise_free(cloud: MomentCloud, factor: int) -> Step:
     """The derivative of minus the torque along R exp([phi]x), at y = R x, as a bilinear form."""
     phi, u, gram = vector("phi"), vector("u"), symmetric("N")
     slope = -cloud.total(cloud.x.cross(2 * hat(phi).T * gram * cloud.x))
@@ -84,7 +84,7 @@ def _noise_free(cloud: Cloud, factor: int) -> Step:
     )
 
 
-def _rotation_block(cloud: Cloud, factor: int) -> Proof:
+def _rotation_block(cloud: MomentCloud, factor: int) -> Proof:
     u, w, inverse = vector("u"), vector("w"), symmetric("I")
     gram = symmetric("N")  # R^T R
     scatter = cloud.total(hat(cloud.x) * gram * hat(cloud.x).T)
@@ -109,7 +109,7 @@ def _rotation_block(cloud: Cloud, factor: int) -> Proof:
     )
 
 
-def _translation(R: Array, cloud: Cloud, lever: Lever, weight: int) -> Proof:
+def _translation(R: Array, cloud: MomentCloud, lever: Lever, weight: int) -> Proof:
     mean, phi = vector("xbar"), vector("phi")
     yield identity(
         r"The best translation is $t = \bar y - R \bar x$. Noise that turns the optimum by "

@@ -10,12 +10,12 @@ import sympy
 from ..algebra import combination, contraction, identity
 from ..hypotheses import moments, orthogonality
 from ..kernel import Claim, Proof
-from ..moments import Cloud, PointCloud
+from ..moments import MomentCloud, PointCloud
 from ..motion import DAMPING, State, newton_euler, velocity
 from ..notation import Array, Matrix, hat, inner, jacobian, vector
 from .total_force import force_on_particle
 
-Equations = Callable[[State, Cloud], tuple[Array, Array]]
+Equations = Callable[[State, MomentCloud], tuple[Array, Array]]
 Acceleration = Callable[[State, Any], Array]
 A, ALPHA = vector("a"), vector("alpha")
 XI, PHI = vector("xi"), vector("phi")
@@ -36,7 +36,7 @@ def proof(
     acceleration: Acceleration = particle_acceleration, equations: Equations = newton_euler
 ) -> Proof:
     """Acceleration of a particle; virtual work by the moment functional; with N written out."""
-    state, cloud = State(), Cloud()
+    state, cloud = State(), MomentCloud()
     yield _derivative_of_velocity(state, cloud.x, acceleration)
     lost = _lost(state, cloud.x, cloud.y, acceleration)
     balance, turn = _balance(state, cloud, equations), state.R * hat(PHI)
@@ -83,7 +83,7 @@ def _lost(state: State, x: Any, y: Any, acceleration: Acceleration) -> Array:
     return force_on_particle(state, x, y) - acceleration(state, x)
 
 
-def _balance(state: State, cloud: Cloud, equations: Equations) -> Any:
+def _balance(state: State, cloud: MomentCloud, equations: Equations) -> Any:
     force, torque = equations(state, cloud)
     return inner(force - cloud.mass * A, XI) + inner(torque - cloud.inertia * ALPHA, PHI)
 
@@ -94,7 +94,7 @@ def _swing(state: State) -> Array:
     return 2 * sympy.eye(3) + DAMPING * turning + turning * turning + hat(ALPHA)
 
 
-def _stretch(state: State, cloud: Cloud) -> Array:
+def _stretch(state: State, cloud: MomentCloud) -> Array:
     return -hat(PHI) * cloud.source_scatter * _swing(state).T
 
 
@@ -122,12 +122,12 @@ def _without_centripetal(state: State, x: Any) -> Array:
     return A + state.R * ALPHA.cross(x)
 
 
-def _without_gyroscope(state: State, cloud: Cloud) -> tuple[Array, Array]:
+def _without_gyroscope(state: State, cloud: MomentCloud) -> tuple[Array, Array]:
     force, torque = newton_euler(state, cloud)
     return force, torque + state.omega.cross(cloud.inertia * state.omega)
 
 
-def _spring_halved(state: State, cloud: Cloud) -> tuple[Array, Array]:
+def _spring_halved(state: State, cloud: MomentCloud) -> tuple[Array, Array]:
     force, torque = newton_euler(state, cloud)
     return force + cloud.mass * state.c, torque
 

@@ -10,20 +10,20 @@ import sympy
 from ..algebra import Given, Square, combination, contraction, facts, identity, nonnegative
 from ..hypotheses import moments, orthogonality
 from ..kernel import Claim, Proof
-from ..moments import Cloud, PointCloud
+from ..moments import MomentCloud, PointCloud
 from ..motion import DAMPING, State, body_kinetic_energy, newton_euler, potential_energy
 from ..notation import Array, Matrix, gradient, hat, inner, matrix, vector
 
-Equations = Callable[[State, Cloud], tuple[Array, Array]]
-Formula = Callable[[State, Cloud], Any]
+Equations = Callable[[State, MomentCloud], tuple[Array, Array]]
+Formula = Callable[[State, MomentCloud], Any]
 
 
-def dissipated(state: State, cloud: Cloud) -> Any:
+def dissipated(state: State, cloud: MomentCloud) -> Any:
     """The power of the drag, mu (M |v|^2 + omega^T J omega)."""
     return 2 * DAMPING * body_kinetic_energy(state, cloud)
 
 
-def stretching(state: State, cloud: Cloud) -> Any:
+def stretching(state: State, cloud: MomentCloud) -> Any:
     """The term 2 tr(R^T R [omega] S2), which is zero where R is a rotation."""
     return 2 * (state.R.T * state.R * hat(state.omega) * cloud.source_scatter).trace()
 
@@ -40,7 +40,7 @@ def proof(
 
 
 def _rate(equations: Equations, extra: Formula, loss: Formula) -> Proof:
-    state, cloud = State(), Cloud()
+    state, cloud = State(), MomentCloud()
     kinetic, potential = body_kinetic_energy(state, cloud), potential_energy(state, cloud)
     a, alpha = vector("a"), vector("alpha")
     moved = inner(gradient(kinetic, state.v), a) + inner(gradient(kinetic, state.omega), alpha)
@@ -75,7 +75,7 @@ def _rate(equations: Equations, extra: Formula, loss: Formula) -> Proof:
 
 def _sign(loss: Formula) -> Proof:
     B, state = matrix("B"), State()
-    cloud = Cloud(source_scatter=B.T * B)
+    cloud = MomentCloud(source_scatter=B.T * B)
     positive = [Given(DAMPING, "the damping is positive")]
     mass = Given(cloud.mass, "the mass is positive")
     yield nonnegative(
@@ -127,13 +127,13 @@ def _off_rotations(extra: Formula, loss: Formula) -> Any:
     )
 
 
-def _drag_of_the_scatter(state: State, cloud: Cloud) -> tuple[Array, Array]:
+def _drag_of_the_scatter(state: State, cloud: MomentCloud) -> tuple[Array, Array]:
     force, torque = newton_euler(state, cloud)
     wrong = cloud.inertia - cloud.source_scatter
     return force, torque + DAMPING * wrong * state.omega
 
 
-def _springs_of_m(state: State, cloud: Cloud) -> tuple[Array, Array]:
+def _springs_of_m(state: State, cloud: MomentCloud) -> tuple[Array, Array]:
     force, torque = newton_euler(state, cloud)
     return force + cloud.mass * state.c, torque
 

@@ -12,7 +12,7 @@ from certreg.geometry.so3 import davenport_matrix
 from ..algebra import Relation, combination, contraction, identity, modulo
 from ..hypotheses import SPECTRAL
 from ..kernel import Claim, Proof
-from ..moments import Cloud
+from ..moments import MomentCloud
 from ..motion import State, newton_euler, potential_energy
 from ..notation import (
     Array,
@@ -35,7 +35,7 @@ def proof(
 ) -> Proof:
     """At rest the torque is the only thing left; it vanishes exactly at eigenvectors."""
     yield from _at_rest()
-    cloud, q, kappa = Cloud(), quaternion(), scalar("kappa")
+    cloud, q, kappa = MomentCloud(), quaternion(), scalar("kappa")
     K, L = Matrix(davenport(cloud.cross.tolist())), frame(q)
     yield identity(
         r"The columns of $L(q)$ span what is orthogonal to $q$: "
@@ -64,7 +64,7 @@ def proof(
 
 
 def _at_rest() -> Proof:
-    state, cloud = State(), Cloud()
+    state, cloud = State(), MomentCloud()
     rest = State(c=state.c, R=state.R, v=sympy.zeros(3, 1), omega=sympy.zeros(3, 1))
     C, R = cloud.cross, state.R
     force, torque = newton_euler(rest, cloud)
@@ -79,7 +79,7 @@ def _at_rest() -> Proof:
     )
 
 
-def _symmetry(cloud: Cloud) -> Proof:
+def _symmetry(cloud: MomentCloud) -> Proof:
     R, C = State().R, cloud.cross
     A = R.T * C
     yield identity(
@@ -90,7 +90,7 @@ def _symmetry(cloud: Cloud) -> Proof:
     )
 
 
-def _energy(cloud: Cloud, q: Array, K: Array, factor: int) -> Proof:
+def _energy(cloud: MomentCloud, q: Array, K: Array, factor: int) -> Proof:
     unit = Relation(q[0], 2, 1 - square(q[1:]))
     at_rest = State(c=sympy.zeros(3, 1), R=rotation(q))
     spread = cloud.source_scatter.trace() + cloud.target_scatter.trace()

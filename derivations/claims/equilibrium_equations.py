@@ -9,13 +9,13 @@ import sympy
 from ..algebra import combination, contraction, identity
 from ..hypotheses import moments, orthogonality
 from ..kernel import Claim, Proof
-from ..moments import Cloud, PointCloud
+from ..moments import MomentCloud, PointCloud
 from ..motion import Body, State, left_gradient, potential_energy, rate, unit_cloud
 from ..notation import Array, Matrix, gradient, hat, inner, matrix, square, vector, vee
 from .total_torque import spring_part
 
 Rates = Callable[[State, Body], Array]
-Torque = Callable[[State, Cloud], Array]
+Torque = Callable[[State, MomentCloud], Array]
 
 
 def proof(rates: Rates = rate, torque: Torque = spring_part) -> Proof:
@@ -94,7 +94,7 @@ def _papers_equations(torque: Torque) -> Proof:
 
 
 def _critical(torque: Torque) -> Proof:
-    state, cloud = State(), Cloud()
+    state, cloud = State(), MomentCloud()
     energy = potential_energy(state, cloud)
     phi = vector("phi")
     yield identity(
@@ -120,7 +120,7 @@ def _falling_upwards(state: State, body: Body) -> Array:
     return found + offset
 
 
-def _in_space(state: State, cloud: Cloud) -> Array:
+def _in_space(state: State, cloud: MomentCloud) -> Array:
     aligned = cloud.cross * state.R.T
     return 2 * vee(aligned - aligned.T)
 

@@ -13,7 +13,7 @@ import sympy
 from ..algebra import combination, contraction, identity
 from ..hypotheses import orthogonality
 from ..kernel import Claim, Proof
-from ..moments import Cloud
+from ..moments import MomentCloud
 from ..motion import (
     DAMPING,
     Body,
@@ -27,7 +27,7 @@ from ..motion import (
 )
 from ..notation import Array, Matrix, gradient, hat, inner, scalar, vector
 
-Equations = Callable[[State, Cloud], tuple[Array, Array]]
+Equations = Callable[[State, MomentCloud], tuple[Array, Array]]
 Rates = Callable[[State, Body], Array]
 
 
@@ -61,7 +61,7 @@ def _variations_commute() -> Any:
 
 def _by_parts(equations: Equations) -> Any:
     """The varied action is d/dt(momenta . variations) + (equations) . variations, in jets."""
-    state, cloud = State(), Cloud()
+    state, cloud = State(), MomentCloud()
     a, alpha = vector("a"), vector("alpha")
     xi, dxi, phi, dphi = vector("xi"), vector("dxi"), vector("phi"), vector("dphi")
     kinetic = body_kinetic_energy(state, cloud)
@@ -94,7 +94,7 @@ def _by_parts(equations: Equations) -> Any:
 
 
 def _same_as_newton(equations: Equations, newton: Equations) -> Proof:
-    state, cloud, phi = State(), Cloud(), vector("phi")
+    state, cloud, phi = State(), MomentCloud(), vector("phi")
     force, torque = equations(state, cloud)
     paper_force, paper_torque = newton(state, cloud)
     yield identity(
@@ -117,7 +117,7 @@ def _same_as_newton(equations: Equations, newton: Equations) -> Proof:
 def _per_unit_of_mass(newton: Equations) -> Proof:
     state, body, M = State(), Body(), scalar("M")
     unit = unit_cloud(body)
-    whole = Cloud(
+    whole = MomentCloud(
         mass=M,
         source_scatter=M * unit.source_scatter,
         target_scatter=M * unit.target_scatter,
@@ -166,12 +166,12 @@ def _without_gyroscope(state: State, body: Body) -> Array:
     return Matrix([*found[:15, :], *(found[15:, :] + gyroscopic)])
 
 
-def _precessing_backwards(state: State, cloud: Cloud) -> tuple[Array, Array]:
+def _precessing_backwards(state: State, cloud: MomentCloud) -> tuple[Array, Array]:
     force, torque = euler_poincare(state, cloud)
     return force, torque + 2 * state.omega.cross(cloud.inertia * state.omega)
 
 
-def _drag_once_more(state: State, cloud: Cloud) -> tuple[Array, Array]:
+def _drag_once_more(state: State, cloud: MomentCloud) -> tuple[Array, Array]:
     force, torque = newton_euler(state, cloud)
     return force - DAMPING * cloud.mass * state.v, torque
 

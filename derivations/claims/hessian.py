@@ -14,7 +14,7 @@ from ..hypotheses import SPECTRAL
 from ..kernel import Claim, Proof, Step
 from ..linearisation import hessian as shipped_hessian
 from ..linearisation import intrinsic_jacobian
-from ..moments import Cloud
+from ..moments import MomentCloud
 from ..motion import Body, State
 from ..notation import (
     Array,
@@ -62,7 +62,7 @@ def proof(
     yield from _along_a_turn()
     yield _eigenvector(swapped=swapped)
     yield from _in_the_code(hessian, shipped)
-    cloud, R = Cloud(), State().R
+    cloud, R = MomentCloud(), State().R
     yield identity(
         r"Without noise $\tilde y_i = R \tilde x_i$, and then $C = \sum_i m_i \tilde y_i "
         r"\tilde x_i^{\mathsf T} = R S_2$, so that $R^{\mathsf T} C = S_2$ at this $R$. The "

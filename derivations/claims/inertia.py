@@ -10,7 +10,7 @@ from certreg.problem.moments import inertia
 from ..algebra import Given, Square, identity, nonnegative
 from ..hypotheses import moments
 from ..kernel import Claim, Proof
-from ..moments import Cloud, PointCloud, inertia_of
+from ..moments import MomentCloud, PointCloud, inertia_of
 from ..notation import Array, Matrix, hat, square, vector
 
 Formula = Callable[[Any], Any]
@@ -18,7 +18,7 @@ Formula = Callable[[Any], Any]
 
 def proof(of_scatter: Formula = inertia, *, share: int = 1) -> Proof:
     """J from the scatter; J as a sum of squares over points, and over pairs of points."""
-    cloud, a = Cloud(), vector("a")
+    cloud, a = MomentCloud(), vector("a")
     J = Matrix(of_scatter(cloud.source_scatter.tolist()))
     yield identity(
         r"The inertia of the particles about their centre of mass is "
@@ -52,9 +52,9 @@ def proof(of_scatter: Formula = inertia, *, share: int = 1) -> Proof:
         yield _written_out(n, of_scatter)
 
 
-def _over_pairs(a: Array, cloud: Cloud) -> Any:
+def _over_pairs(a: Array, cloud: MomentCloud) -> Any:
     """The sum over i and j of m_i m_j |a x (x_i - x_j)|^2: the moment functional, twice."""
-    other = Cloud(x=vector("u"), mass=cloud.mass, source_scatter=cloud.source_scatter)
+    other = MomentCloud(x=vector("u"), mass=cloud.mass, source_scatter=cloud.source_scatter)
     return other.total(cloud.total(square(a.cross(cloud.x - other.x))))
 
 

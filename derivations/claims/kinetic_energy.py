@@ -8,7 +8,7 @@ from typing import Any
 from ..algebra import combination, contraction, identity
 from ..hypotheses import moments, orthogonality
 from ..kernel import Claim, Proof
-from ..moments import Cloud, PointCloud
+from ..moments import MomentCloud, PointCloud
 from ..motion import (
     Body,
     State,
@@ -20,12 +20,12 @@ from ..motion import (
 from ..notation import Array, hat, inner, square
 
 Velocity = Callable[[State, Any], Array]
-Energy = Callable[[State, Cloud], Any]
+Energy = Callable[[State, MomentCloud], Any]
 
 
 def proof(speed: Velocity = velocity, rigid: Energy = body_kinetic_energy) -> Proof:
     """The sum over the particles, for any R, and what it is on SO(3)."""
-    state, cloud, body = State(), Cloud(), Body()
+    state, cloud, body = State(), MomentCloud(), Body()
     turning, E = hat(state.omega), orthogonality(state.R)
     swing = turning * cloud.source_scatter * turning.T
     energy = cloud.total(square(speed(state, cloud.x))) / 2
@@ -74,7 +74,7 @@ def _written_out(n: int, speed: Velocity, rigid: Energy) -> Any:
     )
 
 
-def _with_scatter(state: State, cloud: Cloud) -> Any:
+def _with_scatter(state: State, cloud: MomentCloud) -> Any:
     swing = (state.omega.T * cloud.source_scatter * state.omega)[0]
     return (cloud.mass * square(state.v) + swing) / 2
 

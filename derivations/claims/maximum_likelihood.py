@@ -10,7 +10,7 @@ import sympy
 
 from ..algebra import Given, Square, combination, contraction, identity, nonnegative
 from ..kernel import Claim, Proof
-from ..moments import Cloud
+from ..moments import MomentCloud
 from ..motion import State, position, potential_energy
 from ..notation import Array, gradient, inner, quaternion, rotation, square, vector
 
@@ -32,7 +32,7 @@ def translation_of(means: Means, R: Array, c: Array) -> Array:
 
 def proof(translate: Translation = translation_of, *, energy: Any = potential_energy) -> Proof:
     """Residuals are the springs' extensions; then the objective, completed to a square in t."""
-    state, cloud, means = State(), Cloud(), Means()
+    state, cloud, means = State(), MomentCloud(), Means()
     x, y = cloud.x + means.source, cloud.y + means.target
     t = vector("t")
     yield identity(
@@ -57,7 +57,7 @@ def proof(translate: Translation = translation_of, *, energy: Any = potential_en
     yield from _cleared(translate)
 
 
-def _completed(objective: Any, centred: Any, offset: Array, cloud: Cloud) -> Proof:
+def _completed(objective: Any, centred: Any, offset: Array, cloud: MomentCloud) -> Proof:
     yield identity(
         r"At a fixed matrix $R$ the objective is a square in $t$ about the best translation "
         r"$t^\star = \bar y - R\bar x$: it equals $V_p(R, c{=}0) + M\,|t - t^\star|^2$. The second "
@@ -79,7 +79,7 @@ def _completed(objective: Any, centred: Any, offset: Array, cloud: Cloud) -> Pro
 
 
 def _cleared(translate: Translation) -> Proof:
-    means, q, M, a = Means(), quaternion(), Cloud().mass, vector("a")
+    means, q, M, a = Means(), quaternion(), MomentCloud().mass, vector("a")
     R = State().R
     best = translate(means, R, sympy.zeros(3, 1))
     source, target = M * means.source, M * means.target

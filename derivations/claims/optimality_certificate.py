@@ -14,7 +14,7 @@ from certreg.geometry.so3 import body_frame, davenport_matrix, dot, quadratic_fo
 from ..algebra import Given, Square, combination, contraction, identity, nonnegative
 from ..hypotheses import SPECTRAL
 from ..kernel import Claim, Proof, Step
-from ..moments import Cloud
+from ..moments import MomentCloud
 from ..notation import (
     Matrix,
     inner,
@@ -60,7 +60,7 @@ def proof(
     across = Matrix(body_frame(tuple(q))).T * p
     along = dot(tuple(q), tuple(p))
     A = built(K, q)
-    cloud, R = Cloud(), matrix("R")
+    cloud, R = MomentCloud(), matrix("R")
     yield combination(
         r"The objective at a rotation $R$ and its best translation is the moment of $|\tilde y - "
         r"R\tilde x|^2$, the sum over the points of $m$ times it. That is $\operatorname{tr} T_2 + "

@@ -10,14 +10,14 @@ from certreg.geometry.so3 import davenport_matrix, quadratic_form
 from ..algebra import combination, contraction, identity, modulo
 from ..hypotheses import moments, orthogonality, unit
 from ..kernel import Claim, Proof
-from ..moments import Cloud, PointCloud
+from ..moments import MomentCloud, PointCloud
 from ..motion import Body, State, position, potential, potential_energy, unit_cloud
 from ..notation import inner, quaternion, rotation, square
 
-Energy = Callable[[State, Cloud], Any]
+Energy = Callable[[State, MomentCloud], Any]
 
 
-def closed_form(state: State, cloud: Cloud) -> Any:
+def closed_form(state: State, cloud: MomentCloud) -> Any:
     """M |c|^2 + tr T2 + tr(R S2 R^T) - 2 tr(R^T C), for any matrix R."""
     stretched = inner(state.R.T * state.R, cloud.source_scatter)
     constant = cloud.mass * square(state.c) + cloud.target_scatter.trace()
@@ -26,7 +26,7 @@ def closed_form(state: State, cloud: Cloud) -> Any:
 
 def proof(energy: Energy = potential_energy, form: Energy = closed_form) -> Proof:
     """The sum over the springs for any matrix R, then for rotations, then in quaternions."""
-    state, cloud, body = State(), Cloud(), Body()
+    state, cloud, body = State(), MomentCloud(), Body()
     spread = cloud.target_scatter.trace() + cloud.source_scatter.trace()
     aligned = cloud.mass * square(state.c) + spread - 2 * inner(state.R, cloud.cross)
     yield identity(
@@ -58,7 +58,7 @@ def proof(energy: Energy = potential_energy, form: Energy = closed_form) -> Proo
 
 
 def _in_quaternions(energy: Energy) -> Proof:
-    cloud, q = Cloud(), quaternion()
+    cloud, q = MomentCloud(), quaternion()
     state = State(R=rotation(q))
     spread = cloud.target_scatter.trace() + cloud.source_scatter.trace()
     davenport = quadratic_form(davenport_matrix(cloud.cross.tolist()), tuple(q))
@@ -86,7 +86,7 @@ def _written_out(n: int, form: Energy) -> Any:
     )
 
 
-def _transposed(state: State, cloud: Cloud) -> Any:
+def _transposed(state: State, cloud: MomentCloud) -> Any:
     return closed_form(state, cloud) + 2 * inner(state.R - state.R.T, cloud.cross)
 
 

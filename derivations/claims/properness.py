@@ -10,11 +10,11 @@ import sympy
 from ..algebra import Given, Square, combination, facts, identity, nonnegative
 from ..hypotheses import IDENTITY, SPECTRAL, centring, moments
 from ..kernel import Claim, Proof
-from ..moments import Cloud, PointCloud, inertia_of
+from ..moments import MomentCloud, PointCloud, inertia_of
 from ..motion import State, body_kinetic_energy, position, potential_energy
 from ..notation import Array, Matrix, diagonal, inner, matrix, scalar, square, vector
 
-Energy = Callable[[State, Cloud], Any]
+Energy = Callable[[State, MomentCloud], Any]
 SCALES = (0, 1, 10**3, 10**6, 10**12)
 
 
@@ -27,7 +27,7 @@ def proof(energy: Energy = potential_energy, *, normal: Array | None = None) -> 
 
 
 def _translation(energy: Energy) -> Proof:
-    state, cloud = State(), Cloud()
+    state, cloud = State(), MomentCloud()
     residuals = cloud.total(square(cloud.y - state.R * cloud.x))
     yield identity(
         r"$V_p = M|c|^2 + \sum m\,|y - Rx|^2$ for every matrix $R$, the mixed term being linear in "
@@ -57,7 +57,7 @@ def _translation(energy: Energy) -> Proof:
 
 def _spin() -> Proof:
     d, omega, Q = diagonal("d"), vector("omega"), matrix("Q")
-    S = Cloud().source_scatter
+    S = MomentCloud().source_scatter
     yield identity(
         r"For the spin, take the body's axes along the principal axes of $S_2$. In axes turned by "
         r"an orthogonal matrix $Q$ the scatter is $Q^{\mathsf T}S_2Q$ and the velocity "
@@ -105,7 +105,7 @@ def _compact() -> Any:
 
 
 def _ambient(energy: Energy, normal: Array) -> Proof:
-    state, cloud = State(), Cloud()
+    state, cloud = State(), MomentCloud()
     R, s, u, n = state.R, scalar("s"), vector("u"), vector("n")
     moved = State(R=R + s * u * n.T)
     flat, off = cloud.source_scatter * normal, cloud.cross * normal

@@ -21,7 +21,7 @@ from certreg.problem.problem import RegistrationProblem
 
 from ..algebra import Relation, facts, identity, modulo
 from ..kernel import Claim, Proof, Step
-from ..moments import Cloud
+from ..moments import MomentCloud
 from ..notation import Matrix, matrix, scalar, symmetric
 
 Points = Sequence[Sequence[int]]
@@ -147,7 +147,7 @@ def proof(
 
 
 def _double_eigenvalue(*, any_angle: bool, commuting: bool) -> Proof:
-    cloud, Q, S = Cloud(), matrix("Q"), symmetric("S")
+    cloud, Q, S = MomentCloud(), matrix("Q"), symmetric("S")
     moved = cloud.total((Q * cloud.x) * (Q * cloud.x).T)
     yield identity(
         r"Let a rotation $Q$ about the centroid permute the points with their weights. The scatter "

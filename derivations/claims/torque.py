@@ -10,18 +10,18 @@ from certreg.geometry.so3 import davenport_matrix
 from ..algebra import identity
 from ..integrators import quaternion_torque
 from ..kernel import Claim, Proof
-from ..moments import Cloud
+from ..moments import MomentCloud
 from ..motion import Body, State, left_gradient, spring_torque
 from ..notation import Array, Matrix, body, hat, inner, quaternion, rotation, vee
 
 
 def proof(
-    torque: Callable[[State, Cloud], Array] = spring_torque,
+    torque: Callable[[State, MomentCloud], Array] = spring_torque,
     shipped: Callable[[Any, Body], Array] = quaternion_torque,
     davenport: Callable[[Any], Any] = davenport_matrix,
 ) -> Proof:
     """From the sum over the springs to the quaternion form that is integrated."""
-    state, cloud = State(), Cloud()
+    state, cloud = State(), MomentCloud()
     C, R = cloud.cross, state.R
     yield identity(
         r"The total torque of the springs, a sum over $N$ points, depends on the cloud through "
@@ -74,7 +74,7 @@ def _in_quaternions(
     )
 
 
-def _sum_transposed(state: State, cloud: Cloud) -> Array:
+def _sum_transposed(state: State, cloud: MomentCloud) -> Array:
     return spring_torque(State(c=state.c, R=state.R.T), cloud)
 
 

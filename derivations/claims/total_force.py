@@ -10,12 +10,12 @@ import sympy
 from ..algebra import combination, contraction, identity
 from ..hypotheses import moments
 from ..kernel import Claim, Proof
-from ..moments import Cloud, PointCloud
+from ..moments import MomentCloud, PointCloud
 from ..motion import DAMPING, State, newton_euler, position, velocity
 from ..notation import Array, gradient, hat, inner, square, vector
 
 Force = Callable[[State, Any, Any], Array]
-Total = Callable[[State, Cloud], Array]
+Total = Callable[[State, MomentCloud], Array]
 
 
 def force_on_particle(state: State, x: Any, y: Any) -> Array:
@@ -23,14 +23,14 @@ def force_on_particle(state: State, x: Any, y: Any) -> Array:
     return 2 * (y - position(state, x)) - DAMPING * velocity(state, x)
 
 
-def closed_form(state: State, cloud: Cloud) -> Array:
+def closed_form(state: State, cloud: MomentCloud) -> Array:
     """The total force -2 M c - mu M v."""
     return -cloud.mass * (2 * state.c + DAMPING * state.v)
 
 
 def proof(force: Force = force_on_particle, total: Total = closed_form) -> Proof:
     """The force on a particle from its spring's energy; the sum; the equation of motion."""
-    state, cloud = State(), Cloud()
+    state, cloud = State(), MomentCloud()
     place = vector("r")
     stored = square(cloud.y - place)
     pull = -gradient(stored, place).subs(dict(zip(place, position(state, cloud.x), strict=True)))

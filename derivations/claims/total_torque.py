@@ -10,21 +10,21 @@ import sympy
 from ..algebra import combination, contraction, identity
 from ..hypotheses import cofactor_matrix, moments, orthogonality
 from ..kernel import Claim, Proof
-from ..moments import Cloud, PointCloud
+from ..moments import MomentCloud, PointCloud
 from ..motion import DAMPING, State, newton_euler, spring_torque
 from ..notation import Array, hat, inner, matrix, vector, vee
 from .total_force import force_on_particle
 
-Total = Callable[[State, Cloud], Array]
+Total = Callable[[State, MomentCloud], Array]
 
 
-def spring_part(state: State, cloud: Cloud) -> Array:
+def spring_part(state: State, cloud: MomentCloud) -> Array:
     """The torque of the springs, 2 vee(R^T C - C^T R)."""
     aligned = state.R.T * cloud.cross
     return 2 * vee(aligned - aligned.T)
 
 
-def drag_part(state: State, cloud: Cloud) -> Array:
+def drag_part(state: State, cloud: MomentCloud) -> Array:
     """The torque of the drag, -mu J omega."""
     return -DAMPING * cloud.inertia * state.omega
 
@@ -32,7 +32,7 @@ def drag_part(state: State, cloud: Cloud) -> Array:
 def proof(springs: Total = spring_part, drag: Total = drag_part) -> Proof:
     """Axial vectors; the torque in the body frame, the paper's sum, and the exact one."""
     yield from _axial()
-    state, cloud = State(), Cloud()
+    state, cloud = State(), MomentCloud()
     yield identity(
         r"The springs' torque in the body frame is $\sum x\times 2m\,R^{\mathsf T}(y - c)$ in the "
         r"paper. The term with $c$ is linear in $x$ and vanishes; the rest is twice the axial "
@@ -79,7 +79,7 @@ def _axial() -> Proof:
     )
 
 
-def _exactly(state: State, cloud: Cloud, torque: Array) -> Proof:
+def _exactly(state: State, cloud: MomentCloud, torque: Array) -> Proof:
     phi = vector("phi")
     exact = cloud.x.cross(state.R.T * force_on_particle(state, cloud.x, cloud.y))
     cofactors = _cofactors(phi, state, cloud)
@@ -94,7 +94,7 @@ def _exactly(state: State, cloud: Cloud, torque: Array) -> Proof:
     )
 
 
-def _cofactors(phi: Array, state: State, cloud: Cloud) -> Array:
+def _cofactors(phi: Array, state: State, cloud: MomentCloud) -> Array:
     resisted = 2 * sympy.eye(3) + DAMPING * hat(state.omega).T
     return -hat(phi) * cloud.source_scatter * resisted
 
@@ -118,7 +118,7 @@ def _written_out(n: int, springs: Total, drag: Total) -> Any:
     )
 
 
-def _in_space(state: State, cloud: Cloud) -> Array:
+def _in_space(state: State, cloud: MomentCloud) -> Array:
     aligned = cloud.cross * state.R.T
     return 2 * vee(aligned - aligned.T)
 

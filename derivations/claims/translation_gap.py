@@ -16,7 +16,7 @@ from certreg.problem.problem import RegistrationProblem
 
 from ..algebra import facts, identity
 from ..kernel import Claim, Proof, Step
-from ..moments import Cloud, PointCloud
+from ..moments import MomentCloud, PointCloud
 from ..notation import gradient, matrix, square, vector
 
 TranslationEnergy = Callable[[Any, Sequence[int], Sequence[Fraction]], Fraction]
@@ -31,7 +31,7 @@ def proof(
     shipped: TranslationEnergy = Isotropic.translation_energy, mean_sign: int = 1, weight: int = 1
 ) -> Proof:
     """The square completed: by moments, again for 3 and 4 points, and the code on an instance."""
-    R, t, cloud = matrix("R"), vector("t"), Cloud()
+    R, t, cloud = matrix("R"), vector("t"), MomentCloud()
     x_mean, y_mean = vector("xbar"), vector("ybar")
     best = y_mean - mean_sign * R * x_mean
     residual = cloud.y + y_mean - R * (cloud.x + x_mean) - t
