@@ -21,6 +21,7 @@ ROOT = Path(__file__).parents[2]
 X, Y = scalar("x"), scalar("y")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", book.names())
 def test_the_claim_is_proved_and_its_mutations_are_not(name):
     found = outcome(name)

@@ -239,6 +239,7 @@ def test_a_claim_becomes_a_theorem_with_steps_and_controls(sites: dict[str, Site
     assert "PROVED" in site.html
 
 
+@pytest.mark.slow
 def test_a_claim_shows_its_theorems_in_coq_as_their_files_state_them(sites: dict[str, Site]):
     site = sites["in Coq"]
     words = markup.unescape(re.sub(r"<[^>]*>", "", site.html))
@@ -253,6 +254,7 @@ def test_a_claim_shows_its_theorems_in_coq_as_their_files_state_them(sites: dict
         assert all(axiom in words for axiom in theorem.axioms)
 
 
+@pytest.mark.slow
 def test_a_claim_without_a_theorem_in_coq_says_so(sites: dict[str, Site]):
     site = sites["not in Coq"]
 
