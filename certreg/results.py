@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
@@ -10,6 +11,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 T = TypeVar("T")
+
+MAX_GAP = 1e-6  # of the range: a rotation off by two thousandths of a radian costs as much
+MAX_ANGLE = 1e-5  # radians: half a millimetre at fifty metres
 
 
 class Guarantee(enum.IntEnum):
@@ -105,7 +109,27 @@ class Optimality(enum.Enum):
 
     CERTIFIED = "certified"
     CERTIFIED_NOT_UNIQUE = "certified-not-unique"
+    BOUNDED = "bounded"  # proved bounds, but wider than the limits of "certified"
     NOT_CERTIFIED = "not-certified"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limits:
+    """How close to the minimum a pose must be proved to be, to be called certified.
+
+    max_gap: of objective - minimum, as a share of the range of energies over all rotations.
+    max_angle: radians from the optimum, where that is unique. Raises ValueError for less than zero,
+    and for what is not finite.
+    """
+
+    max_gap: float = MAX_GAP
+    max_angle: float = MAX_ANGLE
+
+    def __post_init__(self) -> None:
+        for name in ("max_gap", "max_angle"):
+            value = getattr(self, name)
+            if not 0.0 <= value < math.inf:
+                raise ValueError(f"{name} is {value!r}: give a finite number, 0 or more")
 
 
 class ComponentKind(enum.Enum):

@@ -17,7 +17,7 @@ import io
 import json
 import re
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from difflib import get_close_matches
 from itertools import islice
 from pathlib import Path
@@ -48,6 +48,7 @@ from certreg.registration import (
     optimally_damped,
 )
 from certreg.report import result_document
+from certreg.results import Limits
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -70,14 +71,17 @@ UNSAFE = re.compile(r"[^A-Za-z0-9_-]+")
 RESULTS = "results.jsonl"
 SHOWN_ERRORS = 10  # one by one; the others are counted
 STEM = 60  # characters of a pair's name in the name of its certificate
+DEFAULT_LIMITS = Limits()
+STATUSES = "certified, certified-not-unique, bounded, not-certified, or error"
 PAIR_COLUMNS = (
     Column("name", str, "", "what the list calls the pair"),
     Column("place", str, "", "file and line of the list"),
     Column("exit_code", int, "", "what `certreg certify` would end with"),
-    Column("status", str, "", "certified, certified-not-unique, not-certified, or error"),
+    Column("status", str, "", STATUSES),
     Column("n", int, "points", "correspondences"),
     Column("rmse", float, "unit of the clouds", "root of the weighted mean of squared residuals"),
     Column("gap_bound", float, "objective", "proved: the objective exceeds the minimum by less"),
+    Column("gap_share", float, "1", "proved: gap over the range of energies; empty if that is 0"),
     Column("angle_bound_rad", float, "rad", "proved: the optimum is nearer; empty if not unique"),
     Column("margin", float, "1", "gap of the two best eigenvalues over their range"),
     Column("nearly_ambiguous", int, "", "1: unique, but the margin is below 0.001; 0: not so"),
@@ -187,10 +191,14 @@ def _headed(path: Path, content: bytes) -> tuple[list[str], Iterator[tuple[Place
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PairCampaign:
-    """The pairs of a list; with certificates, if they are to be kept."""
+    """The pairs of a list; with certificates, if they are to be kept.
+
+    limits: what must be proved of a pose to call it certified.
+    """
 
     listing: Listing
     certificates: bool
+    limits: Limits = DEFAULT_LIMITS
     suffix: str = ".jsonl"
 
     def manifest(self) -> Manifest:
@@ -200,7 +208,11 @@ class PairCampaign:
             kind="pairs",
             count=count,
             shard_size=max(1, min(SHARD_PAIRS, count // LEAST_SHARDS)),
-            settings={"list": str(self.listing.path), "sha256": self.listing.digest},
+            settings={
+                "list": str(self.listing.path),
+                "sha256": self.listing.digest,
+                **asdict(self.limits),
+            },
             versions=current_versions(),
         )
 
@@ -214,6 +226,7 @@ class PairCampaign:
                     "rows": own,
                     "folder": str(self.listing.path.parent),
                     "certificates": self.certificates,
+                    "limits": self.limits,
                 }
                 yield Task(shard=shard, function=certify_pairs, arguments=arguments)
 
@@ -236,12 +249,18 @@ class PairCampaign:
             yield from (n for n, digest in inputs.items() if digest_of(folder / n) != digest)
 
 
-def certify_pairs(*, rows: tuple[PairRow, ...], folder: str, certificates: bool) -> TaskResult:
+def certify_pairs(
+    *,
+    rows: tuple[PairRow, ...],
+    folder: str,
+    certificates: bool,
+    limits: Limits,
+) -> TaskResult:
     """A line of JSON for each row, with certificates as files if they are to be kept."""
     lines: list[str] = []
     files: dict[str, bytes] = {}
     for row in rows:
-        entry, certificate = _entry(row, Path(folder))
+        entry, certificate = _entry(row, Path(folder), limits)
         if certificates and certificate is not None:
             name = f"{row.number + 1:06d}-{UNSAFE.sub('_', row.name)[:STEM]}.json"
             files[name] = certificate
@@ -302,6 +321,7 @@ def _row(entry: dict[str, Any]) -> dict[str, Any]:
         "n": entry["n"],
         "rmse": entry["rmse"],
         "gap_bound": optimality["gap_bound"],
+        "gap_share": optimality["gap_share"],
         "angle_bound_rad": optimality["angle_bound_rad"],
         "margin": entry["margin"]["relative"],
         "nearly_ambiguous": int(entry["margin"]["nearly_ambiguous"]),
@@ -310,13 +330,13 @@ def _row(entry: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _entry(row: PairRow, folder: Path) -> tuple[dict[str, Any], bytes | None]:
+def _entry(row: PairRow, folder: Path, limits: Limits) -> tuple[dict[str, Any], bytes | None]:
     """The result of a row, or its error, and the bytes of its certificate."""
     inputs = _inputs(row, folder)  # before they are read: a later change is seen
     try:
         problem, pair = _problem(row, folder)
         about = {"certreg": __version__, "name": row.name, **pair.about}
-        registration = certify(problem, about=about)
+        registration = certify(problem, about=about, **asdict(limits))
     except CertregError as error:
         return _error(row, error, code_of_error(error)), None
     except MemoryError:

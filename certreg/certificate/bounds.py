@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.exact import double_above, double_below, half_angle_bound
+from certreg.exact import double_above, double_below, half_angle_bound, root_above
 from certreg.geometry import body_frame, squared_norm
 from certreg.problem import lift
 from certreg.results import Absent, Explained
@@ -25,8 +25,11 @@ if TYPE_CHECKING:
 
     from certreg.certificate.isotropic import IsotropicBody
     from certreg.objective import Isotropic
+    from certreg.results import Limits
 
 NO_ANGLE = Absent("the optimum is not unique: no angle to 'the' optimum exists")
+NOT_CLAIMED = Absent("the certificate bounds no angle, though the optimum is unique")
+NO_RANGE = Absent("every rotation fits equally: the range of energies is zero")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,11 +38,31 @@ class PoseBounds(Explained):
 
     least_gap, greatest_gap: exact bounds on objective - minimum, in objective units.
     angle_upper: radians, to every optimum; None where the certificate bounds no angle.
+    least_range_squared: of a number that the range of energies over all rotations is not below.
     """
 
     least_gap: Fraction
     greatest_gap: Fraction
     angle_upper: float | None
+    least_range_squared: Fraction
+
+    @property
+    def share_upper(self) -> float | None:
+        """`greatest_gap` over the range of energies, rounded up; None where that range is zero."""
+        if not self.least_range_squared:
+            return None
+        return root_above(self.greatest_gap**2 / self.least_range_squared)
+
+    def meet(self, limits: Limits, *, unique: bool) -> bool:
+        """Whether the proved bounds are within limits; unique: whether an angle is asked for, too.
+
+        Where the range is zero every rotation is optimal, and only the translation costs: yes.
+        """
+        if not self.least_range_squared:
+            return True
+        if self.greatest_gap**2 > Fraction(limits.max_gap) ** 2 * self.least_range_squared:
+            return False
+        return not unique or (self.angle_upper is not None and self.angle_upper <= limits.max_angle)
 
     @property
     def gap_lower(self) -> float:
@@ -73,11 +96,16 @@ class ExactPose:
 def pose_bounds(objective: Isotropic, body: IsotropicBody, pose: ExactPose) -> PoseBounds:
     """Bounds on a pose; they hold if the checker accepts the certificate for these data."""
     above = pose_energy(objective, pose) - objective.energy(body.quaternion)
+    flat = not objective.least_range_squared  # then the certified rotation has the minimum itself
     return PoseBounds(
         least_gap=max(Fraction(0), above),
-        greatest_gap=max(Fraction(0), above + body.gap),
+        greatest_gap=max(Fraction(0), above if flat else above + body.gap),
         angle_upper=_angle_upper(body, pose.quaternion),
-        absent={"angle_upper": NO_ANGLE},
+        least_range_squared=objective.least_range_squared,
+        absent={
+            "angle_upper": NOT_CLAIMED if objective.classification.unique else NO_ANGLE,
+            "share_upper": NO_RANGE,
+        },
     )
 
 

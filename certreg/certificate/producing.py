@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 INLINE_POINTS = 1_000_000  # the contract: beyond, the file carries the digest only
 BOUND_BITS = 32  # mantissa of mu and delta: short numbers, at most 2^-31 wasted
 GROWTH_BITS = 16  # delta grows by 2^16 after a refused attempt
-LEAST_BITS = 8192  # delta is at least 2^-8192 of the spread: exponents stay in bounds
+LEAST_BITS = 8192  # delta is at least 2^-8192 of K: exponents stay in bounds
 ATTEMPTS = 8  # 8 * 16 bits: far beyond any rounding of the first guess
 
 # Of a multiplier; steps are relative to the size of K.
@@ -214,8 +214,7 @@ def _optimality(objective: Isotropic) -> tuple[Dyadic, Dyadic] | None:
     q, shape = objective.quaternions[0], objective.classification
     gap = objective.eigenvalue_difference(0, 1) if len(shape.pattern) > 1 else Fraction(0)
     mu = dyadic_below(gap / 2, BOUND_BITS) if shape.unique else Dyadic(mantissa=0, exponent=0)
-    scale = objective.moments.spread or Fraction(1)  # positive even where all points coincide
-    smallest = scale * power_of_two(-min(4 * objective.eigenspaces.pose_bits, LEAST_BITS))
+    smallest = objective.size * power_of_two(-min(4 * objective.eigenspaces.pose_bits, LEAST_BITS))
     residual = objective.squared_residual(q)
     first = max(4 * residual / gap if gap else Fraction(0), smallest)
     for attempt in range(ATTEMPTS):

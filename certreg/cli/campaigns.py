@@ -23,11 +23,12 @@ from certreg.campaign import (
     workers_at,
     write_pair_results,
 )
-from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER
+from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER, limit_options
 from certreg.cli.progress import Progress
 from certreg.errors import InvalidFileError
 from certreg.registration import worst
 from certreg.report import printable
+from certreg.results import Limits
 
 if TYPE_CHECKING:
     from collections.abc import Generator
@@ -39,7 +40,16 @@ if TYPE_CHECKING:
 @click.option("--scheduler", metavar="ADDRESS", help="A dask scheduler whose workers do the work.")
 @click.option("--out", type=FOLDER, help="Folder for results, certificates and a table.")
 @click.option("--parquet", is_flag=True, help="With --out: the table as Parquet, too.")
-def batch(manifest: Path, *, scheduler: str | None, out: Path | None, parquet: bool) -> int:
+@limit_options
+def batch(
+    manifest: Path,
+    *,
+    scheduler: str | None,
+    out: Path | None,
+    parquet: bool,
+    max_gap: float,
+    max_angle: float,
+) -> int:
     """Certify the pairs listed in MANIFEST, a .csv file: one line of JSON for each.
 
     Columns source and target name the clouds, relative to MANIFEST; name, sigma, weights, pairs,
@@ -53,7 +63,8 @@ def batch(manifest: Path, *, scheduler: str | None, out: Path | None, parquet: b
     if listing.ignored:
         names = ", ".join(map(printable, listing.ignored))
         click.echo(f"note: {printable(manifest)}: columns not read: {names}", err=True)
-    campaign = PairCampaign(listing=listing, certificates=out is not None)
+    limits = Limits(max_gap=max_gap, max_angle=max_angle)
+    campaign = PairCampaign(listing=listing, certificates=out is not None, limits=limits)
     if out is None:
         tally = _streamed(campaign, scheduler)
     else:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import sys
 import threading
 import warnings
@@ -16,6 +17,7 @@ import click
 from certreg import io, problem, registration
 from certreg.errors import SlowSimulationWarning
 from certreg.report import printable
+from certreg.results import MAX_ANGLE, MAX_GAP
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
@@ -28,7 +30,7 @@ Exit codes: 0 done and proved
             1 refused, or two roads disagree
             2 bad usage or input
             3 certified, but the optimum is not unique
-            4 solved, but not certified, or the simulation did not converge
+            4 solved, but the proved bounds are too wide to call it certified, or there is none
 """
 OPTIMAL = "optimal"  # the damping of the fastest decay
 PATIENCE = 1.0  # seconds before a long run says that it is at work
@@ -56,6 +58,36 @@ def pairing_options(command: Callable[..., Any]) -> Callable[..., Any]:
             raise click.UsageError(message)
         pairing = io.Pairing(pairs=pairs, match=io.Match(match))
         return command(*args, pairing=pairing, **options)
+
+    return wrapped
+
+
+def limit_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """[--max-gap SHARE] [--max-angle RAD]: what must be proved of a pose to call it certified."""
+
+    @click.option(
+        "--max-gap",
+        type=click.FloatRange(min=0.0),
+        metavar="SHARE",
+        default=MAX_GAP,
+        show_default=True,
+        help="Certified: proved gap to the minimum, as a share of the range of energies.",
+    )
+    @click.option(
+        "--max-angle",
+        type=click.FloatRange(min=0.0),
+        metavar="RAD",
+        default=MAX_ANGLE,
+        show_default=True,
+        help="Certified: proved angle to the optimum, in radians.",
+    )
+    @functools.wraps(command)
+    def wrapped(*args: Any, max_gap: float, max_angle: float, **options: Any) -> Any:
+        for name, value in (("--max-gap", max_gap), ("--max-angle", max_angle)):
+            if not math.isfinite(value):
+                message = f"{name} is {value}: give a finite number, 0 or more"
+                raise click.UsageError(message)
+        return command(*args, max_gap=max_gap, max_angle=max_angle, **options)
 
     return wrapped
 

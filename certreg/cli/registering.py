@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from certreg import __version__
-from certreg.cli.options import EXIT_CODES, FOLDER, cloud_options
+from certreg.cli.options import EXIT_CODES, FOLDER, cloud_options, limit_options
 from certreg.registration import (
     DONE,
     REFUSED,
@@ -38,6 +38,7 @@ if TYPE_CHECKING:
 
 @click.command(epilog=EXIT_CODES)
 @cloud_options
+@limit_options
 @click.option("--no-relaxation", is_flag=True, help="Leave the semidefinite relaxation out.")
 @click.option("--no-simulation", is_flag=True, help="Leave the simulation out.")
 @click.option("--out", type=FOLDER, help="Folder to write to.")
@@ -48,6 +49,8 @@ def certify(
     *,
     no_relaxation: bool,
     no_simulation: bool,
+    max_gap: float,
+    max_angle: float,
     out: Path | None,
     as_json: bool,
 ) -> int:
@@ -57,6 +60,8 @@ def certify(
         relaxation=not no_relaxation,
         simulation=not no_simulation,
         about={"certreg": __version__, **pair.about},
+        max_gap=max_gap,
+        max_angle=max_angle,
     )
     path = None if out is None else write_folder(registration, out)
     if as_json:

@@ -126,6 +126,16 @@ def nearest_root(value: Fraction) -> float | None:
     return nearest_double(root * power_of_two(-places))
 
 
+def root_above(value: Fraction) -> float:
+    """A double at or just above the square root of value (>= 0); infinity beyond the doubles."""
+    if value == 0:
+        return 0.0
+    n, d = value.numerator, value.denominator
+    places = 64 - (n.bit_length() - d.bit_length()) // 2
+    scaled = -((-n << 2 * places) // d) if places >= 0 else -(-n // (d << -2 * places))
+    return double_above((math.isqrt(scaled - 1) + 1) * power_of_two(-places))
+
+
 def half_angle_bound(sin2_half_angle: Fraction) -> float:
     """An upper bound on theta in radians, given an upper bound on sin^2(theta/2); at most pi."""
     if sin2_half_angle >= 1:

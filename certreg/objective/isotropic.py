@@ -67,6 +67,17 @@ class Isotropic:
         return self.largest_entry * unit or self.moments.spread or unit
 
     @cached_property
+    def least_range_squared(self) -> Fraction:
+        """(2 F)^2, F the Frobenius norm of K: at most the squared range of energies over SO(3).
+
+        The range is 2 (l1 - l4). With the special singular values d1 >= d2 >= |d3| of C it is
+        4 (d1 + d2), and F^2 = 4 (d1^2 + d2^2 + d3^2) <= 4 (d1 + d2)^2, as d3^2 <= d1 d2. So the
+        range lies between 2 F and sqrt(2) times that; both are 0 only where C is.
+        """
+        squares = sum(entry * entry for row in self.davenport for entry in row)
+        return 4 * squares * self.moments.cross_unit**2
+
+    @cached_property
     def classification(self) -> Classification:
         """Which of the eight kinds of equilibrium set this is, decided in integers."""
         return classify(self.moments)

@@ -42,6 +42,14 @@ if TYPE_CHECKING:
     from certreg.registration.exit_codes import code_of_error as code_of_error
     from certreg.registration.exit_codes import code_of_registration as code_of_registration
     from certreg.registration.exit_codes import worst as worst
+    from certreg.registration.headlines import WEAK as WEAK
+    from certreg.registration.headlines import Headline as Headline
+    from certreg.registration.headlines import at_least as at_least
+    from certreg.registration.headlines import at_most as at_most
+    from certreg.registration.headlines import headline_of as headline_of
+    from certreg.registration.headlines import headline_words as headline_words
+    from certreg.registration.headlines import proved_degrees as proved_degrees
+    from certreg.registration.headlines import share_words as share_words
 
 __getattr__ = lazy_face(
     __name__,
@@ -92,6 +100,16 @@ __getattr__ = lazy_face(
             "code_of_error",
             "code_of_registration",
             "worst",
+        ),
+        "headlines": (
+            "WEAK",
+            "Headline",
+            "at_least",
+            "at_most",
+            "headline_of",
+            "headline_words",
+            "proved_degrees",
+            "share_words",
         ),
     },
 )

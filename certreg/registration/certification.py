@@ -45,7 +45,16 @@ from certreg.problem import exact_moments, lift
 from certreg.registration.agreement import Agreement, agreement, require_sound_trajectory
 from certreg.registration.covariance import PoseCovariance, pose_covariance
 from certreg.relaxation import relax
-from certreg.results import OUT_OF_RANGE, Absent, Explained, Optimality, present
+from certreg.results import (
+    MAX_ANGLE,
+    MAX_GAP,
+    OUT_OF_RANGE,
+    Absent,
+    Explained,
+    Limits,
+    Optimality,
+    present,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Generator
@@ -118,7 +127,8 @@ class Registration(Explained):
 
     objective: sum w |y - R x - t|^2 at `pose`; None where no double holds it.
     rmse: sqrt(objective / sum w), in the unit of length.
-    bounds: proved of `pose` as reported, rounding included; None if not certified.
+    bounds: proved of `pose` as reported, rounding included; None if nothing is proved.
+    limits: of the bounds, within which the pose is called certified.
     verdict: the checker's, with the theorems in its words; None if there is no certificate.
     timings: seconds per phase.
     """
@@ -128,6 +138,7 @@ class Registration(Explained):
     objective: float | None
     rmse: float | None
     bounds: PoseBounds | None
+    limits: Limits
     verdict: Verdict | None
     timings: dict[str, float]
 
@@ -149,11 +160,12 @@ class Registration(Explained):
     @property
     def status(self) -> Optimality:
         """What is proved of the pose; never more than the checker has accepted."""
-        if self.verdict is None or not self.verdict.proved:
+        if self.verdict is None or not self.verdict.proved or self.bounds is None:
             return Optimality.NOT_CERTIFIED
-        if self.equilibria.classification.unique:
-            return Optimality.CERTIFIED
-        return Optimality.CERTIFIED_NOT_UNIQUE
+        unique = self.equilibria.classification.unique
+        if not self.bounds.meet(self.limits, unique=unique):
+            return Optimality.BOUNDED
+        return Optimality.CERTIFIED if unique else Optimality.CERTIFIED_NOT_UNIQUE
 
 
 def certify(
@@ -162,12 +174,15 @@ def certify(
     relaxation: bool = True,
     simulation: bool | SimulationSettings = True,
     about: dict[str, Any] | None = None,
+    max_gap: float = MAX_GAP,
+    max_angle: float = MAX_ANGLE,
 ) -> Registration:
     """Register, enumerate all equilibria, cross-check, certify, and run the checker.
 
     relaxation, simulation: whether to take these two methods, too; all else is the same. Instead of
         True, settings of the simulation.
     about: what else the certificate is to hold, unproved, besides damping and integrator.
+    max_gap, max_angle: what must be proved of the pose to call it certified, see `Limits`.
     Raises ContradictionError or RefusedCertificateError where certreg contradicts itself, and
     OutOfRangeError where no double can hold the pose.
     """
@@ -177,6 +192,7 @@ def certify(
         integrator="euler" if simulation else None,
         settings=None if isinstance(simulation, bool) else simulation,
         about=about,
+        limits=Limits(max_gap=max_gap, max_angle=max_angle),
     )
 
 
@@ -187,6 +203,7 @@ def certified(
     integrator: str | None,
     settings: SimulationSettings | None = None,
     about: dict[str, Any] | None = None,
+    limits: Limits | None = None,
 ) -> Registration:
     """As `certify`, the simulation by an integrator of `simulate`; None for no simulation."""
     timings: dict[str, float] = {}
@@ -202,7 +219,8 @@ def certified(
         require_accepted(verdict)
         if not isinstance(solution.trajectory, Absent):
             require_sound_trajectory(solution.objective, certificate.body, solution.trajectory)
-    return _registration(problem, solution, verdict, timings)
+    registration = _registration(problem, solution, verdict, timings)
+    return registration if limits is None else replace(registration, limits=limits)
 
 
 def simulate(
@@ -354,6 +372,7 @@ def _registration(
             if certificate is None
             else pose_bounds(solution.objective, certificate.body, place)
         ),
+        limits=Limits(),
         verdict=verdict,
         timings=timings,
         absent={"objective": OUT_OF_RANGE, "rmse": OUT_OF_RANGE, "bounds": NOT_CERTIFIED},

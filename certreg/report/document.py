@@ -150,7 +150,12 @@ def _optimality(registration: Registration) -> Document:
     document: Document = {
         "status": registration.status.value,
         "gap_bound": _finite(bounds.gap_upper) if proved else bounds,
+        "gap_share": _finite(bounds.stated("share_upper")) if proved else bounds,
         "angle_bound_rad": bounds.stated("angle_upper") if proved else bounds,
+        "limits": {
+            "gap_share": registration.limits.max_gap,
+            "angle_rad": registration.limits.max_angle,
+        },
         "unique": classification.unique,
     }
     if classification.ambiguity is not None:

@@ -10,6 +10,7 @@ from importlib.resources import files
 from typing import TYPE_CHECKING
 
 from certreg import __version__
+from certreg.registration import WEAK, at_most, headline_of, share_words
 from certreg.report.markup import (
     Markup,
     asset_block,
@@ -18,12 +19,11 @@ from certreg.report.markup import (
     json_block,
     printable,
 )
-from certreg.report.summary import bounded, margin_words, number, verdict_words, warnings
+from certreg.report.summary import margin_words, number, verdict_words, warnings
 from certreg.report.viewer import Names, packed, sample_of, scene_document, viewer_section
 from certreg.report.words import (
     NOT_CLAIMED,
     THEOREMS,
-    WEAK,
     MethodAngles,
     Sentence,
     motion_words,
@@ -31,12 +31,13 @@ from certreg.report.words import (
     trap_words,
     weak_words,
 )
+from certreg.results import Optimality
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from certreg.certificate import Certificate, IsotropicBody
-    from certreg.registration import Registration
+    from certreg.registration import Headline, Registration
     from certreg.results import Verdict
 
 ASSETS = files("certreg.report") / "assets"
@@ -89,9 +90,16 @@ class Report:
     def verdict_words(self) -> list[str]:
         """What this certificate proves of the pose: a headline, then what else comes first."""
         headline, *further = verdict_words(self.registration)
-        if self.weak:
-            return [WEAK, weak_words(self.registration), *further]
-        return [headline, *further]
+        if self.headline is WEAK:
+            headline = WEAK.said()
+        return [headline, *([weak_words(self.registration)] if self.weak else []), *further]
+
+    @property
+    def headline(self) -> Headline:
+        """Which headline the page has: that of a weak certificate is no better than it is."""
+        if self.weak and self.registration.status is not Optimality.BOUNDED:
+            return WEAK
+        return headline_of(self.registration)
 
 
 def html_page(report: Report) -> bytes:
@@ -146,7 +154,7 @@ def _header(report: Report, names: Names) -> Markup:
     registration = report.registration
     headline, *further = report.verdict_words
     stamp, _, said = headline.partition(": ")
-    kind = "good" if stamp == "CERTIFIED" else "open"
+    kind = "good" if report.headline.good else "open"
     n, trap = registration.problem.n, trap_words(registration.equilibria)
     return element(
         "header",
@@ -179,8 +187,9 @@ def _facts(registration: Registration) -> Iterator[Markup]:
     counted = "infinitely many" if others is None else str(others)
     facts = [("RMSE", number(registration.rmse), "of the pairs, in the unit of the clouds")]
     if bounds is not None:
-        gap = bounded(bounds.gap_upper)
-        facts.append(("Proved gap", f"≤ {gap}", "of the objective above the global minimum"))
+        gap = at_most(bounds.greatest_gap)
+        words = f"of the objective above the global minimum: {share_words(bounds)}"
+        facts.append(("Proved gap", f"≤ {gap}", words))
     facts += [
         ("Wrong poses at rest", counted, "where the springs balance and the fit is not the best"),
         ("Ambiguity margin", *_split(margin_words(equilibria))),

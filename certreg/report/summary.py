@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import math
-from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.exact import double_above
-from certreg.registration import NOT_ASKED
+from certreg.registration import (
+    NOT_ASKED,
+    at_least,
+    at_most,
+    headline_words,
+    proved_degrees,
+    share_words,
+)
 from certreg.results import Absent, ComponentKind, Guarantee, Optimality
 
 if TYPE_CHECKING:
@@ -28,7 +33,6 @@ ROUNDING_SHARE = 1e6  # a gap above a millionth of the minimum is worth a word
 MIRRORED_SHARE = -0.3  # d3 / d2: planar clouds with noise are near 0, mirrored ones near -1
 UNNOTED_COST = 1e-24  # of the spread: a shift of 1e-12, finer than any data
 COMPARABLE_STEP = 0.1  # h times the decay rate: a scheme's own differs by half of that
-DEGREE_SLACK = 1.0 + 1e-15  # radians to degrees rounds twice
 
 
 def registration_summary(registration: Registration) -> str:
@@ -149,49 +153,50 @@ def _interval(lower: float | None, upper: float | None) -> str:
     if lower is None or upper is None:
         return "(not certified)"
     if lower == 0.0:
-        return f"at most {bounded(upper)} (proved)"
-    low, high = _rounded(lower, 9, ROUND_FLOOR), _rounded(upper, 9, ROUND_CEILING)
-    return f"between {low} and {high} (proved)"
+        return f"at most {at_most(upper)} (proved)"
+    return f"between {at_least(lower, 9)} and {at_most(upper, 9)} (proved)"
 
 
 def verdict_words(registration: Registration) -> list[str]:
     """What is proved of the pose: a headline, then what else must be said before any number."""
-    if registration.status is Optimality.NOT_CERTIFIED:
-        return ["NOT CERTIFIED: the pose is computed, but its optimality was not proved."]
+    status, headline = registration.status, headline_words(registration)
     ambiguity = registration.equilibria.classification.ambiguity
+    if status is Optimality.NOT_CERTIFIED:
+        return [headline]
+    lines = [headline]
     if ambiguity is not None:
-        return [
-            "CERTIFIED, BUT NOT UNIQUE: no pose is better, and infinitely many are as good:",
+        lines += [
             f"{ambiguity.value}.",
-            "The pose below is the one of them that turns the source least.",
+            "The pose below is the one of them that turns the source least, up to rounding.",
         ]
-    if registration.equilibria.nearly_ambiguous:
-        return [
-            "CERTIFIED, BUT NEARLY AMBIGUOUS: this is the global optimum of exactly these numbers.",
-            "A very different pose fits almost as well: do not rely on the rotation.",
-        ]
-    return ["CERTIFIED: this is the global optimum, and it is unique."]
+    elif registration.equilibria.nearly_ambiguous:
+        lines.append("A very different pose fits almost as well: do not rely on the rotation.")
+    if status is Optimality.BOUNDED:
+        lines.append(_limit_words(registration))
+    return lines
+
+
+def _limit_words(registration: Registration) -> str:
+    """What would be called certified."""
+    limits = registration.limits
+    angle = ""
+    if registration.equilibria.classification.unique:
+        angle = f" and {limits.max_angle:g} radians of the optimum"
+    return f"Certified would be within {limits.max_gap:g} of the range of energies{angle}."
 
 
 def _status_lines(registration: Registration) -> list[str]:
     lines, bounds = verdict_words(registration), registration.bounds
     if registration.status is Optimality.NOT_CERTIFIED:
         return lines
-    gap = "(beyond doubles)" if bounds is None else bounded(bounds.gap_upper)
+    if bounds is None:
+        return lines
+    gap = f"{at_most(bounds.greatest_gap)}, {share_words(bounds)}"
     lines.append(f"  proved gap        objective - minimum <= {gap}, at the pose below")
     degrees = proved_degrees(registration)
     if degrees is not None:
         lines.append(f"  proved angle      rotation (wxyz) within {degrees} degrees of the optimum")
     return lines
-
-
-def proved_degrees(registration: Registration) -> str | None:
-    """The proved bound on the angle to the optimum; None without one, or without one optimum."""
-    bounds = registration.bounds
-    angle = None if bounds is None else bounds.angle_upper
-    if angle is None or angle >= math.pi or not registration.equilibria.classification.unique:
-        return None
-    return bounded(math.degrees(angle) * DEGREE_SLACK)
 
 
 def _method_lines(registration: Registration) -> list[str]:
@@ -200,7 +205,7 @@ def _method_lines(registration: Registration) -> list[str]:
     relaxation, trajectory, agreement = solution.relaxation, solution.trajectory, solution.agreement
     if not isinstance(relaxation, Absent) and agreement.relaxation is not None:
         gap = None if solution.certificate is None else solution.certificate.body.claims.sdp_gap
-        bound = "" if gap is None else f", proved gap {bounded(double_above(gap.value))}"
+        bound = "" if gap is None else f", proved gap {at_most(gap.value)}"
         lines.append(
             f"  relaxation (SDP)  rank {relaxation.rank}, {_away(agreement.relaxation)}{bound}"
         )
@@ -295,14 +300,3 @@ def _rate_words(trajectory: Trajectory) -> str:
     if trajectory.decay_rate is not None and advance > COMPARABLE_STEP:
         return f"{measured}  (too few steps to compare with the predicted {predicted})"
     return f"{measured}  (predicted {predicted})"
-
-
-def bounded(value: float, digits: int = 3) -> str:
-    """An upper bound in few digits, rounded up: what is printed is still a bound."""
-    return _rounded(value, digits, ROUND_CEILING)
-
-
-def _rounded(value: float, digits: int, direction: str) -> str:
-    if math.isinf(value):
-        return "(beyond doubles)"
-    return f"{Context(prec=digits, rounding=direction).create_decimal_from_float(value):g}"

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from certreg.exact import double_above
-from certreg.report.summary import bounded, count_words, margin_words, number, proved_degrees
+from certreg.registration import at_most, proved_degrees
+from certreg.report.summary import count_words, margin_words, number
 from certreg.results import ComponentKind, Guarantee
 
 if TYPE_CHECKING:
@@ -34,7 +34,6 @@ NOT_CLAIMED = (
     "that the optimum is close to the truth: only that no pose fits these numbers better;",
     "where the points come from, nor what the certificate says under `about`: names and labels.",
 )
-WEAK = "PROVED IN PART: the certificate in this file proves less than can be proved."
 NAMES = {
     ComponentKind.POINT: "one pose",
     ComponentKind.CIRCLE: "a circle of poses",
@@ -94,7 +93,7 @@ def sentences(registration: Registration, claims: Claims, angles: MethodAngles) 
 def weak_words(registration: Registration) -> str:
     """What a certificate proves that proves less than could be proved."""
     bounds, degrees = registration.bounds, proved_degrees(registration)
-    gap = "an amount beyond doubles" if bounds is None else bounded(bounds.gap_upper)
+    gap = "an unknown amount" if bounds is None else at_most(bounds.greatest_gap)
     angle = "of its angle to the best one, it proves nothing"
     if degrees is not None:
         angle = f"its rotation is within {degrees} degrees of the best one"
@@ -113,7 +112,7 @@ def _optimality(registration: Registration) -> Iterator[Sentence]:
         words=(
             "Over all rotations and translations: the sum of weighted squared "
             f"distances at the pose printed here exceeds the minimum by at most "
-            f"{bounded(bounds.gap_upper)}."
+            f"{at_most(bounds.greatest_gap)}."
         ),
         guarantee=Guarantee.EXACT,
         theorems=("optimality_certificate", "translation_gap"),
@@ -190,7 +189,7 @@ def _motion(claims: Claims) -> Iterator[Sentence]:
         yield Sentence(
             words=(
                 "The dual of the semidefinite relaxation, rounded outwards, bounds the gap "
-                f"independently: at most {bounded(double_above(gap.value))}."
+                f"independently: at most {at_most(gap.value)}."
             ),
             guarantee=Guarantee.EXACT,
             theorems=("dual_bound",),

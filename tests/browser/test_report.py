@@ -136,7 +136,7 @@ def test_the_first_thing_said_is_the_verdict(shown, survey):
     report = shown(survey)
 
     assert report.inner_text("header .stamp") == "CERTIFIED"
-    assert report.inner_text("h1") == "This is the global optimum, and it is unique."
+    assert report.inner_text("h1") == "The global optimum, and unique, to within the proved bounds."
     assert "RMSE of 2395.550956 instead of 5.838987" in report.inner_text("header")
     assert report.faults == []
 

@@ -33,6 +33,7 @@ from certreg.io.clouds import read_problem
 from certreg.registration import agreement
 from certreg.registration import certification as pipeline
 from certreg.registration import examples as demo
+from certreg.registration.headlines import CERTIFIED
 from certreg.results import Ruling, Verdict
 
 if TYPE_CHECKING:
@@ -221,7 +222,7 @@ def test_the_summary_tells_the_same_in_words(data: Path, pair: Packaged):
     run = certreg("certify", *pair.paths(data))
 
     assert (run.code, run.err) == (0, "")
-    assert run.out.startswith("CERTIFIED: this is the global optimum, and it is unique.")
+    assert run.out.startswith(f"{CERTIFIED.said()}\n")
     assert "exactly four equilibria" in run.out
     assert all(f"{rmse:.6f}" in run.out for rmse in pair.rmse)
 
@@ -460,7 +461,7 @@ def test_the_demo_comes_out_as_told(tmp_path: Path, monkeypatch):
     run = certreg("demo")
 
     assert (run.code, run.err) == (0, "")
-    assert run.out.count("CERTIFIED: this is the global optimum, and it is unique.") == 3
+    assert run.out.count(f"{CERTIFIED.said()}\n") == 3
     assert all(f"{rmse:.6f}" in run.out for pair in PACKAGED for rmse in pair.rmse)
     written = sorted(str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*.*"))
     names = sorted(pair.name for pair in PACKAGED)

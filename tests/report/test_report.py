@@ -151,7 +151,7 @@ def test_the_certificate_stands_in_the_page_byte_by_byte(folder: Path):
 def test_the_words_are_those_of_the_summary_and_the_checker(survey: Registration):
     words = re.sub(r"\s+", " ", Outline(html_page(Report.of(survey))).words)
 
-    assert "This is the global optimum, and it is unique." in words
+    assert "The global optimum, and unique, to within the proved bounds." in words
     for sentence in checked(survey.verdict).theorems:
         assert sentence in words
     assert "the pose printed here exceeds the minimum by at most 1.51e-26." in words
@@ -329,9 +329,10 @@ def test_no_more_is_said_to_be_proved_than_the_certificate_in_the_page_proves(
     words = re.sub(r"\s+", " ", outline.words)
 
     assert outline.certificate == file.read_bytes()
-    assert words.startswith(" Proved in part")
-    assert words.index("PROVED IN PART") < words.index(angle) < words.index("RMSE")
-    for claim in ("1.51e-26", "3.98e-18", "This is the global optimum", "growing modes: whatever"):
+    assert words.startswith(" Bounded")
+    assert "stamp open" in (folder / "report.html").read_text("utf-8")
+    assert words.index("BOUNDED") < words.index(angle) < words.index("RMSE")
+    for claim in ("1.51e-26", "3.98e-18", "The global optimum, and", "growing modes: whatever"):
         assert claim in strong
         assert claim not in words
     assert "by at most 2.31e+18" in words  # 2^61

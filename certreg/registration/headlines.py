@@ -1,0 +1,151 @@
+"""The first line of every answer, in one place: what it says, and what it rests on.
+
+A headline is no stronger than the numbers in it, each rounded so that it stays a bound.
+`docs/reference/headlines.md` lists all of them; a test holds that page to this list.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from decimal import MAX_EMAX, MIN_EMIN, ROUND_CEILING, ROUND_FLOOR, Context, Decimal
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from certreg.results import Optimality
+
+if TYPE_CHECKING:
+    from certreg.certificate import PoseBounds
+    from certreg.registration.certification import Registration
+
+DEGREE_SLACK = 1.0 + 1e-15  # radians to degrees rounds twice
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Headline:
+    """The first line of an answer: a stamp, and words with places for proved numbers.
+
+    rests_on: claims of `certreg derive`, and the figures of the JSON. good: stamped green.
+    """
+
+    stamp: str
+    words: str
+    rests_on: tuple[str, ...]
+    good: bool = False
+
+    def said(self, **numbers: str) -> str:
+        """The line, with its numbers."""
+        return f"{self.stamp}: {self.words.format(**numbers)}"
+
+
+_GAP = ("optimality_certificate", "translation_gap", "optimality.gap_bound")
+_ANGLE = "optimality.angle_bound_rad"
+CERTIFIED = Headline(
+    stamp="CERTIFIED",
+    words="the global optimum, and unique, to within the proved bounds.",
+    rests_on=(*_GAP, _ANGLE, "classification"),
+    good=True,
+)
+NOT_UNIQUE = Headline(
+    stamp="CERTIFIED, BUT NOT UNIQUE",
+    words="no pose is better by more than the proved gap, and infinitely many are as good:",
+    rests_on=(*_GAP, "classification"),
+)
+NEARLY_AMBIGUOUS = Headline(
+    stamp="CERTIFIED, BUT NEARLY AMBIGUOUS",
+    words="the global optimum of exactly these numbers, to within the proved bounds.",
+    rests_on=(*_GAP, _ANGLE, "classification", "margin.nearly_ambiguous"),
+)
+BOUNDED = Headline(
+    stamp="BOUNDED",
+    words="within {gap} of the minimum ({share}), within {degrees} degrees of the one optimum.",
+    rests_on=(*_GAP, "optimality.gap_share", _ANGLE, "classification"),
+)
+BOUNDED_WITHOUT_ANGLE = Headline(
+    stamp="BOUNDED",
+    words="within {gap} of the minimum ({share}); no angle to the one optimum is proved.",
+    rests_on=(*_GAP, "optimality.gap_share", "classification"),
+)
+BOUNDED_NOT_UNIQUE = Headline(
+    stamp="BOUNDED",
+    words="within {gap} of the minimum ({share}), and infinitely many poses are optimal:",
+    rests_on=(*_GAP, "optimality.gap_share", "classification"),
+)
+NOT_CERTIFIED = Headline(
+    stamp="NOT CERTIFIED",
+    words="the pose is computed, but its optimality was not proved.",
+    rests_on=("optimality.status",),
+)
+
+WEAK = Headline(
+    stamp="PROVED IN PART",
+    words="the certificate in this file proves less than can be proved.",
+    rests_on=("the bounds below it, beside those that certify proves",),
+)
+
+
+def headline_of(registration: Registration) -> Headline:
+    """Which headline a registration has."""
+    status, equilibria = registration.status, registration.equilibria
+    if status is Optimality.NOT_CERTIFIED:
+        return NOT_CERTIFIED
+    if status is Optimality.CERTIFIED_NOT_UNIQUE:
+        return NOT_UNIQUE
+    if status is Optimality.CERTIFIED:
+        return NEARLY_AMBIGUOUS if equilibria.nearly_ambiguous else CERTIFIED
+    if not equilibria.classification.unique:
+        return BOUNDED_NOT_UNIQUE
+    return BOUNDED_WITHOUT_ANGLE if proved_degrees(registration) is None else BOUNDED
+
+
+def headline_words(registration: Registration) -> str:
+    """The first line of a registration, with its proved numbers."""
+    bounds = registration.bounds
+    gap, share = ("", "") if bounds is None else (at_most(bounds.greatest_gap), share_words(bounds))
+    degrees = proved_degrees(registration) or ""
+    return headline_of(registration).said(gap=gap, share=share, degrees=degrees)
+
+
+def proved_degrees(registration: Registration) -> str | None:
+    """The proved bound on the angle to the optimum; None without one, or without one optimum."""
+    if registration.bounds is None or not registration.equilibria.classification.unique:
+        return None
+    return degrees_words(registration.bounds)
+
+
+def degrees_words(bounds: PoseBounds) -> str | None:
+    """The proved bound on the angle, in degrees; None where it says nothing."""
+    angle = bounds.angle_upper
+    if angle is None or angle >= math.pi:
+        return None
+    return at_most(math.degrees(angle) * DEGREE_SLACK)
+
+
+def share_words(bounds: PoseBounds) -> str:
+    """The proved gap beside the range of energies over all rotations."""
+    if not bounds.least_range_squared:
+        return "every rotation fits equally"
+    share = bounds.share_upper or 0.0
+    if math.isinf(share):
+        return "more than doubles hold times the range of energies"
+    return f"{at_most(share)} {'of' if share < 1.0 else 'times'} the range of energies"
+
+
+def at_most(value: float | Fraction, digits: int = 3) -> str:
+    """An upper bound in few digits, rounded up: what is printed is still a bound."""
+    return _rounded(value, digits, ROUND_CEILING)
+
+
+def at_least(value: float | Fraction, digits: int = 3) -> str:
+    """A lower bound in few digits, rounded down."""
+    return _rounded(value, digits, ROUND_FLOOR)
+
+
+def _rounded(value: float | Fraction, digits: int, direction: str) -> str:
+    """In decimal digits, of any size."""
+    if isinstance(value, float) and math.isinf(value):
+        return "(beyond doubles)"
+    exact = Fraction(value)
+    context = Context(prec=digits, rounding=direction, Emax=MAX_EMAX, Emin=MIN_EMIN)
+    quotient = context.divide(Decimal(exact.numerator), Decimal(exact.denominator))
+    return f"{quotient:g}"

@@ -1,0 +1,221 @@
+"""No headline is stronger than its numbers, and its numbers bracket an exact oracle."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import mpmath
+import numpy as np
+import pytest
+from commands import certreg, checked, write_csv
+from mpmath.libmp import to_rational
+from strategies import ZOO, random_rotation
+
+from certreg.campaign import PairCampaign, read_listing
+from certreg.exact import root_above
+from certreg.geometry import rotation_matrix
+from certreg.objective import Isotropic
+from certreg.problem import RegistrationProblem, exact_moments
+from certreg.registration import certify, code_of_registration, headline_of, headline_words
+from certreg.registration import headlines as listed
+from certreg.report import registration_summary, result_document
+from certreg.results import Limits, Optimality
+
+if TYPE_CHECKING:
+    from pathlib import Path
+    from typing import Any
+
+    from certreg.registration import Registration
+
+NAN, INFINITE = float("nan"), float("inf")
+
+
+def attack(ratio: float = 1.0, offset: float = 0.0) -> RegistrationProblem:
+    """A generic pair of clouds, the target `ratio` times as large, both far from the origin."""
+    rng = np.random.default_rng(16)
+    source = rng.normal(size=(12, 3))
+    target = ratio * (source @ random_rotation(rng).T + 0.1 * rng.normal(size=(12, 3)))
+    return RegistrationProblem(source + offset, target + offset)
+
+
+def proof_of(problem: RegistrationProblem) -> Registration:
+    return certify(problem, relaxation=False, simulation=False)
+
+
+def energy_by_points(registration: Registration) -> Fraction:
+    """The objective at the printed pose, summed over the points in rational numbers."""
+    pose, problem = registration.pose, registration.problem
+    q = [Fraction(entry) for entry in pose.quaternion_wxyz.tolist()]
+    norm = sum(entry * entry for entry in q)
+    rows, shift = rotation_matrix(q), [Fraction(entry) for entry in pose.translation.tolist()]
+    total = Fraction(0)
+    points = zip(problem.source, problem.target, problem.weights, strict=True)
+    for x, y, w in ((a.tolist(), b.tolist(), float(c)) for a, b, c in points):
+        for row, t, end in zip(rows, shift, y, strict=True):
+            moved = sum(a * Fraction(b) for a, b in zip(row, x, strict=True)) / norm + t
+            total += Fraction(w) * (Fraction(end) - moved) ** 2
+    return total
+
+
+def minimum_and_range(problem: RegistrationProblem) -> tuple[Fraction, Fraction]:
+    """By eigenvalues of 700 digits: the least objective, and the range over all rotations."""
+    objective = Isotropic(exact_moments(problem))
+    with mpmath.workdps(700):
+        matrix = mpmath.matrix([[mpmath.mpf(e) for e in row] for row in objective.davenport])
+        values = sorted(mpmath.eigsy(matrix, eigvals_only=True))
+        top, bottom = (Fraction(*to_rational(v._mpf_)) for v in (values[3], values[0]))
+    unit = objective.moments.cross_unit
+    return objective.moments.spread - 2 * top * unit, 2 * (top - bottom) * unit
+
+
+ATTACKS = [
+    *((ratio, 0.0) for ratio in (1.0, 1e-100, 1e-150, 1e100, 1e125, 1e150)),
+    *((1.0, offset) for offset in (1e8, 1e12, 1e15, 1e16)),
+]
+
+
+@pytest.mark.parametrize(("ratio", "offset"), ATTACKS)
+def test_a_headline_is_no_stronger_than_what_an_exact_oracle_says(ratio: float, offset: float):
+    registration = proof_of(attack(ratio, offset))
+    minimum, span = minimum_and_range(registration.problem)
+    above = energy_by_points(registration) - minimum
+    bounds = checked(registration.bounds)
+
+    assert bounds.least_gap <= above * (1 + Fraction(1, 10**300)) <= bounds.greatest_gap
+    assert bounds.least_range_squared <= span**2 <= 2 * bounds.least_range_squared
+    assert checked(bounds.angle_upper) < 1e-14  # delta is small beside K, not beside the clouds
+    assert above / span <= Fraction(checked(bounds.share_upper))
+    certified = above / span <= Fraction(1, 10**6)
+    assert (registration.status is Optimality.CERTIFIED) == certified
+    assert code_of_registration(registration) == (0 if certified else 4)
+    words, document = registration_summary(registration), result_document(registration)
+    assert words.startswith("CERTIFIED: " if certified else "BOUNDED: within ")
+    assert document["optimality"]["status"] == ("certified" if certified else "bounded")
+    assert f"within {1e-6:g} of the range" in words or certified
+    assert "global optimum" not in words or certified
+
+
+def test_the_attack_has_cases_on_both_sides():
+    states = {proof_of(attack(*case)).status for case in ATTACKS}
+
+    assert states == {Optimality.CERTIFIED, Optimality.BOUNDED}
+
+
+@pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: specimen.name)
+def test_a_known_case_is_certified_and_its_headline_says_whether_it_is_unique(specimen):
+    registration = proof_of(specimen.problem)
+    unique = specimen.pattern[0] == 1
+
+    assert (registration.status is Optimality.CERTIFIED) == unique
+    assert headline_of(registration).good == unique
+    assert ("NOT UNIQUE" in headline_words(registration)) != unique
+
+
+def test_limits_are_met_exactly_up_to_themselves():
+    registration = proof_of(attack(offset=1e9))
+    bounds = checked(registration.bounds)
+    share, angle = checked(bounds.share_upper), checked(bounds.angle_upper)
+    below = math.nextafter(share, 0.0), math.nextafter(angle, 0.0)
+    smaller = math.nextafter(below[0], 0.0)  # the double below `share` may hold, too
+
+    def status(gap: float, turn: float) -> Optimality:
+        limited = replace(registration, limits=Limits(max_gap=gap, max_angle=turn))
+        return limited.status
+
+    assert status(share, angle) is Optimality.CERTIFIED
+    assert status(smaller, angle) is Optimality.BOUNDED
+    assert status(share, below[1]) is Optimality.BOUNDED
+
+
+def test_a_unique_optimum_without_a_proved_angle_is_bounded():
+    registration = proof_of(attack())
+    bounds = replace(checked(registration.bounds), angle_upper=None)
+    weak = replace(registration, bounds=bounds)
+
+    assert weak.status is Optimality.BOUNDED
+    assert headline_of(weak) is listed.BOUNDED_WITHOUT_ANGLE
+    vacuous = replace(registration, bounds=replace(bounds, angle_upper=math.pi))
+    assert headline_of(vacuous) is listed.BOUNDED_WITHOUT_ANGLE
+
+
+def test_a_vacuous_gap_is_no_certificate():
+    registration = proof_of(attack())
+    huge = replace(checked(registration.bounds), greatest_gap=Fraction(2**32768))
+    vacuous = replace(registration, bounds=huge)
+
+    assert vacuous.status is Optimality.BOUNDED
+    assert "within 1.42e+9864 of the minimum" in headline_words(vacuous)
+    assert "more than doubles hold times the range" in headline_words(vacuous)
+    assert result_document(vacuous)["optimality"]["gap_share"] is None
+
+
+def test_a_nearly_ambiguous_optimum_is_never_stamped_green():
+    source = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]])
+    target = source * [1.0, 1.0, -(1.0 - 1e-5)]  # all but mirrored: d2 + d3 is 1e-5 of d1
+    registration = proof_of(RegistrationProblem(source, target))
+
+    assert registration.status is Optimality.CERTIFIED
+    assert headline_of(registration) is listed.NEARLY_AMBIGUOUS
+    assert not headline_of(registration).good
+
+
+@pytest.mark.parametrize("value", [-1.0, NAN, INFINITE])
+def test_limits_that_make_no_sense_are_refused(value: float):
+    for name in ("max_gap", "max_angle"):
+        given: Any = {name: value}
+        with pytest.raises(ValueError, match=name):
+            certify(attack(), **given)
+
+
+def test_the_limits_of_the_command_line_decide_the_code(tmp_path: Path):
+    problem = attack(offset=1e9)
+    clouds = [write_csv(tmp_path / f"{n}.csv", getattr(problem, n)) for n in ("source", "target")]
+    plain = ("certify", *clouds, "--no-relaxation", "--no-simulation")
+
+    assert certreg(*plain).code == 0
+    tight = certreg(*plain, "--max-gap", "1e-30")
+    assert tight.code == 4
+    assert "within 1e-30 of the range of energies and 1e-05 radians" in tight.out
+    assert certreg(*plain, "--max-angle", "1e-30").code == 4
+    assert certreg(*plain, "--max-gap", "1e-30", "--json").document["optimality"]["limits"] == {
+        "gap_share": 1e-30,
+        "angle_rad": 1e-5,
+    }
+    for wrong in ("-1", "nan", "inf"):
+        assert certreg(*plain, "--max-gap", wrong).code == 2
+
+
+def test_a_list_of_pairs_has_the_same_limits(tmp_path: Path):
+    problem = attack(offset=1e9)
+    names = [f"{n}.csv" for n in ("source", "target")]
+    for name in names:
+        write_csv(tmp_path / name, getattr(problem, name.removesuffix(".csv")))
+    listing = tmp_path / "list.csv"
+    listing.write_text(f"source,target\n{','.join(names)}\n")
+    identities = set[str]()
+    for limits, code in ((Limits(), 0), (Limits(max_angle=1e-30), 4), (Limits(max_gap=0.0), 4)):
+        campaign = PairCampaign(listing=read_listing(listing), certificates=False, limits=limits)
+        (task,) = campaign.tasks(done=())
+        entry = json.loads(task.function(**task.arguments).content)
+        identities.add(campaign.manifest().identity())
+
+        assert entry["exit_code"] == code
+        assert entry["optimality"]["status"] == ("bounded" if code else "certified")
+    assert len(identities) == 3  # a folder of results keeps to one pair of limits
+
+
+def test_a_root_rounded_up_is_above_the_root():
+    rng = np.random.default_rng(3)
+    for _ in range(200):
+        value = Fraction(int(rng.integers(1, 2**62)), int(rng.integers(1, 2**62))) ** 2
+        value *= Fraction(2) ** int(rng.integers(-600, 600))
+        root = root_above(value)
+        assert Fraction(root) ** 2 >= value
+        assert Fraction(math.nextafter(math.nextafter(root, 0.0), 0.0)) ** 2 < value
+    assert root_above(Fraction(0)) == 0.0
+    assert root_above(Fraction(4)) == 2.0
+    assert root_above(Fraction(10) ** 700) == INFINITE
