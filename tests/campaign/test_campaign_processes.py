@@ -64,11 +64,12 @@ def test_workers_end_with_the_campaign_that_is_killed(tmp_path):
 
 
 @contextmanager
-def started(*command: str, until: str):
-    """A process of dask, once it has said what it says when it is ready."""
+def worker(address: str):
+    """A worker of dask in a process of its own, once it is registered."""
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, (HERE, HERE.parent)))}
+    options = ("--nthreads", "1", "--no-nanny", "--no-dashboard", "--host", "127.0.0.1")
     process = subprocess.Popen(
-        [sys.executable, "-m", "distributed.cli." + command[0], *command[1:]],
+        [sys.executable, "-m", "distributed.cli.dask_worker", address, *options],
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
@@ -77,13 +78,9 @@ def started(*command: str, until: str):
     )
     assert process.stdout is not None
     try:
-        for line in process.stdout:
-            found = re.search(until, line)
-            if found:
-                break
-        else:
-            raise AssertionError(command)
-        yield process, found
+        ready = re.compile("Starting established connection|Registered to")
+        assert any(map(ready.search, process.stdout))
+        yield process
     finally:
         if process.poll() is None:
             os.killpg(process.pid, signal.SIGKILL)
@@ -93,25 +90,27 @@ def started(*command: str, until: str):
 
 @contextmanager
 def cluster():
-    """A scheduler's address and its two workers, started by hand."""
-    pytest.importorskip("distributed", reason="the extra `campaign` is not installed")
-    local = ("--host", "127.0.0.1", "--no-dashboard")
-    worker = ("--nthreads", "1", "--no-nanny", "--no-dashboard", "--host", "127.0.0.1")
-    with started("dask_scheduler", *local, "--port", "0", until=r"(tcp://\S+:\d+)") as (_, found):
-        address = found[1]
-        ready = r"Starting established connection|Registered to"
-        with (
-            started("dask_worker", address, *worker, until=ready) as (one, _),
-            started("dask_worker", address, *worker, until=ready) as (two, _),
-        ):
-            yield address, one, two
+    """A scheduler's address and one of its two workers; the other one lives in this process."""
+    distributed = pytest.importorskip("distributed", reason="the extra `campaign` is not installed")
+    with (
+        distributed.LocalCluster(
+            n_workers=1,
+            threads_per_worker=1,
+            processes=False,
+            protocol="tcp://",
+            host="127.0.0.1",
+            dashboard_address="127.0.0.1:0",
+        ) as here,
+        worker(here.scheduler_address) as one,
+    ):
+        yield here.scheduler_address, one
 
 
 def test_a_campaign_on_a_cluster_survives_a_killed_worker(tmp_path):
     kind = Cut(count=900, points=5, seed=3)
     finish(kind, tmp_path / "whole")
 
-    with cluster() as (address, one, _):
+    with cluster() as (address, one):
 
         class Killing:
             """Counts what is done, and kills one of the workers in the middle of it."""
