@@ -184,11 +184,11 @@ def test_python_m_certreg_is_the_same_command(tmp_path: Path):
             cwd=CHECKER.parents[1],
         )
 
-    ambiguous = spawn("certify", line, bent)
-    missing = spawn("certify", line, tmp_path / "nowhere.csv")
+    ambiguous = spawn("equilibria", line, bent)  # does not load the solver
+    missing = spawn("equilibria", line, tmp_path / "nowhere.csv")
 
     assert (ambiguous.returncode, ambiguous.stderr) == (3, "")
-    assert ambiguous.stdout == certreg("certify", line, bent).out
+    assert ambiguous.stdout == certreg("equilibria", line, bent).out
     assert (missing.returncode, missing.stdout) == (2, "")
     assert re.fullmatch(r"certreg: \S+nowhere\.csv: [^\n]+\n", missing.stderr)
 
