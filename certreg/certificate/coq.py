@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError, MissingToolError
 from certreg.io import write_atomically
+from certreg.native import CacheError, opened_folder, sweep
 from certreg.results import Ruling, Verdict
 from certreg.verify import IsotropicStatement, RefusalError, bound_doubles, parse, require
 
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from certreg.verify import Clouds
 
 SECONDS = 600.0  # for one question: 338 points take four; hostile exponents could take days
+COMPILING, RUNNING = ".coq-", "certreg-coq-"  # how folders for the time of a run begin
 POINTS_IN_A_LIST = 500  # 10^5 overflow the stack of Coq's parser
 HEADER = """\
 (* Exported by certreg: integers copied from a certificate; Coq decides what they prove.
@@ -259,7 +261,8 @@ def run_coqc(
     coqc: str, proofs: Path, source: str, *, seconds: float
 ) -> subprocess.CompletedProcess[str]:
     """Run coqc on a text, in a folder of its own that is gone afterwards."""
-    with tempfile.TemporaryDirectory(prefix="certreg-coq-") as folder:
+    sweep(Path(tempfile.gettempdir()), RUNNING)
+    with tempfile.TemporaryDirectory(prefix=RUNNING) as folder:
         path = Path(folder) / "certificate.v"
         path.write_text(source, encoding="utf-8")
         command = [coqc, *QUIET, "-R", str(proofs), "Certreg", str(path)]
@@ -316,19 +319,24 @@ def is_compiled(folder: Path, modules: list[str], sources: Path) -> bool:
 
 
 def _cache(coqc: str, folder: Path, modules: list[str]) -> Path:
-    """Named by what was compiled and by which Coq, so that it is never stale."""
+    """Named by what was compiled and by which Coq, so that it is never stale; the user's alone."""
     content = hashlib.sha256(_run([coqc, "--version"]).encode())
     for name in modules:
         content.update((folder / f"{name}.v").read_bytes())
     base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(base) / "certreg" / f"coq-{content.hexdigest()[:16]}"
+    try:
+        with opened_folder(Path(base) / "certreg") as opened:
+            return opened / f"coq-{content.hexdigest()[:16]}"
+    except CacheError as error:
+        message = f"{error}: compiled proofs cannot be kept there: set XDG_CACHE_HOME"
+        raise InvalidFileError(message, path=Path(base)) from error
 
 
 def _compile(coqc: str, folder: Path, modules: list[str], cache: Path) -> None:
     """All or nothing: compiled under another name, then renamed."""
     try:
-        cache.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=cache.parent, prefix=".coq-") as scratch:
+        sweep(cache.parent, COMPILING)
+        with tempfile.TemporaryDirectory(dir=cache.parent, prefix=COMPILING) as scratch:
             work = Path(scratch) / "coq"
             work.mkdir()
             for name in modules:

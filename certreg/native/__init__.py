@@ -11,6 +11,9 @@ from typing import TYPE_CHECKING
 from certreg._faces import lazy_face
 
 if TYPE_CHECKING:
+    from certreg.native.cache import CacheError as CacheError
+    from certreg.native.cache import opened_folder as opened_folder
+    from certreg.native.cache import sweep as sweep
     from certreg.native.codegen.emit import C_FILE as C_FILE
     from certreg.native.codegen.emit import HEADER_FILE as HEADER_FILE
     from certreg.native.codegen.emit import generated_files as generated_files
@@ -49,6 +52,11 @@ if TYPE_CHECKING:
 __getattr__ = lazy_face(
     __name__,
     {
+        "cache": (
+            "CacheError",
+            "opened_folder",
+            "sweep",
+        ),
         "codegen.emit": (
             "C_FILE",
             "HEADER_FILE",

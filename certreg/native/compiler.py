@@ -51,13 +51,24 @@ HEADERS = (
 FLAGS = ("-std=gnu11", "-O3", "-march=native", "-fno-math-errno", "-fPIC", "-shared", "-Wno-psabi")
 PLAIN_FLAGS = ("-std=gnu11", "-O2", "-fPIC", "-shared")  # for compilers that refuse the others
 COMPILERS = ("cc", "gcc", "clang")
+COMPILING = "certreg-compiling-"  # how folders for a compilation begin
 PATIENCE = 120.0  # seconds for a compilation that takes three
+WRITTEN = (  # by hand, not generated
+    "certreg_euler_single",
+    "certreg_euler_lanes",
+    "certreg_splitting_single",
+    "certreg_splitting_lanes",
+    "certreg_midpoint_single",
+    "certreg_exact_sums",
+    "certreg_stationary_poses",
+    "certreg_sums",
+)
 # Calls each generated function on zeros: a processor that lacks an instruction ends here.
 TRIAL = """
 import ctypes, json, sys
 library = ctypes.CDLL(sys.argv[1])
-library.certreg_euler_lanes, library.certreg_splitting_lanes, library.certreg_midpoint_single
-library.certreg_exact_sums, library.certreg_stationary_poses, library.certreg_sums
+for name in sys.argv[3:]:
+    getattr(library, name)
 for name, sizes in json.load(open(sys.argv[2])).items():
     numbers = [(ctypes.c_double * n)() for n in sizes["arguments"] + sizes["results"]]
     getattr(library, name)(*numbers)
@@ -115,7 +126,8 @@ def _processor() -> bytes:
 
 def _compiled(compiler: tuple[str, ...], name: str) -> Path:
     """Compile, try, keep; the folder with what cannot be kept goes when the process ends."""
-    folder = Path(tempfile.mkdtemp(prefix="certreg-"))
+    cache.sweep(Path(tempfile.gettempdir()), COMPILING)
+    folder = Path(tempfile.mkdtemp(prefix=COMPILING))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     fresh = _built(compiler, folder)
     try:
@@ -141,7 +153,7 @@ def _built(compiler: tuple[str, ...], folder: Path) -> Path:
 def _trial_failure(library: Path, folder: Path) -> str:
     if getattr(sys, "frozen", False) or not sys.executable:
         return ""  # an application of its own, not Python
-    command = [sys.executable, "-I", "-S", "-c", TRIAL, str(library), str(SIGNATURES)]
+    command = [sys.executable, "-I", "-S", "-c", TRIAL, str(library), str(SIGNATURES), *WRITTEN]
     words = _failure(command, folder)
     return words and f"what it made does not run: {words}"
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.native.compiler import SIGNATURES, CompilationError, compiled_library
+from certreg.native.compiler import SIGNATURES, WRITTEN, CompilationError, compiled_library
 from certreg.native.layout import EXACT_SUMS, plain, width
 from certreg.native.loops import (
     BASIN_SHARE,
@@ -249,6 +249,9 @@ def loaded_library() -> Library:
     except OSError as error:
         raise CompilationError(f"the compiled library cannot be loaded ({error})") from error
     shapes = signatures()
+    missing = [name for name in (*shapes, *WRITTEN) if not hasattr(handle, name)]
+    if missing:
+        raise CompilationError(f"the compiled library {path} lacks {missing[0]}: remove the file")
     for name, shape in shapes.items():
         function = getattr(handle, name)
         function.argtypes = [_POINTER] * (len(shape.arguments) + len(shape.results))

@@ -443,7 +443,7 @@ def elsewhere(copying: Path) -> Path:
 
 
 def test_a_full_cache_is_left_for_the_folder_of_temporary_files(copying, mount):
-    mount(copying, "size=16k")
+    mount(copying, "mode=700", "size=16k")
 
     assert compiled_library().parent == elsewhere(copying)
     assert list(copying.iterdir()) == []
@@ -451,13 +451,13 @@ def test_a_full_cache_is_left_for_the_folder_of_temporary_files(copying, mount):
 
 
 def test_a_read_only_cache_is_left_for_the_folder_of_temporary_files(copying, mount):
-    mount(copying, "ro")
+    mount(copying, "mode=700", "ro")
 
     assert compiled_library().parent == elsewhere(copying)
 
 
 def test_a_read_only_cache_that_has_the_library_is_used(copying, mount):
-    mount(copying, "size=1m")
+    mount(copying, "mode=700", "size=1m")
     path = compiled_library()
     subprocess.run(["mount", "-o", "remount,ro", str(copying)], check=True)
 
@@ -482,12 +482,72 @@ def test_a_user_without_a_home_is_served(copying, monkeypatch):
     assert compiled_library().parent == elsewhere(copying)
 
 
-def test_a_cache_that_others_may_write_to_is_not_trusted(copying):
+@pytest.mark.parametrize("mode", [0o777, 0o1777, 0o770, 0o720])
+def test_a_cache_that_others_may_write_to_is_not_trusted_and_the_user_is_told(copying, mode):
     path = compiled_library()
-    copying.chmod(0o777)
+    copying.chmod(mode)
 
-    assert compiled_library().parent == elsewhere(copying)
+    with pytest.warns(SlowSimulationWarning) as told:
+        assert compiled_library().parent == elsewhere(copying)
     assert path.exists()
+    (words,) = [str(each.message) for each in told]
+    assert words.startswith(f"others may write to {copying} (remedy: chmod go-w): ")
+    assert words.endswith(f"compiled code is kept in {elsewhere(copying)} instead")
+    assert "\n" not in words
+
+
+@pytest.mark.parametrize(("mode", "trusted"), [(0o775, False), (0o1777, True), (0o755, True)])
+def test_a_folder_that_others_could_replace_is_not_trusted(copying, mode, trusted):
+    """Who may write to the folder above renames; in a sticky one only the owner does."""
+    copying.parent.chmod(mode)
+
+    if trusted:
+        assert compiled_library().parent == copying
+    else:  # nor is the folder of temporary files, which stands beside
+        with pytest.warns(SlowSimulationWarning, match="for this run only: others may write to"):
+            assert copying not in compiled_library().parents
+
+
+def test_a_link_to_the_cache_is_judged_by_what_it_names(copying, monkeypatch):
+    (copying.parent / "link").symlink_to(copying)
+    monkeypatch.setenv("CERTREG_CACHE_DIR", str(copying.parent / "link"))
+
+    assert compiled_library().parent == copying
+
+
+def test_a_library_that_others_may_write_to_or_that_is_a_link_is_not_loaded(copying, monkeypatch):
+    path = compiled_library()
+    path.chmod(0o775)
+    assert cache.find(path.stem) is None
+
+    path.chmod(0o755)
+    assert cache.find(path.stem) == path
+
+    path.rename(copying / "real.so")
+    path.symlink_to(copying / "real.so")
+    assert cache.find(path.stem) is None
+
+    path.unlink()
+    (copying / "real.so").rename(path)
+    assert cache.find(path.stem) == path
+    monkeypatch.setattr(os, "getuid", lambda: path.lstat().st_uid + 1)
+    monkeypatch.setattr(cache, "_require_own", lambda *_: None)
+    monkeypatch.setattr(cache, "_require_fixed", lambda *_: None)
+    assert (cache.find(path.stem) is None) == (path.stat().st_uid != 0)
+
+
+def test_a_cache_is_made_for_the_user_alone_whatever_the_mask(copying, monkeypatch):
+    monkeypatch.setenv("CERTREG_CACHE_DIR", str(copying / "a" / "b"))
+    former = os.umask(0o002)
+    try:
+        path = compiled_library()
+    finally:
+        os.umask(former)
+
+    assert cache.find(path.stem) == path
+    assert path.parent == copying / "a" / "b"
+    assert [place.stat().st_mode & 0o777 for place in path.parents[:2]] == [0o700] * 2
+    assert path.stat().st_mode & 0o022 == 0
 
 
 def test_a_folder_of_another_user_is_not_trusted(tmp_path):
@@ -496,6 +556,46 @@ def test_a_folder_of_another_user_is_not_trusted(tmp_path):
 
     with pytest.raises(cache.CacheError, match="belongs to another user"):
         cache._require_own(tmp_path, os.stat_result(status))
+
+
+def test_a_folder_below_one_of_another_user_is_not_trusted(tmp_path, monkeypatch):
+    honest = Path.stat
+
+    def foreign(self: Path, **options: Any) -> os.stat_result:
+        status = list(honest(self, **options))
+        status[4] += 1 if self == tmp_path else 0
+        return os.stat_result(status)
+
+    (tmp_path / "mine").mkdir()
+    monkeypatch.setattr(Path, "stat", foreign)
+
+    with pytest.raises(cache.CacheError, match=r"above .* belongs to another user"):
+        cache._require_fixed(tmp_path / "mine")
+
+
+def test_folders_of_killed_compilations_are_swept_and_no_others(copying, monkeypatch):
+    temporary = copying.parent / "temporary"
+    left = [copying / ".writing-abcd_123", temporary / "certreg-compiling-abcdefgh"]
+    kept = [copying / ".writing-mine", temporary / f"certreg-{'1' * 8}", temporary / "compiling"]
+    kept += [temporary / "certreg-compiling-fresh___", copying / ".writing-fresh___"]
+    for place in (*left, *kept):
+        place.mkdir()
+        (place / "library.so").write_text("half")
+        if "fresh" not in place.name:
+            os.utime(place, (0.0, time.time() - cache.STALE - 60.0))
+    (temporary / "elsewhere").mkdir()
+    (temporary / "certreg-compiling-linklink").symlink_to(temporary / "elsewhere")
+    compiled_library()
+
+    assert not any(place.exists() for place in left)
+    assert all((place / "library.so").exists() for place in kept)
+    assert (temporary / "certreg-compiling-linkink").parent.exists()
+    assert (temporary / "elsewhere").exists()
+
+    monkeypatch.setattr(os, "getuid", lambda: temporary.stat().st_uid + 1)
+    os.utime(kept[-2], (0.0, 0.0))
+    cache.sweep(temporary, compiler.COMPILING)
+    assert kept[-2].exists()
 
 
 @pytest.mark.slow
@@ -592,6 +692,51 @@ def test_code_that_crashes_is_not_kept(made, folder, monkeypatch):
     with pytest.raises(CompilationError, match="what it made does not run"):
         compiled_library()
     assert list(folder.iterdir()) == []
+
+
+@pytest.fixture
+def hollow(folder: Path) -> Path:
+    """A library that loads, and lacks what it should have."""
+    library = folder.parent / "hollow.so"
+    code = folder.parent / "hollow.c"
+    code.write_text("int nothing;\n")
+    try:
+        command = [*find_compiler(), "-shared", "-fPIC", str(code), "-o", str(library)]
+    except CompilationError as error:
+        pytest.skip(str(error))
+    subprocess.run(command, check=True)
+    return library
+
+
+def test_a_library_without_its_symbols_is_a_message(hollow, monkeypatch):
+    monkeypatch.setattr("certreg.native.library.compiled_library", lambda: hollow)
+
+    with pytest.raises(CompilationError, match=r"hollow\.so lacks certreg_\w+: remove the file"):
+        loaded_library.__wrapped__()
+
+
+def test_a_library_without_its_symbols_is_not_kept(hollow, folder, monkeypatch):
+    monkeypatch.setenv("CC", pretend(folder.parent / "cc", f"shutil.copy({str(hollow)!r}, target)"))
+
+    with pytest.raises(CompilationError, match=r"does not run: .*undefined symbol: certreg_"):
+        compiled_library()
+
+
+def test_a_library_without_the_handwritten_loops_is_not_kept(copying, monkeypatch):
+    del copying
+    monkeypatch.setattr(compiler, "WRITTEN", ("certreg_nothing",))
+
+    with pytest.raises(CompilationError, match=r"does not run: .*undefined symbol: certreg_noth"):
+        compiled_library()
+
+
+def test_the_loops_that_are_asked_for_are_looked_for_when_the_library_is_loaded(made):
+    text = "".join(path.read_text() for path in compiler.UNITS)
+
+    handle = loaded_library().handle
+    assert made.exists()
+    assert all(hasattr(handle, name) for name in compiler.WRITTEN)
+    assert all(name in text for name in compiler.WRITTEN)
 
 
 def test_a_compiler_that_hangs_is_ended_with_its_children(folder, monkeypatch):
