@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from certreg.io.clouds import read_cloud as read_cloud
     from certreg.io.clouds import read_problem as read_problem
     from certreg.io.clouds import write_cloud as write_cloud
+    from certreg.io.labels import csv_field as csv_field
     from certreg.io.poses import MAX_POSE_BYTES as MAX_POSE_BYTES
     from certreg.io.poses import ROTATION_TOLERANCE as ROTATION_TOLERANCE
     from certreg.io.poses import read_result_pose as read_result_pose
@@ -48,6 +49,7 @@ __getattr__ = lazy_face(
             "read_problem",
             "write_cloud",
         ),
+        "labels": ("csv_field",),
         "poses": (
             "MAX_POSE_BYTES",
             "ROTATION_TOLERANCE",

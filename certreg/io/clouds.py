@@ -12,7 +12,13 @@ import numpy as np
 
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import write_atomically
-from certreg.io.labels import Match, require_same_order, rows_by_label, unused_labels_note
+from certreg.io.labels import (
+    Match,
+    csv_field,
+    require_same_order,
+    rows_by_label,
+    unused_labels_note,
+)
 from certreg.io.npy import parse_array, read_array, write_array
 from certreg.io.npz import parse_npz
 from certreg.io.pairs import read_pairs
@@ -296,13 +302,14 @@ def _quoted(file: Path, label: str) -> str:
     """A label as a field of a .csv file; refused where the reader would not give it back."""
     kept = label == label.strip() and "\n\ufeff" not in label
     kept = kept and label == label.encode(errors="ignore").decode()
-    if not kept or len(label) > csv.field_size_limit():
+    if not kept or len(label) >= csv.field_size_limit():  # PLAIN may come before it
         message = (
             f"{file}: the label '{shown(label)}' cannot be written: use labels of Unicode text "
             "without spaces at their ends"
         )
         raise InvalidFileError(message, path=file, column="label", value=label)
-    return '"' + label.replace('"', '""') + '"' if set(label) & set(',"\r\n\ufeff') else label
+    field = csv_field(label)
+    return f'"{field}"' if field.startswith("\ufeff") else field  # or it would be a mark of order
 
 
 def _short_enough(labels: tuple[str, ...]) -> bool:

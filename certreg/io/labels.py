@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import enum
+import re
 from collections import Counter
 from itertools import chain
 from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError
+from certreg.io.streams import NUMBER
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -15,6 +17,10 @@ if TYPE_CHECKING:
 
 SIDES = ("source", "target")
 IDENTIFIERS = ("id", "name", "point", "number", "nr", "no", "num", "index", "point_id", "marker")
+# A spreadsheet computes a cell that begins so; the last four are the wide forms of Chinese fonts.
+FORMULA = re.compile(r"'*[=+\-@\t\r\uff1d\uff0b\uff0d\uff20]")
+PLAIN = "'"  # before a text that would be a formula: spreadsheets take what follows as it is
+CELL_ENDS = frozenset(',;|"\t\r\n')  # of a field, in one country or another
 
 
 class Match(enum.Enum):
@@ -22,6 +28,22 @@ class Match(enum.Enum):
 
     ALL = "all"
     COMMON = "common"
+
+
+def csv_field(text: str) -> str:
+    """A text as a field of a .csv file, quoted where it must be, that is a formula nowhere.
+
+    >>> csv_field("=1+1"), csv_field("-1.5"), csv_field("nose, left")
+    ("'=1+1", '-1.5', '"nose, left"')
+    """
+    if FORMULA.match(text) and not NUMBER.fullmatch(text):
+        text = PLAIN + text
+    return '"' + text.replace('"', '""') + '"' if CELL_ENDS & set(text) else text
+
+
+def text_of_field(field: str) -> str:
+    """The text that `csv_field` wrote so, from the field without its quotes."""
+    return field[1:] if field.startswith(PLAIN) and FORMULA.match(field) else field
 
 
 def rows_by_label(

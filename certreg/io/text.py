@@ -26,6 +26,7 @@ from certreg.io.labels import (
     IDENTIFIERS,
     require_same_order,
     rows_by_label,
+    text_of_field,
     unused_labels_note,
 )
 from certreg.io.streams import NUMBER, Place, lines, number, reading
@@ -97,7 +98,7 @@ def _table(rows: Iterator[tuple[Place, list[str]]], file: Path) -> Points:
             words = f"{len(row)} columns, not {len(names)}: mend the row"
             raise place.refusal(words, value=len(row), limit=len(names))
         coordinates.extend(number(place, row[axis]) for axis in axes)
-        called += [] if calling is None else [row[calling].strip()]
+        called += [] if calling is None else [text_of_field(row[calling].strip())]
     if not coordinates:
         raise place.refusal("no points: add rows", value=0, limit=1)
     if bare and len(names) > 3:

@@ -381,3 +381,24 @@ def test_ctrl_c_ends_cleanly_and_says_how_to_go_on(folder):
     ]
     assert not (out / "results.jsonl").exists()
     assert not list(out.rglob(".certreg-*"))
+
+
+def test_no_cell_of_the_table_is_a_formula(folder):
+    """Names are the user's, and an error repeats what a file holds; JSON keeps them as they are."""
+    names = ["=1+1", "+cmd", "-2+3", "@SUM(A1)", "-1.5", "a;=1"]
+    rows = [f'"{name}",a{k}.csv,b{k}.csv' for k, name in enumerate(names[:-1])]
+    listed = listing(folder, *rows, f"{names[-1]},a5.csv,none.csv", header="name,source,target")
+    listed = listed.rename(folder / "=list.csv")
+    run = certreg("batch", listed, "--out", folder / "out")
+
+    text = (folder / "out" / "summary.csv").read_text()
+    table = list(csv.DictReader(text.splitlines()))
+    assert run.code == 2
+    assert [row["name"] for row in table] == ["'=1+1", "'+cmd", "'-2+3", "'@SUM(A1)", *names[4:]]
+    assert {row["place"][:2] for row in table} == {"'="}
+    assert [
+        each["name"] for each in lines((folder / "out" / "results.jsonl").read_bytes())
+    ] == names
+    for separator in ",;\t":
+        for row in csv.reader(text.splitlines(), delimiter=separator):
+            assert not [cell for cell in row if cell[:1] in set("=+@") or cell[:2] == "-2"]
