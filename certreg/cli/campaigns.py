@@ -37,7 +37,11 @@ if TYPE_CHECKING:
 
 @click.command(epilog=EXIT_CODES)
 @click.argument("manifest", type=CLOUD)
-@click.option("--scheduler", metavar="ADDRESS", help="A dask scheduler whose workers do the work.")
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="A dask scheduler whose workers do the work: who reaches it can run code there.",
+)
 @click.option("--out", type=FOLDER, help="Folder for results, certificates and a table.")
 @click.option("--parquet", is_flag=True, help="With --out: the table as Parquet, too.")
 @limit_options

@@ -51,7 +51,9 @@ CAMPAIGN = "campaign"  # folder, within that of the reproduction
     "beside these, as a campaign.",
 )
 @click.option(
-    "--scheduler", metavar="ADDRESS", help="As a campaign, on the workers of a dask scheduler."
+    "--scheduler",
+    metavar="ADDRESS",
+    help="As a campaign, on the workers of a dask scheduler: who reaches it can run code there.",
 )
 @click.option("--parquet", is_flag=True, help="As a campaign, its table as Parquet, too.")
 @click.option(

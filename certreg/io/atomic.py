@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import secrets
+import stat
+import time
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
@@ -15,6 +19,9 @@ if TYPE_CHECKING:
 
 BINARY: int = getattr(os, "O_BINARY", 0)  # Windows alone tells text from bytes
 TEMPORARY = ".certreg-"  # how names of files begin that are not yet whole
+UNFINISHED = re.compile(re.escape(TEMPORARY) + "[0-9a-f]{16}")
+STALE = 86400.0  # seconds without a write: whoever wrote was killed
+SWEPT_FOLDERS = 256  # that a process remembers; one that it forgets is looked at again
 
 
 def write_atomically(path: str | os.PathLike[str], content: bytes | Iterable[bytes]) -> None:
@@ -41,16 +48,20 @@ def write_together(contents: dict[Path, bytes | Iterable[bytes]], obsolete: Iter
 
     Before anything is renamed, the `obsolete` ones are removed, then what stands there. So when the
     disk fills all is as it was, and when a renaming fails nothing is left of what was there before.
+    A link in the place of a file is refused: who put it there would choose what is overwritten.
     Raises InvalidFileError.
     """
-    former = [*obsolete, *(Path(os.path.realpath(path)) for path in contents)]
+    former = [*obsolete, *contents]
     for path in former:
-        if path.is_dir() and not path.is_symlink():
+        if path.is_symlink():
+            message = f"{path}: is a link where a file is to be: remove it, or choose another place"
+            raise InvalidFileError(message, path=path)
+        if path.is_dir():
             message = f"{path}: is a folder where a file is to be: move it, or choose another place"
             raise InvalidFileError(message, path=path)
     with contextlib.ExitStack() as stack:  # which renames in the opposite order
         for path, content in contents.items():
-            stream = stack.enter_context(written_atomically(path))
+            stream = stack.enter_context(written_atomically(path, follow=False))
             stream.writelines([content] if isinstance(content, bytes) else content)
             stream.flush()
         for path in former:
@@ -58,9 +69,13 @@ def write_together(contents: dict[Path, bytes | Iterable[bytes]], obsolete: Iter
 
 
 @contextlib.contextmanager
-def written_atomically(path: str | os.PathLike[str]) -> Generator[BinaryIO]:
-    """As `write_atomically`, for what is written bit by bit; nothing stands there if it fails."""
-    target = Path(os.path.realpath(path))
+def written_atomically(path: str | os.PathLike[str], *, follow: bool = True) -> Generator[BinaryIO]:
+    """As `write_atomically`, for what is written bit by bit; nothing stands there if it fails.
+
+    follow: whether a symbolic link stays one, and the file that it names is written.
+    """
+    target = Path(os.path.realpath(path)) if follow else Path(path)
+    _sweep(target.parent)
     # Named before it is made: wherever Ctrl-C comes, it is known what to remove.
     temporary = target.parent / f"{TEMPORARY}{secrets.token_hex(8)}"
     try:
@@ -74,3 +89,16 @@ def written_atomically(path: str | os.PathLike[str]) -> Generator[BinaryIO]:
     finally:
         with contextlib.suppress(FileNotFoundError, NotADirectoryError):
             temporary.unlink()
+
+
+@lru_cache(SWEPT_FOLDERS)  # a folder of a million files is looked through once
+def _sweep(folder: Path) -> None:
+    """Remove this user's unfinished files of a process that was killed, a day old or older."""
+    with contextlib.suppress(OSError):
+        for entry in [each for each in os.scandir(folder) if UNFINISHED.fullmatch(each.name)]:
+            with contextlib.suppress(OSError):
+                status = entry.stat(follow_symlinks=False)
+                own = not hasattr(os, "getuid") or status.st_uid == os.getuid()
+                old = time.time() - status.st_mtime > STALE
+                if own and old and stat.S_ISREG(status.st_mode):
+                    Path(entry.path).unlink()

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import csv
 import io
 import json
 import os
+import re
 import stat
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,12 +18,15 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from certreg.errors import InvalidFileError
-from certreg.io.atomic import write_atomically
+from certreg.io import atomic
+from certreg.io.atomic import write_atomically, write_together
 from certreg.io.clouds import read_cloud, read_pair, read_weights, write_cloud
+from certreg.io.labels import csv_field, text_of_field
 from certreg.io.poses import read_pose
+from certreg.io.streams import NUMBER
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from numpy.typing import NDArray
 
@@ -93,6 +99,40 @@ def test_labels_of_every_common_kind_are_kept(tmp_path: Path):
 
     assert pair.source.labels == pair.target.labels == labels
     assert pair.target.points.tolist() == points.tolist()
+
+
+FORMULAS = ("=1+1", "+1+1", "-1+1", "@SUM(A1)", '=HYPERLINK("x","y")', "\uff1d1", "=", "-", "+A")
+DANGEROUS = frozenset("=+-@\t\r\uff1d\uff0b\uff0d\uff20")
+
+
+def cells(text: str, separator: str) -> list[str]:
+    """All cells that a spreadsheet makes of a file, by either of its separators."""
+    rows = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
+    return [cell for row in rows for cell in row]
+
+
+def test_no_label_is_a_formula_and_all_are_read_back(tmp_path: Path):
+    labels = (*FORMULAS, *(f"'{text}" for text in FORMULAS), "''=1", "a;=1+1", "a|@x", "b\t=1")
+    labels += ("-1.5", "+3", "1e5", "'", "'nose", "x'=1")
+    points = np.arange(3.0 * len(labels)).reshape(-1, 3)
+    write_cloud(tmp_path / "a.csv", points, labels)
+    text = (tmp_path / "a.csv").read_bytes().decode()
+
+    assert read_cloud(tmp_path / "a.csv").labels == labels
+    for separator in ",;\t":
+        for cell in cells(text, separator):
+            assert cell[:1] not in DANGEROUS or re.fullmatch(r"[-+][0-9.,]+", cell), cell
+    assert "\n-1.5," in text  # a number is no formula
+    assert '\n"a;=1+1",' in text
+
+
+@given(st.text("=+-@\t\r\n'\"a1;,.\uff1d", max_size=6))
+def test_a_field_is_no_formula_and_gives_its_text_back(text: str):
+    (cell, end) = next(csv.reader(io.StringIO(csv_field(text) + ",end", newline="")))
+
+    assert end == "end"
+    assert text_of_field(cell) == text
+    assert cell[:1] not in DANGEROUS or NUMBER.fullmatch(cell)
 
 
 @pytest.mark.parametrize(
@@ -342,6 +382,49 @@ def test_a_pickle_is_never_run(tmp_path: Path):
     assert (tmp_path / "exploded").exists()  # so the bomb was one
 
 
+# What killed processes left -----------------------------------------------------------------------
+
+
+def unfinished(path: Path, age: float) -> Path:
+    path.write_text("half")
+    os.utime(path, (0.0, time.time() - age))
+    return path
+
+
+def test_files_that_killed_processes_left_are_swept_and_no_others(tmp_path: Path, monkeypatch):
+    names = (
+        "0123456789abcdef",
+        "0123456789abcdeg",
+        "0123456789abcde",
+        "0123456789abcdef0",
+        "notes",
+    )
+    left, *kept = [unfinished(tmp_path / f".certreg-{n}", atomic.STALE + 60.0) for n in names]
+    kept.append(unfinished(tmp_path / f".certreg-{'a' * 16}", atomic.STALE - 60.0))
+    (tmp_path / f".certreg-{'b' * 16}").mkdir()
+    (tmp_path / f".certreg-{'c' * 16}").symlink_to(tmp_path / "elsewhere")
+    os.utime(tmp_path / f".certreg-{'b' * 16}", (0.0, 0.0))
+    os.utime(tmp_path / f".certreg-{'c' * 16}", (0.0, 0.0), follow_symlinks=False)
+    write_atomically(tmp_path / "a.bin", b"new")
+
+    assert not left.exists()
+    assert all(path.read_text() == "half" for path in kept)
+    assert len(list(tmp_path.iterdir())) == len(kept) + 3
+
+    own = unfinished(left, atomic.STALE + 60.0)
+    monkeypatch.setattr(os, "getuid", lambda: own.stat().st_uid + 1)
+    atomic._sweep.__wrapped__(tmp_path)
+    assert own.exists()  # another user's
+
+
+def test_a_folder_is_swept_once(tmp_path: Path):
+    write_atomically(tmp_path / "a.bin", b"new")
+    left = unfinished(tmp_path / f".certreg-{'a' * 16}", atomic.STALE + 60.0)
+    write_atomically(tmp_path / "b.bin", b"new")
+
+    assert left.exists()
+
+
 # Writing -----------------------------------------------------------------------------------------
 
 
@@ -394,6 +477,42 @@ def test_a_place_that_cannot_be_written_is_named(tmp_path: Path):
 
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder.csv"]
     assert list((tmp_path / "folder.csv").iterdir()) == []
+
+
+@pytest.mark.parametrize("obsolete", [False, True])
+@pytest.mark.parametrize("exists", [False, True])
+def test_files_that_belong_together_are_not_written_through_a_link(
+    tmp_path: Path, exists, obsolete
+):
+    precious, link = tmp_path / "precious", tmp_path / "b.txt"
+    if exists:
+        precious.write_text("mine")
+    link.symlink_to(precious)
+    (tmp_path / "a.txt").write_text("old")
+    contents = {tmp_path / "a.txt": b"new"} | ({} if obsolete else {link: b"new"})
+
+    with pytest.raises(
+        InvalidFileError, match=r"b.txt: is a link where a file is to be: remove it"
+    ):
+        write_together(contents, obsolete=[link] if obsolete else [])
+
+    assert link.is_symlink()
+    assert precious.exists() == exists
+    assert not exists or precious.read_text() == "mine"
+    assert (tmp_path / "a.txt").read_text() == "old"
+
+
+def test_a_link_put_there_meanwhile_is_replaced_and_not_followed(tmp_path: Path):
+    precious, first, second = (tmp_path / name for name in ("precious", "a.txt", "b.txt"))
+    precious.write_text("mine")
+
+    def pieces() -> Iterator[bytes]:
+        second.symlink_to(precious)
+        yield b"new"
+
+    write_together({first: pieces(), second: b"new"}, obsolete=[])
+
+    assert (second.is_symlink(), second.read_text(), precious.read_text()) == (False, "new", "mine")
 
 
 def test_writing_through_a_link_keeps_the_link(tmp_path: Path):

@@ -412,6 +412,34 @@ def test_a_failure_between_two_files_leaves_none_of_another_problem(
     assert not list(folder.glob(".*"))
 
 
+@pytest.mark.parametrize("name", ["certificate.json", "trajectory.npz"])
+def test_a_link_among_the_files_of_a_folder_is_refused_and_nothing_changes(
+    folder: Path, data: Path, name: str
+):
+    precious = folder / "precious"
+    (folder / name).rename(precious)
+    (folder / name).symlink_to(precious)
+    before = {file.name: file.read_bytes() for file in folder.iterdir()}
+    pair = (data / "abeta_2beg_model01.csv", data / "abeta_2beg_model02.csv")
+    run = certreg("certify", *pair, "--no-relaxation", "--no-simulation", "--out", folder)
+
+    assert (run.code, run.out) == (2, "")
+    assert f"{folder / name}: is a link where a file is to be: remove it" in run.err
+    assert run.err.count("\n") == 1
+    assert {file.name: file.read_bytes() for file in folder.iterdir()} == before
+
+
+def test_a_folder_may_be_reached_by_a_link(folder: Path, data: Path):
+    (folder / "link").symlink_to(folder / "real")
+    (folder / "real").mkdir()
+    pair = (data / "survey_source.csv", data / "survey_target.csv")
+    place = folder / "link"
+    run = certreg("certify", *pair, "--no-relaxation", "--no-simulation", "--out", place)
+
+    assert run.code == 0
+    assert (folder / "real" / "certificate.json").is_file()
+
+
 @pytest.mark.parametrize("link", [None, Path.symlink_to, Path.hardlink_to])
 def test_the_certificate_is_not_overwritten_by_its_report(folder: Path, link: Any):
     file = folder / "certificate.json"
