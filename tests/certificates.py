@@ -8,6 +8,7 @@ import json
 import struct
 from fractions import Fraction
 from itertools import pairwise, permutations
+from math import lcm
 from typing import Any
 
 import numpy as np
@@ -24,24 +25,35 @@ def problem_bytes(source, target, weights) -> bytes:
 
 
 def exact_moments(source, target, weights):
-    """(M, C, S2) in Fractions, by the definitions."""
-    X = [[Fraction(float(value)) for value in row] for row in source]
-    Y = [[Fraction(float(value)) for value in row] for row in target]
-    w = [Fraction(float(value)) for value in weights]
+    """(M, C, S2) in Fractions, by the definitions; added up in integers, over one denominator."""
+    X, x_unit = _whole(source)
+    Y, y_unit = _whole(target)
+    (w,), w_unit = _whole([weights])
     mass = sum(w)
 
     def centred(cloud):
-        means = [sum(m * row[k] for m, row in zip(w, cloud, strict=True)) / mass for k in range(3)]
-        return [[row[k] - means[k] for k in range(3)] for row in cloud]
+        """The deviations from the mean, times the mass."""
+        sums = [sum(m * row[k] for m, row in zip(w, cloud, strict=True)) for k in range(3)]
+        return [[mass * row[k] - sums[k] for k in range(3)] for row in cloud]
 
-    def second(left, right):
-        return [
-            [sum(m * a[j] * b[k] for m, a, b in zip(w, left, right, strict=True)) for k in range(3)]
-            for j in range(3)
-        ]
+    def second(left, right, unit):
+        pairs = [(j, k) for j in range(3) for k in range(3)]
+        sums = {
+            (j, k): sum(m * a[j] * b[k] for m, a, b in zip(w, left, right, strict=True))
+            for j, k in pairs
+        }
+        over = mass * mass * w_unit * unit
+        return [[Fraction(sums[j, k], over) for k in range(3)] for j in range(3)]
 
     X, Y = centred(X), centred(Y)
-    return mass, second(Y, X), second(X, X)
+    return Fraction(mass, w_unit), second(Y, X, x_unit * y_unit), second(X, X, x_unit**2)
+
+
+def _whole(rows) -> tuple[list[list[int]], int]:
+    """Rows of numbers times their common denominator, and that."""
+    exact = [[Fraction(float(value)) for value in row] for row in rows]
+    common = lcm(*(value.denominator for row in exact for value in row))
+    return [[int(value * common) for value in row] for row in exact], common
 
 
 def rotation_form(C):
@@ -68,10 +80,10 @@ def rotation_form(C):
 
 def determinant(A):
     """Leibniz' formula."""
-    total = Fraction(0)
+    total = 0
     for order in permutations(range(len(A))):
         inversions = sum(a > b for k, a in enumerate(order) for b in order[k + 1 :])
-        term = Fraction((-1) ** inversions)
+        term = (-1) ** inversions
         for row, column in enumerate(order):
             term *= A[row][column]
         total += term
@@ -79,6 +91,9 @@ def determinant(A):
 
 
 def positive_definite(A) -> bool:
+    """By Sylvester's minors, of the matrix times its common denominator."""
+    common = lcm(*(Fraction(entry).denominator for row in A for entry in row))
+    A = [[int(entry * common) for entry in row] for row in A]
     return all(determinant([row[:k] for row in A[:k]]) > 0 for k in range(1, len(A) + 1))
 
 
