@@ -99,14 +99,14 @@ def rank_modulo(rows, modulus):
 
 @given(quaternions)
 def test_every_quadratic_vanishes_on_every_rational_rotation(q):
-    r = homogeneous(rational_rotation(q))
+    r = homogeneous(rotation_matrix(q), unit=squared_norm(q))  # the rotation, times its unit
 
     assert [quadratic_form(A, r) for A in rotation_quadratics()] == [0] * 21
 
 
 @given(quaternions)
 def test_the_quadratics_of_handedness_and_no_others_refuse_a_reflection(q):
-    mirrored = homogeneous([[-entry for entry in row] for row in rational_rotation(q)])
+    mirrored = homogeneous([[-e for e in row] for row in rotation_matrix(q)], unit=squared_norm(q))
     values = [quadratic_form(A, mirrored) for A in rotation_quadratics()]
 
     assert values[:12] == [0] * 12
@@ -115,13 +115,14 @@ def test_the_quadratics_of_handedness_and_no_others_refuse_a_reflection(q):
 
 @given(quaternions, matrices)
 def test_columns_and_rows_refuse_what_is_not_orthogonal(q, error):
+    unit = squared_norm(q)  # the common denominator: all are homogeneous
     R = [
-        [a + b for a, b in zip(*rows, strict=True)]
-        for rows in zip(rational_rotation(q), error, strict=True)
+        [a + unit * b for a, b in zip(*rows, strict=True)]
+        for rows in zip(rotation_matrix(q), error, strict=True)
     ]
     gram = [sum(R[k][i] * R[k][j] for k in range(3)) for i in range(3) for j in range(3)]
-    orthogonal = gram == [1, 0, 0, 0, 1, 0, 0, 0, 1]
-    values = [quadratic_form(A, homogeneous(R)) for A in rotation_quadratics()]
+    orthogonal = gram == [unit**2 * entry for entry in (1, 0, 0, 0, 1, 0, 0, 0, 1)]
+    values = [quadratic_form(A, homogeneous(R, unit=unit)) for A in rotation_quadratics()]
 
     assert orthogonal == (not any(values[:6])) == (not any(values[6:12]))
 
