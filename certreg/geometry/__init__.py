@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from certreg.geometry.so3 import dot as dot
     from certreg.geometry.so3 import quadratic_form as quadratic_form
     from certreg.geometry.so3 import quaternion_from_matrix as quaternion_from_matrix
+    from certreg.geometry.so3 import quaternions_from_matrices as quaternions_from_matrices
     from certreg.geometry.so3 import rotation_matrix as rotation_matrix
     from certreg.geometry.so3 import squared_norm as squared_norm
 
@@ -50,6 +51,7 @@ __getattr__ = lazy_face(
             "dot",
             "quadratic_form",
             "quaternion_from_matrix",
+            "quaternions_from_matrices",
             "rotation_matrix",
             "squared_norm",
         ),

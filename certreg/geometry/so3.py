@@ -110,6 +110,15 @@ def quaternion_from_matrix(rotation: NDArray[np.float64]) -> NDArray[np.float64]
     return canonical(np.linalg.eigh(np.array(davenport_matrix(rotation.tolist())))[1][:, -1])
 
 
+def quaternions_from_matrices(rotations: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The quaternions (n, 4) of rotation matrices (n, 3, 3), to the bit as one at a time."""
+    entries: Any = np.moveaxis(rotations, 0, -1)
+    forms: NDArray[np.float64] = np.array(davenport_matrix(entries))  # (4, 4, n)
+    q: NDArray[np.float64] = np.linalg.eigh(np.moveaxis(forms, -1, 0))[1][:, :, -1]
+    first = np.take_along_axis(q, (q != 0.0).argmax(axis=1)[:, None], axis=1)
+    return np.where(first > 0.0, q, -q)
+
+
 def angle_between(p: NDArray[np.float64], q: NDArray[np.float64]) -> float:
     """The angle in radians, 0 to pi, of the rotation that takes R(p) to R(q), for unit p and q.
 

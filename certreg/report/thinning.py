@@ -14,7 +14,7 @@ import numpy as np
 
 from certreg.dynamics import SimulationSettings, simulate, state_at_rest
 from certreg.errors import DegenerateProblemError
-from certreg.geometry import quaternion_from_matrix, rotation_matrix
+from certreg.geometry import quaternions_from_matrices, rotation_matrix
 from certreg.native import MATRIX_STATE, named
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def thinned(trajectory: Trajectory, start: int | None = None) -> Run:
     return Run(
         start=start,
         times=times[rows],
-        quaternions=np.array([quaternion_from_matrix(R) for R in states["R"]]),
+        quaternions=quaternions_from_matrices(states["R"]),
         offsets=states["c"],
         potential=trajectory.potential[rows],
         kinetic=trajectory.kinetic[rows],
