@@ -21,8 +21,9 @@ import pytest
 from commands import certreg, checked, write_csv
 from hypothesis import given
 from hypothesis import strategies as st
-from strategies import ZOO
+from strategies import ZOO, random_rotation
 
+from certreg.geometry import quaternion_from_matrix, quaternions_from_matrices
 from certreg.problem.problem import DEFAULT_DAMPING, RegistrationProblem
 from certreg.registration.certification import certified, certify
 from certreg.registration.examples import STORIES, stated, tell
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     from certreg.registration.certification import Registration
 
 ROOT = Path(__file__).parents[2]
+DATA = Path(__file__).parents[2] / "certreg" / "data"
 SURVEY = ("survey_source.csv", "survey_target.csv")
 
 
@@ -85,13 +87,26 @@ def survey() -> Registration:
     return tell(STORIES[0])
 
 
-@pytest.fixture
-def folder(data: Path, tmp_path: Path) -> Path:
-    run = certreg(
-        "certify", *(data / name for name in SURVEY), "--out", tmp_path, "--no-relaxation"
-    )
+@pytest.fixture(scope="module")
+def written(tmp_path_factory) -> Path:
+    out = tmp_path_factory.mktemp("survey")
+    run = certreg("certify", *(DATA / name for name in SURVEY), "--out", out, "--no-relaxation")
     assert run.code == 0
-    return tmp_path
+    return out
+
+
+@pytest.fixture
+def folder(written: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(written, tmp_path, dirs_exist_ok=True))
+
+
+def test_the_quaternions_of_many_frames_are_those_of_one_at_a_time():
+    rng = np.random.default_rng(5)
+    half_turns = [np.diag(signs) for signs in ([1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1])]
+    rotations = np.array([*half_turns, *(random_rotation(rng) for _ in range(200))])
+    single = np.array([quaternion_from_matrix(R) for R in rotations])
+
+    assert quaternions_from_matrices(rotations).tobytes() == single.tobytes()
 
 
 @given(st.text(), st.text())
