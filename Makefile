@@ -18,6 +18,10 @@ UV_PYTHON_OPTION = $(if $(filter environment command,$(origin PYTHON)),--python 
 # The locks speak of the standard index only, whatever this machine is set up to use.
 NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_EXTRA_INDEX_URL -u UV_FIND_LINKS
 
+# Where this is set (images for containers do), every process compiles all libraries anew: a second or
+# two each, of which the tests, the pages and the examples start dozens.
+unexport PYTHONDONTWRITEBYTECODE
+
 .DELETE_ON_ERROR:
 .PHONY: help demo docs test chromium test-browser test-huge test-oracles golden proofs fuzz compare-checkers kills generate report-asset check-report-asset lint bench peers lock clean
 
