@@ -1,6 +1,6 @@
 """The trusted checker of certreg: one file, standard library only, exact integer arithmetic.
 
-    python3 -I -S verify.py certificate.json
+    python3 -I -S verify.py [--max-angle RAD] [--max-gap SHARE] certificate.json
 
 prints each theorem that it established about the data, then VERIFIED or REFUSED and the reason
 (exit code 0 or 1; 2: unreadable file, wrong usage). It recomputes everything from the points: what
@@ -19,32 +19,46 @@ import hashlib
 import json
 import struct
 import sys
-from abc import ABC, abstractmethod
 from array import array
-from dataclasses import dataclass
-from decimal import ROUND_CEILING, Context, Decimal
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import Field, dataclass, fields
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
+from getopt import GetoptError, gnu_getopt
 from itertools import accumulate, chain
 from math import frexp, gcd, isfinite, isqrt, lcm
-from operator import mul
+from operator import add, mul
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
-
-if TYPE_CHECKING:
-    from collections.abc import Container, Iterator, Sequence
+from typing import Any, ClassVar, Protocol
 
 Matrix = list[list[int]]
-Part = dict[str, Any]  # a JSON object
+Limits = Mapping[str, Fraction]
+TYPES = {"int": int, "bool": bool, "str": str}  # of an entry; else of how many integers it is:
+LENGTHS = {"Fraction": (2,), "tuple[int, int, int, int]": (4,), "tuple[int, ...]": range(5)}
 FORMAT = "certreg-certificate/1"
 INLINE_MAX, FILE_MAX = 10**6, 10**8  # points in a certificate, 75 MB in base64; its bytes
 NODES_MAX = 50_000  # commas and brackets; each costs less than 600 bytes of memory: < 30 MB
 DIGITS_MAX, EXPONENT_MAX = 4300, 32768  # of an integer, as Python's own limit; of a dyadic
-BLOCK = 8192  # points lifted at a time: bounds the memory
-UNIT = 3 * (1073 + 53)  # each double is an integer times 2^-1126, a product of three 2^-UNIT
+LIMITS = {"max-angle": "angle", "max-gap": "share"}  # options, and what of Worth they limit
+BLOCK = 8192  # points split at a time: bounds the memory
 
 
 class RefusalError(Exception):
     """The certificate does not prove what it claims; the message says what is wrong."""
+
+
+@dataclass(frozen=True)
+class Worth:
+    """What is proved of a pose, in numbers: exact, or bounds to about twenty digits."""
+
+    weight: Fraction  # the sum of all
+    objective: Fraction  # at R
+    minimum: Fraction  # the global one is at least this
+    gap: Fraction  # the objective at R exceeds it by less
+    length: Fraction  # > sqrt(gap / weight)
+    share: Fraction  # the gap is less of the range of the objective; 0 where that is 0
+    angle: Fraction | None  # in radians, < pi: from R to any optimum it is less; None: unbounded
 
 
 @dataclass(frozen=True)
@@ -54,6 +68,7 @@ class Outcome:
     verified: bool
     theorems: tuple[str, ...]
     reason: str
+    worth: Worth | None = None  # of the pose, if the certificate is about one and is verified
 
 
 @dataclass(frozen=True)
@@ -62,42 +77,26 @@ class Clouds:
 
     source: tuple[float, ...] | array[float]
     target: tuple[float, ...] | array[float]
-    weights: array[float] | None = None  # None: all equal, those of the certificate if it has any
+    weights: array[float] | None = None  # None: all are 1
+    any_weight: bool = False  # without weights: all are equal, as in the certificate
 
 
-@dataclass(frozen=True)
-class Statement(ABC):
-    """A well-formed certificate, of checked types and sizes; each kind adds its claims.
+class Statement(Protocol):
+    """A well-formed certificate: each kind is a dataclass of entries, read by names and types.
 
-    about: never read. n, digest, data: the number of points, what binds them, perhaps themselves.
+    n, digest, data: the number of points, what binds them, perhaps themselves. `about`: never read.
     """
 
     kind: ClassVar[str]
-    keys: ClassVar[dict[str, str]]  # as `parts_of` takes them
+    keys: ClassVar[dict[str, str]]  # as `entries_of` takes them
     prefix: ClassVar[bytes] = b"certreg-problem/1\0"  # of what the digest is taken of
-
-    about: Part
     n: int
     digest: str
     data: str | None
 
-    @classmethod
-    @abstractmethod
-    def parse(cls, parts: dict[str, Part]) -> Statement:
-        """The certificate with these parts, of the right keys; RefusalError for a wrong type."""
-
-    @abstractmethod
-    def prove(self, sums: PointSums) -> tuple[str, ...]:
-        """Theorems about points with these sums; RefusalError if a claim does not follow."""
-
-
-@dataclass(frozen=True)
-class PointSums:
-    """Recomputed of the points: the table m and e of `moments`; whether all weights are equal."""
-
-    m: Matrix
-    e: int
-    equal: bool
+    def prove(self, m: Matrix, e: int, *, equal: bool) -> Outcome:
+        """Theorems about points with these `moments`; RefusalError if a claim does not follow."""
+        ...
 
 
 def require(condition: object, reason: str) -> None:
@@ -106,19 +105,26 @@ def require(condition: object, reason: str) -> None:
         raise RefusalError(reason)
 
 
-def check(certificate: bytes, clouds: Clouds | None = None) -> Outcome:
-    """Theorems that the certificate proves of its points, or why it is refused; never raises.
-
-    A claim weaker than what is proved passes, a stronger one does not.
-    """
+def check(certificate: bytes, clouds: Clouds | None = None, limits: Limits = {}) -> Outcome:  # noqa: B006
+    """Theorems that the certificate proves of its points, or why it is refused; never raises."""
     try:
         stated = parse(certificate)
         del certificate  # as large as the points
         doubles = bound_doubles(stated, clouds)
-        sums = PointSums(*moments(doubles, stated.n), equally_weighted(doubles, stated.n))
-        return Outcome(verified=True, theorems=stated.prove(sums), reason="")
+        equal = equally_weighted(doubles, stated.n)
+        return within(stated.prove(*moments(doubles, stated.n), equal=equal), limits)
     except (RefusalError, MemoryError) as error:
         return Outcome(verified=False, theorems=(), reason=str(error) or "not enough memory")
+
+
+def within(outcome: Outcome, limits: Limits) -> Outcome:
+    """The outcome; RefusalError where its worth has no such bound, or one above the limit."""
+    for name, limit in limits.items():
+        bound = getattr(outcome.worth, name, None)
+        proved = "no bound is" if bound is None else f"{rounded(bound, 3):.2e} is"
+        good = bound is not None and bound <= limit
+        require(good, f"the {name} must be proved to be at most {float(limit):g}, and {proved}")
+    return outcome
 
 
 def parse(text: bytes) -> Statement:
@@ -130,61 +136,45 @@ def parse(text: bytes) -> Statement:
         document = json.loads(text.decode(), object_pairs_hook=_unique, **hooks)
     except (ValueError, RecursionError) as error:
         raise RefusalError("the certificate is not JSON in UTF-8 of a sane depth") from error
-    kind = document["kind"] if _is(dict, document) and _is(str, document.get("kind")) else ""
-    form = KINDS.get(kind, IsotropicStatement)
-    parts = parts_of(document, form.keys)
-    known = _is(dict, document["about"]) and kind in KINDS
+    kind = document.get("kind") if document.__class__ is dict else None
+    form: Any = next((form for form in KINDS.values() if form.kind == kind), IsotropicStatement)
+    entries = entries_of(document, form.keys)
+    known = document["about"].__class__ is dict and form.kind == kind
     require(known and document["format"] == FORMAT, f"not a {FORMAT} of a known kind")
-    return form.parse(parts)
+    return form(**{f.name: entry(f, entries.get(f.name)) for f in fields(form)})
 
 
-def parts_of(document: Any, keys: dict[str, str]) -> dict[str, Part]:
-    """The document, under "", and the objects within by name, each with exactly the keys stated.
+def entries_of(document: Any, keys: dict[str, str]) -> dict[str, Any]:
+    """All entries by name. The document, under "", and objects in it have exactly the keys stated.
 
-    A key that ends in ? may be missing. An object whose name does may be null: all entries are.
+    A key that ends in ? may be missing. An object whose name does may be null: its entries are.
     """
-    parts: dict[str, Part] = {}
+    entries: dict[str, Any] = {}
     for place, words in keys.items():
         name, known = place.rstrip("?"), words.replace("?", "").split()
         absent = name != place and document[name] is None
         part: Any = dict.fromkeys(known) if absent else document[name] if name else document
         needed = {key for key in words.split() if not key.endswith("?")}
-        good = _is(dict, part) and needed <= set(part) <= set(known)
+        good = part.__class__ is dict and needed <= set(part) <= set(known)
         require(good, f"{name or 'the certificate'} must have exactly the keys {words}")
-        parts[name] = part
-    return parts
+        entries.update(part)
+    return entries
 
 
-def entry(kind: type, part: Part, name: str, *, null: bool = False) -> Any:
-    """An entry of this type; None where it may be and is null or missing. Else RefusalError."""
-    value = part.get(name)
-    require(_is(kind, value) or (null and value is None), f"{name} is of a wrong type")
-    return value
-
-
-def integers(part: Part, name: str, lengths: Container[int] = (4,), *, null: bool = False) -> Any:
-    """An entry that is a list of integers, of one of these lengths, as a tuple."""
-    found = entry(list, part, name, null=null)
-    if found is None:
-        return None
-    good = len(found) in lengths and all(_is(int, each) for each in found)
+def entry(wanted: Field[Any], value: Any) -> Any:
+    """The value of an entry, of the type that its field in a kind has; None where it may be."""
+    name, (kind, _, null) = wanted.name, str(wanted.type).partition(" | ")
+    if value.__class__ is TYPES.get(kind) or (null and value is None):
+        return value
+    require(kind in LENGTHS and value.__class__ is list, f"{name} is of a wrong type")
+    good = len(value) in LENGTHS[kind] and all(each.__class__ is int for each in value)
     require(good, f"{name} is not a list of integers of the right length")
-    return tuple(found)
-
-
-def dyadic(part: Part, name: str, *, null: bool = False) -> Any:
-    """An entry [m, e], which means the Fraction m 2^e."""
-    found = integers(part, name, (2,), null=null)
-    return None if found is None else found[0] * _power(found[1])
+    return value[0] * _power(value[1]) if kind == "Fraction" else tuple(value)
 
 
 def _power(exponent: int) -> Fraction:
     require(abs(exponent) <= EXPONENT_MAX, "an exponent is too large")
     return Fraction(2) ** exponent
-
-
-def _is(kind: type, value: object) -> bool:
-    return type(value) is kind  # not isinstance: a bool is no int here
 
 
 def _unique(pairs: list[tuple[str, object]]) -> dict[str, object]:
@@ -226,8 +216,12 @@ def bound_doubles(certificate: Statement, clouds: Clouds | None) -> memoryview:
         given = head + numbers.tobytes()
         content = content or given + struct.pack("<d", 1.0) * ((size - len(given)) // 8)
         require(content.startswith(given), "the certificate is about other points or weights")
-    known = clouds is None or clouds.weights is not None or equally_weighted(content, n)
-    require(known, "the certificate weights its points unequally: give the weights, too")
+    if clouds and clouds.weights is None:
+        equal, (w,) = equally_weighted(content, n), struct.unpack("<d", content[-8:])
+        require(equal, "the certificate weights its points unequally: give the weights, too")
+        sigma = float(f"{w**-0.5:.6g}") if 1e-300 < w < 1e300 else 1.0
+        option = f"--sigma {sigma}" if float(1 / Fraction(sigma) ** 2) == w else "--any-weight"
+        require(clouds.any_weight or w == 1, f"the certified weight is {w!r}, not 1: give {option}")
     digest = hashlib.sha256(content).hexdigest()
     require(digest == certificate.digest, "the digest is not theirs")
     return memoryview(content)[len(head) :]
@@ -239,37 +233,35 @@ def equally_weighted(doubles: bytes | memoryview, n: int) -> bool:
 
 
 def moments(doubles: bytes | memoryview, n: int) -> tuple[Matrix, int]:
-    """4x7 table m and e: sum w a_i a_j = m[i][j] 2^e for i <= j; a = (1, x1, x2, x3, y1, y2, y3).
+    """7x7 table m and e: sum w a_i a_j = m[i][j] 2^e for i <= j; a = (1, x1, x2, x3, y1, y2, y3).
 
-    Exact: the doubles of a block are integers times one power of two, at least 2^-1126.
+    Exact: doubles are integers times powers of two, and products with the same power are added up.
     """
-    table = [[0] * 7 for _ in range(4)]
+    sums = [[defaultdict[int, int](int) for _ in range(7)] for _ in range(7)]
     for start in range(0, n, BLOCK):
         count = min(BLOCK, n - start)
-        x, e = _lifted(doubles, 3 * start, 3 * count)
-        y, f = _lifted(doubles, 3 * (n + start), 3 * count)
-        w, g = _lifted(doubles, 6 * n + start, count)
+        x, y = (_split(doubles, first, 3 * count) for first in (3 * start, 3 * (n + start)))
+        w, g = _split(doubles, 6 * n + start, count)
         require(min(w) >= 0, "a weight is negative")
-        a = [[1] * count, *(k[i::3] for k in (x, y) for i in range(3))]
-        places = [0, e, e, e, f, f, f]
-        for i, left in enumerate(a[:4]):
-            weighted = list(map(mul, w, left))
+        a = [([1] * count, [0] * count), *((k[i::3], e[i::3]) for k, e in (x, y) for i in range(3))]
+        for i, (left, e) in enumerate(a):
+            weighted, exponents = list(map(mul, w, left)), list(map(add, g, e))
             for j in range(i, 7):
-                table[i][j] += sum(map(mul, weighted, a[j])) << UNIT + g + places[i] + places[j]
-    common = gcd(*chain(*table)) or 1
-    shift = (common & -common).bit_length() - 1
-    return [[entry >> shift for entry in row] for row in table], shift - UNIT
+                terms = map(mul, weighted, a[j][0]), map(add, exponents, a[j][1])
+                for term, exponent in zip(*terms):  # noqa: B905 (3.9)
+                    sums[i][j][exponent] += term
+    least = min(chain(*chain(*sums)))
+    return [[sum(k << e - least for e, k in sum_.items()) for sum_ in row] for row in sums], least
 
 
-def _lifted(doubles: bytes | memoryview, first: int, count: int) -> tuple[list[int], int]:
-    """Integers k and one exponent e such that the doubles are k 2^e."""
+def _split(doubles: bytes | memoryview, first: int, count: int) -> tuple[list[int], list[int]]:
+    """Integers k and e such that the doubles are k 2^e."""
     values = struct.unpack_from(f"<{count}d", doubles, 8 * first)
     require(all(map(isfinite, values)), "the data hold a number that is not finite")
     bits = struct.unpack_from(f"<{count}Q", doubles, 8 * first)
     require(1 << 63 not in bits, "the data hold -0.0, which is not canonical")
     split = [frexp(value) for value in values]  # value = k 2^e, k 2^53 an integer
-    low = min((e for k, e in split if k), default=0)
-    return [int(k * 2**53) << (e - low) if k else 0 for k, e in split], low - 53
+    return [int(k * 2**53) for k, _ in split], [e - 53 for _, e in split]
 
 
 def cross(m: Matrix) -> Matrix:
@@ -314,10 +306,15 @@ def _form(A: Matrix, v: Sequence[int]) -> int:  # v^T A v
     return sum(entry * sum(map(mul, row, v)) for entry, row in zip(v, A))  # noqa: B905 (3.9)
 
 
-def rounded_up(value: Fraction, digits: int) -> Decimal:
-    """Least decimal number of so many digits that is at least the value > 0."""
-    context = Context(prec=digits, rounding=ROUND_CEILING)
-    return context.divide(Decimal(value.numerator), Decimal(value.denominator))
+def rounded(value: Fraction, digits: int, rounding: str = ROUND_CEILING) -> Decimal:
+    """Least decimal number of so many digits that is at least the value >= 0; or the greatest."""
+    return Context(prec=digits, rounding=rounding).divide(*map(Decimal, value.as_integer_ratio()))
+
+
+def root_up(value: Fraction) -> Fraction:
+    """An upper bound of the root of a value >= 0, to about twenty digits."""
+    context = Context(prec=20)  # whose root is rounded to nearest
+    return Fraction(context.next_plus(context.sqrt(rounded(value, 20))))
 
 
 def shown(text: object) -> str:
@@ -327,14 +324,17 @@ def shown(text: object) -> str:
 
 def main(argv: list[str]) -> int:
     """Exit code: 0 verified, 1 refused, 2 unreadable file or wrong usage."""
-    if len(argv) != 1 or argv[0].startswith("-"):
-        sys.stderr.write("usage: verify.py CERTIFICATE (a JSON file that holds its points)\n")
+    try:
+        options, (path,) = gnu_getopt(argv, "", [f"{name}=" for name in LIMITS])
+        limits = {LIMITS[name[2:]]: Fraction(repr(float(text))) for name, text in options}
+    except (GetoptError, ValueError):
+        sys.stderr.write("usage: verify.py [--max-angle RAD] [--max-gap SHARE] CERTIFICATE\n")
         return 0 if argv == ["--help"] else 2
     try:
-        with Path(argv[0]).open("rb") as file:
-            outcome = check(file.read(FILE_MAX + 1))
+        with Path(path).open("rb") as file:
+            outcome = check(file.read(FILE_MAX + 1), limits=limits)
     except (OSError, ValueError) as error:
-        sys.stderr.write(f"{shown(argv[0])}: {shown(error)}: give a readable file\n")
+        sys.stderr.write(f"{shown(path)}: {shown(error)}: give a readable file\n")
         return 2
     verdict = "VERIFIED" if outcome.verified else f"REFUSED: {outcome.reason}"
     print(*outcome.theorems, verdict, sep="\n")
@@ -362,52 +362,30 @@ class IsotropicStatement(Statement):
         "problem": "data digest n",
     }
 
-    pose: tuple[int, int, int, int]  # a quaternion of any length; R is its rotation
-    delta: Fraction
-    mu: Fraction
-    gap: Fraction
-    sin2_half_angle: Fraction | None
+    n: int
     unique: bool
+    basin: bool | None  # whether a body in the following state ends at the optimum
+    data: str | None
+    digest: str
+    angular_velocity: tuple[int, int, int, int] | None  # three integers, the exponent of their unit
+    pose: tuple[int, int, int, int]  # a quaternion of any length; R is its rotation
+    quaternion: tuple[int, int, int, int] | None
     pattern: tuple[int, ...]
     unstable: tuple[int, ...] | None
+    delta: Fraction
+    gap: Fraction
+    mu: Fraction
     nu: Fraction | None
     sdp_gap: Fraction | None
-    basin: bool | None  # whether a body in the following state ends at the optimum
-    quaternion: tuple[int, int, int, int] | None
-    angular_velocity: tuple[int, int, int, int] | None  # three integers, the exponent of their unit
+    sin2_half_angle: Fraction | None
 
-    @classmethod
-    def parse(cls, parts: dict[str, Part]) -> IsotropicStatement:
-        """Of several wrong types the first in this order is told."""
-        whole, problem, claims = parts[""], parts["problem"], parts["claims"]
-        optimality, state = parts["optimality"], parts["basin"]
-        return cls(
-            about=whole["about"],
-            n=entry(int, problem, "n"),
-            unique=entry(bool, claims, "unique"),
-            basin=entry(bool, claims, "basin", null=True),
-            data=entry(str, problem, "data", null=True),
-            digest=entry(str, problem, "digest"),
-            angular_velocity=integers(state, "angular_velocity", null=True),
-            pose=integers(whole, "pose"),
-            quaternion=integers(state, "quaternion", null=True),
-            pattern=integers(claims, "pattern", range(5)),
-            unstable=integers(claims, "unstable", range(5), null=True),
-            delta=dyadic(optimality, "delta"),
-            gap=dyadic(claims, "gap"),
-            mu=dyadic(optimality, "mu"),
-            nu=dyadic(parts["sdp"], "nu", null=True),
-            sdp_gap=dyadic(claims, "sdp_gap", null=True),
-            sin2_half_angle=dyadic(claims, "sin2_half_angle", null=True),
-        )
-
-    def prove(self, sums: PointSums) -> tuple[str, ...]:
+    def prove(self, m: Matrix, e: int, *, equal: bool) -> Outcome:
         """All claims, by the functions below; what these prove stands in their docstrings."""
         good = self.delta > 0 and self.mu >= 0 and any(self.pose)
         require(good, "delta > 0, mu >= 0 and a pose other than 0 needed")
-        mass, C, J = sums.m[0][0], cross(sums.m), inertia(sums.m)
+        mass, C, J = m[0][0], cross(m), inertia(m)
         require(mass > 0, "no weight is positive")
-        unit = Fraction(2) ** sums.e / mass  # of C, J and K
+        unit = Fraction(2) ** e / mass  # of C, J and K
         K, pattern, solid = davenport(C), multiplicities(C), positive_definite(J)
         v = Fraction(_form(K, self.pose), sum(c * c for c in self.pose)) * unit
         level = v + self.delta - self.mu
@@ -424,7 +402,25 @@ class IsotropicStatement(Statement):
             p, w = self.quaternion, self.angular_velocity
             inside = solid and p and w and proves_basin(K, J, level / unit, p, w)
             require(inside, "claims.basin is not proved of the state in basin")
-        return tuple(self._sentences(pattern, solid=solid, equal=sums.equal))
+        worth = self._worth(m, K, v, unit)
+        theorems = tuple(self._words(worth, pattern, solid=solid, equal=equal))
+        return Outcome(verified=True, theorems=theorems, reason="", worth=worth)
+
+    def _worth(self, m: Matrix, K: Matrix, v: Fraction, unit: Fraction) -> Worth:
+        """The objective is sum w (|x|^2 + |y|^2) - 2 v, x and y less their means.
+
+        Range: 2 (l1 - l4), K having eigenvalues l1 >= ... >= l4. As tr K = 0, the sum of squares
+        F^2 = sum K_ij^2 is 4 times their variance, at most (l1 - l4)^2 (Popoviciu): range >= 2 F.
+        Angle: a/2 < tan(a/2) < sqrt(s/(1 - s)) if a < pi, where sin^2(a/2) < s = delta/mu < 1.
+        """
+        delta, mu, gap = self.delta, self.mu, 2 * self.delta
+        weight, square = unit * m[0][0] ** 2, sum(k * k for k in chain(*K)) * unit**2
+        objective = unit * sum(m[0][0] * m[k][k] - m[0][k] ** 2 for k in range(1, 7)) - 2 * v
+        share = root_up(gap**2 / (4 * square)) if square else Fraction(0)
+        angle = 2 * root_up(delta / (mu - delta)) if mu > delta else None
+        angle = angle if angle and angle < Fraction("3.14159265") else None
+        least = max(objective - gap, Fraction(0))
+        return Worth(weight, objective, least, gap, root_up(gap / weight), share, angle)
 
     def _require_bounds(self) -> None:
         delta, mu, sin2 = self.delta, self.mu, self.sin2_half_angle
@@ -440,26 +436,32 @@ class IsotropicStatement(Statement):
         good = self.unstable is None or list(self.unstable) == unstable
         require(good, f"claims.unstable is wrong or unproved: proved is {unstable}")
 
-    def _sentences(self, pattern: list[int], *, solid: bool, equal: bool) -> Iterator[str]:
-        q, delta, mu = self.pose, self.delta, self.mu
+    def _words(self, w: Worth, pattern: list[int], *, solid: bool, equal: bool) -> Iterator[str]:
         yield f"Data: n = {self.n} pairs, {'' if equal else 'NOT '}all of one weight."
         yield f"SHA-256 of their doubles is {self.digest}."
-        length = isqrt(sum(c * c for c in q) << 128)
-        unit = ", ".join(f"{(c << 64) / length:.12f}" for c in q)
+        length = isqrt(sum(c * c for c in self.pose) << 128)
+        unit = ", ".join(f"{(c << 64) / length:.12f}" for c in self.pose)
         yield f"The certified rotation R is that of the quaternion ({unit}), rounded here; w first."
-        gap = f"less than {rounded_up(2 * delta, 2):.1e} (sum of weight x squared distance)"
-        yield f"The objective at R, best translation, exceeds the global minimum by {gap}."
-        if 2 * delta <= mu:  # a/2 < tan(a/2) < sqrt(s/(1 - s)) if sin^2(a/2) < s = delta/mu
-            context = Context(prec=20)
-            root = context.next_plus(context.sqrt(rounded_up(delta / (mu - delta), 20)))
-            degrees = rounded_up(
-                Fraction(root) * Fraction("114.591559027"), 2
-            )  # 360/pi = ...026...
-            yield f"Every global optimum is within {degrees:.1e} degrees of R."
-        if pattern[0] == 1:
-            yield "The global optimum is unique: every other rotation has a larger objective."
+        mass, value = (f"{rounded(x, 12):g}" for x in (w.weight, w.objective))
+        yield f"Sum of weights: {mass}; objective at R, best translation: {value}; both rounded up."
+        gap, size, share = (f"{rounded(x, 2):.1e}" for x in (w.gap, w.length, w.share))
+        told = f"less than {gap} (sum of weight x squared distance)"
+        yield f"The objective at R, best translation, exceeds the global minimum by {told}."
+        least = f"{rounded(w.minimum, 12, ROUND_FLOOR):g}"
+        yield f"So the minimum is at least {least}; sqrt(gap / sum of weights) is below {size}."
+        if w.share >= 1:
+            yield "This gap bounds nothing: the range of energies is not proved to be larger."
         else:
-            yield f"The global optimum is NOT unique: the optima form {SETS[pattern[0]]}."
+            part = f"This gap is less than {share} of the range of energies, over all rotations."
+            yield part if w.share else "The range of energies is 0: every rotation is optimal."
+        if w.angle is None:
+            yield "No angle is bounded: nothing is proved of how far R is from an optimum."
+        else:
+            degrees = rounded(w.angle * Fraction("57.295779514"), 2)  # 180/pi = ...513...
+            yield f"Every global optimum is within {degrees:.1e} degrees of R."
+        unique = "unique: every other rotation has a larger objective"
+        several = f"NOT unique: the optima form {SETS[pattern[0]]}"
+        yield f"The global optimum is {unique if pattern[0] == 1 else several}."
         sets = ", ".join(SETS[k] for k in pattern)
         counts = ", ".join(map(str, [0, *accumulate(pattern[:-1])]))
         if solid:
@@ -469,7 +471,8 @@ class IsotropicStatement(Statement):
             yield "The moving points are collinear (J is singular): the dynamics is not defined."
             yield f"The critical rotations: {sets}; directions of descent: {counts}."
         if self.sdp_gap is not None:
-            yield f"The relaxation's dual bounds that gap by {rounded_up(self.sdp_gap, 2):.1e}."
+            void = ": nothing" if self.sdp_gap * w.share >= w.gap else ""  # above the range
+            yield f"The relaxation's dual bounds that gap by {rounded(self.sdp_gap, 2):.1e}{void}."
         if self.basin:
             end = "ends at the optimum, whatever the damping > 0."
             yield f"A body moving from the state `basin` {end}"
@@ -558,25 +561,14 @@ class CountStatement(Statement):
         "proof": "chart modulus",
     }
 
+    n: int
+    data: str | None
+    digest: str
     at_most: int
-    chart: tuple[int, int, int, int]
     modulus: int
+    chart: tuple[int, int, int, int]
 
-    @classmethod
-    def parse(cls, parts: dict[str, Part]) -> CountStatement:
-        """Of several wrong types the first in this order is told."""
-        problem, proof = parts["problem"], parts["proof"]
-        return cls(
-            about=parts[""]["about"],
-            n=entry(int, problem, "n"),
-            data=entry(str, problem, "data", null=True),
-            digest=entry(str, problem, "digest"),
-            at_most=entry(int, parts["claims"], "at_most"),
-            modulus=entry(int, proof, "modulus"),
-            chart=integers(proof, "chart"),
-        )
-
-    def prove(self, sums: PointSums) -> tuple[str, ...]:
+    def prove(self, m: Matrix, e: int, *, equal: bool) -> Outcome:
         """The six torques of R(q) and the four q_i (a . q), a = chart, are quadratic forms in q.
 
         If their 10x10 coefficients are of full rank, every q_i q_j is a combination of the ten. At
@@ -585,17 +577,19 @@ class CountStatement(Statement):
         complex ones and multiplicities counted. With a . q = 0 every q_i q_j, so q, would be 0. And
         q and -q, of which one at most has a . q = 1 when scaled, are the same rotation.
         """
-        require(sums.m[0][0] > 0, "no weight is positive")
+        del e, equal  # of no matter here
+        require(m[0][0] > 0, "no weight is positive")
         require(1 < self.modulus < MODULUS_MAX, "proof.modulus is out of range")
-        independent = has_full_rank(coefficients(cross(sums.m), self.chart), self.modulus)
+        independent = has_full_rank(coefficients(cross(m), self.chart), self.modulus)
         require(independent, "proof does not show the quadratics independent")
         require(self.at_most >= 4, "claims.at_most is below the proved bound 4")
-        return (
+        theorems = (
             f"Data: n = {self.n} pairs. SHA-256 of their doubles is {self.digest}.",
             "At most four rotations are at equilibrium: at all others the springs exert a torque.",
             "Complex solutions and multiplicities are counted in.",
             "Not proved: anything under `about`, and where the points come from.",
         )
+        return Outcome(verified=True, theorems=theorems, reason="")
 
 
 def coefficients(C: Matrix, chart: Sequence[int]) -> Matrix:
@@ -656,7 +650,6 @@ def has_full_rank(rows: Matrix, modulus: int) -> bool:
 
 
 # --- end of kind: count -------------------------------------------------------------------------
-
 
 KINDS: dict[str, type[Statement]] = {k.kind: k for k in (IsotropicStatement, CountStatement)}
 

@@ -12,6 +12,7 @@ import base64
 import contextlib
 import io
 import json
+import math
 import re
 import struct
 import tempfile
@@ -19,6 +20,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
+from math import isqrt
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -506,10 +508,12 @@ def type_cases(good: Certificate) -> Iterator[Case]:
 # --- The points -----------------------------------------------------------------------------------
 
 
-def flat(source: Any, target: Any, weights: Any = None) -> SimpleNamespace:
+def flat(
+    source: Any, target: Any, weights: Any = None, *, any_weight: bool = False
+) -> SimpleNamespace:
     parts = [tuple(float(x) for x in np.ravel(cloud)) for cloud in (source, target)]
     given = None if weights is None else tuple(float(w) for w in weights)
-    return SimpleNamespace(source=parts[0], target=parts[1], weights=given)
+    return SimpleNamespace(source=parts[0], target=parts[1], weights=given, any_weight=any_weight)
 
 
 def data_cases() -> Iterator[Case]:
@@ -600,7 +604,10 @@ def cloud_cases() -> Iterator[Case]:
         without = changed(certificate, data=None)
         yield Case(f"clouds alone: {name}", outcome_of(without, clouds), lone)
     halves = oracle.produce(source, target, [0.5] * 6)
-    yield Case("clouds: weights all 1/2", outcome_of(halves, flat(source, target)), "VERIFIED")
+    any_of_them = flat(source, target, any_weight=True)
+    yield Case("clouds: any weight", outcome_of(halves, any_of_them), "VERIFIED")
+    yield Case("clouds: any weight, uneven", outcome_of(uneven, any_of_them), weight)
+    yield from weight_cases(source, target)
     yield Case("even", outcome_of(even), "VERIFIED\nData: n = 6 pairs, all of one weight")
     yield Case("uneven", outcome_of(uneven), "VERIFIED\nData: n = 6 pairs, NOT all of one weight")
     answer = "REFUSED: the certificate holds no points: give SOURCE and TARGET$"
@@ -608,6 +615,31 @@ def cloud_cases() -> Iterator[Case]:
     zero = np.array(AXES) + 0.0
     negative = np.where(zero == 0, -0.0, zero)
     yield Case("clouds with -0.0", outcome_of(axes(), flat(negative, negative)), "VERIFIED")
+
+
+def weight_cases(source: Any, target: Any) -> Iterator[Case]:
+    """Clouds without weights, beside certificates of one weight: 1 alone will do."""
+    told = "REFUSED: the certified weight is {!r}, not 1: give {}"
+    given, any_of_them = flat(source, target), flat(source, target, any_weight=True)
+    for sigma in (0.01, 0.05, 2.5, 1e-6, 123456.0, 0.123456, 3.0, 7e-100, 1e100):
+        certified = float(1 / Fraction(sigma) ** 2)
+        certificate = of_weight(certified, source, target)
+        answer = re.escape(told.format(certified, f"--sigma {sigma!r}")) + "$"
+        yield Case(f"clouds: sigma {sigma}", outcome_of(certificate, given), answer)
+    for certified in (
+        *(math.nextafter(1, 0), math.nextafter(1, 2), math.nextafter(1e4, 0), 1 / 3),
+        *(2.0**-1000, 1e-300, 1e300, 5e-324, 1.7e308, 0.0, -1.0, math.nan, math.inf),
+    ):
+        certificate = of_weight(certified, source, target)
+        answer = re.escape(told.format(certified, "--any-weight")) + "$"
+        yield Case(f"clouds: weight {certified}", outcome_of(certificate, given), answer)
+        same = outcome_of(certificate, any_of_them)
+        yield Case(f"clouds: any weight {certified}", same, "REFUSED: (?!the certified weight)")
+
+
+def of_weight(weight: float, source: Any, target: Any) -> Certificate:
+    """A certificate of these points that all have the weight, and of another pose."""
+    return oracle.with_problem(axes(), oracle.problem_bytes(source, target, [weight] * 6))
 
 
 def number_cases() -> Iterator[Case]:
@@ -856,9 +888,7 @@ def word_cases() -> Iterator[Case]:
         number = re.escape(gap)
         answer = rf"VERIFIED.*by less than {number} .*within {degrees} degrees of R"
         yield Case(f"words of {delta} {mu}", outcome_of(stated(good, delta, mu)), answer)
-    wide = stated(good, 1 + NEAR, Fraction(2))
-    answer = r"VERIFIED(?!.*degrees).*\."
-    yield Case("no angle beyond a right one", outcome_of(wide), answer)
+    yield from worth_cases(good)
     square = Case(
         "quaternion",
         outcome_of(changed(good, pose=[2**50, 3, 0, 0])),
@@ -878,6 +908,157 @@ def word_cases() -> Iterator[Case]:
     yield Case("rounded up", outcome_of(dual), r"VERIFIED.*dual bounds that gap by 1\.1e\+0\.")
 
 
+def worth_cases(good: Certificate) -> Iterator[Case]:
+    """What the certificate is worth: the octahedron's F^2 is 28^2 + 8^2 + 12^2 + 24^2 = 1568."""
+    twice = root(Fraction(4 * 1568))  # 2 F = 79.196 < 104, the range of energies
+    number = r"8\.0e\+1"
+    for name, gap, answer in (
+        ("below", twice * (1 - NEAR), r"VERIFIED.*This gap is less than 1\.0e\+0 of the range"),
+        ("above", twice * (1 + NEAR), r"VERIFIED.*This gap bounds nothing: the range of energies"),
+    ):
+        yield Case(f"a gap {name} 2 F", outcome_of(loosely(good, gap)), answer)
+        bounded = changed(good, sdp={"nu": [57, -1]}, sdp_gap=dyadic(gap))
+        end = r"\." if name == "below" else r": nothing\."
+        words = rf"VERIFIED.*The relaxation's dual bounds that gap by {number}{end}"
+        yield Case(f"a dual gap {name} 2 F", outcome_of(bounded), words)
+    void = r"VERIFIED.*less than {} .*bounds nothing.*No angle is bounded.*unique"
+    for exponent, printed in ((32768, r"2\.9e\+9864"), (8, r"5\.2e\+2")):
+        vacuous = changed(loosely(good, Fraction(1)), delta=[1, exponent], gap=[2, exponent])
+        yield Case(f"delta 2^{exponent}", outcome_of(vacuous), void.format(printed))
+    for delta, mu, bounded in (  # s/(1 - s) against (pi/2)^2 = 2.4674011
+        (Fraction(24674010), Fraction(34674010), True),
+        (Fraction(24674012), Fraction(34674012), False),
+        (Fraction(2), Fraction(2), False),
+        (Fraction(3), Fraction(2), False),
+    ):
+        scaled = stated(good, delta / 2**24, mu / 2**24)
+        angle = r"within 1\.8e\+2 degrees of R" if bounded else "No angle is bounded"
+        yield Case(f"words of {delta} {mu}", outcome_of(scaled), f"VERIFIED.*{angle}")
+    pattern, source, target = oracle.PATTERNS["antipodes"]
+    everywhere = oracle.produce(source, target, pattern=pattern)
+    yield Case("range 0", outcome_of(everywhere), r"VERIFIED.*range of energies is 0: every rot")
+    pattern, source, target = oracle.PATTERNS["mirrored"]  # a residual of 2, twice
+    mirrored = oracle.produce(source, target, pattern=pattern)
+    words = r"translation: 8; both .*the minimum is at least 7\.99999999999;"
+    yield Case("energy 8", outcome_of(mirrored), "VERIFIED.*" + words)
+    yield from tiny_weight_cases()
+    yield from number_of_worth_cases()
+    yield from limit_cases(good, everywhere)
+
+
+def loosely(certificate: Certificate, gap: Fraction) -> Certificate:
+    """With this gap, without an angle."""
+    loose = changed(certificate, mu=[0, 0], sin2_half_angle=None, gap=dyadic(gap))
+    return changed(loose, delta=dyadic(gap / 2))
+
+
+def tiny_weight_cases() -> Iterator[Case]:
+    """Weights of 2^-1000, a pose half a turn off: the gap is tiny and bounds nothing."""
+    weights = [2.0**-1000] * 6
+    tiny = oracle.with_problem(axes(), oracle.problem_bytes(AXES, AXES, weights))
+    tiny = loosely(changed(tiny, pose=[0, 0, 0, 1]), Fraction(1, 2**990))
+    words = r"Sum of weights: 5\.59[0-9]*e-301; objective at R, best translation: 9\.[0-9]*e-300;"
+    rest = r".*less than 9\.6e-299 .*the minimum is at least 0; sqrt\S* .* is below 1\.4e\+1\."
+    nothing = r".*This gap bounds nothing: .*No angle is bounded: nothing is proved"
+    yield Case("weights 2^-1000", outcome_of(tiny), "VERIFIED.*" + words + rest + nothing)
+    beside = outcome_of(tiny, flat(AXES, AXES))
+    refusal = r"REFUSED: the certified weight is 9\.33[0-9]*e-302, not 1: give --any-weight$"
+    yield Case("weights 2^-1000 beside clouds", beside, refusal)
+
+
+def number_of_worth_cases() -> Iterator[Case]:
+    """The numbers, held against sums over the points; the bounds are sharp to 18 digits."""
+    for scale in (1.0, 2.0**300):
+        source, target, weights = oracle.random_problem(seed=2, n=7, noise=0.3)
+        source = source * scale
+        certificate = oracle.produce(source, target, weights)
+        w = [Fraction(float(c)) for c in weights]
+        energy = energy_of(certificate["pose"], source, target, w)
+        K = oracle.rotation_form(oracle.exact_moments(source, target, weights)[1])
+        square = sum(entry**2 for row in K for entry in row)
+        (d, e), (m, f) = (certificate["optimality"][name] for name in ("delta", "mu"))
+        delta, mu = d * Fraction(2) ** e, m * Fraction(2) ** f
+        certificate["claims"]["gap"] = [d, e + 3]  # weaker than what is proved
+        exact = (sum(w), energy, max(energy - 2 * delta, Fraction(0)), 2 * delta)
+        squares = (2 * delta / sum(w), delta**2 / square, 4 * delta / (mu - delta))
+
+        def agrees(
+            checker: Any,
+            content: bytes = oracle.dump(certificate),
+            exact: Any = exact,
+            squares: Any = squares,
+        ) -> bool:
+            worth = checker.check(content).worth
+            found = (worth.weight, worth.objective, worth.minimum, worth.gap)
+            roots = (worth.length, worth.share, worth.angle)
+            sharp = 1 + Fraction(1, 10**18)
+            near = (b < a**2 < b * sharp for a, b in zip(roots, squares, strict=True))
+            return found == exact and all(near)
+
+        yield Case(f"worth at scale {scale}", value_of(agrees), "True$")
+
+
+def energy_of(q: list[int], source: Any, target: Any, weights: list[Fraction]) -> Fraction:
+    """The objective at R(q), best translation, summed over the points."""
+    square = sum(c * c for c in q)
+    R = [[Fraction(int(k), square) for k in row] for row in oracle_rotation(tuple(q)).tolist()]
+    pairs = list(zip(source.tolist(), target.tolist(), strict=True))
+    left = [
+        [Fraction(y[k]) - sum(R[k][j] * Fraction(x[j]) for j in range(3)) for k in range(3)]
+        for x, y in pairs
+    ]
+    mean = [sum(w * row[k] for w, row in zip(weights, left, strict=True)) for k in range(3)]
+    total = sum(weights)
+    return sum(
+        (
+            w * sum((a - b / total) ** 2 for a, b in zip(row, mean, strict=True))
+            for w, row in zip(weights, left, strict=True)
+        ),
+        Fraction(0),
+    )
+
+
+def limit_cases(good: Certificate, everywhere: Certificate) -> Iterator[Case]:
+    """Bounds asked for: delta = 2^-40, mu = 16 prove 2^-21 / sqrt(1 - 2^-44) rad, 2^-39 / 79.2."""
+    exact = stated(good, Fraction(1, 2**40), Fraction(16))
+    angle = Fraction(1, 2**21) / root(1 - Fraction(1, 2**44))
+    share = Fraction(1, 2**39) / root(Fraction(4 * 1568))
+    for name, bound, printed in (("angle", angle, r"4\.77e-7"), ("share", share, r"2\.30e-14")):
+        yield Case(f"{name}, inside", limited(exact, **{name: bound * (1 + NEAR)}), "VERIFIED")
+        answer = rf"REFUSED: the {name} must be proved to be at most \S+, and {printed} is$"
+        yield Case(f"{name}, outside", limited(exact, **{name: bound * (1 - NEAR)}), answer)
+    both = limited(exact, angle=2 * angle, share=2 * share)
+    yield Case("both limits", both, "VERIFIED")
+    for one, other in ((Fraction(2), Fraction(1, 2)), (Fraction(1, 2), Fraction(2))):
+        narrow = limited(exact, angle=one * angle, share=other * share)
+        name = "angle" if one < 1 else "share"
+        yield Case(f"{name} too large", narrow, f"REFUSED: the {name} must be proved")
+    none = "REFUSED: the {} must be proved to be at most 1, and no bound is$"
+    loose = loosely(good, Fraction(1))
+    yield Case("no angle", limited(loose, angle=Fraction(1)), none.format("angle"))
+    yield Case("a gap alone", limited(loose, share=Fraction(1)), "VERIFIED")
+    counts = counted(good, [1, 2, 4, 8], 2**61 - 1)
+    for name in ("angle", "share"):
+        yield Case(f"count: {name}", limited(counts, **{name: Fraction(1)}), none.format(name))
+    yield Case("range 0, share 0", limited(everywhere, share=Fraction(0)), "VERIFIED")
+    yield Case("range 0, angle", limited(everywhere, angle=Fraction(1)), none.format("angle"))
+
+
+def limited(certificate: Certificate, **limits: Fraction) -> Ask:
+    """The checker's outcome in words under these limits."""
+
+    def ask(checker: Any) -> str:
+        outcome = checker.check(oracle.dump(certificate), None, limits)
+        return "VERIFIED" if outcome.verified else "REFUSED: " + outcome.reason
+
+    return ask
+
+
+def root(value: Fraction) -> Fraction:
+    """Dyadic, from below, to 100 bits behind the point."""
+    return Fraction(isqrt(int(value * 2**200)), 2**100)
+
+
 def command_cases() -> Iterator[Case]:
     text = oracle.dump(axes())
     with_space = text + b" "
@@ -888,6 +1069,17 @@ def command_cases() -> Iterator[Case]:
         ("a byte more", with_space, len(text), "1 REFUSED: the certificate is too large\n$"),
     ):
         yield Case(f"command: {name}", run_on(content, limit), answer)
+    for options, answer in (
+        (["--max-gap", "1e-13"], "0 .*VERIFIED\n$"),
+        (["--max-gap=1e-13", "--max-angle=1e-5"], "0 .*VERIFIED\n$"),
+        (["--max-gap", "1e-14"], "1 REFUSED: the share must be proved to be at most 1e-14, and 2"),
+        (["--max-angle", "1e-7"], "1 REFUSED: the angle must be proved to be at most 1e-07, and"),
+        *((["--max-gap", text], "2 usage") for text in ("", "x", "nan", "inf", "1/3", "-inf")),
+        (["--max-gap"], "2 usage"),
+        (["--max", "1"], "2 usage"),
+    ):
+        yield Case(f"command {options}", run_on(text, None, [*options, "FILE"]), answer)
+    yield Case("an option behind", run_on(text, None, ["FILE", "--max-gap", "1e-14"]), "1 REFUSED")
     for arguments, answer in (
         ([], "2 usage"),
         (["--help"], "0 usage"),
@@ -909,7 +1101,7 @@ def run_on(content: bytes | None, limit: int | None, arguments: list[str] | None
     """Exit code, standard output and standard error of the command."""
 
     def ask(checker: Any) -> str:
-        kept = checker.FILE_MAX
+        kept, given = checker.FILE_MAX, ["FILE"] if arguments is None else arguments
         out, err = io.StringIO(), io.StringIO()
         with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(out):
             path = Path(folder) / "certificate.json"
@@ -917,7 +1109,8 @@ def run_on(content: bytes | None, limit: int | None, arguments: list[str] | None
             checker.FILE_MAX = kept if limit is None else limit
             try:
                 with contextlib.redirect_stderr(err):
-                    code = checker.main([str(path)] if arguments is None else arguments)
+                    named = [str(path) if each == "FILE" else each for each in given]
+                    code = checker.main(named)
             finally:
                 checker.FILE_MAX = kept
         return f"{code} {out.getvalue()}{err.getvalue()}"

@@ -16,12 +16,13 @@ from certreg.problem import (
     second_method,
     sums_by,
 )
-from certreg.verify import Outcome, PointSums, RefusalError, bound_doubles, moments, parse, require
+from certreg.verify import Outcome, RefusalError, bound_doubles, moments, parse, require, within
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from certreg.problem import RegistrationProblem
+    from certreg.verify import Limits
 
 Table = list[list[int]]
 # Where the sums of `certreg.problem` stand in the checker's table: its columns are 1, x, y.
@@ -30,15 +31,18 @@ PLACES = (
     *((0, 1 + i) for i in range(6)),
     *((1 + j, 4 + i) for i in range(3) for j in range(3)),
     *((1 + i, 1 + j) for i, j in UPPER),
+    *((4 + i, 4 + j) for i, j in UPPER),
 )
 
 
-def check_in_blocks(certificate: bytes, problem: RegistrationProblem) -> Outcome:
+def check_in_blocks(
+    certificate: bytes, problem: RegistrationProblem, limits: Limits | None = None
+) -> Outcome:
     """The checker's answer, all in its own arithmetic; half an hour for a hundred million points.
 
     The certificate must be about exactly these points and weights.
     """
-    return _checked(certificate, problem, _added_moments)
+    return _checked(certificate, problem, _added_moments, limits or {})
 
 
 def check_on_sums(certificate: bytes, problem: RegistrationProblem) -> Outcome:
@@ -46,25 +50,26 @@ def check_on_sums(certificate: bytes, problem: RegistrationProblem) -> Outcome:
 
     For certificates just made: a thousand times faster, and two methods would have to err alike.
     """
-    return _checked(certificate, problem, _table_of_sums)
+    return _checked(certificate, problem, _table_of_sums, {})
 
 
 def _checked(
     certificate: bytes,
     problem: RegistrationProblem,
     table: Callable[[RegistrationProblem], tuple[Table, int]],
+    limits: Limits,
 ) -> Outcome:
     try:
-        return Outcome(verified=True, theorems=_theorems(certificate, problem, table), reason="")
+        return within(_proved(certificate, problem, table), limits)
     except (RefusalError, MemoryError) as error:
         return Outcome(verified=False, theorems=(), reason=str(error) or "not enough memory")
 
 
-def _theorems(
+def _proved(
     certificate: bytes,
     problem: RegistrationProblem,
     table: Callable[[RegistrationProblem], tuple[Table, int]],
-) -> tuple[str, ...]:
+) -> Outcome:
     """What is proved. The digest is taken before and after: a file may be changed meanwhile."""
     stated = parse(certificate)
     same = stated.n == problem.n
@@ -73,15 +78,15 @@ def _theorems(
         bound_doubles(stated, None)
     same = problem.digest() == stated.digest
     require(same, "the certificate is about other points or weights")
-    sums = PointSums(*table(problem), problem.equally_weighted)
+    m, e = table(problem)
     same = not problem.mapped or problem.digest() == stated.digest
     require(same, "the clouds were changed while they were read")
-    return stated.prove(sums)
+    return stated.prove(m, e, equal=problem.equally_weighted)
 
 
 def _added_moments(problem: RegistrationProblem) -> tuple[Table, int]:
     """The checker's own moments, block by block."""
-    total, exponent = [[0] * 7 for _ in range(4)], 0
+    total, exponent = [[0] * 7 for _ in range(7)], 0
     for rows in row_blocks(problem.n):
         block = problem.block(rows)
         arrays = (block.source, block.target, block.weights)
@@ -102,7 +107,7 @@ def _table_of_sums(problem: RegistrationProblem) -> tuple[Table, int]:
     a, b, c = (e or 0 for e in (sums.source_exponent, sums.target_exponent, sums.weight_exponent))
     exponents = [c + x * a + y * b for x, y in FACTORS]
     least = min(exponents)
-    total = [[0] * 7 for _ in range(4)]
-    for (i, j), k, exponent in zip(PLACES, sums.integers, exponents, strict=False):
+    total = [[0] * 7 for _ in range(7)]
+    for (i, j), k, exponent in zip(PLACES, sums.integers, exponents, strict=True):
         total[i][j] = k << exponent - least
     return total, least

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import sys
 from array import array
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.certificate.envelope import certificate_bytes
-from certreg.errors import RefusedCertificateError
+from certreg.errors import InvalidProblemError, RefusedCertificateError
 from certreg.io import write_atomically
 from certreg.results import Ruling, Verdict
 from certreg.verify import INLINE_MAX, Clouds, Outcome, check
@@ -19,27 +20,58 @@ if TYPE_CHECKING:
 
     from certreg.certificate.envelope import Certificate, CertificateBody
     from certreg.problem import RegistrationProblem
+    from certreg.verify import Limits, Worth
 
 PYTHON_POINTS = 20_000  # of own certificates: the checker adds up itself (0.3 s)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class CertificateVerdict(Verdict):
+    """The checker's answer, and in `worth` the exact numbers that it proved of the pose.
+
+    None: nothing is proved, or the certificate is of a kind that names no pose.
+    """
+
+    worth: Worth | None = None
+
+
 def verify(
-    certificate: str | os.PathLike[str] | bytes, problem: RegistrationProblem | Clouds | None = None
-) -> Verdict:
+    certificate: str | os.PathLike[str] | bytes,
+    problem: RegistrationProblem | Clouds | None = None,
+    *,
+    max_angle: float | Fraction | None = None,
+    max_gap: float | Fraction | None = None,
+) -> CertificateVerdict:
     """Re-check a certificate, a path or the bytes of the file, in exact arithmetic.
 
     problem: if given, the certificate must be about exactly these points and weights; needed where
         the certificate is too large to carry its points.
-    PROVED carries the theorems; REFUTED means that the certificate does not prove its claims, which
-    is not a proof that they are false. Raises InvalidFileError if the file cannot be read, and
-    InvalidProblemError where a mapped cloud is spoilt meanwhile.
+    max_angle, max_gap: refuse where the proved bound on the angle to the optima, in radians, or on
+        the gap, as a share of the range of energies, is larger, or where there is none.
+    PROVED carries the theorems and their numbers; REFUTED means that the certificate does not prove
+    its claims, which is not a proof that they are false. Raises InvalidFileError if the file cannot
+    be read, InvalidProblemError where a limit is no number or a mapped cloud is spoilt meanwhile.
     """
     content = certificate_bytes(certificate)
+    limits = _limits(angle=max_angle, share=max_gap)
     if problem is None or isinstance(problem, Clouds) or problem.n <= INLINE_MAX:
-        return as_verdict(check(content, _bound(problem)))
+        return as_verdict(check(content, _bound(problem), limits))
     from certreg.certificate.blockwise import check_in_blocks  # loads NumPy, for large ones alone
 
-    return as_verdict(check_in_blocks(content, problem))
+    return as_verdict(check_in_blocks(content, problem, limits))
+
+
+def _limits(**limits: float | Fraction | None) -> Limits:
+    """Those that are given; a float is the decimal number that it is written as: 1e-5 is 1/10^5."""
+    found: dict[str, Fraction] = {}
+    for name, limit in limits.items():
+        if limit is not None:
+            try:
+                found[name] = limit if isinstance(limit, Fraction) else Fraction(repr(float(limit)))
+            except (TypeError, ValueError) as error:
+                message = f"the limit of the {name} is {limit!r}: give a number"
+                raise InvalidProblemError(message, array=name, value=limit) from error
+    return found
 
 
 def verify_with_coq(
@@ -68,7 +100,9 @@ def _bound(problem: RegistrationProblem | Clouds | None) -> Clouds | None:
     return problem if problem is None or isinstance(problem, Clouds) else _clouds(problem)
 
 
-def check_own(certificate: Certificate[CertificateBody], problem: RegistrationProblem) -> Verdict:
+def check_own(
+    certificate: Certificate[CertificateBody], problem: RegistrationProblem
+) -> CertificateVerdict:
     """The checker's answer on a certificate just made, from its bytes, as a stranger would.
 
     Of many points it does not add up all products again, which takes a stranger 15 seconds for a
@@ -81,12 +115,16 @@ def check_own(certificate: Certificate[CertificateBody], problem: RegistrationPr
     return as_verdict(check_on_sums(replace(certificate, data=None).to_json(), problem))
 
 
-def as_verdict(outcome: Outcome) -> Verdict:
+def as_verdict(outcome: Outcome) -> CertificateVerdict:
     """The checker's outcome, three-valued."""
-    if outcome.verified:
-        words = "every claim of the certificate is proved"
-        return Verdict(ruling=Ruling.PROVED, words=words, theorems=outcome.theorems)
-    return Verdict(ruling=Ruling.REFUTED, words=outcome.reason)
+    if not outcome.verified:
+        return CertificateVerdict(ruling=Ruling.REFUTED, words=outcome.reason)
+    return CertificateVerdict(
+        ruling=Ruling.PROVED,
+        words="every claim of the certificate is proved",
+        theorems=outcome.theorems,
+        worth=outcome.worth,
+    )
 
 
 def _clouds(problem: RegistrationProblem) -> Clouds:

@@ -13,7 +13,7 @@ import subprocess
 import sys
 from array import array
 from dataclasses import FrozenInstanceError, dataclass, replace
-from decimal import Decimal
+from decimal import ROUND_FLOOR, Decimal
 from fractions import Fraction
 from importlib import import_module
 from pathlib import Path
@@ -460,23 +460,38 @@ def test_an_optimum_that_is_not_unique_is_told_so(name, words):
 def test_bounds_are_rounded_up_to_the_next_decimal(numerator, denominator, digits):
     value = Fraction(numerator, denominator)
 
-    shown = checker.rounded_up(value, digits)
+    shown = checker.rounded(value, digits)
 
     assert value <= Fraction(shown) < value * (1 + Fraction(1, 10 ** (digits - 1)))
     assert Fraction(f"{shown:.{digits - 1}e}") == Fraction(shown)
+    below = Fraction(checker.rounded(value, digits, ROUND_FLOOR))
+    assert below <= value < below * (1 + Fraction(1, 10 ** (digits - 1)))
+
+
+@given(st.integers(0, 10**400), st.integers(1, 10**400))
+@settings(max_examples=100, deadline=None, derandomize=True)
+def test_a_root_is_rounded_up(numerator, denominator):
+    value = Fraction(numerator, denominator)
+
+    root = checker.root_up(value)
+
+    assert value < root**2 <= value * (1 + Fraction(1, 10**18)) + Fraction(1, 10**900)
 
 
 def said_of(certificate, delta, mu):
-    """The sentences with another delta and mu, as if they were proved."""
+    """The sentences with another delta and mu, as if proved; of K = diag(3, 1, -1, -3)."""
     stated = replace(checker.parse(oracle.dump(certificate)), delta=delta, mu=mu)
-    return stated._sentences([1, 1, 1, 1], solid=True, equal=True)
+    K = [[(3 - 2 * i) * (i == j) for j in range(4)] for i in range(4)]
+    m = [[4 * (i == j) for j in range(7)] for i in range(7)]
+    worth = stated._worth(m, K, Fraction(3), Fraction(1))
+    return stated._words(worth, [1, 1, 1, 1], solid=True, equal=True)
 
 
 def test_the_printed_gap_and_angle_are_upper_bounds_of_any_size(generic):
     for exponent in (-19000, -2000, -100, -20, -5, -2, -1):
         delta, mu = Fraction(2) ** exponent, Fraction(1)
         words = list(said_of(generic, delta, mu))
-        gap, angle = (next(w for w in words if key in w) for key in ("exceeds", "degrees"))
+        gap, angle = (next(w for w in words if key in w) for key in ("exceeds", "degrees of R"))
         printed = Fraction(gap.split("less than ")[1].split()[0])
         degrees = Decimal(angle.split("within ")[1].split()[0])
 
@@ -487,8 +502,13 @@ def test_the_printed_gap_and_angle_are_upper_bounds_of_any_size(generic):
         assert Fraction(degrees) ** 2 < Fraction(175, 100) * 13132 * delta * (
             2 if exponent > -5 else 1
         )
-    words = said_of(generic, Fraction(2), Fraction(3))
-    assert "degrees" not in " ".join(words)
+    for s, bounded in (
+        (Fraction(71, 100), True),
+        (Fraction(72, 100), False),
+    ):  # 2 root = 3.13, 3.21
+        words = " ".join(said_of(generic, s, Fraction(1)))
+        assert ("degrees of R" in words) == bounded
+        assert ("No angle is bounded" in words) != bounded
 
 
 # --- The seam of kinds ----------------------------------------------------------------------------
@@ -502,29 +522,19 @@ class Weighed(checker.Statement):
     keys: ClassVar = {
         "": "about claims format kind problem",
         "claims?": "mass radius?",
-        "problem": "data digest n radius?",
+        "problem": "data digest n unit?",
     }
     prefix = b"certreg-weighed/1\0"
 
+    n: int
+    digest: str
+    data: str | None
     mass: int | None
     radius: int | None
 
-    @classmethod
-    def parse(cls, parts):
-        whole, problem, claims = parts[""], parts["problem"], parts["claims"]
-        return cls(
-            about=whole["about"],
-            n=checker.entry(int, problem, "n"),
-            digest=checker.entry(str, problem, "digest"),
-            data=checker.entry(str, problem, "data", null=True),
-            mass=checker.entry(int, claims, "mass", null=True),
-            radius=checker.entry(int, claims, "radius", null=True),
-        )
-
-    def prove(self, sums):
-        mass = sums.m[0][0] * Fraction(2) ** sums.e
-        checker.require(self.mass in (None, mass), "claims.mass is wrong")
-        return (f"{self.mass} {self.radius}",)
+    def prove(self, m, e, *, equal):
+        checker.require(self.mass in (None, m[0][0] * Fraction(2) ** e), "claims.mass is wrong")
+        return checker.Outcome(equal, (f"{self.mass} {self.radius}",), "")
 
 
 def weighed(claims, prefix=Weighed.prefix, **more):
@@ -538,13 +548,13 @@ def weighed(claims, prefix=Weighed.prefix, **more):
     ("certificate", "said"),
     [
         (weighed({"mass": 6}), "6 None"),
-        (weighed({"mass": 6, "radius": 3}, radius=2), "6 3"),
+        (weighed({"mass": 6, "radius": 3}, unit=2), "6 3"),
         (weighed(None), "None None"),
         (weighed({"mass": 7}), "claims.mass is wrong"),
         (weighed({"radius": 3}), "claims must have exactly the keys mass radius?"),
         (weighed({"mass": 6, "radius?": 3}), "claims must have exactly the keys mass radius?"),
         (weighed({"mass": 6, "radius": "3"}), "radius is of a wrong type"),
-        (weighed({"mass": 6}, sdp=2), "problem must have exactly the keys data digest n radius?"),
+        (weighed({"mass": 6}, sdp=2), "problem must have exactly the keys data digest n unit?"),
         (weighed({"mass": 6}, b"certreg-problem/1\0"), "data is not canonical, or not of n points"),
     ],
 )
@@ -565,7 +575,7 @@ def test_a_certificate_is_parsed_once_and_never_changed(generic):
     before = repr(stated)
 
     doubles = checker.bound_doubles(stated, None)
-    stated.prove(checker.PointSums(*checker.moments(doubles, stated.n), False))
+    stated.prove(*checker.moments(doubles, stated.n), equal=False)
 
     assert repr(stated) == before
     with pytest.raises(FrozenInstanceError):

@@ -673,9 +673,37 @@ def test_verify_takes_the_noise_or_the_weights_that_were_certified(tmp_path: Pat
             certificate = tmp_path / "certificate.json"
             assert certreg("verify", certificate, *clouds, *right).code == 0
             assert certreg("verify", certificate, *clouds, *wrong).code == 1
-            told = certreg("verify", certificate, *clouds)  # equal weights need not be told
-            assert told.code == (0 if "--sigma" in right else 1)
-            assert "--sigma" in right or "weights its points unequally" in told.out
+            untold = certreg("verify", certificate, *clouds)
+            assert (untold.code, untold.out.count("\n")) == (1, 1)
+            one = "the certified weight is 11.111111111111112, not 1: give --sigma 0.3\n"
+            several = "the certificate weights its points unequally: give the weights, too\n"
+            assert untold.out == "REFUSED: " + (one if "--sigma" in right else several)
+            any_weight = certreg("verify", certificate, *clouds, "--any-weight")
+            assert any_weight.code == (0 if "--sigma" in right else 1)
+
+
+def test_verify_refuses_bounds_that_are_larger_than_asked(data: Path, survey: Path, tmp_path: Path):
+    certificate = survey / "certificate.json"
+    whole = certreg("verify", certificate).out
+    for option, few, many, name in (
+        ("--max-angle", "1e-30", "1e-5", "angle"),
+        ("--max-gap", "1e-60", "1e-6", "share"),
+    ):
+        for clouds in ((), SURVEY.paths(data)):
+            assert certreg("verify", certificate, *clouds, option, many).out == whole
+            refused = certreg("verify", certificate, *clouds, option, few)
+            assert refused.code == 1
+            words = (
+                rf"REFUSED: the {name} must be proved to be at most {few}, and [0-9.]+e-\d+ is\n"
+            )
+            assert re.fullmatch(words, refused.out), refused.out
+        assert certreg("verify", certificate, option, "nan").code == 2
+        assert certreg("verify", certificate, option, "1", "--coq").code == 2
+    for wrong in (("--any-weight",), (*SURVEY.paths(data), "--any-weight", "--sigma", "1")):
+        run = certreg("verify", certificate, *wrong)
+        assert (run.code, run.out) == (2, "")
+        assert "--any-weight goes with SOURCE TARGET, without --sigma" in run.err
+    assert certreg("verify", certificate, *SURVEY.paths(data), "--any-weight").out == whole
 
 
 def test_verify_refuses_what_is_no_certificate_and_misses_what_is_not_there(
