@@ -7,3 +7,11 @@ and proves it about the shipped function; `book` puts them in the order in which
 
 Run by `certreg derive`, by the tests, and by the pages of the documentation.
 """
+
+from __future__ import annotations
+
+import os
+
+# SymPy reads this when it is first imported. It keeps 1000 results of each function where it is not
+# set; claims come back to the same expressions: with 20,000 all proofs take a quarter less time.
+os.environ.setdefault("SYMPY_CACHE_SIZE", "20000")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import warnings
 from pathlib import Path
 
@@ -18,6 +19,8 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )
 settings.load_profile("certreg")
+
+os.environ.setdefault("SYMPY_CACHE_SIZE", "20000")  # as derivations/__init__.py, and before it
 
 DATA = Path(__file__).parent.parent / "certreg" / "data"
 
