@@ -38,7 +38,6 @@ from certreg.io import (
     reading,
     written_atomically,
 )
-from certreg.problem import DEFAULT_DAMPING
 from certreg.registration import (
     MISUSED,
     REFUSED,
@@ -376,18 +375,20 @@ def _problem(row: PairRow, folder: Path) -> tuple[RegistrationProblem, Pair]:
         fault = f"match is '{shown(fields['match'])}': write all or common"
     if fault is not None:
         raise row.place.refusal(fault)
-    pairs, damping = fields.get("pairs"), fields.get("damping", repr(DEFAULT_DAMPING))
+    pairs, damping = fields.get("pairs"), fields.get("damping", OPTIMAL)
     problem, pair = read_problem(
         folder / fields["source"],
         folder / fields["target"],
         sigma=number(row.place.at("sigma"), fields["sigma"]) if "sigma" in fields else None,
         weights=folder / fields["weights"] if "weights" in fields else None,
-        damping=DEFAULT_DAMPING if damping == OPTIMAL else number(row.place.at("damping"), damping),
+        damping=None if damping == OPTIMAL else number(row.place.at("damping"), damping),
         pairing=Pairing(
             pairs=None if pairs is None else folder / pairs, match=Match(fields.get("match", "all"))
         ),
     )
-    return optimally_damped(problem) if damping == OPTIMAL else problem, pair
+    return optimally_damped(
+        problem
+    ) if "damping" in fields and damping == OPTIMAL else problem, pair
 
 
 def _error(row: PairRow, error: Exception, code: int) -> dict[str, Any]:

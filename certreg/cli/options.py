@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 # Of these wings names are asked where they are needed: they load NumPy, `certreg verify` does not.
-from certreg import io, problem, registration
+from certreg import io, registration
 from certreg.errors import SlowSimulationWarning
 from certreg.report import printable
 from certreg.results import MAX_ANGLE, MAX_GAP
@@ -30,7 +30,7 @@ Exit codes: 0 done and proved
             1 refused, or two roads disagree
             2 bad usage or input
             3 certified, but the optimum is not unique
-            4 solved, but the proved bounds are too wide to call it certified, or there is none
+            4 solved, but too little is proved to call it certified; simulate: not converged
 """
 OPTIMAL = "optimal"  # the damping of the fastest decay
 PATIENCE = 1.0  # seconds before a long run says that it is at work
@@ -138,7 +138,8 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
         "--damping",
         metavar="MU",
         callback=_damping,
-        help="Viscous damping per mass, or 'optimal' for the fastest decay; default sqrt(8).",
+        help="Viscous damping per mass, or 'optimal' for the fastest decay. Default: sqrt(8), of "
+        "certify optimal.",
     )
     @functools.wraps(command)
     def wrapped(
@@ -159,7 +160,7 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
             target,
             sigma=sigma,
             weights=weights,
-            damping=damping if isinstance(damping, float) else problem.DEFAULT_DAMPING,
+            damping=damping if isinstance(damping, float) else None,
             pairing=pairing or io.BY_LABEL,
         )
         if damping == OPTIMAL:

@@ -41,6 +41,13 @@ if TYPE_CHECKING:
 @limit_options
 @click.option("--no-relaxation", is_flag=True, help="Leave the semidefinite relaxation out.")
 @click.option("--no-simulation", is_flag=True, help="Leave the simulation out.")
+@click.option(
+    "--integrator",
+    type=click.Choice(["euler", "midpoint", "splitting"]),
+    default="splitting",
+    show_default=True,
+    help="Of the simulation.",
+)
 @click.option("--out", type=FOLDER, help="Folder to write to.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def certify(
@@ -49,6 +56,7 @@ def certify(
     *,
     no_relaxation: bool,
     no_simulation: bool,
+    integrator: str,
     max_gap: float,
     max_angle: float,
     out: Path | None,
@@ -58,7 +66,7 @@ def certify(
     registration = certified(
         problem,
         relaxation=not no_relaxation,
-        simulation=not no_simulation,
+        simulation=not no_simulation and integrator,
         about={"certreg": __version__, **pair.about},
         max_gap=max_gap,
         max_angle=max_angle,

@@ -27,7 +27,6 @@ from certreg.io.ply import parse_ply, write_ply
 from certreg.io.streams import reading
 from certreg.io.text import TEXT_FORMATS, ignored_note, parse_points, read_numbers
 from certreg.problem import (
-    DEFAULT_DAMPING,
     RegistrationProblem,
     contiguous,
     first_row,
@@ -182,7 +181,7 @@ def read_problem(
     *,
     sigma: float | None = None,
     weights: str | os.PathLike[str] | None = None,
-    damping: float = DEFAULT_DAMPING,
+    damping: float | None = None,
     pairing: Pairing = BY_LABEL,
 ) -> tuple[RegistrationProblem, Pair]:
     """The problem that two cloud files state, and how they were read.

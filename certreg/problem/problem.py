@@ -42,7 +42,8 @@ class RegistrationProblem:
     sigma: standard deviation of the noise per coordinate, a scalar or (N,), > 0, same unit; the
         weight is the double nearest to 1/sigma^2.
     weights: instead of sigma, (N,) or a scalar, >= 0, not all zero.
-    damping: viscous damping per mass, mu > 0, per time unit of the virtual springs.
+    damping: viscous damping per mass, mu > 0, per time unit of the virtual springs; where none is
+        given sqrt(8), but `certify` takes the one of the fastest decay.
 
     The arrays are copied and read-only. Only those that are mapped from a file for reading
     (`numpy.load(file, mmap_mode="r")`) stay in the file, of whatever type, and are read block by
@@ -59,6 +60,7 @@ class RegistrationProblem:
     weights: NDArray[np.float64]
     damping: float
     noise_given: bool  # whether sigma was given: weights alone may be relative
+    damping_given: bool
 
     def __init__(
         self,
@@ -67,7 +69,7 @@ class RegistrationProblem:
         *,
         sigma: ArrayLike | None = None,
         weights: ArrayLike | None = None,
-        damping: float = DEFAULT_DAMPING,
+        damping: float | None = None,
     ) -> None:
         if sigma is not None and weights is not None:
             message = "both sigma and weights were given: give one (weights = 1/sigma^2)"
@@ -90,13 +92,16 @@ class RegistrationProblem:
             read_only = value.view()
             read_only.flags.writeable = False
             object.__setattr__(self, name, read_only)
-        object.__setattr__(self, "damping", checked_damping(damping))
+        chosen = DEFAULT_DAMPING if damping is None else damping
+        object.__setattr__(self, "damping", checked_damping(chosen))
+        object.__setattr__(self, "damping_given", damping is not None)
         object.__setattr__(self, "noise_given", sigma is not None)
 
     def damped(self, damping: float) -> RegistrationProblem:
         """The same problem with another damping mu > 0; raises InvalidProblemError for others."""
         other = copy.copy(self)
         object.__setattr__(other, "damping", checked_damping(damping))
+        object.__setattr__(other, "damping_given", True)
         return other
 
     @property

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from certreg.registration.assessment import assess as assess
     from certreg.registration.assessment import why_no_rotation as why_no_rotation
     from certreg.registration.c_sources import write_sources as write_sources
+    from certreg.registration.certification import CROSS_CHECK as CROSS_CHECK
     from certreg.registration.certification import NOT_ASKED as NOT_ASKED
     from certreg.registration.certification import Registration as Registration
     from certreg.registration.certification import SimulatedRegistration as SimulatedRegistration
@@ -63,6 +64,7 @@ __getattr__ = lazy_face(
         ),
         "c_sources": ("write_sources",),
         "certification": (
+            "CROSS_CHECK",
             "NOT_ASKED",
             "Registration",
             "SimulatedRegistration",

@@ -6,7 +6,7 @@ import time
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -30,6 +30,7 @@ from certreg.equilibrium import (
 )
 from certreg.errors import (
     DegenerateProblemError,
+    InvalidProblemError,
     OutOfRangeError,
 )
 from certreg.exact import (
@@ -68,16 +69,19 @@ if TYPE_CHECKING:
 
 NOT_ASKED = Absent("not asked for")
 NOT_CERTIFIED = Absent("not certified")
+CROSS_CHECK = Integrator.SPLITTING  # a few large steps, however stiff the springs
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Solution(Explained):
     """What is computed before anything is checked.
 
+    problem: as stated, with the damping that was taken.
     relaxation, trajectory: Absent says why there is none. covariance: None where the optimum is not
         unique or no double holds it.
     """
 
+    problem: RegistrationProblem
     objective: Isotropic
     equilibria: EquilibriumSet
     pose: Pose
@@ -172,7 +176,7 @@ def certify(
     problem: RegistrationProblem,
     *,
     relaxation: bool = True,
-    simulation: bool | SimulationSettings = True,
+    simulation: bool | str | SimulationSettings = True,
     about: dict[str, Any] | None = None,
     max_gap: float = MAX_GAP,
     max_angle: float = MAX_ANGLE,
@@ -180,7 +184,8 @@ def certify(
     """Register, enumerate all equilibria, cross-check, certify, and run the checker.
 
     relaxation, simulation: whether to take these two methods, too; all else is the same. Instead of
-        True, settings of the simulation.
+        True, settings of the simulation, or the name of its integrator. Where the problem names no
+        damping, that of the fastest decay is taken.
     about: what else the certificate is to hold, unproved, besides damping and integrator.
     max_gap, max_angle: what must be proved of the pose to call it certified, see `Limits`.
     Raises ContradictionError or RefusedCertificateError where certreg contradicts itself, and
@@ -189,11 +194,15 @@ def certify(
     return certified(
         problem,
         relaxation=relaxation,
-        integrator="euler" if simulation else None,
-        settings=None if isinstance(simulation, bool) else simulation,
+        integrator=_integrator(simulation) if simulation else None,
+        settings=simulation if isinstance(simulation, SimulationSettings) else None,
         about=about,
         limits=Limits(max_gap=max_gap, max_angle=max_angle),
     )
+
+
+def _integrator(simulation: str | SimulationSettings | Literal[True]) -> str:
+    return Integrator(simulation).value if isinstance(simulation, str) else CROSS_CHECK.value
 
 
 def certified(
@@ -219,7 +228,7 @@ def certified(
         require_accepted(verdict)
         if not isinstance(solution.trajectory, Absent):
             require_sound_trajectory(solution.objective, certificate.body, solution.trajectory)
-    registration = _registration(problem, solution, verdict, timings)
+    registration = _registration(solution, verdict, timings)
     return registration if limits is None else replace(registration, limits=limits)
 
 
@@ -276,6 +285,7 @@ def solve(
 ) -> Solution:
     """Everything that is computed, nothing yet checked. integrator: None for no simulation."""
     objective = Isotropic(exact_moments(problem))
+    problem = _best_damped(problem, objective)
     relaxed = _relaxation(objective) if relaxation else NOT_ASKED
     trajectory = NOT_ASKED
     if integrator is not None:
@@ -290,6 +300,7 @@ def solve(
         about={**(about or {}), "damping": problem.damping, "integrator": integrator},
     )
     return Solution(
+        problem=problem,
         objective=objective,
         equilibria=equilibrium_set(by_eigenspaces(objective), objective, problem.damping),
         pose=_optimal_pose(objective),
@@ -303,6 +314,16 @@ def solve(
             "certificate": NOT_CERTIFIED,
         },
     )
+
+
+def _best_damped(problem: RegistrationProblem, objective: Isotropic) -> RegistrationProblem:
+    """The problem with the damping of the fastest decay, where it names none and there is one."""
+    if problem.damping_given:
+        return problem
+    try:
+        return problem.damped(optimal_damping(objective))
+    except (DegenerateProblemError, InvalidProblemError):
+        return problem
 
 
 def _relaxation(objective: Isotropic) -> Relaxation | Absent:
@@ -354,7 +375,6 @@ def _final_state(trajectory: Trajectory) -> RotationState:
 
 
 def _registration(
-    problem: RegistrationProblem,
     solution: Solution,
     verdict: Verdict | None,
     timings: dict[str, float],
@@ -363,7 +383,7 @@ def _registration(
     place = ExactPose.of_doubles(pose.quaternion_wxyz, pose.translation)
     energy = pose_energy(solution.objective, place)
     return Registration(
-        problem=problem,
+        problem=solution.problem,
         solution=solution,
         objective=nearest_double(energy),
         rmse=nearest_root(energy / moments.total_weight),

@@ -25,8 +25,8 @@ from certreg.certificate import (
 from certreg.errors import InvalidFileError, RefusedCertificateError
 from certreg.io import reading
 from certreg.native import Integrator
-from certreg.problem import DEFAULT_DAMPING, MAX_DAMPING, MIN_DAMPING, RegistrationProblem
-from certreg.registration import certified
+from certreg.problem import MAX_DAMPING, MIN_DAMPING, RegistrationProblem
+from certreg.registration import CROSS_CHECK, certified
 from certreg.report.page import Report
 from certreg.verify import FILE_MAX, shown
 
@@ -38,29 +38,31 @@ if TYPE_CHECKING:
 
 PAIR = 7 * 8  # bytes of two points and a weight; the data end with these, after a header
 WEAKER = 1e3  # times the bounds that certreg proves: the page warns of such a certificate
-DEFAULT_INTEGRATOR = Integrator.EULER.value
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Motion:
-    """How the body is simulated, and a sentence on it. integrator: None for not at all."""
+    """How the body is simulated, and a sentence on it. integrator: None for not at all.
 
-    damping: float
+    damping: None for that of the fastest decay.
+    """
+
+    damping: float | None
     integrator: str | None
     words: str
 
     @classmethod
     def of(cls, about: dict[str, Any]) -> Motion:
         """As the `about` of a certificate says; where it does not, as usual, and it is told."""
-        damping, integrator = about.get("damping"), about.get("integrator", DEFAULT_INTEGRATOR)
+        damping, integrator = about.get("damping"), about.get("integrator", "")
         known = (None, *(one.value for one in Integrator))
         usable = isinstance(damping, float) and MIN_DAMPING <= damping <= MAX_DAMPING
         if not isinstance(damping, float) or not usable or integrator not in known:
             words = (
                 "the certificate names no damping and integrator of this version: the motion is "
-                f"computed anew with the defaults, sqrt(8) and {DEFAULT_INTEGRATOR}"
+                f"computed anew with the defaults, optimal damping and {CROSS_CHECK.value}"
             )
-            return cls(damping=DEFAULT_DAMPING, integrator=DEFAULT_INTEGRATOR, words=words)
+            return cls(damping=None, integrator=CROSS_CHECK.value, words=words)
         words = (
             f"the motion is computed anew, with damping {damping:.6g} and integrator {integrator}"
         )
@@ -93,8 +95,9 @@ def report_of(
     motion = Motion.of(loaded.about)
     if noted is not None:
         noted(motion.words)
+    stated = problem or _problem(loaded)
     registration = certified(
-        (problem or _problem(loaded)).damped(motion.damping),
+        stated if motion.damping is None else stated.damped(motion.damping),
         relaxation=body.multiplier is not None,
         integrator=motion.integrator,
     )

@@ -82,6 +82,22 @@ def thinned(trajectory: Trajectory, start: int | None = None) -> Run:
     )
 
 
+def shown_motion(solution: Solution, trajectory: Trajectory) -> Run:
+    """The motion of a registration as it is shown.
+
+    A cross-check in a few large steps is shown as explicit Euler's small ones, where these end at
+    rest, too: the same body, released at the same place under the same damping.
+    """
+    if len(trajectory.times) >= FRAMES:
+        return thinned(trajectory)
+    limits = SimulationSettings(max_steps=ESCAPE_STEPS)
+    try:
+        fine = simulate(solution.objective, solution.problem.damping, settings=limits)
+    except DegenerateProblemError:
+        return thinned(trajectory)
+    return thinned(fine if fine.converged else trajectory)
+
+
 def simulated_escapes(solution: Solution, damping: float) -> list[Run]:
     """From each component that is not optimal, a run that begins a small turn off it.
 

@@ -17,7 +17,7 @@ import numpy as np
 from certreg.exact import nearest_double
 from certreg.report.markup import Markup, element, printable
 from certreg.report.summary import margin_words, number
-from certreg.report.thinning import simulated_escapes, thinned
+from certreg.report.thinning import shown_motion, simulated_escapes
 from certreg.report.words import component_name, component_words, factor_words
 from certreg.results import Absent
 
@@ -171,7 +171,8 @@ def scene_document(registration: Registration, names: Names) -> dict[str, Any]:
     """What the script of the page reads beside the certificate."""
     problem, solution = registration.problem, registration.solution
     equilibria = registration.equilibria
-    runs = [] if isinstance(solution.trajectory, Absent) else [thinned(solution.trajectory)]
+    trajectory = solution.trajectory
+    runs = [] if isinstance(trajectory, Absent) else [shown_motion(solution, trajectory)]
     runs += simulated_escapes(solution, problem.damping)
     exponent = runs[0].length_exponent if runs else 0
     unit = solution.moments.total_weight * (4**exponent if exponent >= 0 else 1)

@@ -365,9 +365,11 @@ def test_damping_changes_the_eigenvalues_and_nothing_else(data: Path):
 
     # s^2 + mu s + g = 0: the roots of each mode add up to -mu
     sums = [[sum(re for re, _ in spectrum) for spectrum in found] for found in eigenvalues]
-    assert sums[0] == pytest.approx([-6 * math.sqrt(8)] * 4)
+    best = documents[0]["damping"]  # 2 sqrt(least eigenvalue of G beside J): the noise is small
+    assert best == pytest.approx(math.sqrt(8), rel=0.01)
+    assert sums[0] == pytest.approx([-6 * best] * 4)
     assert sums[1] == pytest.approx([-3.0] * 4)
-    assert [document.pop("damping") for document in documents] == [math.sqrt(8), 0.5]
+    assert [document.pop("damping") for document in documents] == [best, 0.5]
     for document in documents:
         for key in ("timings_ms", "simulation", "agreement", "theorems"):
             document.pop(key)
@@ -505,11 +507,9 @@ def test_a_demo_that_comes_out_otherwise_ends_with_code_1(tmp_path: Path, monkey
 def test_equilibria_are_those_of_certify(specimen, tmp_path: Path):
     source = write_csv(tmp_path / "source.csv", specimen.source)
     target = write_csv(tmp_path / "target.csv", specimen.target)
-    run, told = (
-        certreg("equilibria", source, target, "--json"),
-        certreg("equilibria", source, target),
-    )
     whole = certreg("certify", source, target, "--json").document
+    damped = ("equilibria", source, target, "--damping", whole["damping"])
+    run, told = certreg(*damped, "--json"), certreg(*damped)
     document = run.document
 
     assert run.code == told.code == (0 if specimen.pattern[0] == 1 else 3)

@@ -50,13 +50,14 @@ def energy_by_points(registration: Registration) -> Fraction:
     """The objective at the printed pose, summed over the points in rational numbers."""
     pose, problem = registration.pose, registration.problem
     q = [Fraction(entry) for entry in pose.quaternion_wxyz.tolist()]
-    norm = sum(entry * entry for entry in q)
+    norm = sum((entry * entry for entry in q), start=Fraction(0))
     rows, shift = rotation_matrix(q), [Fraction(entry) for entry in pose.translation.tolist()]
     total = Fraction(0)
     points = zip(problem.source, problem.target, problem.weights, strict=True)
     for x, y, w in ((a.tolist(), b.tolist(), float(c)) for a, b, c in points):
         for row, t, end in zip(rows, shift, y, strict=True):
-            moved = sum(a * Fraction(b) for a, b in zip(row, x, strict=True)) / norm + t
+            turned = sum((a * Fraction(b) for a, b in zip(row, x, strict=True)), start=Fraction(0))
+            moved = turned / norm + t
             total += Fraction(w) * (Fraction(end) - moved) ** 2
     return total
 
@@ -68,8 +69,8 @@ def minimum_and_range(problem: RegistrationProblem) -> tuple[Fraction, Fraction]
         matrix = mpmath.matrix([[mpmath.mpf(e) for e in row] for row in objective.davenport])
         values = sorted(mpmath.eigsy(matrix, eigvals_only=True))
         top, bottom = (Fraction(*to_rational(v._mpf_)) for v in (values[3], values[0]))
-    unit = objective.moments.cross_unit
-    return objective.moments.spread - 2 * top * unit, 2 * (top - bottom) * unit
+    unit, spread = objective.moments.cross_unit, objective.moments.spread
+    return spread - 2 * top * unit, 2 * (top - bottom) * unit
 
 
 ATTACKS = [

@@ -24,7 +24,7 @@ from hypothesis import strategies as st
 from strategies import ZOO, random_rotation
 
 from certreg.geometry import quaternion_from_matrix, quaternions_from_matrices
-from certreg.problem.problem import DEFAULT_DAMPING, RegistrationProblem
+from certreg.problem.problem import RegistrationProblem
 from certreg.registration.certification import certified, certify
 from certreg.registration.examples import STORIES, stated, tell
 from certreg.report.markup import Markup, asset_block, data_block, element, json_block
@@ -227,7 +227,7 @@ def test_the_report_again_is_the_same_and_says_how_the_motion_is_computed(
 ):
     pair = [data / name for name in SURVEY]
     for options, words in {
-        (): "the motion is computed anew, with damping 2.82843 and integrator euler",
+        (): "the motion is computed anew, with damping 2.82241 and integrator splitting",
         ("--damping", "1.5", "--no-relaxation"): "computed anew, with damping 1.5 and integrator",
         ("--no-simulation",): "made without a simulation: no motion is computed anew",
     }.items():
@@ -268,8 +268,8 @@ def test_a_motion_by_another_integrator_is_shown_again(tmp_path: Path):
 def test_a_certificate_that_names_no_usable_motion_gets_the_usual_one(about: dict[str, Any]):
     motion = Motion.of(about)
 
-    assert (motion.damping, motion.integrator) == (DEFAULT_DAMPING, "euler")
-    assert "computed anew with the defaults, sqrt(8) and euler" in motion.words
+    assert (motion.damping, motion.integrator) == (None, "splitting")
+    assert "computed anew with the defaults, optimal damping and splitting" in motion.words
 
 
 def test_an_old_certificate_gets_its_report(folder: Path):
