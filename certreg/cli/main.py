@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 from certreg import __version__
+from certreg.cli.memory import LOADING, LOADING_ALL, require_loadable
 from certreg.cli.options import EXIT_CODES, warnings_as_notes
 from certreg.errors import CertregError
 from certreg.registration import DONE, INTERRUPTED, MISUSED, code_of_error
@@ -72,6 +73,9 @@ COMMANDS = {
     "info": Entry("about", "Versions of what certreg runs on."),
 }
 
+LIGHT = {"verify"}  # load no numerical library
+SOLVING = {"certify", "demo", "batch", "reproduce"}  # load the solver of the relaxation, too
+
 
 class LazyGroup(click.Group):
     """A group that imports a command when it is run, not when it is listed.
@@ -92,6 +96,9 @@ class LazyGroup(click.Group):
         del ctx
         if cmd_name not in self._entries:
             return None
+        if cmd_name not in LIGHT:
+            solves = cmd_name in SOLVING and "--no-relaxation" not in sys.argv
+            require_loadable(LOADING_ALL if solves else LOADING)
         module = import_module(f"certreg.cli.{self._entries[cmd_name].module}")
         return getattr(module, cmd_name)
 
