@@ -121,9 +121,9 @@ def within(outcome: Outcome, limits: Limits) -> Outcome:
     """The outcome; RefusalError where its worth has no such bound, or one above the limit."""
     for name, limit in limits.items():
         bound = getattr(outcome.worth, name, None)
-        proved = "no bound is" if bound is None else f"{rounded(bound, 3):.2e} is"
+        proved = "none" if bound is None else f"{rounded(bound, 3):.2e}"
         good = bound is not None and bound <= limit
-        require(good, f"the {name} must be proved to be at most {float(limit):g}, and {proved}")
+        require(good, f"proved bound on the {name}: {proved}; asked for: {rounded(limit, 9):g}")
     return outcome
 
 

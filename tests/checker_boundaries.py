@@ -1025,15 +1025,15 @@ def limit_cases(good: Certificate, everywhere: Certificate) -> Iterator[Case]:
     share = Fraction(1, 2**39) / root(Fraction(4 * 1568))
     for name, bound, printed in (("angle", angle, r"4\.77e-7"), ("share", share, r"2\.30e-14")):
         yield Case(f"{name}, inside", limited(exact, **{name: bound * (1 + NEAR)}), "VERIFIED")
-        answer = rf"REFUSED: the {name} must be proved to be at most \S+, and {printed} is$"
+        answer = rf"REFUSED: proved bound on the {name}: {printed}; asked for: \S+$"
         yield Case(f"{name}, outside", limited(exact, **{name: bound * (1 - NEAR)}), answer)
     both = limited(exact, angle=2 * angle, share=2 * share)
     yield Case("both limits", both, "VERIFIED")
     for one, other in ((Fraction(2), Fraction(1, 2)), (Fraction(1, 2), Fraction(2))):
         narrow = limited(exact, angle=one * angle, share=other * share)
         name = "angle" if one < 1 else "share"
-        yield Case(f"{name} too large", narrow, f"REFUSED: the {name} must be proved")
-    none = "REFUSED: the {} must be proved to be at most 1, and no bound is$"
+        yield Case(f"{name} too large", narrow, f"REFUSED: proved bound on the {name}: ")
+    none = "REFUSED: proved bound on the {}: none; asked for: 1$"
     loose = loosely(good, Fraction(1))
     yield Case("no angle", limited(loose, angle=Fraction(1)), none.format("angle"))
     yield Case("a gap alone", limited(loose, share=Fraction(1)), "VERIFIED")
@@ -1041,6 +1041,9 @@ def limit_cases(good: Certificate, everywhere: Certificate) -> Iterator[Case]:
     for name in ("angle", "share"):
         yield Case(f"count: {name}", limited(counts, **{name: Fraction(1)}), none.format(name))
     yield Case("range 0, share 0", limited(everywhere, share=Fraction(0)), "VERIFIED")
+    yield Case("a limit that no double is", limited(good, share=Fraction(10**400)), "VERIFIED")
+    loud = r"REFUSED: proved bound on the angle: none; asked for: 1\.?0*e\+400$"
+    yield Case("a limit so large", limited(loose, angle=Fraction(10**400)), loud)
     yield Case("range 0, angle", limited(everywhere, angle=Fraction(1)), none.format("angle"))
 
 
@@ -1072,8 +1075,8 @@ def command_cases() -> Iterator[Case]:
     for options, answer in (
         (["--max-gap", "1e-13"], "0 .*VERIFIED\n$"),
         (["--max-gap=1e-13", "--max-angle=1e-5"], "0 .*VERIFIED\n$"),
-        (["--max-gap", "1e-14"], "1 REFUSED: the share must be proved to be at most 1e-14, and 2"),
-        (["--max-angle", "1e-7"], "1 REFUSED: the angle must be proved to be at most 1e-07, and"),
+        (["--max-gap", "1e-14"], "1 REFUSED: proved bound on the share: 2.*; asked for: 1e-14\n$"),
+        (["--max-angle", "1e-7"], "1 REFUSED: proved bound on the angle: .*; asked for: 1e-7\n$"),
         *((["--max-gap", text], "2 usage") for text in ("", "x", "nan", "inf", "1/3", "-inf")),
         (["--max-gap"], "2 usage"),
         (["--max", "1"], "2 usage"),
