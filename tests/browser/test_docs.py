@@ -31,9 +31,10 @@ NOWHERE = "https://nowhere.invalid"
 
 if not REQUIRED:
     pytest.importorskip("playwright")
-pytestmark = pytest.mark.skipif(
-    not REQUIRED and not CHROMIUM.exists(), reason=f"no browser at {CHROMIUM}"
-)
+pytestmark = [
+    pytest.mark.skipif(not REQUIRED and not CHROMIUM.exists(), reason=f"no browser at {CHROMIUM}"),
+    pytest.mark.slow,  # the first of them starts the browser
+]
 site = pytest.mark.skipif(not REQUIRED, reason="opens every page: make test-browser")
 
 

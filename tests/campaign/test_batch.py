@@ -76,6 +76,7 @@ def test_a_pair_of_a_batch_is_what_certify_makes_of_it(folder):
     assert entry == alone
 
 
+@pytest.mark.slow
 def test_lines_come_in_the_order_of_the_list(folder):
     rows = [f"a{k % 6}.csv,b{k % 6}.csv,p{k}" for k in range(70)]
     run = certreg("batch", listing(folder, *rows, header="source,target,name"))
@@ -266,6 +267,7 @@ CHANGES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", CHANGES)
 def test_a_pair_whose_files_have_changed_is_computed_anew_with_a_note(folder, what):
     name, content, code = CHANGES[what]

@@ -45,6 +45,7 @@ def squared_distances(problem, pose):
     return float((w * (problem.target - pose.apply(problem.source)) ** 2).sum())
 
 
+@pytest.mark.slow
 @given(strategies.problems())
 def test_every_problem_is_certified_with_the_claims_of_its_row(problem):
     registration = certified(problem)
@@ -173,6 +174,7 @@ def test_a_spurious_equilibrium_is_never_proved_optimal(index):
         assert not proves_optimality(found, q, mu, certificate.body.delta.value)
 
 
+@pytest.mark.slow
 @given(strategies.problems())
 def test_bounds_on_the_reported_pose_hold_for_its_exact_energy(problem):
     registration = certified(problem)
@@ -300,6 +302,7 @@ def test_without_a_certificate_nothing_is_called_certified(monkeypatch):
 # The envelope -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("specimen", strategies.ZOO, ids=lambda s: s.name)
 def test_a_certificate_that_is_loaded_is_the_one_that_was_saved(specimen, tmp_path):
     whole = certreg.certify(specimen.problem, about={"name": '"data": null'}).certificate

@@ -13,6 +13,7 @@ TEXT = FILE.read_text(encoding="utf-8")
 ONE_PER_CENT = compare_checkers.COUNT // 100
 
 
+@pytest.mark.slow
 def test_a_mutated_certificate_is_refused_unless_all_its_claims_are_true():
     checker = compare_checkers.loaded(TEXT, "checker_as_shipped")
     rng, certificates = random.Random(7), compare_checkers.originals()

@@ -144,6 +144,7 @@ def test_a_changed_quaternion_is_refused_unless_it_is_near_enough():
     assert refused > 200  # the others, changed in the last places, are true
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("certificate", CERTIFICATES)
 @pytest.mark.parametrize("name", ["delta", "mu"])
 def test_changed_bounds_are_refused_unless_they_are_true(certificate, name):
@@ -388,6 +389,7 @@ def test_random_bytes_are_refused(content):
     assert is_refused(content)
 
 
+@pytest.mark.slow
 @given(st.data())
 @settings(max_examples=300, deadline=None, derandomize=True)
 def test_random_edits_of_the_file_are_refused_unless_the_certificate_stays_true(data):
@@ -479,6 +481,7 @@ def test_hostile_files_are_refused_within_bounds_of_time_and_memory(tmp_path):
         assert reason != "not enough memory", name
 
 
+@pytest.mark.slow
 def test_the_checker_says_so_when_the_memory_is_too_small(tmp_path):
     path = Path(tmp_path) / "big.json"
     path.write_bytes(oracle.dump({**GENERIC, "about": {"x": "y" * 60 * 10**6}}))

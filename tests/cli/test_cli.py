@@ -590,6 +590,7 @@ def forgeries(certificate: bytes) -> dict[str, bytes]:
     return forged
 
 
+@pytest.mark.slow
 def test_the_checker_alone_accepts_the_certificate_and_refuses_a_stronger_claim(
     data: Path, survey: Path, tmp_path: Path
 ):
@@ -608,6 +609,7 @@ def test_the_checker_alone_accepts_the_certificate_and_refuses_a_stronger_claim(
         assert re.fullmatch(r"REFUSED: [^\n]+\n", refused.stdout), name
 
 
+@pytest.mark.slow
 @each_specimen
 def test_no_certificate_of_the_zoo_survives_a_stronger_claim(specimen, tmp_path: Path):
     source = write_csv(tmp_path / "source.csv", specimen.source)
@@ -884,6 +886,7 @@ def test_what_is_no_rotation_is_called_so(data: Path, tmp_path: Path):
         assert document["objective"] is None
 
 
+@pytest.mark.slow
 @each_specimen
 def test_assess_answers_every_row_of_the_classification(specimen, tmp_path: Path):
     source = write_csv(tmp_path / "source.csv", specimen.source)

@@ -62,6 +62,7 @@ def values(code: str) -> st.SearchStrategy[Any]:
 # PLY ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("code", sorted(set(files.PLY_CODES.values())))
 def test_a_ply_file_of_any_type_and_order_is_read_bit_for_bit(code: str):
     value, names = values(code), [name for name, of in files.PLY_CODES.items() if of == code]
@@ -105,6 +106,7 @@ def _value(draw, types: list[str], same: int | None) -> Any:
     return draw(st.lists(value, min_size=shape[0], max_size=shape[1]))
 
 
+@pytest.mark.slow
 @given(mesh=meshes(), kind=st.sampled_from(KINDS), newline=st.sampled_from(["\n", "\r\n"]))
 def test_a_ply_file_with_anything_around_the_points_is_read_bit_for_bit(mesh, kind, newline):
     elements, points = mesh
@@ -116,6 +118,7 @@ def test_a_ply_file_with_anything_around_the_points_is_read_bit_for_bit(mesh, ki
     assert set(ignored) == others
 
 
+@pytest.mark.slow
 @given(mesh=meshes(), kind=st.sampled_from(KINDS[1:]), data=st.data())
 def test_a_ply_file_cut_anywhere_or_continued_is_refused(mesh, kind, data):
     content = ply(mesh[0], kind)
@@ -174,6 +177,7 @@ def scans(draw) -> tuple[list[files.Field], list[files.Row], int]:
     return fields, rows, height
 
 
+@pytest.mark.slow
 @given(scan=scans(), data=st.sampled_from(DATA))
 def test_a_pcd_file_of_any_fields_and_height_is_read_bit_for_bit(scan, data):
     fields, rows, height = scan
@@ -261,6 +265,7 @@ def test_the_points_of_an_archive_are_found(name: str):
     assert read(content, ".npz") == (POINTS, ignored)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("save", [np.savez, np.savez_compressed])
 @given(points=st.lists(st.tuples(DOUBLES, DOUBLES, DOUBLES), min_size=1, max_size=5))
 def test_what_numpy_saves_is_read_bit_for_bit(save, points):

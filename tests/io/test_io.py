@@ -62,6 +62,7 @@ def test_points_are_read_back_bit_for_bit(place: Path, points, suffix: str):
     assert (cloud.labels, cloud.ignored) == (None, ())
 
 
+@pytest.mark.slow
 @given(points=POINTS, data=st.data())
 def test_labels_are_read_back_or_refused_at_writing(place: Path, points, data):
     """Any text; the alphabet of the second kind is that of CSV itself."""

@@ -137,6 +137,7 @@ GOOD = [("ply", content) for content in fuzz_readers.PLY if b"ascii" not in cont
 GOOD += [("npy", content) for content in fuzz_readers.NPY]
 
 
+@pytest.mark.slow
 @settings(max_examples=300)
 @given(st.data())
 def test_a_file_changed_anywhere_is_read_or_refused_as_if_it_were_small(place, data):

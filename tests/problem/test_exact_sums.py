@@ -77,6 +77,7 @@ def values(found):
     ]
 
 
+@pytest.mark.slow
 @given(wild_problems())
 @settings(max_examples=150)
 def test_every_method_gives_the_same_integers_and_they_are_those_of_the_definition(problem):
@@ -86,6 +87,7 @@ def test_every_method_gives_the_same_integers_and_they_are_those_of_the_definiti
     assert values(one) == by_definition(problem)
 
 
+@pytest.mark.slow
 @given(strategies.problems())
 def test_the_integers_do_not_depend_on_how_the_points_are_divided(problem):
     rows = [slice(k, k + 1) for k in range(problem.n)]

@@ -70,6 +70,7 @@ def test_numbers_too_long_for_a_certificate_end_in_words_or_a_certificate():
     assert registration.status is not Optimality.CERTIFIED_NOT_UNIQUE
 
 
+@pytest.mark.slow
 def test_magnitudes_of_all_kinds_never_end_in_a_traceback():
     rng = np.random.default_rng(4)
     values = np.array([5e-324, 1e-300, 1e-100, 1.0, 1e100, 1e300, 0.0, -1.0])

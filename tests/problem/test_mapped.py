@@ -110,6 +110,7 @@ def test_bad_mapped_weights_are_refused_with_what_and_where(tmp_path, cloud):
             RegistrationProblem(cloud.source, cloud.target, weights=mapped)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "value"), [("source", np.nan), ("target", np.inf), ("weights", -1)]
 )

@@ -208,6 +208,7 @@ def distance_to_exact(problem, found):
     return max(errors), Fraction(found.rounding)
 
 
+@pytest.mark.slow
 @given(strategies.problems())
 def test_rounding_bounds_the_error_over_the_whole_zoo(problem):
     found = floating_moments(problem)
@@ -407,6 +408,7 @@ def test_a_mapped_file_is_registered_as_the_array(tmp_path):
     assert all((pose.rotation == poses[0].rotation).all() for pose in poses)
 
 
+@pytest.mark.slow
 def test_without_a_compiler_the_pose_is_the_same_within_rounding(tmp_path):
     script = (
         "import numpy as np, certreg, certreg.problem.floating_sums as s;"

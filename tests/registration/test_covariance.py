@@ -115,6 +115,7 @@ def is_sampled_from(samples, predicted) -> bool:
     return bool(off < 5.0 * math.sqrt(2.0 / len(samples)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("convention", ["matrix", "ros", "gtsam"])
 def test_the_covariance_is_that_of_ten_thousand_experiments(experiment, convention):
     covariance = covariance_of(experiment.problem(experiment.clean))

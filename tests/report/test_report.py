@@ -398,6 +398,7 @@ def test_a_full_disk_leaves_the_files_of_the_run_before(
     assert contents() == before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("broken", range(5))
 def test_a_failure_between_two_files_leaves_none_of_another_problem(
     folder: Path, data: Path, monkeypatch: pytest.MonkeyPatch, broken: int

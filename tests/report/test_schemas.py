@@ -76,6 +76,7 @@ def test_all_eight_kinds_of_equilibrium_set_are_in_the_zoo():
     assert len({specimen.pattern for specimen in ZOO}) == 8
 
 
+@pytest.mark.slow
 @each_specimen
 def test_every_document_of_the_zoo_is_valid(specimen, tmp_path: Path):
     source = write_csv(tmp_path / "a.csv", specimen.source)
