@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from dataclasses import dataclass
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 
@@ -69,7 +70,8 @@ def wing(module: str) -> str:
     return module.split(".")[1]
 
 
-def imports_of(module: str, source: str) -> list[Import]:
+@cache
+def imports_of(module: str, source: str) -> tuple[Import, ...]:
     """Everything that a module imports from certreg, for types alone, too."""
     tree = ast.parse(source)
     functions = [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef)]
@@ -88,7 +90,7 @@ def imports_of(module: str, source: str) -> list[Import]:
             for origin, name in pairs
             if (origin or name).split(".")[0] == "certreg"
         ]
-    return found
+    return tuple(found)
 
 
 def all_imports(texts: dict[str, str]) -> list[Import]:
