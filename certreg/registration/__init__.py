@@ -43,6 +43,9 @@ if TYPE_CHECKING:
     from certreg.registration.exit_codes import code_of_error as code_of_error
     from certreg.registration.exit_codes import code_of_registration as code_of_registration
     from certreg.registration.exit_codes import worst as worst
+    from certreg.registration.fit import Fit as Fit
+    from certreg.registration.fit import FitRow as FitRow
+    from certreg.registration.fit import fit_of as fit_of
     from certreg.registration.headlines import WEAK as WEAK
     from certreg.registration.headlines import Headline as Headline
     from certreg.registration.headlines import at_least as at_least
@@ -51,6 +54,9 @@ if TYPE_CHECKING:
     from certreg.registration.headlines import headline_words as headline_words
     from certreg.registration.headlines import proved_degrees as proved_degrees
     from certreg.registration.headlines import share_words as share_words
+    from certreg.registration.misfits import ChiSquared as ChiSquared
+    from certreg.registration.misfits import FitCode as FitCode
+    from certreg.registration.misfits import FitWarning as FitWarning
 
 __getattr__ = lazy_face(
     __name__,
@@ -103,6 +109,11 @@ __getattr__ = lazy_face(
             "code_of_registration",
             "worst",
         ),
+        "fit": (
+            "Fit",
+            "FitRow",
+            "fit_of",
+        ),
         "headlines": (
             "WEAK",
             "Headline",
@@ -112,6 +123,11 @@ __getattr__ = lazy_face(
             "headline_words",
             "proved_degrees",
             "share_words",
+        ),
+        "misfits": (
+            "ChiSquared",
+            "FitCode",
+            "FitWarning",
         ),
     },
 )

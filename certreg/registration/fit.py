@@ -1,0 +1,150 @@
+"""What a fit is worth: how much it explains, and whether the pairs are what they should be.
+
+Sums come from the exact moments, rounded once; what no sum holds, from one look at the rows. The
+warnings and their rates: `certreg.registration.misfits`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from certreg.exact import nearest_double
+from certreg.registration.misfits import (
+    ChiSquared,
+    FitCode,
+    FitSums,
+    FitWarning,
+    RowNames,
+    log_scale_p,
+    misfits,
+)
+from certreg.registration.outlying import row_fit
+from certreg.registration.tails import log_chi2_above
+from certreg.results import OUT_OF_RANGE, Absent, Explained, present
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from fractions import Fraction
+
+    from certreg.geometry import Pose
+    from certreg.objective import Isotropic
+    from certreg.problem import RegistrationProblem
+    from certreg.registration.outlying import RowFit
+
+COINCIDENT = Absent("all points with weight of a cloud coincide: there is nothing to explain")
+NO_SOURCE = Absent("all source points with weight coincide: no scale changes anything")
+TOO_FEW = Absent("fewer than three points with weight leave no degree of freedom")
+ZERO_MEDIAN = Absent("at least half of the residuals are zero")
+ROUNDED = Absent("the residuals are at rounding: there is nothing to test")
+NO_NOISE = Absent("no noise was given: the residuals are compared with nothing")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FitRow:
+    """A correspondence: its row, counted from 0, its label if it has one, and |y - R x - t|."""
+
+    row: int
+    label: str | None
+    residual: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Fit(Explained):
+    """What a fit is worth; what is None has its reason in `absent`.
+
+    explained: R^2 = (tr R^T C)^2 / (Sxx Syy), of the best scale; from 0 to 1.
+    best_scale: s that minimises sum w |y - s R x - t|^2, target over source.
+    scale_p: of a scale other than one, by Student's test with 3 n - 7 degrees of freedom.
+    largest_over_median_residual: of the rows with weight; the median of a sample of 4,096 of them
+        where there are more.
+    worst: the largest residuals, at most ten, largest first.
+    chi2: None without sigma.
+    outlier_rows: those that a warning names, the worst first, at most ten.
+    warnings: none for a good fit.
+    """
+
+    explained: float | None
+    best_scale: float | None
+    scale_p: float | None
+    largest_over_median_residual: float | None
+    worst: tuple[FitRow, ...]
+    chi2: ChiSquared | None
+    outlier_rows: tuple[int, ...]
+    warnings: tuple[FitWarning, ...]
+
+    @property
+    def codes(self) -> tuple[FitCode, ...]:
+        """Of the warnings."""
+        return tuple(warning.code for warning in self.warnings)
+
+
+def fit_of(
+    problem: RegistrationProblem,
+    objective: Isotropic,
+    pose: Pose,
+    *,
+    labels: Sequence[str] | None = None,
+) -> Fit:
+    """What the optimum of a problem is worth as a fit; labels name its rows.
+
+    pose: the optimum in doubles, as it is reported.
+    """
+    rows = row_fit(problem, objective, pose)
+    sums = FitSums(objective)
+    names = RowNames(labels)
+    chi2 = _chi2(problem, sums, rows)
+    ratio = OUT_OF_RANGE if rows is None else rows.largest_over_median or ZERO_MEDIAN
+    values: dict[str, float | Absent] = {
+        "explained": COINCIDENT if sums.explained is None else _double(sums.explained),
+        "best_scale": NO_SOURCE if sums.scale is None else _double(sums.scale),
+        "scale_p": _scale_p(sums, rows),
+        "largest_over_median_residual": ROUNDED if sums.rounded else ratio,
+    }
+    worst = () if rows is None else rows.worst
+    warnings = () if rows is None or sums.rounded else misfits(sums, rows, present(chi2), names)
+    outlying = any(one.code is FitCode.OUTLIER_ROWS for one in warnings)
+    return Fit(
+        **{name: present(value) for name, value in values.items()},
+        worst=tuple(
+            FitRow(row=one.row, label=names.label(one.row), residual=one.distance) for one in worst
+        ),
+        chi2=present(chi2),
+        outlier_rows=rows.far if rows is not None and outlying else (),
+        warnings=warnings,
+        absent={
+            **{name: value for name, value in values.items() if isinstance(value, Absent)},
+            **({"chi2": chi2} if isinstance(chi2, Absent) else {}),
+        },
+    )
+
+
+def _scale_p(sums: FitSums, rows: RowFit | None) -> float | Absent:
+    if sums.source == 0:
+        return NO_SOURCE
+    if rows is None:
+        return OUT_OF_RANGE
+    log_p = log_scale_p(sums, rows)
+    if log_p is not None:
+        return math.exp(log_p)
+    if sums.explained is None:
+        return COINCIDENT
+    return TOO_FEW if rows.rows < 3 else ROUNDED
+
+
+def _chi2(problem: RegistrationProblem, sums: FitSums, rows: RowFit | None) -> ChiSquared | Absent:
+    if not problem.noise_given:
+        return NO_NOISE
+    value = nearest_double(sums.energy)
+    if rows is None or value is None:
+        return OUT_OF_RANGE
+    dof = 3 * rows.rows - 6
+    if dof <= 0:
+        return TOO_FEW
+    return ChiSquared(value=value, dof=dof, p=math.exp(log_chi2_above(value, dof)))
+
+
+def _double(value: Fraction) -> float | Absent:
+    nearest = nearest_double(value)
+    return OUT_OF_RANGE if nearest is None else nearest

@@ -1,0 +1,342 @@
+"""What a fit is worth: how much it explains, and the usual reasons why it explains little.
+
+An optimum is proved whatever the data are; whether they are pairs of one rigid shape is a question
+of statistics, answered here. Throughout: n rows with weight, residuals y - R x - t of variance
+sigma^2 / w, Gaussian, and small beside the clouds, so that the fit is linear in the pose. The
+least objective E is then sigma^2 times a chi-squared variable of 3 n - 6 degrees of freedom. Each
+warning needs two things: a probability below LEVEL if the pairs are right, and a size that
+matters, since a test alone finds every millionth of a scale in a million points.
+
+Let a model with k more parameters, or a model of as many but wrong, leave the share b of E. The
+share that its free parameters leave of pure noise is a beta variable, which gives the bounds:
+
+scale         E_s / E ~ Beta((3 n - 7) / 2, 1 / 2), Student's test with 3 n - 7 degrees.
+outlier rows  k given rows left out: Beta((3 (n - k) - 6) / 2, 3 k / 2). The rows are found from
+              the data, so all n over k sets count, and all k: the bound times k (k + 1) (n over k).
+mirrored      A wrong model leaves noise and a vector that does not depend on it: its least
+              objective is no smaller, in distribution, than a chi-squared variable of as many
+              degrees as E has. That one is at most b E is bounded whatever links the two, so
+              noise of both clouds is included: P(chi2 <= c) + P(chi2 >= c / b), for every c.
+shuffled      The same for a pairing that a slip makes, three of them.
+              Else: explained < 1/2, which takes an RMSE above three quarters of the size. With
+              right pairs E <= e sqrt(Sxx Syy) gives R >= 1 - e / 2.
+chi2          E / sigma^2 >= the value found: the chi-squared distribution.
+poor-fit      explained < 1/2, as for shuffled.
+
+`tests/fit_rates.py` measures all of this, with noise up to a tenth of the size, too.
+"""
+
+from __future__ import annotations
+
+import enum
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from certreg.exact import nearest_or_zero, power_of_two
+from certreg.problem import trace
+from certreg.registration.outlying import PAIRINGS, ROUNDING
+from certreg.registration.tails import (
+    log_beta_below,
+    log_choices,
+    log_ratio_below,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from certreg.objective import Isotropic
+    from certreg.registration.outlying import OtherPairing, RowFit
+
+LEVEL = 1e-6  # of each test; a hundredth of what is promised, for what is not linear
+MOST_LEFT = Fraction(1, 2)  # of E by a remedy: real clouds often have a certain scale, for 1 % of E
+LEAST_EXPLAINED = Fraction(1, 2)
+MIRROR_EXPLAINED = Fraction(9, 10)  # by a reflection
+ALIKE = 0.1  # of the trace: second moments of two clouds of one shape
+CHANCE = 1e-3  # random pairings that may be as good as a shuffled one
+RANDOM_PAIRINGS = 4096
+FEWER = 2.0  # a part of the rows fits better than all rows: by this much, to be the cause
+UNITS = {
+    10.0: "angstrom against nanometres",
+    1000.0: "millimetres against metres",
+    25.4: "millimetres against inches",
+    0.3048: "feet against metres",
+}
+
+
+class FitCode(enum.Enum):
+    """What is wrong with a fit; the value is the word used in files."""
+
+    SCALE = "scale"
+    OUTLIER_ROWS = "outlier-rows"
+    SHUFFLED = "shuffled"
+    MIRRORED = "mirrored"
+    CHI2 = "chi2"
+    POOR_FIT = "poor-fit"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FitWarning:
+    """Something about the data that a pose cannot mend, in a sentence without a full stop."""
+
+    code: FitCode
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ChiSquared:
+    """The objective where sigma was given: chi-squared with `dof` degrees of freedom.
+
+    p: the probability of at least this value if the noise is Gaussian with this sigma.
+    """
+
+    value: float
+    dof: int
+    p: float
+
+
+@dataclass(frozen=True)
+class FitSums:
+    """What the exact moments say of the optimum: Fractions, in units of the objective."""
+
+    objective: Isotropic
+
+    @cached_property
+    def source(self) -> Fraction:
+        """Sxx, the sum of w |x - mean|^2."""
+        moments = self.objective.moments
+        unit = power_of_two(moments.weight_exponent + 2 * moments.source_exponent)
+        return trace(moments.source_scatter) * unit / moments.mass
+
+    @cached_property
+    def target(self) -> Fraction:
+        """Syy, the sum of w |y - mean|^2."""
+        return self.objective.moments.spread - self.source
+
+    @cached_property
+    def alignment(self) -> Fraction:
+        """tr(R^T C) at the optimum."""
+        return self.objective.alignment(self.objective.quaternions[0])
+
+    @cached_property
+    def energy(self) -> Fraction:
+        """E, the least objective."""
+        return self.objective.moments.spread - 2 * self.alignment
+
+    @cached_property
+    def mirrored_share(self) -> Fraction:
+        """What a reflection and the best rotation leave of E: -K takes the place of K."""
+        left = self.objective.moments.spread + 2 * self.objective.eigenvalues[-1]
+        return max(Fraction(0), left) / self.energy
+
+    @cached_property
+    def explained(self) -> Fraction | None:
+        """R^2; None where a cloud is a point."""
+        return self._explained(self.alignment)
+
+    @cached_property
+    def mirrored_explained(self) -> Fraction | None:
+        """R^2 after a reflection."""
+        return self._explained(self.objective.eigenvalues[-1])
+
+    @cached_property
+    def scale(self) -> Fraction | None:
+        """The best scale, tr(R^T C) / Sxx; None where the source is a point."""
+        return self.alignment / self.source if self.source else None
+
+    @cached_property
+    def scaled_share(self) -> Fraction:
+        """What the best scale leaves of E: (Syy - (tr R^T C)^2 / Sxx) / E."""
+        return (self.target - self.alignment**2 / self.source) / self.energy
+
+    @cached_property
+    def rounded(self) -> bool:
+        """Whether the residuals are at the rounding of the clouds, or of their offsets."""
+        moments = self.objective.moments
+        means = (*moments.source_centroid, *moments.target_centroid)
+        offset = sum((m * m for m in means), start=Fraction(0)) * moments.total_weight
+        limit = Fraction(ROUNDING) ** 2 * moments.spread + power_of_two(-102) * offset
+        return self.energy <= limit
+
+    def _explained(self, alignment: Fraction) -> Fraction | None:
+        return alignment**2 / (self.source * self.target) if self.source and self.target else None
+
+
+@dataclass(frozen=True, slots=True)
+class RowNames:
+    """Rows in words."""
+
+    labels: Sequence[str] | None
+
+    def label(self, row: int) -> str | None:
+        """The label of a row, if it has one."""
+        return None if self.labels is None else self.labels[row]
+
+    def words(self, rows: Sequence[int], count: int) -> str:
+        """For example: rows 3 (P4), 9 (P10) and 5 others."""
+        named = [f"{r}" if self.labels is None else f"{r} ({self.labels[r]})" for r in rows]
+        more = count - len(rows)
+        tail = f" and {more} {'other' if more == 1 else 'others'}" if more else ""
+        return f"row{'' if count == 1 else 's'} {', '.join(named)}{tail}"
+
+
+def misfits(
+    sums: FitSums, rows: RowFit, chi2: ChiSquared | None, names: RowNames
+) -> tuple[FitWarning, ...]:
+    """The warnings of a fit whose residuals are above rounding."""
+    causes = {
+        FitCode.OUTLIER_ROWS: _outlier_words(rows, names),
+        FitCode.SHUFFLED: _slip_words(rows),
+        FitCode.MIRRORED: _mirrored_words(sums, rows),
+    }
+    texts = {FitCode.SCALE: _scale_words(sums, rows), **_likeliest(causes, sums, rows)}
+    texts.setdefault(FitCode.SHUFFLED, _shuffled_words(sums, rows))
+    texts[FitCode.CHI2] = _chi2_words(chi2)
+    if not any(texts.values()):
+        texts[FitCode.POOR_FIT] = _poor_words(sums)
+    return tuple(FitWarning(code=code, text=text) for code, text in texts.items() if text)
+
+
+def _likeliest(
+    causes: dict[FitCode, str | None], sums: FitSums, rows: RowFit
+) -> dict[FitCode, str]:
+    """Of causes that exclude each other the one that leaves least: what is left of E."""
+    other = rows.other_pairing
+    left = {
+        FitCode.OUTLIER_ROWS: FEWER * rows.left,
+        FitCode.SHUFFLED: 1.0 if other is None else other.left,
+        FitCode.MIRRORED: float(sums.mirrored_share),
+    }
+    told = {code: text for code, text in causes.items() if text}
+    best = min(told, key=lambda code: left[code], default=None)
+    return {} if best is None else {best: told[best]}
+
+
+def _poor_words(sums: FitSums) -> str | None:
+    if sums.explained is None or sums.explained >= LEAST_EXPLAINED:
+        return None
+    return (
+        f"the best rotation, translation and scale explain {_percent(sums.explained)} of the "
+        "target: most pairs are wrong, or the clouds are not one rigid shape"
+    )
+
+
+def _scale_words(sums: FitSums, rows: RowFit) -> str | None:
+    if sums.scale is None or sums.explained is None or sums.explained < LEAST_EXPLAINED:
+        return None
+    log_p = log_scale_p(sums, rows)
+    if log_p is None or log_p > math.log(LEVEL) or sums.scaled_share > MOST_LEFT:
+        return None
+    scale = nearest_or_zero(sums.scale)
+    units = next((f" ({words}?)" for k, words in UNITS.items() if _is_ratio(scale, k)), "")
+    return (
+        f"the target is {scale:.6g} times as large as the source{units}: with this scale "
+        f"{_percent(1 - sums.scaled_share)} of the squared residuals are gone"
+    )
+
+
+def log_scale_p(sums: FitSums, rows: RowFit) -> float | None:
+    """The log of the p-value of a scale other than one; None where nothing is left to test."""
+    degrees = 3 * rows.rows - 7
+    if sums.explained is None or degrees <= 0 or sums.rounded:
+        return None
+    return log_beta_below(float(sums.scaled_share), degrees / 2, 0.5)
+
+
+def _outlier_words(rows: RowFit, names: RowNames) -> str | None:
+    k, n = rows.far_rows, rows.rows
+    degrees = 3 * (n - k) - 6
+    if k == 0 or degrees <= 0 or 2 * k >= n:
+        return None
+    log_p = log_beta_below(rows.left, degrees / 2, 3 * k / 2)
+    if log_p + log_choices(n, k) + math.log(k * (k + 1)) > math.log(LEVEL):
+        return None
+    fit, them = ("fits", "it") if k == 1 else ("fit", "them")
+    return (
+        f"{names.words(rows.far, k)} (counting from 0) {fit} far worse than the others: without "
+        f"{them} {_percent(1.0 - rows.left)} of the squared residuals are gone"
+    )
+
+
+def _mirrored_words(sums: FitSums, rows: RowFit) -> str | None:
+    degrees = 3 * rows.rows - 6
+    explained, left = sums.mirrored_explained, sums.mirrored_share
+    if degrees <= 0 or explained is None or explained < MIRROR_EXPLAINED or left > MOST_LEFT:
+        return None
+    if log_ratio_below(float(left), degrees) > math.log(LEVEL):
+        return None
+    return (
+        f"the target is a mirror image of the source: a reflection explains {_percent(explained)} "
+        f"of it, the best rotation {_percent(sums.explained)}: is an axis flipped, or are two "
+        "swapped?"
+    )
+
+
+def _slip_words(rows: RowFit) -> str | None:
+    other = rows.other_pairing
+    if other is None or not _fits_better(other):
+        return None
+    return (
+        f"the rows are out of step: with the target {other.words} {_percent(1.0 - other.left)} of "
+        "the squared residuals are gone"
+    )
+
+
+def _shuffled_words(sums: FitSums, rows: RowFit) -> str | None:
+    if sums.explained is None or sums.explained >= LEAST_EXPLAINED or not _as_random(sums, rows):
+        return None
+    return (
+        f"the rows are paired no better than at random: they explain {_percent(sums.explained)} "
+        "of the target, though both clouds have one shape: is one of them in another order?"
+    )
+
+
+def _fits_better(other: OtherPairing) -> bool:
+    """Whether another pairing fits better than chance allows if the given one is right."""
+    degrees = 3 * other.rows - 6
+    if degrees <= 0 or other.left > MOST_LEFT:
+        return False
+    return log_ratio_below(other.left, degrees) + math.log(PAIRINGS) <= math.log(LEVEL)
+
+
+def _as_random(sums: FitSums, rows: RowFit) -> bool:
+    """Whether the clouds have one shape, and more than CHANCE random pairings fit as well.
+
+    Over random pairings C has mean 0 and covariance Syy x Sxx / (N - 1), with as many rows as count
+    effectively; it is taken as Gaussian. Rotations of either cloud change no singular value.
+    """
+    here, there = rows.second_moments
+    if not abs(here - there).max() <= ALIKE:  # nor if one is not a number: a point has no shape
+        return False
+    rng = np.random.default_rng(0)
+    spread = np.outer(there / there.sum(), here) / max(rows.effective_rows - 1.0, 1.0)
+    crosses = rng.standard_normal((RANDOM_PAIRINGS, 3, 3)) * np.sqrt(spread)
+    values = np.linalg.svd(crosses, compute_uv=False)
+    signs = np.sign(np.linalg.det(crosses))
+    alignments = values[:, 0] + values[:, 1] + signs * values[:, 2]
+    found = math.sqrt(float(sums.explained or 0))
+    return int(np.count_nonzero(alignments >= found)) > CHANCE * RANDOM_PAIRINGS
+
+
+def _chi2_words(chi2: ChiSquared | None) -> str | None:
+    if chi2 is None or chi2.p > LEVEL:
+        return None
+    return (
+        f"the residuals are {math.sqrt(chi2.value / chi2.dof):.3g} times what sigma says "
+        f"(chi-squared {chi2.value:.6g} with {chi2.dof} degrees of freedom): the noise is larger, "
+        "or the clouds are not one rigid shape"
+    )
+
+
+def _is_ratio(scale: float, ratio: float) -> bool:
+    return any(abs(scale / k - 1.0) < 0.01 for k in (ratio, 1.0 / ratio))
+
+
+def _percent(share: Fraction | float | None) -> str:
+    """A share in per cent, never rounded up to 100."""
+    percent = 100.0 * float(share or 0)
+    return "over 99.9 %" if 99.95 <= percent < 100.0 else f"{percent:.3g} %"

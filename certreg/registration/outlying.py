@@ -1,0 +1,355 @@
+"""Rows that fit far worse than the others, and pairings that fit better: what sums cannot tell.
+
+The points are read once, beside a sample of them. Poses and rows are proposed by plain floating
+point, from the sample; what is concluded from them (`certreg.registration.fit`) holds for every
+pose and every set of rows, however they were found.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from certreg.equilibrium import rotation_double
+from certreg.exact import nearest_or_zero, power_of_two
+from certreg.problem import Block, row_blocks
+from certreg.registration.covariance import Residual, residual_distances
+
+if TYPE_CHECKING:
+    from fractions import Fraction
+
+    from numpy.typing import NDArray
+
+    from certreg.geometry import Pose
+    from certreg.objective import Isotropic
+    from certreg.problem import RegistrationProblem
+
+SAMPLE_ROWS = 4096  # medians to two per cent; all rows where there are no more
+LISTED = 10  # rows named one by one
+FAR = 6.0  # medians: 1e-17 of Gaussian residuals; those of packaged and LiDAR pairs stay below 3.2
+ROUNDING = 1e-12  # of the clouds' size: smaller residuals are not told from zero
+PAIRINGS = 3  # that are compared: one row on, one row back, the other way round
+STEPS = 10  # of each search: both settle within a few
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OtherPairing:
+    """A pairing that fits better than the given one: its name, and by how much.
+
+    rows: compared; left: its objective over that of the given one, both of the same targets, each
+        at its own best pose.
+    """
+
+    words: str
+    rows: int
+    left: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RowFit:
+    """What the rows with weight say of a fit.
+
+    rows: how many have weight. effective_rows: (sum w)^2 / sum w^2.
+    worst: the largest residuals at the optimum, largest first.
+    largest_over_median: of the residuals at the optimum; None where the median is zero.
+    far: rows more than FAR medians away from a pose that most rows agree on, the worst first, at
+        most LISTED; far_rows: how many there are.
+    left: the objective of the other rows at that pose, over the least objective of all rows.
+    second_moments: (3,) of source and of target, along the principal axes in rising order, without
+        weights and over the trace of the source's.
+    """
+
+    rows: int
+    effective_rows: float
+    worst: tuple[Residual, ...]
+    largest_over_median: float | None
+    far: tuple[int, ...]
+    far_rows: int
+    left: float
+    other_pairing: OtherPairing | None
+    second_moments: tuple[NDArray[np.float64], NDArray[np.float64]]
+
+
+def row_fit(problem: RegistrationProblem, objective: Isotropic, pose: Pose) -> RowFit | None:
+    """What the rows say of a fit; None where numbers leave the range of doubles."""
+    with np.errstate(all="ignore"):
+        frame = _Frame.of(objective)
+        picked = _picked(problem)
+        sample = frame.pairs(picked)
+        if not (sample.finite and np.isfinite(residual_distances(picked, pose)).all()):
+            return None
+        limits, count = _limits(sample), _Count()
+        for rows in row_blocks(problem.n):
+            count.add(rows.start, problem.block(rows), frame, limits)
+        least = frame.energy(objective.energy(objective.quaternions[0]))
+        median = float(np.median(sample.distances(frame.optimum)))
+        return RowFit(
+            rows=count.rows,
+            effective_rows=count.weight**2 / count.squares,
+            worst=_residuals(problem, pose, count.worst),
+            largest_over_median=count.worst[0].distance / median if median > 0.0 else None,
+            far=tuple(one.row for one in count.far),
+            far_rows=count.far_rows,
+            left=count.left / least if least > 0.0 else 1.0,
+            other_pairing=_other_pairing(frame, problem),
+            second_moments=sample.second_moments(),
+        )
+
+
+def _residuals(
+    problem: RegistrationProblem, pose: Pose, rows: list[Residual]
+) -> tuple[Residual, ...]:
+    """The residuals of these rows at the pose as it is reported, in the unit of length."""
+    numbers = np.array([one.row for one in rows])
+    distances = residual_distances(_rows(problem, numbers), pose).tolist()
+    found = [Residual(row=r, distance=d) for r, d in zip(numbers.tolist(), distances, strict=True)]
+    return tuple(sorted(found, key=lambda one: (-one.distance, one.row)))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Motion:
+    """x to R x + t."""
+
+    rotation: NDArray[np.float64]
+    translation: NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Pairs:
+    """Pairs about the clouds' means, over powers of two: source (3, k), target (3, k), (k,)."""
+
+    source: NDArray[np.float64]
+    target: NDArray[np.float64]
+    weights: NDArray[np.float64]
+
+    @property
+    def finite(self) -> bool:
+        arrays = (self.source, self.target, self.weights)
+        return all(bool(np.isfinite(array).all()) for array in arrays) and self.weights.sum() > 0
+
+    def distances(self, motion: _Motion) -> NDArray[np.float64]:
+        """(k,), |y - R x - t|."""
+        residuals = motion.rotation @ self.source
+        residuals += motion.translation[:, np.newaxis]
+        residuals -= self.target
+        residuals *= residuals
+        return np.sqrt(residuals[0] + residuals[1] + residuals[2])
+
+    def best_motion(self, weights: NDArray[np.float64]) -> _Motion:
+        """The best motion under these weights, by singular values."""
+        shares = weights / weights.sum()
+        here, there = self.source @ shares, self.target @ shares
+        cross = (self.target * shares) @ self.source.T - np.outer(there, here)
+        left, _, right = np.linalg.svd(cross)
+        if np.linalg.det(left @ right) < 0.0:
+            left[:, 2] = -left[:, 2]
+        return _Motion(rotation=left @ right, translation=there - left @ right @ here)
+
+    def paired(self, here: slice, there: slice) -> _Pairs:
+        """Other pairs: these rows of the source, and these of the target with their weights."""
+        source, target, weights = self.source[:, here], self.target[:, there], self.weights[there]
+        return _Pairs(source=source, target=target, weights=weights)
+
+    def second_moments(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """(3,) each, without weights, over the trace of the source's."""
+        here, there = (
+            np.linalg.svd(cloud - cloud.mean(axis=1, keepdims=True), compute_uv=False)[::-1] ** 2
+            for cloud in (self.source, self.target)
+        )
+        return here / here.sum(), there / here.sum()
+
+    def least_energy(self) -> float:
+        """The least sum of w |y - R x - t|^2."""
+        return float(self.weights @ self.distances(self.best_motion(self.weights)) ** 2)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Frame:
+    """Lengths over 2^length about the means, weights over 2^weight: no square overflows."""
+
+    length: int
+    weight: int
+    source_mean: NDArray[np.float64]
+    target_mean: NDArray[np.float64]
+    optimum: _Motion
+
+    @classmethod
+    def of(cls, objective: Isotropic) -> _Frame:
+        moments = objective.moments
+        length = _exponent(moments.spread / moments.total_weight) // 2
+        unit = power_of_two(-length)
+        here, there = (
+            np.array([nearest_or_zero(entry * unit) for entry in mean])
+            for mean in (moments.source_centroid, moments.target_centroid)
+        )
+        weight = _exponent(moments.total_weight / moments.n)
+        rotation = rotation_double(objective.quaternions[0])
+        return cls(
+            length=length,
+            weight=weight,
+            source_mean=here,
+            target_mean=there,
+            optimum=_Motion(rotation=rotation, translation=np.zeros(3)),
+        )
+
+    def pairs(self, points: Block) -> _Pairs:
+        """Points of the problem in this frame."""
+        return _Pairs(
+            source=self._moved(points.source, self.source_mean),
+            target=self._moved(points.target, self.target_mean),
+            weights=np.ldexp(points.weights, -self.weight),
+        )
+
+    def _moved(self, cloud: NDArray[np.float64], mean: NDArray[np.float64]) -> NDArray[np.float64]:
+        moved = np.ldexp(cloud.T, -self.length, order="C")
+        moved -= mean[:, np.newaxis]
+        return moved
+
+    def energy(self, energy: Fraction) -> float:
+        """An energy in this frame."""
+        return nearest_or_zero(energy * power_of_two(-2 * self.length - self.weight))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Limits:
+    """A pose that most rows agree on, and how far from it a row is far: in length, and weighted."""
+
+    motion: _Motion
+    distance: float
+    weighted: float
+
+    def far(self, pairs: _Pairs, distances: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """(k,), which rows are far: both in length and in standard deviations.
+
+        In one of them alone a few rows of great weight, or of little, would be.
+        """
+        weighted = np.sqrt(pairs.weights) * distances
+        return (distances > self.distance) & (weighted > self.weighted)
+
+
+def _limits(sample: _Pairs) -> _Limits:
+    """By least absolute deviations, least squares of the better half, then of all near rows."""
+    motion = sample.best_motion(sample.weights)
+    roots = np.sqrt(sample.weights)
+    for _ in range(STEPS):
+        weighted = roots * sample.distances(motion)
+        motion = sample.best_motion(sample.weights / np.maximum(weighted, ROUNDING))
+    half, before = len(roots) // 2 + 1, None
+    for _ in range(STEPS):
+        weighted = roots * sample.distances(motion)
+        inner = weighted <= np.partition(weighted, half - 1)[half - 1]
+        if before is not None and (inner == before).all():
+            break
+        motion, before = sample.best_motion(np.where(inner, sample.weights, 0.0)), inner
+    limits = _limits_at(sample, motion)
+    for _ in range(2):
+        far = limits.far(sample, sample.distances(motion))
+        motion = sample.best_motion(np.where(far, 0.0, sample.weights))
+        limits = _limits_at(sample, motion)
+    return limits
+
+
+def _limits_at(sample: _Pairs, motion: _Motion) -> _Limits:
+    distances = sample.distances(motion)
+    roots = np.sqrt(sample.weights)
+    least = FAR * ROUNDING
+    return _Limits(
+        motion=motion,
+        distance=max(least, FAR * float(np.median(distances))),
+        weighted=max(least * float(np.median(roots)), FAR * float(np.median(roots * distances))),
+    )
+
+
+@dataclass(slots=True)
+class _Count:
+    """Sums over all rows with weight, block by block."""
+
+    rows: int = 0
+    weight: float = 0.0
+    squares: float = 0.0
+    left: float = 0.0
+    far_rows: int = 0
+    far: list[Residual] = field(default_factory=list[Residual])
+    worst: list[Residual] = field(default_factory=list[Residual])
+
+    def add(self, first: int, points: Block, frame: _Frame, limits: _Limits) -> None:
+        """Count a block, whose first row has this number."""
+        present = np.flatnonzero(points.weights)
+        if len(present) < len(points.weights):
+            points = _rows(points, present)
+        if len(present) == 0:
+            return
+        pairs = frame.pairs(points)
+        self.rows += len(present)
+        self.weight += float(pairs.weights.sum())
+        self.squares += float(pairs.weights @ pairs.weights)
+        numbers = first + present
+        self.worst = _largest(self.worst, numbers, pairs.distances(frame.optimum))
+        distances = pairs.distances(limits.motion)
+        far = limits.far(pairs, distances)
+        self.far_rows += int(np.count_nonzero(far))
+        self.far = _largest(self.far, numbers[far], distances[far])
+        self.left += float(pairs.weights[~far] @ distances[~far] ** 2)
+
+
+def _largest(
+    known: list[Residual], rows: NDArray[np.int64], distances: NDArray[np.float64]
+) -> list[Residual]:
+    """The LISTED largest of those known and these; of equal ones the first."""
+    least = known[-1].distance if len(known) == LISTED else 0.0
+    if len(rows) > LISTED:
+        least = max(least, float(np.partition(distances, -LISTED)[-LISTED]))
+    places = np.flatnonzero(distances >= least)
+    places = places[np.argsort(-distances[places], kind="stable")[:LISTED]]
+    more = [Residual(row=int(rows[k]), distance=float(distances[k])) for k in places.tolist()]
+    return sorted([*known, *more], key=lambda one: (-one.distance, one.row))[:LISTED]
+
+
+def _rows(points: RegistrationProblem | Block, rows: NDArray[np.int64]) -> Block:
+    """Some of the points in doubles; those of a mapped file are copied."""
+    return Block(
+        source=points.source[rows].astype(np.float64),
+        target=points.target[rows].astype(np.float64),
+        weights=points.weights[rows].astype(np.float64),
+    )
+
+
+def _picked(problem: RegistrationProblem) -> Block:
+    """The rows with weight: all, or of many rows a sample at random, always the same."""
+    rows = np.arange(problem.n)
+    if problem.n > SAMPLE_ROWS:
+        rng = np.random.default_rng(0)
+        rows = np.sort(rng.choice(problem.n, SAMPLE_ROWS, replace=False, shuffle=False))
+    points = _rows(problem, rows)
+    return _rows(points, np.flatnonzero(points.weights))
+
+
+def _other_pairing(frame: _Frame, problem: RegistrationProblem) -> OtherPairing | None:
+    """The best of three pairings that a slip makes: one row on, one row back, the other way round.
+
+    Among the first rows. Weights go with the target, whose noise they state.
+    """
+    n = min(problem.n, SAMPLE_ROWS)
+    points = frame.pairs(problem.block(slice(0, n)))
+    but_first, but_last, back = slice(1, None), slice(0, -1), slice(None, None, -1)
+    slips = [("one row later", but_last, but_first), ("one row earlier", but_first, but_last)]
+    if n == problem.n:
+        slips.append(("in reversed order", back, slice(None)))
+    found: list[OtherPairing] = []
+    for words, here, there in slips:
+        given = points.paired(there, there).least_energy()
+        other = points.paired(here, there)
+        if given > 0.0:
+            rows = int(np.count_nonzero(other.weights))
+            left = other.least_energy() / given
+            found.append(OtherPairing(words=words, rows=rows, left=left))
+    return min(found, key=lambda one: one.left, default=None)
+
+
+def _exponent(value: Fraction) -> int:
+    """The exponent of a power of two near a value >= 0."""
+    if value == 0:
+        return 0
+    return value.numerator.bit_length() - value.denominator.bit_length()

@@ -1,0 +1,215 @@
+"""What a fit is worth: known answers, misfits with their codes, and silence where all is well."""
+
+from __future__ import annotations
+
+import math
+
+import fit_rates as rates
+import numpy as np
+import pytest
+from fit_rates import MEASURED, fit
+from scipy import stats
+
+from certreg.problem import RegistrationProblem
+from certreg.registration import STORIES, misfits, outlying, stated
+from certreg.registration import fit as fit_module
+from certreg.registration.misfits import FitCode
+from certreg.results import Absent
+
+RNG = np.random.default_rng(17)
+CLOUD = RNG.standard_normal((12, 3))
+NOISY = CLOUD + 0.01 * RNG.standard_normal((12, 3))
+TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+
+
+def said(source, target, **options):
+    return fit(RegistrationProblem(source, target, **options))
+
+
+def by_hand(source, target, weights):
+    """R^2, s, E and E_s from plain sums and SciPy's rotation."""
+    from scipy.spatial.transform import Rotation
+
+    shares = weights / weights.sum()
+    x, y = source - shares @ source, target - shares @ target
+    R = Rotation.align_vectors(y, x, weights)[0].as_matrix()
+    a = np.sum(weights[:, None] * y * (x @ R.T))
+    sxx, syy = (np.sum(weights[:, None] * points**2) for points in (x, y))
+    return a**2 / (sxx * syy), a / sxx, sxx + syy - 2 * a, syy - a**2 / sxx
+
+
+def test_the_numbers_are_those_of_plain_sums():
+    weights = RNG.uniform(0.5, 2.0, 12)
+    target = 1.3 * NOISY @ TURN.T + [5.0, 6.0, 7.0]
+    result = said(CLOUD, target, weights=weights)
+    explained, scale, energy, scaled = by_hand(CLOUD, target, weights)
+    t = math.sqrt(29 * (energy - scaled) / scaled)
+
+    assert result.explained == pytest.approx(explained, rel=1e-9)
+    assert result.best_scale == pytest.approx(scale, rel=1e-9)
+    assert result.scale_p == pytest.approx(2 * stats.t.sf(t, 29), rel=1e-6)
+
+
+def test_chi_squared_is_the_objective_under_the_given_noise():
+    result = said(CLOUD, NOISY, sigma=0.01)
+    _, _, energy, _ = by_hand(CLOUD, NOISY, np.full(12, 1e4))
+
+    assert result.chi2 is not None
+    assert (result.chi2.value, result.chi2.dof) == (pytest.approx(energy, rel=1e-9), 30)
+    assert result.chi2.p == pytest.approx(stats.chi2.sf(energy, 30), rel=1e-6)
+    assert said(CLOUD, NOISY).absent["chi2"] == fit_module.NO_NOISE
+
+
+def test_worst_rows_have_labels_and_their_residuals():
+    target = NOISY.copy()
+    target[4] += [0.0, 3.0, 0.0]
+    labels = [f"P{k}" for k in range(12)]
+    result = fit(RegistrationProblem(CLOUD, target), labels)
+
+    assert (result.worst[0].row, result.worst[0].label, len(result.worst)) == (4, "P4", 10)
+    assert result.worst[0].residual > 2.0
+    assert (result.largest_over_median_residual or 0.0) > outlying.FAR
+    assert "row 4 (P4)" in result.warnings[0].text
+
+
+@pytest.mark.parametrize("misfit", MEASURED, ids=lambda misfit: misfit.name)
+def test_misfits_have_the_right_code(misfit):
+    for case, result in rates.misfits(misfit, 4):
+        assert rates.is_right(misfit, case, result), rates.texts(result)
+
+
+def test_good_problems_raise_no_alarm():
+    assert list(rates.alarms(40)) == []
+
+
+@pytest.mark.parametrize("story", STORIES, ids=lambda story: story.name)
+def test_packaged_pairs_raise_no_alarm(story):
+    assert fit(stated(story)).warnings == ()
+
+
+def test_a_scale_that_is_certain_and_removes_little_raises_no_alarm():
+    """As between real clouds of many points: Student's test alone would warn."""
+    rng = np.random.default_rng(4)
+    source = rng.standard_normal((2000, 3))
+    result = said(source, 1.003 * source + 0.02 * rng.standard_normal((2000, 3)))
+
+    assert 0.0 < (result.scale_p or 0.0) < misfits.LEVEL
+    assert result.warnings == ()
+
+
+def test_noise_as_large_as_the_cloud_is_a_poor_fit():
+    target = CLOUD + 1.5 * np.random.default_rng(3).standard_normal((12, 3))
+    target[:, 0] *= 3.0  # of another shape: nobody shuffled it
+
+    assert said(CLOUD, target).codes == (FitCode.POOR_FIT,)
+
+
+def test_a_fit_without_a_pairing_is_not_told_to_be_scaled():
+    shuffled = np.random.default_rng(5).permutation(0.9 * CLOUD)
+
+    assert FitCode.SCALE not in said(CLOUD, shuffled).codes
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e6, 1e12])
+@pytest.mark.parametrize("scale", [1e-120, 1.0, 1e120])
+def test_residuals_at_rounding_raise_no_alarm(offset, scale):
+    source = scale * (CLOUD @ stats.special_ortho_group.rvs(3, random_state=1).T + offset)
+    result = said(source, scale * CLOUD, sigma=scale * 1e-30)
+
+    assert result.warnings == ()
+    assert result.absent["scale_p"] == fit_module.ROUNDED
+
+
+def test_residuals_above_rounding_are_told_apart_from_it():
+    assert said(CLOUD, CLOUD * (1.0 + 1e-9)).codes == (FitCode.SCALE,)
+
+
+@pytest.mark.parametrize("n", [1, 2])
+def test_a_point_or_two_explain_nothing_that_could_be_tested(n):
+    result = said(CLOUD[:n], NOISY[:n], sigma=0.01)
+
+    assert (result.scale_p, result.chi2, result.warnings) == (None, None, ())
+    assert result.absent["chi2"] == fit_module.TOO_FEW
+    assert isinstance(result.stated("scale_p"), Absent)
+
+
+def test_three_points_are_enough_for_all_numbers():
+    assert said(CLOUD[:3], NOISY[:3], sigma=0.01).absent == {}
+
+
+@pytest.mark.parametrize("target", [CLOUD, np.ones((12, 3))], ids=["spread", "coincident"])
+@pytest.mark.parametrize("source", [CLOUD, np.zeros((12, 3))], ids=["spread", "coincident"])
+def test_coincident_points_explain_nothing(source, target):
+    result = said(source, target)
+    coincident = not (source.any() and (target != 1.0).any())
+
+    assert (result.explained is None) == coincident
+    assert (result.best_scale is None) == (not source.any())
+    assert result.warnings == ()
+
+
+def test_rows_without_weight_do_not_count():
+    weights = np.ones(12)
+    target = NOISY.copy()
+    weights[7], target[7] = 0.0, 1e9
+    result = said(CLOUD, target, weights=weights)
+    others = said(np.delete(CLOUD, 7, axis=0), np.delete(target, 7, axis=0))
+
+    assert result.warnings == ()
+    assert (result.scale_p, result.explained) == (others.scale_p, others.explained)
+    assert 7 not in {row.row for row in result.worst}
+
+
+def test_great_weights_make_no_outliers():
+    """Noise of one size under weights that say otherwise: in length alone no row is far."""
+    weights = np.where(np.arange(12) < 3, 1e6, 1.0)
+
+    assert FitCode.OUTLIER_ROWS not in said(CLOUD, NOISY, weights=weights).codes
+
+
+@pytest.mark.parametrize("scale", [(1e150, 1e150), (1e-150, 1e-150), (1.0, 1e300)])
+def test_units_of_any_size_are_judged_alike(scale):
+    here, there = scale
+    target = NOISY.copy()
+    target[5] += 20.0
+    result = said(here * CLOUD, there * target)
+
+    assert result.explained == pytest.approx(said(CLOUD, target).explained, rel=1e-12)
+    assert result.largest_over_median_residual is not None
+
+
+def test_numbers_beyond_the_doubles_are_absent_with_a_reason():
+    result = said(1e-300 * CLOUD, 1e300 * NOISY)
+
+    assert result.stated("best_scale") == fit_module.OUT_OF_RANGE
+
+
+def test_one_row_in_many_is_named_though_no_sample_holds_it():
+    n = 3 * outlying.SAMPLE_ROWS
+    source = np.random.default_rng(2).standard_normal((n, 3))
+    target = source + 0.01 * np.random.default_rng(3).standard_normal((n, 3))
+    target[9999] += 1.0
+    result = said(source, target)
+
+    assert (result.codes, result.outlier_rows) == ((FitCode.OUTLIER_ROWS,), (9999,))
+
+
+def test_a_chain_that_is_one_row_on_fits_well_and_is_told():
+    """Neighbours are near: more than 99 % are explained, and the next row fits better."""
+    chain = np.cumsum(np.random.default_rng(1).standard_normal((400, 3)), axis=0)
+    noise = 0.01 * np.random.default_rng(2).standard_normal((399, 3))
+    result = said(chain[:-1], chain[1:] + noise)
+
+    assert (result.explained or 0.0) > 0.99
+    assert result.codes == (FitCode.SHUFFLED,)
+    assert "one row earlier" in result.warnings[0].text
+
+
+def test_p_values_of_the_scale_are_uniform_where_it_is_one():
+    found = []
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        source = rng.standard_normal((5, 3))
+        found.append(said(source, source + 0.01 * rng.standard_normal((5, 3))).scale_p)
+
+    assert stats.kstest(found, "uniform").pvalue > 1e-3
