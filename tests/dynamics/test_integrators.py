@@ -271,6 +271,7 @@ def test_what_converged_is_slow_and_in_the_certified_basin(registrations):
         assert (height < 0.4 * gaps[:, 1])[ends.converged].all()
 
 
+@pytest.mark.slow
 def test_what_converged_is_within_a_thousandth_of_a_radian(registrations):
     for clouds, _, ends in registrations:
         off = angles(ends.rotations, best_rotations(clouds))

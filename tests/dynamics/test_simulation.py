@@ -108,6 +108,7 @@ def test_a_body_left_on_a_saddle_of_exact_coordinates_is_perturbed_off_it(index)
 # The end is proved ------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @each_story
 def test_the_packaged_pairs_end_in_the_proved_basin(name):
     assert_ends_in_the_proved_basin(told(name))
@@ -169,6 +170,7 @@ def test_too_few_steps_are_reported_and_claim_no_convergence():
     assert not trajectory.converged
 
 
+@pytest.mark.slow
 def test_a_body_that_weak_springs_leave_far_away_contradicts_nothing():
     rng = np.random.default_rng(2)
     source = rng.normal(size=(12, 3))

@@ -27,6 +27,7 @@ def centred(problem):
     return w, x, y
 
 
+@pytest.mark.slow
 @given(strategies.problems())
 def test_forces_and_torques_balance_point_by_point_at_every_component(problem):
     w, x, y = centred(problem)

@@ -45,6 +45,7 @@ def test_every_row_has_its_components_dimensions_degrees_and_indices(specimen):
     assert indices == index_of(specimen.pattern)
 
 
+@pytest.mark.slow
 @settings(max_examples=300)
 @given(matrices)
 def test_elimination_and_discriminant_give_the_same_pattern(C):

@@ -285,6 +285,11 @@ def nudged(problem: RegistrationProblem, rng: np.random.Generator) -> Registrati
 
 
 @functools.cache
+def exactly_known(problem: RegistrationProblem) -> Isotropic:
+    return Isotropic(exact_moments(problem))
+
+
+@functools.cache
 def adversaries() -> tuple[tuple[RegistrationProblem, ...], ...]:
     """Degenerate problems and neighbours of such, by number of points; each exact in doubles."""
     rng = np.random.default_rng(7)
@@ -315,7 +320,7 @@ def judged(claims: Any = solve_many) -> dict[str, int]:
     for group in adversaries():
         found = claims(**stacked(list(group)))
         for k, one in enumerate(group):
-            exact = Isotropic(exact_moments(one))
+            exact = exactly_known(one)
             kind: Classification = exact.classification
             counts["generic"] += kind.finite and kind.inertia_definite
             counts["decided" if found.decided[k] else "undecided"] += 1
@@ -330,6 +335,7 @@ def judged(claims: Any = solve_many) -> dict[str, int]:
     return counts
 
 
+@pytest.mark.slow
 def test_what_is_decided_is_never_wrong():
     counts = judged()
 
@@ -338,6 +344,7 @@ def test_what_is_decided_is_never_wrong():
     assert counts["decided"] > counts["generic"] // 2  # and doubles still say something
 
 
+@pytest.mark.slow
 def test_without_its_bound_a_decision_would_be_wrong(monkeypatch):
     """The same judge, and a bound that is a thousandth of what is proved."""
 
@@ -362,7 +369,7 @@ def test_eigenvalues_are_as_near_as_the_bound_says(machine):
         for k, one in enumerate(group):
             if bound[k] == np.inf:  # a coincident cloud
                 continue
-            exact = Isotropic(exact_moments(one))
+            exact = exactly_known(one)
             exponents = found.exponents[k].sum()
             scale = exact.moments.total_weight * Fraction(2) ** int(exponents)
             for value, expected in zip(found.values[k].tolist(), exact.eigenvalues, strict=True):

@@ -112,6 +112,7 @@ def test_sympy_receives_the_same_polynomials():
         assert [p.eval(tuple(point)) for p in as_sympy(system)] == system.evaluate(point)
 
 
+@pytest.mark.slow
 def test_the_texts_parse_back_to_the_same_polynomials():
     system = quaternion_system([[3, 1, -2], [7, 2, 5], [0, -1, 4]], chart=True)
     wanted = [p.as_expr() for p in as_sympy(system)]
@@ -129,6 +130,7 @@ def test_the_texts_parse_back_to_the_same_polynomials():
         assert sympy.simplify(ratio).is_number
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pattern", sorted({s.pattern for s in strategies.ZOO}), ids=str)
 def test_the_reference_finds_dimension_and_degree_of_every_row_in_the_entries_of_R(pattern):
     """Components are points, conics, Veronese surfaces (degree 4) and SO(3) (degree 8)."""

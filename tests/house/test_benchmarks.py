@@ -125,6 +125,7 @@ def test_a_ratio_is_to_the_fastest_library_and_claimed_on_one_core_only():
         assert "gtsam" in found[0].what
 
 
+@pytest.mark.slow
 def test_one_core_is_one_core():
     """Of the process that measures: what it loads sees one, and starts no more threads."""
     words = "from benchmarks import comparing as c; c.tie_to_one_core(); print(c._cores())"

@@ -68,6 +68,7 @@ def command(*arguments: object) -> str:
     )
 
 
+@pytest.mark.slow
 def test_import_certreg_loads_nothing_heavy():
     code = "import certreg\nassert certreg.__version__ and certreg.CertregError"
     use = "certreg.certify(certreg.RegistrationProblem([[0, 0, 1]], [[1, 0, 0]]), relaxation=False)"
@@ -79,6 +80,7 @@ def test_import_certreg_loads_nothing_heavy():
     )  # the question finds something
 
 
+@pytest.mark.slow
 def test_help_and_verify_load_no_numerical_library(tmp_path: Path):
     certificate = tmp_path / "certificate.json"
     problem = certreg.RegistrationProblem([[0, 0, 1], [2, 0, 0]], [[1, 0, 0], [0, 1, 0]])
@@ -123,6 +125,7 @@ def taken_by(*statements: str) -> dict[str, Any]:
 ORDERS = [*itertools.permutations(IMPORTS, 2), *itertools.permutations(IMPORTS[:4])]
 
 
+@pytest.mark.slow
 def test_verify_is_the_function_after_every_order_of_imports(forget):
     for order in ORDERS:
         forget()
@@ -180,6 +183,7 @@ def test_an_unknown_name_is_an_attribute_error():
         exec("from certreg import nonsense", {})  # noqa: S102
 
 
+@pytest.mark.slow
 def test_a_command_is_imported_when_it_is_run_and_not_when_it_is_listed():
     complete = (
         "from click import Context\n"

@@ -50,6 +50,7 @@ def library_or_skip():
     return loaded_library()
 
 
+@pytest.mark.slow
 def test_generating_anew_gives_the_committed_bytes(tmp_path):
     write_files(tmp_path, generated_files(chain.definitions(), chain.records()))
 
@@ -102,6 +103,7 @@ def values_of(expressions: Iterable[Any], numbers: dict[Any, float]) -> list[flo
     return function(*numbers.values())
 
 
+@pytest.mark.slow
 def test_named_values_are_those_of_the_derived_step():
     from derivations import integrators
 

@@ -144,6 +144,7 @@ def test_without_a_compiler_the_user_is_told_once_in_one_line(tmp_path):
     assert "CasADi's evaluator" in run.stderr
 
 
+@pytest.mark.slow
 def test_python_is_warned_once(tmp_path):
     code = (
         "import certreg, warnings, numpy\n"
@@ -195,6 +196,7 @@ def assert_same(
         assert np.abs(mine - theirs).max() <= tolerance * max(1.0, np.abs(theirs).max()), name
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("made")
 @each_integrator
 @pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: specimen.name)
@@ -205,6 +207,7 @@ def test_the_evaluator_takes_the_same_way_through_the_zoo(specimen, integrator, 
         assert_same(*pair, tolerance=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("made")
 @each_integrator
 @pytest.mark.parametrize("index", [1, 2, 3])
@@ -351,6 +354,7 @@ def test_processes_that_compile_at_once_all_get_a_library(made, folder):
     assert cache.is_intact(next(folder.glob("*.so")))
 
 
+@pytest.mark.slow
 def test_a_library_serves_all_threads(copying):
     del copying
     run = python(
@@ -388,6 +392,7 @@ def scrawl(path: Path) -> None:
     path.with_suffix(".sha256").write_bytes(b"\xff\xfe")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damage", [cut, flip, empty, unseal, scrawl, Path.unlink])
 def test_a_damaged_library_is_compiled_again(damage, copying, made):
     path = compiled_library()
@@ -638,6 +643,7 @@ def test_a_cache_that_does_not_keep_what_is_written_is_left(copying, monkeypatch
     assert written
 
 
+@pytest.mark.slow
 def test_a_disk_that_is_full_everywhere_leaves_the_evaluator(folder):
     """Files of more than 8 KiB cannot be written, by whatever process."""
     try:

@@ -160,6 +160,7 @@ def test_near_a_mirror_image_times_grow_as_one_over_the_distance():
     np.testing.assert_allclose(near.escape_times, near.predicted_escape_times, rtol=0.06)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("points", "sigma"), [(100, 0.0), (100, 3.2), (1000, 10.0)])
 def test_the_margin_is_that_of_the_central_limit(points: int, sigma: float):
     count = 2000

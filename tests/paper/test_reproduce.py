@@ -416,6 +416,7 @@ def shown_texts(figure: Any) -> list[Any]:
     return [text for text in found if text.get_visible() and text.get_text().strip()]
 
 
+@pytest.mark.slow
 def test_figures_are_of_the_pages_width_and_the_same_bytes_again(drawn):
     png = written(drawn[0], "png")
 
