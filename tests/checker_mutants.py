@@ -296,10 +296,10 @@ FORM = mutants(
 )
 # Beside each the subjects whose questions notice most of its mutants: these are asked first.
 GROUPS = (
-    (LIMITS, ("form", "data")),
+    (LIMITS, ("form", "count", "data")),
     (DATA, ("data",)),
     (FORM, ("form",)),
-    (SUMS + ISOTROPIC, ("optimality", "claims", "words", "pattern", "basin")),
+    (SUMS + ISOTROPIC, ("optimality", "claims", "words", "general", "pattern", "basin")),
     (WORTH, ("words", "command")),
     (COUNT, ("count",)),
 )
