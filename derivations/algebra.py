@@ -3,131 +3,197 @@
 Expressions are SymPy polynomials in symbols, or nested sequences or matrices of them. They are
 multiplied out in a ring of sparse polynomials over the rationals; anything else than a polynomial
 (a square root, a quotient, a float) is a TypeError: introduce a symbol and say what it satisfies.
+What vanishes and what is positive are parts of the claim's hypotheses, and nothing else is.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import sympy
-from sympy.polys.domains import QQ
-from sympy.polys.orderings import lex
-from sympy.polys.rings import PolyElement, PolyRing
 
 from certreg.results import Ruling, Verdict
 
-from .kernel import Kind, Step
+from .hypothesis import Form, Hypothesis, Part
+from .rings import Entries, flat, polynomial, ring_of
+from .steps import Asserted, Kind, Sense, Step
 
-Entries = Any  # a SymPy expression, a number, or nested sequences or matrices of them
+if TYPE_CHECKING:
+    from sympy.polys.rings import PolyElement, PolyRing
 
-
-@dataclass(frozen=True, slots=True)
-class Relation:
-    """An equation that holds by hypothesis: `lead`^`power` equals `value`, free of the lead."""
-
-    lead: sympy.Symbol
-    power: int
-    value: Any
-
-    @property
-    def vanishing(self) -> Any:
-        """lead^power - value."""
-        return self.lead**self.power - self.value
+Term = tuple[Any, Part]  # a cofactor and a generator
 
 
 @dataclass(frozen=True, slots=True)
 class Square:
-    """The square of a real expression: nonnegative."""
+    """The square of a real expression: nonnegative; of a part that is not zero: positive."""
 
     base: Any
 
 
-@dataclass(frozen=True, slots=True)
-class Given:
-    """An expression that is nonnegative by hypothesis, which `because` names."""
-
-    value: Any
-    because: str
-
-
 def identity(says: str, left: Entries, right: Entries) -> Step:
     """The step that two expressions, entry by entry, are the same polynomial."""
-    a, b = flat(left), flat(right)
-    if len(a) != len(b):
-        raise ValueError(f"{len(a)} entries against {len(b)}: {says}")
+    a, b = _paired(says, left, right)
     ring = ring_of([*a, *b])
-    differences = [_polynomial(ring, x) - _polynomial(ring, y) for x, y in zip(a, b, strict=True)]
-    terms = sum(len(_polynomial(ring, x)) for x in a)
-    return _step(says, Kind.IDENTITY, differences, f"{_count(len(a), 'entry')}, {_terms(terms)}")
+    first = [polynomial(ring, x) for x in a]
+    differences = [x - polynomial(ring, y) for x, y in zip(first, b, strict=True)]
+    asserted = Asserted(
+        sense=Sense.ZERO,
+        values=tuple(d for d in differences if d),
+        sides=tuple(zip(a, b, strict=True)),
+    )
+    evidence = f"{_count(len(a), 'entry')}, {_terms(sum(map(len, first)))}"
+    return _step(says, Kind.IDENTITY, asserted, differences, evidence)
 
 
-def modulo(says: str, left: Entries, right: Entries, relations: Sequence[Relation]) -> Step:
-    """The step that two expressions agree where the relations hold.
+def modulo(says: str, left: Entries, right: Entries, hypotheses: Sequence[Hypothesis]) -> Step:
+    """The step that two expressions agree where the equations of the hypotheses hold.
 
     The cofactors are proposed by polynomial division and then multiplied out: the division itself
     need not be believed.
     """
-    a, b = flat(left), flat(right)
-    if len(a) != len(b):
-        raise ValueError(f"{len(a)} entries against {len(b)}: {says}")
-    vanishing = [relation.vanishing for relation in relations]
-    ring = ring_of([*a, *b, *vanishing], first=[relation.lead for relation in relations])
-    generators = [_polynomial(ring, g) for g in vanishing]
-    remainders: list[PolyElement] = []
-    used = 0
-    for x, y in zip(a, b, strict=True):
-        difference = _polynomial(ring, x) - _polynomial(ring, y)
-        cofactors = difference.div(generators)[0] if difference else [ring.zero] * len(generators)
-        for cofactor, generator in zip(cofactors, generators, strict=True):
-            difference = difference - cofactor * generator
-        remainders.append(difference)
-        used += sum(map(len, cofactors))
+    a, b = _paired(says, left, right)
+    vanishing = [hypothesis[0].value for hypothesis in hypotheses]
+    leads = [hypothesis.lead[0] for hypothesis in hypotheses if hypothesis.lead is not None]
+    if len(leads) < len(hypotheses):
+        raise TypeError(f"a hypothesis that eliminates no symbol: {says}")
+    ring = ring_of([*a, *b, *vanishing], first=leads)
+    generators = [polynomial(ring, g) for g in vanishing]
+    apart = [polynomial(ring, x) - polynomial(ring, y) for x, y in zip(a, b, strict=True)]
+    remainders, cofactors = [], [_divided(ring, rest, generators) for rest in apart]
+    for rest, factors in zip(apart, cofactors, strict=True):
+        parts = [factor * generator for factor, generator in zip(factors, generators, strict=True)]
+        remainders.append(rest - sum(parts, start=ring.zero))
+    used = sum(len(factor) for factors in cofactors for factor in factors)
+    leans = {h for factors in cofactors for h, f in zip(hypotheses, factors, strict=True) if f}
+    asserted = Asserted(
+        sense=Sense.ZERO,
+        values=tuple(apart),
+        named=frozenset(hypotheses),
+        leans=frozenset(leans),
+        sides=tuple(zip(a, b, strict=True)),
+    )
     evidence = f"{_count(len(a), 'entry')}, cofactors of {_terms(used)} multiplied out"
-    return _step(says, Kind.COMBINATION, remainders, evidence)
+    return _step(says, Kind.COMBINATION, asserted, remainders, evidence)
 
 
-def combination(says: str, element: Any, terms: Iterable[tuple[Any, Any]]) -> Step:
+def _divided(ring: PolyRing, rest: PolyElement, generators: list[PolyElement]) -> list[PolyElement]:
+    return rest.div(generators)[0] if rest else [ring.zero] * len(generators)
+
+
+def combination(says: str, element: Any, terms: Iterable[Term]) -> Step:
     """The step that an expression is the sum of cofactor * generator, which vanish by hypothesis.
 
     Membership in the ideal of the generators, with explicit cofactors that are multiplied out.
     """
-    pairs = [(sympy.sympify(c), sympy.sympify(g)) for c, g in terms]
+    pairs = [(sympy.sympify(c), _vanishing(part)) for c, part in terms]
     element = sympy.sympify(element)
-    ring = ring_of([element, *(e for pair in pairs for e in pair)])
-    rest = _polynomial(ring, element)
-    for cofactor, generator in pairs:
-        rest = rest - _polynomial(ring, cofactor) * _polynomial(ring, generator)
-    return _step(says, Kind.COMBINATION, [rest], f"{_count(len(pairs), 'cofactor')} multiplied out")
+    ring = ring_of([element, *(e for c, part in pairs for e in (c, sympy.sympify(part.value)))])
+    value = polynomial(ring, element)
+    shares: dict[Hypothesis, Any] = {part.hypothesis: ring.zero for _, part in pairs}
+    for cofactor, part in pairs:
+        product = polynomial(ring, cofactor) * polynomial(ring, part.value)
+        shares[part.hypothesis] = shares[part.hypothesis] + product
+    rest = value - sum(shares.values(), start=ring.zero)
+    asserted = Asserted(
+        sense=Sense.ZERO,
+        values=(value,),
+        named=frozenset(shares),
+        leans=frozenset(h for h, share in shares.items() if share),
+    )
+    evidence = f"{_count(len(pairs), 'cofactor')} multiplied out"
+    return _step(says, Kind.COMBINATION, asserted, [rest], evidence)
 
 
-def contraction(cofactors: Entries, generators: Entries) -> list[tuple[Any, Any]]:
+def _vanishing(part: Part) -> Part:
+    if not isinstance(part, Part) or not part.hypothesis.generators:
+        raise TypeError(f"no hypothesis says that {part} vanishes")
+    return part
+
+
+def contraction(cofactors: Entries, hypothesis: Hypothesis) -> list[Term]:
     """The pairs of entries whose products sum to tr(cofactors^T generators)."""
-    return list(zip(flat(cofactors), flat(generators), strict=True))
+    return list(zip(flat(cofactors), hypothesis.parts, strict=True))
 
 
 def nonnegative(says: str, element: Any, terms: Iterable[Sequence[Any]]) -> Step:
     """The step that an expression is a sum of products of nonnegative factors.
 
-    A factor is a nonnegative rational number, a `Square`, or `Given` by a hypothesis.
+    A factor is a nonnegative rational number, a `Square`, or part of a hypothesis that says so.
     """
-    products = [list(term) for term in terms]
-    factors = [factor for product in products for factor in product]
-    values = [_nonnegative_value(factor) for factor in factors]
+    return _positivity(says, element, [list(term) for term in terms], strict=False)
+
+
+def positive(says: str, element: Any, terms: Iterable[Sequence[Any]]) -> Step:
+    """The step that an expression is such a sum, with one product whose factors are all positive.
+
+    Positive are: positive numbers, parts of a hypothesis that says positive (not nonnegative), and
+    squares of such parts, or of parts that are not zero by hypothesis.
+    """
+    return _positivity(says, element, [list(term) for term in terms], strict=True)
+
+
+def _positivity(says: str, element: Any, products: list[list[Any]], *, strict: bool) -> Step:
+    values = [[_nonnegative_value(factor) for factor in product] for product in products]
     element = sympy.sympify(element)
-    ring = ring_of([element, *values])
-    rest = _polynomial(ring, element)
-    for product in products:
-        part = ring.one
-        for factor in product:
-            part = part * _polynomial(ring, _nonnegative_value(factor))
-        rest = rest - part
-    hypotheses = sorted({factor.because for factor in factors if isinstance(factor, Given)})
+    ring = ring_of([element, *(v for product in values for v in product)])
+    value = polynomial(ring, element)
+    made = [_product(ring, product) for product in values]
+    rest = value - sum(made, start=ring.zero)
+    present = [product for product, known in zip(products, made, strict=True) if known]
+    above = [product for product in present if all(map(_is_positive, product))]
+    named = {h for product in products for factor in product for h in _named(factor)}
+    leans = {h for product in present for factor in product for h in _because(factor)}
+    strictly = {h for h in named if strict and all(h in _all_named(p) for p in above)}
+    asserted = Asserted(
+        sense=Sense.POSITIVE if strict else Sense.NONNEGATIVE,
+        values=(value,),
+        named=frozenset(named),
+        leans=frozenset(leans | strictly),
+        strictly=frozenset(strictly),
+    )
     evidence = _count(len(products), "nonnegative product")
-    if hypotheses:
-        evidence += "; nonnegative by hypothesis: " + ", ".join(hypotheses)
-    return _step(says, Kind.POSITIVITY, [rest], evidence)
+    if named:
+        evidence += "; by hypothesis: " + ", ".join(sorted({h.says for h in named}))
+    kind = Kind.STRICT if strict else Kind.POSITIVITY
+    if strict and not above:
+        words = "no product of positive factors among them: it may be zero"
+        return Step(says=says, kind=kind, verdict=_refuted(words), asserted=asserted)
+    return _step(says, kind, asserted, [rest], evidence)
+
+
+def _product(ring: PolyRing, values: list[Any]) -> PolyElement:
+    found = ring.one
+    for value in values:
+        found = found * polynomial(ring, value)
+    return found
+
+
+def _is_positive(factor: Any) -> bool:
+    """Whether a hypothesis, or being a positive number, makes a factor positive, not only >= 0."""
+    if isinstance(factor, Square):
+        base = factor.base
+        forms = {Form.POSITIVE, Form.INVERTIBLE}
+        return isinstance(base, Part) and base.hypothesis.form in forms
+    if isinstance(factor, Part):
+        return factor.hypothesis.form is Form.POSITIVE
+    return bool(sympy.sympify(factor) > 0)
+
+
+def _named(factor: Any) -> list[Hypothesis]:
+    part = factor.base if isinstance(factor, Square) else factor
+    return [part.hypothesis] if isinstance(part, Part) else []
+
+
+def _because(factor: Any) -> list[Hypothesis]:
+    """The hypothesis by which a factor is not negative; a square needs none."""
+    return [] if isinstance(factor, Square) else _named(factor)
+
+
+def _all_named(product: Sequence[Any]) -> set[Hypothesis]:
+    return {h for factor in product for h in _named(factor)}
 
 
 def facts(says: str, found: Sequence[Any], expected: Sequence[Any]) -> Step:
@@ -144,44 +210,36 @@ def facts(says: str, found: Sequence[Any], expected: Sequence[Any]) -> Step:
     return Step(says=says, kind=Kind.FACTS, verdict=_proved(f"{_count(len(found), 'fact')}"))
 
 
+def refuting(says: str, found: Sequence[Any], told: Sequence[Any]) -> Step:
+    """The step that values computed exactly are not as a false statement has them."""
+    wrong = facts(says, found, told).verdict
+    words = f"{wrong.words} by the statement" if not wrong.proved else "they are as stated"
+    verdict = _refuted(words) if wrong.proved else _proved(words)
+    return Step(says=says, kind=Kind.FACTS, verdict=verdict)
+
+
 def quoted(says: str, *, source: str) -> Step:
     """A step that rests on a theorem of the literature; said to be so wherever it is shown."""
     verdict = Verdict(ruling=Ruling.INCONCLUSIVE, words=f"quoted from {source}, not proved here")
     return Step(says=says, kind=Kind.QUOTED, verdict=verdict)
 
 
-def flat(entries: Entries) -> list[Any]:
-    """The scalars of nested sequences or matrices, row by row."""
-    if isinstance(entries, sympy.MatrixBase):
-        return [entries[k] for k in range(len(entries))]
-    if isinstance(entries, (list, tuple)):
-        return [scalar for entry in entries for scalar in flat(entry)]
-    return [sympy.sympify(entries)]
-
-
-def ring_of(expressions: Iterable[Any], first: Sequence[sympy.Symbol] = ()) -> PolyRing:
-    """The ring Q[symbols] of all symbols in the expressions, lexicographic, `first` in front."""
-    symbols: set[sympy.Symbol] = set()
-    for expression in expressions:
-        symbols |= getattr(expression, "free_symbols", set())
-    rest = sorted(symbols - set(first), key=lambda s: s.name)
-    return PolyRing([*first, *rest], QQ, lex) if symbols or first else PolyRing(["unused"], QQ, lex)
-
-
-def _polynomial(ring: PolyRing, expression: Any) -> PolyElement:
-    expression = sympy.sympify(expression)
-    if expression.has(sympy.Float):
-        raise TypeError(f"a floating-point number proves nothing: {expression}")
-    try:
-        return ring.from_expr(expression)
-    except ValueError as error:
-        raise TypeError(f"not a polynomial with rational coefficients: {expression}") from error
+def _paired(says: str, left: Entries, right: Entries) -> tuple[list[Any], list[Any]]:
+    a, b = flat(left), flat(right)
+    if len(a) != len(b):
+        raise ValueError(f"{len(a)} entries against {len(b)}: {says}")
+    return a, b
 
 
 def _nonnegative_value(factor: Any) -> Any:
     if isinstance(factor, Square):
-        return sympy.sympify(factor.base) ** 2
-    if isinstance(factor, Given):
+        base = factor.base
+        if isinstance(base, Part):
+            base = base.hypothesis.values[base.index]
+        return sympy.sympify(base) ** 2
+    if isinstance(factor, Part):
+        if factor.hypothesis.form not in {Form.POSITIVE, Form.NONNEGATIVE}:
+            raise TypeError(f"nobody said why {factor.value} is nonnegative")
         return sympy.sympify(factor.value)
     number = sympy.sympify(factor)
     if not (number.is_Rational and number >= 0):
@@ -189,14 +247,16 @@ def _nonnegative_value(factor: Any) -> Any:
     return number
 
 
-def _step(says: str, kind: Kind, rests: Sequence[PolyElement], evidence: str) -> Step:
+def _step(
+    says: str, kind: Kind, asserted: Asserted, rests: Sequence[PolyElement], evidence: str
+) -> Step:
     wrong = [rest for rest in rests if rest]
+    verdict = _proved(evidence)
     if wrong:
         rest = str(wrong[0].as_expr())
         short = rest if len(rest) < 100 else rest[:97] + "..."
-        words = f"{len(wrong)} of {len(rests)} entries leave a rest, the first {short}"
-        return Step(says=says, kind=kind, verdict=_refuted(words))
-    return Step(says=says, kind=kind, verdict=_proved(evidence))
+        verdict = _refuted(f"{len(wrong)} of {len(rests)} entries leave a rest, the first {short}")
+    return Step(says=says, kind=kind, verdict=verdict, asserted=asserted)
 
 
 def _proved(words: str) -> Verdict:

@@ -78,6 +78,7 @@ CHAPTERS = (
         (
             "elimination",
             "optimality_certificate",
+            "energy_range",
             "dual_bound",
             "certified_basin",
             "covariance",

@@ -1,70 +1,77 @@
 r"""The claim kernel: what is claimed, how it is proved step by step, and what must fail.
 
 A proof is a generator of steps; each step was checked exactly when it is yielded (`algebra` makes
-them). Nothing here looks at a number with a decimal point. A negative control is the same proof
-about a mutated statement: it must come out refuted, or the proof would prove anything.
+them). Nothing here looks at a number with a decimal point.
 
-Trusted: this file, `algebra`, and the polynomial arithmetic of SymPy (sums and products of sparse
-polynomials over the rationals). No Gröbner engine, no `simplify`, no solver.
+Two things must fail, or the proof would prove anything. A hypothesis is dropped: a step that leans
+on it fails, and at an instance of all other hypotheses the statement is false. The statement is
+mutated: the same proof fails at the step that is told, and the mutated statement is false at an
+instance. Instances are rational points, evaluated exactly.
+
+Trusted: this file, `steps`, `hypothesis`, `algebra`, `rings`, and the polynomial arithmetic of
+SymPy (sums and products of sparse polynomials over the rationals). No Gröbner engine, no
+`simplify`, no solver: `instances` proposes points, and they are evaluated.
 """
 
 from __future__ import annotations
 
-import enum
 import time
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import sympy
 
 from certreg.results import Ruling, Verdict
 
-Proof = Iterable["Step"]
-
-
-class Kind(enum.Enum):
-    """What a step is checked by; the value is the words shown beside it."""
-
-    IDENTITY = "both sides multiplied out are the same polynomial"
-    COMBINATION = "multiplied out, a combination of expressions that vanish by hypothesis"
-    POSITIVITY = "multiplied out, a sum of products of nonnegative factors"
-    FACTS = "computed exactly, case by case"
-    QUOTED = "a theorem from the literature, not proved here"
+from .hypothesis import Form, Hypothesis, Standing, printed
+from .instances import counterexample
+from .steps import Kind, Proof, Step
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Step:
-    """One step of a proof: what it says (Markdown with LaTeX), and the verdict of its check."""
+class Mutation:
+    """The proof of a mutated statement, which is false: `at` is the step that must fail.
 
-    says: str
-    kind: Kind
-    verdict: Verdict
+    Where that step says, of the mutated formulas, a part of the statement itself, the kernel finds
+    a point at which it is false; point: one to try first, symbols left out are zero. Otherwise,
+    instance: a step that shows the mutated statement false at exact numbers.
+    """
 
-    @property
-    def holds(self) -> bool:
-        """Whether the proof may go on: proved, or quoted with its source."""
-        return self.verdict.proved or self.kind is Kind.QUOTED
+    at: int
+    proof: Callable[[], Proof]
+    point: Mapping[sympy.Symbol, Any] = field(default_factory=dict[sympy.Symbol, Any])
+    instance: Callable[[], Step] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Claim:
     """A theorem about the shipped formulas.
 
-    statement: LaTeX within Markdown. assumptions, not_claimed: sentences. source: equation of the
-    paper or bibliography key. needs: names of the claims that the proof builds on. used_by: dotted
-    names of the code that relies on it. controls: mutated statement -> the proof of it. standard:
-    facts of a first course (the spectral theorem, say) that its words use without a proof. coq:
-    names of the theorems in `derivations/coq` that say the same or a part of it, none if no machine
-    has checked it; not_in_coq: exactly what of the claim they do not say, or why there is none.
+    statement: LaTeX within Markdown. concludes: the numbers of those steps that say it, or a part
+    of it, in formulas. hypotheses: all that its proof may use. inherits: claims that the words of
+    its proof build on, and whose assumptions it makes with them. setting: sentences on what the
+    letters stand for. not_claimed: sentences. source: equation of the paper or bibliography key.
+    needs: names of the claims that the proof builds on. used_by: dotted names of the code whose
+    formulas it is about, or that relies on it. controls: name of a mutated statement -> its proof.
+    standard: facts of a first course (the spectral theorem, say) that its words use without a
+    proof. coq: names of the theorems in `derivations/coq` that say the same or a part of it, none
+    if no machine has checked it; not_in_coq: exactly what of the claim they do not say, or why
+    there is none.
     """
 
     name: str
     title: str
     statement: str
-    assumptions: tuple[str, ...]
+    concludes: tuple[int, ...]
     source: str
     proof: Callable[[], Proof]
-    controls: Mapping[str, Callable[[], Proof]]
+    controls: Mapping[str, Mutation]
     not_claimed: str
     not_in_coq: str
+    hypotheses: tuple[Hypothesis, ...] = ()
+    inherits: tuple[Claim, ...] = ()
+    setting: tuple[str, ...] = ()
     coq: tuple[str, ...] = ()
     needs: tuple[str, ...] = ()
     used_by: tuple[str, ...] = ()
@@ -73,27 +80,77 @@ class Claim:
     def __post_init__(self) -> None:
         if not self.controls:
             raise ValueError(f"claim {self.name!r} has no negative control")
+        if not self.concludes:
+            raise ValueError(f"claim {self.name!r} does not say which steps are its statement")
+
+    @property
+    def assumed(self) -> tuple[str, ...]:
+        """What is assumed, in words: by the hypotheses, and by those of the claims it inherits."""
+        own = printed(self.hypotheses, Standing.ASSUMED)
+        others = (sentence for claim in self.inherits for sentence in claim.assumed)
+        return tuple(dict.fromkeys((*own, *others)))
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """The same, to be printed: it says so where nothing is assumed."""
+        return self.assumed or ("None.",)
+
+    @property
+    def premises(self) -> tuple[tuple[str, tuple[str, ...]], ...]:
+        """Headings and sentences: what is assumed, what letters stand for, what holds in places."""
+        said = {standing: printed(self.hypotheses, standing) for standing in Standing}
+        said[Standing.ASSUMED] = self.assumptions
+        said[Standing.NOTATION] = (*self.setting, *said[Standing.NOTATION])
+        return tuple((standing.value, words) for standing, words in said.items() if words)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Control:
-    """What became of a mutated statement: `refuted_at` is the step that failed, None if none."""
+    """What became of a mutated statement.
+
+    refuted_at: the step that failed, None if none. number: its number. words: the instance at
+    which the mutated statement is false. complaint: why this is no refutation of the mutated
+    statement; empty if it is one.
+    """
 
     name: str
     refuted_at: Step | None
+    number: int
+    words: str = ""
+    complaint: str = ""
 
     @property
-    def passed(self) -> bool:
-        """Whether the mutated proof went through, which no mutated proof may."""
-        return self.refuted_at is None
+    def refuted(self) -> bool:
+        """Whether the proof failed where it must, and the statement is false at an instance."""
+        return not self.complaint
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Dropped:
+    """What became of the proof without a hypothesis.
+
+    number: the step that fails without it. words: the instance at which the statement is false
+    then. complaint: why the hypothesis is not shown to be needed; empty if it is.
+    """
+
+    hypothesis: Hypothesis
+    number: int
+    words: str = ""
+    complaint: str = ""
+
+    @property
+    def needed(self) -> bool:
+        """Whether the proof fails without it, and the statement is false at an instance."""
+        return not self.complaint
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ClaimOutcome:
-    """A claim, the steps that were executed, and the verdict."""
+    """A claim, the steps that were executed, what had to fail, and the verdict."""
 
     claim: Claim
     steps: tuple[Step, ...]
+    dropped: tuple[Dropped, ...]
     controls: tuple[Control, ...]
     verdict: Verdict
     seconds: float
@@ -105,53 +162,148 @@ class ClaimOutcome:
 
 
 def prove(claim: Claim) -> ClaimOutcome:
-    """The outcome of running a claim's proof and all its negative controls.
+    """The outcome of running a claim's proof, without each hypothesis too, and its controls.
 
-    PROVED if every step holds and every control is refuted; REFUTED at the first step that is not
-    an identity; INCONCLUSIVE if the proof has no checked step or a control passes.
+    PROVED if every step holds, every hypothesis is needed and every control refuted; REFUTED at the
+    first step that does not hold, or that broke off; INCONCLUSIVE if the proof has no checked step,
+    uses a hypothesis that is not declared, does not need one that is, or a control passes.
     """
     start = time.perf_counter()
-    steps = _until_refuted(claim.proof())
-    controls = tuple(_control(name, proof) for name, proof in claim.controls.items())
+    steps = _until_refuted(claim.proof)
+    dropped: tuple[Dropped, ...] = ()
+    if steps and steps[-1].holds:
+        dropped = tuple(_without(h, claim, steps) for h in claim.hypotheses)
+    controls = tuple(_control(name, claim, steps) for name in claim.controls)
     return ClaimOutcome(
         claim=claim,
         steps=steps,
+        dropped=dropped,
         controls=controls,
-        verdict=_verdict(steps, controls),
+        verdict=_verdict(claim, steps, dropped, controls),
         seconds=time.perf_counter() - start,
     )
 
 
-def _until_refuted(proof: Proof) -> tuple[Step, ...]:
+def _until_refuted(proof: Callable[[], Proof]) -> tuple[Step, ...]:
+    """The steps up to the first that does not hold; what is raised is a step that does not."""
     steps: list[Step] = []
-    for step in proof:
-        steps.append(step)
-        if not step.holds:
-            break
+    try:
+        for step in proof():
+            steps.append(step)
+            if not step.holds:
+                break
+    except Exception as error:  # noqa: BLE001  (whatever breaks a proof, it proves nothing then)
+        steps.append(Step.broken(error))
     return tuple(steps)
 
 
-def _control(name: str, proof: Callable[[], Proof]) -> Control:
-    last = _until_refuted(proof())[-1]
-    return Control(name=name, refuted_at=None if last.holds else last)
+def _without(hypothesis: Hypothesis, claim: Claim, steps: Sequence[Step]) -> Dropped:
+    """The proof without a hypothesis: the step that fails, and an instance of the rest."""
+    leaning = [
+        (number, step)
+        for number, step in enumerate(steps, 1)
+        if step.asserted is not None and hypothesis in step.asserted.leans
+    ]
+    if not leaning:
+        complaint = "no step needs it"
+        return Dropped(hypothesis=hypothesis, number=0, complaint=complaint)
+    first = leaning[0][0]
+    strict = [pair for pair in leaning if _strict(pair[1], hypothesis)]
+    if hypothesis.form is Form.POSITIVE and not strict:
+        complaint = "every step would do with nonnegative"
+        return Dropped(hypothesis=hypothesis, number=first, complaint=complaint)
+    for number, step in strict + [pair for pair in leaning if pair not in strict]:
+        if number in claim.concludes and step.asserted is not None:
+            found = counterexample(
+                step.asserted, claim.hypotheses, hypothesis, first=hypothesis.example
+            )
+            if found is not None:
+                return Dropped(hypothesis=hypothesis, number=number, words=found.words)
+    complaint = "no instance shows the statement false without it"
+    return Dropped(hypothesis=hypothesis, number=first, complaint=complaint)
 
 
-def _checked(steps: tuple[Step, ...]) -> str:
+def _strict(step: Step, hypothesis: Hypothesis) -> bool:
+    return step.asserted is not None and hypothesis in step.asserted.strictly
+
+
+def _control(name: str, claim: Claim, own: Sequence[Step]) -> Control:
+    """The proof of a mutated statement: it fails where it must, and an instance shows why."""
+    mutation = claim.controls[name]
+    steps = _until_refuted(mutation.proof)
+    number, last = len(steps), steps[-1]
+    if last.holds:
+        return Control(name=name, refuted_at=None, number=0, complaint="the proof also proves this")
+    words, complaint = "", ""
+    if last.kind is Kind.BROKEN:
+        complaint = last.verdict.words
+    elif number != mutation.at or number > len(own):
+        complaint = f"it fails at step {number}, not at step {mutation.at}"
+    elif mutation.instance is not None:
+        instance = mutation.instance()
+        words = instance.says
+        if not (instance.verdict.proved and instance.kind is Kind.FACTS):
+            complaint = f"its instance is none: {instance.verdict.words}"
+    elif number not in claim.concludes:
+        complaint = f"step {number} is not what is claimed, and there is no instance"
+    elif last.asserted is None:
+        words = last.verdict.words  # facts: exact values, not as told
+    else:
+        found = counterexample(last.asserted, claim.hypotheses, first=mutation.point)
+        words = found.words if found else ""
+        complaint = "" if found else "no instance shows it false"
+    return Control(name=name, refuted_at=last, number=number, words=words, complaint=complaint)
+
+
+def _checked(steps: Sequence[Step]) -> str:
     quoted = sum(step.kind is Kind.QUOTED for step in steps)
-    number = len(steps) - quoted
-    words = f"{number} {'step' if number == 1 else 'steps'} checked"
+    words = _count(len(steps) - quoted, "step") + " checked"
     return f"{words}, {quoted} quoted" if quoted else words
 
 
-def _verdict(steps: tuple[Step, ...], controls: tuple[Control, ...]) -> Verdict:
+def _count(number: int, noun: str) -> str:
+    plural = f"{noun[:-2]}es" if noun.endswith("is") else f"{noun}s"
+    return f"{number} {noun if number == 1 else plural}"
+
+
+def _verdict(
+    claim: Claim,
+    steps: Sequence[Step],
+    dropped: Sequence[Dropped],
+    controls: Sequence[Control],
+) -> Verdict:
     if not any(step.kind is not Kind.QUOTED for step in steps):
         return Verdict(ruling=Ruling.INCONCLUSIVE, words="no step was checked")
     if not steps[-1].holds:
-        last = steps[-1]
-        return Verdict(ruling=Ruling.REFUTED, words=f"step {len(steps)}: {last.verdict.words}")
-    passed = [control.name for control in controls if control.passed]
-    if passed:
-        words = f"the proof also proves the mutated statement: {passed[0]}"
-        return Verdict(ruling=Ruling.INCONCLUSIVE, words=words)
-    words = f"{_checked(steps)}, {len(controls)} mutated statements refuted"
+        words = f"step {len(steps)}: {steps[-1].verdict.words}"
+        return Verdict(ruling=Ruling.REFUTED, words=words)
+    complaint = _complaint(claim, steps, dropped, controls)
+    if complaint:
+        return Verdict(ruling=Ruling.INCONCLUSIVE, words=complaint)
+    words = f"{_checked(steps)}, {_count(len(controls), 'mutated statement')} refuted"
+    if dropped:
+        words += f", {_count(len(dropped), 'hypothesis')} needed"
     return Verdict(ruling=Ruling.PROVED, words=words, theorems=(steps[-1].says,))
+
+
+def _complaint(
+    claim: Claim,
+    steps: Sequence[Step],
+    dropped: Sequence[Dropped],
+    controls: Sequence[Control],
+) -> str:
+    """Why a proof whose steps all hold is none of the claim; empty if it is one."""
+    for number, step in enumerate(steps, 1):
+        used = step.asserted.named if step.asserted is not None else frozenset[Hypothesis]()
+        undeclared = [h.says for h in used if h not in claim.hypotheses]
+        if undeclared:
+            return f"step {number} uses what the claim does not assume: {undeclared[0]}"
+    if max(claim.concludes) > len(steps):
+        return f"there is no step {max(claim.concludes)}, which was to say the claim"
+    for drop in dropped:
+        if not drop.needed:
+            return f"the hypothesis {drop.hypothesis.says!r}: {drop.complaint}"
+    for control in controls:
+        if not control.refuted:
+            return f"the mutated statement {control.name!r}: {control.complaint}"
+    return ""

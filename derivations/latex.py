@@ -30,13 +30,16 @@ def _claim(outcome: ClaimOutcome) -> str:
     claim = outcome.claim
     steps = "".join(map(_step, outcome.steps))
     used = f"Used, not proved here: {text(' '.join(claim.standard))}\n\n" if claim.standard else ""
-    controls = "".join(f"\\item {text(control.name)}\n" for control in outcome.controls)
+    controls = "".join(
+        f"\\item {text(control.name)}: {text(control.words)}\n" for control in outcome.controls
+    )
+    said = "".join(f"{heading}: {text(' '.join(words))}\n\n" for heading, words in claim.premises)
     return (
         f"\n\\section{{{text(claim.title)}}}\n{text(claim.statement)}\n\n"
-        f"Assumptions: {text(' '.join(claim.assumptions))}\n\n{used}"
+        f"{said}{used}"
         f"Source: {text(claim.source)}\n"
         f"\\begin{{enumerate}}\n{steps}\\end{{enumerate}}\n"
-        f"Refuted by the same proof:\n\\begin{{itemize}}\n{controls}\\end{{itemize}}\n"
+        f"Refuted by the same proof, and false:\n\\begin{{itemize}}\n{controls}\\end{{itemize}}\n"
         f"Not claimed: {text(claim.not_claimed)}\n"
     )
 

@@ -17,8 +17,8 @@ import sympy
 
 from certreg.verify import davenport, positive_definite, proves_basin, proves_level
 
-from .algebra import flat, ring_of
 from .notation import scalar
+from .rings import flat, ring_of
 
 UNIT_INVERSE = scalar("unit_inverse")  # of the unit over which the checker holds K and J
 NORM_INVERSE = scalar("norm_inverse")  # of |q|^2

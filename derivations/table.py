@@ -17,8 +17,8 @@ import sympy
 from certreg.geometry.so3 import rotation_matrix
 from certreg.objective.classification import Pattern
 
-from .algebra import ring_of
 from .notation import Array, Matrix, scalar
+from .rings import ring_of
 
 GAPS = tuple(scalar(f"g_{k}") for k in (1, 2, 3))  # l1 - l2, l2 - l3, l3 - l4
 Signs = tuple[int | None, ...]  # of disc, e1, e2, s, D; None: not determined by the row

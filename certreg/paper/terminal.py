@@ -40,15 +40,18 @@ def audit_lines(audited: Iterable[tuple[Any, Verdict]]) -> Iterator[str]:
 
 
 def closing_line(outcomes: Sequence[Any], audited: Sequence[Any]) -> str:
-    """How many claims were proved, how many mutated statements refuted, how long it took."""
+    """How many claims were proved, what had to fail and did, how long it took."""
     proved = sum(outcome.verdict.proved for outcome in outcomes)
     controls = [control for outcome in outcomes for control in outcome.controls]
-    refuted = sum(not control.passed for control in controls)
+    refuted = sum(control.refuted for control in controls)
+    dropped = [drop for outcome in outcomes for drop in outcome.dropped]
+    needed = sum(drop.needed for drop in dropped)
     seconds = sum(outcome.seconds for outcome in outcomes)
     paper = f", {len(audited)} claims of the paper audited" if audited else ""
     return (
         f"\n{proved} of {len(outcomes)} claims proved, {refuted} of {len(controls)} mutated "
-        f"statements refuted{paper}, in {seconds:.1f} s"
+        f"statements refuted, {needed} of {len(dropped)} hypotheses needed{paper}, "
+        f"in {seconds:.1f} s"
     )
 
 

@@ -9,7 +9,7 @@ from functools import cache
 import sympy
 
 from ..algebra import identity
-from ..kernel import Claim, Proof
+from ..kernel import Claim, Mutation, Proof
 from ..linearisation import ambient_jacobian
 from ..motion import DAMPING, Body, State, rate
 from ..notation import Array, Matrix, hat, jacobian, scalar, vector, vee
@@ -130,15 +130,18 @@ CLAIM = Claim(
     r"$-[\omega]_\times$ for $\dot r_k$ by $r_k$ and $[r_k]_\times$ by $\omega$; $-2I$ and "
     r"$-\mu I$ for $\dot v$ by $c$ and $v$; $2 J^{-1} [C_k]_\times$ for $\dot\omega$ by $r_k$ and "
     r"$J^{-1} ([J\omega]_\times - [\omega]_\times J) - \mu I$ by $\omega$.",
-    assumptions=(r"$J$ is invertible, so that the equations can be solved for $\dot\omega$.",),
+    concludes=(4, 5, 6),
+    setting=(r"$J^{-1}$ is a matrix of constants, of which nothing is used.",),
     source="[Yang2020], the Jacobian of the dynamics, there computed but not written out",
     proof=proof,
     controls={
-        "the transpose of C": lambda: proof(closed=_of_the_transpose),
-        "without the gyroscopic term": lambda: proof(closed=_without_gyroscopic_term),
-        "half the spring factor": lambda: proof(closed=_half_the_springs),
-        "+[omega] for -[omega]": lambda: proof(closed=_turned_the_other_way),
-        "R column by column": lambda: proof(by_columns=True),
+        "the transpose of C": Mutation(at=6, proof=lambda: proof(closed=_of_the_transpose)),
+        "without the gyroscopic term": Mutation(
+            at=6, proof=lambda: proof(closed=_without_gyroscopic_term)
+        ),
+        "half the spring factor": Mutation(at=6, proof=lambda: proof(closed=_half_the_springs)),
+        "+[omega] for -[omega]": Mutation(at=5, proof=lambda: proof(closed=_turned_the_other_way)),
+        "R column by column": Mutation(at=5, proof=lambda: proof(by_columns=True)),
     },
     not_claimed=r"That its eigenvalues decide stability: six of the 18 belong to perturbations "
     r"that leave the rotations (claim `characteristic_polynomial`). [Yang2020] stacks $R$ column "

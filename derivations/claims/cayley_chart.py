@@ -11,7 +11,7 @@ import sympy
 from certreg.geometry.so3 import body_frame
 
 from ..algebra import flat, identity, ring_of
-from ..kernel import Claim, Proof
+from ..kernel import Claim, Mutation, Proof
 from ..moments import MomentCloud
 from ..motion import DAMPING, State, newton_euler
 from ..notation import Array, Matrix, hat, inner, matrix, rotation, scalar, square, vector
@@ -205,16 +205,21 @@ CLAIM = Claim(
     statement=r"In Cayley's parameters $p$, $R = R((1, p))$, Lagrange's equations with Rayleigh's "
     r"dissipation are $B^{\mathsf T}(J\alpha + \omega\times J\omega - \tau) = 0$ with $\omega = "
     r"B\dot p$, $\det B = 8/(1+|p|^2)^2$: equivalent to Euler's equation of the body.",
-    assumptions=(
-        "$R$ is no half turn; about another rotation $Q$ the chart is $Q\\,R(p)$.",
-        "$s(1+|p|^2) = 1$, by which everything is multiplied out.",
+    concludes=(1, 2, 7),
+    setting=(
+        (
+            r"$R = R(p)$ is no half turn; about another rotation $Q$ the chart is $Q\,R(p)$. "
+            r"$s = 1/(1+|p|^2)$, by which everything is multiplied out."
+        ),
     ),
     source="[Yang2020], the proposition on the dynamics; the chart is not in the paper",
     proof=proof,
     controls={
-        "angular velocity in the target's frame": lambda: proof(chart=_SpaceFrame()),
-        "no gyroscopic term": lambda: proof(_without_gyroscope),
-        "springs that push": lambda: proof(_backwards),
+        "angular velocity in the target's frame": Mutation(
+            at=2, proof=lambda: proof(chart=_SpaceFrame())
+        ),
+        "no gyroscopic term": Mutation(at=1, proof=lambda: proof(_without_gyroscope)),
+        "springs that push": Mutation(at=1, proof=lambda: proof(_backwards)),
     },
     not_claimed="That one chart covers all rotations: none of dimension three does.",
     needs=("euler_poincare", "quaternions", "potential_energy", "kinetic_energy"),

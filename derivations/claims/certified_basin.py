@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 import sympy
 
-from certreg.geometry.so3 import body_frame, davenport_matrix, dot, quadratic_form
+from certreg.geometry.so3 import body_frame, davenport_matrix
 
-from ..algebra import Given, Square, combination, identity, nonnegative, quoted
-from ..hypotheses import SPECTRAL
-from ..kernel import Claim, Proof, Step
-from ..moments import MomentCloud
+from ..algebra import Square, combination, identity, nonnegative, positive, quoted
+from ..hypotheses import DAMPED, PRINCIPAL, SOLID, SPECTRAL, definite, semidefinite
+from ..hypothesis import Hypothesis, Standing, invertible, nonnegative_by, positive_by, vanishing
+from ..kernel import Claim, Mutation, Proof, Step
+from ..moments import MomentCloud, inertia_of
 from ..motion import DAMPING, State, newton_euler, spring_torque
 from ..notation import (
     Array,
@@ -28,9 +30,80 @@ from ..notation import (
     vector,
 )
 from ..shipped import NORM_INVERSE, TWO_POWER, checked_alignment
+from .convergence import TURNING
 
 Torque = Callable[[State, MomentCloud], Array]
 QUARTER = sympy.Rational(1, 4)  # E = omega^T J omega / 2 - 2 q^T K q is minus twice the left side
+
+
+P, OMEGA, J = quaternion("p"), vector("omega"), symmetric("J")
+K = Matrix(davenport_matrix(matrix("C").tolist()))
+FIRST, SECOND = scalar("l_1"), scalar("l_2")
+VALUE, SPIN = (P.T * K * P)[0], (OMEGA.T * J * OMEGA)[0]
+ONE = Matrix.eye(4)
+
+
+def below_by(spin: Any) -> Hypothesis:
+    """The inequality on the state, with that share of the kinetic energy."""
+    return positive_by(
+        r"The inequality on the state.",
+        VALUE - square(P) * spin * SPIN - SECOND * square(P),
+        standing=Standing.CASE,
+    )
+
+
+TOP = nonnegative_by(
+    r"$\lambda_1$ is the largest eigenvalue of $K$.",
+    FIRST * square(P) - VALUE,
+    standing=Standing.NOTATION,
+    prepare=lambda point: {FIRST: abs(point[FIRST]) + 100},
+    further=lambda point: semidefinite(FIRST * ONE - K, point),
+)
+KINETIC = positive_by(
+    SOLID,
+    SPIN,
+    further=lambda point: definite(J, point),
+    example={P[0]: 1, OMEGA[0]: 1},
+)
+PROPER = invertible(
+    r"$p \ne 0$: in the real part, say.",
+    P[0],
+    standing=Standing.CASE,
+    example={OMEGA[0]: 1} | {J[k, k]: 1 for k in range(3)},
+)
+BELOW = below_by(QUARTER)
+LEVELS = [scalar(f"l_{k}") for k in (1, 2, 3, 4)]
+ORDERED = nonnegative_by(
+    r"$\lambda_1 \ge \lambda_2 \ge \lambda_3 \ge \lambda_4$ are the eigenvalues of $K$.",
+    [a - b for a, b in pairwise(LEVELS)],
+    standing=Standing.CASE,
+    example={LEVELS[1]: 1, quaternion()[1]: 1},
+)
+NORM_LEFT = vanishing(
+    r"The letter for $1/|p|^2$: $|p|^2 \cdot |p|^{-2} = 1$.",
+    square(P) * NORM_INVERSE - 1,
+    standing=Standing.CASE,
+    solves=(NORM_INVERSE,),
+)
+
+
+def _certificate_form() -> tuple[Any, Any]:
+    """|q|^2 A in an eigenbasis of K, and the vector p across q."""
+    q = quaternion()
+    level, eta = scalar("level"), scalar("eta")
+    return square(q) * (level * ONE - sympy.diag(*LEVELS)) + eta * q * q.T, Matrix(
+        [q[1], -q[0], 0, 0]
+    )
+
+
+CERTIFICATE, CROSSING = _certificate_form()
+CERTIFIED = positive_by(
+    r"The certificate is proved, $A \succ 0$.",
+    (CROSSING.T * CERTIFICATE * CROSSING)[0],
+    standing=Standing.CASE,
+    further=lambda point: definite(CERTIFICATE, point),
+    concerns=tuple(LEVELS),
+)
 
 
 def derived_torque(state: State, cloud: MomentCloud) -> Array:
@@ -73,6 +146,16 @@ def _descent(torque: Torque) -> Proof:
         (omega.T * total)[0] - 2 * inner(rotating, cloud.cross),
         -DAMPING * (omega.T * cloud.inertia * omega)[0],
     )
+    principal = inertia_of(diagonal("d"))
+    yield positive(
+        r"In principal axes that loss is $\mu \sum_k j_k \omega_k^2$, positive where the body "
+        r"turns.",
+        DAMPING * (omega.T * principal * omega)[0],
+        [
+            [DAMPED[0], PRINCIPAL[0], Square(TURNING[0])],
+            *([DAMPED[0], PRINCIPAL[k], Square(omega[k])] for k in (1, 2)),
+        ],
+    )
     yield identity(
         r"Where $\omega$ stays zero, $J \dot\omega = 0$, which is the spring torque: such motions "
         r"are the equilibria of the rotation.",
@@ -82,29 +165,31 @@ def _descent(torque: Torque) -> Proof:
 
 
 def _levels(spin: Any) -> Proof:
-    p, omega, J = quaternion("p"), vector("omega"), symmetric("J")
-    K = davenport_matrix(matrix("C").tolist())
-    top, second = scalar("l_1"), scalar("l_2")
-    kinetic = (omega.T * J * omega)[0]
-    value = quadratic_form(K, tuple(p))
-    energy = square(p) * kinetic / 2 - 2 * value  # |p|^2 E
-    above = value - square(p) * spin * kinetic - second * square(p)
-    yield nonnegative(
+    p = P
+    energy = square(p) * SPIN / 2 - 2 * VALUE  # |p|^2 E
+    given = BELOW if spin == QUARTER else below_by(spin)
+    yield positive(
         r"With $R = R(p)$, $\operatorname{tr}(R^{\mathsf T} C) = p^{\mathsf T} K p / |p|^2 \le "
         r"\lambda_1$, so that $\tfrac12 \omega^{\mathsf T} J \omega \le E + 2 \lambda_1$ (here "
         r"times $|p|^2$). The set of states with $E \le E_0$ is closed, $\omega$ is bounded on it "
-        r"as $J \succ 0$, and rotations are a compact set: it is compact.",
-        energy + 2 * top * square(p) - square(p) * kinetic / 2,
-        [(2, Given(top * square(p) - value, r"$\lambda_1$ is the largest eigenvalue"))],
+        r"as $J \succ 0$, and rotations are a compact set: it is compact. While the body turns, "
+        r"$E > "
+        r"-2\lambda_1$.",
+        energy + 2 * FIRST * square(p),
+        [
+            (2, TOP[0]),
+            (sympy.Rational(1, 2), Square(PROPER[0]), KINETIC[0]),
+            *((sympy.Rational(1, 2), Square(entry), KINETIC[0]) for entry in p[1:]),
+        ],
     )
-    yield nonnegative(
+    yield positive(
         r"An equilibrium is an eigenvector of $K$, and one that is not optimal has an eigenvalue "
         r"of at most $\lambda_2$, hence $E \ge -2 \lambda_2$. If $p^{\mathsf T} K p / |p|^2 - "
         r"\tfrac14 \omega^{\mathsf T} J \omega > \lambda_2$, then $-2\lambda_2 - E$, here times "
         r"$|p|^2$, is twice that difference and positive: the state lies below every spurious "
         r"equilibrium.",
-        -2 * second * square(p) - energy,
-        [(2, Given(above, "the inequality on the state"))],
+        -2 * SECOND * square(p) - energy,
+        [(2, given[0])],
     )
     yield quoted(
         r"$E$ is continuously differentiable and does not rise, the sublevel set is compact and "
@@ -132,11 +217,8 @@ def _barrier() -> Step:
 
 
 def _certificate() -> Proof:
-    q, p = quaternion(), quaternion("p")
-    values = [scalar(f"l_{k}") for k in (1, 2, 3, 4)]
-    K = sympy.diag(*values)
-    level, eta = scalar("level"), scalar("eta")
-    crossing = Matrix([q[1], -q[0], 0, 0])
+    q, level = quaternion(), scalar("level")
+    reached = (CROSSING.T * sympy.diag(*LEVELS) * CROSSING)[0]
     yield nonnegative(
         r"**From the certificate.** Let $A = \ell I - K + \eta\, q q^{\mathsf T}/|q|^2 \succ 0$ "
         r"with $\ell = v(q) + \delta - \eta$, where $\eta$ is the number that the certificate "
@@ -144,24 +226,21 @@ def _certificate() -> Proof:
         r"$K$ take $p = (q_2, -q_1, 0, 0)$, in the span of the first two eigenvectors and "
         r"orthogonal to $q$ (or the first eigenvector, if $q_1 = q_2 = 0$). Then $p^{\mathsf T} K "
         r"p - \lambda_2 |p|^2 = (\lambda_1 - \lambda_2)\, q_2^2 \ge 0$.",
-        (crossing.T * K * crossing)[0] - values[1] * square(crossing),
-        [(Given(values[0] - values[1], r"$\lambda_1 \geq \lambda_2$"), Square(q[1]))],
+        reached - LEVELS[1] * square(CROSSING),
+        [(ORDERED[0], Square(q[1]))],
     )
-    along = dot(tuple(q), tuple(p))
-    certified = square(q) * (level * Matrix.eye(4) - K) + eta * q * q.T  # |q|^2 A
-    yield combination(
+    yield positive(
         r"As $q \cdot p = 0$ for this $p$, $|q|^2 (\ell |p|^2 - p^{\mathsf T} K p) = p^{\mathsf T} "
         r"(|q|^2 A)\, p > 0$. Together $\ell > \lambda_2$: the certificate's level bounds the "
         r"second eigenvalue, and $p^{\mathsf T} K p/|p|^2 - \tfrac14 \omega^{\mathsf T} J \omega > "
         r"\ell$ is enough. It is one inequality between exact numbers.",
-        square(q) * (level * square(p) - (p.T * K * p)[0]) - (p.T * certified * p)[0],
-        [(-eta * along, along)],
+        square(q) * (level * square(CROSSING) - reached),
+        [[CERTIFIED[0]]],
     )
 
 
 def _distance() -> Proof:
-    p = quaternion("p")
-    values = [scalar(f"l_{k}") for k in (1, 2, 3, 4)]
+    p, values = P, LEVELS
     lost = values[0] * square(p) - sum(l * c**2 for l, c in zip(values, p, strict=True))
     off = Matrix(body_frame((1, 0, 0, 0))).T * p
     yield nonnegative(
@@ -172,27 +251,25 @@ def _distance() -> Proof:
         r"$\sin^2(\theta/2) \le (\lambda_1 - p^{\mathsf T} K p/|p|^2)/(\lambda_1 - \lambda_2)$.",
         lost - (values[0] - values[1]) * square(off),
         [
-            (Given(values[1] - values[2], r"$\lambda_2 \geq \lambda_3$"), Square(p[2])),
-            (Given(values[1] - values[3], r"$\lambda_2 \geq \lambda_4$"), Square(p[3])),
+            (ORDERED[1], Square(p[2])),
+            (ORDERED[1], Square(p[3])),
+            (ORDERED[2], Square(p[3])),
         ],
     )
 
 
 def _decided(spin: Any, shipped: Callable[..., Any]) -> Step:
-    p, omega, J = quaternion("p"), vector("omega"), symmetric("J")
-    K = davenport_matrix(matrix("C").tolist())
-    value, kinetic = quadratic_form(K, tuple(p)), (omega.T * J * omega)[0]
     return combination(
         r"`certreg.verify.proves_basin`, run on polynomials, compares with the level, times "
         r"$|p|^2$, $p^{\mathsf T} K p - \tfrac14 |p|^2 \omega^{\mathsf T} J \omega$, the angular "
         r"velocity being an integer vector times a power of two; $K$, $J$ and level in one unit.",
-        square(p) * shipped(K, J, p, omega) - (value - spin * square(p) * kinetic * TWO_POWER**2),
-        [(value, square(p) * NORM_INVERSE - 1)],
+        square(P) * shipped(K, J, P, OMEGA) - (VALUE - spin * square(P) * SPIN * TWO_POWER**2),
+        [(VALUE, NORM_LEFT[0])],
     )
 
 
-def _twice_as_strong(state: State, cloud: MomentCloud) -> Array:
-    return derived_torque(state, cloud) + spring_torque(state, cloud)
+def _driven(state: State, cloud: MomentCloud) -> Array:
+    return derived_torque(state, cloud) + 2 * DAMPING * cloud.inertia * state.omega
 
 
 def _pulled_from_outside(state: State, cloud: MomentCloud) -> Array:
@@ -211,21 +288,37 @@ CLAIM = Claim(
     r"from every state with $$\frac{p^{\mathsf T} K p}{|p|^2} - \frac14\, \omega^{\mathsf T} J "
     r"\omega > \lambda_2$$ the flow converges to the optimum. The level $\ell = v(q) + \delta - "
     r"\eta$ of a proved optimality certificate ($\eta$ stands for its $\mu$, which is not the "
-    r"damping) exceeds $\lambda_2$ and may stand in its place. The barrier in $E$ is $2(\lambda_1 "
+    r"damping) exceeds $\lambda_2$ and may stand in its place. The checker decides that "
+    r"inequality, and the rotation does not feel the translation. The barrier in $E$ is "
+    r"$2(\lambda_1 "
     r"- \lambda_2) = 4(d_2 + d_3)$, and the angle $\theta$ from the optimum has $\sin^2(\theta/2) "
     r"\le (\lambda_1 - p^{\mathsf T} K p/|p|^2) / (\lambda_1 - \lambda_2)$.",
-    assumptions=(
-        r"$J \succ 0$: three source points of positive weight are not collinear.",
-        r"The exact flow, with any damping $\mu > 0$.",
+    concludes=(1, 2, 3, 4, 5, 6, 8, 9, 10, 11, 12),
+    hypotheses=(
+        PRINCIPAL,
+        DAMPED,
+        TURNING,
+        TOP,
+        KINETIC,
+        PROPER,
+        BELOW,
+        ORDERED,
+        CERTIFIED,
+        NORM_LEFT,
     ),
+    setting=("The flow is the exact one.",),
     source="[LaSalle1960]; energy and damping as in [Koditschek1989]; torque of [Yang2020]",
     proof=proof,
     controls={
-        "springs twice as strong in the torque": lambda: proof(torque=_twice_as_strong),
-        "a torque that depends on the translation": lambda: proof(torque=_pulled_from_outside),
-        "half of the kinetic energy in the inequality": lambda: proof(spin=QUARTER / 2),
-        "a checker that does not square the power of two": lambda: proof(
-            shipped=_half_of_the_power
+        "drag that drives": Mutation(at=2, proof=lambda: proof(torque=_driven)),
+        "a torque that depends on the translation": Mutation(
+            at=1, proof=lambda: proof(torque=_pulled_from_outside)
+        ),
+        "half of the kinetic energy in the inequality": Mutation(
+            at=6, proof=lambda: proof(spin=QUARTER / 2)
+        ),
+        "a checker that does not square the power of two": Mutation(
+            at=12, proof=lambda: proof(shipped=_half_of_the_power)
         ),
     },
     not_claimed=r"That states outside of the basin do not converge to the optimum; nor that almost "

@@ -9,18 +9,19 @@ from typing import Any
 import sympy
 
 from ..algebra import combination, contraction, facts, identity
-from ..kernel import Claim, Proof, Step
+from ..hypotheses import INERTIA_INVERSE, WHERE_ROTATION, balanced
+from ..hypothesis import Standing
+from ..kernel import Claim, Mutation, Proof, Step
 from ..linearisation import ambient_jacobian, hessian, intrinsic_jacobian
 from ..motion import DAMPING, Body, State
 from ..notation import Array, Matrix, hat, inner, matrix, scalar, symmetric, vector
 
 Curvature = Callable[[State, Body], Array]
 ROOT = scalar("lambda")
+BALANCED = balanced(Standing.ASSUMED)
 
 
-def proof(
-    curvature: Curvature = hessian, *, zeros: int = 6, stiffness: int = 2, symmetric: bool = True
-) -> Proof:
+def proof(curvature: Curvature = hessian, *, zeros: int = 6, stiffness: int = 2) -> Proof:
     """Block elimination in 18 and in 12 dimensions, the equilibrium, where the zeros come from."""
     state, body = State(omega=sympy.zeros(3, 1)), Body()
     rows = Matrix.vstack(*[hat(state.R.row(k)) for k in range(3)])
@@ -39,7 +40,7 @@ def proof(
         prod(B[k, k] for k in range(12)),
         ROOT**zeros * prod(E[k, k] for k in range(18)),
     )
-    yield _at_equilibrium(state, body, curvature, spring, symmetric=symmetric)
+    yield _at_equilibrium(state, body, curvature, spring)
     yield from _intrinsic(state, body, spring, stiffness)
     yield from _without_inverse()
     yield from _where_the_zeros_live(state, ambient)
@@ -90,11 +91,8 @@ def _triangular(B: Array, E: Array, spring: Array, stiffness: int) -> Proof:
     )
 
 
-def _at_equilibrium(
-    state: State, body: Body, curvature: Curvature, spring: Array, *, symmetric: bool
-) -> Step:
-    a, b, A = vector("a"), vector("b"), state.R.T * body.cross
-    vanishing = A - A.T if symmetric else sympy.zeros(3, 3)
+def _at_equilibrium(state: State, body: Body, curvature: Curvature, spring: Array) -> Step:
+    a, b = vector("a"), vector("b")
     return combination(
         r"At an equilibrium $A$ is symmetric as well (claim `eigenvectors`), and then "
         r"$2 (A - \operatorname{tr}(A) I) = -G$ with the Hessian $G$: contracted with any $a$ and "
@@ -102,7 +100,7 @@ def _at_equilibrium(
         r"$\chi_{18}(\lambda) = \lambda^6 (\lambda^2 + \mu\lambda + 2)^3 "
         r"\det\bigl(\lambda(\lambda+\mu) I + J^{-1} G\bigr)$.",
         inner(a, (spring + body.inertia_inverse * curvature(state, body)) * b),
-        contraction(body.inertia_inverse * a * b.T, vanishing),
+        contraction(body.inertia_inverse * a * b.T, BALANCED),
     )
 
 
@@ -128,7 +126,7 @@ def _without_inverse() -> Proof:
         r"$\det(\sigma J + G) / \det J$, and its zeros are the $\sigma = -g$ with $g$ the "
         r"eigenvalues of the pencil $(G, J)$.",
         inner(a, (J * (s * sympy.eye(3) + inverse * G) - (s * J + G)) * b),
-        contraction(a * (G * b).T, J * inverse - sympy.eye(3)),
+        contraction(a * (G * b).T, INERTIA_INVERSE),
     )
 
 
@@ -145,7 +143,7 @@ def _where_the_zeros_live(state: State, ambient: Array) -> Proof:
         r"order no motion changes these six numbers. Six independent $S$ are six left eigenvectors "
         r"with eigenvalue $0$.",
         (functional * ambient * d)[0],
-        contraction(S * spin.T, R.T * R - sympy.eye(3)),
+        contraction(S * spin.T, WHERE_ROTATION),
     )
     yield combination(
         r"And $\ell_S$ vanishes on the tangent space of the rotations, the $\delta R = "
@@ -154,7 +152,7 @@ def _where_the_zeros_live(state: State, ambient: Array) -> Proof:
         r"at every equilibrium and say nothing about its stability, which the intrinsic Jacobian "
         r"decides.",
         inner(R * S, R * spin),
-        contraction(S * spin.T, R.T * R - sympy.eye(3)),
+        contraction(S * spin.T, WHERE_ROTATION),
     )
 
 
@@ -170,18 +168,16 @@ CLAIM = Claim(
     r"\det\bigl(\lambda(\lambda+\mu) I + J^{-1} G\bigr)$ with the Hessian $G$ of the potential, "
     r"and the intrinsic $12\times12$ Jacobian has $\chi_{12} = \chi_{18} / \lambda^6$. The "
     r"six zeros belong to perturbations that leave the rotations.",
-    assumptions=(
-        r"$J$ is symmetric and invertible.",
-        r"The state is an equilibrium: $v = \omega = 0$, $c = 0$ and $R^{\mathsf T} C$ symmetric.",
-    ),
+    concludes=(2, 3, 4, 5, 6, 7, 8),
+    hypotheses=(BALANCED, INERTIA_INVERSE, WHERE_ROTATION),
+    setting=(r"The state is an equilibrium: $v = \omega = 0$, $c = 0$; see `eigenvectors`.",),
     source="ours; [Yang2020] computes these eigenvalues numerically",
     proof=proof,
     controls={
-        "five zeros": lambda: proof(zeros=5),
-        "-G for G": lambda: proof(curvature=lambda s, b: -hessian(s, b)),
-        "G of R C for R^T C": lambda: proof(curvature=_of_the_transpose),
-        "springs of stiffness 1": lambda: proof(stiffness=1),
-        "away from equilibria, R^T C any matrix": lambda: proof(symmetric=False),
+        "five zeros": Mutation(at=3, proof=lambda: proof(zeros=5)),
+        "-G for G": Mutation(at=4, proof=lambda: proof(curvature=lambda s, b: -hessian(s, b))),
+        "G of R C for R^T C": Mutation(at=4, proof=lambda: proof(curvature=_of_the_transpose)),
+        "springs of stiffness 1": Mutation(at=2, proof=lambda: proof(stiffness=1)),
     },
     not_claimed=r"That all eigenvalues at the optimum lie in the left half-plane, as a caption "
     r"of [Yang2020] says: six of the 18 are zero, at every equilibrium.",

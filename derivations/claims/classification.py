@@ -19,8 +19,8 @@ from certreg.objective.classification import (
 )
 from certreg.verify import multiplicities
 
-from ..algebra import facts, identity
-from ..kernel import Claim, Proof, Step
+from ..algebra import facts, identity, refuting
+from ..kernel import Claim, Mutation, Proof, Step
 from ..notation import vector
 from ..table import (
     GAPS,
@@ -257,6 +257,17 @@ def _sides_exchanged(found: Any) -> Pattern:
     return decide(replace(found, s=flipped))
 
 
+def _cube_for_a_square() -> Step:
+    one = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    return refuting(
+        r"At $C = I$, where $s = 0$ and the eigenvalues are $3, -1, -1, -1$, the decision with "
+        r"$26$ "
+        r"for $27$ is not 1,3.",
+        [decide(_one_coefficient_wrong(one))],
+        [pattern_of(one)],
+    )
+
+
 def _one_row_forgotten() -> tuple[Row, ...]:
     return tuple(row for row in ROWS if row.pattern != (2, 2))
 
@@ -272,14 +283,22 @@ CLAIM = Claim(
     r"$e_2 = 0$: 2,2; else $s = 0$: 1,3 for $D > 0$ and 3,1 for $D < 0$; else $s < 0$: 1,2,1; else "
     r"1,1,2 for $D > 0$ and 2,1,1 for $D < 0$. There are exactly four equilibria if and only if "
     r"the $d_i^2$ are different, and the optimum is unique if and only if $d_2 + d_3 > 0$.",
-    assumptions=("None: every real 3x3 matrix.",),
+    concludes=(1, 2, 3, 4, 6, 7, 8, 9, 10, 11, 12, 13, 14, 16, 17),
     source="ours; it corrects the corollary and the conjecture of [Yang2020]",
     proof=proof,
     controls={
-        "s with 26 for 27": lambda: proof(decisive=_one_coefficient_wrong),
-        "a decision that does not see mirroring": lambda: proof(decision=_blind_to_mirroring),
-        "a decision with s of the other sign": lambda: proof(decision=_sides_exchanged),
-        "a table without the row 2,2": lambda: proof(rows=_one_row_forgotten()),
+        "s with 26 for 27": Mutation(
+            at=4, proof=lambda: proof(decisive=_one_coefficient_wrong), instance=_cube_for_a_square
+        ),
+        "a decision that does not see mirroring": Mutation(
+            at=14, proof=lambda: proof(decision=_blind_to_mirroring)
+        ),
+        "a decision with s of the other sign": Mutation(
+            at=14, proof=lambda: proof(decision=_sides_exchanged)
+        ),
+        "a table without the row 2,2": Mutation(
+            at=2, proof=lambda: proof(rows=_one_row_forgotten())
+        ),
     },
     not_claimed=r"Anything about how near a matrix is to another row: the decision is exact for "
     r"the numbers given, which for a measured cloud are rounded coordinates.",

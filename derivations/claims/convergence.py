@@ -7,16 +7,34 @@ from typing import Any
 
 import sympy
 
-from ..algebra import Given, combination, contraction, identity, nonnegative, quoted
-from ..hypotheses import SPECTRAL, cofactor_matrix, orthogonality
-from ..kernel import Claim, Proof
+from ..algebra import Square, combination, contraction, identity, positive, quoted
+from ..hypotheses import (
+    DAMPED,
+    INERTIA_INVERSE,
+    PRINCIPAL,
+    ROTATION,
+    SPECTRAL,
+    cofactor_matrix,
+    orthogonality,
+)
+from ..hypothesis import Standing, invertible
+from ..kernel import Claim, Mutation, Proof
 from ..moments import inertia_of
 from ..motion import DAMPING, Body, State, newton_euler, potential_energy, rate, unit_cloud
 from ..notation import Array, Matrix, diagonal, gradient, hat, inner, square, vector
-from .properness import spin_terms
 from .total_torque import spring_part
 
 Rates = Callable[[State, Body], Array]
+TURNING = invertible(
+    r"The body turns, $\omega \ne 0$: about the first principal axis, say.",
+    vector("omega")[0],
+    standing=Standing.CASE,
+)
+MOVING = invertible(
+    r"The body moves, $v \ne 0$: in the first coordinate, say.",
+    vector("v")[0],
+    standing=Standing.CASE,
+)
 
 
 def energy(state: State, body: Body) -> Any:
@@ -70,7 +88,6 @@ def _falls(state: State, body: Body, found: Array) -> Any:
     change = inner(gradient(value, state.flat), found)
     loss = DAMPING * (square(state.v) + (state.omega.T * body.inertia * state.omega)[0])
     undamped = newton_euler(state, cloud)[1] + DAMPING * body.inertia * state.omega
-    inverse = body.inertia * body.inertia_inverse - sympy.eye(3)
     return combination(
         r"Along the shipped right-hand side $F$ the energy per unit of mass changes at the rate "
         r"$\nabla V\cdot F = -\mu|v|^2 - \mu\,\omega^{\mathsf T}J\omega$ where $R$ is a rotation "
@@ -78,25 +95,29 @@ def _falls(state: State, body: Body, found: Array) -> Any:
         r"of $JJ^{-1} - I$. It is never positive (claim `dissipation`).",
         change + loss,
         [
-            *contraction(-2 * cloud.source_scatter * hat(state.omega), orthogonality(state.R)),
-            *contraction(state.omega * undamped.T, inverse),
+            *contraction(-2 * cloud.source_scatter * hat(state.omega), ROTATION),
+            *contraction(state.omega * undamped.T, INERTIA_INVERSE),
         ],
     )
 
 
 def _only_at_rest() -> Proof:
     J, v, omega = inertia_of(diagonal("d")), vector("v"), vector("omega")
-    values = [Given(J[k, k], "J is positive semidefinite") for k in range(3)]
-    damping = Given(DAMPING, "the damping is positive")
-    whole = J.trace() ** 2
-    lost = DAMPING * (square(v) + (omega.T * J * omega)[0])
-    yield nonnegative(
-        r"The set $\dot V = 0$ is $v = \omega = 0$. In principal axes "
-        r"$(\operatorname{tr}J)^2\,(-\dot V) - \mu\,\bigl((\operatorname{tr}J)^2|v|^2 + "
-        r"\det(J)\,|\omega|^2\bigr)$ is a sum of nonnegative products. With $\mu > 0$ and $J "
-        r"\succ 0$ both squares vanish with $\dot V$.",
-        whole * lost - DAMPING * (whole * square(v) + J.det() * square(omega)),
-        [[damping, *term] for term in spin_terms(omega, values)],
+    damping, lost = DAMPED[0], DAMPING * (square(v) + (omega.T * J * omega)[0])
+    moving = [[damping, Square(speed)] for speed in v]
+    turning = [[damping, j, Square(speed)] for j, speed in zip(PRINCIPAL.parts, omega, strict=True)]
+    yield positive(
+        r"The set $\dot V = 0$ is $v = \omega = 0$. In principal axes, $J = "
+        r"\operatorname{diag}(j_1, j_2, j_3)$, the loss is $-\dot V = \mu\,\bigl(|v|^2 + \sum_k "
+        r"j_k "
+        r"\omega_k^2\bigr)$: with $\mu > 0$ and $J \succ 0$ it is positive where the body turns,",
+        lost,
+        [*moving, [damping, PRINCIPAL[0], Square(TURNING[0])], *turning[1:]],
+    )
+    yield positive(
+        r"and where it moves.",
+        lost,
+        [[damping, Square(MOVING[0])], *moving[1:], *turning],
     )
 
 
@@ -117,7 +138,7 @@ def _stays_at_rest(rates: Rates) -> Proof:
         r"invariant set in $\{\dot V = 0\}$ is the set of equilibria, $c = 0$, $R^{\mathsf T}C = "
         r"C^{\mathsf T}R$.",
         inner(u, torque) - inner(body.inertia * u, found[15:, :]),
-        contraction(-u * torque.T, body.inertia * body.inertia_inverse - sympy.eye(3)),
+        contraction(-u * torque.T, INERTIA_INVERSE),
     )
 
 
@@ -130,10 +151,10 @@ def _drifting(state: State, body: Body) -> Array:
     return Matrix([*found[:3, :], *(found[3:12, :] + Matrix(list(state.R))), *found[12:, :]])
 
 
-def _stiffer_torque(state: State, body: Body) -> Array:
+def _wound_up(state: State, body: Body) -> Array:
+    """A constant moment besides the springs."""
     found = rate(state, body)
-    spring = body.inertia_inverse * spring_part(state, unit_cloud(body))
-    return Matrix([*found[:15, :], *(found[15:, :] + spring)])
+    return Matrix([*found[:15, :], *(found[15:, :] + body.inertia_inverse * vector("g"))])
 
 
 CLAIM = Claim(
@@ -141,18 +162,18 @@ CLAIM = Claim(
     title="Every motion comes to rest",
     statement=r"If $J \succ 0$ and $\mu > 0$, every solution of the equations of motion on "
     r"$\mathrm{SO}(3)\times\mathbb R^9$ exists for all $t \ge 0$ and tends to the set of "
-    r"equilibria $c = v = \omega = 0$, $R^{\mathsf T}C = C^{\mathsf T}R$.",
-    assumptions=(
-        r"$J \succ 0$: three of the points are not collinear. $\mu > 0$.",
-        r"$R(0)$ is a rotation.",
-        "The flow is the exact one, not a discretised one.",
-    ),
+    r"equilibria $c = v = \omega = 0$, $R^{\mathsf T}C = C^{\mathsf T}R$. Along it $R$ stays a "
+    r"rotation, and the energy per unit of mass falls at the rate $\mu|v|^2 + "
+    r"\mu\,\omega^{\mathsf T}J\omega$.",
+    concludes=(1, 2, 3, 4, 5, 6, 7),
+    hypotheses=(ROTATION, INERTIA_INVERSE, PRINCIPAL, DAMPED, TURNING, MOVING),
+    setting=("The flow is the exact one, not a discretised one.",),
     source="[Yang2020], the proposition on convergence to equilibria; [LaSalle1960]",
     proof=proof,
     controls={
-        "drag that drives": lambda: proof(_driven),
-        "R that grows": lambda: proof(_drifting),
-        "springs of double stiffness in the torque alone": lambda: proof(_stiffer_torque),
+        "drag that drives": Mutation(at=3, proof=lambda: proof(_driven)),
+        "R that grows": Mutation(at=1, proof=lambda: proof(_drifting)),
+        "a constant moment besides the springs": Mutation(at=3, proof=lambda: proof(_wound_up)),
     },
     not_claimed="That the limit is the optimum: starts exist that end at a spurious equilibrium. "
     "See `instability`, and `certified_basin` for a test of the state. Nor is any "

@@ -13,12 +13,23 @@ import sympy
 from certreg.geometry.so3 import body_frame, davenport_matrix
 
 from ..algebra import combination, contraction, identity, quoted
-from ..kernel import Claim, Proof, Step
+from ..hypotheses import SOLID
+from ..hypothesis import Standing, invertible, vanishing
+from ..kernel import Claim, Mutation, Proof, Step
 from ..moments import MomentCloud
 from ..motion import State, spring_torque
 from ..notation import Array, Matrix, diagonal, hat, matrix, scalar, symmetric, vector
 
 MASS_INVERSE = scalar("Minv")
+HEAVY = invertible("The mass $M$ is positive.", scalar("M"), MASS_INVERSE)
+SOLID_INVERSE = invertible(SOLID, MomentCloud().inertia, symmetric("I"))
+GRAM = symmetric("N")  # R^T R
+ROTATED = vanishing(
+    r"$N = R^{\mathsf T}R$ for a rotation $R$, so $N = I$.",
+    GRAM - sympy.eye(3),
+    standing=Standing.NOTATION,
+    solves=tuple(sorted(GRAM.free_symbols, key=str)),
+)
 Lever = Callable[[Array, Array], Array]
 
 
@@ -70,7 +81,7 @@ def proof(
 
 def _noise_free(cloud: MomentCloud, factor: int) -> Step:
     """The derivative of minus the torque along R exp([phi]x), at y = R x, as a bilinear form."""
-    phi, u, gram = vector("phi"), vector("u"), symmetric("N")
+    phi, u, gram = vector("phi"), vector("u"), GRAM
     slope = -cloud.total(cloud.x.cross(2 * hat(phi).T * gram * cloud.x))
     wanted = factor * cloud.inertia * phi
     return combination(
@@ -80,32 +91,30 @@ def _noise_free(cloud: MomentCloud, factor: int) -> Step:
         r"$\varphi$ contains $R$ as $N = R^{\mathsf T} R$ only, and with $N = I$ it is the Hessian "
         r"$G = 2J$; checked as $u^{\mathsf T} G \varphi$ for every $u$.",
         (u.T * (slope - wanted))[0],
-        contraction(2 * hat(phi).T * hat(u) * cloud.source_scatter, gram - sympy.eye(3)),
+        contraction(2 * hat(phi).T * hat(u) * cloud.source_scatter, ROTATED),
     )
 
 
 def _rotation_block(cloud: MomentCloud, factor: int) -> Proof:
     u, w, inverse = vector("u"), vector("w"), symmetric("I")
-    gram = symmetric("N")  # R^T R
-    scatter = cloud.total(hat(cloud.x) * gram * hat(cloud.x).T)
+    scatter = cloud.total(hat(cloud.x) * GRAM * hat(cloud.x).T)
     yield combination(
         r"The $e_i$ are independent with covariance $I/m_i$, so a sum $\sum_i m_i B_i e_i$ has the "
         r"covariance $\sum_i m_i^2 B_i B_i^{\mathsf T} / m_i$, the moment of $B B^{\mathsf T} "
         r"= [\tilde x]_\times R^{\mathsf T} R\, [\tilde x]_\times^{\mathsf T}$. "
         r"With $R^{\mathsf T} R = I$ it is $J$; checked as a bilinear form in $u$ and $w$.",
         (u.T * (scatter - cloud.inertia) * w)[0],
-        contraction(hat(u) * cloud.source_scatter * hat(w).T, gram - sympy.eye(3)),
+        contraction(hat(u) * cloud.source_scatter * hat(w).T, ROTATED),
     )
-    inverted = cloud.inertia * inverse - sympy.eye(3)
     yield combination(
         r"Hence $\operatorname{cov} \varphi = J^{-1} J J^{-1} = J^{-1}$,",
         (u.T * (inverse * cloud.inertia * inverse - inverse) * w)[0],
-        contraction(inverse * u * w.T, inverted),
+        contraction(inverse * u * w.T, SOLID_INVERSE),
     )
     yield combination(
         r"which is $P = 2 G^{-1}$: $G P = 2 J J^{-1} = 2 I$.",
         (u.T * (2 * cloud.inertia * inverse - factor * sympy.eye(3)) * w)[0],
-        contraction(2 * u * w.T, inverted),
+        contraction(2 * u * w.T, SOLID_INVERSE),
     )
 
 
@@ -118,12 +127,11 @@ def _translation(R: Array, cloud: MomentCloud, lever: Lever, weight: int) -> Pro
         -R * hat(phi) * mean,
         lever(R, mean) * phi,
     )
-    M = cloud.mass
     yield combination(
         r"The mean $\bar e = \sum_i m_i e_i / M$ has the covariance $M^{-2} \sum_i m_i = 1/M$ "
         r"times $I$.",
         weight * cloud.total(MASS_INVERSE**2) - MASS_INVERSE,
-        [(MASS_INVERSE, M * MASS_INVERSE - 1)],
+        [(MASS_INVERSE, HEAVY[0])],
     )
 
 
@@ -158,18 +166,21 @@ CLAIM = Claim(
     r"\varphi) = R [\bar x]_\times P, \quad \operatorname{cov} \delta t = \frac{I}{M} + "
     r"R [\bar x]_\times P\, [\bar x]_\times^{\mathsf T} R^{\mathsf T}, \qquad P = 2 G^{-1},$$ "
     r"$G$ the Hessian of the objective, which is $2J$ at noise-free data.",
-    assumptions=(
-        r"$J \succ 0$: three source points of positive weight are not collinear.",
-        r"$m_i = 1/\sigma_i^2$ with the true $\sigma_i$; the noise is on the targets only.",
-    ),
+    concludes=(1, 2, 3, 6, 7, 8, 9, 10),
+    hypotheses=(HEAVY, SOLID_INVERSE, ROTATED),
+    setting=(r"$m_i = 1/\sigma_i^2$ with the true $\sigma_i$; the noise is on the targets only.",),
     source="Gauss-Markov theory of the linearised problem",
     proof=proof,
     controls={
-        "a Hessian G = J": lambda: proof(hessian_factor=1),
-        "P = G^-1": lambda: proof(covariance_factor=1),
-        "the lever with the other sign": lambda: proof(lever=lambda R, x: -lever_arm(R, x)),
-        "the lever in the wrong frame": lambda: proof(lever=lambda R, x: hat(x) * R),
-        "cov of the mean 2/M": lambda: proof(mean_weight=2),
+        "a Hessian G = J": Mutation(at=3, proof=lambda: proof(hessian_factor=1)),
+        "P = G^-1": Mutation(at=8, proof=lambda: proof(covariance_factor=1)),
+        "the lever with the other sign": Mutation(
+            at=1, proof=lambda: proof(lever=lambda R, x: -lever_arm(R, x))
+        ),
+        "the lever in the wrong frame": Mutation(
+            at=1, proof=lambda: proof(lever=lambda R, x: hat(x) * R)
+        ),
+        "cov of the mean 2/M": Mutation(at=2, proof=lambda: proof(mean_weight=2)),
     },
     not_claimed=r"Anything beyond first order: with residuals that are not small the shipped $G$, "
     r"taken at the data as they are, differs from $2J$ by terms of the size of the noise. Not "

@@ -8,8 +8,8 @@ from typing import Any
 import sympy
 
 from ..algebra import combination, contraction, identity
-from ..hypotheses import moments, orthogonality
-from ..kernel import Claim, Proof
+from ..hypotheses import BOTH_CENTRED, CENTRED, ROTATION, moments
+from ..kernel import Claim, Mutation, Proof
 from ..moments import MomentCloud, PointCloud
 from ..motion import DAMPING, State, newton_euler, velocity
 from ..notation import Array, Matrix, hat, inner, jacobian, vector
@@ -56,7 +56,7 @@ def proof(
         r"R^{\mathsf T}R - I\rangle$. Since $\xi$ and $\varphi$ are arbitrary, the principle "
         r"holds if and only if both brackets vanish: the Newton-Euler equations.",
         inner(cloud.total(lost), XI) + inner(cloud.total(lost * cloud.x.T), turn) - balance,
-        contraction(_stretch(state, cloud), orthogonality(state.R)),
+        contraction(_stretch(state, cloud), ROTATION),
     )
     for n in (3, 4):
         yield _written_out(n, acceleration, equations)
@@ -111,9 +111,9 @@ def _written_out(n: int, acceleration: Acceleration, equations: Equations) -> An
         r"$\sum m\,y$.",
         points.total(work) - _balance(state, cloud, equations),
         [
-            *contraction(_stretch(state, cloud), orthogonality(state.R)),
-            *contraction(along_x, points.total(points.sources)),
-            *contraction(2 * XI, points.total(points.targets)),
+            *contraction(_stretch(state, cloud), ROTATION),
+            *contraction(along_x, CENTRED[n, "x"]),
+            *contraction(2 * XI, CENTRED[n, "y"]),
         ],
     )
 
@@ -137,15 +137,20 @@ CLAIM = Claim(
     title="D'Alembert's principle",
     statement=r"$\sum (f_i - m_i\ddot r_i)\cdot\delta r_i = (f - Ma)\cdot\xi + "
     r"(\tau - \omega\times J\omega - J\alpha)\cdot\varphi$ for all virtual displacements "
-    r"$\delta r_i = \xi + R(\varphi\times x_i)$ of the rigid body. So d'Alembert's principle gives "
+    r"$\delta r_i = \xi + R(\varphi\times x_i)$ of the rigid body, whose particles have the "
+    r"accelerations $\ddot r = a + R(\alpha\times x + \omega\times(\omega\times x))$. So "
+    r"d'Alembert's principle gives "
     r"the Newton-Euler equations of the paper.",
-    assumptions=("$\\sum m\\,x = \\sum m\\,y = 0$.", "$R^{\\mathsf T}R = I$."),
+    concludes=(1, 2, 3, 4, 5),
+    hypotheses=(ROTATION, *BOTH_CENTRED),
     source="[Yang2020], the proposition on the dynamics",
     proof=proof,
     controls={
-        "no centripetal acceleration": lambda: proof(acceleration=_without_centripetal),
-        "no gyroscopic term": lambda: proof(equations=_without_gyroscope),
-        "half of the spring's force": lambda: proof(equations=_spring_halved),
+        "no centripetal acceleration": Mutation(
+            at=1, proof=lambda: proof(acceleration=_without_centripetal)
+        ),
+        "no gyroscopic term": Mutation(at=3, proof=lambda: proof(equations=_without_gyroscope)),
+        "half of the spring's force": Mutation(at=2, proof=lambda: proof(equations=_spring_halved)),
     },
     not_claimed="That the links between particles exert forces of any particular kind: only that "
     "they do no work.",

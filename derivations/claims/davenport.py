@@ -8,7 +8,7 @@ from typing import Any
 from certreg.geometry.so3 import davenport_matrix, quadratic_form
 
 from ..algebra import identity
-from ..kernel import Claim, Proof
+from ..kernel import Claim, Mutation, Proof
 from ..notation import inner, matrix, quaternion, rotation
 
 
@@ -47,15 +47,18 @@ CLAIM = Claim(
     name="davenport",
     title="Davenport's matrix",
     statement=r"For every real $3\times3$ matrix $C$ and every quaternion $q \neq 0$: "
-    r"$\;q^{\mathsf T} K(C)\, q = |q|^2 \operatorname{tr}\bigl(R(q)^{\mathsf T} C\bigr)$.",
-    assumptions=("None: a polynomial identity.",),
+    r"$\;q^{\mathsf T} K(C)\, q = |q|^2 \operatorname{tr}\bigl(R(q)^{\mathsf T} C\bigr)$. The "
+    r"matrix $K(C)$ is symmetric, and its trace is zero.",
+    concludes=(1, 2, 3),
     source="[Davenport1968], [Horn1987]",
     proof=proof,
     controls={
-        "K of the transpose of C": lambda: proof(
-            lambda C: davenport_matrix(list(zip(*C, strict=True)))
+        "K of the transpose of C": Mutation(
+            at=3, proof=lambda: proof(lambda C: davenport_matrix(list(zip(*C, strict=True))))
         ),
-        "the axial vector with the other sign": lambda: proof(_wrong_axial_sign),
+        "the axial vector with the other sign": Mutation(
+            at=3, proof=lambda: proof(_wrong_axial_sign)
+        ),
     },
     not_claimed=r"Anything about $q = 0$. That $R(q)$ is a rotation is the claim `quaternions`.",
     used_by=(

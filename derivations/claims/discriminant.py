@@ -13,7 +13,7 @@ from certreg.geometry.so3 import davenport_matrix
 from certreg.objective.classification import Invariants, invariants
 
 from ..algebra import identity
-from ..kernel import Claim, Proof
+from ..kernel import Claim, Mutation, Proof
 from ..notation import Matrix, determinant, matrix, scalar, vector
 from ..table import eigenvalues
 
@@ -149,15 +149,19 @@ CLAIM = Claim(
     r"e_1^2 - 4 e_2$ for every $C$, and $\operatorname{disc} \chi_K = "
     r"4096 \operatorname{disc} \chi_{C^{\mathsf T} C}$. Hence $K$ has four different eigenvalues "
     r"if and only if the three numbers $d_i^2$ are different, and that is decided by one integer.",
-    assumptions=("None: polynomial identities in the nine entries of C.",),
+    concludes=(1, 3, 4, 7),
     source="ours; the coefficients of the quartic are in [Horn1987]",
     proof=proof,
     controls={
-        "a factor of 256": lambda: proof(factor=256),
-        "17 for 18 in the discriminant": lambda: proof(decisive=_one_term_wrong),
-        "the determinant with the other sign": lambda: proof(decisive=_sign_of_det_lost),
-        "K of the transpose of C, negated": lambda: proof(
-            davenport=lambda C: davenport_matrix((-Matrix(C).T).tolist())
+        "a factor of 256": Mutation(at=4, proof=lambda: proof(factor=256)),
+        "17 for 18 in the discriminant": Mutation(
+            at=4, proof=lambda: proof(decisive=_one_term_wrong)
+        ),
+        "the determinant with the other sign": Mutation(
+            at=1, proof=lambda: proof(decisive=_sign_of_det_lost)
+        ),
+        "K of the transpose of C, negated": Mutation(
+            at=3, proof=lambda: proof(davenport=lambda C: davenport_matrix((-Matrix(C).T).tolist()))
         ),
     },
     not_claimed=r"Which eigenvalues coincide where the discriminant vanishes: that is "

@@ -7,15 +7,19 @@ from typing import Any
 
 import sympy
 
-from ..algebra import Given, Square, combination, contraction, facts, identity, nonnegative
-from ..hypotheses import moments, orthogonality
-from ..kernel import Claim, Proof
+from ..algebra import Square, combination, contraction, facts, identity, nonnegative
+from ..hypotheses import UNDRIVEN, WEIGHTS, WHERE_ROTATION, moments
+from ..hypothesis import nonnegative_by
+from ..kernel import Claim, Mutation, Proof
 from ..moments import MomentCloud, PointCloud
 from ..motion import DAMPING, State, body_kinetic_energy, newton_euler, potential_energy
-from ..notation import Array, Matrix, gradient, hat, inner, matrix, vector
+from ..notation import Array, Matrix, gradient, hat, inner, matrix, scalar, vector
 
 Equations = Callable[[State, MomentCloud], tuple[Array, Array]]
 Formula = Callable[[State, MomentCloud], Any]
+
+
+LIGHT = nonnegative_by("Masses are not negative.", scalar("M"))
 
 
 def dissipated(state: State, cloud: MomentCloud) -> Any:
@@ -69,24 +73,23 @@ def _rate(equations: Equations, extra: Formula, loss: Formula) -> Proof:
         r"R^{\mathsf T}R - I\rangle$, because the trace of a symmetric times a skew matrix, "
         r"$\operatorname{tr}([\omega]S_2)$, is zero.",
         extra(state, cloud),
-        contraction(2 * cloud.source_scatter * hat(state.omega).T, orthogonality(state.R)),
+        contraction(2 * cloud.source_scatter * hat(state.omega).T, WHERE_ROTATION),
     )
 
 
 def _sign(loss: Formula) -> Proof:
     B, state = matrix("B"), State()
     cloud = MomentCloud(source_scatter=B.T * B)
-    positive = [Given(DAMPING, "the damping is positive")]
-    mass = Given(cloud.mass, "the mass is positive")
+    damping = UNDRIVEN[0]
     yield nonnegative(
         r"On $\mathrm{SO}(3)$ energy is never gained. A scatter matrix is positive semidefinite, "
         r"so $S_2 = B^{\mathsf T}B$ with rows $b_k$, and the loss is $\mu M|v|^2 + \mu\sum_k "
         r"|\omega\times b_k|^2$: a sum of squares.",
         loss(state, cloud),
         [
-            *([*positive, mass, Square(speed)] for speed in state.v),
+            *([damping, LIGHT[0], Square(speed)] for speed in state.v),
             *(
-                [*positive, Square(entry)]
+                [damping, Square(entry)]
                 for k in range(3)
                 for entry in state.omega.cross(B.row(k).T)
             ),
@@ -94,15 +97,14 @@ def _sign(loss: Formula) -> Proof:
     )
     for n in (3, 4):
         points = PointCloud.of_size(n)
-        masses = [Given(m, "masses are positive") for m in points.masses]
         swings = [state.omega.cross(x) for x in points.sources]
         yield nonnegative(
             rf"Once more with $N = {n}$ particles written out: the loss is "
             r"$\mu\sum m\,(|v|^2 + |\omega\times x|^2)$.",
             loss(state, moments(points)),
             [
-                [*positive, m, Square(entry)]
-                for m, swing in zip(masses, swings, strict=True)
+                [damping, m, Square(entry)]
+                for m, swing in zip(WEIGHTS[n].parts, swings, strict=True)
                 for entry in (*state.v, *swing)
             ],
         )
@@ -144,14 +146,23 @@ CLAIM = Claim(
     statement=r"For $V = V_k + V_p$ along the equations of motion, $\dot V = -\mu M|v|^2 - "
     r"\mu\,\omega^{\mathsf T}J\omega + 2\operatorname{tr}(R^{\mathsf T}R\,[\omega]S_2)$ for every "
     r"matrix $R$; where $R$ is a rotation the last term vanishes and $\dot V \le 0$.",
-    assumptions=("$R^{\\mathsf T}R = I$ for the sign.", "Masses and damping are positive."),
+    concludes=(2, 3, 4, 5, 6),
+    hypotheses=(WHERE_ROTATION, UNDRIVEN, LIGHT, *WEIGHTS.values()),
     source="[Yang2020], the derivative of the total energy",
     proof=proof,
     controls={
-        "springs of stiffness m in the force alone": lambda: proof(_springs_of_m),
-        "drag with the scatter in place of the inertia": lambda: proof(_drag_of_the_scatter),
-        "no extra term off SO(3)": lambda: proof(extra=lambda *_: sympy.Integer(0)),
-        "drag that drives": lambda: proof(loss=lambda state, cloud: -dissipated(state, cloud)),
+        "springs of stiffness m in the force alone": Mutation(
+            at=2, proof=lambda: proof(_springs_of_m)
+        ),
+        "drag with the scatter in place of the inertia": Mutation(
+            at=2, proof=lambda: proof(_drag_of_the_scatter)
+        ),
+        "no extra term off SO(3)": Mutation(
+            at=2, proof=lambda: proof(extra=lambda *_: sympy.Integer(0))
+        ),
+        "drag that drives": Mutation(
+            at=2, proof=lambda: proof(loss=lambda state, cloud: -dissipated(state, cloud))
+        ),
     },
     not_claimed="Anything about a discretised flow: explicit Euler can raise the energy (claim "
     "`euler_energy`). Off $\\mathrm{SO}(3)$, $V_k$ is the rigid body's form.",

@@ -9,8 +9,10 @@ from typing import Any
 from certreg.geometry.so3 import davenport_matrix, quadratic_form
 from certreg.verify import proves_level
 
-from ..algebra import Given, Square, combination, facts, identity, nonnegative
-from ..kernel import Claim, Proof
+from ..algebra import Square, combination, facts, identity, nonnegative
+from ..hypotheses import semidefinite
+from ..hypothesis import Hypothesis, Standing, invertible, nonnegative_by
+from ..kernel import Claim, Mutation, Proof
 from ..notation import Matrix, matrix, quaternion, scalar, square
 from ..shipped import UNIT_INVERSE, checked_matrix
 
@@ -23,6 +25,22 @@ def dual_matrix(K: Any) -> Any:
     return NU * Matrix.eye(4) - K
 
 
+def semidefinite_by(dual: Callable[[Any], Any]) -> Hypothesis:
+    """The matrix is positive semidefinite, and so its form at p is not negative."""
+    p, K = quaternion("p"), Matrix(davenport_matrix(matrix("C").tolist()))
+    return nonnegative_by(
+        r"$\nu I - K \succeq 0$.",
+        (p.T * dual(K) * p)[0],
+        further=lambda point: semidefinite(dual(K), point),
+    )
+
+
+DUAL = semidefinite_by(dual_matrix)
+UNIT_LEFT = invertible(
+    r"$\mathrm{unit} > 0$, with its inverse.", UNIT, UNIT_INVERSE, standing=Standing.NOTATION
+)
+
+
 def proof(
     dual: Callable[[Any], Any] = dual_matrix,
     shipped: Callable[[Any], Any] = lambda K: checked_matrix(K, quaternion(), NU, 0),
@@ -31,7 +49,7 @@ def proof(
     """Weak duality at a pose, the matrix that ships, and an example on either side."""
     K, q, p = Matrix(davenport_matrix(matrix("C").tolist())), quaternion(), quaternion("p")
     v_q, v_p = quadratic_form(K.tolist(), tuple(q)), quadratic_form(K.tolist(), tuple(p))
-    form = Given((p.T * dual(K) * p)[0], r"$\nu I - K \succeq 0$")
+    form = (DUAL if dual is dual_matrix else semidefinite_by(dual))[0]
     yield nonnegative(
         r"For every quaternion $p$: $\nu |p|^2 - p^{\mathsf T} K p = p^{\mathsf T}(\nu I - K)\, p "
         r"\ge 0$. So $\nu$ is an upper bound of $p^{\mathsf T} K p / |p|^2 = "
@@ -53,7 +71,7 @@ def proof(
         r"$\nu\,\mathrm{unit}^{-1} I - K_M$, where it holds $K = \mathrm{unit}\, K_M$: times the "
         r"unit it is $\nu I - K$. The pose does not enter.",
         UNIT * (p.T * shipped(K) * p)[0] - NU * square(p) + UNIT * v_p,
-        [(NU * square(p), UNIT * UNIT_INVERSE - 1)],
+        [(NU * square(p), UNIT_LEFT[0])],
     )
     yield from _either_side(nudge * Fraction(1, 2**80))
 
@@ -84,17 +102,32 @@ CLAIM = Claim(
     title="A multiplier that is proved is a bound",
     statement=r"If $\nu I - K \succeq 0$, then $\operatorname{tr}(R^{\mathsf T} C) \le \nu$ for "
     r"every rotation $R$, and the objective at any rotation $R(q)$ exceeds the global minimum by "
-    r"at most $2\,(\nu - v)$, $v = q^{\mathsf T} K q / |q|^2$.",
-    assumptions=(r"None on where $\nu$ comes from: a solver, a guess, a rounded number.",),
+    r"at most $2\,(\nu - v)$, $v = q^{\mathsf T} K q / |q|^2$. What the checker decides with $\mu "
+    r"= 0$ is "
+    r"whether a positive multiple of $\nu I - K$ is positive definite; where $\nu$ is the largest "
+    r"eigenvalue or less, it is not.",
+    concludes=(1, 2, 3, 5),
+    hypotheses=(DUAL, UNIT_LEFT),
+    setting=(r"Nothing is asked of where $\nu$ comes from: a solver, a guess, a rounded number.",),
     source="weak duality of the Shor relaxation; [Briales2017]",
     proof=proof,
     controls={
-        "K - nu I is semidefinite": lambda: proof(dual=lambda K: -dual_matrix(K)),
-        "the matrix of 2 nu": lambda: proof(dual=lambda K: dual_matrix(K) + NU * Matrix.eye(4)),
-        "the checker without its unit": lambda: proof(
-            shipped=lambda K: NU * Matrix.eye(4) - K,
+        "K - nu I is semidefinite": Mutation(
+            at=1,
+            proof=lambda: proof(dual=lambda K: -dual_matrix(K)),
+            point={NU: -1, quaternion("p")[0]: 1},
         ),
-        "a bound below the eigenvalue": lambda: proof(nudge=-1),
+        "the matrix of 2 nu": Mutation(
+            at=1,
+            proof=lambda: proof(dual=lambda K: dual_matrix(K) + NU * Matrix.eye(4)),
+            point={NU: 2, quaternion("p")[0]: 1} | {matrix("C")[k, k]: 1 for k in range(3)},
+        ),
+        "the checker without its unit": Mutation(
+            at=3,
+            proof=lambda: proof(shipped=lambda K: NU * Matrix.eye(4) - K),
+            point={NU: 1, UNIT: 2, quaternion("p")[0]: 1},
+        ),
+        "a bound below the eigenvalue": Mutation(at=5, proof=lambda: proof(nudge=-1)),
     },
     not_claimed=r"That the number a solver prints is a bound: it lies on either side of the "
     r"largest eigenvalue. It becomes one when it is rounded outwards and $\nu I - K \succ 0$ is "

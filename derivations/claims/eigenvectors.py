@@ -9,9 +9,10 @@ import sympy
 
 from certreg.geometry.so3 import davenport_matrix
 
-from ..algebra import Relation, combination, contraction, identity, modulo
-from ..hypotheses import SPECTRAL
-from ..kernel import Claim, Proof
+from ..algebra import combination, contraction, identity, modulo
+from ..hypotheses import SOLID, SPECTRAL, unit_of
+from ..hypothesis import Hypothesis, Standing, invertible, vanishing
+from ..kernel import Claim, Mutation, Proof
 from ..moments import MomentCloud
 from ..motion import State, newton_euler, potential_energy
 from ..notation import (
@@ -19,10 +20,12 @@ from ..notation import (
     Matrix,
     body,
     hat,
+    inner,
     quaternion,
     rotation,
     scalar,
     square,
+    symmetric,
     vector,
     vee,
 )
@@ -30,12 +33,32 @@ from ..notation import (
 Frame = Callable[[Any], Array]
 
 
+HEAVY = invertible("For (b): the mass $M$ is positive.", scalar("M"), scalar("Minv"))
+SOLID_INVERSE = invertible(f"For (b): {SOLID}", MomentCloud().inertia, symmetric("I"))
+WHERE_UNIT = unit_of("q", Standing.CASE)
+
+
+def eigenvector(davenport: Callable[[Any], Any] = davenport_matrix) -> Hypothesis:
+    """K q = kappa q."""
+    cloud, q = MomentCloud(), quaternion()
+    K = Matrix(davenport(cloud.cross.tolist()))
+    return vanishing(
+        r"$q$ is an eigenvector, $K q = \kappa q$.",
+        K * q - scalar("kappa") * q,
+        standing=Standing.CASE,
+        solves=tuple(cloud.cross),
+    )
+
+
+EIGENVECTOR = eigenvector()
+
+
 def proof(
     frame: Frame = body, davenport: Callable[[Any], Any] = davenport_matrix, energy_factor: int = 2
 ) -> Proof:
     """At rest the torque is the only thing left; it vanishes exactly at eigenvectors."""
     yield from _at_rest()
-    cloud, q, kappa = MomentCloud(), quaternion(), scalar("kappa")
+    cloud, q = MomentCloud(), quaternion()
     K, L = Matrix(davenport(cloud.cross.tolist())), frame(q)
     yield identity(
         r"The columns of $L(q)$ span what is orthogonal to $q$: "
@@ -57,7 +80,9 @@ def proof(
         r"$a^{\mathsf T} L(q)^{\mathsf T} K q$ is a combination of the entries of $K q - \kappa "
         r"q$, because $L(q)^{\mathsf T} q = 0$.",
         (a.T * L.T * K * q)[0],
-        contraction(L * a, K * q - kappa * q),
+        contraction(
+            L * a, EIGENVECTOR if davenport is davenport_matrix else eigenvector(davenport)
+        ),
     )
     yield from _symmetry(cloud)
     yield from _energy(cloud, q, K, energy_factor)
@@ -71,11 +96,24 @@ def _at_rest() -> Proof:
     yield identity(
         r"At an equilibrium nothing moves: $\dot c = v = 0$ and $\dot R = R [\omega]_\times = 0$, "
         r"so $v = \omega = 0$. There the damping and the gyroscopic "
-        r"torque are zero, the force is $-2 M c$ and the torque is that of the springs. With "
-        r"$M > 0$ and $J$ invertible the state stays at rest if and only if $c = 0$ and that "
-        r"torque vanishes.",
+        r"torque are zero, the force is $-2 M c$ and the torque is that of the springs.",
         [force, torque],
         [-2 * cloud.mass * state.c, 2 * vee(R.T * C - C.T * R)],
+    )
+    a, alpha = vector("a"), vector("alpha")
+    yield combination(
+        r"With $M > 0$ the force vanishes if and only if $c = 0$: for every $a$, $a\cdot c + "
+        r"\tfrac12 M^{-1} a\cdot f$ is a multiple of $M M^{-1} - 1$.",
+        inner(a, state.c) + scalar("Minv") * inner(a, force) / 2,
+        [(-inner(a, state.c), HEAVY[0])],
+    )
+    yield combination(
+        r"And with $J$ invertible the body does not begin to turn, $\alpha = 0$, if and only if "
+        r"the "
+        r"torque $J\alpha$ vanishes: for every $a$, $a\cdot\alpha - (J^{-1}a)\cdot J\alpha$ is a "
+        r"combination of the entries of $J J^{-1} - I$.",
+        inner(a, alpha) - inner(symmetric("I") * a, cloud.inertia * alpha),
+        contraction(-alpha * a.T, SOLID_INVERSE),
     )
 
 
@@ -91,7 +129,6 @@ def _symmetry(cloud: MomentCloud) -> Proof:
 
 
 def _energy(cloud: MomentCloud, q: Array, K: Array, factor: int) -> Proof:
-    unit = Relation(q[0], 2, 1 - square(q[1:]))
     at_rest = State(c=sympy.zeros(3, 1), R=rotation(q))
     spread = cloud.source_scatter.trace() + cloud.target_scatter.trace()
     yield modulo(
@@ -103,7 +140,7 @@ def _energy(cloud: MomentCloud, q: Array, K: Array, factor: int) -> Proof:
         r"global optimum exists and is an equilibrium.",
         potential_energy(at_rest, cloud),
         spread - factor * (q.T * K * q)[0],
-        [unit],
+        [WHERE_UNIT],
     )
 
 
@@ -116,23 +153,24 @@ def _one_sign_wrong(q: Any) -> Array:
 CLAIM = Claim(
     name="eigenvectors",
     title="Equilibria are eigenvectors",
-    statement=r"(a) For every $C$ the springs' torque vanishes at $R(q)$ if and only if $q$ is an "
+    statement=r"(a) For every $C$ the springs' torque, $2 L(q)^{\mathsf T} K q$, vanishes at "
+    r"$R(q)$ if and only if $q$ is an "
     r"eigenvector of $K(C)$; equivalently $R(q)^{\mathsf T} C$ is symmetric. (b) Let $M > 0$ and "
     r"$J \succ 0$. A state with rotation $R(q)$ is an equilibrium of the registration dynamics if "
     r"and only if $v = \omega = 0$, $c = 0$ and $q$ is an eigenvector of $K(C)$. Its energy is "
     r"$V_p = \text{const} - 2 \kappa$ with $\kappa$ the eigenvalue.",
-    assumptions=(
-        "(a): none.",
-        r"(b): $M > 0$ and three source points are not collinear: $J \succ 0$.",
-    ),
+    concludes=(1, 2, 3, 4, 5, 6, 7, 8),
+    hypotheses=(HEAVY, SOLID_INVERSE, EIGENVECTOR, WHERE_UNIT),
     source="[Yang2020], the equilibrium equations; [Horn1987], [Davenport1968]",
     proof=proof,
     controls={
-        "L with one sign wrong": lambda: proof(frame=_one_sign_wrong),
-        "K of the transpose of C": lambda: proof(
-            davenport=lambda C: davenport_matrix(Matrix(C).T.tolist())
+        "L with one sign wrong": Mutation(at=4, proof=lambda: proof(frame=_one_sign_wrong)),
+        "K of the transpose of C": Mutation(
+            at=8, proof=lambda: proof(davenport=lambda C: davenport_matrix(Matrix(C).T.tolist()))
         ),
-        "the energy const - kappa, half of it": lambda: proof(energy_factor=1),
+        "the energy const - kappa, half of it": Mutation(
+            at=8, proof=lambda: proof(energy_factor=1)
+        ),
     },
     not_claimed=r"How many eigenvectors there are "
     r"(`classification`), or that an equilibrium is stable (`hessian`, `unstable_count`).",

@@ -12,8 +12,9 @@ import sympy
 
 from certreg.exact.elimination import is_positive_definite
 
-from ..algebra import Given, Square, identity, nonnegative
-from ..kernel import Claim, Proof
+from ..algebra import Square, identity, positive
+from ..hypothesis import Standing, invertible, positive_by
+from ..kernel import Claim, Mutation, Proof, Step
 from ..notation import Matrix, scalar
 from ..shipped import checked_elimination, pivots_of
 
@@ -40,14 +41,31 @@ def eliminated_row(A: Any, k: int, x: Any) -> Any:
     return sum(minor * x[k - 1 + j] for j, minor in enumerate(minors))
 
 
+A = Matrix(SIZE, SIZE, lambda i, j: scalar(f"a_{min(i, j) + 1}{max(i, j) + 1}"))
+X = Matrix([scalar(f"x_{k}") for k in range(1, SIZE + 1)])
+MINORS = positive_by(
+    r"The minors $D_1, \ldots, D_4$ are positive.",
+    [leading_minor(A, k) for k in range(1, SIZE + 1)],
+    standing=Standing.CASE,
+    prepare=lambda point: {A[k, k]: abs(point[A[k, k]]) + 10 for k in range(SIZE)},
+)
+LAST = tuple(
+    invertible(
+        f"$x_{k} \\ne 0$, and the entries after it are zero.",
+        x,
+        standing=Standing.CASE,
+        example={A[j, j]: 1 for j in range(SIZE)},
+    )
+    for k, x in enumerate(X, 1)
+)
+
+
 def proof(
     elimination: Elimination = is_positive_definite,
     checker: Elimination = checked_elimination,
     minors: Callable[[Any, int], Any] = leading_minor,
 ) -> Proof:
     """The pivots, the sum of squares, and the converse, for a symmetric 4x4 matrix of symbols."""
-    A = Matrix(SIZE, SIZE, lambda i, j: scalar(f"a_{min(i, j) + 1}{max(i, j) + 1}"))
-    x = Matrix([scalar(f"x_{k}") for k in range(1, SIZE + 1)])
     D = [minors(A, k) for k in range(SIZE + 1)]
     yield identity(
         r"The shipped function `certreg.exact.is_positive_definite`, run on a symmetric "
@@ -63,31 +81,19 @@ def proof(
         pivots_of(checker, A),
         D[1:],
     )
-    yield from _sylvester(A, x, D)
+    yield from _sylvester(D)
 
 
-def _sylvester(A: Any, x: Any, D: list[Any]) -> Proof:
-    y = [eliminated_row(A, k, x) for k in range(1, SIZE + 1)]
-    form = (x.T * A * x)[0]
-    positive = [Given(d, f"$D_{k} > 0$") for k, d in enumerate(D)]
-    yield nonnegative(
-        r"If all four minors are positive, $A$ is positive definite: with $y_k$ the $k$-th row "
-        r"after elimination applied to $x$, $\;x^{\mathsf T} A x = \sum_k y_k^2 / (D_{k-1} D_k)$, "
-        r"$D_0 = 1$, here multiplied by $D_1 D_2 D_3$, and $y_4 = D_4 x_4$. Where the sum "
-        r"vanishes, $y_4, y_3, y_2, y_1$ do, and as $y_k$ is $D_k x_k$ and terms in later "
-        r"entries, so do $x_4, x_3, x_2, x_1$.",
-        form * D[1] * D[2] * D[3],
-        [
-            (Square(y[0]), positive[2], positive[3]),
-            (Square(y[1]), positive[3]),
-            (Square(y[2]), positive[1]),
-            (Square(x[3]), positive[1], positive[2], positive[4]),
-        ],
-    )
+def _sylvester(D: list[Any]) -> Proof:
+    for k in range(1, SIZE + 1):
+        yield _positive_up_to(k, D)
     yield identity(
-        r"and indeed $y_k = D_k x_k$ when the entries of $x$ after the $k$-th are zero.",
-        [y[k].subs({x[j]: 0 for j in range(k + 1, SIZE)}) for k in range(SIZE)],
-        [D[k + 1] * x[k] for k in range(SIZE)],
+        r"Here $y_k = D_k x_k$ where the entries of $x$ after the $k$-th are zero.",
+        [
+            eliminated_row(A, k + 1, X).subs({X[j]: 0 for j in range(k + 1, SIZE)})
+            for k in range(SIZE)
+        ],
+        [D[k + 1] * X[k] for k in range(SIZE)],
     )
     vectors = [last_cofactors(A, k) for k in range(1, SIZE + 1)]
     yield identity(
@@ -96,6 +102,31 @@ def _sylvester(A: Any, x: Any, D: list[Any]) -> Proof:
         r"then $D_0 = 1 > 0$ and, step by step, $x \ne 0$ and $D_k > 0$.",
         [[(v.T * A * v)[0], v[k]] for k, v in enumerate(vectors)],
         [[D[k] * D[k + 1], D[k]] for k in range(SIZE)],
+    )
+
+
+def _positive_up_to(k: int, D: list[Any]) -> Step:
+    """x^T A x is positive where x_k is the last entry that is not zero."""
+    x = Matrix([*X[:k], *[0] * (SIZE - k)])
+    minors = [sympy.Integer(1), *MINORS.parts]
+    terms: list[list[Any]] = []
+    for j in range(1, k):  # D_1 ... D_(k-1) / (D_(j-1) D_j)
+        others = [minors[i] for i in range(1, k) if i not in {j - 1, j}]
+        terms.append([Square(eliminated_row(A, j, x)), *others])
+    last = [minors[i] for i in range(1, k - 1)]  # y_k^2 / (D_(k-1) D_k) = x_k^2 D_k / D_(k-1)
+    terms.append([Square(LAST[k - 1][0]), minors[k], *last])
+    words = (
+        r"If all four minors are positive, $A$ is positive definite. Let $x \ne 0$, and $x_k$ its "
+        r"last "
+        r"entry that is not zero. With $y_j$ the $j$-th row after elimination applied to $x$, "
+        r"$x^{\mathsf T} A x = \sum_{j \le k} y_j^2 / (D_{j-1} D_j)$, $D_0 = 1$, here multiplied "
+        r"by $D_1 "
+        r"\cdots D_{k-1}$, and $y_k = D_k x_k$: positive. "
+    )
+    return positive(
+        f"{words if k == 1 else 'The same: '}${k = }$.",
+        (x.T * A * x)[0] * sympy.prod(D[1:k]),
+        terms,
     )
 
 
@@ -134,18 +165,22 @@ CLAIM = Claim(
     statement=r"The pivots that the shipped fraction-free eliminations meet on a symmetric "
     r"$4\times4$ matrix $A$ of integers are its leading principal minors $D_1, \ldots, D_4$, and "
     r"$A$ is positive definite if and only if all four are positive. The answer is exact.",
-    assumptions=(
+    concludes=(1, 2, 3, 4, 5, 6, 7, 8),
+    hypotheses=(MINORS, *LAST),
+    setting=(
         r"$A$ is symmetric, $4\times4$; for $3\times3$ let $a_{44} = 1$, with zeros beside it.",
     ),
     source="[Bareiss1968], Sylvester's criterion",
     proof=proof,
     controls={
-        "an elimination that forgets to divide by the previous pivot": lambda: proof(
-            elimination=_forgetful
+        "an elimination that forgets to divide by the previous pivot": Mutation(
+            at=1, proof=lambda: proof(elimination=_forgetful)
         ),
-        "a checker that updates one column less": lambda: proof(checker=_one_short),
-        "the minors of the last rows and columns": lambda: proof(
-            minors=lambda A, k: leading_minor(A[::-1, ::-1], k)
+        "a checker that updates one column less": Mutation(
+            at=2, proof=lambda: proof(checker=_one_short)
+        ),
+        "the minors of the last rows and columns": Mutation(
+            at=1, proof=lambda: proof(minors=lambda A, k: leading_minor(A[::-1, ::-1], k))
         ),
     },
     not_claimed=r"That a semidefinite matrix is recognised: with a zero pivot the answer is no, "

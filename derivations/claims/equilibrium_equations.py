@@ -6,11 +6,11 @@ from collections.abc import Callable
 
 import sympy
 
-from ..algebra import combination, contraction, identity
-from ..hypotheses import moments, orthogonality
-from ..kernel import Claim, Proof
+from ..algebra import combination, contraction, facts, identity
+from ..hypotheses import CENTRED, INERTIA_INVERSE, ROTATION, SOURCES_CENTRED, moments
+from ..kernel import Claim, Mutation, Proof, Step
 from ..moments import MomentCloud, PointCloud
-from ..motion import Body, State, left_gradient, potential_energy, rate, unit_cloud
+from ..motion import DAMPING, Body, State, left_gradient, potential_energy, rate, unit_cloud
 from ..notation import Array, Matrix, gradient, hat, inner, matrix, square, vector, vee
 from .total_torque import spring_part
 
@@ -41,7 +41,7 @@ def _velocities(rates: Rates) -> Proof:
         r"R^{\mathsf T}\dot R - [\omega]_\times\rangle$ is a combination of the entries of "
         r"$R^{\mathsf T}R - I$. So if $\dot R = 0$, then $\omega = 0$.",
         inner(A, state.R.T * turning - hat(state.omega)),
-        contraction(A * hat(state.omega).T, orthogonality(state.R)),
+        contraction(A * hat(state.omega).T, ROTATION),
     )
 
 
@@ -66,7 +66,7 @@ def _accelerations(rates: Rates, torque: Torque) -> Proof:
         r"$\alpha = 0$ if and only if $\tau = 0$: for every $u$, $u\cdot\tau - (Ju)\cdot\alpha$ "
         r"is a combination of the entries of $JJ^{-1} - I$.",
         inner(u, turned) - inner(body.inertia * u, found[15:, :]),
-        contraction(-u * turned.T, body.inertia * body.inertia_inverse - sympy.eye(3)),
+        contraction(-u * turned.T, INERTIA_INVERSE),
     )
     aligned = rest.R.T * cloud.cross
     yield identity(
@@ -89,7 +89,7 @@ def _papers_equations(torque: Torque) -> Proof:
             rf"$\tau = 0$ for every $c$: with $N = {n}$ points written out the two differ, along "
             r"any $u$, by a multiple of $\sum m\,x$, which vanishes.",
             inner(u, pulls - torque(state, moments(points))),
-            contraction(2 * u.cross(state.R.T * state.c), points.total(points.sources)),
+            contraction(2 * u.cross(state.R.T * state.c), CENTRED[n, "x"]),
         )
 
 
@@ -110,7 +110,7 @@ def _critical(torque: Torque) -> Proof:
         r"grows with $c$ and $\mathrm{SO}(3)$ is compact. A minimum is a critical point, so the "
         r"optimal registration is an equilibrium, whatever the clouds.",
         inner(phi, slope + torque(state, cloud)),
-        contraction(2 * hat(phi) * cloud.source_scatter, orthogonality(state.R)),
+        contraction(2 * hat(phi) * cloud.source_scatter, ROTATION),
     )
 
 
@@ -120,33 +120,53 @@ def _falling_upwards(state: State, body: Body) -> Array:
     return found + offset
 
 
-def _in_space(state: State, cloud: MomentCloud) -> Array:
-    aligned = cloud.cross * state.R.T
+def _of_the_transpose(state: State, cloud: MomentCloud) -> Array:
+    aligned = state.R.T * cloud.cross.T
     return 2 * vee(aligned - aligned.T)
 
 
-def _other_velocity(state: State, body: Body) -> Array:
-    found = rate(state, body)
-    return Matrix([*found[:3, :], *(hat(state.omega) * state.R), *found[12:, :]])
+def _not_the_third(state: State, body: Body) -> Array:
+    """R is not turned about the body's third axis."""
+    found, turning = rate(state, body), hat(Matrix([*state.omega[:2, :], 0]))
+    return Matrix([*found[:3, :], *(state.R * turning), *found[12:, :]])
+
+
+def _spinning_at_rest() -> Step:
+    half, zero = sympy.Rational(1, 2), sympy.zeros(3, 1)
+    one = sympy.eye(3)
+    pushed = Matrix([[0, 0, 0], [half, 0, 0], [0, 0, 0]])
+    state = State(c=zero, R=one, v=zero, omega=Matrix([0, 0, 1]))
+    found = _not_the_third(state, Body(cross=pushed, inertia=one, inertia_inverse=one))
+    return facts(
+        r"At $R = J = I$, $\mu = 1$, $C_{21} = \tfrac12$ and the other entries of $C$ zero, all "
+        r"rates "
+        r"are zero at $c = v = 0$ and $\omega = (0, 0, 1)$, which is not zero.",
+        list(found.subs(DAMPING, 1)),
+        [0] * 18,
+    )
 
 
 CLAIM = Claim(
     name="equilibrium_equations",
     title="The equations of rest",
-    statement=r"For a rotation $R$ and $J \succ 0$: $F(s) = 0$ if and only if $c = 0$, $v = 0$, "
+    statement=r"At rest $\dot v = -2c$ and $\dot\omega = J^{-1}\tau$ with $\tau = "
+    r"2\operatorname{vee}(R^{\mathsf T}C - C^{\mathsf T}R)$. For a rotation $R$ and $J \succ 0$: "
+    r"$F(s) = 0$ if and only if $c = 0$, $v = 0$, "
     r"$\omega = 0$ and $R^{\mathsf T}C = C^{\mathsf T}R$. These are the critical points of $V_p$ "
     r"on $\mathbb R^3\times\mathrm{SO}(3)$; the optimal pose is one of them.",
-    assumptions=(
-        "$R^{\\mathsf T}R = I$.",
-        "$JJ^{-1} = I$: three of the points are not collinear.",
-        "Both clouds are taken about their means.",
-    ),
+    concludes=(1, 2, 3, 4, 5, 6, 7, 8, 9, 10),
+    hypotheses=(ROTATION, INERTIA_INVERSE, *SOURCES_CENTRED),
+    setting=("Both clouds are taken about their means.",),
     source="[Yang2020], the equations of the set of equilibria, and the corollary on the optimizer",
     proof=proof,
     controls={
-        "a constant field of gravity": lambda: proof(_falling_upwards),
-        "torque in the target's frame": lambda: proof(torque=_in_space),
-        "R turned from the left": lambda: proof(_other_velocity),
+        "a constant field of gravity": Mutation(at=3, proof=lambda: proof(_falling_upwards)),
+        "torque of the transpose of C": Mutation(
+            at=4, proof=lambda: proof(torque=_of_the_transpose)
+        ),
+        "R that does not feel the third angular velocity": Mutation(
+            at=2, proof=lambda: proof(_not_the_third), instance=_spinning_at_rest
+        ),
     },
     not_claimed="That the optimum is the only equilibrium, or unique: it is not, see "
     "`classification`. The argument of the paper about the next time step is not needed.",

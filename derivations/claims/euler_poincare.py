@@ -8,11 +8,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import sympy
-
 from ..algebra import combination, contraction, identity
-from ..hypotheses import orthogonality
-from ..kernel import Claim, Proof
+from ..hypotheses import INERTIA_INVERSE, ROTATION
+from ..kernel import Claim, Mutation, Proof
 from ..moments import MomentCloud
 from ..motion import (
     DAMPING,
@@ -110,7 +108,7 @@ def _same_as_newton(equations: Equations, newton: Equations) -> Proof:
         r"knows rotations only, so this is no gap: on $\mathrm{SO}(3)$ Hamilton, with Rayleigh, "
         r"gives the Newton-Euler equations of the paper.",
         inner(phi, torque - paper_torque),
-        contraction(-2 * hat(phi) * cloud.source_scatter, orthogonality(state.R)),
+        contraction(-2 * hat(phi) * cloud.source_scatter, ROTATION),
     )
 
 
@@ -148,7 +146,6 @@ def _solved(newton: Equations, rates: Rates) -> Proof:
         found[:15, :],
         Matrix([*state.v, *(state.R * hat(state.omega)), *force]),
     )
-    inverse = body.inertia * body.inertia_inverse - sympy.eye(3)
     undamped = torque + DAMPING * body.inertia * state.omega
     yield combination(
         r"Its last three entries $\dot\omega$ solve Euler's equation: along any $\varphi$, "
@@ -156,7 +153,7 @@ def _solved(newton: Equations, rates: Rates) -> Proof:
         r"$J J^{-1} - I$, the inverse being a parameter of the code. So $F$ is the Newton-Euler "
         r"equations divided by the mass, and nothing else.",
         inner(phi, body.inertia * found[15:, :] - torque),
-        contraction(phi * undamped.T, inverse),
+        contraction(phi * undamped.T, INERTIA_INVERSE),
     )
 
 
@@ -190,17 +187,19 @@ CLAIM = Claim(
     r"$\dot R = R[\omega]_\times$, $Ma = f$ and $J\alpha = \tau - \omega\times J\omega$ with the "
     r"paper's force and torque. The shipped right-hand side is these equations divided by $M$ and "
     r"solved for the accelerations.",
-    assumptions=(
-        "$R$ is a rotation.",
-        "$JJ^{-1} = I$ for the last step, so $J$ is positive definite.",
-    ),
+    concludes=(2, 3, 4, 7, 8),
+    hypotheses=(ROTATION, INERTIA_INVERSE),
     source="[Yang2020], the proposition on the dynamics",
     proof=proof,
     controls={
-        "gyroscopic term with the other sign": lambda: proof(_precessing_backwards),
-        "rates without the gyroscopic term": lambda: proof(rates=_without_gyroscope),
-        "drag counted twice": lambda: proof(newton=_drag_once_more),
-        "R turned from the left": lambda: proof(rates=_wrong_handed),
+        "gyroscopic term with the other sign": Mutation(
+            at=2, proof=lambda: proof(_precessing_backwards)
+        ),
+        "rates without the gyroscopic term": Mutation(
+            at=8, proof=lambda: proof(rates=_without_gyroscope)
+        ),
+        "drag counted twice": Mutation(at=3, proof=lambda: proof(newton=_drag_once_more)),
+        "R turned from the left": Mutation(at=7, proof=lambda: proof(rates=_wrong_handed)),
     },
     not_claimed="Anything off $\\mathrm{SO}(3)$: there the principle says nothing, while the "
     "shipped rates are the paper's formula for any matrix $R$.",

@@ -10,13 +10,15 @@ import sympy
 
 from certreg.objective.classification import Invariants, invariants
 
-from ..algebra import Given, identity, nonnegative, quoted
-from ..kernel import Claim, Proof
+from ..algebra import identity, positive, quoted, refuting
+from ..hypotheses import MASSES as POSITIVE
+from ..kernel import Claim, Mutation, Proof, Step
 from ..moments import PointCloud
 from ..notation import Array, Matrix, scalar, vector
 
 Decisive = Callable[[Sequence[Sequence[Any]]], Invariants]
 MASSES = tuple(scalar(f"m_{i}") for i in (1, 2, 3))
+POSITIVE_MASSES = POSITIVE[3]
 
 
 def scaled_moment(masses: Sequence[Any], left: Sequence[Array], right: Sequence[Array]) -> Array:
@@ -119,14 +121,13 @@ def _without_noise(decisive: Decisive) -> Proof:
         flat.discriminant,
         (p * r - q**2) ** 4 * (p + r) ** 2 * ((p - r) ** 2 + 4 * q**2),
     )
-    positive = [Given(m, "positive masses") for m in MASSES]
-    first, second, third = positive
-    yield nonnegative(
+    first, second, third = POSITIVE_MASSES.parts
+    yield positive(
         r"And no factor vanishes for positive masses: $a + c > 0$, $b > 0$, and $ac - b^2 = "
         r"m_1 m_2 m_3 (m_1 + m_2 + m_3)$ is a sum of products of masses. So the discriminant is "
         r"not the zero polynomial on clouds without noise either.",
         a * c - b**2,
-        [[first, second, third, one] for one in positive],
+        [[first, second, third, one] for one in POSITIVE_MASSES.parts],
     )
 
 
@@ -164,6 +165,15 @@ def _one_term_wrong(C: Sequence[Sequence[Any]]) -> Invariants:
     return _OneTermWrong(e1=found.e1, e2=found.e2, det=found.det)
 
 
+def _vanishes_too_seldom() -> Step:
+    one = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    return refuting(
+        r"At $C = I$, which has infinitely many equilibria, that polynomial is not zero.",
+        [_one_term_wrong(one).discriminant],
+        [0],
+    )
+
+
 CLAIM = Claim(
     name="generic",
     title="Generically exactly four equilibria",
@@ -171,17 +181,25 @@ CLAIM = Claim(
     r"that do not have exactly four equilibria form the zero set of one polynomial that is not "
     r"zero, so a closed set of measure zero. The same holds for clouds without noise, "
     r"$y_i = R x_i + t$, among all sources $x \in \mathbb{R}^{3N}$. Outside of it there are one "
-    r"optimum and three spurious equilibria, each exactly $180^\circ$ from every other.",
-    assumptions=(
-        r"$N \geq 3$ and positive masses.",
-        "The data, or the source alone where there is no noise, have a density.",
+    r"optimum and three spurious equilibria, each exactly $180^\circ$ from every other. A witness "
+    r"is "
+    r"a cloud with $C = t\operatorname{diag}(1, 2, 0)$, three balanced points with all others at "
+    r"their mean; two points never are one.",
+    concludes=(1, 2, 3, 4, 5, 6, 7, 8),
+    hypotheses=(POSITIVE_MASSES,),
+    setting=(
+        r"$N \geq 3$. The data, or the source alone where there is no noise, have a density.",
     ),
     source="[Yang2020], the conjecture's part (i), there without proof",
     proof=proof,
     controls={
-        "a witness with C = diag(1, 1, 0)": lambda: proof(stretch=1),
-        "further points that are not at the mean": lambda: proof(extra=1),
-        "a wrong term in the discriminant": lambda: proof(decisive=_one_term_wrong),
+        "a witness with C = diag(1, 1, 0)": Mutation(at=3, proof=lambda: proof(stretch=1)),
+        "further points that are not at the mean": Mutation(at=7, proof=lambda: proof(extra=1)),
+        "a wrong term in the discriminant": Mutation(
+            at=3,
+            proof=lambda: proof(decisive=_one_term_wrong),
+            instance=_vanishes_too_seldom,
+        ),
     },
     not_claimed=r"That a cloud in floating point is generic because it was random: doubles are "
     r"finitely many, and the code decides each case. Nor that a symmetric cloud is exceptional "

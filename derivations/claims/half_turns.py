@@ -7,8 +7,9 @@ from typing import Any
 
 import sympy
 
-from ..algebra import combination, identity
-from ..kernel import Claim, Proof
+from ..algebra import combination, contraction, identity
+from ..hypotheses import AT_P, AT_Q, DIFFERENT, eigenpair
+from ..kernel import Claim, Mutation, Proof
 from ..notation import (
     Array,
     body,
@@ -18,7 +19,6 @@ from ..notation import (
     rotation,
     scalar,
     square,
-    symmetric,
     vector,
 )
 
@@ -79,21 +79,25 @@ def _axes(turn: Rotation) -> Proof:
 
 
 def _orthogonality(*, skewed: bool) -> Proof:
-    p, q, u, v = quaternion("p"), quaternion("q"), scalar("u"), scalar("v")
-    K = matrix("K", 4) if skewed else symmetric("K", 4)
-    at_p, at_q = K * p - u * p, K * q - v * q
+    p, q, inverse = quaternion("p"), quaternion("q"), scalar("gap_inverse")
+    K = matrix("K", 4)
+    at_q = eigenpair(K, "q", "v") if skewed else AT_Q
+    at_p = eigenpair(K, "p", "u") if skewed else AT_P
     yield combination(
         r"Let $K p = u p$ and $K q = v q$ with $K$ symmetric. Then $(u - v)\, p \cdot q = "
-        r"p^{\mathsf T}(K q - v q) - q^{\mathsf T}(K p - u p)$ vanishes: eigenvectors of different "
+        r"q^{\mathsf T}(K p - u p) - p^{\mathsf T}(K q - v q)$ up to sign; with $u \ne v$ it can "
+        r"be "
+        r"divided by, and $p \cdot q$ vanishes: eigenvectors of different "
         r"eigenvalues are orthogonal, and so equilibria of different energy are exactly "
         r"$180^\circ$ apart, with nothing left to the shape of the clouds. (Where an eigenvalue is "
         r"repeated, all combinations of its eigenvectors are eigenvectors, infinitely many lines. "
         r"So if there are four equilibria, the eigenvalues are distinct, and this holds of any "
         r"two.)",
-        (u - v) * inner(p, q),
+        inner(p, q),
         [
-            *zip(p, at_q, strict=True),
-            *((-entry, residual) for entry, residual in zip(q, at_p, strict=True)),
+            *contraction(inverse * p, at_q),
+            *contraction(-inverse * q, at_p),
+            (-inner(p, q), DIFFERENT[0]),
         ],
     )
 
@@ -110,13 +114,17 @@ CLAIM = Claim(
     r"only if $q = \pm p$. Hence two equilibria with different energies are exactly "
     r"$180^\circ$ apart, and where there are four, the three half turns that lead from one of them "
     r"to the others have mutually orthogonal axes.",
-    assumptions=(r"$K$ is real and symmetric.",),
+    concludes=(1, 2, 3, 4, 5, 6),
+    hypotheses=(AT_Q, AT_P, DIFFERENT),
+    setting=(r"$K$ is real and symmetric.",),
     source="[Yang2020], the conjecture's part (i), there observed numerically",
     proof=proof,
     controls={
-        "the trace with 2 (p.q)^2": lambda: proof(slope=2),
-        "R(q) of the conjugate quaternion": lambda: proof(turn=_of_the_conjugate),
-        "a matrix K that is not symmetric": lambda: proof(skewed=True),
+        "the trace with 2 (p.q)^2": Mutation(at=1, proof=lambda: proof(slope=2)),
+        "R(q) of the conjugate quaternion": Mutation(
+            at=2, proof=lambda: proof(turn=_of_the_conjugate)
+        ),
+        "a matrix K that is not symmetric": Mutation(at=6, proof=lambda: proof(skewed=True)),
     },
     not_claimed=r"That every two equilibria are $180^\circ$ apart: on a circle of equilibria, all "
     r"of the same energy, every angle occurs.",

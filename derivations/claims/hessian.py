@@ -9,9 +9,9 @@ import sympy
 
 from certreg.geometry.so3 import davenport_matrix
 
-from ..algebra import Relation, combination, identity, modulo
-from ..hypotheses import SPECTRAL
-from ..kernel import Claim, Proof, Step
+from ..algebra import combination, contraction, identity, modulo
+from ..hypotheses import AT_P, AT_Q, CIRCLE, SPECTRAL
+from ..kernel import Claim, Mutation, Proof, Step
 from ..linearisation import hessian as shipped_hessian
 from ..linearisation import intrinsic_jacobian
 from ..moments import MomentCloud
@@ -127,7 +127,7 @@ def _along_a_turn() -> Proof:
         r"half turn.",
         2 * (Q - c**2 * Q - 2 * c * s * B - s**2 * F),
         2 * s**2 * (Q - F) - 2 * s * c * (2 * B),
-        [Relation(c, 2, 1 - s**2)],
+        [CIRCLE],
     )
 
 
@@ -136,14 +136,12 @@ def _eigenvector(*, swapped: bool) -> Step:
     v, u = scalar("v"), scalar("u")
     L = body(q)
     G = (q.T * K * q)[0] * sympy.eye(3) - L.T * K * L
-    at_q, at_p = K * q - v * q, K * p - u * p
     image = inner(a, G * L.T * p)
     drop = (u - v) if swapped else (v - u)
     along = inner(a, L.T * p)
     pairs = [
-        *((along * entry, residual) for entry, residual in zip(q, at_q, strict=True)),
-        *((inner(p, q) * b, residual) for b, residual in zip(L * a, at_q, strict=True)),
-        *((-square(q) * b, residual) for b, residual in zip(L * a, at_p, strict=True)),
+        *contraction(along * q + inner(p, q) * L * a, AT_Q),
+        *contraction(-square(q) * L * a, AT_P),
     ]
     return combination(
         r"Let $K q = v q$ and $K p = u p$. Then $G\, L(q)^{\mathsf T} p = |q|^2 (v - u)\, "
@@ -189,20 +187,30 @@ CLAIM = Claim(
     r"$G = 2 \operatorname{tr}(R^{\mathsf T} C)\, I - R^{\mathsf T} C - C^{\mathsf T} R = "
     r"(q^{\mathsf T} K q)\, I - L(q)^{\mathsf T} K L(q)$ for $R = R(q)$, $|q| = 1$. At the "
     r"equilibrium of the eigenvector $q_j$ of $K$ its eigenvalues are $\lambda_j - \lambda_k$, "
-    r"$k \neq j$, with the eigenvectors $L(q_j)^{\mathsf T} q_k$. Without noise $G = 2J$ at the "
-    r"optimum.",
-    assumptions=(r"$R$ is a rotation; $q_1, \dots, q_4$ is an orthonormal eigenbasis of $K$.",),
+    r"$k \neq j$, with the eigenvectors $L(q_j)^{\mathsf T} q_k$. Along a turn by $\theta$ about a "
+    r"unit axis $n$ the potential changes by $2 s^2\, n^{\mathsf T} G n - 2 s c\, \tau \cdot n$, "
+    r"$c = "
+    r"\cos\tfrac\theta2$, $s = \sin\tfrac\theta2$. Without noise $G = 2J$ at the optimum. The "
+    r"function "
+    r"that is turned into code returns $G$.",
+    concludes=(2, 3, 6, 7, 8, 10),
+    hypotheses=(AT_Q, AT_P, CIRCLE),
+    setting=(r"$R$ is a rotation; $q_1, \dots, q_4$ is an orthonormal eigenbasis of $K$.",),
     source="ours in this form; the gradient and Hessian of a trace on rotations are classical",
     proof=proof,
     controls={
-        "half of it": lambda: proof(hessian=lambda A: hessian_of(A) / 2),
-        "tr(A) for 2 tr(A)": lambda: proof(hessian=lambda A: A.trace() * sympy.eye(3) - A - A.T),
-        "2 A for A + A^T, not symmetric": lambda: proof(
-            hessian=lambda A: 2 * A.trace() * sympy.eye(3) - 2 * A
+        "half of it": Mutation(at=2, proof=lambda: proof(hessian=lambda A: hessian_of(A) / 2)),
+        "tr(A) for 2 tr(A)": Mutation(
+            at=2, proof=lambda: proof(hessian=lambda A: A.trace() * sympy.eye(3) - A - A.T)
         ),
-        "eigenvalues l_k - l_j": lambda: proof(swapped=True),
-        "code that takes R C for R^T C": lambda: proof(shipped=_turned_the_other_way),
-        "G = J without noise": lambda: proof(noise_free=1),
+        "2 A for A + A^T, not symmetric": Mutation(
+            at=3, proof=lambda: proof(hessian=lambda A: 2 * A.trace() * sympy.eye(3) - 2 * A)
+        ),
+        "eigenvalues l_k - l_j": Mutation(at=7, proof=lambda: proof(swapped=True)),
+        "code that takes R C for R^T C": Mutation(
+            at=8, proof=lambda: proof(shipped=_turned_the_other_way)
+        ),
+        "G = J without noise": Mutation(at=10, proof=lambda: proof(noise_free=1)),
     },
     not_claimed=r"Stability: that needs $J \succ 0$ and damping and is proved in the chapter on "
     r"stability. Away from equilibria the second derivative depends on the curve; "

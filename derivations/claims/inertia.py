@@ -7,13 +7,26 @@ from typing import Any
 
 from certreg.problem.moments import inertia
 
-from ..algebra import Given, Square, identity, nonnegative
-from ..hypotheses import moments
-from ..kernel import Claim, Proof
+from ..algebra import Square, identity, positive
+from ..hypotheses import MASSES, moments
+from ..hypothesis import Hypothesis, Standing, invertible
+from ..kernel import Claim, Mutation, Proof
 from ..moments import MomentCloud, PointCloud, inertia_of
 from ..notation import Array, Matrix, hat, square, vector
 
 Formula = Callable[[Any], Any]
+
+
+def _apart(n: int) -> Hypothesis:
+    first, second, *_ = PointCloud.of_size(n).sources
+    return invertible(
+        r"One of the numbers $a\times(x_i - x_j)$ is not zero; it may be the first.",
+        vector("a").cross(first - second)[0],
+        standing=Standing.CASE,
+    )
+
+
+APART = {n: _apart(n) for n in (3, 4)}
 
 
 def proof(of_scatter: Formula = inertia, *, share: int = 1) -> Proof:
@@ -66,14 +79,17 @@ def _written_out(n: int, of_scatter: Formula) -> Any:
     J = Matrix(of_scatter(scatter.tolist()))
     pairs = [(i, j) for j in range(n) for i in range(j)]
     terms = [
-        [*(Given(points.masses[k], "masses are positive") for k in pair), Square(entry)]
+        [*(MASSES[n][k] for k in pair), Square(entry)]
         for pair in pairs
         for entry in a.cross(points.sources[pair[0]] - points.sources[pair[1]])
     ]
-    return nonnegative(
+    terms[0][-1] = Square(APART[n][0])
+    return positive(
         rf"Once more with $N = {n}$ points written out, about any origin, and with the integers of "
         r"the code, which hold $M S_2 = M\sum m\,xx^{\mathsf T} - \sum m\,x\,\sum m\,x^{\mathsf T}$"
-        r" in place of $S_2$: $M\,a^{\mathsf T}Ja = \sum_{i<j} m_i m_j\,|a\times(x_i - x_j)|^2$.",
+        r" in place of $S_2$: $M\,a^{\mathsf T}Ja = \sum_{i<j} m_i m_j\,|a\times(x_i - x_j)|^2$. "
+        r"It is "
+        r"positive unless all these products are zero.",
         (a.T * J * a)[0],
         terms,
     )
@@ -83,17 +99,23 @@ CLAIM = Claim(
     name="inertia",
     title="The inertia matrix",
     statement=r"$J = -\sum m\,[x]_\times^2 = \operatorname{tr}(S_2)\,I - S_2$ and "
-    r"$a^{\mathsf T}Ja = \sum m\,|a\times x|^2 \ge 0$. Moreover $J \succ 0$ if and only if three "
+    r"$a^{\mathsf T}Ja = \sum m\,|a\times x|^2 = \frac1{2M}\sum_{i,j} m_i m_j\,|a\times(x_i - "
+    r"x_j)|^2 \ge 0$. Moreover $J \succ 0$ if and only if three "
     r"points are not collinear.",
-    assumptions=("Masses are positive.", "$x$ are the points about their mean."),
+    concludes=(1, 3, 4, 5, 6),
+    hypotheses=(MASSES[3], MASSES[4], APART[3], APART[4]),
+    setting=(r"$x$ are the points about their mean.",),
     source="[Yang2020], the inertia matrix in the proposition on the dynamics",
     proof=proof,
     controls={
-        "J = tr(S2) I + S2": lambda: proof(
-            lambda S: Matrix(inertia(S)) + 2 * Matrix(S),
+        "J = tr(S2) I + S2": Mutation(
+            at=1,
+            proof=lambda: proof(
+                lambda S: Matrix(inertia(S)) + 2 * Matrix(S),
+            ),
         ),
-        "the scatter in place of the inertia": lambda: proof(lambda S: S),
-        "pairs counted once": lambda: proof(share=2),
+        "the scatter in place of the inertia": Mutation(at=1, proof=lambda: proof(lambda S: S)),
+        "pairs counted once": Mutation(at=4, proof=lambda: proof(share=2)),
     },
     not_claimed="How well conditioned $J$ is: three points can be as nearly collinear as they "
     "like. Points of weight zero do not count as points.",

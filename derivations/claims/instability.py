@@ -9,9 +9,10 @@ import sympy
 
 from certreg.geometry.so3 import davenport_matrix
 
-from ..algebra import Relation, combination, identity, modulo
-from ..hypotheses import SPECTRAL
-from ..kernel import Claim, Proof, Step
+from ..algebra import Square, combination, contraction, identity, modulo, positive
+from ..hypotheses import AT_P, AT_Q, SPECTRAL
+from ..hypothesis import Standing, invertible, positive_by, vanishing
+from ..kernel import Claim, Mutation, Proof, Step
 from ..linearisation import intrinsic_jacobian
 from ..motion import DAMPING, Body, State
 from ..notation import (
@@ -26,8 +27,31 @@ from ..notation import (
     symmetric,
     vector,
 )
+from .convergence import CLAIM as CONVERGENCE
+from .unstable_count import W_ROOT
 
 Davenport = Callable[[Any], Any]
+BETTER = positive_by(
+    r"$R(p)$ is the better one: $u > v$.", scalar("u") - scalar("v"), standing=Standing.CASE
+)
+TURNED = invertible(
+    r"The body is turned by an angle that is not zero: $s \ne 0$.",
+    scalar("s"),
+    standing=Standing.CASE,
+)
+AT_REST = intrinsic_jacobian(State(omega=sympy.zeros(3, 1)), Body())
+GROWTH = vanishing(
+    r"$s$ is a root of $s^2 + \mu s + g$.",
+    scalar("s") ** 2 + DAMPING * scalar("s") + scalar("g"),
+    standing=Standing.NOTATION,
+    solves=(scalar("g"),),
+)
+MODE = vanishing(
+    r"$\varphi$ belongs to the eigenvalue $g$ of the pencil, $J^{-1} G \varphi = g \varphi$.",
+    -AT_REST[9:12, 3:6] * vector("phi") - scalar("g") * vector("phi"),
+    standing=Standing.NOTATION,
+    solves=tuple(matrix("C")),
+)
 
 
 def proof(
@@ -37,7 +61,7 @@ def proof(
     yield from _something_better(davenport)
     yield _downhill(sign)
     yield from _growing_mode(growth)
-    yield _lower_beside(power)
+    yield from _lower_beside(power)
     yield _no_way_back()
 
 
@@ -71,15 +95,8 @@ def _read_off(K: Array) -> list[Any]:
     ]
 
 
-def _eigenpairs() -> tuple[Array, Any, Any, Array, Array]:
-    """K, v, u and the residuals K q - v q, K p - u p."""
-    K, q, p = symmetric("K", 4), quaternion("q"), quaternion("p")
-    v, u = scalar("v"), scalar("u")
-    return K, v, u, K * q - v * q, K * p - u * p
-
-
 def _downhill(sign: int) -> Step:
-    K, v, u, at_q, at_p = _eigenpairs()
+    K, v, u = symmetric("K", 4), scalar("v"), scalar("u")
     q, p, L = quaternion("q"), quaternion("p"), body(quaternion("q"))
     phi = L.T * p
     G = (q.T * K * q)[0] * sympy.eye(3) - sign * L.T * K * L
@@ -93,8 +110,8 @@ def _downhill(sign: int) -> Step:
         r"it a point, a circle or a projective plane.",
         inner(phi, G * phi) - square(q) * (v - u) * square(phi),
         [
-            *zip(square(phi) * q + inner(p, q) * L * phi, at_q, strict=True),
-            *zip(-square(q) * L * phi, at_p, strict=True),
+            *contraction(square(phi) * q + inner(p, q) * L * phi, AT_Q),
+            *contraction(-square(q) * L * phi, AT_P),
         ],
     )
 
@@ -108,50 +125,53 @@ def _growing_mode(growth: int) -> Proof:
         r"$s^2 + \mu s + g$.",
         ((w - DAMPING) / 2) ** 2 + DAMPING * (w - DAMPING) / 2 + g,
         0,
-        [Relation(w, 2, DAMPING**2 - 4 * g)],
+        [W_ROOT],
     )
     phi, a, s = vector("phi"), Matrix(sympy.symbols("a_1:13", real=True)), scalar("s")
     still = sympy.zeros(3, 1)
-    A = intrinsic_jacobian(State(omega=still), Body())
     mode = Matrix.vstack(still, phi, still, growth * s * phi)
-    bent = -A[9:12, 3:6] * phi - g * phi
     yield combination(
         r"The mode that grows can be written down: turned by $\varphi$, turning at the rate "
         r"$s \varphi$, nothing else. $A_{12}\, (0, \varphi, 0, s\varphi) = "
         r"s\, (0, \varphi, 0, s\varphi)$, for every contraction with twelve numbers a combination "
         r"of $J^{-1} G \varphi - g\varphi$ and $s^2 + \mu s + g$. Small perturbations of this "
         r"kind grow like $e^{st}$ in the linearised dynamics.",
-        inner(a, A * mode - s * mode),
+        inner(a, AT_REST * mode - s * mode),
         [
-            *((-entry, residual) for entry, residual in zip(a[9:12, :], bent, strict=True)),
-            (-inner(a[9:12, :], phi), s**2 + DAMPING * s + g),
+            *contraction(-a[9:12, :], MODE),
+            (-inner(a[9:12, :], phi), GROWTH[0]),
         ],
     )
 
 
-def _lower_beside(power: int) -> Step:
-    _, v, u, at_q, at_p = _eigenpairs()
+def _lower_beside(power: int) -> Proof:
+    v, u = scalar("v"), scalar("u")
     K, q, p = symmetric("K", 4), quaternion("q"), quaternion("p")
     c, s = scalar("c"), scalar("s")
     beside = c * q + s * p
-    return combination(
+    yield combination(
         r"The linearised dynamics is not yet the true one, but the energy decides. Let "
         r"$q, p$ be unit vectors with $p \cdot q = 0$, and turn from $q$ towards $p$: "
         r"$q_\theta = c q + s p$ with $c = \cos\tfrac{\theta}{2}$, $s = \sin\tfrac{\theta}{2}$. "
         r"Then $q_\theta^{\mathsf T} K q_\theta = v + s^2 (u - v)$, and as the energy is a "
         r"constant less twice this, the body at rest at $q_\theta$ has less energy than at $q$, by "
-        r"$2 s^2 (u - v)$, for every angle $\theta \neq 0$ however small.",
+        r"$2 s^2 (u - v)$. (As $u \ne v$, $p \cdot q = 0$ follows from the equations of $p$ and "
+        r"$q$.)",
         (beside.T * K * beside)[0] - v * square(beside) - s**power * (u - v) * square(p),
         [
-            *zip(c * beside, at_q, strict=True),
-            *zip(s * beside, at_p, strict=True),
-            (s * c * (u - v), inner(p, q)),
+            *contraction(c * beside + s * c * p, AT_Q),
+            *contraction(s * beside - s * c * q, AT_P),
         ],
+    )
+    yield positive(
+        r"That is less for every angle $\theta \neq 0$, however small.",
+        2 * s**2 * (u - v),
+        [[2, Square(TURNED[0]), BETTER[0]]],
     )
 
 
 def _no_way_back() -> Step:
-    _, v, u, at_q, at_p = _eigenpairs()
+    v, u = scalar("v"), scalar("u")
     q, p = quaternion("q"), quaternion("p")
     return combination(
         r"Release the body there. Its energy never rises (claim `dissipation`), and the motion "
@@ -162,7 +182,7 @@ def _no_way_back() -> Step:
         r"equilibrium as one likes leave it for good, and it is unstable, with no theorem on "
         r"linearisation needed.",
         (u - v) * inner(p, q),
-        [*zip(p, at_q, strict=True), *zip(-q, at_p, strict=True)],
+        [*contraction(p, AT_Q), *contraction(-q, AT_P)],
     )
 
 
@@ -180,14 +200,16 @@ CLAIM = Claim(
     r"the linearised dynamics has a mode that grows like $e^{st}$, $s > 0$, and the equilibrium is "
     r"unstable: from states at rest arbitrarily near to it the body leaves and ends "
     r"$180^\circ$ away. If $C \neq 0$, there are such equilibria.",
-    assumptions=(r"$J \succ 0$ (three source points are not collinear) and $\mu > 0$.",),
+    concludes=(1, 2, 3, 4, 5, 6, 7),
+    hypotheses=(AT_Q, AT_P, BETTER, TURNED, W_ROOT, GROWTH, MODE),
+    inherits=(CONVERGENCE,),
     source="[Yang2020], the conjecture's part (iii), there observed numerically",
     proof=proof,
     controls={
-        "K with a wrong entry": lambda: proof(davenport=_wrong_sign),
-        "a Hessian with + L^T K L": lambda: proof(sign=-1),
-        "a mode that turns back": lambda: proof(growth=-1),
-        "an energy that falls to first order": lambda: proof(power=1),
+        "K with a wrong entry": Mutation(at=1, proof=lambda: proof(davenport=_wrong_sign)),
+        "a Hessian with + L^T K L": Mutation(at=2, proof=lambda: proof(sign=-1)),
+        "a mode that turns back": Mutation(at=4, proof=lambda: proof(growth=-1)),
+        "an energy that falls to first order": Mutation(at=5, proof=lambda: proof(power=1)),
     },
     not_claimed=r"That every state nearby leaves, or almost every one: that would need a theorem "
     r"about centre-stable manifolds, which is not proved here. Nor how long leaving takes. Nor "

@@ -9,12 +9,14 @@ from functools import cache
 import sympy
 
 from ..algebra import combination, contraction, identity
-from ..kernel import Claim, Proof
+from ..hypotheses import balanced
+from ..kernel import Claim, Mutation, Proof
 from ..linearisation import hessian, intrinsic_jacobian
 from ..motion import Body, State, rate
 from ..notation import Array, Matrix, hat, inner, jacobian, vector, vee
 
 Jacobian = Callable[[State, Body], Array]
+BALANCED = balanced()
 MOVED = vector("d_c"), vector("phi"), vector("d_v"), vector("d_omega")
 
 
@@ -92,7 +94,6 @@ def _spring(state: State, body: Body) -> Proof:
 
 def _stiffness(state: State, body: Body, closed: Jacobian) -> Proof:
     a, phi = vector("a"), MOVED[1]
-    A = state.R.T * body.cross
     block = closed(replace(state, omega=sympy.zeros(3, 1)), body)[9:12, 3:6]
     pulled = body.inertia_inverse * a  # J^-1 is symmetric
     yield combination(
@@ -102,7 +103,7 @@ def _stiffness(state: State, body: Body, closed: Jacobian) -> Proof:
         r"C^{\mathsf T} R$. What pulls the body back is the curvature of the energy, against its "
         r"inertia.",
         inner(a, (block + body.inertia_inverse * hessian(state, body)) * phi),
-        contraction(pulled * phi.T, A - A.T),
+        contraction(pulled * phi.T, BALANCED),
     )
 
 
@@ -138,15 +139,25 @@ CLAIM = Claim(
     r"J^{-1} ([J\omega]_\times - [\omega]_\times J)\, \delta\omega - \mu\, \delta\omega$: the "
     r"closed form $A_{12}$, at every state. At an equilibrium the middle term of the last "
     r"equation is zero and the first is $-J^{-1} G \varphi$ with the Hessian $G$.",
-    assumptions=(r"$J$ is invertible; $R$ is invertible (a rotation is).",),
+    concludes=(1, 2, 3, 5, 6),
+    hypotheses=(BALANCED,),
+    setting=(
+        (
+            r"$R$ may be any matrix; where it is invertible, $\dot\varphi$ is determined. "
+            r"$J^{-1}$ is "
+            r"a matrix of constants, of which nothing is used."
+        ),
+    ),
     source="ours; [Yang2020] linearises in the ambient space",
     proof=proof,
     controls={
-        "the trace with a plus": lambda: proof(closed=_plus_trace),
-        "+[omega] for -[omega]": lambda: proof(closed=_turned_the_other_way),
-        "without the gyroscopic term": lambda: proof(closed=_without_gyroscopic_term),
-        "the transpose of C": lambda: proof(closed=_of_the_transpose),
-        "perturbed in space, exp([phi]) R": lambda: proof(in_space=True),
+        "the trace with a plus": Mutation(at=5, proof=lambda: proof(closed=_plus_trace)),
+        "+[omega] for -[omega]": Mutation(at=3, proof=lambda: proof(closed=_turned_the_other_way)),
+        "without the gyroscopic term": Mutation(
+            at=5, proof=lambda: proof(closed=_without_gyroscopic_term)
+        ),
+        "the transpose of C": Mutation(at=5, proof=lambda: proof(closed=_of_the_transpose)),
+        "perturbed in space, exp([phi]) R": Mutation(at=2, proof=lambda: proof(in_space=True)),
     },
     not_claimed=r"That solutions of the linear equations stay near those of the true ones away "
     r"from an equilibrium: it is a derivative, at one state.",

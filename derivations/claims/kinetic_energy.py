@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import Any
 
 from ..algebra import combination, contraction, identity
-from ..hypotheses import moments, orthogonality
-from ..kernel import Claim, Proof
+from ..hypotheses import CENTRED, ROTATION, SOURCES_CENTRED, moments
+from ..kernel import Claim, Mutation, Proof
 from ..moments import MomentCloud, PointCloud
 from ..motion import (
     Body,
@@ -26,7 +26,7 @@ Energy = Callable[[State, MomentCloud], Any]
 def proof(speed: Velocity = velocity, rigid: Energy = body_kinetic_energy) -> Proof:
     """The sum over the particles, for any R, and what it is on SO(3)."""
     state, cloud, body = State(), MomentCloud(), Body()
-    turning, E = hat(state.omega), orthogonality(state.R)
+    turning = hat(state.omega)
     swing = turning * cloud.source_scatter * turning.T
     energy = cloud.total(square(speed(state, cloud.x))) / 2
     yield identity(
@@ -44,7 +44,7 @@ def proof(speed: Velocity = velocity, rigid: Energy = body_kinetic_energy) -> Pr
         r"$\tfrac12\langle [\omega]S_2[\omega]^{\mathsf T},\, R^{\mathsf T}R - I\rangle$. So "
         r"$V_k = \tfrac12 M|v|^2 + \tfrac12\,\omega^{\mathsf T}J\omega$.",
         energy - rigid(state, cloud),
-        contraction(swing / 2, E),
+        contraction(swing / 2, ROTATION),
     )
     for n in (3, 4):
         yield _written_out(n, speed, rigid)
@@ -68,8 +68,8 @@ def _written_out(n: int, speed: Velocity, rigid: Energy) -> Any:
         r"entries of $R^{\mathsf T}R - I$ and of $\sum m\,x$, which vanish.",
         energy - rigid(state, cloud),
         [
-            *contraction(swing / 2, orthogonality(state.R)),
-            *contraction(mixed, points.total(points.sources)),
+            *contraction(swing / 2, ROTATION),
+            *contraction(mixed, CENTRED[n, "x"]),
         ],
     )
 
@@ -84,16 +84,21 @@ CLAIM = Claim(
     title="Kinetic energy",
     statement=r"$V_k = \tfrac12\sum m\,|R(\omega\times x) + v|^2 = \tfrac12 M|v|^2 + "
     r"\tfrac12\,\omega^{\mathsf T}J\omega$ where $R$ is a rotation.",
-    assumptions=("$\\sum m\\,x = 0$.", "$R^{\\mathsf T}R = I$ for the second equality."),
+    concludes=(1, 2, 3, 4),
+    hypotheses=(ROTATION, *SOURCES_CENTRED),
     source="[Yang2020], the kinetic energy in the proof of convergence to equilibria",
     proof=proof,
     controls={
-        "omega in the space frame": lambda: proof(
-            speed=lambda state, x: state.omega.cross(state.R * x) + state.v
+        "omega in the space frame": Mutation(
+            at=1,
+            proof=lambda: proof(speed=lambda state, x: state.omega.cross(state.R * x) + state.v),
         ),
-        "the scatter in place of the inertia": lambda: proof(rigid=_with_scatter),
-        "without the factor one half": lambda: proof(
-            rigid=lambda state, cloud: 2 * body_kinetic_energy(state, cloud)
+        "the scatter in place of the inertia": Mutation(
+            at=2, proof=lambda: proof(rigid=_with_scatter)
+        ),
+        "without the factor one half": Mutation(
+            at=2,
+            proof=lambda: proof(rigid=lambda state, cloud: 2 * body_kinetic_energy(state, cloud)),
         ),
     },
     not_claimed=r"The second form where $R$ is no rotation: there the energy of the particles is "

@@ -8,8 +8,10 @@ from typing import Any
 
 import sympy
 
-from ..algebra import Given, Square, combination, contraction, identity, nonnegative
-from ..kernel import Claim, Proof
+from ..algebra import Square, combination, contraction, identity, positive
+from ..hypotheses import MASSIVE, matched
+from ..hypothesis import Standing, invertible
+from ..kernel import Claim, Mutation, Proof
 from ..moments import MomentCloud
 from ..motion import State, position, potential_energy
 from ..notation import Array, gradient, inner, quaternion, rotation, square, vector
@@ -28,6 +30,14 @@ class Means:
 def translation_of(means: Means, R: Array, c: Array) -> Array:
     """The translation t = mean(y) + c - R mean(x)."""
     return means.target + c - R * means.source
+
+
+OFF = invertible(
+    r"$t \ne t^\star$, in the first coordinate, say.",
+    (vector("t") - translation_of(Means(), State().R, sympy.zeros(3, 1)))[0],
+    standing=Standing.CASE,
+)
+TURNED = matched()
 
 
 def proof(translate: Translation = translation_of, *, energy: Any = potential_energy) -> Proof:
@@ -70,18 +80,20 @@ def _completed(objective: Any, centred: Any, offset: Array, cloud: MomentCloud) 
         gradient(objective, vector("t")),
         2 * cloud.mass * offset,
     )
-    yield nonnegative(
+    yield positive(
         r"So no translation does better than $t^\star$, and only $t^\star$ does as well: what "
         r"remains is to minimise $V_p(R, 0)$ over rotations.",
         objective - centred,
-        [[Given(cloud.mass, "the mass is positive"), Square(entry)] for entry in offset],
+        [
+            [MASSIVE[0], Square(OFF[0])],
+            *([MASSIVE[0], Square(entry)] for entry in offset[1:, :]),
+        ],
     )
 
 
 def _cleared(translate: Translation) -> Proof:
     means, q, M, a = Means(), quaternion(), MomentCloud().mass, vector("a")
-    R = State().R
-    best = translate(means, R, sympy.zeros(3, 1))
+    best = translate(means, State().R, sympy.zeros(3, 1))
     source, target = M * means.source, M * means.target
     shipped = square(q) * target - rotation(q) * source
     yield combination(
@@ -90,7 +102,7 @@ def _cleared(translate: Translation) -> Proof:
         r"|q|^2\sum m y - \hat R(q)\sum m x$. Along any direction the difference is a combination "
         r"of the entries of $|q|^2R - \hat R(q)$, which vanishes for $R = R(q)$.",
         inner(a, M * square(q) * best - shipped),
-        contraction(-a * source.T, square(q) * R - rotation(q)),
+        contraction(-a * source.T, TURNED),
     )
 
 
@@ -100,22 +112,30 @@ CLAIM = Claim(
     statement=r"With $m = 1/\sigma^2$ and $t = \bar y + c - R\bar x$ the potential energy is the "
     r"objective of maximum likelihood, $V_p = \sum m\,|y - Rx - t|^2$. At fixed $R$ its minimum "
     r"over $t$ is at $t^\star = \bar y - R\bar x$, where $c = 0$, and "
-    r"$\sum m\,|y - Rx - t|^2 = V_p(R, 0) + M\,|t - t^\star|^2$.",
-    assumptions=(
-        r"Independent Gaussian noise of standard deviation $\sigma$ on every coordinate of $y$.",
-        "Masses are positive.",
+    r"$\sum m\,|y - Rx - t|^2 = V_p(R, 0) + M\,|t - t^\star|^2$. The code "
+    r"computes $M|q|^2\,t^\star = |q|^2\sum m y - \hat R(q)\sum m x$ for $R = R(q)$.",
+    concludes=(1, 2, 3, 4, 5, 6),
+    hypotheses=(MASSIVE, OFF, TURNED),
+    setting=(
+        (
+            r"The noise on $y$ is independent and Gaussian, of standard deviation $\sigma$ on "
+            r"every "
+            r"coordinate."
+        ),
     ),
     source="[Yang2020], the objective of registration and the potential energy",
     proof=proof,
     controls={
-        "t with the mean of the source added": lambda: proof(
-            lambda means, R, c: means.target + c + R * means.source
+        "t with the mean of the source added": Mutation(
+            at=1, proof=lambda: proof(lambda means, R, c: means.target + c + R * means.source)
         ),
-        "t with the mean of the source not rotated": lambda: proof(
-            lambda means, R, c: means.target + c - means.source + 0 * R * c
+        "t with the mean of the source not rotated": Mutation(
+            at=1,
+            proof=lambda: proof(lambda means, R, c: means.target + c - means.source + 0 * R * c),
         ),
-        "springs of stiffness m": lambda: proof(
-            energy=lambda state, cloud: potential_energy(state, cloud) / 2
+        "springs of stiffness m": Mutation(
+            at=2,
+            proof=lambda: proof(energy=lambda state, cloud: potential_energy(state, cloud) / 2),
         ),
     },
     not_claimed="That the noise is Gaussian, or that noise on the source is accounted for. "

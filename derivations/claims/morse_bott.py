@@ -12,7 +12,7 @@ from certreg.results import ComponentKind
 
 from ..algebra import facts, identity
 from ..hypotheses import SPECTRAL
-from ..kernel import Claim, Proof, Step
+from ..kernel import Claim, Mutation, Proof, Step
 from ..notation import Matrix, body, inner, quaternion, square
 from ..table import ROWS, Row, eigenvalues, sign, singular_values
 
@@ -137,15 +137,17 @@ CLAIM = Claim(
     r"a Morse–Bott function: the kernel of its Hessian is tangent to the component, and its index "
     r"is the number of eigenvalues of $K$ above, with multiplicities. The only minima are the "
     r"global ones, and $\sum (-1)^{\text{index}} \chi(\text{component}) = 0$.",
-    assumptions=("None: every real 3x3 matrix.",),
+    concludes=(1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11),
     source="[Frankel1965] for traces on orthogonal groups; the table is ours",
     proof=proof,
     controls={
-        "the eigenvalues below counted": lambda: proof(indices=_counted_from_below),
-        "the index counted in components": lambda: proof(indices=_off_by_one),
-        "components with a dimension too many": lambda: proof(kinds=_spheres),
-        "a projective plane with the sphere's characteristic": lambda: proof(
-            characteristic=(1, 0, 2, 0)
+        "the eigenvalues below counted": Mutation(
+            at=3, proof=lambda: proof(indices=_counted_from_below)
+        ),
+        "the index counted in components": Mutation(at=4, proof=lambda: proof(indices=_off_by_one)),
+        "components with a dimension too many": Mutation(at=3, proof=lambda: proof(kinds=_spheres)),
+        "a projective plane with the sphere's characteristic": Mutation(
+            at=11, proof=lambda: proof(characteristic=(1, 0, 2, 0))
         ),
     },
     not_claimed=r"That the sum proves the table; it would only expose an error. Instability in the "

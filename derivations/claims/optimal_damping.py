@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
@@ -9,15 +10,48 @@ import sympy
 
 from certreg.equilibrium.stability import TRANSLATION_STIFFNESS
 
-from ..algebra import Given, Relation, facts, identity, modulo, nonnegative
-from ..kernel import Claim, Proof, Step
+from ..algebra import Square, facts, identity, modulo, nonnegative, positive, refuting
+from ..hypothesis import Point, Standing, equation, nonnegative_by, positive_by
+from ..kernel import Claim, Mutation, Proof, Step
 from ..linearisation import hessian
 from ..moments import inertia_of
 from ..motion import DAMPING, Body, State, rate
 from ..notation import Matrix, scalar, symmetric
+from .unstable_count import CLAIM as UNSTABLE
+from .unstable_count import W_ROOT
 
 STIFFNESS = Fraction(TRANSLATION_STIFFNESS)  # a power of two: exact
 MU, K, W = DAMPING, scalar("k"), scalar("w")
+
+
+def _overdamped(point: Point) -> Mapping[Any, Any]:
+    """Rational mu and w with mu^2 - w^2 = 4 k^2 = (mu - w)(mu + w)."""
+    share = abs(point[MU]) + 1
+    return {MU: share + point[K] ** 2 / share, W: point[K] ** 2 / share - share}
+
+
+CASE = Standing.CASE
+UNIQUE = positive_by("The optimum is unique, $g_{\\min} > 0$, and so $k > 0$.", K)
+SWING = equation(
+    r"$\beta^2 = g - \mu^2/4$.",
+    scalar("beta"),
+    2,
+    scalar("g") - MU**2 / 4,
+    standing=CASE,
+    solves=(scalar("g"),),
+)
+FAST = nonnegative_by(
+    r"$e \geq 0$: $g = k^2 + e$ is not less than $k^2$.", scalar("e"), standing=CASE
+)
+LESS = positive_by(r"Less damping, $\mu < \mu^*$.", 2 * K - MU, standing=CASE)
+OVERDAMPED = nonnegative_by(r"A root, $w \geq 0$.", W, standing=CASE)
+W_SQUARED = equation(
+    r"$w^2 = \mu^2 - 4k^2$.", W, 2, MU**2 - 4 * K**2, standing=CASE, prepare=_overdamped
+)
+CREEPING = positive_by(
+    r"More damping: $w > 0$ and $r = (\mu - w)/2 > 0$.", [W, MU - W], standing=CASE
+)
+NOISE_FREE = equation("No noise: $k^2 = 2$.", K, 2, 2, standing=CASE)
 
 
 def proof(
@@ -33,15 +67,15 @@ def proof(
         r"$4g - \mu^2 = 4e \geq 0$: no mode is overdamped, and each has the rate "
         r"$\mu^*/2 = k$. For $e = 0$ the two roots coincide.",
         4 * (K**2 + excess) - (factor * K) ** 2,
-        [[4, Given(excess, r"$e \geq 0$")]],
+        [[4, FAST[0]]],
     )
-    yield nonnegative(
+    yield positive(
         r"With less damping every mode is slower: its rate is $\mu/2$ or, if it is overdamped, "
         r"$(\mu - w)/2$, and $k$ exceeds either by at least $(\mu^* - \mu)/2 > 0$.",
         K - (MU - W) / 2,
         [
-            [sympy.Rational(1, 2), Given(2 * K - MU, r"$\mu < \mu^*$")],
-            [sympy.Rational(1, 2), Given(W, r"$w \geq 0$")],
+            [sympy.Rational(1, 2), LESS[0]],
+            [sympy.Rational(1, 2), OVERDAMPED[0]],
         ],
     )
     slower = (MU + slow * W) / 2
@@ -53,7 +87,17 @@ def proof(
         r"else, and its value there is $\sqrt{\min(2, g_{\min})}$.",
         K**2 - slower**2,
         slower * W,
-        [Relation(W, 2, MU**2 - 4 * K**2)],
+        [W_SQUARED],
+    )
+    yield positive(
+        r"Here $r w > 0$, so that $k^2 > r^2$;",
+        (MU - W) / 2 * W,
+        [[sympy.Rational(1, 2), CREEPING[1], CREEPING[0]]],
+    )
+    yield positive(
+        r"and $r$ is positive indeed, as $(\mu - w)(\mu + w) = 4k^2 > 0$.",
+        4 * K**2,
+        [[4, Square(UNIQUE[0])]],
     )
     yield _translation_counts(translation)
     yield from _without_noise(noise_free)
@@ -72,14 +116,17 @@ def _translation(stiffness: Any) -> Step:
 
 
 def _one_mode(slow: int) -> Proof:
-    g, s, beta, i = scalar("g"), scalar("s"), scalar("beta"), scalar("i")
+    g, s, beta = scalar("g"), scalar("s"), scalar("beta")
+    one, turned = sympy.eye(2), beta * Matrix([[0, -1], [1, 0]])  # 1 and i beta
     yield modulo(
         r"A mode with $\mu^2 < 4g$ swings: with $\beta = \sqrt{g - \mu^2/4}$ its roots are "
         r"$s = -\mu/2 \pm i\beta$, because $(s + \mu/2 - i\beta)(s + \mu/2 + i\beta) = "
-        r"s^2 + \mu s + g$. Both have the real part $-\mu/2$: it decays at the rate $\mu/2$.",
-        (s + MU / 2 - i * beta) * (s + MU / 2 + i * beta),
-        s**2 + MU * s + g,
-        [Relation(i, 2, -1), Relation(beta, 2, g - MU**2 / 4)],
+        r"s^2 + \mu s + g$, here with a matrix for $i$. Both have the real part $-\mu/2$: it "
+        r"decays at "
+        r"the rate $\mu/2$.",
+        ((s + MU / 2) * one - turned) * ((s + MU / 2) * one + turned),
+        (s**2 + MU * s + g) * one,
+        [SWING],
     )
     quick = -slow
     yield modulo(
@@ -88,7 +135,7 @@ def _one_mode(slow: int) -> Proof:
         r"\mu/2$, and it is positive because $\mu^2 - w^2 = 4g > 0$.",
         [(s + (MU + slow * W) / 2) * (s + (MU + quick * W) / 2), MU**2 - W**2],
         [s**2 + MU * s + g, 4 * g],
-        [Relation(W, 2, MU**2 - 4 * g)],
+        [W_ROOT],
     )
 
 
@@ -119,27 +166,39 @@ def _without_noise(noise_free: int) -> Proof:
         r"Then $m = 2$ and $\mu^* = 2\sqrt{2} = \sqrt{8}$: with $k^2 = 2$, $(2k)^2 = 8$.",
         (2 * K) ** 2,
         8,
-        [Relation(K, 2, 2)],
+        [NOISE_FREE],
+    )
+
+
+def _slower() -> Step:
+    """All g = 1: at mu = 1 every mode decays at the rate 1/2, at mu = 2 at the rate 1."""
+    return refuting(
+        r"Where all $g$ are $1$, $\mu = \sqrt m = 1$ gives every mode the rate $\mu/2 = "
+        r"\tfrac12$, and "
+        r"$\mu = 2$ gives it the rate $1$: it is not the best.",
+        [max(Fraction(1, 2), Fraction(2, 2))],
+        [Fraction(1, 2)],
     )
 
 
 CLAIM = Claim(
     name="optimal_damping",
     title="The best damping",
-    statement=r"Let the optimum be unique and $g_{\min} > 0$ the least eigenvalue of the pencil "
+    statement=r"The translation obeys $\ddot c + \mu\dot c + 2c = 0$. Let the optimum be unique "
+    r"and $g_{\min} > 0$ the least eigenvalue of the pencil "
     r"$(G, J)$ there. The rate of the slowest mode of the linearised dynamics, as a function of "
     r"the damping $\mu > 0$, has its only maximum at $\mu^* = 2 \sqrt{\min(2, g_{\min})}$, with "
     r"the value $\sqrt{\min(2, g_{\min})}$. Without noise $\mu^* = \sqrt{8}$.",
-    assumptions=(
-        r"$J \succ 0$ and $\lambda_1 > \lambda_2$: the dynamics is defined, the optimum unique.",
-    ),
+    concludes=(1, 2, 3, 4, 5, 6, 7, 8, 10, 11),
+    hypotheses=(UNIQUE, SWING, W_ROOT, FAST, LESS, OVERDAMPED, W_SQUARED, CREEPING, NOISE_FREE),
+    inherits=(UNSTABLE,),
     source="ours; [Yang2020] does not state its damping",
     proof=proof,
     controls={
-        "mu* = sqrt(m)": lambda: proof(factor=1),
-        "translation with g = 1": lambda: proof(translation=Fraction(1)),
-        "the rate of the faster root": lambda: proof(slow=1),
-        "G = J without noise": lambda: proof(noise_free=1),
+        "mu* = sqrt(m)": Mutation(at=4, proof=lambda: proof(factor=1), instance=_slower),
+        "translation with g = 1": Mutation(at=1, proof=lambda: proof(translation=Fraction(1))),
+        "the rate of the faster root": Mutation(at=6, proof=lambda: proof(slow=1)),
+        "G = J without noise": Mutation(at=10, proof=lambda: proof(noise_free=1)),
     },
     not_claimed=r"That it is the fastest far from the optimum, or in steps of an integrator. The "
     r"rate is that of the exponential: at $\mu^*$ the slowest mode has a double root and decays "

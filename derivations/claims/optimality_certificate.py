@@ -7,13 +7,17 @@ quaternion, p any other quaternion, neither of norm one.
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
 from typing import Any
+
+import sympy
 
 from certreg.geometry.so3 import body_frame, davenport_matrix, dot, quadratic_form
 
-from ..algebra import Given, Square, combination, contraction, identity, nonnegative
-from ..hypotheses import SPECTRAL
-from ..kernel import Claim, Proof, Step
+from ..algebra import Square, combination, contraction, identity, positive
+from ..hypotheses import ROTATION, SPECTRAL, definite, semidefinite
+from ..hypothesis import Hypothesis, Standing, invertible, nonnegative_by, positive_by
+from ..kernel import Claim, Mutation, Proof, Step
 from ..moments import MomentCloud
 from ..notation import (
     Matrix,
@@ -43,6 +47,63 @@ def certificate_matrix(K: Any, q: Any) -> Any:
     return level * Matrix.eye(4) - norm * K + MU * q * q.T
 
 
+K_OF, Q_OF, P_OF = symmetric_four("K"), quaternion(), quaternion("p")
+
+
+def _values() -> tuple[Any, Any]:
+    """q^T K q and p^T K p."""
+    rows = K_OF.tolist()
+    return quadratic_form(rows, tuple(Q_OF)), quadratic_form(rows, tuple(P_OF))
+
+
+def _better() -> Any:
+    """|q|^2 p^T K p - |p|^2 q^T K q."""
+    v_q, v_p = _values()
+    return square(Q_OF) * v_p - square(P_OF) * v_q
+
+
+def definite_by(built: Certificate) -> Hypothesis:
+    """The matrix of a certificate is positive definite; at p, which is not zero, so is its form."""
+    A = built(K_OF, Q_OF)
+    return positive_by(
+        r"$A \succ 0$, and so $p^{\mathsf T} A\, p > 0$ for $p \ne 0$.",
+        (P_OF.T * A * P_OF)[0],
+        further=lambda point: definite(A, point),
+    )
+
+
+def _is_optimal(point: Any) -> bool:
+    """Whether |p|^2 times the largest eigenvalue of K is p^T K p."""
+    return semidefinite(_values()[1] * Matrix.eye(4) - square(P_OF) * K_OF, point)
+
+
+DEFINITE = definite_by(certificate_matrix)
+NOT_NEGATIVE = nonnegative_by(
+    r"$\mu \ge 0$.",
+    MU,
+    example={MU: -1, DELTA: 1, Q_OF[0]: 1, P_OF[1]: 1, K_OF[1, 1]: Fraction(3, 2)},
+)
+OPTIMAL = nonnegative_by(
+    r"For (2): $R(p)$ is a global optimum.",
+    _better(),
+    standing=Standing.CASE,
+    further=_is_optimal,
+    example={DELTA: 1, MU: 2, Q_OF[0]: 1, P_OF[1]: 1} | {K_OF[k, k]: -5 for k in (1, 2, 3)},
+)
+UNIQUE_BY = nonnegative_by(
+    r"For (3): $\delta \leq \mu$.",
+    MU - DELTA,
+    standing=Standing.CASE,
+    example={DELTA: 2, Q_OF[0]: 1, P_OF[1]: 1, K_OF[1, 1]: 1},
+)
+UNIT_LEFT = invertible(
+    r"$\mathrm{unit} > 0$, with its inverse.", UNIT, UNIT_INVERSE, standing=Standing.NOTATION
+)
+NORM_LEFT = invertible(
+    r"$|q|^2 > 0$, with its inverse.", square(Q_OF), NORM_INVERSE, standing=Standing.NOTATION
+)
+
+
 def shipped_matrix(K: Any, q: Any) -> Any:
     """The matrix that the checker decides on, for K over a unit."""
     return checked_matrix(K, q, LEVEL, MU)
@@ -51,15 +112,17 @@ def shipped_matrix(K: Any, q: Any) -> Any:
 def proof(
     built: Certificate = certificate_matrix,
     decided: Certificate = shipped_matrix,
-    angle_factor: int = 4,
+    *,
+    gap: Fraction = Fraction(2),
+    angle: Fraction = Fraction(1),
+    trace: int = 4,
 ) -> Proof:
     """Gap, angle, uniqueness, and the matrix that ships."""
-    K, q, p = symmetric_four("K"), quaternion(), quaternion("p")
+    K, q, p = K_OF, Q_OF, P_OF
     n, m = square(q), square(p)
-    v_q, v_p = quadratic_form(K.tolist(), tuple(q)), quadratic_form(K.tolist(), tuple(p))
     across = Matrix(body_frame(tuple(q))).T * p
     along = dot(tuple(q), tuple(p))
-    A = built(K, q)
+    given = DEFINITE if built is certificate_matrix else definite_by(built)
     cloud, R = MomentCloud(), matrix("R")
     yield combination(
         r"The objective at a rotation $R$ and its best translation is the moment of $|\tilde y - "
@@ -73,7 +136,7 @@ def proof(
         - cloud.target_scatter.trace()
         - cloud.source_scatter.trace()
         + 2 * inner(R, cloud.cross),
-        contraction(cloud.source_scatter, R.T * R - Matrix.eye(3)),
+        contraction(cloud.source_scatter, ROTATION),
     )
     yield identity(
         r"$|q|^2 |p|^2 = (q \cdot p)^2 + |L(q)^{\mathsf T} p|^2$: what $p$ has along $q$, and "
@@ -81,8 +144,8 @@ def proof(
         n * m,
         along**2 + square(across),
     )
-    yield from _bounds(A, (v_q, v_p), (q, p), angle_factor)
-    yield from _uniqueness(A, (v_q, v_p), (q, p))
+    yield from _bounds(given, sympy.Rational(gap), sympy.Rational(angle), trace)
+    yield from _uniqueness(given)
     yield identity(
         r"The checker builds $K$ by a formula of its own; it is the same matrix.",
         checked_davenport(matrix("C")),
@@ -91,21 +154,18 @@ def proof(
     yield _decided(decided(K, q), (K, q, p))
 
 
-def _bounds(A: Any, values: tuple[Any, Any], quaternions: tuple[Any, Any], factor: int) -> Proof:
-    q, p = quaternions
+def _bounds(given: Hypothesis, gap: Any, angle: Any, trace: int) -> Proof:
+    q, p = Q_OF, P_OF
     n, m = square(q), square(p)
-    v_q, v_p = values
-    form = (p.T * A * p)[0]
     across = Matrix(body_frame(tuple(q))).T * p
-    positive = Given(form, r"$A \succ 0$")
-    yield nonnegative(
+    yield positive(
         r"**Gap.** With $A \succ 0$ and $\mu \ge 0$: the bound $2\delta$ less the gap "
         r"$2\,(v(p) - v(q))$, times $|q|^2|p|^2$, is "
         r"$2\, p^{\mathsf T}(|q|^2 A)\, p + 2 \mu\, |L(q)^{\mathsf T} p|^2$. The first summand is "
         r"positive for every $p \ne 0$, so the objective at $R(q)$ exceeds that at every rotation, "
         r"the best one too, by less than $2\delta$.",
-        2 * DELTA * n * m - 2 * (n * v_p - m * v_q),
-        [(2, positive), *((2, Given(MU, r"$\mu \geq 0$"), Square(c)) for c in across)],
+        gap * DELTA * n * m - 2 * _better(),
+        [(2, given[0]), *((2, NOT_NEGATIVE[0], Square(c)) for c in across)],
     )
     yield identity(
         r"**Angle.** The trace of $R(q)^{\mathsf T} R(p)$ is $1 + 2 \cos\theta = "
@@ -113,22 +173,21 @@ def _bounds(A: Any, values: tuple[Any, Any], quaternions: tuple[Any, Any], facto
         r"the angle between the rotations has "
         r"$\sin^2(\theta/2) = |L(q)^{\mathsf T} p|^2 / (|q|^2 |p|^2)$.",
         inner(rotation(q), rotation(p)),
-        3 * n * m - factor * square(across),
+        3 * n * m - trace * square(across),
     )
-    yield nonnegative(
+    yield positive(
         r"Let $R(p)$ be a global optimum, so that $v(p) \ge v(q)$. Then "
         r"$\delta - \mu \sin^2(\theta/2)$, times $|q|^2|p|^2$, is $p^{\mathsf T}(|q|^2 A)\, p + "
         r"|q|^2|p|^2\,(v(p) - v(q))$, again positive. So $\sin^2(\theta/2) < \delta/\mu$ if "
         r"$\mu > 0$, and this holds of every global optimum.",
-        DELTA * n * m - MU * square(across),
-        [(positive,), (Given(n * v_p - m * v_q, r"$R(p)$ is optimal"),)],
+        angle * DELTA * n * m - MU * square(across),
+        [(given[0],), (OPTIMAL[0],)],
     )
 
 
-def _uniqueness(A: Any, values: tuple[Any, Any], quaternions: tuple[Any, Any]) -> Proof:
-    q, p = quaternions
-    v_q, v_p = values
-    form = (p.T * A * p)[0]
+def _uniqueness(given: Hypothesis) -> Proof:
+    q, p = Q_OF, P_OF
+    v_q, v_p = _values()
     along = dot(tuple(q), tuple(p))
     first, second = quaternion("a"), quaternion("b")
     combined = dot(tuple(q), tuple(second)) * first - dot(tuple(q), tuple(first)) * second
@@ -141,15 +200,15 @@ def _uniqueness(A: Any, values: tuple[Any, Any], quaternions: tuple[Any, Any]) -
         dot(tuple(q), tuple(combined)),
         0,
     )
-    yield nonnegative(
+    yield positive(
         r"But across $q$ nothing is optimal if $\delta \le \mu$: "
         r"$|q|^2|p|^2\, (v(q) - v(p)) + \mu\,(q \cdot p)^2$ is $p^{\mathsf T}(|q|^2 A)\, p + "
         r"(\mu - \delta)\, |q|^2 |p|^2$, positive. With $q \cdot p = 0$ it says $v(p) < v(q)$, so "
         r"$R(p)$ is not optimal. Hence the global optimum is unique.",
         square(p) * v_q - square(q) * v_p + MU * along**2,
         [
-            (Given(form, r"$A \succ 0$"),),
-            *((Given(MU - DELTA, r"$\delta \leq \mu$"), Square(a * b)) for a in q for b in p),
+            (given[0],),
+            *((UNIQUE_BY[0], Square(a * b)) for a in q for b in p),
         ],
     )
 
@@ -159,7 +218,6 @@ def _decided(found: Any, frame: tuple[Any, Any, Any]) -> Step:
     K, q, p = frame
     n, m = square(q), square(p)
     rank_one = MU * dot(tuple(q), tuple(p)) ** 2
-    unit_left, norm_left = UNIT * UNIT_INVERSE - 1, n * NORM_INVERSE - 1
     return combination(
         r"`certreg.verify.proves_level`, run on polynomials, hands to the elimination a symmetric "
         r"matrix; here is its quadratic form in $p$. The checker holds $K$ as integers $K_M$ over "
@@ -174,16 +232,14 @@ def _decided(found: Any, frame: tuple[Any, Any, Any]) -> Step:
         UNIT * n * (p.T * found * p)[0]
         - (LEVEL * n * m - n * UNIT * quadratic_form(K.tolist(), tuple(p)) + rank_one),
         [
-            (UNIT * UNIT_INVERSE * rank_one, norm_left),
-            (LEVEL * n * m + rank_one, unit_left),
+            (UNIT * UNIT_INVERSE * rank_one, NORM_LEFT[0]),
+            (LEVEL * n * m + rank_one, UNIT_LEFT[0]),
         ],
     )
 
 
-def _mu_missing(K: Any, q: Any) -> Any:
-    norm = square(q)
-    level = quadratic_form(K.tolist(), tuple(q)) + (DELTA - MU) * norm
-    return level * Matrix.eye(4) - norm * K
+def _rank_one_doubled(K: Any, q: Any) -> Any:
+    return certificate_matrix(K, q) + MU * q * q.T
 
 
 def _level_without_mu(K: Any, q: Any) -> Any:
@@ -203,18 +259,43 @@ CLAIM = Claim(
     r"definite. Then for every global optimum $R^*$: "
     r"(1) the objective at $R(q)$ exceeds the minimum by less than $2\delta$; "
     r"(2) $\sin^2(\theta/2) < \delta/\mu$ if $\mu > 0$, with $\theta$ the angle between $R(q)$ and "
-    r"$R^*$; (3) if $\delta \le \mu$, there is only one global optimum. What the checker decides "
+    r"$R^*$, the trace of $R(q)^{\mathsf T} R^*$ being $3 - 4\sin^2(\theta/2)$; (3) if $\delta "
+    r"\le \mu$, there is only one global optimum. What the checker decides "
     r"is the definiteness of a positive multiple of $A$.",
-    assumptions=(
+    concludes=(1, 3, 4, 5, 7, 8, 9),
+    hypotheses=(ROTATION, DEFINITE, NOT_NEGATIVE, OPTIMAL, UNIQUE_BY, UNIT_LEFT, NORM_LEFT),
+    setting=(
         r"The objective is minimised over the translation; see `translation_gap` for another.",
     ),
     source="Shor's dual of [Horn1987]'s eigenvalue problem; the bounds are elementary",
     proof=proof,
     controls={
-        "A without its rank-one term": lambda: proof(built=_mu_missing),
-        "A at the level v + delta": lambda: proof(built=_level_without_mu),
-        "the checker with K of the other sign": lambda: proof(decided=_decided_with_the_other_sign),
-        "the trace as 3 - 2 sin^2": lambda: proof(angle_factor=2),
+        "a gap below delta": Mutation(
+            at=3,
+            proof=lambda: proof(gap=Fraction(1)),
+            point={DELTA: Fraction(3, 2), Q_OF[0]: 1, P_OF[1]: 1, K_OF[1, 1]: 1},
+        ),
+        "A at the level v + delta": Mutation(
+            at=3,
+            proof=lambda: proof(built=_level_without_mu),
+            point={DELTA: 1, MU: 4, Q_OF[0]: 1, P_OF[0]: 1, P_OF[1]: 1, K_OF[0, 1]: 2},
+        ),
+        "A with twice its rank-one term": Mutation(
+            at=3,
+            proof=lambda: proof(built=_rank_one_doubled),
+            point={DELTA: 1, MU: 1, Q_OF[0]: 1, P_OF[0]: 2, P_OF[1]: 1, K_OF[0, 1]: 4}
+            | dict.fromkeys((K_OF[k, k] for k in (1, 2, 3)), -10),
+        ),
+        "sin^2(theta/2) below delta / (8 mu)": Mutation(
+            at=5,
+            proof=lambda: proof(angle=Fraction(1, 8)),
+            point={DELTA: 15, MU: 60, Q_OF[0]: 1, P_OF[0]: 4, P_OF[1]: 1, K_OF[0, 1]: 32}
+            | dict.fromkeys((K_OF[k, k] for k in (1, 2, 3)), -120),
+        ),
+        "the trace as 3 - 2 sin^2": Mutation(at=4, proof=lambda: proof(trace=2)),
+        "the checker with K of the other sign": Mutation(
+            at=9, proof=lambda: proof(decided=_decided_with_the_other_sign)
+        ),
     },
     not_claimed=r"That a matrix which is not positive definite says anything about the pose: the "
     r"checker then answers *not proved*, whether the pose is bad or the numbers "

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from fractions import Fraction
 from typing import Any
 
 import sympy
 
-from ..algebra import Relation, combination, contraction, identity, modulo
-from ..hypotheses import IDENTITY, inverted, orthogonality
+from ..algebra import Square, combination, contraction, identity, modulo, positive
+from ..hypotheses import IDENTITY, ROTATION, inverted, rotation_of
+from ..hypothesis import Point, Standing, equation, invertible, nonnegative_by
 from ..integrators import STEP, euler_step, polar_turn
-from ..kernel import Claim, Proof
+from ..kernel import Claim, Mutation, Proof
 from ..motion import Body, State, rate
 from ..notation import (
     Array,
@@ -31,7 +33,38 @@ Step = Callable[[State, Body], Array]
 
 A, N = vector("a"), scalar("n")
 U, W = scalar("u"), scalar("w")  # 1/n and 1/(n + 1)
-ROOT = Relation(N, 2, 1 + square(A))
+
+
+def _rational(point: Point) -> Mapping[Any, Any]:
+    """Rational a and n with n^2 = 1 + |a|^2, n of the sign it has."""
+    p = [point[entry] / 8 for entry in A]
+    size = sum((entry * entry for entry in p), start=Fraction(0))
+    sign = -1 if point[N] < 0 else 1
+    parts = {s: 2 * value / (1 - size) for s, value in zip(A, p, strict=True)}
+    return parts | {N: sign * (1 + size) / (1 - size)}
+
+
+NOTATION = Standing.NOTATION
+ROOT = equation(
+    r"$n = \sqrt{1 + |a|^2}$, so $n^2 = 1 + |a|^2$.",
+    N,
+    2,
+    1 + square(A),
+    standing=NOTATION,
+    prepare=_rational,
+)
+POSITIVE_ROOT = nonnegative_by(
+    r"$n = \sqrt{1 + |a|^2}$, so $n \ge 0$.",
+    N,
+    standing=NOTATION,
+    example={N: Fraction(-5, 3), A[0]: Fraction(4, 3), scalar("x_1"): 1},
+)
+STRETCHED = invertible(
+    r"$x \ne 0$, in the first coordinate, say.", scalar("x_1"), standing=Standing.CASE
+)
+FIRST_INVERSE = invertible("$u = 1/n$.", N, U, standing=NOTATION)
+SECOND_INVERSE = invertible("$w = 1/(n + 1)$.", N + 1, W, standing=NOTATION)
+S_ROTATION, T_ROTATION = rotation_of("S"), rotation_of("T")
 
 
 def cleared_turn() -> Array:
@@ -69,7 +102,7 @@ def _is_a_rotation(turn: Turn) -> Proof:
         r"\bigl(w(n+1)-1\bigr)aa^{\mathsf T}$, here paired with an arbitrary matrix $B$. Both "
         r"factors vanish, so $U = P/\bigl(n(n+1)\bigr)$.",
         inner(B, N * (N + 1) * shipped - P),
-        [(inner(B, first), U * N - 1), (inner(B, outer), W * (N + 1) - 1)],
+        [(inner(B, first), FIRST_INVERSE[0]), (inner(B, outer), SECOND_INVERSE[0])],
     )
     yield modulo(
         r"From here on $n^2 = 1 + |a|^2$. The same matrix in powers of $[a]_\times$ is $P = "
@@ -116,11 +149,21 @@ def _is_the_polar_factor(stretch: Callable[[], Array]) -> Proof:
     )
     yield modulo(
         r"$H$ is positive definite: $x^{\mathsf T}\bigl(n(n+1)I - aa^{\mathsf T}\bigr)x = "
-        r"|a\times x|^2 + (n+1)|x|^2$, a sum of squares with $n + 1 > 0$. So $UH$ is the polar "
-        r"decomposition of $I + [a]_\times$.",
+        r"|a\times x|^2 + (n+1)|x|^2$,",
         (x.T * H * x)[0],
         square(A.cross(x)) + (N + 1) * square(x),
         [ROOT],
+    )
+    yield positive(
+        r"and that is positive for $x \ne 0$, as $n \ge 0$. So $UH$ is the polar decomposition of "
+        r"$I + "
+        r"[a]_\times$.",
+        square(A.cross(x)) + (N + 1) * square(x),
+        [
+            [Square(STRETCHED[0])],
+            *([Square(entry)] for entry in (*x[1:, :], *A.cross(x))),
+            *([POSITIVE_ROOT[0], Square(entry)] for entry in x),
+        ],
     )
 
 
@@ -133,14 +176,17 @@ def _is_nearest(stretch: Callable[[], Array]) -> Proof:
         r"$\operatorname{tr}(T^{\mathsf T}T - I)$ vanish: the nearest rotation to $B$ is the one "
         r"with the largest $\operatorname{tr}(S^{\mathsf T}B)$.",
         square(S - B) - square(T - B) - 2 * inner(T - S, B),
-        [(1, orthogonality(S).trace()), (-1, orthogonality(T).trace())],
+        [
+            *((1, part) for part in S_ROTATION.diagonal),
+            *((-1, part) for part in T_ROTATION.diagonal),
+        ],
     )
     yield combination(
         r"Write $S = UT$ with a rotation $T$. Then $\operatorname{tr}\bigl((UT)^{\mathsf T}UH\bigr)"
         r" = \operatorname{tr}(T^{\mathsf T}H)$: the difference is a combination of the entries of "
         r"$U^{\mathsf T}U - I$ (here $R$ stands for $U$).",
         inner(R * T, R * H) - inner(T, H),
-        contraction(T * H.T, orthogonality(R)),
+        contraction(T * H.T, ROTATION),
     )
     q, a = quaternion(), A
     v = Matrix(q[1:])
@@ -159,7 +205,7 @@ def _is_nearest(stretch: Callable[[], Array]) -> Proof:
         r"every matrix $B$. With $B = R^{\mathsf T}S - (I + [a]_\times)$ for the rotations $S$: "
         r"the nearest rotation to $R(I + [a]_\times)$ is $RU$, and no other is as near.",
         square(R * B) - square(B),
-        contraction(B * B.T, orthogonality(R)),
+        contraction(B * B.T, ROTATION),
     )
 
 
@@ -209,17 +255,30 @@ CLAIM = Claim(
     title="Projection to the nearest rotation",
     statement=r"Let $n = \sqrt{1 + |a|^2}$. The rotation nearest to $R(I + [a]_\times)$ in the "
     r"Frobenius norm is $R\,\bigl(I + \frac1n[a]_\times + \frac1{n(n+1)}[a]_\times^2\bigr)$, for "
-    r"every vector $a$ and every rotation $R$, and it is the only one.",
-    assumptions=("$R$ is a rotation.", "$n^2 = 1 + |a|^2$ and $n > 0$."),
+    r"every vector $a$ and every rotation $R$, and it is the only one: the polar factor, $I + "
+    r"[a]_\times "
+    r"= UH$ with $(n+1)H = n(n+1)I - aa^{\mathsf T}$. The step that ships goes there.",
+    concludes=(1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14),
+    hypotheses=(
+        ROOT,
+        POSITIVE_ROOT,
+        STRETCHED,
+        FIRST_INVERSE,
+        SECOND_INVERSE,
+        ROTATION,
+        S_ROTATION,
+        T_ROTATION,
+    ),
     source="[Yang2020], the projection in the section on simulation; the formula is ours",
     proof=proof,
     controls={
-        "the square of the cross product left out": lambda: proof(_truncated),
-        "2/(n(n+1)) for 1/(n(n+1))": lambda: proof(_doubled),
-        "a stretch with + a a^T": lambda: proof(
-            stretch=lambda: 2 * N * (N + 1) * IDENTITY - cleared_stretch()
+        "the square of the cross product left out": Mutation(at=1, proof=lambda: proof(_truncated)),
+        "2/(n(n+1)) for 1/(n(n+1))": Mutation(at=1, proof=lambda: proof(_doubled)),
+        "a stretch with + a a^T": Mutation(
+            at=6,
+            proof=lambda: proof(stretch=lambda: 2 * N * (N + 1) * IDENTITY - cleared_stretch()),
         ),
-        "a step that turns the other way": lambda: proof(step=_wrong_way),
+        "a step that turns the other way": Mutation(at=14, proof=lambda: proof(step=_wrong_way)),
     },
     not_claimed="Anything about the size of the error of explicit Euler, or about the nearest "
     "rotation to a matrix that is not a rotation times $I + [a]_\\times$.",

@@ -8,8 +8,8 @@ from typing import Any
 from certreg.geometry.so3 import davenport_matrix, quadratic_form
 
 from ..algebra import combination, contraction, identity, modulo
-from ..hypotheses import moments, orthogonality, unit
-from ..kernel import Claim, Proof
+from ..hypotheses import BOTH_CENTRED, CENTRED, ROTATION, UNIT, moments
+from ..kernel import Claim, Mutation, Proof
 from ..moments import MomentCloud, PointCloud
 from ..motion import Body, State, position, potential, potential_energy, unit_cloud
 from ..notation import inner, quaternion, rotation, square
@@ -43,7 +43,7 @@ def proof(energy: Energy = potential_energy, form: Energy = closed_form) -> Proo
         r" the difference is $\langle S_2, R^{\mathsf T}R - I\rangle$. So the rotation enters "
         r"through $-2\operatorname{tr}(R^{\mathsf T}C)$ alone.",
         form(state, cloud) - aligned,
-        contraction(cloud.source_scatter, orthogonality(state.R)),
+        contraction(cloud.source_scatter, ROTATION),
     )
     yield from _in_quaternions(energy)
     for n in (3, 4):
@@ -53,7 +53,7 @@ def proof(energy: Energy = potential_energy, form: Energy = closed_form) -> Proo
         r"2\operatorname{tr}(R^{\mathsf T}C/M)$. Where $R$ is a rotation that is this energy of a "
         r"cloud of mass 1 with the body's moments.",
         energy(state, unit_cloud(body)) - potential(state, body),
-        contraction(unit_cloud(body).source_scatter, orthogonality(state.R)),
+        contraction(unit_cloud(body).source_scatter, ROTATION),
     )
 
 
@@ -69,7 +69,7 @@ def _in_quaternions(energy: Energy) -> Proof:
         r"large value of one quadratic form on the unit sphere of $\mathbb R^4$.",
         energy(state, cloud),
         cloud.mass * square(state.c) + spread - 2 * davenport,
-        [unit(q)],
+        [UNIT],
     )
 
 
@@ -77,12 +77,14 @@ def _written_out(n: int, form: Energy) -> Any:
     points, state = PointCloud.of_size(n), State()
     pairs = list(zip(points.sources, points.targets, strict=True))
     energy = points.total([square(y - position(state, x)) for x, y in pairs])
-    source, target = points.total(points.sources), points.total(points.targets)
     return combination(
         rf"Once more with $N = {n}$ springs written out: the sum over the springs less the closed "
         r"form is a combination of the entries of $\sum m\,x$ and $\sum m\,y$, which vanish.",
         energy - form(state, moments(points)),
-        [*contraction(2 * state.R.T * state.c, source), *contraction(-2 * state.c, target)],
+        [
+            *contraction(2 * state.R.T * state.c, CENTRED[n, "x"]),
+            *contraction(-2 * state.c, CENTRED[n, "y"]),
+        ],
     )
 
 
@@ -97,19 +99,23 @@ CLAIM = Claim(
     r"\operatorname{tr}(R S_2 R^{\mathsf T}) - 2\operatorname{tr}(R^{\mathsf T}C)$ for every "
     r"matrix $R$. Where $R = R(q)$ is a rotation: $V_p = M|c|^2 + \operatorname{tr}S_2 + "
     r"\sum m|y|^2 - 2\,q^{\mathsf T}K(C)\,q$ with $|q| = 1$.",
-    assumptions=(
-        "$\\sum m\\,x = \\sum m\\,y = 0$: both clouds are centred.",
-        "$R^{\\mathsf T}R = I$, or $|q| = 1$, for the second form.",
-    ),
+    concludes=(1, 2, 3, 4, 5),
+    hypotheses=(ROTATION, UNIT, *BOTH_CENTRED),
     source="[Yang2020], the potential energy in the proof of convergence to equilibria",
     proof=proof,
     controls={
-        "springs of stiffness m": lambda: proof(
-            energy=lambda state, cloud: potential_energy(state, cloud) / 2
+        "springs of stiffness m": Mutation(
+            at=1,
+            proof=lambda: proof(energy=lambda state, cloud: potential_energy(state, cloud) / 2),
         ),
-        "C transposed": lambda: proof(form=_transposed),
-        "translation without its mass": lambda: proof(
-            form=lambda state, cloud: closed_form(state, cloud) + (1 - cloud.mass) * square(state.c)
+        "C transposed": Mutation(at=1, proof=lambda: proof(form=_transposed)),
+        "translation without its mass": Mutation(
+            at=1,
+            proof=lambda: proof(
+                form=lambda state, cloud: (
+                    closed_form(state, cloud) + (1 - cloud.mass) * square(state.c)
+                )
+            ),
         ),
     },
     not_claimed=r"That $R$ can leave $\mathrm{SO}(3)$ without a change of the formula: off it the "

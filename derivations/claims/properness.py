@@ -7,9 +7,10 @@ from typing import Any
 
 import sympy
 
-from ..algebra import Given, Square, combination, facts, identity, nonnegative
-from ..hypotheses import IDENTITY, SPECTRAL, centring, moments
-from ..kernel import Claim, Proof
+from ..algebra import Square, combination, facts, identity, nonnegative, positive
+from ..hypotheses import MASSES, PRINCIPAL, SPECTRAL, WHERE_ROTATION, moments
+from ..hypothesis import Hypothesis, Standing, vanishing
+from ..kernel import Claim, Mutation, Proof, Step
 from ..moments import MomentCloud, PointCloud, inertia_of
 from ..motion import State, body_kinetic_energy, position, potential_energy
 from ..notation import Array, Matrix, diagonal, inner, matrix, scalar, square, vector
@@ -18,12 +19,28 @@ Energy = Callable[[State, MomentCloud], Any]
 SCALES = (0, 1, 10**3, 10**6, 10**12)
 
 
-def proof(energy: Energy = potential_energy, *, normal: Array | None = None) -> Proof:
+def coplanar(normal: Array) -> Hypothesis:
+    """S2 n = 0 and C n = 0, as where n . x = 0 for every point."""
+    cloud = MomentCloud()
+    return vanishing(
+        r"For the second part: the cloud lies in a plane with normal $n$, so that $S_2 n = 0$ and "
+        r"$C n = 0$.",
+        Matrix.vstack(cloud.source_scatter * normal, cloud.cross * normal),
+        standing=Standing.CASE,
+        solves=(*sorted(cloud.source_scatter.free_symbols, key=str), *cloud.cross),
+    )
+
+
+NORMAL = vector("n")
+FLAT = coplanar(NORMAL)
+
+
+def proof(energy: Energy = potential_energy, flat: Hypothesis = FLAT) -> Proof:
     """Lower bounds for the parts of V; compactness; the ambient space, coplanar and not."""
     yield from _translation(energy)
     yield from _spin()
     yield _compact()
-    yield from _ambient(energy, normal if normal is not None else vector("n"))
+    yield from _ambient(energy, flat)
 
 
 def _translation(energy: Energy) -> Proof:
@@ -38,20 +55,26 @@ def _translation(energy: Energy) -> Proof:
     )
     for n in (3, 4):
         points = PointCloud.of_size(n)
-        source, target = centring(points)[:3, :], centring(points)[3:, :]
+        source, target = points.total(points.sources), points.total(points.targets)
         pairs = list(zip(points.sources, points.targets, strict=True))
         stored = points.total([square(y - position(state, x)) for x, y in pairs])
         apart = stored - points.mass * square(state.c) + 2 * inner(state.c, target)
+        masses = MASSES[n].parts
         yield nonnegative(
             rf"Once more with $N = {n}$ springs written out; the terms with $\sum m\,x$ and "
             r"$\sum m\,y$, which vanish, are moved to the left: $V_p - M|c|^2$ is a sum of "
             r"squares.",
             apart - 2 * inner(state.R.T * state.c, source),
             [
-                [Given(m, "masses are positive"), Square(entry)]
-                for m, (x, y) in zip(points.masses, pairs, strict=True)
+                [m, Square(entry)]
+                for m, (x, y) in zip(masses, pairs, strict=True)
                 for entry in y - state.R * x
             ],
+        )
+        yield positive(
+            r"$M > 0$, so that these bounds can be divided by it.",
+            points.mass,
+            [[mass] for mass in masses],
         )
 
 
@@ -69,7 +92,7 @@ def _spin() -> Proof:
     )
     J = inertia_of(d)
     trace, determinant = J.trace(), J.det()
-    values = [Given(J[k, k], "J is positive semidefinite") for k in range(3)]
+    values = PRINCIPAL.parts
     yield nonnegative(
         r"In these axes $J$ is diagonal with entries $j_1, j_2, j_3 \ge 0$, and "
         r"$j_1\,(\operatorname{tr}J)^2 - j_1 j_2 j_3$ multiplied out has nonnegative terms only. "
@@ -79,9 +102,19 @@ def _spin() -> Proof:
         trace**2 * (omega.T * J * omega)[0] - determinant * square(omega),
         spin_terms(omega, values),
     )
+    yield solid_determinant()
 
 
-def spin_terms(omega: Array, values: list[Given]) -> list[list[Any]]:
+def solid_determinant() -> Step:
+    """The determinant of J is positive."""
+    return positive(
+        r"And $\det J = j_1 j_2 j_3 > 0$, as three of the points are not collinear.",
+        inertia_of(diagonal("d")).det(),
+        [PRINCIPAL.parts],
+    )
+
+
+def spin_terms(omega: Array, values: list[Any]) -> list[list[Any]]:
     """The products of j_1, j_2, j_3 in (tr J)^2 j_k - j_1 j_2 j_3, each with omega_k^2."""
     found: list[list[Any]] = []
     for k, speed in enumerate(omega):
@@ -93,22 +126,20 @@ def spin_terms(omega: Array, values: list[Given]) -> list[list[Any]]:
 
 def _compact() -> Any:
     R = State().R
-    outer = R.T * R - IDENTITY
     return combination(
         r"The rotations are compact: $\lVert R\rVert^2 = 3$ on $\mathrm{SO}(3)$, a closed set. So "
         r"$\{V \le E\}$ is closed and $|c|^2 \le E/M$, $|v|^2 \le 2E/M$, $|\omega|^2 \le "
         r"2E\,(\operatorname{tr}J)^2/\det J$ on it: compact, for every $E$. In particular $V_p$ "
         r"has a minimum.",
         square(R) - 3,
-        [(1, outer[k, k]) for k in range(3)],
+        [(1, part) for part in WHERE_ROTATION.diagonal],
     )
 
 
-def _ambient(energy: Energy, normal: Array) -> Proof:
+def _ambient(energy: Energy, flat: Hypothesis) -> Proof:
     state, cloud = State(), MomentCloud()
-    R, s, u, n = state.R, scalar("s"), vector("u"), vector("n")
+    R, s, u, n = state.R, scalar("s"), vector("u"), NORMAL
     moved = State(R=R + s * u * n.T)
-    flat, off = cloud.source_scatter * normal, cloud.cross * normal
     yield combination(
         r"In the paper's ambient space $R$ is any matrix. If the cloud is coplanar with unit "
         r"normal $n$, then $n\cdot x = 0$ for every point, so $S_2 n = 0$ and $Cn = 0$. Then "
@@ -117,8 +148,9 @@ def _ambient(energy: Energy, normal: Array) -> Proof:
         r"that leaves every bounded set: not radially unbounded.",
         energy(moved, cloud) - energy(state, cloud),
         [
-            *zip(2 * s * R.T * u + s**2 * square(u) * n, flat, strict=True),
-            *zip(-2 * s * u, off, strict=True),
+            *zip(
+                [*(2 * s * R.T * u + s**2 * square(u) * n), *(-2 * s * u)], flat.parts, strict=True
+            ),
         ],
     )
     yield _triangle(energy)
@@ -159,16 +191,22 @@ CLAIM = Claim(
     r"$\{V \le E\}$ is compact, with $|c|^2 \le E/M$, $|v|^2 \le 2E/M$, $|\omega|^2 \le "
     r"2E\,(\operatorname{tr}J)^2/\det J$. In the ambient space $\mathbb R^{18}$ the energy is "
     r"constant along a line if the source is coplanar, so it is not radially unbounded there.",
-    assumptions=(r"$J \succ 0$ for the first part: three of the points are not collinear.",),
+    concludes=(1, 2, 3, 4, 5, 7, 8, 9, 10),
+    hypotheses=(*MASSES.values(), PRINCIPAL, WHERE_ROTATION, FLAT),
     source="[Yang2020], the total energy and the footnote on its growth",
     proof=proof,
     controls={
-        "springs along x and y only": lambda: proof(
-            lambda state, cloud: potential_energy(state, cloud) - cloud.mass * state.c[2] ** 2
+        "springs along x and y only": Mutation(
+            at=1,
+            proof=lambda: proof(
+                lambda state, cloud: potential_energy(state, cloud) - cloud.mass * state.c[2] ** 2
+            ),
         ),
-        "a direction that is not normal": lambda: proof(normal=vector("k")),
-        "springs of stiffness m": lambda: proof(
-            lambda state, cloud: potential_energy(state, cloud) / 2
+        "a direction that is not normal": Mutation(
+            at=10, proof=lambda: proof(flat=coplanar(vector("k")))
+        ),
+        "springs of stiffness m": Mutation(
+            at=1, proof=lambda: proof(lambda state, cloud: potential_energy(state, cloud) / 2)
         ),
     },
     not_claimed="That the paper's conclusion fails for coplanar clouds: on rotations it holds, "

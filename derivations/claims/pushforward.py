@@ -8,7 +8,8 @@ from typing import Any
 import sympy
 
 from ..algebra import combination, contraction, identity
-from ..kernel import Claim, Proof
+from ..hypotheses import WHERE_ROTATION
+from ..kernel import Claim, Mutation, Proof
 from ..linearisation import ambient_jacobian, intrinsic_jacobian, pushforward
 from ..motion import Body, State, rate
 from ..notation import Array, Matrix, hat, inner, scalar, square, vector
@@ -76,7 +77,6 @@ def _injective(P: Array, length: int) -> Proof:
     R = State().R
     x = Matrix.vstack(*(vector(name) for name in ("d_c", "phi", "d_v", "d_omega")))
     phi, rest = x[3:6, :], [*x[0:3, :], *x[6:12, :]]
-    excess = R.T * R - sympy.eye(3)
     cofactors: Any = square(phi) * sympy.eye(3) - phi * phi.T
     yield combination(
         r"$P$ is injective on rotations: $|P x|^2 = |\delta c|^2 + 2 |\varphi|^2 + |\delta v|^2 + "
@@ -84,7 +84,7 @@ def _injective(P: Array, length: int) -> Proof:
         r"$R^{\mathsf T} R - I$. So $P x = 0$ only for $x = 0$, and the image of $P$ has 12 "
         r"dimensions of the 18.",
         square(P * x) - square(rest) - length * square(phi),
-        contraction(cofactors, excess),
+        contraction(cofactors, WHERE_ROTATION),
     )
     symmetric_part = R.T * R * hat(phi) + (R * hat(phi)).T * R
     a, b = vector("a"), vector("b")
@@ -93,7 +93,7 @@ def _injective(P: Array, length: int) -> Proof:
         r"derivative $R^{\mathsf T} \delta R + \delta R^{\mathsf T} R$, and for "
         r"$\delta R = R [\varphi]_\times$ it vanishes where $R^{\mathsf T} R = I$.",
         inner(a, symmetric_part * b),
-        contraction(a * (hat(phi) * b).T + (hat(phi) * a) * b.T, excess),
+        contraction(a * (hat(phi) * b).T + (hat(phi) * a) * b.T, WHERE_ROTATION),
     )
 
 
@@ -115,16 +115,16 @@ CLAIM = Claim(
     r"numbers $(c, R, v, \omega)$ with $\delta R = R [\varphi]_\times$, and let $P'$ be its "
     r"derivative along the flow. Then $A_{18} P = P' + P A_{12}$ at every state; at an "
     r"equilibrium $A_{18} P = P A_{12}$. On rotations $P$ is injective.",
-    assumptions=(
-        r"$J$ is invertible. The identities hold for any matrix $R$, injectivity on rotations.",
-    ),
+    concludes=(1, 2, 3, 5, 6),
+    hypotheses=(WHERE_ROTATION,),
+    setting=(r"$J^{-1}$ is a matrix of constants, of which nothing is used.",),
     source="ours; the chain rule for the embedding of SO(3) into the 3x3 matrices",
     proof=proof,
     controls={
-        "P with R column by column": lambda: proof(push=_by_columns),
-        "P that turns in space": lambda: proof(push=_in_space),
-        "without the derivative of P": lambda: proof(moving=0),
-        "|phi|^2 for 2 |phi|^2": lambda: proof(length=1),
+        "P with R column by column": Mutation(at=1, proof=lambda: proof(push=_by_columns)),
+        "P that turns in space": Mutation(at=1, proof=lambda: proof(push=_in_space)),
+        "without the derivative of P": Mutation(at=5, proof=lambda: proof(moving=0)),
+        "|phi|^2 for 2 |phi|^2": Mutation(at=2, proof=lambda: proof(length=1)),
     },
     not_claimed=r"What the ambient Jacobian does to perturbations that are not in the image of "
     r"$P$: they leave the rotations (claim `characteristic_polynomial`).",

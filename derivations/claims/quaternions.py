@@ -10,11 +10,26 @@ import sympy
 from certreg.geometry.so3 import body_frame, davenport_matrix, rotation_matrix
 
 from ..algebra import combination, contraction, identity
-from ..hypotheses import cofactor_matrix
-from ..kernel import Claim, Proof
-from ..notation import Array, Matrix, hat, inner, matrix, quaternion, square, vector
+from ..hypotheses import cofactor_matrix, rotation_of
+from ..hypothesis import Point, vanishing
+from ..kernel import Claim, Mutation, Proof
+from ..notation import Array, Matrix, hat, inner, matrix, quaternion, square, symmetric, vector
 
 Formula = Callable[[Any], Any]
+R = matrix("R")
+
+
+def _of_either_sign(point: Point) -> Any:
+    """A rational rotation, or minus one."""
+    prepare = rotation_of("R").prepare
+    found = prepare(point) if prepare is not None else {}
+    return {symbol: -value if point[R[2, 2]] < 0 else value for symbol, value in found.items()}
+
+
+ORTHOGONAL = vanishing(
+    r"For the last part: $RR^{\mathsf T} = I$.", R * R.T - sympy.eye(3), prepare=_of_either_sign
+)
+DIRECT = vanishing(r"For the last part: $\det R = 1$.", R.det(method="berkowitz") - 1)
 
 
 def proof(
@@ -92,7 +107,7 @@ def _turns(rotation: Formula, frame: Formula) -> Proof:
 
 
 def _is_onto(rotation: Formula, davenport: Formula) -> Proof:
-    R, q = matrix("R"), quaternion()
+    q = quaternion()
     K, norm = Matrix(davenport(R.tolist())), inner(R, R)
     cofactors = cofactor_matrix(R)
     yield identity(
@@ -102,16 +117,9 @@ def _is_onto(rotation: Formula, davenport: Formula) -> Proof:
         K * K,
         norm * sympy.eye(4) + 2 * Matrix(davenport(cofactors.tolist())),
     )
-    yield from _rotation_equals_its_cofactors(R, cofactors)
+    yield from _rotation_equals_its_cofactors(cofactors)
     P = (K + sympy.eye(4)) / 4
-    gap = (cofactors - R).tolist()
-    yield identity(
-        r"So on $\mathrm{SO}(3)$ the symmetric matrix $P = \tfrac14(K(R) + I)$ is a projector: "
-        r"$16\,(P^2 - P) = (\lVert R\rVert^2 - 3)\, I + 2K(\operatorname{cof} R - R)$, "
-        r"and both terms vanish there.",
-        16 * (P * P - P),
-        (norm - 3) * sympy.eye(4) + 2 * Matrix(davenport(gap)),
-    )
+    yield _projector(P, davenport, cofactors)
     yield identity(
         r"Its trace is $1$. The rank of a projector is its trace, so $P = q q^{\mathsf T}$ for a "
         r"unit quaternion $q$.",
@@ -132,21 +140,40 @@ def _is_onto(rotation: Formula, davenport: Formula) -> Proof:
     )
 
 
-def _rotation_equals_its_cofactors(R: Array, cofactors: Array) -> Proof:
+def _equal_to_cofactors(A: Any, cofactors: Array) -> list[Any]:
+    """The terms by which <A, cof R - R> vanishes."""
+    return [(inner(A, R), DIRECT[0]), *contraction(-A * cofactors.T, ORTHOGONAL)]
+
+
+def _rotation_equals_its_cofactors(cofactors: Array) -> Proof:
     A = matrix("A")
-    outer = R * R.T - sympy.eye(3)
-    determinant = R.det(method="berkowitz")
     yield combination(
         r"A rotation equals its matrix of cofactors: for every matrix $A$ (so for every entry), "
         r"$\langle A, \operatorname{cof} R - R\rangle$ is a combination of the entries of "
         r"$RR^{\mathsf T} - I$ and of $\det R - 1$, which vanish.",
         inner(A, cofactors - R),
-        [(inner(A, R), determinant - 1), *contraction(-A * cofactors.T, outer)],
+        _equal_to_cofactors(A, cofactors),
     )
     yield combination(
         r"And $\lVert R\rVert^2 - 3 = \operatorname{tr}(RR^{\mathsf T} - I)$ vanishes, too.",
         inner(R, R) - 3,
-        [(1, outer[k, k]) for k in range(3)],
+        [(1, part) for part in ORTHOGONAL.diagonal],
+    )
+
+
+def _projector(P: Array, davenport: Formula, cofactors: Array) -> Any:
+    A, X = symmetric("A", 4), matrix("X")
+    pairing = inner(A, Matrix(davenport(X.tolist())))
+    dual = Matrix(3, 3, [sympy.diff(pairing, entry) for entry in X])
+    return combination(
+        r"So on $\mathrm{SO}(3)$ the symmetric matrix $P = \tfrac14(K(R) + I)$ is a projector: "
+        r"$16\,(P^2 - P) = (\lVert R\rVert^2 - 3)\, I + 2K(\operatorname{cof} R - R)$, "
+        r"and both terms vanish there; checked in every pairing $\langle A, P^2 - P\rangle$.",
+        16 * inner(A, P * P - P),
+        [
+            *((A.trace(), part) for part in ORTHOGONAL.diagonal),
+            *_equal_to_cofactors(2 * dual, cofactors),
+        ],
     )
 
 
@@ -183,16 +210,24 @@ CLAIM = Claim(
     r"$L^{\mathsf T}q = 0$, $L^{\mathsf T}L = |q|^2 I$, "
     r"$LL^{\mathsf T} + qq^{\mathsf T} = |q|^2 I$; along $\dot q = \tfrac12 L(q)\,\omega$ the "
     r"rotation obeys $\dot R = R[\omega]_\times$; and every rotation is $R(q)$ for a unit "
-    r"quaternion $q$, unique up to sign.",
-    assumptions=("For the last part: $R$ is a rotation, $RR^{\\mathsf T} = I$ and $\\det R = 1$.",),
+    r"quaternion $q$, unique up to sign: $qq^{\mathsf T} = \tfrac14\,(K(R) + I)$.",
+    concludes=(1, 2, 4, 5, 6, 7, 10, 11, 12, 13, 14, 15),
+    hypotheses=(ORTHOGONAL, DIRECT),
     source="[Horn1987]",
     proof=proof,
     controls={
-        "R(q) transposed": lambda: proof(lambda q: list(zip(*rotation_matrix(q), strict=True))),
-        "two entries of R(q) exchanged": lambda: proof(_other_axis),
-        "L(q) for space axes instead of body axes": lambda: proof(frame=_other_side),
-        "K of the transpose": lambda: proof(
-            davenport=lambda C: davenport_matrix([list(row) for row in zip(*C, strict=True)])
+        "R(q) transposed": Mutation(
+            at=7, proof=lambda: proof(lambda q: list(zip(*rotation_matrix(q), strict=True)))
+        ),
+        "two entries of R(q) exchanged": Mutation(at=1, proof=lambda: proof(_other_axis)),
+        "L(q) for space axes instead of body axes": Mutation(
+            at=7, proof=lambda: proof(frame=_other_side)
+        ),
+        "K of the transpose": Mutation(
+            at=14,
+            proof=lambda: proof(
+                davenport=lambda C: davenport_matrix([list(row) for row in zip(*C, strict=True)])
+            ),
         ),
     },
     not_claimed=r"Anything about $q = 0$, which is no rotation, or about rounding.",

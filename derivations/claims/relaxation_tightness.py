@@ -20,13 +20,26 @@ from certreg.relaxation.qcqp import (
     rotation_quadratics,
 )
 
-from ..algebra import Given, Square, facts, identity, nonnegative
+from ..algebra import Square, facts, identity, nonnegative
 from ..hypotheses import SPECTRAL
-from ..kernel import Claim, Proof
+from ..hypothesis import Standing, nonnegative_by
+from ..kernel import Claim, Mutation, Proof
 from ..notation import Matrix, diagonal, inner, matrix, quaternion, rotation, scalar, square
 from ..rationals import rank
 
 Quadratics = Callable[[], Any]
+LEVELS = [scalar(f"l_{k}") for k in (1, 2, 3, 4)]
+LARGEST = nonnegative_by(
+    r"$\lambda_1$ is the largest eigenvalue of $K$.",
+    [LEVELS[0] - level for level in LEVELS],
+    standing=Standing.NOTATION,
+)
+DIAGONAL_LEVELS = [davenport_matrix(diagonal("d").tolist())[k][k] for k in range(4)]
+LARGEST_OF_C = nonnegative_by(
+    r"$\lambda_1$ is the largest eigenvalue of $K$.",
+    [DIAGONAL_LEVELS[0] - level for level in DIAGONAL_LEVELS],
+    standing=Standing.NOTATION,
+)
 SIZE, PAIRS = 10, tuple(combinations_with_replacement(range(10), 2))
 
 
@@ -52,11 +65,9 @@ def proof(
 
 
 def _quaternion_form(level: int) -> Proof:
-    eigenvalues = [scalar(f"l_{k}") for k in (1, 2, 3, 4)]
-    top = eigenvalues[level]
+    top = LEVELS[level]
     B, p = Matrix(4, 4, lambda i, j: scalar(f"b_{i + 1}{j + 1}")), quaternion("p")
-    Z, spectrum = B * B.T, sympy.diag(*eigenvalues)
-    below = [Given(eigenvalues[0] - l, r"$\lambda_1$ is the largest") for l in eigenvalues]
+    Z, spectrum = B * B.T, sympy.diag(*LEVELS)
     yield nonnegative(
         r"**Weak duality.** In an orthonormal eigenbasis $K = \operatorname{diag}(\lambda_1, "
         r"\ldots, \lambda_4)$; trace and semidefiniteness do not depend on the basis. Every "
@@ -65,7 +76,7 @@ def _quaternion_form(level: int) -> Proof:
         r"(\lambda_1 - \lambda_k)\, b_{kj}^2 \ge 0$. So the relaxation's value is at most "
         r"$\lambda_1$.",
         top * Z.trace() - inner(spectrum, Z),
-        [(below[k], Square(B[k, j])) for k in range(4) for j in range(4)],
+        [(LARGEST[k], Square(B[k, j])) for k in range(4) for j in range(4)],
     )
     K = davenport_matrix(matrix("C").tolist())
     yield identity(
@@ -113,8 +124,7 @@ def _rotation_form(quadratics: Any) -> Proof:
 
 
 def _rotation_tight(r: Any) -> Proof:
-    d, q = diagonal("d"), quaternion()
-    values = [davenport_matrix(d.tolist())[k][k] for k in range(4)]
+    q, values = quaternion(), DIAGONAL_LEVELS
     yield facts(
         r"The ten entries of $r$ are linearly independent quadratic forms in $q$, and there are "
         r"ten products $q_i q_k$: each $q_i q_k$ is a linear form $\ell_{ik}$ in $r$.",
@@ -130,11 +140,7 @@ def _rotation_tight(r: Any) -> Proof:
         r"$\tfrac12 \langle F, Z \rangle \le \lambda_1$: the rotation form has the same value, and "
         r"is tight as well.",
         square(q) * (values[0] * square(q) - sum(v * c**2 for v, c in zip(values, q, strict=True))),
-        [
-            (Given(values[0] - values[k], r"$\lambda_1$ is the largest"), Square(q[i] * q[k]))
-            for i in range(4)
-            for k in range(4)
-        ],
+        [(LARGEST_OF_C[k], Square(q[i] * q[k])) for i in range(4) for k in range(4)],
     )
 
 
@@ -175,17 +181,22 @@ CLAIM = Claim(
     r"1$, is $\lambda_1$, the largest $\operatorname{tr}(R^{\mathsf T} C)$ over all rotations. The "
     r"relaxation in $(1, \operatorname{vec} R)$ with 21 redundant quadratics, which vanish on all "
     r"rotations and span the 20 dimensions of all that do, has the same value.",
-    assumptions=(r"None: for every $C$, the optimum unique or not.",),
+    concludes=(1, 2, 3, 4, 5, 6, 8, 9),
+    hypotheses=(LARGEST, LARGEST_OF_C),
+    setting=(r"Every $C$, the optimum unique or not.",),
     source="[Briales2017], redundant rotation constraints; [Horn1987], the eigenvalue problem",
     proof=proof,
     controls={
-        "the second eigenvalue bounds the relaxation": lambda: proof(level=1),
-        "the program of the transpose of C": lambda: proof(
-            lambda C: quaternion_program(list(zip(*C, strict=True)))
+        "the second eigenvalue bounds the relaxation": Mutation(at=2, proof=lambda: proof(level=1)),
+        "the program of -C": Mutation(
+            at=1,
+            proof=lambda: proof(lambda C: quaternion_program([[-e for e in row] for row in C])),
         ),
-        "a column product with the wrong sign": lambda: proof(quadratics=_one_sign_off),
-        "one of the 21 quadratics given twice, one left out": lambda: proof(
-            quadratics=_without_the_last
+        "a column product with the wrong sign": Mutation(
+            at=5, proof=lambda: proof(quadratics=_one_sign_off)
+        ),
+        "one of the 21 quadratics given twice, one left out": Mutation(
+            at=6, proof=lambda: proof(quadratics=_without_the_last)
         ),
     },
     not_claimed=r"That an optimal $Z$ has rank one: where the optimum is not unique it need not. "

@@ -9,8 +9,9 @@ import sympy
 
 from certreg.geometry.so3 import davenport_matrix
 
-from ..algebra import Given, identity, nonnegative, quoted
-from ..kernel import Claim, Proof
+from ..algebra import identity, nonnegative, quoted, refuting
+from ..hypothesis import Standing, nonnegative_by
+from ..kernel import Claim, Mutation, Proof, Step
 from ..notation import (
     Matrix,
     determinant,
@@ -25,6 +26,17 @@ from ..notation import (
 from ..table import eigenvalues
 
 Davenport = Callable[[Any], Any]
+D = vector("d")
+ORDERED = nonnegative_by(
+    r"$d_1 \ge d_2 \ge d_3$, by the choice of the frame.",
+    [D[0] - D[1], D[1] - D[2]],
+    standing=Standing.NOTATION,
+)
+LARGEST = nonnegative_by(
+    r"$\lambda_1 \ge \lambda_2$: the frame was made from an eigenvector of the largest eigenvalue.",
+    eigenvalues(D)[0] - eigenvalues(D)[1],
+    standing=Standing.NOTATION,
+)
 
 
 def proof(
@@ -56,8 +68,8 @@ def proof(
 
 
 def _order(levels: Callable[[Any], tuple[Any, ...]]) -> Proof:
-    d, a = vector("d"), quaternion("a")
-    l1, l2, l3, l4 = levels(d)
+    d, a = D, quaternion("a")
+    _, l2, l3, l4 = levels(d)
     yield nonnegative(
         r"The eigenvalue $\lambda_1$ is the largest one, as was seen when the frame was found. So "
         r"it is at least the eigenvalue $\lambda_2 = d_1 - d_2 - d_3$, and $d_2 + d_3 = (\lambda_1 "
@@ -65,14 +77,7 @@ def _order(levels: Callable[[Any], tuple[Any, ...]]) -> Proof:
         r"|d_3|$: the *special* singular values of $C$, unlike the usual ones with rotations on "
         r"both sides and a sign on the last.",
         d[1] + d[2],
-        [
-            [
-                sympy.Rational(1, 2),
-                Given(
-                    l1 - l2, r"$\lambda_1$ is the largest eigenvalue, $\lambda_1 \geq \lambda_2$"
-                ),
-            ]
-        ],
+        [[sympy.Rational(1, 2), LARGEST[0]]],
     )
     turn = rotation(a)
     yield identity(
@@ -85,13 +90,13 @@ def _order(levels: Callable[[Any], tuple[Any, ...]]) -> Proof:
     yield nonnegative(
         r"$\lambda_2 \geq \lambda_3$, because $d_1 \geq d_2$.",
         l2 - l3,
-        [[2, Given(d[0] - d[1], r"$d_1 \geq d_2$")]],
+        [[2, ORDERED[0]]],
     )
     yield nonnegative(
         r"$\lambda_3 \geq \lambda_4$, because $d_2 \geq d_3$. With $\lambda_1 \geq \lambda_2$ "
         r"from above, the eigenvalues are in descending order.",
         l3 - l4,
-        [[2, Given(d[1] - d[2], r"$d_2 \geq d_3$")]],
+        [[2, ORDERED[1]]],
     )
 
 
@@ -128,15 +133,30 @@ def _frame() -> Proof:
         source="the spectral theorem",
     )
     d, a = vector("d"), quaternion("a")
-    D, turn = sympy.diag(*d), rotation(a)
+    diagonal, turn = sympy.diag(*d), rotation(a)
     yield identity(
         r"So $C = U \operatorname{diag}(d)\, V^{\mathsf T}$ with the rotations $U = R V$ and $V$. "
         r"Conjugation keeps the trace, $\operatorname{tr}(V \operatorname{diag}(d) V^{\mathsf T}) "
         r"= d_1 + d_2 + d_3$ (with $|a|^4$ on the right for $V = R(a)$ of any length), so the "
         r"largest eigenvalue $q^{\mathsf T} K q = \operatorname{tr}(R^{\mathsf T} C) = "
         r"\operatorname{tr} S$ is $\lambda_1 = d_1 + d_2 + d_3$.",
-        (turn * D * turn.T).trace(),
+        (turn * diagonal * turn.T).trace(),
         square(a) ** 2 * sum(d),
+    )
+
+
+def _wrong_sign(C: Any) -> Any:
+    K = [list(row) for row in davenport_matrix(C)]
+    K[3][3] = -K[3][3]
+    return K
+
+
+def _other_eigenvalues() -> Step:
+    return refuting(
+        r"For $C = \operatorname{diag}(3, 2, 1)$ that matrix is diagonal and has the eigenvalues "
+        r"$6, 0, -2, 4$, not $6, 0, -2, -4$.",
+        [_wrong_sign([[3, 0, 0], [0, 2, 0], [0, 0, 1]])[k][k] for k in range(4)],
+        list(eigenvalues((3, 2, 1))),
     )
 
 
@@ -153,15 +173,18 @@ CLAIM = Claim(
     r"eigenvalues $\lambda_1 = d_1 + d_2 + d_3 \geq \lambda_2 = d_1 - d_2 - d_3 \geq "
     r"\lambda_3 = -d_1 + d_2 - d_3 \geq \lambda_4 = -d_1 - d_2 + d_3$. Their differences are "
     r"$2(d_2 + d_3)$, $2(d_1 - d_2)$ and $2(d_2 - d_3)$.",
-    assumptions=("None: every real 3x3 matrix.",),
+    concludes=(1, 2, 5, 6, 7, 9, 10),
+    hypotheses=(ORDERED, LARGEST),
     source="[Horn1987], [Umeyama1991] for the sign of the last singular value",
     proof=proof,
     controls={
-        "K of the transpose of C": lambda: proof(
-            davenport=lambda C: davenport_matrix(Matrix(C).T.tolist())
+        "K with a wrong entry": Mutation(
+            at=1, proof=lambda: proof(davenport=_wrong_sign), instance=_other_eigenvalues
         ),
-        "eigenvalues with one minus instead of two": lambda: proof(levels=_signs_lost),
-        "the middle gap without its factor 2": lambda: proof(middle=1),
+        "eigenvalues with one minus instead of two": Mutation(
+            at=5, proof=lambda: proof(levels=_signs_lost)
+        ),
+        "the middle gap without its factor 2": Mutation(at=6, proof=lambda: proof(middle=1)),
     },
     not_claimed=r"That $U$ and $V$ are unique. Nothing is computed this way: the singular values "
     r"are the frame of the proof, and the code decides without them.",

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import sympy
 from sympy import Rational
 
-from ..algebra import Relation, combination, contraction, identity, modulo
-from ..hypotheses import IDENTITY, inverted, unit
+from ..algebra import Square, combination, contraction, identity, modulo, positive
+from ..hypotheses import DAMPED, INERTIA_INVERSE, STEPPED, UNIT, inverted
+from ..hypothesis import Point, Standing, equation, invertible, positive_by, vanishing
 from ..integrators import (
     DECAY,
     IMPULSE,
@@ -22,7 +23,7 @@ from ..integrators import (
     splitting_step,
     squared_speed,
 )
-from ..kernel import Claim, Proof, Step
+from ..kernel import Claim, Mutation, Proof, Step
 from ..motion import DAMPING, Body, State, rate
 from ..notation import (
     Array,
@@ -43,7 +44,39 @@ Drift = Callable[[Any, Any], Array]
 
 STATE, BODY = QuaternionState(), Body()
 AT_REST = QuaternionState(v=sympy.zeros(3, 1), omega=sympy.zeros(3, 1))
-TAYLOR = DAMPING * IMPULSE + DECAY - 1  # vanishes: the impulse is (1 - decay) / mu
+PUSHED = positive_by(
+    r"$i = (1 - e^{-\mu h})/\mu > 0$, as $\mu > 0$ and $h > 0$.",
+    IMPULSE,
+    standing=Standing.NOTATION,
+)
+DECAYING = vanishing(
+    r"$e = e^{-\mu h}$ and $i = (1 - e)/\mu$: $\mu i + e = 1$.",
+    DAMPING * IMPULSE + DECAY - 1,
+    standing=Standing.NOTATION,
+    solves=(DECAY,),
+)
+
+
+def _turned_by_one_axis(point: Point) -> Mapping[Any, Any]:
+    """Rational h, omega and n with n^2 = 1 + h^2 |omega|^2 / 4, omega along the first axis."""
+    share = point[STATE.omega[0]] / 8
+    spin = 4 * share / (1 - share**2)
+    known = {STATE.omega[0]: spin, STATE.omega[1]: 0, STATE.omega[2]: 0}
+    return known | {STEP: 1, scalar("n"): (1 + share**2) / (1 - share**2)}
+
+
+LENGTH = equation(
+    r"$n$ is the length of the drift, $n^2 = 1 + \tfrac{h^2}4|\omega'|^2$.",
+    scalar("n"),
+    2,
+    1 + STEP**2 * square(STATE.omega) / 4,
+    standing=Standing.CASE,
+    prepare=_turned_by_one_axis,
+)
+APART = invertible(r"$c \ne 0$, in the first coordinate, say.", STATE.c[0], standing=Standing.CASE)
+STABLE = positive_by(
+    r"For stability: $hi < 1 + e$.", 1 + DECAY - STEP * IMPULSE, standing=Standing.CASE
+)
 
 
 def quaternion_equations() -> Step:
@@ -77,7 +110,7 @@ def _speed() -> Step:
         r"contribute $\lVert R[\omega]_\times\rVert^2 = 2|\omega|^2$ where $|q| = 1$.",
         squared_speed(STATE, BODY) - square(linear) - square(angular),
         square(STATE.v) + square(turning),
-        [unit(STATE.q)],
+        [UNIT],
     )
 
 
@@ -93,7 +126,7 @@ def _kick(kicked: Kick) -> Proof:
         r"derivatives in $h$ are $-\mu e$ and $e$, the new velocities $z = ez_0 + if$ obey it: the "
         r"difference is $(f\cdot b)(\mu i + e - 1)$, for every $b$.",
         inner(b, slope + DAMPING * ends - frozen),
-        [(inner(b, frozen), TAYLOR)],
+        [(inner(b, frozen), DECAYING[0])],
     )
     yield identity(
         r"And at $h = 0$, where $e = 1$ and $i = 0$, they are the old ones.",
@@ -161,7 +194,7 @@ def _consistent(kicked: Kick, drifted: Drift) -> Proof:
         r"$h^2$.",
         (n - 1) * (n + 1),
         square(drifted(STATE.q, STATE.omega)) - 1,
-        [unit(STATE.q), Relation(n, 2, 1 + h**2 * square(STATE.omega) / 4)],
+        [UNIT, LENGTH],
     )
 
 
@@ -179,17 +212,26 @@ def _rests(kicked: Kick, drifted: Drift) -> Proof:
     v, spin = kicked(AT_REST, BODY)
     torque = quaternion_torque(q, BODY)
     yield identity(
-        r"From rest the kick gives $v' = -2ic$ and $\omega' = i\,J^{-1}\tau$. With $i > 0$ both "
-        r"vanish exactly if $c = 0$ and $J^{-1}\tau = 0$.",
+        r"From rest the kick gives $v' = -2ic$ and $\omega' = i\,J^{-1}\tau$.",
         [*v, *spin],
         [*(-2 * IMPULSE * STATE.c), *(IMPULSE * BODY.inertia_inverse * torque)],
+    )
+    yield positive(
+        r"With $i > 0$ the first is zero for $c = 0$ only: $|v'|^2 = 4 i^2 |c|^2$. In the same "
+        r"way the "
+        r"second is for $J^{-1}\tau = 0$ only.",
+        square(v),
+        [
+            [4, Square(PUSHED[0]), Square(APART[0])],
+            *([4, Square(IMPULSE * entry)] for entry in STATE.c[1:, :]),
+        ],
     )
     yield combination(
         r"That is $\tau = 0$: for every $u$, $u\cdot\tau - (Ju)\cdot J^{-1}\tau$ is a combination "
         r"of the entries of $JJ^{-1} - I$. So the states that a step does not change are exactly "
         r"the equilibria at rest, for every $h > 0$.",
         inner(u, torque) - inner(BODY.inertia * u, BODY.inertia_inverse * torque),
-        contraction(-u * torque.T, BODY.inertia * BODY.inertia_inverse - IDENTITY),
+        contraction(-u * torque.T, INERTIA_INVERSE),
     )
 
 
@@ -219,6 +261,9 @@ def _translation(kicked: Kick) -> Proof:
         [polynomial.subs(x, 1), polynomial.subs(x, -1)],
         [2 * h * i, 2 * (1 + e - h * i)],
     )
+    yield positive(r"Indeed $\chi(1) > 0$,", polynomial.subs(x, 1), [[2, STEPPED[0], PUSHED[0]]])
+    yield positive(r"$\chi(-1) > 0$ under the condition,", polynomial.subs(x, -1), [[2, STABLE[0]]])
+    yield positive(r"and $1 - e = \mu i > 0$.", DAMPING * i, [[DAMPED[0], PUSHED[0]]])
     velocity = kicked(AT_REST, BODY)[0]
     moved = STATE.c + h * velocity
     yield identity(
@@ -248,17 +293,27 @@ CLAIM = Claim(
     r"0$ the states that it does not change are exactly the equilibria at rest. Its translation "
     r"shrinks areas in each plane of $(c, v)$ by exactly $e^{-\mu h}$, as the flow does, and is "
     r"stable for $hi < 1 + e$, where $e = e^{-\mu h}$, $i = (1 - e)/\mu$.",
-    assumptions=(
-        r"$|q| = 1$; $\mu > 0$, $h > 0$, so that $0 < e < 1$ and $i > 0$.",
-        r"$J \succ 0$, per unit of mass.",
+    concludes=(1, 3, 4, 5, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19),
+    hypotheses=(
+        DAMPED,
+        STEPPED,
+        INERTIA_INVERSE,
+        UNIT,
+        PUSHED,
+        DECAYING,
+        LENGTH,
+        APART,
+        STABLE,
     ),
     source="ours",
     proof=proof,
     controls={
-        "springs of stiffness m in the force": lambda: proof(kicked=_force_of_m),
-        "a spin without drag": lambda: proof(kicked=_drag_forgotten),
-        "a drift by the whole step": lambda: proof(
-            drifted=lambda q, omega: drift(q, omega, 2 * STEP)
+        "springs of stiffness m in the force": Mutation(
+            at=1, proof=lambda: proof(kicked=_force_of_m)
+        ),
+        "a spin without drag": Mutation(at=1, proof=lambda: proof(kicked=_drag_forgotten)),
+        "a drift by the whole step": Mutation(
+            at=3, proof=lambda: proof(drifted=lambda q, omega: drift(q, omega, 2 * STEP))
         ),
     },
     not_claimed="That the energy falls in every step, which is false, or that the scheme is stable "

@@ -19,8 +19,9 @@ from certreg.objective.classification import (
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 
-from ..algebra import Relation, facts, identity, modulo
-from ..kernel import Claim, Proof, Step
+from ..algebra import Square, combination, facts, identity, positive
+from ..hypothesis import invertible, vanishing
+from ..kernel import Claim, Mutation, Proof, Step
 from ..moments import MomentCloud
 from ..notation import Matrix, matrix, scalar, symmetric
 
@@ -130,11 +131,22 @@ UNEQUAL = Example(
 WITHOUT = Example(name="six points without symmetry", source=CROOKED, pattern=(1, 3))
 
 
-def proof(
-    forced: Sequence[Example] = FORCED, *, any_angle: bool = False, commuting: bool = True
-) -> Proof:
+C, SINE, SCATTER = scalar("c"), scalar("s"), symmetric("S")
+ABOUT_THIRD = Matrix([[C, -SINE, 0], [SINE, C, 0], [0, 0, 1]])
+COMMUTATOR = ABOUT_THIRD * SCATTER - SCATTER * ABOUT_THIRD
+COMMUTES = vanishing(
+    r"The source is symmetric: its scatter commutes with the rotation $Q$.",
+    COMMUTATOR,
+    solves=tuple(sorted(SCATTER.free_symbols, key=str)),
+)
+TURNING = invertible(
+    r"The angle of $Q$ is neither $0$ nor $180^\circ$: $s \ne 0$.", SINE, scalar("s_inverse")
+)
+
+
+def proof(forced: Sequence[Example] = FORCED, *, commuting: bool = True) -> Proof:
     """Symmetry makes the scatter commute with a rotation; that makes two eigenvalues equal."""
-    yield from _double_eigenvalue(any_angle=any_angle, commuting=commuting)
+    yield from _double_eigenvalue(commuting=commuting)
     yield from _pattern()
     yield _examples(
         "Examples of the theorem, through the shipped code from the points on: ",
@@ -146,8 +158,8 @@ def proof(
     yield from _counterexamples()
 
 
-def _double_eigenvalue(*, any_angle: bool, commuting: bool) -> Proof:
-    cloud, Q, S = MomentCloud(), matrix("Q"), symmetric("S")
+def _double_eigenvalue(*, commuting: bool) -> Proof:
+    cloud, Q, S = MomentCloud(), matrix("Q"), SCATTER
     moved = cloud.total((Q * cloud.x) * (Q * cloud.x).T)
     yield identity(
         r"Let a rotation $Q$ about the centroid permute the points with their weights. The scatter "
@@ -158,26 +170,27 @@ def _double_eigenvalue(*, any_angle: bool, commuting: bool) -> Proof:
         Q * cloud.source_scatter * (Q.T if commuting else Q),
     )
     c, s = scalar("c"), scalar("s")
-    turn = Matrix([[c, -s, 0], [s, c, 0], [0, 0, 1]])
-    E = turn * S - S * turn
-    factor = 1 if any_angle else s
-    yield modulo(
+    E = COMMUTATOR
+    far = (c - 1) ** 2 + s**2
+    yield identity(
         r"Put the third axis along that of $Q$, a rotation by an angle with cosine $c$ and sine "
-        r"$s$, and let $E = Q S - S Q$. Then, with $c^2 + s^2 = 1$, $\;2 s S_{12} = -E_{11}$, "
-        r"$\;s (S_{11} - S_{22}) = E_{12}$, $\;2(1 - c) S_{13} = (c - 1) E_{13} + s E_{23}\;$ and "
-        r"$\;2(1 - c) S_{23} = (c - 1) E_{23} - s E_{13}$. If the angle is neither $0$ nor "
-        r"$180^\circ$, then $s \neq 0$ and $c \neq 1$, and from $E = 0$ it follows that "
-        r"$S = \operatorname{diag}(p, p, r)$: two equal eigenvalues. An axis of order at least "
-        r"three has such a rotation.",
-        [
-            2 * factor * S[0, 1],
-            factor * (S[0, 0] - S[1, 1]),
-            2 * (1 - c) * S[0, 2],
-            2 * (1 - c) * S[1, 2],
-        ],
+        r"$s$, and let $E = Q S - S Q$. Then $\;2 s S_{12} = -E_{11}$, "
+        r"$\;s (S_{11} - S_{22}) = E_{12}$, and with $f = (c - 1)^2 + s^2$ $\;f S_{13} = (c - 1) "
+        r"E_{13} + "
+        r"s E_{23}\;$ and $\;f S_{23} = (c - 1) E_{23} - s E_{13}$.",
+        [2 * s * S[0, 1], s * (S[0, 0] - S[1, 1]), far * S[0, 2], far * S[1, 2]],
         [-E[0, 0], E[0, 1], (c - 1) * E[0, 2] + s * E[1, 2], (c - 1) * E[1, 2] - s * E[0, 2]],
-        [Relation(c, 2, 1 - s**2)],
     )
+    yield positive(
+        r"If the angle is neither $0$ nor $180^\circ$, then $s \neq 0$ and $f > 0$, and from $E = "
+        r"0$ it "
+        r"follows that $S = \operatorname{diag}(p, p, r)$: two equal eigenvalues. An axis of "
+        r"order at "
+        r"least three has such a rotation.",
+        far,
+        [[Square(c - 1)], [Square(TURNING[0])]],
+    )
+    yield _equal_diagonal()
     half = sympy.diag(-1, -1, 1)
     yield identity(
         r"An axis of order two forces nothing of the kind: for the half turn $Q = "
@@ -185,6 +198,23 @@ def _double_eigenvalue(*, any_angle: bool, commuting: bool) -> Proof:
         r"S_{23} = 0$, whatever $S_{11}, S_{12}, S_{22}$ are.",
         half * S - S * half,
         2 * Matrix([[0, 0, -S[0, 2]], [0, 0, -S[1, 2]], [S[0, 2], S[1, 2], 0]]),
+    )
+
+
+def _equal_diagonal() -> Step:
+    a, b = scalar("a"), scalar("b")
+    off, apart = SCATTER[0, 1], SCATTER[0, 0] - SCATTER[1, 1]
+    inverse = scalar("s_inverse")
+    return combination(
+        r"So across the axis the scatter is a multiple of $I$: for all $a$ and $b$ the number $a "
+        r"S_{12} "
+        r"+ b\,(S_{11} - S_{22})$ is a combination of entries of $E$ and of $s s^{-1} - 1$.",
+        a * off + b * apart,
+        [
+            (-a * inverse / 2, COMMUTES[0, 0]),
+            (b * inverse, COMMUTES[0, 1]),
+            (-a * off - b * apart, TURNING[0]),
+        ],
     )
 
 
@@ -278,20 +308,31 @@ CLAIM = Claim(
     title="Symmetry and infinitely many equilibria",
     statement=r"Let $y_i = R x_i + t$ with a rotation $R$, and let the source with its weights "
     r"have a rotation axis of order at least three and not be a single point. Then there are "
-    r"infinitely many spurious equilibria. Without these conditions symmetry need not have this "
+    r"infinitely many spurious equilibria: $S_2$ is $Q S_2 Q^{\mathsf T}$ and has two equal "
+    r"eigenvalues. Without these conditions symmetry need not have this "
     r"effect: for axes of order two, mirrored clouds, other targets and weights without the "
     r"symmetry there are exact counterexamples; nor is symmetry necessary for it.",
-    assumptions=(
-        r"$y_i = R x_i + t$ with $R \in \mathrm{SO}(3)$: no noise, not mirrored.",
-        r"A rotation by an angle other than $0$ and $180^\circ$ permutes the weighted source.",
+    concludes=(1, 2, 3, 4, 6, 7, 8, 9, 10, 11, 12, 13),
+    hypotheses=(COMMUTES, TURNING),
+    setting=(
+        (
+            r"$y_i = R x_i + t$ with $R \in \mathrm{SO}(3)$: no noise, not mirrored. $Q$ turns by "
+            r"an "
+            r"angle with cosine $c$ and sine $s$ and permutes the weighted source."
+        ),
     ),
     source="[Yang2020], the conjecture's part (ii)",
     proof=proof,
     controls={
-        "every rotation, half turns too": lambda: proof(any_angle=True),
-        "a rectangle among the examples": lambda: proof(forced=(*FORCED, HALF_TURNS[0])),
-        "a mirrored tetrahedron among the examples": lambda: proof(forced=(*FORCED, MIRRORED[0])),
-        "the scatter of the turned cloud as Q S Q": lambda: proof(commuting=False),
+        "a rectangle among the examples": Mutation(
+            at=8, proof=lambda: proof(forced=(*FORCED, HALF_TURNS[0]))
+        ),
+        "a mirrored tetrahedron among the examples": Mutation(
+            at=8, proof=lambda: proof(forced=(*FORCED, MIRRORED[0]))
+        ),
+        "the scatter of the turned cloud as Q S Q": Mutation(
+            at=1, proof=lambda: proof(commuting=False)
+        ),
     },
     not_claimed=r"Anything about symmetry that holds only approximately: a cloud in floating point "
     r"may miss its symmetry by a rounding and then has exactly four equilibria.",

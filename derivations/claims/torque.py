@@ -9,7 +9,7 @@ from certreg.geometry.so3 import davenport_matrix
 
 from ..algebra import identity
 from ..integrators import quaternion_torque
-from ..kernel import Claim, Proof
+from ..kernel import Claim, Mutation, Proof
 from ..moments import MomentCloud
 from ..motion import Body, State, left_gradient, spring_torque
 from ..notation import Array, Matrix, body, hat, inner, quaternion, rotation, vee
@@ -89,20 +89,29 @@ CLAIM = Claim(
     r"(R^{\mathsf T} C - C^{\mathsf T} R)\;$ for every rotation $R$ and every offset $c$ (in the "
     r"paper's form, with $x$ for $R^{\mathsf T} R x$, for every matrix $R$), and at "
     r"$R = R(q)$, $|q| = 1$, it is $\;2\, L(q)^{\mathsf T} K(C)\, q$.",
-    assumptions=(
-        r"Both clouds are centred, $\sum_i m_i \tilde x_i = \sum_i m_i \tilde y_i = 0$.",
-        "Any number of points, any masses.",
+    concludes=(1, 4, 5),
+    setting=(
+        (
+            r"Both clouds are taken about their means, $\sum_i m_i \tilde x_i = \sum_i m_i \tilde "
+            r"y_i "
+            r"= "
+            r"0$; any number of points, any masses."
+        ),
     ),
     source="[Yang2020], the total torque; [Horn1987] for K",
     proof=proof,
     controls={
-        "the torque with R for its transpose": lambda: proof(torque=_sum_transposed),
-        "half of the springs' stiffness": lambda: proof(
-            torque=lambda state, cloud: spring_torque(state, cloud) / 2
+        "the torque with R for its transpose": Mutation(
+            at=1, proof=lambda: proof(torque=_sum_transposed)
         ),
-        "K of the transpose of C": lambda: proof(davenport=_transposed_davenport),
-        "the generated torque with the other sign": lambda: proof(
-            shipped=lambda q, constants: -quaternion_torque(q, constants)
+        "half of the springs' stiffness": Mutation(
+            at=1, proof=lambda: proof(torque=lambda state, cloud: spring_torque(state, cloud) / 2)
+        ),
+        "K of the transpose of C": Mutation(
+            at=4, proof=lambda: proof(davenport=_transposed_davenport)
+        ),
+        "the generated torque with the other sign": Mutation(
+            at=5, proof=lambda: proof(shipped=lambda q, constants: -quaternion_torque(q, constants))
         ),
     },
     not_claimed=r"Anything about damping, which is a torque of its own. Nor that the first formula "

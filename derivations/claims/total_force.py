@@ -8,8 +8,8 @@ from typing import Any
 import sympy
 
 from ..algebra import combination, contraction, identity
-from ..hypotheses import moments
-from ..kernel import Claim, Proof
+from ..hypotheses import BOTH_CENTRED, CENTRED, moments
+from ..kernel import Claim, Mutation, Proof
 from ..moments import MomentCloud, PointCloud
 from ..motion import DAMPING, State, newton_euler, position, velocity
 from ..notation import Array, gradient, hat, inner, square, vector
@@ -68,8 +68,8 @@ def _written_out(n: int, force: Force, total: Total) -> Any:
         r"forces less $f$ is a combination of the entries of $\sum m\,x$ and $\sum m\,y$.",
         inner(a, summed - total(state, moments(points))),
         [
-            *contraction(weight, points.total(points.sources)),
-            *contraction(2 * a, points.total(points.targets)),
+            *contraction(weight, CENTRED[n, "x"]),
+            *contraction(2 * a, CENTRED[n, "y"]),
         ],
     )
 
@@ -79,20 +79,32 @@ CLAIM = Claim(
     title="Total force",
     statement=r"$f = \sum m\,\bigl(2(y - Rx - c) - \mu\,(R(\omega\times x) + v)\bigr) = "
     r"-2Mc - \mu M v$ for every $3\times3$ matrix $R$.",
-    assumptions=("$\\sum m\\,x = \\sum m\\,y = 0$.",),
+    concludes=(1, 2, 3, 4),
+    hypotheses=BOTH_CENTRED,
     source="[Yang2020], the total force",
     proof=proof,
     controls={
-        "springs of stiffness m": lambda: proof(
-            force=lambda state, x, y: y - position(state, x) - DAMPING * velocity(state, x)
+        "springs of stiffness m": Mutation(
+            at=1,
+            proof=lambda: proof(
+                force=lambda state, x, y: y - position(state, x) - DAMPING * velocity(state, x)
+            ),
         ),
-        "drag that drives": lambda: proof(
-            total=lambda state, cloud: (
-                closed_form(state, cloud) + 2 * DAMPING * cloud.mass * state.v
-            )
+        "drag that drives": Mutation(
+            at=2,
+            proof=lambda: proof(
+                total=lambda state, cloud: (
+                    closed_form(state, cloud) + 2 * DAMPING * cloud.mass * state.v
+                )
+            ),
         ),
-        "one spring for the whole mass": lambda: proof(
-            total=lambda state, cloud: closed_form(state, cloud) + 2 * (cloud.mass - 1) * state.c
+        "one spring for the whole mass": Mutation(
+            at=2,
+            proof=lambda: proof(
+                total=lambda state, cloud: (
+                    closed_form(state, cloud) + 2 * (cloud.mass - 1) * state.c
+                )
+            ),
         ),
     },
     not_claimed="That drag is physical: it is proportional to a particle's mass so that the sums "

@@ -8,8 +8,8 @@ from typing import Any
 import sympy
 
 from ..algebra import combination, contraction, identity
-from ..hypotheses import cofactor_matrix, moments, orthogonality
-from ..kernel import Claim, Proof
+from ..hypotheses import CENTRED, ROTATION, SOURCES_CENTRED, cofactor_matrix, moments
+from ..kernel import Claim, Mutation, Proof
 from ..moments import MomentCloud, PointCloud
 from ..motion import DAMPING, State, newton_euler, spring_torque
 from ..notation import Array, hat, inner, matrix, vector, vee
@@ -90,7 +90,7 @@ def _exactly(state: State, cloud: MomentCloud, torque: Array) -> Proof:
         r"R^{\mathsf T}R - I\rangle$: nothing where $R$ is a rotation, and exactly this term where "
         r"it is not. The paper puts $x$ for $R^{\mathsf T}Rx$ and so drops it.",
         inner(phi, cloud.total(exact) - torque),
-        contraction(cofactors, orthogonality(state.R)),
+        contraction(cofactors, ROTATION),
     )
 
 
@@ -112,8 +112,8 @@ def _written_out(n: int, springs: Total, drag: Total) -> Any:
         r"$\sum m\,x$.",
         inner(phi, points.total(exact) - torque),
         [
-            *contraction(_cofactors(phi, state, cloud), orthogonality(state.R)),
-            *contraction(lever, points.total(points.sources)),
+            *contraction(_cofactors(phi, state, cloud), ROTATION),
+            *contraction(lever, CENTRED[n, "x"]),
         ],
     )
 
@@ -129,17 +129,23 @@ CLAIM = Claim(
     statement=r"The torque in the body frame is $\tau = \sum m\,x\times R^{\mathsf T}f = "
     r"2\operatorname{vee}(R^{\mathsf T}C - C^{\mathsf T}R) - \mu J\omega$ where $R$ is a rotation; "
     r"and for every matrix $R$ if $x$ stands for $R^{\mathsf T}Rx$, as in the paper.",
-    assumptions=("$\\sum m\\,x = \\sum m\\,y = 0$.", "$R^{\\mathsf T}R = I$ where it says so."),
+    concludes=(3, 4, 5, 6, 7),
+    hypotheses=(ROTATION, *SOURCES_CENTRED),
     source="[Yang2020], the total torque",
     proof=proof,
     controls={
-        "torque with the other sign": lambda: proof(
-            lambda state, cloud: -spring_part(state, cloud)
+        "torque with the other sign": Mutation(
+            at=3, proof=lambda: proof(lambda state, cloud: -spring_part(state, cloud))
         ),
-        "springs of stiffness m": lambda: proof(lambda state, cloud: spring_part(state, cloud) / 2),
-        "torque in the target's frame": lambda: proof(_in_space),
-        "drag with the scatter in place of the inertia": lambda: proof(
-            drag=lambda state, cloud: -DAMPING * cloud.source_scatter * state.omega
+        "springs of stiffness m": Mutation(
+            at=3, proof=lambda: proof(lambda state, cloud: spring_part(state, cloud) / 2)
+        ),
+        "torque in the target's frame": Mutation(at=3, proof=lambda: proof(_in_space)),
+        "drag with the scatter in place of the inertia": Mutation(
+            at=4,
+            proof=lambda: proof(
+                drag=lambda state, cloud: -DAMPING * cloud.source_scatter * state.omega
+            ),
         ),
     },
     not_claimed="That the paper's torque is that of the forces off $\\mathrm{SO}(3)$: it is not.",

@@ -14,8 +14,10 @@ from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 
-from ..algebra import facts, identity
-from ..kernel import Claim, Proof, Step
+from ..algebra import Square, facts, identity, positive
+from ..hypotheses import MASSIVE
+from ..hypothesis import Standing, invertible
+from ..kernel import Claim, Mutation, Proof, Step
 from ..moments import MomentCloud, PointCloud
 from ..notation import gradient, matrix, square, vector
 
@@ -27,11 +29,19 @@ QUATERNIONS = ((1, 0, 0, 0), (1, 2, 3, 4), (0, 5, -1, 2))
 TRANSLATION = (Fraction(1, 2), Fraction(-3), Fraction(5, 7))
 
 
+R, T = matrix("R"), vector("t")
+SHIFTED = invertible(
+    r"$t \ne \bar y - R\bar x$, in the first coordinate, say.",
+    (T - vector("ybar") + R * vector("xbar"))[0],
+    standing=Standing.CASE,
+)
+
+
 def proof(
     shipped: TranslationEnergy = Isotropic.translation_energy, mean_sign: int = 1, weight: int = 1
 ) -> Proof:
     """The square completed: by moments, again for 3 and 4 points, and the code on an instance."""
-    R, t, cloud = matrix("R"), vector("t"), MomentCloud()
+    t, cloud = T, MomentCloud()
     x_mean, y_mean = vector("xbar"), vector("ybar")
     best = y_mean - mean_sign * R * x_mean
     residual = cloud.y + y_mean - R * (cloud.x + x_mean) - t
@@ -51,6 +61,15 @@ def proof(
         gradient(objective, t),
         2 * cloud.mass * (t - best),
     )
+    yield positive(
+        r"Any other translation costs more: the difference is $M$ times a sum of squares, and "
+        r"positive.",
+        objective - least,
+        [
+            [MASSIVE[0], Square(SHIFTED[0])],
+            *([MASSIVE[0], Square(entry)] for entry in (t - best)[1:, :]),
+        ],
+    )
     for n in (3, 4):
         yield _written_out(n)
     found = [_told(shipped, q) for q in QUATERNIONS]
@@ -66,7 +85,7 @@ def proof(
 
 def _written_out(n: int) -> Step:
     """M times the objective of n points with everything a symbol: nothing centred, no division."""
-    cloud, R, t = PointCloud.of_size(n), matrix("R"), vector("t")
+    cloud, t = PointCloud.of_size(n), T
     pairs = tuple(zip(cloud.sources, cloud.targets, strict=True))
     residuals = tuple(y - R * x - t for x, y in pairs)
     apart = [
@@ -112,14 +131,18 @@ CLAIM = Claim(
     statement=r"For every rotation $R$ and translation $t$, "
     r"$$\sum_i m_i |y_i - R x_i - t|^2 = \min_{t'} \sum_i m_i |y_i - R x_i - t'|^2 + M\,|d|^2, "
     r"\qquad d = t - (\bar y - R \bar x),$$ and the minimum is attained at $t' = \bar y - R\bar x$ "
-    r"only.",
-    assumptions=(r"$M = \sum_i m_i > 0$. $R$ may be any matrix.",),
+    r"only. `translation_energy` of the code is $M\,|d|^2$.",
+    concludes=(1, 2, 3, 4, 5, 6),
+    hypotheses=(MASSIVE, SHIFTED),
+    setting=("$R$ may be any matrix.",),
     source="objective of [Yang2020], its translation eliminated as in [Horn1987]",
     proof=proof,
     controls={
-        "the best translation as ybar + R xbar": lambda: proof(mean_sign=-1),
-        "a cost of 2 M |d|^2": lambda: proof(weight=2),
-        "shipped code that forgets R xbar": lambda: proof(shipped=_without_the_mean),
+        "the best translation as ybar + R xbar": Mutation(at=1, proof=lambda: proof(mean_sign=-1)),
+        "a cost of 2 M |d|^2": Mutation(at=1, proof=lambda: proof(weight=2)),
+        "shipped code that forgets R xbar": Mutation(
+            at=6, proof=lambda: proof(shipped=_without_the_mean)
+        ),
     },
     not_claimed=r"That the translation a user reads is $\bar y - R \bar x$ exactly: it is rounded "
     r"to doubles, and its exact cost is what `translation_energy` returns.",

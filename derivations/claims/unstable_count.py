@@ -9,8 +9,6 @@ import sympy
 from certreg.objective.classification import Classification
 
 from ..algebra import (
-    Given,
-    Relation,
     Square,
     combination,
     contraction,
@@ -18,17 +16,55 @@ from ..algebra import (
     identity,
     modulo,
     nonnegative,
+    positive,
 )
-from ..hypotheses import SPECTRAL
-from ..kernel import Claim, Proof, Step
+from ..hypotheses import DAMPED, SOLID, SPECTRAL, rotation_of
+from ..hypothesis import Standing, equation, invertible, nonnegative_by, positive_by, vanishing
+from ..kernel import Claim, Mutation, Proof, Step
 from ..linearisation import hessian
 from ..moments import inertia_of
 from ..motion import Body, State
-from ..notation import diagonal, inner, matrix, scalar, vector
+from ..notation import Matrix, diagonal, inner, matrix, scalar, vector
 from ..table import ROWS, eigenvalues, sign, singular_values
 
 Counted = Callable[[Classification], tuple[int, ...] | None]
 MU = scalar("mu")
+NORMALISER, NORMALISER_INVERSE = matrix("N"), matrix("P")
+SOLID_FACTOR = invertible(SOLID, NORMALISER.T, NORMALISER_INVERSE.T)
+Y = matrix("Y")
+ORTHONORMAL = vanishing(
+    r"$Y$ is orthogonal, $YY^{\mathsf T} = I$: eigenvectors of $T^{-1}GT^{-\mathsf T}$.",
+    Y * Y.T - sympy.eye(3),
+    standing=Standing.NOTATION,
+    prepare=rotation_of("Y").prepare,
+)
+NEGATIVE = positive_by("$g_i < 0$.", [-g for g in vector("g")], standing=Standing.CASE)
+ALONG = invertible(
+    "$y_i \\ne 0$ for one $i$, the first, say.",
+    vector("y")[0],
+    standing=Standing.CASE,
+    example=dict.fromkeys(vector("g"), -1),
+)
+REST = nonnegative_by(r"$g_i \geq 0$.", list(vector("g")), standing=Standing.CASE)
+NOT_DECAYING = nonnegative_by(
+    r"A root with real part $a \ge 0$.", scalar("a"), standing=Standing.CASE
+)
+GROWING = positive_by("A root with real part $a > 0$.", scalar("a"), standing=Standing.CASE)
+SWINGING = invertible(r"A root with imaginary part $b \ne 0$.", scalar("b"), standing=Standing.CASE)
+W_ROOT = equation(
+    r"$w^2 = \mu^2 - 4g$.",
+    scalar("w"),
+    2,
+    MU**2 - 4 * scalar("g"),
+    standing=Standing.CASE,
+    solves=(scalar("g"),),
+)
+SYMMETRIC = vanishing(
+    r"For collinear points, at an equilibrium: $u n^{\mathsf T}$ is symmetric.",
+    (vector("u") * vector("n").T).T - vector("u") * vector("n").T,
+    standing=Standing.CASE,
+    solves=tuple(vector("u")),
+)
 
 
 def unstable(kind: Classification) -> tuple[int, ...] | None:
@@ -49,7 +85,7 @@ def proof(
 
 
 def _diagonalisation(*, transposed: bool, pencil: int) -> Proof:
-    T, Y, a, b = matrix("T"), matrix("Y"), vector("a"), vector("b")
+    T, a, b = matrix("T"), vector("a"), vector("b")
     yield combination(
         r"As $J \succ 0$, it is $J = T T^{\mathsf T}$ with $T$ invertible (Cholesky). The matrix "
         r"$T^{-1} G T^{-\mathsf T}$ is symmetric, so it is $Y D Y^{\mathsf T}$ with $Y$ orthogonal "
@@ -58,7 +94,7 @@ def _diagonalisation(*, transposed: bool, pencil: int) -> Proof:
         r"difference of $N N^{\mathsf T}$ and $T T^{\mathsf T}$, contracted with any $a$ and $b$, "
         r"is a combination of the entries of $Y Y^{\mathsf T} - I$.",
         inner(a, (T * Y * (T * Y).T - T * T.T) * b),
-        contraction((T.T * a) * (T.T * b).T, Y * Y.T - sympy.eye(3)),
+        contraction((T.T * a) * (T.T * b).T, ORTHONORMAL),
     )
     N, D, s = matrix("N"), diagonal("g"), scalar("sigma")
     G = N.T * D * N if transposed else N * D * N.T
@@ -68,6 +104,16 @@ def _diagonalisation(*, transposed: bool, pencil: int) -> Proof:
         r"eigenvalues of the pencil $(G, J)$, all real.",
         s * N * N.T + pencil * G,
         N * (s * sympy.eye(3) + D) * N.T,
+    )
+    inner_form = s * sympy.eye(3) + D
+    yield combination(
+        r"$N$ is invertible: with $P = N^{-1}$ it is $(\sigma J + G)\, P^{\mathsf T} = N (\sigma "
+        r"I + D)$, so "
+        r"that the columns of $P^{\mathsf T}$ are the eigenvectors of the pencil; for all $a$ and "
+        r"$b$ a "
+        r"combination of the entries of $N^{\mathsf T} P^{\mathsf T} - I$.",
+        inner(a, (N * inner_form * N.T * NORMALISER_INVERSE.T - N * inner_form) * b),
+        contraction(inner_form * N.T * a * b.T, SOLID_FACTOR),
     )
     root, g = scalar("lambda"), vector("g")
     yield identity(
@@ -91,12 +137,13 @@ def _sylvester(*, transposed: bool) -> Proof:
         sum((g * entry**2 for g, entry in zip(vector("g"), y, strict=True)), start=0),
     )
     pairs = list(zip(vector("g"), vector("y"), strict=True))
-    yield nonnegative(
+    first, *others = zip(NEGATIVE.parts, vector("y"), strict=True)
+    yield positive(
         r"Where only the $y_i$ of the $g_i < 0$ are not zero, $G$ is negative definite, since "
         r"$-\varphi^{\mathsf T} G \varphi$ is a sum of terms $(-g_i)\, y_i^2$. That is a subspace "
         r"with as many dimensions as there are negative $g_i$.",
         -sum((g * y**2 for g, y in pairs), start=sympy.Integer(0)),
-        [[Given(-g, "$g_i < 0$"), Square(y)] for g, y in pairs],
+        [[first[0], Square(ALONG[0])], *([g, Square(y)] for g, y in others)],
     )
     yield nonnegative(
         r"Where they are all zero, $\varphi^{\mathsf T} G \varphi \geq 0$. A subspace on which $G$ "
@@ -106,37 +153,44 @@ def _sylvester(*, transposed: bool) -> Proof:
         r"$G$ for the columns of $N$ it is the number of negative eigenvalues of $G$. The same "
         r"for $-G$ gives the positive ones, and what is left are the zeros.",
         sum((g * y**2 for g, y in pairs), start=sympy.Integer(0)),
-        [[Given(g, r"$g_i \geq 0$"), Square(y)] for g, y in pairs],
+        [[g, Square(y)] for g, y in zip(REST.parts, vector("y"), strict=True)],
     )
 
 
 def _no_other_root(damping: int) -> Proof:
-    a, b, g, i = (scalar(name) for name in ("a", "b", "g", "i"))
+    a, b, g = (scalar(name) for name in ("a", "b", "g"))
     mu = damping * MU
-    s = a + i * b
+    s = Matrix([[a, -b], [b, a]])
     real, imaginary = a**2 - b**2 + mu * a + g, b * (2 * a + mu)
-    yield modulo(
+    yield identity(
         r"One spring. At $s = a + ib$ the real part of $s^2 + \mu s + g$ is $a^2 - b^2 + \mu a + "
-        r"g$ and the imaginary part is $b\, (2a + \mu)$.",
-        s**2 + mu * s + g,
-        real + i * imaginary,
-        [Relation(i, 2, -1)],
+        r"g$ and the imaginary part is $b\, (2a + \mu)$; with matrices $\begin{pmatrix}a & -b\\ b "
+        r"& "
+        r"a\end{pmatrix}$ for complex numbers.",
+        s * s + mu * s + g * sympy.eye(2),
+        [[real, -imaginary], [imaginary, real]],
     )
-    growing = Given(a, r"$a \geq 0$")
-    yield nonnegative(
-        r"Let $s$ be a root with $a \geq 0$. Then $b \cdot b\,(2a + \mu) = 0$ is a sum of "
-        r"nonnegative terms, $2 a b^2$ and $\mu b^2$. As $\mu > 0$, $b = 0$: a root that does not "
-        r"decay is real. There are no growing oscillations.",
+    yield positive(
+        r"Let $s$ be a root with $a \geq 0$. If $b \ne 0$, then $b \cdot b\,(2a + \mu)$, which is "
+        r"$2 a "
+        r"b^2 + \mu b^2$, is positive as $\mu > 0$, and not zero: a root that does not decay is "
+        r"real. "
+        r"There are no growing oscillations.",
         b * imaginary,
-        [[2, growing, Square(b)], [Given(MU, r"$\mu > 0$"), Square(b)]],
+        [[2, NOT_DECAYING[0], Square(SWINGING[0])], [DAMPED[0], Square(SWINGING[0])]],
     )
     yield nonnegative(
-        r"Then $a^2 + \mu a + g = 0$, so that $-g = a^2 + \mu a \geq 0$, and it is positive if "
-        r"$a > 0$. Hence, if $g > 0$, both roots have negative real parts; if $g = 0$, none has a "
-        r"positive one, and the only one with the real part zero is $s = 0$. In particular the "
-        r"translation, $g = 2$, has only decaying modes.",
+        r"Then $a^2 + \mu a + g = 0$, so that $-g = a^2 + \mu a \geq 0$,",
         (real - g).subs(b, 0),
-        [[Square(a)], [Given(MU, r"$\mu > 0$"), growing]],
+        [[Square(a)], [DAMPED[0], NOT_DECAYING[0]]],
+    )
+    yield positive(
+        r"and it is positive if $a > 0$. Hence, if $g > 0$, both roots have negative real parts; "
+        r"if $g = "
+        r"0$, none has a positive one, and the only one with the real part zero is $s = 0$. In "
+        r"particular the translation, $g = 2$, has only decaying modes.",
+        (real - g).subs(b, 0),
+        [[Square(GROWING[0])], [DAMPED[0], GROWING[0]]],
     )
 
 
@@ -151,7 +205,7 @@ def _one_growing_root(damping: int) -> Step:
         r"$-\mu$.",
         [(s - (w - MU) / 2) * (s + (w + MU) / 2), (w - MU) * (w + MU)],
         [s**2 + mu * s + g, -4 * g],
-        [Relation(w, 2, MU**2 - 4 * g)],
+        [W_ROOT],
     )
 
 
@@ -190,7 +244,7 @@ def _collinear() -> Proof:
         r"the pencil $(G, J)$ is singular, $\det(\sigma J + G) = 0$ for every $\sigma$, and there "
         r"is no linearised dynamics to count eigenvalues of.",
         inner(a, hessian(State(R=sympy.eye(3)), Body(cross=A)) * n),
-        contraction(a * n.T, A.T - A),
+        contraction(a * n.T, SYMMETRIC),
     )
 
 
@@ -201,22 +255,35 @@ def _one_too_many(kind: Classification) -> tuple[int, ...]:
 CLAIM = Claim(
     name="unstable_count",
     title="As many growing modes as the index",
-    statement=r"Let $J \succ 0$ and $\mu > 0$. At every equilibrium the linearised dynamics has "
+    statement=r"Let $J \succ 0$ and $\mu > 0$. There is an invertible $N$ with $J = N N^{\mathsf "
+    r"T}$ and "
+    r"$G = N D N^{\mathsf T}$, $D$ diagonal. At every equilibrium the linearised dynamics has "
     r"exactly as many eigenvalues with positive real part as the Hessian $G$ has negative "
     r"eigenvalues, all of them real, and as many zero eigenvalues as $G$ has; all others have "
     r"negative real parts. At the equilibria of the eigenvalue $\lambda_j$ of $K$ that is the "
     r"number of eigenvalues of $K$ above $\lambda_j$.",
-    assumptions=(
-        r"$J \succ 0$ (three source points are not collinear) and $\mu > 0$.",
-        r"$G$ is symmetric, as it is at every equilibrium and elsewhere.",
+    concludes=(1, 2, 3, 5, 6, 7, 9, 10, 11, 12, 13, 15),
+    hypotheses=(
+        SOLID_FACTOR,
+        DAMPED,
+        ORTHONORMAL,
+        NEGATIVE,
+        ALONG,
+        REST,
+        NOT_DECAYING,
+        GROWING,
+        SWINGING,
+        W_ROOT,
+        SYMMETRIC,
     ),
+    setting=(r"$G$ is symmetric, as it is at every equilibrium and elsewhere.",),
     source="ours; [Yang2020] observes zero, one, two and three eigenvalues numerically",
     proof=proof,
     controls={
-        "negative damping": lambda: proof(damping=-1),
-        "congruence from the wrong side": lambda: proof(transposed=True),
-        "the pencil of -G": lambda: proof(pencil=-1),
-        "one more than the index": lambda: proof(counted=_one_too_many),
+        "negative damping": Mutation(at=9, proof=lambda: proof(damping=-1)),
+        "congruence from the wrong side": Mutation(at=2, proof=lambda: proof(transposed=True)),
+        "the pencil of -G": Mutation(at=2, proof=lambda: proof(pencil=-1)),
+        "one more than the index": Mutation(at=13, proof=lambda: proof(counted=_one_too_many)),
     },
     not_claimed=r"The sizes of the eigenvalues: they depend on $J$ and $\mu$, their signs do not. "
     r"Nor anything about the six further zeros of the ambient Jacobian.",

@@ -20,7 +20,14 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 
-FACTS = ("verdict", "steps", "quoted", "controls", "coq")  # of `summary_of`, in columns
+FACTS = (
+    "verdict",
+    "steps",
+    "quoted",
+    "hypotheses",
+    "controls",
+    "coq",
+)  # of `summary_of`, in columns
 
 
 class PlaceOfClaims(nodes.General, nodes.Element):
@@ -97,10 +104,18 @@ def _fill(app: Sphinx, doctree: nodes.document, docname: str) -> None:
 
 
 def _chapter(app: Sphinx, docname: str, chapter: book.Chapter) -> list[nodes.Node]:
-    head = ("claim", "verdict", "steps", "quoted", "controls refuted", "theorems in Coq")
+    head = (
+        "claim",
+        "verdict",
+        "steps",
+        "quoted",
+        "hypotheses needed",
+        "controls refuted",
+        "theorems in Coq",
+    )
     rows = [_row(app, docname, name) for name in chapter.names]
     header = [nodes.paragraph(text=word) for word in head]
-    shown = table(header, rows, (38, 13, 11, 11, 14, 13), "claims")
+    shown = table(header, rows, (32, 12, 9, 9, 14, 12, 12), "claims")
     return [nodes.rubric(text=chapter.title), shown]
 
 

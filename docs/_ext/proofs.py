@@ -84,7 +84,7 @@ class Proof(MarkdownDirective):
             self.section(
                 "Proof", self._steps(outcome.steps), self._verdict(outcome), _source(claim)
             ),
-            self.section("What must fail, and does", *self._controls(outcome)),
+            self.section("What must fail, and does", *self._failing(outcome)),
             self.section("Checked by machine, in Coq", *self._in_coq(claim)),
             self.section("What is not claimed", self.prose(claim.not_claimed)),
             self.section("The code that uses it", *self._code(claim)),
@@ -101,7 +101,9 @@ class Proof(MarkdownDirective):
         box = nodes.container("", heading, *self.markdown(claim.statement), classes=["theorem"])
         self._link_claims(box)
         facts = nodes.field_list(classes=["claim-facts"])
-        facts += _field("Assumptions", *map(self.prose, claim.assumptions))
+        for heading, sentences in claim.premises:
+            facts += _field(heading, *map(self.prose, sentences))
+        facts += _field("Said in formulas", _places(claim.concludes))
         facts += _field("Source", self.prose(claim.source))
         if claim.needs:
             facts += _field("Needs", self._links(claim.needs))
@@ -150,25 +152,38 @@ class Proof(MarkdownDirective):
         ruling = nodes.strong(text=outcome.verdict.ruling.value.upper())
         return nodes.paragraph("", "", ruling, nodes.Text(words), classes=["claim-verdict"])
 
-    def _controls(self, outcome: ClaimOutcome) -> list[nodes.Node]:
+    def _failing(self, outcome: ClaimOutcome) -> list[nodes.Node]:
+        """The hypotheses, each left out, and the mutated statements."""
         opening = (
-            "The same proof was run on these mutated statements. Had one of them come out as "
-            "proved, this page would not exist."
+            "Mutated statements: the same proof, with another formula in its place, fails at the "
+            "step named, and the mutated statement is false at the instance. Had one of them come "
+            "out as proved, or had no instance been found, this page would not exist."
         )
         rows = [self._control(control, outcome) for control in outcome.controls]
-        header = [nodes.paragraph(text=words) for words in ("mutated", "refuted at", "because")]
-        return [nodes.paragraph(text=opening), table(header, rows, (30, 20, 50), "controls")]
+        header = _header("mutated", "refuted at", "false at the instance")
+        found = [nodes.paragraph(text=opening), table(header, rows, (30, 15, 55), "controls")]
+        return [*self._without(outcome), *found]
+
+    def _without(self, outcome: ClaimOutcome) -> list[nodes.Node]:
+        """What fails without each hypothesis; nothing where none is made."""
+        if not outcome.dropped:
+            return []
+        opening = (
+            "Hypotheses: without any one of them the step named fails, and it is false at the "
+            "instance, at which all others hold."
+        )
+        rows = [
+            [self.prose(drop.hypothesis.says), _places([drop.number]), _instance(drop.words)]
+            for drop in outcome.dropped
+        ]
+        header = _header("left out", "step", "false at the instance")
+        return [nodes.paragraph(text=opening), table(header, rows, (30, 15, 55), "hypotheses")]
 
     def _control(self, control: Control, outcome: ClaimOutcome) -> list[nodes.Node]:
-        step = control.refuted_at
-        if step is None:  # `prove` would not have said PROVED
-            raise ExtensionError(f"{outcome.claim.name}: the control {control.name!r} passed")
-        numbers = [k for k, own in enumerate(outcome.steps, 1) if own.says == step.says]
-        place: nodes.Node = self.prose(step.says)
-        if numbers:
-            link = nodes.reference("", f"step {numbers[0]}", refid=f"step-{numbers[0]}")
-            place = nodes.paragraph("", "", link)
-        return [self.prose(control.name), place, _words(step)]
+        if not control.refuted:  # `prove` would not have said PROVED
+            raise ExtensionError(f"{outcome.claim.name}: {control.name!r}: {control.complaint}")
+        words = self.prose(control.words) if "$" in control.words else _instance(control.words)
+        return [self.prose(control.name), _places([control.number]), words]
 
     def _in_coq(self, claim: Claim) -> list[nodes.Node]:
         """The theorems in Coq beside the claim, as their files state them, and what they lack."""
@@ -204,14 +219,23 @@ def _source(claim: Claim) -> Disclosure:
     return Disclosure("", summary, nodes.literal_block(text, text, language="python"))
 
 
-def _words(step: Step) -> nodes.paragraph:
-    """Why a step was refuted: a rest that is not zero is set as what it is, code."""
-    before, first, rest = step.verdict.words.partition(", the first ")
-    if not first:
-        return nodes.paragraph(text=step.verdict.words)
-    return nodes.paragraph(
-        "", "", nodes.Text(f"{before}{first}"), nodes.literal(text=rest), classes=["rest"]
-    )
+def _places(numbers: Iterable[int]) -> nodes.paragraph:
+    """Links to steps."""
+    links: list[nodes.Node] = []
+    for number in numbers:
+        words = "" if links else "step "
+        links += [nodes.Text(", ")] if links else []
+        links.append(nodes.reference("", f"{words}{number}", refid=f"step-{number}"))
+    return nodes.paragraph("", "", *links)
+
+
+def _instance(words: str) -> nodes.paragraph:
+    """A point and a value, set as what they are: code."""
+    return nodes.paragraph("", "", nodes.literal(text=words), classes=["rest"])
+
+
+def _header(*words: str) -> list[nodes.paragraph]:
+    return [nodes.paragraph(text=each) for each in words]
 
 
 def _field(name: str, *content: nodes.Node) -> nodes.field:
@@ -246,6 +270,7 @@ def summary_of(outcome: ClaimOutcome) -> Facts:
         "steps": len(outcome.steps),
         "quoted": len(outcome.quoted),
         "controls": len(outcome.controls),
+        "hypotheses": len(outcome.dropped),
         "coq": len(outcome.claim.coq),
     }
 

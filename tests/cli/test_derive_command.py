@@ -21,7 +21,7 @@ def test_named_claims_are_proved_and_told():
     assert (run.code, run.err) == (0, "")
     assert run.out.startswith("davenport ")
     assert "PROVED" in run.out
-    assert "1 of 1 claims proved, 2 of 2 mutated statements refuted" in run.out
+    assert "1 of 1 claims proved, 2 of 2 mutated statements refuted, 0 of 0 hypotheses needed" in run.out
 
 
 def test_an_unknown_claim_is_bad_usage_before_anything_is_run():
@@ -71,7 +71,7 @@ def test_out_takes_the_latex_and_the_code(tmp_path: Path):
 
 def test_a_claim_that_does_not_hold_is_exit_code_1(monkeypatch):
     module = derivation._module("claims.davenport")
-    wrong = module.CLAIM.controls["K of the transpose of C"]
+    wrong = module.CLAIM.controls["K of the transpose of C"].proof
     monkeypatch.setattr(module, "CLAIM", dataclasses.replace(module.CLAIM, proof=wrong))
 
     run = certreg("derive", "davenport")

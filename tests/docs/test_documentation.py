@@ -50,15 +50,16 @@ FALSE_CLAIM = """
 from derivations import book
 from derivations.claims import davenport
 
-wrong = davenport.CLAIM.controls["K of the transpose of C"]
+wrong = davenport.CLAIM.controls["K of the transpose of C"].proof
 book.claim = lambda name: dataclasses.replace(davenport.CLAIM, proof=wrong)
 """
 TOOTHLESS_CLAIM = """
 from derivations import book
 from derivations.claims import davenport
+from derivations.kernel import Mutation
 
 book.claim = lambda name: dataclasses.replace(
-    davenport.CLAIM, controls={"nothing is mutated": davenport.proof}
+    davenport.CLAIM, controls={"nothing is mutated": Mutation(at=3, proof=davenport.proof)}
 )
 """
 STALE_CLAIM = """

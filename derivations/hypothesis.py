@@ -1,0 +1,194 @@
+r"""Hypotheses: declared once for a claim, typed, and the only source of what a proof may use.
+
+A proof may put zero for nothing but the generators of a hypothesis, and may call nothing positive
+but its values. So the kernel knows what each step leans on, drops each hypothesis in turn, and
+looks for an instance at which the statement is false without it.
+"""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import sympy
+
+from .rationals import rank
+from .rings import flat, polynomials, value_at
+
+Point = dict[sympy.Symbol, Fraction]
+Preparation = Callable[[Point], Mapping[sympy.Symbol, Any]]
+
+
+class Form(enum.Enum):
+    """What a hypothesis says of its values; the value is the word."""
+
+    VANISHES = "vanishes"
+    NONNEGATIVE = "nonnegative"
+    POSITIVE = "positive"
+    INVERTIBLE = "invertible"
+
+
+class Standing(enum.Enum):
+    """Where a hypothesis is in force; the value is the heading under which it is printed."""
+
+    ASSUMED = "Assumptions"
+    NOTATION = "Setting"  # what a letter stands for: nothing is assumed of the data
+    CASE = "Where a step says so"  # in force in those steps only that name it
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Hypothesis:
+    """A hypothesis of one claim.
+
+    says: a sentence, printed. values: the expressions that it is about. generators: what vanishes
+    by it, if anything. lead: the symbol and the power that the only generator eliminates. For
+    instances: prepare changes a point so that the hypothesis holds there; or it is solved for
+    the symbols in `solves`, in which it is linear. further: what it says beyond its values, that a
+    matrix is positive definite and not only at one vector, decided exactly at a point, and the
+    symbols that this concerns besides. example: a
+    point to try first where the hypothesis shall not hold; symbols that it leaves out are zero.
+    """
+
+    says: str
+    form: Form
+    values: tuple[Any, ...]
+    generators: tuple[Any, ...] = ()
+    columns: int = 1
+    standing: Standing = Standing.ASSUMED
+    lead: tuple[sympy.Symbol, int] | None = None
+    prepare: Preparation | None = None
+    solves: tuple[sympy.Symbol, ...] = ()
+    further: Callable[[Point], bool] | None = None
+    concerns: tuple[sympy.Symbol, ...] = ()
+    example: Mapping[sympy.Symbol, Any] = field(default_factory=dict[sympy.Symbol, Any])
+
+    def __getitem__(self, at: int | tuple[int, int]) -> Part:
+        """One of the generators, or of the values where nothing vanishes; by row and column."""
+        return Part(self, at if isinstance(at, int) else at[0] * self.columns + at[1])
+
+    @property
+    def parts(self) -> list[Part]:
+        """All generators, or values, row by row."""
+        return [self[k] for k in range(len(self.generators or self.values))]
+
+    @property
+    def diagonal(self) -> list[Part]:
+        """Those on the diagonal of a square matrix."""
+        return [self[k, k] for k in range(self.columns)]
+
+    @cached_property
+    def symbols(self) -> frozenset[sympy.Symbol]:
+        """The symbols that it is about."""
+        every = [*self.values, *self.generators]
+        return frozenset((*self.solves, *self.concerns)).union(
+            *(sympy.sympify(e).free_symbols for e in every)
+        )
+
+    @cached_property
+    def equations(self) -> list[Any]:
+        """The generators as polynomials."""
+        return polynomials(self.generators)
+
+    def holds_at(self, point: Point) -> bool:
+        """Whether it holds at a rational point, exactly."""
+        return self.values_hold(point) and (self.further is None or self.further(point))
+
+    def values_hold(self, point: Point) -> bool:
+        """Whether it holds of its values, at a rational point; `further` is left to be asked."""
+        if self.generators:
+            return not any(value_at(equation, point) for equation in self.equations)
+        found = [value_at(value, point) for value in self._valued]
+        match self.form:
+            case Form.NONNEGATIVE:
+                return all(value >= 0 for value in found)
+            case Form.POSITIVE:
+                return all(value > 0 for value in found)
+            case _:
+                return all(found)
+
+    def fails_at(self, point: Point) -> bool:
+        """Whether it does not hold at a rational point: for an inverse, that there is none."""
+        if self.form is Form.INVERTIBLE and self.standing is not Standing.NOTATION:
+            found = [value_at(value, point) for value in self._valued]
+            if self.generators:
+                rows = [found[k : k + self.columns] for k in range(0, len(found), self.columns)]
+                return rank(rows) < self.columns
+        return not self.holds_at(point)
+
+    @cached_property
+    def _valued(self) -> list[Any]:
+        return polynomials(self.values)
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One generator of a hypothesis, or one of its values where nothing vanishes."""
+
+    hypothesis: Hypothesis
+    index: int
+
+    @property
+    def value(self) -> Any:
+        """The expression."""
+        return (self.hypothesis.generators or self.hypothesis.values)[self.index]
+
+
+def vanishing(says: str, value: Any, **further: Any) -> Hypothesis:
+    """The hypothesis that expressions vanish: a number, a vector, a matrix."""
+    entries = tuple(flat(value))
+    columns = value.cols if isinstance(value, sympy.MatrixBase) else 1
+    return Hypothesis(
+        says=says,
+        form=Form.VANISHES,
+        values=entries,
+        generators=entries,
+        columns=columns,
+        **further,
+    )
+
+
+def equation(says: str, lead: sympy.Symbol, power: int, value: Any, **further: Any) -> Hypothesis:
+    """The hypothesis that lead^power equals a value that is free of the lead."""
+    return vanishing(says, lead**power - value, lead=(lead, power), **further)
+
+
+def nonnegative_by(says: str, values: Any, **further: Any) -> Hypothesis:
+    """The hypothesis that expressions are not negative."""
+    return Hypothesis(says=says, form=Form.NONNEGATIVE, values=tuple(flat(values)), **further)
+
+
+def positive_by(says: str, values: Any, **further: Any) -> Hypothesis:
+    """The hypothesis that expressions are positive."""
+    return Hypothesis(says=says, form=Form.POSITIVE, values=tuple(flat(values)), **further)
+
+
+def invertible(says: str, value: Any, inverse: Any = None, **further: Any) -> Hypothesis:
+    """The hypothesis that a number or a square matrix is invertible, with its inverse, if named.
+
+    Instances put the inverse for the symbols of which `inverse` is made. Without one it says that
+    numbers are not zero.
+    """
+    entries = tuple(flat(value))
+    if inverse is None:
+        return Hypothesis(says=says, form=Form.INVERTIBLE, values=entries, **further)
+    square = isinstance(value, sympy.MatrixBase)
+    gone = value * inverse - (sympy.eye(value.rows) if square else 1)
+    solved = sorted(set[Any]().union(*(e.free_symbols for e in flat(inverse))), key=str)
+    return Hypothesis(
+        says=says,
+        form=Form.INVERTIBLE,
+        values=entries,
+        generators=tuple(flat(gone)),
+        columns=value.cols if square else 1,
+        solves=tuple(solved),
+        **further,
+    )
+
+
+def printed(hypotheses: Sequence[Hypothesis], standing: Standing) -> tuple[str, ...]:
+    """The sentences of that standing, each once."""
+    return tuple(dict.fromkeys(h.says for h in hypotheses if h.standing is standing))

@@ -1,0 +1,69 @@
+"""Expressions as sparse polynomials over the rationals, and their values at rational points."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+import sympy
+from sympy.polys.domains import QQ
+from sympy.polys.orderings import lex
+from sympy.polys.rings import PolyElement, PolyRing
+
+Entries = Any  # a SymPy expression, a number, or nested sequences or matrices of them
+
+
+def flat(entries: Entries) -> list[Any]:
+    """The scalars of nested sequences or matrices, row by row."""
+    if isinstance(entries, sympy.MatrixBase):
+        return [entries[k] for k in range(len(entries))]
+    if isinstance(entries, (list, tuple)):
+        return [scalar for entry in entries for scalar in flat(entry)]
+    return [sympy.sympify(entries)]
+
+
+def ring_of(expressions: Iterable[Any], first: Sequence[sympy.Symbol] = ()) -> PolyRing:
+    """The ring Q[symbols] of all symbols in the expressions, lexicographic, `first` in front."""
+    symbols: set[sympy.Symbol] = set()
+    for expression in expressions:
+        symbols |= getattr(expression, "free_symbols", set())
+    rest = sorted(symbols - set(first), key=lambda s: s.name)
+    return PolyRing([*first, *rest], QQ, lex) if symbols or first else PolyRing(["unused"], QQ, lex)
+
+
+def polynomial(ring: PolyRing, expression: Any) -> PolyElement:
+    """The expression multiplied out; TypeError for anything but a rational polynomial."""
+    expression = sympy.sympify(expression)
+    if expression.has(sympy.Float):
+        raise TypeError(f"a floating-point number proves nothing: {expression}")
+    try:
+        return ring.from_expr(expression)
+    except ValueError as error:
+        raise TypeError(f"not a polynomial with rational coefficients: {expression}") from error
+
+
+def polynomials(expressions: Sequence[Any]) -> list[PolyElement]:
+    """The expressions multiplied out, in a ring of their own."""
+    ring = ring_of(map(sympy.sympify, expressions))
+    return [polynomial(ring, expression) for expression in expressions]
+
+
+def value_at(element: PolyElement, point: Mapping[sympy.Symbol, Fraction]) -> Fraction:
+    """The value of a polynomial where its symbols have these values; KeyError if one has none."""
+    total = Fraction(0)
+    symbols = element.ring.symbols
+    for powers, coefficient in element.terms():
+        term = rational(coefficient)
+        for symbol, power in zip(symbols, powers, strict=True):
+            if power:
+                term *= point[symbol] ** power
+                if not term:
+                    break
+        total += term
+    return total
+
+
+def rational(coefficient: Any) -> Fraction:
+    """A coefficient of a polynomial as a fraction."""
+    return Fraction(int(coefficient.numerator), int(coefficient.denominator))
