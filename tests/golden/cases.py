@@ -145,7 +145,17 @@ def _thorough(name: str, *clouds: str) -> Case:
             (*start, "--damping", "optimal"),
         ]
     alone = Step((certificate,), How.CHECKER), Step(("count.json",), How.CHECKER)
-    return Case(name, (*_steps(*commands), *alone))
+    limits = ("--max-angle", "1e-9", "--max-gap", "1e-9")
+    asked = _steps(
+        ("verify", "sigma/certificate.json", *clouds, "--any-weight"),
+        ("verify", certificate, *limits),
+        ("verify", certificate, "--max-angle", "1e-99"),
+        ("verify", "count.json", *limits),
+        ("verify", certificate, "--any-weight"),
+    )
+    return Case(
+        name, (*_steps(*commands), *alone, *asked, Step((*limits, certificate), How.CHECKER))
+    )
 
 
 def _random(number: int) -> Case:
