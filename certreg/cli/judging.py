@@ -19,7 +19,7 @@ from certreg.io import (
     write_atomically,
     write_cloud,
 )
-from certreg.registration import DONE, REFUSED, why_no_rotation
+from certreg.registration import DONE, GOOD, NO_ROTATION, REFUSED, why_no_rotation
 from certreg.registration import assess as assessed
 from certreg.report import (
     REPORT,
@@ -30,7 +30,6 @@ from certreg.report import (
     printable,
     report_of,
 )
-from certreg.results import PoseVerdict
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -49,14 +48,14 @@ if TYPE_CHECKING:
 )
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def assess(problem: RegistrationProblem, pair: Pair, *, pose_file: Path, as_json: bool) -> int:
-    """Judge a pose that any other tool returned. Exit code 0 if it is optimal, else 1."""
+    """Judge a pose that any other tool returned. Exit code 0 if (near) optimal, else 1."""
     del pair
     pose = read_result_pose(pose_file)
     assessment = assessed(problem, pose.turn, pose.translation)
     click.echo(
         dumps(assessment_document(assessment)) if as_json else assessment_summary(assessment)
     )
-    return DONE if assessment.verdict is PoseVerdict.OPTIMAL else REFUSED
+    return DONE if assessment.verdict in GOOD else REFUSED
 
 
 @click.command()
@@ -71,7 +70,7 @@ def apply(result: Path, cloud: Path, *, out: Path) -> int:
     pose = read_result_pose(result)
     fault = why_no_rotation(pose.turn, ROTATION_TOLERANCE)
     if fault is not None:
-        message = f"{shown(result)}: {PoseVerdict.NOT_A_ROTATION.value.upper()}. {fault}"
+        message = f"{shown(result)}: {NO_ROTATION.said(fault=fault)}"
         raise InvalidFileError(message, path=result)
     points = read_cloud(cloud)
     write_cloud(out, points.points, points.labels, move=pose.apply)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from certreg.exact.dyadic import nearest_or_zero as nearest_or_zero
     from certreg.exact.dyadic import nearest_root as nearest_root
     from certreg.exact.dyadic import power_of_two as power_of_two
+    from certreg.exact.dyadic import rational_root_above as rational_root_above
     from certreg.exact.dyadic import root_above as root_above
     from certreg.exact.dyadic import weight_of_sigma as weight_of_sigma
     from certreg.exact.eigenbasis import Eigenbasis as Eigenbasis
@@ -54,6 +55,7 @@ __getattr__ = lazy_face(
             "nearest_or_zero",
             "nearest_root",
             "power_of_two",
+            "rational_root_above",
             "root_above",
             "weight_of_sigma",
         ),

@@ -128,12 +128,17 @@ def nearest_root(value: Fraction) -> float | None:
 
 def root_above(value: Fraction) -> float:
     """A double at or just above the square root of value (>= 0); infinity beyond the doubles."""
+    return double_above(rational_root_above(value))
+
+
+def rational_root_above(value: Fraction) -> Fraction:
+    """A number just above the square root of value (>= 0): by 2^-63 of it, at most."""
     if value == 0:
-        return 0.0
+        return Fraction(0)
     n, d = value.numerator, value.denominator
     places = 64 - (n.bit_length() - d.bit_length()) // 2
     scaled = -((-n << 2 * places) // d) if places >= 0 else -(-n // (d << -2 * places))
-    return double_above((math.isqrt(scaled - 1) + 1) * power_of_two(-places))
+    return (math.isqrt(scaled - 1) + 1) * power_of_two(-places)
 
 
 def half_angle_bound(sin2_half_angle: Fraction) -> float:

@@ -8,6 +8,7 @@ from certreg._faces import lazy_face
 
 if TYPE_CHECKING:
     from certreg.registration.agreement import Agreement as Agreement
+    from certreg.registration.assessment import GOOD as GOOD
     from certreg.registration.assessment import Assessment as Assessment
     from certreg.registration.assessment import AssessmentSettings as AssessmentSettings
     from certreg.registration.assessment import assess as assess
@@ -46,6 +47,8 @@ if TYPE_CHECKING:
     from certreg.registration.fit import Fit as Fit
     from certreg.registration.fit import FitRow as FitRow
     from certreg.registration.fit import fit_of as fit_of
+    from certreg.registration.headlines import DEGREE_SLACK as DEGREE_SLACK
+    from certreg.registration.headlines import NO_ROTATION as NO_ROTATION
     from certreg.registration.headlines import WEAK as WEAK
     from certreg.registration.headlines import Headline as Headline
     from certreg.registration.headlines import at_least as at_least
@@ -63,6 +66,7 @@ __getattr__ = lazy_face(
     {
         "agreement": ("Agreement",),
         "assessment": (
+            "GOOD",
             "Assessment",
             "AssessmentSettings",
             "assess",
@@ -115,6 +119,8 @@ __getattr__ = lazy_face(
             "fit_of",
         ),
         "headlines": (
+            "DEGREE_SLACK",
+            "NO_ROTATION",
             "WEAK",
             "Headline",
             "at_least",

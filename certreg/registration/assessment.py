@@ -10,19 +10,39 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.certificate import ExactPose, pose_bounds, pose_energy
-from certreg.errors import InvalidProblemError
-from certreg.exact import nearest_double, nearest_root
-from certreg.geometry import quaternion_from_matrix, rotation_matrix, squared_norm
+from certreg.errors import InvalidProblemError, UndecidedError
+from certreg.exact import double_above, integer_eigenbasis, nearest_double, nearest_root
+from certreg.geometry import davenport_matrix, rotation_matrix, squared_norm
 from certreg.io import ROTATION_TOLERANCE
 from certreg.problem import lift
-from certreg.registration.certification import NOT_CERTIFIED, certify
-from certreg.results import OUT_OF_RANGE, Absent, ComponentKind, Explained, PoseVerdict
+from certreg.registration.certification import certify
+from certreg.registration.headlines import (
+    NEAR_OPTIMAL,
+    NEAR_OPTIMAL_NOT_UNIQUE,
+    NO_EQUILIBRIUM,
+    NO_ROTATION,
+    OPTIMAL,
+    OPTIMAL_NOT_UNIQUE,
+    SPURIOUS,
+    at_most,
+    degrees_words,
+    interval_words,
+    share_words,
+)
+from certreg.registration.rounding import rounding_cost
+from certreg.results import (
+    OUT_OF_RANGE,
+    Absent,
+    ComponentKind,
+    Explained,
+    Limits,
+    PoseVerdict,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from certreg.certificate import PoseBounds
-    from certreg.equilibrium import EquilibriumSet
     from certreg.problem import ExactMoments, RegistrationProblem
     from certreg.registration.certification import Registration, Solution
 
@@ -31,19 +51,23 @@ GOOD = (PoseVerdict.OPTIMAL, PoseVerdict.NEAR_OPTIMAL)
 UNNOTED_DEFECT = 1e-12  # |R^T R - I| of a matrix of doubles: its own rounding
 UNNOTED_SHIFT = Fraction(1, 10**9)  # of the clouds' size
 NUMBERS = (
-    *("objective", "rmse", "gap_lower", "gap_upper"),
+    *("objective", "rmse", "gap_lower", "gap_upper", "gap_share", "rounding_cost", "angle_upper"),
     *("angle_to_optimum", "nearest_index", "nearest_angle"),
 )
+PROJECTION_BITS = 160  # of a nearest rotation: thrice a double's
+UNDECIDED = "the optimum could not be certified: nothing is proved of any pose"
 NO_HINT = Absent("no usual mistake explains the verdict")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AssessmentSettings:
-    """Where the words of an assessment change. Gaps are relative to the spread of both clouds."""
+    """Where the words of an assessment change. Gaps are relative to the range of energies.
+
+    What is optimal is no choice: the gap is then at most what rounding the pose can cost, and
+    within what `certify` calls certified (`Limits`).
+    """
 
     rotation_tolerance: float = ROTATION_TOLERANCE  # |R^T R - I|, as for poses in files
-    optimal_gap: float = 1e-12  # a pose off by one part in a million
-    optimal_angle: float = 1e-5  # radians: where little is at stake, a small gap says little
     near_optimal_gap: float = 1e-4  # a pose off by one part in a hundred
     near_optimal_angle: float = 0.1  # radians
     equilibrium_angle: float = 1e-3  # radians: a pose printed with few digits still counts
@@ -56,17 +80,25 @@ class Assessment(Explained):
 
     objective, rmse: at the pose; None where it is no rotation, or beyond the doubles.
     gap_lower, gap_upper: proved bounds on objective - minimum; None where it is no rotation.
-    angle_to_optimum: radians, to the nearest optimum.
+    gap_share: gap_upper over the range of energies; None where that is zero, too.
+    rounding_cost: what rounding the numbers of the optimal pose to doubles can cost.
+    angle_to_optimum: radians, to the nearest optimum, computed; angle_upper: proved, rounded up;
+        None where the optimum is not unique.
     nearest_index, nearest_angle: Morse index of the nearest component of equilibria; radians.
-    words: the verdict in one or two sentences. hint: the mistake that explains it, if any.
+    headline: the verdict, with what is proved; words: what else is to be said of it, in a sentence
+        or two. hint: the mistake that explains it, if any.
     """
 
     verdict: PoseVerdict
+    headline: str
     words: str
     objective: float | None = None
     rmse: float | None = None
     gap_lower: float | None = None
     gap_upper: float | None = None
+    gap_share: float | None = None
+    rounding_cost: float | None = None
+    angle_upper: float | None = None
     angle_to_optimum: float | None = None
     nearest_index: int | None = None
     nearest_angle: float | None = None
@@ -85,7 +117,8 @@ def assess(
     rotation: a matrix (3, 3), or a quaternion (4,), scalar first, which is judged exactly. A matrix
         that is a rotation up to its printed digits is judged as the nearest rotation, turned about
         the source's centroid, so that its rounding does not move the cloud.
-    Raises InvalidProblemError for arrays of other shapes or with values that are not finite.
+    Raises InvalidProblemError for arrays of other shapes or with values that are not finite, and
+    UndecidedError where the optimum could not be certified, so that nothing is proved of any pose.
     """
     settings = settings or AssessmentSettings()
     shape = (4,) if np.shape(rotation) == (4,) else (3, 3)
@@ -95,27 +128,41 @@ def assess(
     if fault is not None:
         return Assessment(
             verdict=PoseVerdict.NOT_A_ROTATION,
+            headline=NO_ROTATION.said(fault=fault),
             words=fault,
             absent={**dict.fromkeys(NUMBERS, Absent(fault)), "hint": NO_HINT},
         )
     registration = certify(problem, relaxation=False, simulation=False)
+    objective = registration.solution.objective
     if shape == (4,):
         pose = ExactPose.of_doubles(turn, shift)
     else:
-        pose = _nearest_pose(registration.solution.moments, turn, shift)
-    facts = _findings(registration, pose)
+        pose = _nearest_pose(objective.moments, turn, shift)
+    facts = _findings(registration, pose, _cost(registration, turn, shift))
     assessment = _described(facts, _verdict(facts, settings))
     note = _projection_note(turn) if shape == (3, 3) else ""
-    hint = None if assessment.verdict in GOOD else _hint(registration, pose, settings)
+    hint = None if assessment.verdict in GOOD else _hint(facts, pose, settings)
     return replace(assessment, words=assessment.words + note, hint=hint)
 
 
-def _hint(registration: Registration, pose: ExactPose, settings: AssessmentSettings) -> str | None:
+def _hint(facts: _Findings, pose: ExactPose, settings: AssessmentSettings) -> str | None:
     """What to try where the inverse of a pose is (nearly) right, the usual mistake."""
-    verdict = _verdict(_findings(registration, _inverse(pose)), settings)
+    turned = _findings(facts.registration, _inverse(pose), facts.rounding_cost)
+    verdict = _verdict(turned, settings)
     if verdict not in GOOD:
         return None
     return f"Its inverse is {verdict.value}: this pose takes the target to the source."
+
+
+def _cost(
+    registration: Registration, turn: NDArray[np.float64], shift: NDArray[np.float64]
+) -> Fraction:
+    """What rounding can cost, the pose written as the given one; of many optima, near that one."""
+    objective, pose = registration.solution.objective, registration.pose
+    if objective.classification.unique:
+        turn = pose.rotation if turn.shape == (3, 3) else pose.quaternion_wxyz
+        shift = pose.translation
+    return rounding_cost(objective, turn, shift)
 
 
 def _inverse(pose: ExactPose) -> ExactPose:
@@ -135,8 +182,13 @@ def _inverse(pose: ExactPose) -> ExactPose:
 def _nearest_pose(
     moments: ExactMoments, matrix: NDArray[np.float64], shift: NDArray[np.float64]
 ) -> ExactPose:
-    """The nearest rotation to a matrix, with the translation that moves the centroid as it did."""
-    q = lift(quaternion_from_matrix(matrix)).integers
+    """The nearest rotation to a matrix, with the translation that moves the centroid as it did.
+
+    It maximises tr(R^T A): the first eigenvector of A's Davenport matrix, far beyond doubles.
+    """
+    entries = lift(matrix.ravel()).integers
+    nearest = davenport_matrix((entries[:3], entries[3:6], entries[6:]))
+    q = integer_eigenbasis(nearest, PROJECTION_BITS).vectors[0]
     norm, x = squared_norm(q), moments.source_centroid
     rows = zip(matrix.tolist(), rotation_matrix(q), shift.tolist(), strict=True)
     translation = [
@@ -207,24 +259,30 @@ class _Findings:
     """The facts on which the verdict rests; energies exact, angles in radians."""
 
     registration: Registration
-    bounds: PoseBounds | None
+    bounds: PoseBounds
+    rounding_cost: Fraction  # of the optimal pose, see `certreg.registration.rounding`
     energy: Fraction
     translation_energy: Fraction  # what the translation adds to the best one
     energy_range: Fraction  # the scale that says which energies are small
     angles: list[float]  # to each component of equilibria
     nearest: int  # the component of the least angle
 
+    @property
+    def unique(self) -> bool:
+        """Whether there is one optimum."""
+        return self.registration.equilibria.classification.unique
 
-def _findings(registration: Registration, pose: ExactPose) -> _Findings:
+
+def _findings(registration: Registration, pose: ExactPose, cost: Fraction) -> _Findings:
     solution = registration.solution
     objective, q = solution.objective, pose.quaternion
     angles = [objective.angle_to(i, q) for i in range(len(objective.classification.pattern))]
-    bounds = None
-    if solution.certificate is not None:
-        bounds = pose_bounds(objective, solution.certificate.body, pose)
+    if solution.certificate is None:
+        raise UndecidedError(UNDECIDED, method="certificate")
     return _Findings(
         registration=registration,
-        bounds=bounds,
+        bounds=pose_bounds(objective, solution.certificate.body, pose),
+        rounding_cost=cost,
         energy=pose_energy(objective, pose),
         translation_energy=objective.translation_energy(q, pose.translation),
         energy_range=_energy_range(solution),
@@ -252,14 +310,12 @@ def _verdict(facts: _Findings, settings: AssessmentSettings) -> PoseVerdict:
         settled = False
     if facts.nearest > 0:
         return PoseVerdict.SPURIOUS_EQUILIBRIUM if settled else PoseVerdict.NOT_AN_EQUILIBRIUM
-    if facts.bounds is None:
-        return PoseVerdict.NOT_AN_EQUILIBRIUM
     gap, away = facts.bounds.greatest_gap, facts.angles[0]
-    if gap <= Fraction(settings.optimal_gap) * scale and away <= settings.optimal_angle:
+    if gap > Fraction(settings.near_optimal_gap) * scale or away > settings.near_optimal_angle:
+        return PoseVerdict.NOT_AN_EQUILIBRIUM
+    if gap <= facts.rounding_cost and facts.bounds.meet(Limits(), unique=facts.unique):
         return PoseVerdict.OPTIMAL
-    if gap <= Fraction(settings.near_optimal_gap) * scale and away <= settings.near_optimal_angle:
-        return PoseVerdict.NEAR_OPTIMAL
-    return PoseVerdict.NOT_AN_EQUILIBRIUM
+    return PoseVerdict.NEAR_OPTIMAL
 
 
 def _described(facts: _Findings, verdict: PoseVerdict) -> Assessment:
@@ -267,32 +323,53 @@ def _described(facts: _Findings, verdict: PoseVerdict) -> Assessment:
     components = facts.registration.equilibria.components
     return Assessment(
         verdict=verdict,
+        headline=_headline(facts, verdict),
         words=_words(facts, verdict),
         objective=nearest_double(facts.energy),
         rmse=rmse,
-        gap_lower=None if facts.bounds is None else facts.bounds.gap_lower,
-        gap_upper=None if facts.bounds is None else facts.bounds.gap_upper,
+        gap_lower=facts.bounds.gap_lower,
+        gap_upper=facts.bounds.gap_upper,
+        gap_share=facts.bounds.share_upper,
+        rounding_cost=double_above(facts.rounding_cost),
+        angle_upper=facts.bounds.angle_upper,
         angle_to_optimum=facts.angles[0],
         nearest_index=components[facts.nearest].morse_index,
         nearest_angle=facts.angles[facts.nearest],
         absent={
             **dict.fromkeys(("objective", "rmse"), OUT_OF_RANGE),
-            **dict.fromkeys(("gap_lower", "gap_upper"), NOT_CERTIFIED),
+            **_unbounded(facts.bounds),
             "hint": NO_HINT,
         },
     )
 
 
+def _headline(facts: _Findings, verdict: PoseVerdict) -> str:
+    bounds, degrees = facts.bounds, degrees_words(facts.bounds) if facts.unique else None
+    gap, share = at_most(bounds.greatest_gap), share_words(bounds)
+    if verdict is PoseVerdict.OPTIMAL:
+        chosen = OPTIMAL_NOT_UNIQUE if degrees is None else OPTIMAL
+        return chosen.said(degrees=degrees or "", gap=gap)
+    if verdict is PoseVerdict.NEAR_OPTIMAL:
+        chosen = NEAR_OPTIMAL_NOT_UNIQUE if degrees is None else NEAR_OPTIMAL
+        return chosen.said(degrees=degrees or "", gap=gap, share=share)
+    if verdict is PoseVerdict.SPURIOUS_EQUILIBRIUM:
+        components = facts.registration.equilibria.components
+        component = components[facts.nearest]
+        name = f"the index-{component.morse_index} equilibrium"
+        if component.kind is not ComponentKind.POINT:
+            name = f"a {component.kind.value} of index-{component.morse_index} equilibria"
+        last = facts.nearest == len(components) - 1
+        end = ": the worst rotation there is" if last else ""
+        near = f"{math.degrees(facts.angles[facts.nearest]):.2g}"
+        return SPURIOUS.said(near=near, name=name, end=end)
+    return NO_EQUILIBRIUM.said(interval=interval_words(bounds))
+
+
 def _words(facts: _Findings, verdict: PoseVerdict) -> str:
     equilibria = facts.registration.equilibria
     away = math.degrees(facts.angles[0])
-    if verdict is PoseVerdict.OPTIMAL:
-        return _optimal_words(equilibria)
-    if verdict is PoseVerdict.NEAR_OPTIMAL:
-        return (
-            f"This is near the global optimum, {away:.4g} degrees from it{_shift_words(facts)}, "
-            "but not at it."
-        )
+    if verdict in GOOD:
+        return _good_words(facts, verdict)
     if verdict is PoseVerdict.SPURIOUS_EQUILIBRIUM:
         return _spurious_words(facts)
     nearest = equilibria.components[facts.nearest]
@@ -302,34 +379,51 @@ def _words(facts: _Findings, verdict: PoseVerdict) -> str:
         words += f"The nearest one has index {nearest.morse_index}, {degrees:.4g} degrees away; "
     else:
         words += "The nearest one is the optimum; "
-    return f"{words}the global optimum is {away:.4g} degrees away{_shift_words(facts)}."
+    words = f"{words}the global optimum is {away:.4g} degrees away{_shift_words(facts)}."
+    if facts.bounds.greatest_gap <= facts.rounding_cost:
+        words += (
+            " The rounding of its numbers to doubles can cost that much: move the origin to the "
+            "clouds."
+        )
+    return words
+
+
+def _good_words(facts: _Findings, verdict: PoseVerdict) -> str:
+    """What the gap is beside the rounding of the pose, and whether others are as good."""
+    gap, cost = at_most(facts.bounds.greatest_gap), at_most(facts.rounding_cost)
+    if verdict is PoseVerdict.OPTIMAL:
+        words = (
+            f"Its objective is at most {gap} above the minimum: rounding the numbers of the "
+            f"optimal pose to doubles can cost up to {cost}."
+        )
+    else:
+        away = math.degrees(facts.angles[0])
+        words = (
+            f"It is {away:.4g} degrees from the optimum{_shift_words(facts)}. Rounding the numbers "
+            f"of the optimal pose to doubles costs at most {cost}."
+        )
+    ambiguity = facts.registration.equilibria.classification.ambiguity
+    if ambiguity is not None:
+        words += f" The optimum is not the only one: {ambiguity.value}."
+    return words
 
 
 def _spurious_words(facts: _Findings) -> str:
-    components = facts.registration.equilibria.components
-    component = components[facts.nearest]
-    name = f"the index-{component.morse_index} equilibrium"
-    if component.kind is not ComponentKind.POINT:
-        name = f"one of a {component.kind.value} of index-{component.morse_index} equilibria"
-    end = ": the worst rotation there is" if facts.nearest == len(components) - 1 else ""
+    component = facts.registration.equilibria.components[facts.nearest]
     many = f"{component.morse_index} direction{'s' * (component.morse_index > 1)}"
     how = f"it is unstable in {many}"
     if component.unstable_eigenvalues is None:
         how = f"the energy falls in {many}"
     return (
-        f"This is {name}{end}. Forces and torques balance here, but {how}, and it is "
+        f"Forces and torques balance there, but {how}, and the pose is "
         f"{math.degrees(facts.angles[0]):.6g} degrees from the global optimum."
     )
 
 
-def _optimal_words(equilibria: EquilibriumSet) -> str:
-    ambiguity = equilibria.classification.ambiguity
-    if ambiguity is None:
-        return "This is the global optimum, up to the proved bounds, and there is no other."
-    return (
-        "This is a global optimum, up to the proved bounds, but not the only one: "
-        f"{ambiguity.value}."
-    )
+def _unbounded(bounds: PoseBounds) -> dict[str, Absent]:
+    """Why there is no angle, or no share of the range of energies, if there is none."""
+    names = {"angle_upper": "angle_upper", "share_upper": "gap_share"}
+    return {names[name]: reason for name, reason in bounds.absent.items()}
 
 
 def _shift_words(facts: _Findings) -> str:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from certreg.certificate import PoseBounds
     from certreg.registration.certification import Registration
 
+LEAST_PLAIN = 1e-4  # smaller numbers are written with an exponent
 DEGREE_SLACK = 1.0 + 1e-15  # radians to degrees rounds twice
 
 
@@ -83,6 +84,44 @@ WEAK = Headline(
     rests_on=("the bounds below it, beside those that certify proves",),
 )
 
+_ABOVE = ("gap_lower", "gap_upper")
+OPTIMAL = Headline(
+    stamp="OPTIMAL TO ROUNDING",
+    words="within {degrees} degrees (proved).",
+    rests_on=("optimality_certificate", "gap_upper", "rounding_cost", "angle_upper_deg"),
+    good=True,
+)
+OPTIMAL_NOT_UNIQUE = Headline(
+    stamp="OPTIMAL TO ROUNDING",
+    words="at most {gap} above the minimum (proved), as infinitely many poses are.",
+    rests_on=("optimality_certificate", "gap_upper", "rounding_cost", "classification"),
+)
+NEAR_OPTIMAL = Headline(
+    stamp="NEAR-OPTIMAL",
+    words="within {degrees} degrees, at most {gap} ({share}) above the minimum (proved).",
+    rests_on=("optimality_certificate", "gap_upper", "gap_share", "angle_upper_deg"),
+)
+NEAR_OPTIMAL_NOT_UNIQUE = Headline(
+    stamp="NEAR-OPTIMAL",
+    words="at most {gap} ({share}) above the minimum (proved); infinitely many poses have it.",
+    rests_on=("optimality_certificate", "gap_upper", "gap_share", "classification"),
+)
+SPURIOUS = Headline(
+    stamp="SPURIOUS-EQUILIBRIUM",
+    words="{near} degrees from {name}{end}.",
+    rests_on=("eigenvectors", "unstable_count", "nearest.angle_deg", "nearest.morse_index"),
+)
+NO_EQUILIBRIUM = Headline(
+    stamp="NOT-AN-EQUILIBRIUM",
+    words="{interval} above the minimum (proved).",
+    rests_on=("optimality_certificate", "translation_gap", *_ABOVE),
+)
+NO_ROTATION = Headline(
+    stamp="NOT-A-ROTATION",
+    words="{fault}",
+    rests_on=("the numbers of the matrix or quaternion, in doubles",),
+)
+
 
 def headline_of(registration: Registration) -> Headline:
     """Which headline a registration has."""
@@ -131,6 +170,13 @@ def share_words(bounds: PoseBounds) -> str:
     return f"{at_most(share)} {'of' if share < 1.0 else 'times'} the range of energies"
 
 
+def interval_words(bounds: PoseBounds) -> str:
+    """Proved bounds on the gap, rounded outwards: all of nine digits where they are that near."""
+    if not bounds.least_gap:
+        return f"at most {at_most(bounds.greatest_gap)}"
+    return f"between {at_least(bounds.least_gap, 9)} and {at_most(bounds.greatest_gap, 9)}"
+
+
 def at_most(value: float | Fraction, digits: int = 3) -> str:
     """An upper bound in few digits, rounded up: what is printed is still a bound."""
     return _rounded(value, digits, ROUND_CEILING)
@@ -148,4 +194,5 @@ def _rounded(value: float | Fraction, digits: int, direction: str) -> str:
     exact = Fraction(value)
     context = Context(prec=digits, rounding=direction, Emax=MAX_EMAX, Emin=MIN_EMIN)
     quotient = context.divide(Decimal(exact.numerator), Decimal(exact.denominator))
-    return f"{quotient:g}"
+    small = 0 < quotient < LEAST_PLAIN
+    return f"{quotient:.{digits - 1}e}" if small else f"{quotient:g}"

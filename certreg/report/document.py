@@ -8,7 +8,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.exact import double_above, nearest_double
-from certreg.registration import SimulatedRegistration, worst_residuals
+from certreg.registration import DEGREE_SLACK, SimulatedRegistration, worst_residuals
 from certreg.report.encoding import Document, Noted, encoded
 from certreg.report.methods import methods_fields
 from certreg.results import OUT_OF_RANGE, Absent
@@ -104,9 +104,13 @@ def assessment_document(assessment: Assessment) -> Document:
             "rmse": assessment.stated("rmse"),
             "gap_lower": assessment.stated("gap_lower"),
             "gap_upper": _finite(assessment.stated("gap_upper")),
+            "gap_share": _finite(assessment.stated("gap_share")),
+            "rounding_cost": _finite(assessment.stated("rounding_cost")),
+            "angle_upper_deg": _degrees_above(assessment.stated("angle_upper")),
             "angle_to_optimum_deg": _degrees(assessment.stated("angle_to_optimum")),
             "nearest": nearest,
             "verdict": assessment.verdict.value,
+            "headline": assessment.headline,
             "words": assessment.words,
             "hint": assessment.stated("hint"),
         }
@@ -244,6 +248,11 @@ def _margin(equilibria: EquilibriumSet) -> Document:
 
 def _finite(value: float | Absent) -> float | Absent:
     return OUT_OF_RANGE if not isinstance(value, Absent) and math.isinf(value) else value
+
+
+def _degrees_above(angle: float | Absent) -> float | Absent:
+    """An upper bound in degrees, that stays one."""
+    return angle if isinstance(angle, Absent) else math.degrees(angle) * DEGREE_SLACK
 
 
 def _degrees(angle: float | Absent) -> float | Absent:

@@ -7,6 +7,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.registration import (
+    DEGREE_SLACK,
     NOT_ASKED,
     at_least,
     at_most,
@@ -132,20 +133,35 @@ def margin_words(equilibria: EquilibriumSet) -> str:
 
 def assessment_summary(assessment: Assessment) -> str:
     """The result of `assess`, readable."""
-    lines = [f"{assessment.verdict.value.upper()}. {assessment.words}"]
-    if assessment.hint is not None:
-        lines[0] += f"\n{assessment.hint}"
     if assessment.nearest_index is None:
-        return lines[0]
+        return assessment.headline
+    lines = [assessment.headline, assessment.words]
+    if assessment.hint is not None:
+        lines.append(assessment.hint)
     away = math.degrees(assessment.angle_to_optimum or 0.0)
     lines += [
         "",
         f"  RMSE               {number(assessment.rmse)}  (weighted, unit of the clouds)",
         f"  objective          {number(assessment.objective)}",
         f"  above the minimum  {_interval(assessment.gap_lower, assessment.gap_upper)}",
-        f"  angle to optimum   {away:.4g} degrees",
+        f"  angle to optimum   {away:.4g} degrees{_proved_angle(assessment)}",
+        f"  rounding can cost  {_cost(assessment)}",
     ]
     return "\n".join(lines)
+
+
+def _proved_angle(assessment: Assessment) -> str:
+    """The proved bound on the angle, where there is one."""
+    angle = assessment.angle_upper
+    if angle is None or angle >= math.pi:
+        return ""
+    return f", within {at_most(math.degrees(angle) * DEGREE_SLACK)} (proved)"
+
+
+def _cost(assessment: Assessment) -> str:
+    """What writing the optimal pose in doubles can cost."""
+    cost = assessment.rounding_cost
+    return f"{at_most(math.inf if cost is None else cost)}  (of the optimal pose, to doubles)"
 
 
 def _interval(lower: float | None, upper: float | None) -> str:

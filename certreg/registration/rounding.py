@@ -1,0 +1,63 @@
+"""What it can cost to write the optimal pose down in doubles: the least that any tool can promise.
+
+A rotation R written as a matrix R + E is read as the nearest rotation R', so |R' - R| <= 2 |E|
+(Frobenius), and with |R' - R|^2 = 8 sin^2(a/2), a the angle, sin^2(a/2) <= |E|^2 / 2. Written as a
+quaternion q + e, it is read as one whose line is nearer than |e|: sin^2(a/2) <= |e|^2 / |q + e|^2.
+At the optimum that angle costs at most the range of energies times sin^2(a/2): it is a mean of the
+2 (l1 - lk). A centroid c away from its place costs M |c|^2 more. Every entry is at most half a unit
+in its last place off if it was rounded once.
+"""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from certreg.exact import rational_root_above
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from certreg.objective import Isotropic
+
+MATRIX = (3, 3)
+
+
+def rounding_cost(
+    objective: Isotropic, turn: NDArray[np.float64], shift: NDArray[np.float64]
+) -> Fraction:
+    """A bound on objective - minimum of the optimal pose, each of its numbers rounded once.
+
+    turn: the rotation as it was written, (3, 3) or a quaternion (4,), near the optimal one; shift:
+    the translation (3,). Lengths of both in the clouds' unit.
+    """
+    halves = [_half(entry) for entry in turn.ravel().tolist()]
+    moved = [_half(entry) for entry in shift.tolist()]
+    off, centre = _squares(halves), objective.moments.source_centroid
+    if turn.shape == MATRIX:
+        sine = off / 2
+        rows = (halves[:3], halves[3:6], halves[6:])
+        away = _squares([h + _lever(row, centre) for h, row in zip(moved, rows, strict=True)])
+    else:
+        sine = off / _squares([Fraction(entry) for entry in turn.tolist()])
+        away = 2 * (_squares(moved) + 4 * sine * _squares(list(centre)))
+    most = rational_root_above(2 * objective.least_range_squared)  # of the range of energies
+    return most * sine + objective.moments.total_weight * away
+
+
+def _lever(row: Sequence[Fraction], centre: Sequence[Fraction]) -> Fraction:
+    """How far the rounding of a row of the matrix moves the source's centroid."""
+    return sum((h * abs(x) for h, x in zip(row, centre, strict=True)), start=Fraction(0))
+
+
+def _half(entry: float) -> Fraction:
+    """Half a unit in the last place of a double."""
+    return Fraction(math.ulp(entry)) / 2
+
+
+def _squares(entries: Sequence[Fraction]) -> Fraction:
+    return sum((entry * entry for entry in entries), start=Fraction(0))
