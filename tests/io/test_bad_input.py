@@ -71,7 +71,6 @@ NOT_A_PROBLEM: dict[str, tuple[Any, Any, dict[str, Any], str]] = {
     "negative damping": (POINTS, POINTS, {"damping": -1.0}, r"damping is -1\.0"),
     "a damping of NaN": (POINTS, POINTS, {"damping": math.nan}, "damping is nan"),
     "a damping of infinity": (POINTS, POINTS, {"damping": math.inf}, "damping is inf"),
-    "a damping of None": (POINTS, POINTS, {"damping": None}, "damping is None"),
     "a damping of words": (POINTS, POINTS, {"damping": "2"}, "damping is '2'"),
 }
 
@@ -257,6 +256,7 @@ def test_scale_changes_neither_the_rotation_nor_the_proof(
 
 
 def test_clouds_of_far_apart_scales_are_answered():
+    """The rotation is right; rounding the translation alone costs more than any rotation."""
     plain = random_problem(np.random.default_rng(13), n=10, noise=0.1)
     expected = package.certify(plain).pose.rotation
     for a, b in ((1e-150, 1e150), (1e150, 1e-150), (1e-300, 1e300)):
@@ -266,7 +266,7 @@ def test_clouds_of_far_apart_scales_are_answered():
             simulation=False,
         )
 
-        assert result.status is Optimality.CERTIFIED
+        assert result.status is Optimality.BOUNDED
         assert result.pose.rotation == pytest.approx(expected, abs=1e-13)
 
 

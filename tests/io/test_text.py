@@ -282,7 +282,10 @@ def test_sigma_stands_for_the_double_nearest_to_its_inverse_square(sigma, tmp_pa
 
     assert verify(path, *clouds, "--sigma", sigma)[0] == 0
     assert verify(path, *clouds, "--sigma", "0.5")[0] == 1
-    assert verify(path, *clouds)[0] == 0  # the weights in the certificate
+    assert verify(path, *clouds, "--any-weight")[0] == 0  # the weights in the certificate
+    code, out = verify(path, *clouds)[:2]
+    assert code == 1
+    assert f"--sigma {float(sigma)!r}" in out
 
 
 def test_columns_left_out_are_noted_once(generic, tmp_path):
