@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import base64
 import json
+import math
 import os
 import re
 import shutil
@@ -20,6 +21,7 @@ from pathlib import Path
 import certificates as oracle
 import numpy as np
 import pytest
+from checker_boundaries import form
 from commands import certreg
 
 from certreg.certificate.coq import (
@@ -452,6 +454,67 @@ def test_the_verified_checker_answers_as_verify_does(proofs):
     assert len(by_coq) >= 50
     assert sum(expected) >= 20
     assert len({reason for reasons in by_coq for reason in reasons}) >= 12
+
+
+def spinning_states(count: int) -> list[tuple[bytes, bool]]:
+    """Certificates of a body that turns, with exponents of all sizes, and whether it must end.
+
+    Each comes twice: with the largest multiple of an angular velocity for which, by definition, the
+    energy is below the level, and with the next one.
+    """
+    found: list[tuple[bytes, bool]] = []
+    for seed in range(count):
+        rng = np.random.default_rng(seed)
+        source, target, weights = oracle.random_problem(seed, n=4, noise=0.1)
+        source, target = (
+            source * 2.0 ** rng.integers(-60, 60),
+            target * 2.0 ** rng.integers(-60, 60),
+        )
+        made = oracle.produce(source, target, weights)
+        _, C, S = oracle.exact_moments(source, target, weights)
+        K, trace = oracle.rotation_form(C), S[0][0] + S[1][1] + S[2][2]
+        J = [[trace * (i == j) - S[i][j] for j in range(3)] for i in range(3)]
+        (d, e), (m, f) = (made["optimality"][name] for name in ("delta", "mu"))
+        pose, two = made["pose"], Fraction(2)
+        level = form(K, pose) / sum(c * c for c in pose) + d * two**e - m * two**f
+        turned = [
+            8 * c + int(k) for c, k in zip(pose, rng.integers(-(2**57), 2**57, 4), strict=True)
+        ]
+        spare = form(K, turned) / sum(c * c for c in turned) - level
+        w = [int(k) for k in rng.integers(-9, 10, 3)]
+        square = form(J, w) / 4
+        assert spare > 0 < square
+        # k^2 square 4^exponent < spare, for k of about so many bits:
+        bits = (0, 1, 20, 200)[seed % 4]
+        exponent = (math.floor(math.log2(spare / square)) >> 1) - bits
+        edge = math.isqrt(math.ceil(spare / square / two ** (2 * exponent)) - 1)
+        for k in (edge, edge + 1):
+            state = {"quaternion": turned, "angular_velocity": [*(k * c for c in w), exponent]}
+            spun = replaced(replaced(made, "basin", value=state), "claims", "basin", value=True)
+            found.append((oracle.dump(spun), k == edge))
+    return found
+
+
+def test_a_spinning_state_is_accepted_up_to_the_level_whatever_its_exponent():
+    exponents = set()
+    for certificate, inside in spinning_states(12):
+        outcome = checker.check(certificate)
+        exponents.add(json.loads(certificate)["basin"]["angular_velocity"][3])
+        assert outcome.verified == inside, outcome.reason
+        assert inside or outcome.reason == "claims.basin is not proved of the state in basin"
+
+    assert min(exponents) < -100 < 20 < max(exponents)
+
+
+@needs_coq
+@pytest.mark.slow
+def test_coq_judges_spinning_states_with_exponents_as_verify_does(proofs):
+    states = spinning_states(12)
+
+    found = decisions(proofs, [certificate for certificate, _ in states])
+
+    assert [reasons == [] for reasons in found] == [inside for _, inside in states]
+    assert {reason for reasons in found for reason in reasons or ()} == {"basin_is_not_proved"}
 
 
 @needs_coq
