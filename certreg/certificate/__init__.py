@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from certreg.certificate.bounds import PoseBounds as PoseBounds
     from certreg.certificate.bounds import pose_bounds as pose_bounds
     from certreg.certificate.bounds import pose_energy as pose_energy
+    from certreg.certificate.bounds import sin2_half_angle_between as sin2_half_angle_between
     from certreg.certificate.checking import check_own as check_own
     from certreg.certificate.checking import require_accepted as require_accepted
     from certreg.certificate.checking import verify as verify
@@ -32,6 +33,7 @@ __getattr__ = lazy_face(
             "PoseBounds",
             "pose_bounds",
             "pose_energy",
+            "sin2_half_angle_between",
         ),
         "checking": (
             "check_own",

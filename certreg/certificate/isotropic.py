@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from certreg.exact import Dyadic
+from certreg.exact import Dyadic, power_of_two
 
 if TYPE_CHECKING:
     from fractions import Fraction
@@ -72,6 +72,11 @@ class RotationState:
     quaternion: tuple[int, ...]
     angular_velocity: tuple[int, ...]
     exponent: int
+
+    @property
+    def spin(self) -> tuple[Fraction, ...]:
+        """The angular velocity in radians per time unit, body frame."""
+        return tuple(entry * power_of_two(self.exponent) for entry in self.angular_velocity)
 
     def to_fields(self) -> dict[str, Any]:
         """The object `basin` of the file."""

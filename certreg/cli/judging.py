@@ -75,6 +75,7 @@ def apply(result: Path, cloud: Path, *, out: Path) -> int:
     points = read_cloud(cloud)
     write_cloud(out, points.points, points.labels, move=pose.apply)
     click.echo(f"{len(points.points)} points written to {printable(out)}")
+    click.echo(f"The pose is as {printable(result)} has it, unchecked: certreg assess judges it.")
     return DONE
 
 

@@ -101,6 +101,11 @@ class Solution(Explained):
         """What the trajectory's energies are worth in objective units."""
         return _energy_unit(self.moments, self.trajectory)
 
+    def ended_in(self, state: RotationState) -> bool:
+        """Whether a simulation was run and ended in exactly this state."""
+        trajectory = self.trajectory
+        return not isinstance(trajectory, Absent) and _final_state(trajectory) == state
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SimulatedRegistration:

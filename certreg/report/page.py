@@ -210,7 +210,7 @@ def _sections(report: Report) -> Iterator[Markup]:
     yield _section("see", "See it", viewer_section(report.registration))
     yield _section("charts", "In numbers", *_charts())
     angles = MethodAngles.of(report.registration.solution.agreement)
-    known = sentences(report.registration, report.certificate.body.claims, angles)
+    known = sentences(report.registration, report.certificate.body, angles)
     yield _section(
         "proof",
         "What is proved, and how we know",

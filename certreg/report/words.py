@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.registration import at_most, proved_degrees
+from certreg.certificate import sin2_half_angle_between
+from certreg.exact import half_angle_bound, rational_root_above
+from certreg.registration import DEGREE_SLACK, at_most, proved_degrees
 from certreg.report.summary import count_words, margin_words, number
-from certreg.results import ComponentKind, Guarantee
+from certreg.results import Absent, ComponentKind, Guarantee
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.certificate import Claims
+    from certreg.certificate import Claims, IsotropicBody
     from certreg.equilibrium import Component, EquilibriumSet
     from certreg.registration import Agreement, Registration
 
@@ -80,12 +83,15 @@ class MethodAngles:
         )
 
 
-def sentences(registration: Registration, claims: Claims, angles: MethodAngles) -> list[Sentence]:
-    """What the page says is known; the checker has accepted the claims."""
+def sentences(
+    registration: Registration, body: IsotropicBody, angles: MethodAngles
+) -> list[Sentence]:
+    """What the page says is known; the checker has accepted what the certificate claims."""
     return [
         *_optimality(registration),
-        *_equilibria(registration, claims),
-        *_motion(claims),
+        *_equilibria(registration, body.claims),
+        *_basin(registration, body),
+        *_dual(body.claims),
         *_numbers(registration, angles),
     ]
 
@@ -174,22 +180,51 @@ def _equilibria(registration: Registration, claims: Claims) -> Iterator[Sentence
         )
 
 
-def _motion(claims: Claims) -> Iterator[Sentence]:
-    if claims.basin:
+def _basin(registration: Registration, body: IsotropicBody) -> Iterator[Sentence]:
+    """What is proved of the state in the certificate, and whether a simulation ended there.
+
+    Any state in the basin passes the checker: only one that is where the simulation computed beside
+    it ended, number by number, is said to be that.
+    """
+    state = body.basin
+    if not body.claims.basin or state is None:
+        return
+    off = half_angle_bound(sin2_half_angle_between(body.quaternion, state.quaternion))
+    spin = rational_root_above(sum((w * w for w in state.spin), start=Fraction(0)))
+    yield Sentence(
+        words=(
+            "From the state in the certificate, within "
+            f"{at_most(math.degrees(off) * DEGREE_SLACK, 2)}° of its pose and turning by at most "
+            f"{at_most(spin, 2)} radians per unit of time, the exact motion can end nowhere but at "
+            "the optimum, whatever the damping."
+        ),
+        guarantee=Guarantee.EXACT,
+        theorems=("certified_basin",),
+    )
+    if not isinstance(registration.solution.trajectory, Absent):
+        verb = "is" if registration.solution.ended_in(state) else "is not"
         yield Sentence(
-            words=(
-                "The simulated body ended in a state from which the exact motion can end nowhere "
-                "but at the optimum."
-            ),
-            guarantee=Guarantee.EXACT,
-            theorems=("certified_basin",),
+            words=f"That {verb} the state in which {_simulation_name(registration)} ended.",
+            guarantee=Guarantee.NUMERICAL,
         )
+
+
+def _simulation_name(registration: Registration) -> str:
+    """The simulation beside a certificate, as it was run."""
+    trajectory = registration.solution.trajectory
+    if isinstance(trajectory, Absent):
+        return "the simulation"
+    damping = registration.problem.damping
+    return f"the simulation for this page ({trajectory.integrator.value}, damping {damping:.6g})"
+
+
+def _dual(claims: Claims) -> Iterator[Sentence]:
     gap = claims.sdp_gap
     if gap is not None:
         yield Sentence(
             words=(
                 "The dual of the semidefinite relaxation, rounded outwards, bounds the gap "
-                f"independently: at most {at_most(gap.value)}."
+                f"of the certified rotation independently: at most {at_most(gap.value)}."
             ),
             guarantee=Guarantee.EXACT,
             theorems=("dual_bound",),
@@ -206,7 +241,7 @@ def _numbers(registration: Registration, angles: MethodAngles) -> Iterator[Sente
         guarantee=Guarantee.NUMERICAL,
         theorems=("spectrum",),
     )
-    yield Sentence(words=_methods_words(angles), guarantee=Guarantee.NUMERICAL)
+    yield Sentence(words=_methods_words(registration, angles), guarantee=Guarantee.NUMERICAL)
     yield Sentence(
         words=f"The ambiguity margin is {margin_words(registration.equilibria)}.",
         guarantee=Guarantee.NUMERICAL,
@@ -214,12 +249,12 @@ def _numbers(registration: Registration, angles: MethodAngles) -> Iterator[Sente
     )
 
 
-def _methods_words(methods: MethodAngles) -> str:
+def _methods_words(registration: Registration, methods: MethodAngles) -> str:
     """Which methods lead to the rotation that is printed, and which do not."""
     angles = {
         "the closed form": methods.closed_form,
         "the semidefinite relaxation": methods.relaxation,
-        "the simulation": methods.simulation,
+        _simulation_name(registration): methods.simulation,
     }
     ran = {name: angle for name, angle in angles.items() if angle is not None}
     apart = [name for name, angle in ran.items() if not angle <= SAME_ROTATION]

@@ -21,7 +21,10 @@ def test_named_claims_are_proved_and_told():
     assert (run.code, run.err) == (0, "")
     assert run.out.startswith("davenport ")
     assert "PROVED" in run.out
-    assert "1 of 1 claims proved, 2 of 2 mutated statements refuted, 0 of 0 hypotheses needed" in run.out
+    assert (
+        "1 of 1 claims proved, 2 of 2 mutated statements refuted, 0 of 0 hypotheses needed"
+        in run.out
+    )
 
 
 def test_an_unknown_claim_is_bad_usage_before_anything_is_run():
