@@ -30,7 +30,7 @@ import numpy
 numpy.ones((64, 64)) @ numpy.ones((64, 64))
 """
 LOADING_ALL = f"""{LOADING}
-import clarabel, cvxpy, scipy.linalg, scipy.stats
+import clarabel, scipy.linalg, scipy.sparse
 scipy.linalg.eigh(numpy.eye(64))
 """
 

@@ -1,16 +1,16 @@
-"""The semidefinite programs: stated in CVXPY once per process, solved by Clarabel every time.
+"""The semidefinite programs: cones made once per process, solved by Clarabel every time.
 
-A module of its own: the only one that imports them, where they are used, as the import takes about
-a second. A program depends on C through its cost alone, and linearly. So CVXPY compiles it once,
-the cost is read off at the nine unit matrices, and a solve is a matrix product and one call of
-Clarabel, with no state from solve to solve. What the libraries complain of becomes a status here
-and goes no further.
+A module of its own: the only one that imports Clarabel, where it is used. A program depends on C
+through its cost alone, and linearly. So the cost is read off at the nine unit matrices, and a solve
+is a matrix product and one call of Clarabel, with no state from solve to solve. `statement` says
+the same in the words of CVXPY, whose import takes about a second: the tests find its cone data
+equal, number by number, and commands do without it. What the solver complains of becomes a status
+here and goes no further.
 """
 
 from __future__ import annotations
 
 import enum
-import warnings
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
@@ -21,7 +21,11 @@ import numpy as np
 from certreg.relaxation.qcqp import Form, quadratic_program
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
+
+    from certreg.geometry import SquareMatrix
 
 SOLVER = "Clarabel"
 # How far the solver goes. Data are scaled so that the largest entry is near 1.
@@ -42,9 +46,7 @@ class RelaxationStatus(enum.Enum):
         "The solver stopped short of its tolerance: the numbers of the relaxation are rough."
     )
     FAILED = "The solver did not solve the relaxation: there are no numbers to report."
-    UNAVAILABLE = (
-        "The relaxation needs the packages cvxpy-base and clarabel, which cannot be imported."
-    )
+    UNAVAILABLE = "The relaxation needs the packages clarabel and scipy, which cannot be imported."
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -92,7 +94,8 @@ def _named(solver: str) -> str:
 def statement(form: Form) -> Statement:
     """Maximise <F, Z> / multiple, <N, Z> = 1, <A, Z> = 0 for every quadratic A, Z >= 0, over Z.
 
-    With Z = v v^T this is the quadratic program; what is relaxed is that Z has rank one.
+    With Z = v v^T this is the quadratic program; what is relaxed is that Z has rank one. For
+    comparison: no command loads CVXPY.
     """
     import cvxpy as cp  # pyright: ignore[reportMissingTypeStubs]
 
@@ -154,32 +157,34 @@ class _Compiled:
 
 @cache
 def _compiled(form: Form) -> _Compiled:
+    """The unknowns are Z's upper triangle by rows; the cone's are the same by columns.
+
+    There, entries off the diagonal are times sqrt(2): so Clarabel keeps the inner product.
+    """
     from scipy.sparse import csc_matrix  # pyright: ignore[reportMissingTypeStubs]
 
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of CVXPY's import and compilation: none is the user's
-        stated = statement(form)
-        compiled = [_conic_data(stated, unit.reshape(3, 3)) for unit in np.eye(9)]
-    cost = np.array([data["c"] for data in compiled]).T
+    units = np.eye(9, dtype=int).reshape(9, 3, 3).tolist()
+    programs = [quadratic_program(form, unit) for unit in units]
+    program = programs[0]
+    row, column = np.triu_indices(program.size)
+    times = np.where(row == column, 1.0, 2.0)  # <A, Z> counts an entry and its mirror image
+
+    def coefficients(matrices: Sequence[SquareMatrix[int]]) -> NDArray[np.float64]:
+        return np.array(matrices)[:, row, column] * times
+
+    equalities = coefficients([program.normalisation, *program.quadratics])
+    cone = np.zeros((len(times), len(times)))
+    cone[column * (column + 1) // 2 + row, np.arange(len(times))] = -np.sqrt(times)
+    right = np.zeros(len(equalities) + len(cone))
+    right[0] = 1.0
     return _Compiled(
-        size=stated.solution.shape[0],
-        equalities=compiled[0]["dims"].zero,
-        rows=csc_matrix(compiled[0]["A"]),
-        right=compiled[0]["b"],
-        cost=cost,
-        curvature=csc_matrix((len(cost), len(cost))),
+        size=program.size,
+        equalities=len(equalities),
+        rows=csc_matrix(np.vstack([equalities, cone])),
+        right=right,
+        cost=-coefficients([each.objective for each in programs]).T / program.multiple,
+        curvature=csc_matrix(cone.shape),
     )
-
-
-def _conic_data(stated: Statement, C: NDArray[np.float64]) -> dict[str, Any]:
-    """What CVXPY would hand to the solver; ImportError if it does not find the solver."""
-    from cvxpy.error import SolverError  # pyright: ignore[reportMissingTypeStubs]
-
-    stated.cross_covariance.value = C
-    try:
-        return stated.problem.get_problem_data(SOLVER.upper())[0]
-    except SolverError as error:
-        raise ImportError(str(error)) from error
 
 
 def _call(compiled: _Compiled, cost: NDArray[np.float64]) -> Any:
