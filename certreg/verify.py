@@ -105,7 +105,7 @@ def require(condition: object, reason: str) -> None:
         raise RefusalError(reason)
 
 
-def check(certificate: bytes, clouds: Clouds | None = None, limits: Limits = {}) -> Outcome:  # noqa: B006
+def check(certificate: bytes, clouds: Clouds | None = None, limits: Limits = {}) -> Outcome:  # noqa: B006  (only read)
     """Theorems that the certificate proves of its points, or why it is refused; never raises."""
     try:
         stated = parse(certificate)
@@ -223,7 +223,8 @@ def bound_doubles(certificate: Statement, clouds: Clouds | None) -> memoryview:
         option = f"--sigma {sigma}" if float(1 / Fraction(sigma) ** 2) == w else "--any-weight"
         require(clouds.any_weight or w == 1, f"the certified weight is {w!r}, not 1: give {option}")
     digest = hashlib.sha256(content).hexdigest()
-    require(digest == certificate.digest, "the digest is not theirs")
+    ones = bool(clouds and clouds.weights is None and text is None)
+    require(digest == certificate.digest, "the digest is not theirs" + ", all of weight 1" * ones)
     return memoryview(content)[len(head) :]
 
 

@@ -583,7 +583,9 @@ def cloud_cases() -> Iterator[Case]:
     number = "REFUSED: the certificate is about another number of points or weights$"
     points = "REFUSED: the certificate is about other points or weights$"
     weight = "REFUSED: the certificate weights its points unequally: give the weights, too$"
-    theirs = "REFUSED: the digest is not theirs$"
+    theirs, of_ones = (
+        f"REFUSED: the digest is not theirs{end}$" for end in ("", ", all of weight 1")
+    )
     moved = np.nextafter(source, 9)
     last = np.array(weights)
     last[5] = np.nextafter(last[5], 9)
@@ -591,7 +593,7 @@ def cloud_cases() -> Iterator[Case]:
         ("same", uneven, flat(source, target, weights), "VERIFIED", "VERIFIED"),
         ("same, even", even, flat(source, target), "VERIFIED", "VERIFIED"),
         ("ones", even, flat(source, target, [1] * 6), "VERIFIED", "VERIFIED"),
-        ("weights untold", uneven, flat(source, target), weight, theirs),
+        ("weights untold", uneven, flat(source, target), weight, of_ones),
         ("moved", uneven, flat(moved, target, weights), points, theirs),
         ("last weight", uneven, flat(source, target, last), points, theirs),
         ("exchanged", uneven, flat(target, source, weights), points, theirs),
@@ -604,6 +606,8 @@ def cloud_cases() -> Iterator[Case]:
         without = changed(certificate, data=None)
         yield Case(f"clouds alone: {name}", outcome_of(without, clouds), lone)
     halves = oracle.produce(source, target, [0.5] * 6)
+    other = outcome_of(changed(even, digest="0" * 64), flat(source, target))
+    yield Case("clouds: another digest", other, theirs)
     any_of_them = flat(source, target, any_weight=True)
     yield Case("clouds: any weight", outcome_of(halves, any_of_them), "VERIFIED")
     yield Case("clouds: any weight, uneven", outcome_of(uneven, any_of_them), weight)

@@ -65,7 +65,12 @@ DATA = mutants(
     ("len(part) for part in parts", "len(part) for part in parts[:2]"),
     ("content.startswith(given)", "True", "content.startswith(given[:-8])"),
     ("bytes(doubles[-8:]) * n == doubles[-8 * n :]", "True", "False"),
-    ('digest == certificate.digest, "the digest', 'digest, "the digest'),
+    ('digest == certificate.digest, "the', 'digest, "the'),
+    (
+        "and clouds.weights is None and text is None)",
+        "and text is None)",
+        "and not clouds.weights)",
+    ),
     ("min(w) >= 0", "min(w) > 0", "True"),
     ("all(map(isfinite, values))", "True"),
     ("1 << 63 not in bits", "True", "1 << 63 not in bits[1:]"),

@@ -33,6 +33,7 @@ Exit codes: 0 done and proved
             4 solved, but too little is proved to call it certified; simulate: not converged
 """
 OPTIMAL = "optimal"  # the damping of the fastest decay
+SIGMA_OR_WEIGHTS = "--sigma and --weights exclude each other: give one"
 PATIENCE = 1.0  # seconds before a long run says that it is at work
 CLOUD = click.Path(dir_okay=False, path_type=Path)
 FOLDER = click.Path(file_okay=False, path_type=Path)
@@ -110,6 +111,8 @@ def bound_clouds(command: Callable[..., Any]) -> Callable[..., Any]:
         if len(clouds) not in {0, 2} or (given and not clouds):
             message = "give SOURCE and TARGET, or neither; the options go with them"
             raise click.UsageError(message)
+        if options["sigma"] is not None and options["weights"] is not None:
+            raise click.UsageError(SIGMA_OR_WEIGHTS)
         return command(*args, clouds=clouds, **options)
 
     return wrapped
@@ -153,8 +156,7 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
         **options: Any,
     ) -> Any:
         if sigma is not None and weights is not None:
-            message = "--sigma and --weights exclude each other: give one"
-            raise click.UsageError(message)
+            raise click.UsageError(SIGMA_OR_WEIGHTS)
         stated, pair = io.read_problem(
             source,
             target,

@@ -14,6 +14,7 @@ from rotations import turned
 import certreg
 from certreg import RegistrationProblem
 from certreg.certificate import producing
+from certreg.certificate.blockwise import check_in_blocks
 from certreg.certificate.bounds import (
     ExactPose,
     pose_bounds,
@@ -23,7 +24,7 @@ from certreg.certificate.bounds import (
 from certreg.certificate.checking import check_own
 from certreg.certificate.producing import count_certificate, produce, proves_optimality
 from certreg.equilibrium import by_eigenspaces
-from certreg.errors import InvalidFileError
+from certreg.errors import InvalidFileError, InvalidProblemError
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.registration.certification import _optimal_pose
@@ -228,6 +229,33 @@ def test_a_certificate_is_saved_and_verified_from_its_file(tmp_path):
     assert certreg.verify(path.read_bytes()).proved
     assert [p.name for p in tmp_path.iterdir()] == ["certificate.json"]
     assert json.loads(path.read_bytes())["format"] == "certreg-certificate/1"
+
+
+def test_bounds_that_are_asked_for_are_compared_with_those_proved():
+    problem = strategies.random_problem(np.random.default_rng(0))
+    certificate = certificate_of(problem)
+    assert certificate is not None
+    content = certificate.to_json()
+    worth = certreg.verify(content).worth
+    assert worth is not None
+    assert worth.angle is not None
+
+    less = 1 - Fraction(1, 2**60)
+    for kind, name in (("angle", "max_angle"), ("share", "max_gap")):
+        bound = getattr(worth, kind)
+        for points in (None, problem):
+            assert certreg.verify(content, points, **{name: bound}).proved
+            refused = certreg.verify(content, points, **{name: bound * less})
+            assert (refused.ruling, refused.worth) == (Ruling.REFUTED, None)
+        assert check_in_blocks(content, problem, {kind: bound}).verified
+        assert not check_in_blocks(content, problem, {kind: bound * less}).verified
+        for wrong in (math.nan, math.inf, "1e-5 rad"):
+            with pytest.raises(InvalidProblemError, match="give a number"):
+                certreg.verify(content, **{name: wrong})
+    assert check_own(certificate, problem).worth == worth
+    count = count_certificate(problem)
+    assert count is not None
+    assert certreg.verify(count.to_json()).worth is None
 
 
 def test_a_certificate_of_another_problem_is_refused():

@@ -680,6 +680,8 @@ def test_verify_takes_the_noise_or_the_weights_that_were_certified(tmp_path: Pat
             one = "the certified weight is 11.111111111111112, not 1: give --sigma 0.3\n"
             several = "the certificate weights its points unequally: give the weights, too\n"
             assert untold.out == "REFUSED: " + (one if "--sigma" in right else several)
+            both = certreg("verify", certificate, *clouds, "--sigma", "1", "--weights", weights)
+            assert (both.code, both.out) == (2, "")
             any_weight = certreg("verify", certificate, *clouds, "--any-weight")
             assert any_weight.code == (0 if "--sigma" in right else 1)
 
