@@ -79,6 +79,7 @@ CHAPTERS = (
             "elimination",
             "optimality_certificate",
             "energy_range",
+            "equilibrium_count",
             "dual_bound",
             "certified_basin",
             "covariance",

@@ -59,9 +59,9 @@ def counterexample(
         symbols |= violated.symbols
     told: Point = dict.fromkeys(symbols, Fraction(0))
     told |= {symbol: Fraction(value) for symbol, value in first.items()}
-    proposed = [told] if first and _solve(held, told) else []
+    proposed = [told] if first and (_hold(held, told) or _solve(held, told)) else []
     for point in chain(proposed, _points(sorted(symbols, key=str), held, violated)):
-        if not all(h.values_hold(point) for h in held):
+        if not _hold(held, point):
             continue
         wrong = asserted.wrong_at(point)
         if wrong is None or not all(h.holds_at(point) for h in held):
@@ -69,6 +69,10 @@ def counterexample(
         if violated is None or violated.fails_at(point):
             return _instance(asserted, violated, point, wrong)
     return None
+
+
+def _hold(held: Sequence[Hypothesis], point: Point) -> bool:
+    return all(hypothesis.values_hold(point) for hypothesis in held)
 
 
 def _instance(

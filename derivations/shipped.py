@@ -15,7 +15,13 @@ from typing import Any
 
 import sympy
 
-from certreg.verify import davenport, positive_definite, proves_basin, proves_level
+from certreg.verify import (
+    coefficients,
+    davenport,
+    positive_definite,
+    proves_basin,
+    proves_level,
+)
 
 from .notation import scalar
 from .rings import flat, ring_of
@@ -99,6 +105,12 @@ def checked_davenport(C: Any) -> Any:
     """The checker's own Davenport matrix of a symbolic C (3x3), 4x4."""
     ring = ring_of(flat(C))
     return _expressions(davenport(_elements(ring, C)))
+
+
+def checked_coefficients(C: Any, chart: Any) -> Any:
+    """The checker's 10x10 matrix of quadratic forms, of a symbolic C (3x3) and chart (4)."""
+    ring = ring_of([*flat(C), *chart])
+    return _expressions(coefficients(_elements(ring, C), _row(ring, chart)))
 
 
 def checked_matrix(K: Any, q: Any, level: Any, mu: Any) -> Any:

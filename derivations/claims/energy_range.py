@@ -164,6 +164,9 @@ CLAIM = Claim(
     r"is chosen.",
     needs=("davenport", "eigenvectors"),
     standard=(SPECTRAL,),
-    used_by=("certreg.verify",),
+    used_by=(
+        "certreg.verify.IsotropicStatement",
+        "certreg.certificate.bounds.PoseBounds.share_upper",
+    ),
     not_in_coq="The inequality is not stated in Coq.",
 )

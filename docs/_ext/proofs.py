@@ -22,7 +22,9 @@ from sphinx.util.docutils import SphinxDirective
 
 from derivations import book
 from derivations.coq.theorems import Theorem, theorems
-from derivations.kernel import Claim, ClaimOutcome, Control, Kind, Step, prove
+from derivations.kernel import Claim, ClaimOutcome, Control, prove
+from derivations.latex import compared
+from derivations.steps import Kind, Step
 
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
@@ -133,6 +135,7 @@ class Proof(MarkdownDirective):
             words = f"**quoted** {step.kind.value}: {step.verdict.words}."
         else:
             words = f"**checked** {step.kind.value} ({step.verdict.words})."
+            words += f" As the program has it: {shown}." if (shown := compared(step)) else ""
         lines = self.markdown(words)
         for line in lines:
             if isinstance(line, nodes.paragraph):
