@@ -23,6 +23,7 @@ class Finding(enum.Enum):
     TRUE = "true"
     TRUE_UNDER_A_CONDITION = "true under a condition"
     FALSE_AS_STATED = "false as stated"
+    NOT_PROVED_HERE = "not proved here"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,7 +32,8 @@ class Row:
 
     claim: in our words. place: where the paper makes it. holds: what is true, the condition
     included; of a true claim, what it rests on. because: the claims of the book that prove that.
-    counterexample: exact, to the claim as it is stated; None if it is true.
+    counterexample: exact, to the claim as it is stated; None if it is true, or if neither it nor
+    its contrary is proved here.
     """
 
     number: str
@@ -43,17 +45,19 @@ class Row:
     counterexample: Counterexample | None = None
 
     def __post_init__(self) -> None:
-        if (self.counterexample is None) is not (self.finding is Finding.TRUE):
+        none = self.finding in {Finding.TRUE, Finding.NOT_PROVED_HERE}
+        if (self.counterexample is None) is not none:
             raise ValueError(f"row {self.number}: a counterexample, unless the claim is true")
 
     def recheck(self) -> Verdict:
         """Whether the counterexample refutes the claim as stated, computed anew.
 
-        PROVED: it does. REFUTED: it does not. INCONCLUSIVE: the claim is true and has none; the
-        book's claims prove it.
+        PROVED: it does. REFUTED: it does not. INCONCLUSIVE: it has none; what holds is proved by
+        the book's claims.
         """
         if self.counterexample is None:
-            words = f"true, no counterexample: proved by {', '.join(self.because)}"
+            proofs = f"what holds is proved by {', '.join(self.because)}"
+            words = f"{self.finding.value}, no counterexample: {proofs}"
             return Verdict(ruling=Ruling.INCONCLUSIVE, words=words)
         return self.counterexample.recheck()
 
@@ -90,7 +94,7 @@ def _line(cells: tuple[str, ...] | list[str]) -> str:
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 
-TRUE, CONDITION, FALSE = Finding
+TRUE, CONDITION, FALSE, OPEN = Finding
 
 ROWS = (
     Row(
@@ -222,12 +226,23 @@ ROWS = (
     Row(
         number="9c",
         claim="Infinitely many spurious equilibria happen when the cloud exhibits symmetry.",
-        place="abstract and introduction, read as: only then",
+        place="abstract and introduction, in our reading: only then",
         finding=FALSE,
         holds="It takes two equal |dᵢ|: equal second moments, which clouds without any symmetry "
         "have, too.",
         because=("classification",),
         counterexample=counterexamples.INFINITE_WITHOUT_SYMMETRY,
+    ),
+    Row(
+        number="9d",
+        claim="Any perturbation of these that drives a corner out of the plane leaves at once.",
+        place="the graphical proof of Conjecture 6 (ii)",
+        finding=FALSE,
+        holds="They are unstable: turned about the axis of the flip, the body leaves. About the "
+        "other "
+        "axis in the plane the energy rises, and the body turns back.",
+        because=("hessian", "morse_bott", "instability"),
+        counterexample=counterexamples.PULLED_BACK,
     ),
     Row(
         number="10",
@@ -249,10 +264,11 @@ ROWS = (
         number="12",
         claim="At the optimum all eigenvalues of the Jacobian are in the left half-plane.",
         place="caption of the figure of eigenvalues",
-        finding=FALSE,
-        holds="None is in the right half-plane. Six are zero at every equilibrium, as 18 numbers "
-        "describe 12 dimensions; where the optimum is unique the other 12 are in the left "
-        "half-plane.",
+        finding=CONDITION,
+        holds="Of the closed half-plane, which has the imaginary axis for its edge: none is to the "
+        "right of it. Six are zero at every equilibrium, as 18 numbers describe 12 dimensions; "
+        "where "
+        "the optimum is unique the other 12 are in the open half-plane.",
         because=("ambient_jacobian", "characteristic_polynomial", "pushforward"),
         counterexample=counterexamples.SIX_ZEROS,
     ),
@@ -267,7 +283,7 @@ ROWS = (
     Row(
         number="13b",
         claim="In the simulation the total energy is always non-increasing.",
-        place="section 4.2, with the figure of V and V_p",
+        place="section 4.2, seen in a typical example; here as a general statement",
         finding=FALSE,
         holds="Explicit Euler raises V in the first step from rest, always: by "
         "h²/2 (M|a|² + αᵀJα). The implicit midpoint rule never raises it.",
@@ -285,7 +301,7 @@ ROWS = (
     Row(
         number="15a",
         claim="Without perturbation, too, the system always converges to the global optimum.",
-        place="introduction, section 4.2",
+        place="introduction, section 4.2, seen in 100 runs; here as a general statement",
         finding=CONDITION,
         holds="It tends to the set of equilibria, if J ≻ 0, and the spurious ones are unstable. It "
         "converges to the optimum from every state with less energy than all of these. The paper's "
@@ -306,11 +322,38 @@ ROWS = (
     Row(
         number="15c",
         claim="Stopped where the rates have a norm below 1e-4, it has escaped the saddles.",
-        place="section 4.2; abstract: guarantees the global optimum",
-        finding=FALSE,
-        holds="The rule stops on an open set around every saddle, and changes with the unit of "
-        "length. The certified basin is a stopping rule that is sound.",
+        place="section 4.2, in our reading; section 3 gives the remedy",
+        finding=CONDITION,
+        holds="With the remedy that the paper gives: look at the Jacobian where it stopped, and "
+        "perturb. The rule alone stops on an open set around every saddle, and changes with the "
+        "unit "
+        "of length. The certified basin is a rule that needs no second look.",
         because=("certified_basin", "half_turns"),
         counterexample=counterexamples.STOPPED_AT_ONCE,
+    ),
+    Row(
+        number="15d",
+        claim="If all spurious equilibria are unstable, simulating converges to the optimum with "
+        "high probability.",
+        place="section 3, after Conjecture 6",
+        finding=OPEN,
+        holds="Every motion tends to the equilibria, and next to each spurious one there are "
+        "states "
+        "from which it leaves for good. That the states that stay have measure zero would take a "
+        "theorem on centre-stable manifolds; the paper does not say of which starts it speaks.",
+        because=("convergence", "instability"),
+    ),
+    Row(
+        number="15e",
+        claim="Where it did converge to an unstable equilibrium, the Jacobian there informs of it, "
+        "and a small perturbation helps it escape.",
+        place="section 3, after Conjecture 6",
+        finding=TRUE,
+        holds="At the optimum no eigenvalue has a positive real part, at every spurious "
+        "equilibrium "
+        "one has, if J ≻ 0. Arbitrarily near are states with less energy, from which the body "
+        "never "
+        "comes back.",
+        because=("pushforward", "characteristic_polynomial", "unstable_count", "instability"),
     ),
 )

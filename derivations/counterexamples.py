@@ -150,6 +150,18 @@ def _keeps(points: tuple[Vector, ...], last: int, image: tuple[int, ...]) -> boo
     )
 
 
+def _pulled_back(cloud: ExactCloud) -> list[Any]:
+    """At R = I, turned out of the plane from the rest at R_e: the torque; V_p there, at R_e, best.
+
+    R_e = R(100, 0, -1, 0), from which the turn to R = I is one about the second axis, forwards.
+    """
+    resting, start = rotation_of((100, 0, -1, 0)), ExactState(R=IDENTITY)
+    moved = [subtract(x, apply(resting, x)) for x in cloud.centred_source]
+    energies = [cloud.objective(R) for R in (IDENTITY, resting, rotation_of((0, 100, 0, 1)))]
+    balanced = not any(torque(cloud, ExactState(R=resting)))
+    return [balanced, all(step[2] for step in moved), *torque(cloud, start), *energies]
+
+
 def _zero_eigenvalues(cloud: ExactCloud) -> list[Any]:
     """At R = I, v = omega = 0: force, torque, uniqueness, rank of the ambient 18x18 Jacobian."""
     state = ExactState(R=IDENTITY)
@@ -266,6 +278,16 @@ INFINITE_WITHOUT_SYMMETRY = Counterexample(
     clouds=(_still(TWO_TETRAHEDRA),),
     found=_symmetric,
     expected=(True, 1, None),
+)
+PULLED_BACK = Counterexample(
+    words="the square (±1, ±1, 0), flipped over: at rest with the energy 16. Turned out of the "
+    "plane "
+    "by 1.1 degrees, about the axis in the plane across that of the flip, every corner leaves the "
+    "plane, the energy is 160032/10001, more than 16, and the torque, −1600/10001 about that axis "
+    "and nothing else, turns the body back",
+    clouds=(ExactCloud(source=SQUARE, target=turned(SQUARE, (0, 100, 0, 1))),),
+    found=_pulled_back,
+    expected=(True, True, 0, Fraction(-1600, 10001), 0, Fraction(160032, 10001), 16, 0),
 )
 SIX_ZEROS = Counterexample(
     words="the octahedron (±1,0,0), (0,±2,0), (0,0,±3) onto itself: at the optimum, the only one, "

@@ -75,6 +75,27 @@ def always_optimal(observed: Observations, clouds: Clouds) -> Evidence:
     )
 
 
+def likely_optimal(observed: Observations, _: Clouds) -> Evidence:
+    """Row 15d: how many simulations that come to rest do so at the optimum; a count, no theorem."""
+    stopped = [run for run in observed.simulations if run.stopped]
+    near = sum(run.distance <= NEAR for run in stopped)
+    return tally(near, stopped, "simulations that come to rest do so at the optimum")
+
+
+def out_of_the_plane(observed: Observations, clouds: Clouds) -> Evidence:
+    """Row 9d: the square, flipped and turned out of the plane, released at rest."""
+    del observed
+    run = descend(clouds[0])
+    off, energy = _off(run.rotation, clouds[0]), run.potential
+    return Evidence(
+        words=f"flipped over and turned 1.1° out of the plane, the square comes back: at rest "
+        f"after "
+        f"{run.steps} steps, {off:.0f}° from the optimum, V from {energy[0]:.4f} to "
+        f"{energy[-1]:.4f}",
+        agrees=run.stopped and off > HALF_TURN and bool(energy[-1] < energy[0]),
+    )
+
+
 def any_damping(observed: Observations, clouds: Clouds) -> Evidence:
     """Row 15b: explicit Euler at two dampings."""
     cloud = clouds[0].damped(SPIRAL_DAMPING)

@@ -220,6 +220,16 @@ def six_zeros(observed: Observations, _: Clouds) -> Evidence:
     )
 
 
+def jacobian_informs(observed: Observations, _: Clouds) -> Evidence:
+    """Row 15e: of the paper's 18 eigenvalues, whether one is to the right."""
+    told = [
+        [signs(pose.ambient).right > 0 for pose in run.poses] == [False, True, True, True]
+        for run in observed.equilibria
+    ]
+    words = "runs: an eigenvalue of the 18 has a positive real part at the spurious ones alone"
+    return tally(sum(told), observed.equilibria, words)
+
+
 def definite_inertia(observed: Observations, _: Clouds) -> Evidence:
     """Row 14: the least eigenvalue of J."""
     definite = sum(run.least_inertia > 0.0 for run in observed.equilibria)

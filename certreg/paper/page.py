@@ -38,7 +38,12 @@ if TYPE_CHECKING:
     from certreg.paper.verdicts import ClaimVerdict, Reproduction
 
 PAGE, TABLE, DOCUMENT = "verdicts.html", "verdicts.md", "verdicts.json"
-SIGNS = {"true": "✓", "true under a condition": "◐", "false as stated": "✗"}
+SIGNS = {
+    "true": "✓",
+    "true under a condition": "◐",
+    "false as stated": "✗",
+    "not proved here": "?",
+}
 STYLE = """
 :root { color-scheme: light; }
 body { font: 16px/1.55 system-ui, sans-serif; color: #1c1c1c; background: #fff;
@@ -56,6 +61,7 @@ article > header { grid-row: span 9; }
 .true { color: #00507a; background: #e8f2f9; }
 .true-under-a-condition { color: #7a4a00; background: #fdf3df; }
 .false-as-stated { color: #9c3b00; background: #fdeae0; }
+.not-proved-here { color: #444; background: #eee; }
 .state { font-size: .86rem; margin: .45rem 0 0; }
 .failed { color: #fff; background: #9c1c00; padding: .1rem .5rem; border-radius: .3rem; }
 .claim { font-weight: 600; margin: 0; }
@@ -92,7 +98,8 @@ def html_page(reproduction: Reproduction, drawings: Sequence[Drawing]) -> str:
 <p class="setup">{escape(setup_words(reproduction.observations))}</p>
 <h2>Claims</h2>
 <p class="lead">Each claim is true, or true under a condition that the paper does not state, or
-false as stated. The finding rests on proofs; what was measured in this run stands beside them.
+false as stated; or neither it nor its contrary is proved here. The finding rests on proofs; what
+was measured in this run stands beside them.
 {explained}</p>
 {claims}
 <h2>Figures</h2>

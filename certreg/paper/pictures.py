@@ -109,7 +109,8 @@ def polygon_drawing(observed: Observations) -> Drawing:
         "turn it counter-clockwise are solid, clockwise ones dashed. Below: each torque depends on "
         "θ, their sum (heavy line) is zero at every θ. So are all forces, exactly: the sums are "
         "polynomials in the tangent of θ/2 whose coefficients vanish. A circle of equilibria, all "
-        "unstable: turning a corner out of the plane lowers the energy.",
+        "unstable: turning it out of the plane about the axis of the flip lowers the energy (about "
+        "the other axis in the plane it raises it).",
         figure=figure,
     )
 

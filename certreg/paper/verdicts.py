@@ -34,6 +34,7 @@ MEASURED: dict[str, Callable[[Observations, Clouds], Evidence]] = {
     "9a": equilibrium_claims.symmetric_clouds,
     "9b": equilibrium_claims.polygons,
     "9c": equilibrium_claims.infinite_without_symmetry,
+    "9d": dynamics_claims.out_of_the_plane,
     "10": equilibrium_claims.spurious_unstable,
     "11": equilibrium_claims.pattern,
     "12": equilibrium_claims.six_zeros,
@@ -43,6 +44,8 @@ MEASURED: dict[str, Callable[[Observations, Clouds], Evidence]] = {
     "15a": dynamics_claims.always_optimal,
     "15b": dynamics_claims.any_damping,
     "15c": dynamics_claims.stopping_rule,
+    "15d": dynamics_claims.likely_optimal,
+    "15e": equilibrium_claims.jacobian_informs,
 }
 
 

@@ -208,7 +208,8 @@ CLAIM = Claim(
         "at most three": Mutation(at=7, proof=lambda: proof(bound=3)),
     },
     not_claimed=r"That there are four real ones, or how many: that is `classification`. That the "
-    r"matrix is invertible where there are only finitely many: a half turn needs another chart than "
+    r"matrix is invertible where there are only finitely many: a half turn needs another chart "
+    r"than "
     r"$(1, 0, 0, 0)$.",
     needs=("quaternions", "torque", "eigenvectors"),
     standard=(

@@ -117,6 +117,8 @@ FAULTS = {
     "11": lambda seen: with_eigenvalue(seen, 3, "ambient", -1.0),
     "12": lambda seen: with_eigenvalue(seen, 0, "ambient", -1.0),
     "13a": lambda seen: replace(seen, simulations=worse(seen.simulations, midpoint_rise=1e-9)),
+    "15d": lambda seen: replace(seen, simulations=worse(seen.simulations, distance=180.0)),
+    "15e": lambda seen: with_eigenvalue(seen, 1, "ambient", -1.0),
     "13b": lambda seen: replace(seen, simulations=worse(seen.simulations, first_rise=-1e-9)),
     "14": lambda seen: replace(seen, equilibria=worse(seen.equilibria, least_inertia=0.0)),
     "15a": lambda seen: replace(seen, simulations=worse(seen.simulations, distance=180.0)),
@@ -535,7 +537,7 @@ def test_the_command_confirms_every_finding_and_writes_everything(
     run = certreg("reproduce", "--runs", "2", "--out", tmp_path / "out")
 
     assert (run.code, run.err) == (0, "")
-    assert "24 of 24 findings are confirmed" in run.out
+    assert "27 of 27 findings are confirmed" in run.out
     assert "in 2 of 2 runs; 2 of 2 simulations" in run.out
     written_files = {str(p.relative_to(tmp_path / "out")) for p in tmp_path.rglob("*.*")}
     assert {"verdicts.html", "verdicts.md", "verdicts.json"} <= written_files
