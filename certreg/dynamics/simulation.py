@@ -68,9 +68,9 @@ TOO_FEW_SAMPLES = Absent("too few logged samples lie between the start and rest"
 class SimulationStatus(enum.Enum):
     """How a simulation ended; the value is the message shown to the user."""
 
-    CONVERGED = "The body came to rest at the optimum, inside the certified basin."
+    CONVERGED = "The body came to rest near the optimum, with too little energy to leave it."
     AT_REST = (
-        "The body came to rest at one of the optima; where the optimum is not unique, no more."
+        "The body came to rest near one of the optima; where the optimum is not unique, no more."
     )
     OUT_OF_STEPS = (
         "The steps ran out before the body was at rest at the optimum. The certificate does not "

@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from certreg.registration.fit import FitRow as FitRow
     from certreg.registration.fit import fit_of as fit_of
     from certreg.registration.headlines import DEGREE_SLACK as DEGREE_SLACK
+    from certreg.registration.headlines import HEADLINES as HEADLINES
     from certreg.registration.headlines import NO_ROTATION as NO_ROTATION
     from certreg.registration.headlines import WEAK as WEAK
     from certreg.registration.headlines import Headline as Headline
@@ -120,6 +121,7 @@ __getattr__ = lazy_face(
         ),
         "headlines": (
             "DEGREE_SLACK",
+            "HEADLINES",
             "NO_ROTATION",
             "WEAK",
             "Headline",

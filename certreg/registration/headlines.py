@@ -26,12 +26,14 @@ DEGREE_SLACK = 1.0 + 1e-15  # radians to degrees rounds twice
 class Headline:
     """The first line of an answer: a stamp, and words with places for proved numbers.
 
-    rests_on: claims of `certreg derive`, and the figures of the JSON. good: stamped green.
+    rests_on: claims of `certreg derive`, and figures of the JSON. code: that the command ends
+    with. good: stamped green on a page.
     """
 
     stamp: str
     words: str
     rests_on: tuple[str, ...]
+    code: int
     good: bool = False
 
     def said(self, **numbers: str) -> str:
@@ -39,87 +41,112 @@ class Headline:
         return f"{self.stamp}: {self.words.format(**numbers)}"
 
 
-_GAP = ("optimality_certificate", "translation_gap", "optimality.gap_bound")
+_GAP = (
+    *("optimality_certificate", "translation_gap", "energy_range"),
+    *("optimality.gap_bound", "optimality.gap_share"),
+)
 _ANGLE = "optimality.angle_bound_rad"
 CERTIFIED = Headline(
     stamp="CERTIFIED",
     words="the global optimum, and unique, to within the proved bounds.",
     rests_on=(*_GAP, _ANGLE, "classification"),
+    code=0,
     good=True,
 )
 NOT_UNIQUE = Headline(
     stamp="CERTIFIED, BUT NOT UNIQUE",
     words="no pose is better by more than the proved gap, and infinitely many are as good:",
     rests_on=(*_GAP, "classification"),
+    code=3,
 )
 NEARLY_AMBIGUOUS = Headline(
     stamp="CERTIFIED, BUT NEARLY AMBIGUOUS",
     words="the global optimum of exactly these numbers, to within the proved bounds.",
     rests_on=(*_GAP, _ANGLE, "classification", "margin.nearly_ambiguous"),
+    code=0,
 )
 BOUNDED = Headline(
     stamp="BOUNDED",
     words="within {gap} of the minimum ({share}), within {degrees} degrees of the one optimum.",
-    rests_on=(*_GAP, "optimality.gap_share", _ANGLE, "classification"),
+    rests_on=(*_GAP, _ANGLE, "classification"),
+    code=4,
 )
 BOUNDED_WITHOUT_ANGLE = Headline(
     stamp="BOUNDED",
     words="within {gap} of the minimum ({share}); no angle to the one optimum is proved.",
-    rests_on=(*_GAP, "optimality.gap_share", "classification"),
+    rests_on=(*_GAP, "classification"),
+    code=4,
 )
 BOUNDED_NOT_UNIQUE = Headline(
     stamp="BOUNDED",
     words="within {gap} of the minimum ({share}), and infinitely many poses are optimal:",
-    rests_on=(*_GAP, "optimality.gap_share", "classification"),
+    rests_on=(*_GAP, "classification"),
+    code=4,
 )
 NOT_CERTIFIED = Headline(
     stamp="NOT CERTIFIED",
     words="the pose is computed, but its optimality was not proved.",
     rests_on=("optimality.status",),
+    code=4,
 )
 
 WEAK = Headline(
     stamp="PROVED IN PART",
     words="the certificate in this file proves less than can be proved.",
-    rests_on=("the bounds below it, beside those that certify proves",),
+    rests_on=("optimality_certificate", "translation_gap"),
+    code=0,
 )
 
-_ABOVE = ("gap_lower", "gap_upper")
+_PROVED = ("optimality_certificate", "translation_gap", "gap_upper")
 OPTIMAL = Headline(
     stamp="OPTIMAL TO ROUNDING",
     words="within {degrees} degrees (proved).",
-    rests_on=("optimality_certificate", "gap_upper", "rounding_cost", "angle_upper_deg"),
+    rests_on=(*_PROVED, "rounding_cost", "angle_upper_deg"),
+    code=0,
     good=True,
 )
 OPTIMAL_NOT_UNIQUE = Headline(
     stamp="OPTIMAL TO ROUNDING",
     words="at most {gap} above the minimum (proved), as infinitely many poses are.",
-    rests_on=("optimality_certificate", "gap_upper", "rounding_cost", "classification"),
+    rests_on=(*_PROVED, "rounding_cost", "classification"),
+    code=0,
 )
 NEAR_OPTIMAL = Headline(
     stamp="NEAR-OPTIMAL",
     words="within {degrees} degrees, at most {gap} ({share}) above the minimum (proved).",
-    rests_on=("optimality_certificate", "gap_upper", "gap_share", "angle_upper_deg"),
+    rests_on=(*_PROVED, "energy_range", "gap_share", "angle_upper_deg"),
+    code=0,
 )
 NEAR_OPTIMAL_NOT_UNIQUE = Headline(
     stamp="NEAR-OPTIMAL",
     words="at most {gap} ({share}) above the minimum (proved); infinitely many poses have it.",
-    rests_on=("optimality_certificate", "gap_upper", "gap_share", "classification"),
+    rests_on=(*_PROVED, "energy_range", "gap_share", "classification"),
+    code=0,
 )
 SPURIOUS = Headline(
     stamp="SPURIOUS-EQUILIBRIUM",
     words="{near} degrees from {name}{end}.",
     rests_on=("eigenvectors", "unstable_count", "nearest.angle_deg", "nearest.morse_index"),
+    code=1,
 )
 NO_EQUILIBRIUM = Headline(
     stamp="NOT-AN-EQUILIBRIUM",
     words="{interval} above the minimum (proved).",
-    rests_on=("optimality_certificate", "translation_gap", *_ABOVE),
+    rests_on=(*_PROVED, "gap_lower"),
+    code=1,
 )
 NO_ROTATION = Headline(
     stamp="NOT-A-ROTATION",
     words="{fault}",
-    rests_on=("the numbers of the matrix or quaternion, in doubles",),
+    rests_on=("quaternions", "verdict"),
+    code=1,
+)
+
+HEADLINES = (
+    *(CERTIFIED, NEARLY_AMBIGUOUS, NOT_UNIQUE),
+    *(BOUNDED, BOUNDED_WITHOUT_ANGLE, BOUNDED_NOT_UNIQUE, NOT_CERTIFIED, WEAK),
+    *(OPTIMAL, OPTIMAL_NOT_UNIQUE, NEAR_OPTIMAL, NEAR_OPTIMAL_NOT_UNIQUE),
+    *(SPURIOUS, NO_EQUILIBRIUM, NO_ROTATION),
 )
 
 

@@ -15,7 +15,7 @@ from certreg.registration import (
     proved_degrees,
     share_words,
 )
-from certreg.results import Absent, ComponentKind, Guarantee, Optimality
+from certreg.results import Absent, ComponentKind, Guarantee, Limits, Optimality
 
 if TYPE_CHECKING:
     from certreg.dynamics import Trajectory
@@ -187,18 +187,19 @@ def verdict_words(registration: Registration) -> list[str]:
         ]
     elif registration.equilibria.nearly_ambiguous:
         lines.append("A very different pose fits almost as well: do not rely on the rotation.")
-    if status is Optimality.BOUNDED:
+    if status is Optimality.BOUNDED or registration.limits != Limits():
         lines.append(_limit_words(registration))
     return lines
 
 
 def _limit_words(registration: Registration) -> str:
-    """What would be called certified."""
+    """What is called certified, where that is asked for or not reached."""
     limits = registration.limits
     angle = ""
     if registration.equilibria.classification.unique:
         angle = f" and {limits.max_angle:g} radians of the optimum"
-    return f"Certified would be within {limits.max_gap:g} of the range of energies{angle}."
+    verb = "would be" if registration.status is Optimality.BOUNDED else "means here"
+    return f"Certified {verb} within {limits.max_gap:g} of the range of energies{angle}."
 
 
 def _status_lines(registration: Registration) -> list[str]:

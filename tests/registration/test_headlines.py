@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import mpmath
 import numpy as np
@@ -16,21 +18,28 @@ from mpmath.libmp import to_rational
 from strategies import ZOO, random_rotation
 
 from certreg.campaign import PairCampaign, read_listing
+from certreg.dynamics import SimulationStatus
 from certreg.exact import root_above
 from certreg.geometry import rotation_matrix
 from certreg.objective import Isotropic
 from certreg.problem import RegistrationProblem, exact_moments
-from certreg.registration import certify, code_of_registration, headline_of, headline_words
+from certreg.registration import (
+    HEADLINES,
+    certify,
+    code_of_registration,
+    headline_of,
+    headline_words,
+)
 from certreg.registration import headlines as listed
 from certreg.report import registration_summary, result_document
 from certreg.results import Limits, Optimality
 
 if TYPE_CHECKING:
-    from pathlib import Path
-    from typing import Any
-
     from certreg.registration import Registration
 
+SCHEMAS = Path(__file__).parents[2] / "certreg" / "report" / "schemas"
+CLAIMS = Path(__file__).parents[2] / "derivations" / "claims"
+KINDS = ("result", "assessment")
 NAN, INFINITE = float("nan"), float("inf")
 
 
@@ -220,3 +229,69 @@ def test_a_root_rounded_up_is_above_the_root():
     assert root_above(Fraction(0)) == 0.0
     assert root_above(Fraction(4)) == 2.0
     assert root_above(Fraction(10) ** 700) == INFINITE
+
+
+# The list of all headlines ----------------------------------------------------------------------
+
+PAGE = Path(__file__).parents[2] / "docs" / "reference" / "headlines.md"
+ROW = re.compile(r"^\| `(?P<line>[A-Z].*)` \| (?P<code>\d) \| (?P<rests>.+) \|$", re.MULTILINE)
+CLAIM = re.compile(r"\[(\w+)\]\(\.\./proofs/\1\.md\)")
+
+
+def test_the_page_of_headlines_is_that_of_the_program():
+    rows = {match["line"]: match for match in ROW.finditer(PAGE.read_text("utf-8"))}
+    assert list(rows) == [f"{one.stamp}: {one.words}" for one in HEADLINES]
+    for headline, row in zip(HEADLINES, rows.values(), strict=True):
+        names = re.findall(r"`([\w.]+)`|\[(\w+)\]", row["rests"])
+        assert [field or claim for field, claim in names] == list(headline.rests_on)
+        assert int(row["code"]) == headline.code
+
+
+def test_every_headline_is_listed():
+    defined = {value for value in vars(listed).values() if isinstance(value, listed.Headline)}
+
+    assert defined == set(HEADLINES)
+
+
+def test_a_headline_rests_on_claims_and_figures_that_exist():
+    schemas = [json.loads((SCHEMAS / f"certreg-{n}-1.json").read_text()) for n in KINDS]
+    for headline in HEADLINES:
+        for name in headline.rests_on:
+            figure = any(has_path(schema, name.split(".")) for schema in schemas)
+            assert figure or (CLAIMS / f"{name}.py").exists(), name
+
+
+def has_path(schema: Any, path: list[str]) -> bool:
+    """Whether a schema has a key of that path."""
+    if not path:
+        return True
+    options = [schema, *schema.get("anyOf", [])]
+    inner = [one["properties"][path[0]] for one in options if path[0] in one.get("properties", {})]
+    return any(has_path(one, path[1:]) for one in inner)
+
+
+def test_the_first_lines_of_a_simulation_are_on_the_page():
+    text = PAGE.read_text("utf-8")
+
+    assert all(f"`{status.value}`" in text for status in SimulationStatus)
+
+
+def test_green_is_only_what_is_certified_unique_and_far_from_a_tie():
+    assert {one.stamp for one in HEADLINES if one.good} == {"CERTIFIED", "OPTIMAL TO ROUNDING"}
+
+
+def test_no_headline_says_more_than_its_numbers():
+    for headline in HEADLINES:
+        assert "this is the global optimum" not in headline.words.lower()
+        assert "no other" not in headline.words
+        optimum = "global optimum" in headline.words
+        assert not optimum or headline.words.endswith("to within the proved bounds.")
+
+
+def test_a_limit_that_was_moved_is_said_beside_the_headline():
+    registration = replace(proof_of(attack(offset=1e16)), limits=Limits(max_gap=2.0))
+
+    assert registration.status is Optimality.CERTIFIED
+    assert "Certified means here within 2 of the range of energies" in registration_summary(
+        registration
+    )
