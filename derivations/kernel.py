@@ -52,12 +52,13 @@ class Claim:
     of it, in formulas. hypotheses: all that its proof may use. inherits: claims that the words of
     its proof build on, and whose assumptions it makes with them. setting: sentences on what the
     letters stand for. not_claimed: sentences. source: equation of the paper or bibliography key.
-    needs: names of the claims that the proof builds on. used_by: dotted names of the code whose
-    formulas it is about, or that relies on it. controls: name of a mutated statement -> its proof.
-    standard: facts of a first course (the spectral theorem, say) that its words use without a
-    proof. coq: names of the theorems in `derivations/coq` that say the same or a part of it, none
-    if no machine has checked it; not_in_coq: exactly what of the claim they do not say, or why
-    there is none.
+    needs: names of the claims that the proof builds on. runs: dotted names of the functions that
+    the proof itself runs, with symbols or case by case: what is proved is proved of this code.
+    used_by: of other code that relies on it; that link is tested, and not proved. controls: name of
+    a mutated statement -> its proof. standard: facts of a first course (the spectral theorem, say)
+    that its words use without a proof. coq: names of the theorems in `derivations/coq` that say the
+    same or a part of it, none if no machine has checked it; not_in_coq: exactly what of the claim
+    they do not say, or why there is none.
     """
 
     name: str
@@ -74,6 +75,7 @@ class Claim:
     setting: tuple[str, ...] = ()
     coq: tuple[str, ...] = ()
     needs: tuple[str, ...] = ()
+    runs: tuple[str, ...] = ()
     used_by: tuple[str, ...] = ()
     standard: tuple[str, ...] = ()
 
@@ -169,7 +171,7 @@ def prove(claim: Claim) -> ClaimOutcome:
     uses a hypothesis that is not declared, does not need one that is, or a control passes.
     """
     start = time.perf_counter()
-    steps = _until_refuted(claim.proof)
+    steps = until_refuted(claim.proof)
     dropped: tuple[Dropped, ...] = ()
     if steps and steps[-1].holds:
         dropped = tuple(_without(h, claim, steps) for h in claim.hypotheses)
@@ -184,7 +186,7 @@ def prove(claim: Claim) -> ClaimOutcome:
     )
 
 
-def _until_refuted(proof: Callable[[], Proof]) -> tuple[Step, ...]:
+def until_refuted(proof: Callable[[], Proof]) -> tuple[Step, ...]:
     """The steps up to the first that does not hold; what is raised is a step that does not."""
     steps: list[Step] = []
     try:
@@ -230,7 +232,7 @@ def _strict(step: Step, hypothesis: Hypothesis) -> bool:
 def _control(name: str, claim: Claim, own: Sequence[Step]) -> Control:
     """The proof of a mutated statement: it fails where it must, and an instance shows why."""
     mutation = claim.controls[name]
-    steps = _until_refuted(mutation.proof)
+    steps = until_refuted(mutation.proof)
     number, last = len(steps), steps[-1]
     if last.holds:
         return Control(name=name, refuted_at=None, number=0, complaint="the proof also proves this")

@@ -147,7 +147,14 @@ CLAIM = Claim(
     r"that leave the rotations (claim `characteristic_polynomial`). [Yang2020] stacks $R$ column "
     r"by column, which permutes rows and columns alike and keeps the eigenvalues.",
     needs=("euler_poincare", "total_torque"),
-    used_by=("certreg.dynamics.body.Body.ambient_jacobian", "derivations.linearisation"),
+    runs=(
+        "derivations.linearisation.ambient_jacobian",
+        "derivations.motion.rate",
+    ),
+    used_by=(
+        "certreg.dynamics.body.Body.ambient_jacobian",
+        "derivations.linearisation",
+    ),
     coq=(
         "jacobian_is_the_derivative",
         "paper_torque_is_torque",

@@ -223,7 +223,7 @@ CLAIM = Claim(
     },
     not_claimed="That one chart covers all rotations: none of dimension three does.",
     needs=("euler_poincare", "quaternions", "potential_energy", "kinetic_energy"),
-    used_by=("derivations.motion.newton_euler",),
+    runs=("derivations.motion.newton_euler",),
     not_in_coq=(
         "In Coq the equations of motion are a definition, written point by point; no "
         "principle of mechanics leads to them there."

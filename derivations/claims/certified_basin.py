@@ -335,7 +335,8 @@ CLAIM = Claim(
         "optimality_certificate",
     ),
     standard=(SPECTRAL,),
-    used_by=("certreg.verify.proves_basin", "certreg.certificate.producing.proves_basin"),
+    runs=("certreg.verify.proves_basin",),
+    used_by=("certreg.certificate.producing.proves_basin",),
     coq=(
         "no_spurious_equilibrium_in_basin",
         "spin_energy_never_rises",

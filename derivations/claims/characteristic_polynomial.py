@@ -182,6 +182,10 @@ CLAIM = Claim(
     not_claimed=r"That all eigenvalues at the optimum lie in the left half-plane, as a caption "
     r"of [Yang2020] says: six of the 18 are zero, at every equilibrium.",
     needs=("ambient_jacobian", "intrinsic_jacobian", "pushforward", "eigenvectors", "hessian"),
+    runs=(
+        "derivations.linearisation.ambient_jacobian",
+        "derivations.linearisation.intrinsic_jacobian",
+    ),
     used_by=(
         "certreg.equilibrium.stability.linearised_spectrum",
         "certreg.dynamics.body.Body.ambient_jacobian",

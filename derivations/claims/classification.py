@@ -303,8 +303,15 @@ CLAIM = Claim(
     not_claimed=r"Anything about how near a matrix is to another row: the decision is exact for "
     r"the numbers given, which for a measured cloud are rounded coordinates.",
     needs=("spectrum", "discriminant", "eigenvectors", "half_turns"),
-    used_by=(
+    runs=(
         "certreg.objective.classification.decide",
+        "certreg.objective.classification.invariants",
+        "certreg.objective.classification.Invariants.cubic_invariant",
+        "certreg.objective.classification.Classification.unique",
+        "certreg.objective.classification.Classification.finite",
+        "certreg.objective.classification.Classification.spurious",
+    ),
+    used_by=(
         "certreg.objective.classification.pattern_of",
         "certreg.objective.classification.Classification",
         "certreg.verify.multiplicities",

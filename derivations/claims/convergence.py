@@ -183,7 +183,11 @@ CLAIM = Claim(
         SPECTRAL,
         "Solutions of polynomial differential equations are unique and go on while bounded.",
     ),
-    used_by=("certreg.dynamics.simulation.simulate", "certreg.dynamics.basin.Basin"),
+    runs=("derivations.motion.rate",),
+    used_by=(
+        "certreg.dynamics.simulation.simulate",
+        "certreg.dynamics.basin.Basin",
+    ),
     not_in_coq=(
         "Neither that solutions exist nor LaSalle's theorem is proved in Coq; "
         "`certified_basin` shows where it is a hypothesis."

@@ -186,6 +186,10 @@ CLAIM = Claim(
     r"taken at the data as they are, differs from $2J$ by terms of the size of the noise. Not "
     r"defined where the optimum is not unique.",
     needs=("total_torque", "euler_poincare", "hessian", "inertia", "translation_gap"),
+    runs=(
+        "certreg.geometry.so3.davenport_matrix",
+        "certreg.geometry.so3.body_frame",
+    ),
     used_by=(
         "certreg.registration.covariance.pose_covariance",
         "certreg.registration.covariance.PoseCovariance",

@@ -155,7 +155,7 @@ CLAIM = Claim(
     not_claimed="That the links between particles exert forces of any particular kind: only that "
     "they do no work.",
     needs=("total_force", "total_torque", "inertia"),
-    used_by=("derivations.motion.newton_euler",),
+    runs=("derivations.motion.newton_euler",),
     not_in_coq=(
         "In Coq the equations of motion are a definition, written point by point; no "
         "principle of mechanics leads to them there."

@@ -61,10 +61,8 @@ CLAIM = Claim(
         ),
     },
     not_claimed=r"Anything about $q = 0$. That $R(q)$ is a rotation is the claim `quaternions`.",
-    used_by=(
-        "certreg.geometry.so3.davenport_matrix",
-        "certreg.objective.isotropic.Isotropic.alignment",
-    ),
+    runs=("certreg.geometry.so3.davenport_matrix",),
+    used_by=("certreg.objective.isotropic.Isotropic.alignment",),
     coq=(
         "davenport_form",
         "davenport_traceless",

@@ -167,11 +167,11 @@ CLAIM = Claim(
     not_claimed=r"Which eigenvalues coincide where the discriminant vanishes: that is "
     r"`classification`.",
     needs=("davenport", "spectrum"),
-    used_by=(
+    runs=(
         "certreg.objective.classification.invariants",
         "certreg.objective.classification.Invariants.discriminant",
-        "certreg.verify.multiplicities",
     ),
+    used_by=("certreg.verify.multiplicities",),
     coq=(
         "singular_values_symmetric_functions",
         "squares_are_eigenvalues_of_gram",

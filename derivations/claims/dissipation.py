@@ -174,7 +174,11 @@ CLAIM = Claim(
         "kinetic_energy",
         "potential_energy",
     ),
-    used_by=("certreg.dynamics.basin.Basin", "derivations.motion.rate"),
+    runs=("derivations.motion.newton_euler",),
+    used_by=(
+        "certreg.dynamics.basin.Basin",
+        "derivations.motion.rate",
+    ),
     coq=(
         "dissipation_reduction",
         "rotations_stay_rotations",

@@ -133,10 +133,10 @@ CLAIM = Claim(
     r"largest eigenvalue. It becomes one when it is rounded outwards and $\nu I - K \succ 0$ is "
     r"proved exactly.",
     needs=("davenport", "quaternions", "optimality_certificate", "elimination"),
+    runs=("certreg.verify.proves_level",),
     used_by=(
         "certreg.certificate.producing.proves_multiplier",
         "certreg.certificate.producing.multiplier_gap",
-        "certreg.verify.proves_level",
     ),
     coq=(
         "dual_gap",

@@ -176,6 +176,10 @@ CLAIM = Claim(
     r"(`classification`), or that an equilibrium is stable (`hessian`, `unstable_count`).",
     needs=("davenport", "quaternions", "torque", "equilibrium_equations"),
     standard=(SPECTRAL,),
+    runs=(
+        "certreg.geometry.so3.davenport_matrix",
+        "certreg.geometry.so3.body_frame",
+    ),
     used_by=(
         "certreg.equilibrium.presentation.equilibrium_set",
         "certreg.registration.closed_form.horn",

@@ -185,7 +185,10 @@ CLAIM = Claim(
     },
     not_claimed=r"That a semidefinite matrix is recognised: with a zero pivot the answer is no, "
     r"which then means *not positive definite* and nothing more.",
-    used_by=("certreg.exact.elimination.is_positive_definite", "certreg.verify.positive_definite"),
+    runs=(
+        "certreg.exact.elimination.is_positive_definite",
+        "certreg.verify.positive_definite",
+    ),
     coq=(
         "positive4_iff",
         "positive3_definite",

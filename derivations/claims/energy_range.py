@@ -164,6 +164,7 @@ CLAIM = Claim(
     r"is chosen.",
     needs=("davenport", "eigenvectors"),
     standard=(SPECTRAL,),
+    runs=("certreg.geometry.so3.davenport_matrix",),
     used_by=(
         "certreg.verify.IsotropicStatement",
         "certreg.certificate.bounds.PoseBounds.share_upper",

@@ -218,8 +218,8 @@ CLAIM = Claim(
             "solutions in complex numbers, multiplicities counted."
         ),
     ),
+    runs=("certreg.verify.coefficients",),
     used_by=(
-        "certreg.verify.coefficients",
         "certreg.verify.has_full_rank",
         "certreg.verify.CountStatement",
         "certreg.certificate.count.CountBody",

@@ -171,6 +171,7 @@ CLAIM = Claim(
     not_claimed="That the optimum is the only equilibrium, or unique: it is not, see "
     "`classification`. The argument of the paper about the next time step is not needed.",
     needs=("euler_poincare", "total_torque", "potential_energy"),
+    runs=("derivations.motion.rate",),
     used_by=(
         "certreg.equilibrium.presentation.equilibrium_set",
         "certreg.registration.enumeration.equilibria",

@@ -203,6 +203,7 @@ CLAIM = Claim(
     "in the example it is about a ten-thousandth of the energy at the start.",
     needs=("properness", "dissipation", "polar_projection"),
     standard=(SPECTRAL,),
-    used_by=("derivations.integrators.euler_step", "certreg.dynamics.simulation.simulate"),
+    runs=("derivations.integrators.euler_step",),
+    used_by=("certreg.dynamics.simulation.simulate",),
     not_in_coq="Nothing in Coq speaks of integrators.",
 )

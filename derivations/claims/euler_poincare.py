@@ -205,7 +205,8 @@ CLAIM = Claim(
     "shipped rates are the paper's formula for any matrix $R$.",
     needs=("kinetic_energy", "potential_energy", "total_force", "total_torque"),
     standard=("The fundamental lemma of the calculus of variations.",),
-    used_by=("derivations.motion.rate", "certreg.dynamics.body.Body.rate"),
+    runs=("derivations.motion.rate",),
+    used_by=("certreg.dynamics.body.Body.rate",),
     not_in_coq=(
         "In Coq the equations of motion are a definition, written point by point; no "
         "principle of mechanics leads to them there."

@@ -205,6 +205,7 @@ CLAIM = Claim(
     r"finitely many, and the code decides each case. Nor that a symmetric cloud is exceptional "
     r"(claim `symmetry`).",
     needs=("classification", "half_turns", "discriminant"),
+    runs=("certreg.objective.classification.invariants",),
     used_by=("certreg.objective.classification.Classification.finite",),
     not_in_coq=(
         "Genericity is not formalised: nothing in Coq speaks of measure. For each instance "

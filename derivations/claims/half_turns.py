@@ -129,6 +129,10 @@ CLAIM = Claim(
     not_claimed=r"That every two equilibria are $180^\circ$ apart: on a circle of equilibria, all "
     r"of the same energy, every angle occurs.",
     needs=("quaternions", "eigenvectors"),
+    runs=(
+        "certreg.geometry.so3.rotation_matrix",
+        "certreg.geometry.so3.body_frame",
+    ),
     used_by=(
         "certreg.geometry.so3.angle_between",
         "certreg.objective.isotropic.Isotropic.angle_to",

@@ -217,11 +217,13 @@ CLAIM = Claim(
     r"$R \exp(t[\varphi]_\times)$ is meant.",
     needs=("eigenvectors", "torque", "half_turns"),
     standard=(SPECTRAL,),
+    runs=(
+        "derivations.linearisation.hessian",
+        "derivations.linearisation.intrinsic_jacobian",
+    ),
     used_by=(
         "certreg.equilibrium.stability.curvature",
         "certreg.registration.covariance",
-        "derivations.linearisation.hessian",
-        "derivations.linearisation.intrinsic_jacobian",
     ),
     coq=(
         "first_variation",

@@ -119,6 +119,7 @@ CLAIM = Claim(
     },
     not_claimed="How well conditioned $J$ is: three points can be as nearly collinear as they "
     "like. Points of weight zero do not count as points.",
+    runs=("certreg.problem.moments.inertia",),
     used_by=(
         "certreg.problem.moments.ExactMoments.inertia",
         "certreg.problem.moments.Moments.inertia",

@@ -216,7 +216,11 @@ CLAIM = Claim(
     r"anything where $J$ is singular: the dynamics is not defined there.",
     needs=("eigenvectors", "hessian", "unstable_count", "dissipation", "convergence", "half_turns"),
     standard=(SPECTRAL,),
-    used_by=("certreg.equilibrium.stability.Curvature.witness", "certreg.dynamics.simulation"),
+    runs=("certreg.geometry.so3.davenport_matrix",),
+    used_by=(
+        "certreg.equilibrium.stability.Curvature.witness",
+        "certreg.dynamics.simulation",
+    ),
     coq=(
         "positive_index_grows",
         "spurious_equilibria_have_a_growing_mode",

@@ -162,6 +162,10 @@ CLAIM = Claim(
     not_claimed=r"That solutions of the linear equations stay near those of the true ones away "
     r"from an equilibrium: it is a derivative, at one state.",
     needs=("euler_poincare", "total_torque", "eigenvectors", "hessian"),
+    runs=(
+        "derivations.linearisation.intrinsic_jacobian",
+        "derivations.motion.rate",
+    ),
     used_by=(
         "certreg.dynamics.body.Body.intrinsic_jacobian",
         "certreg.equilibrium.stability",

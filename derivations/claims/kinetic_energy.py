@@ -104,7 +104,8 @@ CLAIM = Claim(
     not_claimed=r"The second form where $R$ is no rotation: there the energy of the particles is "
     r"$\tfrac12\operatorname{tr}(R^{\mathsf T}R\,[\omega]S_2[\omega]^{\mathsf T})$ instead.",
     needs=("inertia",),
-    used_by=("derivations.motion.kinetic", "certreg.dynamics.body.Body.energies"),
+    runs=("derivations.motion.kinetic",),
+    used_by=("certreg.dynamics.body.Body.energies",),
     coq=("kinetic_reduction",),
     not_in_coq="Nothing: the whole claim is proved there.",
 )

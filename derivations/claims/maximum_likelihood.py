@@ -141,6 +141,7 @@ CLAIM = Claim(
     not_claimed="That the noise is Gaussian, or that noise on the source is accounted for. "
     "That the minimum over rotations is unique: see the claim `classification`.",
     needs=("potential_energy",),
+    runs=("derivations.motion.potential_energy",),
     used_by=(
         "certreg.objective.isotropic.Isotropic.best_translation",
         "certreg.objective.isotropic.Isotropic.translation_energy",

@@ -320,10 +320,10 @@ CLAIM = Claim(
     r"h2J^{-1}\tau$ one step keeps it. Nothing is said of rounding, which the code takes out of "
     r"$|q|$ after each step, nor of how far the run is from the flow.",
     needs=("quaternions", "davenport", "torque", "euler_poincare", "inertia", "properness"),
-    used_by=(
+    runs=(
         "derivations.integrators.midpoint_residual",
         "derivations.integrators.midpoint_step",
-        "certreg.dynamics.simulation.simulate",
     ),
+    used_by=("certreg.dynamics.simulation.simulate",),
     not_in_coq="Nothing in Coq speaks of integrators.",
 )

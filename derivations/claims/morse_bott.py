@@ -154,11 +154,11 @@ CLAIM = Claim(
     r"dynamics needs $J \succ 0$ besides (claim `unstable_count`).",
     needs=("classification", "hessian", "half_turns"),
     standard=(SPECTRAL,),
-    used_by=(
+    runs=(
         "certreg.objective.classification.Classification.indices",
         "certreg.objective.classification.Classification.kinds",
-        "certreg.results.ComponentKind",
     ),
+    used_by=("certreg.results.ComponentKind",),
     coq=(
         "morse_index",
         "morse_indices_of_four",

@@ -204,6 +204,7 @@ CLAIM = Claim(
     r"rate is that of the exponential: at $\mu^*$ the slowest mode has a double root and decays "
     r"like $(1 + \text{const}\, t)\, e^{-kt}$. The energy decays at twice the rate.",
     needs=("characteristic_polynomial", "unstable_count", "hessian"),
+    runs=("derivations.motion.rate",),
     used_by=("certreg.dynamics.simulation.optimal_damping",),
     not_in_coq="Nothing in Coq speaks of rates of decay.",
 )

@@ -302,8 +302,11 @@ CLAIM = Claim(
     r"$\mu, \delta$ are. Nor that the correspondences are right.",
     needs=("davenport", "quaternions", "eigenvectors", "maximum_likelihood", "elimination"),
     standard=(SPECTRAL,),
-    used_by=(
+    runs=(
         "certreg.verify.proves_level",
+        "certreg.verify.davenport",
+    ),
+    used_by=(
         "certreg.certificate.producing.proves_optimality",
         "certreg.certificate.bounds.sin2_half_angle_between",
     ),

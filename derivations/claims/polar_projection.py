@@ -283,10 +283,10 @@ CLAIM = Claim(
     not_claimed="Anything about the size of the error of explicit Euler, or about the nearest "
     "rotation to a matrix that is not a rotation times $I + [a]_\\times$.",
     needs=("quaternions",),
-    used_by=(
+    runs=(
         "derivations.integrators.polar_turn",
         "derivations.integrators.euler_step",
-        "certreg.dynamics.simulation.simulate",
     ),
+    used_by=("certreg.dynamics.simulation.simulate",),
     not_in_coq="Nothing in Coq speaks of integrators.",
 )

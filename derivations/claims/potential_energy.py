@@ -121,9 +121,9 @@ CLAIM = Claim(
     not_claimed=r"That $R$ can leave $\mathrm{SO}(3)$ without a change of the formula: off it the "
     r"term $\operatorname{tr}(R S_2 R^{\mathsf T})$ is not constant.",
     needs=("davenport", "quaternions"),
+    runs=("derivations.motion.potential",),
     used_by=(
         "certreg.objective.isotropic.Isotropic.energy",
-        "derivations.motion.potential",
         "certreg.dynamics.body.Body.energies",
     ),
     coq=(

@@ -213,6 +213,7 @@ CLAIM = Claim(
     "only the reason given for it does not.",
     needs=("potential_energy", "inertia"),
     standard=(SPECTRAL,),
+    runs=("derivations.motion.potential_energy",),
     used_by=("certreg.dynamics.simulation.simulate",),
     not_in_coq="No theorem in Coq speaks of compactness.",
 )

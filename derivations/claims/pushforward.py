@@ -129,8 +129,12 @@ CLAIM = Claim(
     not_claimed=r"What the ambient Jacobian does to perturbations that are not in the image of "
     r"$P$: they leave the rotations (claim `characteristic_polynomial`).",
     needs=("ambient_jacobian", "intrinsic_jacobian"),
-    used_by=(
+    runs=(
         "derivations.linearisation.pushforward",
+        "derivations.linearisation.ambient_jacobian",
+        "derivations.linearisation.intrinsic_jacobian",
+    ),
+    used_by=(
         "certreg.dynamics.body.Body.ambient_jacobian",
         "certreg.dynamics.body.Body.intrinsic_jacobian",
     ),

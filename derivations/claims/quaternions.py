@@ -233,11 +233,11 @@ CLAIM = Claim(
     not_claimed=r"Anything about $q = 0$, which is no rotation, or about rounding.",
     needs=("davenport",),
     standard=("The rank of a projector is its trace.",),
-    used_by=(
+    runs=(
         "certreg.geometry.so3.rotation_matrix",
         "certreg.geometry.so3.body_frame",
-        "certreg.geometry.so3.quaternion_from_matrix",
     ),
+    used_by=("certreg.geometry.so3.quaternion_from_matrix",),
     coq=(
         "unit_quaternions_rotate",
         "every_rotation_has_a_quaternion",

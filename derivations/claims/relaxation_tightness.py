@@ -203,11 +203,12 @@ CLAIM = Claim(
     r"Nor that the value a solver prints is $\lambda_1$: see `dual_bound`.",
     needs=("davenport", "quaternions", "eigenvectors"),
     standard=(SPECTRAL,),
-    used_by=(
+    runs=(
         "certreg.relaxation.qcqp.quaternion_program",
+        "certreg.relaxation.qcqp.rotation_program",
         "certreg.geometry.constraints.rotation_quadratics",
-        "certreg.relaxation.shor.relax",
     ),
+    used_by=("certreg.relaxation.shor.relax",),
     not_in_coq=(
         "Nothing in Coq speaks of semidefinite programs; the bound from a multiplier is on "
         "the page `dual_bound`."

@@ -189,6 +189,7 @@ CLAIM = Claim(
     not_claimed=r"That $U$ and $V$ are unique. Nothing is computed this way: the singular values "
     r"are the frame of the proof, and the code decides without them.",
     needs=("davenport", "eigenvectors", "quaternions"),
+    runs=("certreg.geometry.so3.davenport_matrix",),
     used_by=(
         "certreg.objective.classification",
         "certreg.equilibrium.presentation.Margin",

@@ -321,11 +321,11 @@ CLAIM = Claim(
     "kick treats the gyroscopic torque explicitly, and with weak damping and large steps a run can "
     "diverge. The stopping rule, not the integrator, decides where a run has ended.",
     needs=("quaternions", "torque", "euler_poincare"),
-    used_by=(
+    runs=(
         "derivations.integrators.splitting_step",
         "derivations.integrators.accelerations",
         "derivations.integrators.squared_speed",
-        "certreg.dynamics.simulation.simulate",
     ),
+    used_by=("certreg.dynamics.simulation.simulate",),
     not_in_coq="Nothing in Coq speaks of integrators.",
 )

@@ -117,7 +117,7 @@ CLAIM = Claim(
     not_claimed=r"Anything about damping, which is a torque of its own. Nor that the first formula "
     r"is the torque of the springs' forces where $R$ is not a rotation.",
     needs=("davenport", "total_torque"),
-    used_by=(
+    runs=(
         "derivations.motion.spring_torque",
         "derivations.integrators.quaternion_torque",
     ),

@@ -110,7 +110,11 @@ CLAIM = Claim(
     not_claimed="That drag is physical: it is proportional to a particle's mass so that the sums "
     "close, as in the paper.",
     needs=("potential_energy",),
-    used_by=("derivations.motion.rate", "certreg.dynamics.body.Body.rate"),
+    runs=("derivations.motion.newton_euler",),
+    used_by=(
+        "derivations.motion.rate",
+        "certreg.dynamics.body.Body.rate",
+    ),
     coq=("force_reduction",),
     not_in_coq="Nothing: the whole claim is proved there, for every matrix $R$.",
 )

@@ -150,7 +150,14 @@ CLAIM = Claim(
     },
     not_claimed="That the paper's torque is that of the forces off $\\mathrm{SO}(3)$: it is not.",
     needs=("quaternions", "inertia", "total_force"),
-    used_by=("derivations.motion.rate", "certreg.dynamics.body.Body.rate"),
+    runs=(
+        "derivations.motion.newton_euler",
+        "derivations.motion.spring_torque",
+    ),
+    used_by=(
+        "derivations.motion.rate",
+        "certreg.dynamics.body.Body.rate",
+    ),
     coq=(
         "torque_reduction",
         "paper_torque_is_torque",

@@ -292,8 +292,8 @@ CLAIM = Claim(
         SPECTRAL,
         r"Cholesky: $J \succ 0$ is $T T^{\mathsf T}$ with an invertible matrix $T$.",
     ),
+    runs=("certreg.objective.classification.Classification.unstable",),
     used_by=(
-        "certreg.objective.classification.Classification.unstable",
         "certreg.equilibrium.stability.spring_ratios",
         "certreg.verify",
     ),

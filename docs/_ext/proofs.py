@@ -33,6 +33,10 @@ if TYPE_CHECKING:
 
 FOLDER = "proofs"  # the page of a claim is FOLDER/NAME
 NO_CODE = "No code: it is a step of the chain."
+RUN = (
+    "The proof runs these functions, with symbols or case by case: what is proved, is of this code."
+)
+RELYING = "This code relies on it. That it does what is proved is tested, and not proved."
 MACHINE = "/machine-checked-proofs.md"
 IN_COQ = (
     "Proved a second time, by other means, as statements that Coq's kernel has accepted. [The page "
@@ -209,9 +213,12 @@ class Proof(MarkdownDirective):
         return [nodes.container("", prose, code, facts, classes=["in-coq"])]
 
     def _code(self, claim: Claim) -> list[nodes.Node]:
-        if not claim.used_by:
-            return [nodes.paragraph(text=NO_CODE)]
-        return [listing(dotted, self.env.docname) for dotted in claim.used_by]
+        shown: list[nodes.Node] = []
+        for words, names in ((RUN, claim.runs), (RELYING, claim.used_by)):
+            if names:
+                listed = [listing(dotted, self.env.docname) for dotted in names]
+                shown += [nodes.paragraph(text=words), *listed]
+        return shown or [nodes.paragraph(text=NO_CODE)]
 
 
 def _source(claim: Claim) -> Disclosure:

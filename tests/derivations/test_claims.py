@@ -5,13 +5,16 @@ from __future__ import annotations
 import importlib
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 from claim_outcomes import outcome
 
 from certreg.results import Ruling
 from derivations import book, latex
+from derivations.kernel import until_refuted
 from derivations.notation import vector
+from derivations.steps import Kind
 
 ROOT = Path(__file__).parents[2]
 
@@ -34,13 +37,33 @@ def test_the_claim_names_what_it_needs_and_the_code_that_relies_on_it(name):
     claim = book.claim(name)
 
     assert set(claim.needs) <= set(book.names())
-    for dotted in claim.used_by:
-        assert resolves(dotted), dotted
+    assert not set(claim.runs) & set(claim.used_by)
+    for dotted in (*claim.runs, *claim.used_by):
+        assert named(dotted) is not None, dotted
     texts = (claim.statement, claim.not_claimed, claim.source)
     premises = (sentence for _, sentences in claim.premises for sentence in sentences)
     for text in (*texts, *premises, *claim.standard):
         assert text.strip() == text != ""
         assert text.count("$") % 2 == 0, text
+
+
+def sabotaged(*_arguments, **_named):
+    raise RuntimeError("gone")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in book.names() if book.claim(name).runs])
+def test_the_proof_runs_the_code_that_it_is_said_to_run(name, monkeypatch):
+    """With any one of these functions gone, the proof breaks off."""
+    claim = book.claim(name)
+    for dotted in claim.runs:
+        owner, _, attribute = dotted.rpartition(".")
+        function = vars(named(owner))[attribute]
+        function = function.fget if isinstance(function, property) else function
+        with monkeypatch.context() as patch:
+            patch.setattr(function, "__code__", sabotaged.__code__)
+            last = until_refuted(claim.proof)[-1]
+        assert last.kind is Kind.BROKEN, dotted
 
 
 def test_no_claim_needs_one_that_comes_to_need_it():
@@ -63,8 +86,8 @@ def test_every_file_of_claims_is_in_the_book_once():
     assert sorted(book.names()) == sorted(files)
 
 
-def resolves(dotted: str) -> bool:
-    """Whether a dotted name is a module, or an attribute of a class or a module."""
+def named(dotted: str) -> Any:
+    """A module, or an attribute of a class or a module; None if there is none of that name."""
     parts = dotted.split(".")
     for k in range(len(parts), 0, -1):
         try:
@@ -73,8 +96,8 @@ def resolves(dotted: str) -> bool:
             continue
         for part in parts[k:]:
             found = getattr(found, part, None)
-        return found is not None
-    return False
+        return found
+    return None
 
 
 def test_an_unknown_claim_is_a_key_error():
