@@ -23,7 +23,7 @@ NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_E
 unexport PYTHONDONTWRITEBYTECODE
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test chromium test-browser test-huge test-oracles golden proofs fuzz fit-rates compare-checkers kills generate report-asset check-report-asset lint bench peers lock clean
+.PHONY: help demo docs test chromium test-browser test-huge test-oracles golden proofs fuzz fit-rates brackets hard compare-checkers kills generate report-asset check-report-asset lint bench peers lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -74,6 +74,12 @@ fuzz: $(READY)  ## a million broken files for the readers (two minutes)
 
 fit-rates: $(READY)  ## warnings of a fit: ten misfits, 2,000 good problems (half a minute)
 	@$(RUN) tests/fit_rates.py
+
+brackets: $(READY)  ## every printed bound beside an exact oracle, on 5,000 random problems (ten minutes)
+	@$(RUN) tests/brackets.py
+
+hard: $(READY)  ## 280 hard instances: codes of what is certified, simulations that converge (two minutes)
+	@$(RUN) tests/hard_instances.py
 
 compare-checkers: $(READY)  ## hold verify.py to that of the commit BASE on 20,000 mutated certificates (a minute or two)
 	@PYTHONPATH=. $(RUN) tests/compare_checkers.py '$(BASE)'

@@ -10,6 +10,7 @@ import pytest
 import strategies
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 import certreg
 from certreg import RegistrationProblem, assess
@@ -158,3 +159,44 @@ def test_what_is_no_rotation_is_told_why(matrix, words):
 def test_arrays_of_other_shapes_are_refused(rotation, translation):
     with pytest.raises(InvalidProblemError, match="finite numbers"):
         assess(RegistrationProblem(ROD, ROD), rotation, translation)
+
+
+def at_saddle(factor: float) -> tuple[RegistrationProblem, np.ndarray, np.ndarray]:
+    """The index-1 rotation, and a translation that costs `factor` times the range of energies."""
+    problem = strategies.random_problem(np.random.default_rng(3), n=12, noise=0.1)
+    objective = Isotropic(exact_moments(problem))
+    first, second, *_, last = map(float, objective.eigenvalues)
+    q = np.array(objective.eigenvectors[1], dtype=float)
+    q /= np.linalg.norm(q)
+    R = Rotation.from_quat(q, scalar_first=True).as_matrix()
+    mass = problem.weights.sum()
+    x, y = problem.weights @ problem.source / mass, problem.weights @ problem.target / mass
+    length = math.sqrt(2 * (first - last) / mass * factor)
+    assert second < first
+    return problem, q, y - R @ x + length * np.array([0.6, 0.0, 0.8])
+
+
+@pytest.mark.parametrize(
+    ("factor", "verdict"),
+    [
+        (0.99e-6, PoseVerdict.SPURIOUS_EQUILIBRIUM),
+        (1.01e-6, PoseVerdict.NOT_AN_EQUILIBRIUM),
+        (1e-4, PoseVerdict.NOT_AN_EQUILIBRIUM),
+    ],
+)
+def test_an_equilibrium_may_be_shifted_by_a_thousandth_of_the_clouds_size(factor, verdict):
+    """Energies are squares of lengths: 1e-3 of the size costs 1e-6 of the range."""
+    assert assess(*at_saddle(factor)).verdict is verdict
+    assert certreg.AssessmentSettings().equilibrium_shift == 1e-3
+
+
+@pytest.mark.parametrize(("factor", "said"), [(0.98e-18, False), (1.02e-18, True), (1e-10, True)])
+def test_centroids_apart_are_told_from_a_billionth_of_the_clouds_size_on(factor, said):
+    problem, q, t = at_saddle(factor)
+    turned = q + 1e-2 * np.array([-q[1], q[0], q[3], -q[2]])
+    R, S = (Rotation.from_quat(r, scalar_first=True).as_matrix() for r in (q, turned))
+    x = problem.weights @ problem.source / problem.weights.sum()
+    found = assess(problem, turned / np.linalg.norm(turned), t + (R - S) @ x)
+
+    assert found.verdict is PoseVerdict.NOT_AN_EQUILIBRIUM
+    assert ("and the centroids" in found.words) == said

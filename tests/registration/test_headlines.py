@@ -31,7 +31,8 @@ from certreg.registration import (
     headline_words,
 )
 from certreg.registration import headlines as listed
-from certreg.report import registration_summary, result_document
+from certreg.report import html_page, registration_summary, result_document
+from certreg.report.page import Report
 from certreg.results import Limits, Optimality
 
 if TYPE_CHECKING:
@@ -171,6 +172,18 @@ def test_a_nearly_ambiguous_optimum_is_never_stamped_green():
     assert registration.status is Optimality.CERTIFIED
     assert headline_of(registration) is listed.NEARLY_AMBIGUOUS
     assert not headline_of(registration).good
+
+
+@pytest.mark.parametrize(("squeeze", "kind"), [(1e-5, "open"), (0.5, "good")])
+def test_the_page_stamps_green_what_is_certified_and_far_from_ambiguous(squeeze: float, kind: str):
+    source = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]])
+    target = source * [1.0, 1.0, -(1.0 - squeeze)]
+    registration = proof_of(RegistrationProblem(source, target))
+    page = html_page(Report.of(registration)).decode()
+    stamps = re.findall(r'<p class="stamp (\w+)">([^<]*)</p>', page)
+
+    assert stamps == [(kind, headline_of(registration).stamp)]
+    assert registration.equilibria.nearly_ambiguous == (kind == "open")
 
 
 @pytest.mark.parametrize("value", [-1.0, NAN, INFINITE])

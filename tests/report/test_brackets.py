@@ -1,0 +1,185 @@
+"""Printed bounds bracket an exact oracle: a few problems here, 5,000 in `make brackets`."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+import brackets
+import flint
+import numpy as np
+import pytest
+from brackets import BITS, FAMILIES, Oracle, bounds_of, made
+from commands import checked
+from strategies import ZOO, random_problem
+
+from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds
+from certreg.exact.dyadic import Dyadic
+from certreg.registration.certification import certify
+from certreg.report.document import result_document
+from certreg.report.page import Report, html_page
+from certreg.report.summary import registration_summary
+
+if TYPE_CHECKING:
+    from certreg.registration.certification import Registration
+
+EVERYWHERE = {  # where bounds are printed; a page or a sentence that is written anew is read anew
+    "JSON angle_bound_rad",
+    "JSON gap_bound",
+    "JSON gap_share",
+    "JSON proved_gap",
+    "assess gap_lower",
+    "assess gap_upper",
+    "certificate gap",
+    "certificate sdp_gap",
+    "certificate sin#",
+    "checker: Every global optimum is within # degrees of R",
+    "checker: The relaxation's dual bounds that gap by #.",
+    "checker: This gap is less than # of the range",
+    "checker: exceeds the global minimum by less than #",
+    "checker: the minimum is at least #; sqrt(gap / sum of weights) is below #.",
+    "checker: weights: #; objective at R, best translation: #; both",
+    "dual: bounds the gap independently: at most #.",
+    "dual: proved gap #",
+    "page: above the global minimum: # of the range",
+    "page: exceeds the minimum by at most #.",
+    "page: printed here is within # degrees of it",
+    "page: ≤ # of the objective above the global minimum",
+    "terminal: objective - minimum <= #",
+    "terminal: objective - minimum <= #, # of the range",
+    "terminal: within # degrees of the optimum",
+}
+
+
+@pytest.fixture(scope="module")
+def registration() -> Registration:
+    return certify(random_problem(np.random.default_rng(16), n=6), simulation=False)
+
+
+# The sample --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(3 * len(FAMILIES)))
+def test_every_printed_bound_is_one(seed: int):
+    bounds = bounds_of(made(seed), seed)
+
+    assert not [bound.place for bound in bounds if not bound.holds()]
+    assert len(bounds) > 15
+
+
+def test_every_place_where_a_bound_is_printed_is_read(registration: Registration):
+    kinds = {bound.kind for bound in bounds_of(registration.problem)}
+
+    assert kinds >= EVERYWHERE
+
+
+def test_a_bound_that_is_none_is_seen():
+    bounds = [bound for bound in bounds_of(made(0)) if bound.printed]
+    for bound in bounds:
+        with flint.ctx.workprec(BITS):
+            near = Fraction(float(bound.true.mid().str(20, radius=False)))
+        worse = near * (1 + Fraction(1, 10**9) * (1 if bound.lower else -1))
+        assert bound.holds()
+        assert not replace(bound, printed=worse).holds(), bound.place
+
+
+# The oracle --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: specimen.name)
+def test_the_oracle_knows_the_zoo(specimen):
+    """`pattern` is proved by hand: the first entry is 1 iff the optimum is unique."""
+    with flint.ctx.workprec(BITS):
+        oracle = Oracle.of(specimen.problem)
+        assert oracle.unique == (specimen.pattern[0] == 1)
+        if oracle.unique:
+            pairs = zip(oracle.optimum, oracle.C, strict=True)
+            terms = [a * brackets.ball(b) for r, s in pairs for a, b in zip(r, s, strict=True)]
+            assert sum(terms, flint.arb(0)).overlaps(oracle.best)
+            gram = brackets.product(brackets.transpose(oracle.optimum), oracle.optimum)
+            assert all(gram[i][j].overlaps(flint.arb(i == j)) for i in range(3) for j in range(3))
+            assert brackets.det(oracle.optimum).overlaps(flint.arb(1))
+
+
+# Each kind of rounding by itself -----------------------------------------------------------------
+
+ABOVE = Fraction(2**60 + 1, 2**60)  # the nearest double is 1: too little for an upper bound
+BELOW = Fraction(2**60 - 1, 2**60)  # and too much for a lower one
+
+
+def claiming(registration: Registration, **claims: Any) -> Registration:
+    """As if the certificate claimed something else."""
+    solution = registration.solution
+    certificate = checked(solution.certificate)
+    body = replace(certificate.body, claims=replace(certificate.body.claims, **claims))
+    stated = replace(solution, certificate=replace(certificate, body=body))
+    return replace(registration, solution=stated)
+
+
+def test_the_gap_of_the_relaxation_is_rounded_up(registration: Registration):
+    odd = claiming(registration, sdp_gap=Dyadic(mantissa=2**60 + 1, exponent=-60))
+    document = result_document(odd)
+
+    assert document["relaxation"]["proved_gap"] == math.nextafter(1.0, 2.0)
+    assert ", proved gap 1.01\n" in registration_summary(odd)
+    page = brackets.seen(html_page(Report.of(odd)))
+    assert "bounds the gap independently: at most 1.01." in page
+
+
+def test_gap_and_share_of_a_pose_are_rounded_outwards(registration: Registration):
+    bounds = PoseBounds(
+        least_gap=BELOW, greatest_gap=ABOVE, angle_upper=0.5, least_range_squared=Fraction(1)
+    )
+    odd = replace(registration, bounds=bounds)
+    stated = result_document(odd)["optimality"]
+
+    assert stated["gap_bound"] == math.nextafter(1.0, 2.0)
+    assert Fraction(stated["gap_share"]) >= ABOVE
+    assert "objective - minimum <= 1.01, 1.01 times the range" in registration_summary(odd)
+    assert bounds.gap_lower == math.nextafter(1.0, 0.0)
+    assert " within 28.7 degrees of" in registration_summary(odd)  # 0.5 rad is 28.64... degrees
+
+
+@pytest.mark.parametrize(("claimed", "turned"), [(0.3, 0.2), (1e-9, 0.2), (0.2, 1e-9), (3.0, 1.0)])
+def test_the_angle_of_a_pose_is_bounded_by_the_sum_of_two(
+    registration: Registration, claimed: float, turned: float
+):
+    """The optimum may lie on the other side of the certified rotation: no less would do."""
+    body = checked(registration.solution.certificate).body
+    sine = Dyadic(mantissa=round(math.sin(claimed / 2) ** 2 * 2.0**80), exponent=-80)
+    body = replace(body, claims=replace(body.claims, sin2_half_angle=sine))
+    q = np.array(body.quaternion, dtype=float)
+    w, x, y, z = q / np.linalg.norm(q)
+    across = np.array([-x, w, z, -y])  # a turn about the first axis
+    pose = math.cos(turned / 2) * np.array([w, x, y, z]) + math.sin(turned / 2) * across
+    place = ExactPose.of_doubles(pose, np.zeros(3))
+    upper = checked(pose_bounds(registration.solution.objective, body, place).angle_upper)
+
+    assert min(math.pi, claimed + turned) - 1e-12 <= upper
+    assert upper <= min(math.pi, (claimed + turned) * (1 + 1e-9))
+
+
+def test_a_certificate_of_another_rotation_bounds_the_gap_of_every_pose(registration: Registration):
+    """What a weak certificate leaves open of its own rotation is open of each pose."""
+    certificate, objective = checked(registration.solution.certificate), registration.solution
+    off = tuple(round(entry * 2**20) for entry in np.array([1.0, 0.05, -0.02, 0.1]))
+    with flint.ctx.workprec(BITS):
+        oracle = Oracle.of(registration.problem)
+        true = oracle.gap([Fraction(entry) for entry in off])
+        claimed = Dyadic(mantissa=math.ceil(float(true.mid()) * 2**20) + 1, exponent=-20)
+    body = replace(certificate.body, quaternion=off)
+    body = replace(body, claims=replace(body.claims, gap=claimed))
+    for q in (off, certificate.body.quaternion, (3, 1, -1, 2)):
+        exact = [Fraction(entry) for entry in q]
+        x, y = oracle.mean(oracle.source), oracle.mean(oracle.target)
+        R = brackets.rotation(exact)
+        t = [
+            b - sum(a * c for a, c in zip(row, x, strict=True)) for row, b in zip(R, y, strict=True)
+        ]
+        place = ExactPose(quaternion=q, translation=tuple(t))
+        bounds = pose_bounds(objective.objective, body, place)
+        with flint.ctx.workprec(BITS):
+            assert brackets.ball(bounds.greatest_gap) >= oracle.gap(exact, t)
+            assert not bounds.least_gap or brackets.ball(bounds.least_gap) <= oracle.gap(exact, t)
