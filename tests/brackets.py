@@ -278,7 +278,10 @@ READ_POSE = (  # in the terminal and on the page, of the pose printed there
     (rf"above the global minimum: {NUMBER} (?:of|times) the range", SHARE),
     (rf"printed here is within {NUMBER} degrees of it", ANGLE),
 )
-READ_DUAL = (rf"proved gap {NUMBER}(?:\n|$)", rf"bounds the gap independently: at most {NUMBER}\.")
+READ_DUAL = (
+    rf"proved gap {NUMBER}(?:\n|$)",
+    rf"bounds the gap of the certified rotation independently: at most {NUMBER}\.",
+)
 READ_CHECKER = (
     (rf"exceeds the global minimum by less than {NUMBER} ", GAP),
     (rf"This gap is less than {NUMBER} of the range", SHARE),

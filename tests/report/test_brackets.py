@@ -41,7 +41,7 @@ EVERYWHERE = {  # where bounds are printed; a page or a sentence that is written
     "checker: exceeds the global minimum by less than #",
     "checker: the minimum is at least #; sqrt(gap / sum of weights) is below #.",
     "checker: weights: #; objective at R, best translation: #; both",
-    "dual: bounds the gap independently: at most #.",
+    "dual: bounds the gap of the certified rotation independently: at most #.",
     "dual: proved gap #",
     "page: above the global minimum: # of the range",
     "page: exceeds the minimum by at most #.",
@@ -125,7 +125,7 @@ def test_the_gap_of_the_relaxation_is_rounded_up(registration: Registration):
     assert document["relaxation"]["proved_gap"] == math.nextafter(1.0, 2.0)
     assert ", proved gap 1.01\n" in registration_summary(odd)
     page = brackets.seen(html_page(Report.of(odd)))
-    assert "bounds the gap independently: at most 1.01." in page
+    assert "of the certified rotation independently: at most 1.01." in page
 
 
 def test_gap_and_share_of_a_pose_are_rounded_outwards(registration: Registration):
