@@ -1,7 +1,9 @@
 """The derivations: a chain of claims from the Lagrangian to the code that is shipped.
 
-`kernel` says what a claim, a step and a control are; `algebra` holds the exact checks that a step
-is made of; `notation`, `moments` and `cloud` the symbols. Each file in `claims` states one theorem
+`kernel` says what a claim and a control are, and proves; `steps` what a step is, `hypothesis` what
+it may use, `algebra` holds the exact checks, on the polynomials of `rings`; `instances` looks for
+the points at which what must be false is. `notation`, `moments` and `motion` hold the symbols,
+`hypotheses` those that several claims share. Each file in `claims` states one theorem
 and proves it about the shipped function; `book` puts them in the order in which one needs another;
 `audit` holds the paper's claims against them; `emit` turns derived expressions into code.
 

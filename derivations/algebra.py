@@ -174,12 +174,17 @@ def _product(ring: PolyRing, values: list[Any]) -> PolyElement:
 def _is_positive(factor: Any) -> bool:
     """Whether a hypothesis, or being a positive number, makes a factor positive, not only >= 0."""
     if isinstance(factor, Square):
-        base = factor.base
-        forms = {Form.POSITIVE, Form.INVERTIBLE}
-        return isinstance(base, Part) and base.hypothesis.form in forms
+        return isinstance(factor.base, Part) and _is_not_zero(factor.base.hypothesis)
     if isinstance(factor, Part):
         return factor.hypothesis.form is Form.POSITIVE
     return bool(sympy.sympify(factor) > 0)
+
+
+def _is_not_zero(hypothesis: Hypothesis) -> bool:
+    """Whether each value of a hypothesis is not zero; entries of an invertible matrix may be."""
+    if hypothesis.form is Form.INVERTIBLE:
+        return hypothesis.columns == 1
+    return hypothesis.form is Form.POSITIVE
 
 
 def _named(factor: Any) -> list[Hypothesis]:

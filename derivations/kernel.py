@@ -233,7 +233,7 @@ def _control(name: str, claim: Claim, own: Sequence[Step]) -> Control:
     """The proof of a mutated statement: it fails where it must, and an instance shows why."""
     mutation = claim.controls[name]
     steps = until_refuted(mutation.proof)
-    number, last = len(steps), steps[-1]
+    number, last = len(steps), steps[-1] if steps else Step.broken(ValueError("no step"))
     if last.holds:
         return Control(name=name, refuted_at=None, number=0, complaint="the proof also proves this")
     words, complaint = "", ""

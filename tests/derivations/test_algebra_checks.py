@@ -9,7 +9,7 @@ from certreg.results import Ruling
 from derivations import algebra
 from derivations.algebra import Square
 from derivations.hypothesis import equation, invertible, nonnegative_by, positive_by, vanishing
-from derivations.notation import scalar
+from derivations.notation import matrix, scalar
 
 X, Y = scalar("x"), scalar("y")
 ON_THE_CIRCLE = equation("x^2 = 1 - y^2", X, 2, 1 - Y**2)
@@ -119,6 +119,14 @@ def test_what_is_not_zero_by_hypothesis_has_a_positive_square_and_not_its_genera
     inverse = invertible("x u = 1", X, scalar("u"))
 
     assert algebra.positive("x^2 > 0", X**2, [[Square(inverse[0])]]).verdict.proved
+
+
+def test_an_entry_of_an_invertible_matrix_may_be_zero():
+    turn = invertible("A B = I", matrix("A", 2), matrix("B", 2))
+    entry = matrix("A", 2)[0, 1]
+
+    assert algebra.nonnegative("", entry**2, [[Square(turn[0, 1])]]).verdict.proved
+    assert not algebra.positive("", entry**2, [[Square(turn[0, 1])]]).verdict.proved
 
 
 def test_facts_are_exact_and_not_empty():

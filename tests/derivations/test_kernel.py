@@ -223,6 +223,10 @@ def test_a_control_that_breaks_off_is_no_refutation():
     assert "the proof broke off, KeyError" in refused(at=1, proof=lambda: {}["proof"])
 
 
+def test_a_control_without_steps_is_no_refutation():
+    assert "no step" in refused(at=1, proof=lambda: ())
+
+
 def test_a_mutated_proof_of_a_true_statement_is_no_control():
     """The step fails, for its cofactor is wrong; what it says is true all the same."""
     assert refused(at=1, proof=lambda: squares(sum_of_both=X - Y)) == "no instance shows it false"
