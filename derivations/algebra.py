@@ -156,7 +156,8 @@ def _positivity(says: str, element: Any, products: list[list[Any]], *, strict: b
     )
     evidence = _count(len(products), "nonnegative product")
     if named:
-        evidence += "; by hypothesis: " + ", ".join(sorted({h.says for h in named}))
+        words = sorted({h.says.removesuffix(".") for h in named})
+        evidence += "; by hypothesis: " + "; ".join(words)
     kind = Kind.STRICT if strict else Kind.POSITIVITY
     if strict and not above:
         words = "no product of positive factors among them: it may be zero"

@@ -33,7 +33,8 @@ def derive(names: tuple[str, ...], out: Path | None, *, listing: bool) -> int:
     """Prove the derivations anew: every claim, or the ones named. Exit code 1 if one fails.
 
     Each claim prints its verdict, how many steps were checked, how many mutated statements were
-    refuted, how many hypotheses are needed, and the time. Then the claims of the paper, with theirs.
+    refuted, how many hypotheses are needed, and the time. Then the claims of the paper, with
+    theirs.
     """
     if listing:
         if names or out is not None:

@@ -231,12 +231,11 @@ def _source(claim: Claim) -> Disclosure:
 
 def _places(numbers: Iterable[int]) -> nodes.paragraph:
     """Links to steps."""
-    links: list[nodes.Node] = []
-    for number in numbers:
-        words = "" if links else "step "
-        links += [nodes.Text(", ")] if links else []
-        links.append(nodes.reference("", f"{words}{number}", refid=f"step-{number}"))
-    return nodes.paragraph("", "", *links)
+    links = [nodes.reference("", str(number), refid=f"step-{number}") for number in numbers]
+    shown: list[nodes.Node] = [nodes.Text("step " if len(links) == 1 else "steps ")]
+    for k, link in enumerate(links):
+        shown += [nodes.Text(", "), link] if k else [link]
+    return nodes.paragraph("", "", *shown)
 
 
 def _instance(words: str) -> nodes.paragraph:
