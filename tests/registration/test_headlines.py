@@ -19,7 +19,7 @@ from strategies import ZOO, random_rotation
 
 from certreg.campaign import PairCampaign, read_listing
 from certreg.dynamics import SimulationStatus
-from certreg.exact import root_above
+from certreg.exact import rational_root_above, root_above
 from certreg.geometry import rotation_matrix
 from certreg.objective import Isotropic
 from certreg.problem import RegistrationProblem, exact_moments
@@ -238,6 +238,8 @@ def test_a_root_rounded_up_is_above_the_root():
         value *= Fraction(2) ** int(rng.integers(-600, 600))
         root = root_above(value)
         assert Fraction(root) ** 2 >= value
+        near = rational_root_above(value + value**2)
+        assert value + value**2 <= near**2 <= (value + value**2) * (1 + Fraction(1, 2**60))
         assert Fraction(math.nextafter(math.nextafter(root, 0.0), 0.0)) ** 2 < value
     assert root_above(Fraction(0)) == 0.0
     assert root_above(Fraction(4)) == 2.0

@@ -82,7 +82,7 @@ def test_by_hand(form: str):
     sine = 3 * half**2 / 2 if form == "matrix" else half**2
     expected = math.sqrt(2) * 2 * math.sqrt(48) * sine
 
-    assert float(cost) == pytest.approx(expected, rel=1e-9)
+    assert float(cost) == pytest.approx(expected, rel=1e-9, abs=0.0)
 
 
 @pytest.mark.parametrize("form", FORMS)
