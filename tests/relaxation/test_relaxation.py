@@ -32,8 +32,8 @@ from certreg.geometry.so3 import quadratic_form, rotation_matrix, squared_norm
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import lift
-from certreg.relaxation import conic
-from certreg.relaxation.conic import RelaxationStatus
+from certreg.relaxation import conic, shor
+from certreg.relaxation.conic import ConicSolution, RelaxationStatus
 from certreg.relaxation.qcqp import (
     Form,
     homogeneous,
@@ -501,3 +501,25 @@ def test_what_the_solver_returns_is_below_the_truth_in_a_considerable_share_of_r
 
     assert value > runs // 4
     assert multiplier > runs // 4
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1.0, 1e9])
+@pytest.mark.parametrize(
+    ("values", "expected"),
+    [
+        ((1.0, 0.0, 0.0, 0.0), 1),
+        ((1.0, 0.99e-4, 1e-6, 0.0), 1),
+        ((1.0, 1.01e-4, 0.99e-4, -1e-9), 2),
+        ((1.0, 0.2, 1.01e-4, 1.01e-4), 4),
+        ((0.25, 0.25, 0.25, 0.25), 4),
+    ],
+)
+def test_the_rank_counts_eigenvalues_above_a_share_of_the_largest(values, expected, scale):
+    """Whatever the unit of Z: 1e-4, far above the solver's tolerance of 1e-8."""
+    turn = np.linalg.qr(np.random.default_rng(7).normal(size=(4, 4)))[0]
+    matrix = scale * (turn * values) @ turn.T
+    solution = ConicSolution(
+        status=RelaxationStatus.SOLVED, said="", value=0.0, multiplier=0.0, matrix=matrix
+    )
+
+    assert shor._rank(solution) == expected
