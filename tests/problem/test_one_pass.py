@@ -434,3 +434,24 @@ def test_without_a_compiler_the_pose_is_the_same_within_rounding(tmp_path):
 
     assert words[1][0] == "True"
     assert angle_between(ours, plain) <= 2e-14
+
+
+@pytest.mark.parametrize("n", [3, 40, 700])
+@pytest.mark.parametrize("offset", [0.0, 1e6])
+def test_rounding_is_no_less_than_what_its_proof_adds_up(n, offset):
+    """Three times 260 u sqrt(sum w |x|^2 sum w |y|^2), about origins: never less than about means.
+
+    Errors seen are a thousandth of that, so no comparison with them would miss a constant.
+    """
+    rng = np.random.default_rng(n)
+    problem = strategies.random_problem(rng, n=n, offset=offset, decades=6.0)
+    found, exact = floating_moments(problem), exact_moments(problem)
+    unit = Fraction(2) ** (exact.weight_exponent + 2 * exact.source_exponent) / exact.mass
+    source = unit * sum(exact.source_scatter[k][k] for k in range(3))
+    product = source * (exact.spread - source)
+    scale = Fraction(2) ** (
+        2 * (found.source_exponent + found.target_exponent + found.weight_exponent)
+    )
+
+    assert Fraction(found.rounding) ** 2 * scale >= (3 * 260 * UNIT) ** 2 * product
+    assert found.rounding < 1.0
