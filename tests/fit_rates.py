@@ -20,10 +20,10 @@ from certreg.objective import Isotropic
 from certreg.problem import RegistrationProblem, exact_moments
 from certreg.registration import STORIES, stated
 from certreg.registration.fit import fit_of
-from certreg.registration.misfits import FitCode
+from certreg.registration.misfits import FitCode, RowNames
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterator
 
     from certreg.registration.fit import Fit
 
@@ -55,7 +55,7 @@ class Case:
         return fit(RegistrationProblem(self.source, self.target, sigma=given))
 
 
-def fit(problem: RegistrationProblem, labels: Sequence[str] | None = None) -> Fit:
+def fit(problem: RegistrationProblem, labels: tuple[str, ...] | None = None) -> Fit:
     """What certreg says of the fit of a problem, without all else that it does."""
     objective = Isotropic(exact_moments(problem))
     q = objective.quaternions[0]
@@ -63,7 +63,7 @@ def fit(problem: RegistrationProblem, labels: Sequence[str] | None = None) -> Fi
     pose = Pose(
         rotation=rotation_double(q), translation=translation, quaternion_wxyz=unit_double(q)
     )
-    return fit_of(problem, objective, pose, labels=labels)
+    return fit_of(problem, objective, pose, names=RowNames(labels))
 
 
 def cloud(rng: np.random.Generator, shape: str, n: int) -> Any:

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from certreg.registration.exit_codes import NOT_CERTIFIED as NOT_CERTIFIED
     from certreg.registration.exit_codes import NOT_UNIQUE as NOT_UNIQUE
     from certreg.registration.exit_codes import REFUSED as REFUSED
+    from certreg.registration.exit_codes import FitDemands as FitDemands
     from certreg.registration.exit_codes import code_of_error as code_of_error
     from certreg.registration.exit_codes import code_of_registration as code_of_registration
     from certreg.registration.exit_codes import worst as worst
@@ -110,6 +111,7 @@ __getattr__ = lazy_face(
             "NOT_CERTIFIED",
             "NOT_UNIQUE",
             "REFUSED",
+            "FitDemands",
             "code_of_error",
             "code_of_registration",
             "worst",

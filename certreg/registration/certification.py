@@ -45,6 +45,8 @@ from certreg.objective import Isotropic
 from certreg.problem import exact_moments, lift
 from certreg.registration.agreement import Agreement, agreement, require_sound_trajectory
 from certreg.registration.covariance import PoseCovariance, pose_covariance
+from certreg.registration.fit import fit_of
+from certreg.registration.misfits import RowNames
 from certreg.relaxation import relax
 from certreg.results import (
     MAX_ANGLE,
@@ -64,6 +66,7 @@ if TYPE_CHECKING:
     from certreg.dynamics import Trajectory
     from certreg.equilibrium import EquilibriumSet
     from certreg.problem import ExactMoments, RegistrationProblem
+    from certreg.registration.fit import Fit
     from certreg.relaxation import Relaxation
     from certreg.results import Verdict
 
@@ -139,6 +142,7 @@ class Registration(Explained):
     bounds: proved of `pose` as reported, rounding included; None if nothing is proved.
     limits: of the bounds, within which the pose is called certified.
     verdict: the checker's, with the theorems in its words; None if there is no certificate.
+    fit: what the optimum is worth as a fit, by statistics; nothing of it is proved.
     timings: seconds per phase.
     """
 
@@ -149,6 +153,7 @@ class Registration(Explained):
     bounds: PoseBounds | None
     limits: Limits
     verdict: Verdict | None
+    fit: Fit
     timings: dict[str, float]
 
     @property
@@ -233,7 +238,9 @@ def certified(
         require_accepted(verdict)
         if not isinstance(solution.trajectory, Absent):
             require_sound_trajectory(solution.objective, certificate.body, solution.trajectory)
-    registration = _registration(solution, verdict, timings)
+    with _timed(timings, "fit"):
+        fit = _fit(solution)
+    registration = _registration(solution, verdict, fit, timings)
     return registration if limits is None else replace(registration, limits=limits)
 
 
@@ -382,6 +389,7 @@ def _final_state(trajectory: Trajectory) -> RotationState:
 def _registration(
     solution: Solution,
     verdict: Verdict | None,
+    fit: Fit,
     timings: dict[str, float],
 ) -> Registration:
     pose, moments, certificate = solution.pose, solution.moments, solution.certificate
@@ -399,9 +407,17 @@ def _registration(
         ),
         limits=Limits(),
         verdict=verdict,
+        fit=fit,
         timings=timings,
         absent={"objective": OUT_OF_RANGE, "rmse": OUT_OF_RANGE, "bounds": NOT_CERTIFIED},
     )
+
+
+def _fit(solution: Solution) -> Fit:
+    about = {} if solution.certificate is None else solution.certificate.about
+    problem = solution.problem
+    names = RowNames.of(about, problem.n)
+    return fit_of(problem, solution.objective, solution.pose, names=names)
 
 
 def _optimal_pose(objective: Isotropic) -> Pose:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from certreg.errors import ContradictionError, RefusedCertificateError, UndecidedError
@@ -33,11 +34,34 @@ def code_of_error(error: Exception) -> int:
     return NOT_CERTIFIED if isinstance(error, UndecidedError) else MISUSED
 
 
-def code_of_registration(registration: Registration) -> int:
-    """What `certify` ends with: the code of the proof alone; cross-checks are notes."""
-    return {
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FitDemands:
+    """What is asked of a fit, beside the proof: no warning, an RMSE of at most so much."""
+
+    require_fit: bool = False
+    max_rmse: float | None = None
+
+    def unmet(self, registration: Registration) -> list[str]:
+        """In words, what a registration does not meet."""
+        words: list[str] = []
+        if self.require_fit and registration.fit.warnings:
+            words.append("the fit has warnings")
+        rmse = registration.rmse
+        if self.max_rmse is not None and (rmse is None or rmse > self.max_rmse):
+            size = "beyond doubles" if rmse is None else f"{rmse!r}"
+            words.append(f"the RMSE is {size}, more than {self.max_rmse!r}")
+        return words
+
+
+NOTHING_ASKED = FitDemands()
+
+
+def code_of_registration(registration: Registration, demands: FitDemands = NOTHING_ASKED) -> int:
+    """What `certify` ends with: the code of the proof, and 4 where a demand is not met."""
+    proof = {
         Optimality.CERTIFIED: DONE,
         Optimality.CERTIFIED_NOT_UNIQUE: NOT_UNIQUE,
         Optimality.BOUNDED: NOT_CERTIFIED,
         Optimality.NOT_CERTIFIED: NOT_CERTIFIED,
     }[registration.status]
+    return worst([proof, NOT_CERTIFIED] if demands.unmet(registration) else [proof])

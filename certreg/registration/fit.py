@@ -25,7 +25,6 @@ from certreg.registration.tails import log_chi2_above
 from certreg.results import OUT_OF_RANGE, Absent, Explained, present
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
     from fractions import Fraction
 
     from certreg.geometry import Pose
@@ -39,6 +38,7 @@ TOO_FEW = Absent("fewer than three points with weight leave no degree of freedom
 ZERO_MEDIAN = Absent("at least half of the residuals are zero")
 ROUNDED = Absent("the residuals are at rounding: there is nothing to test")
 NO_NOISE = Absent("no noise was given: the residuals are compared with nothing")
+UNNAMED = RowNames(None)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,15 +85,14 @@ def fit_of(
     objective: Isotropic,
     pose: Pose,
     *,
-    labels: Sequence[str] | None = None,
+    names: RowNames = UNNAMED,
 ) -> Fit:
-    """What the optimum of a problem is worth as a fit; labels name its rows.
+    """What the optimum of a problem is worth as a fit; names: of its rows.
 
     pose: the optimum in doubles, as it is reported.
     """
     rows = row_fit(problem, objective, pose)
     sums = FitSums(objective)
-    names = RowNames(labels)
     chi2 = _chi2(problem, sums, rows)
     ratio = OUT_OF_RANGE if rows is None else rows.largest_over_median or ZERO_MEDIAN
     values: dict[str, float | Absent] = {

@@ -65,6 +65,12 @@ NEARLY_AMBIGUOUS = Headline(
     rests_on=(*_GAP, _ANGLE, "classification", "margin.nearly_ambiguous"),
     code=0,
 )
+POOR_FIT = Headline(
+    stamp="CERTIFIED OPTIMUM, BUT THE FIT IS POOR",
+    words="{warning}.",
+    rests_on=(*_GAP, _ANGLE, "classification", "fit.warnings"),
+    code=0,
+)
 BOUNDED = Headline(
     stamp="BOUNDED",
     words="within {gap} of the minimum ({share}), within {degrees} degrees of the one optimum.",
@@ -143,7 +149,7 @@ NO_ROTATION = Headline(
 )
 
 HEADLINES = (
-    *(CERTIFIED, NEARLY_AMBIGUOUS, NOT_UNIQUE),
+    *(CERTIFIED, NEARLY_AMBIGUOUS, POOR_FIT, NOT_UNIQUE),
     *(BOUNDED, BOUNDED_WITHOUT_ANGLE, BOUNDED_NOT_UNIQUE, NOT_CERTIFIED, WEAK),
     *(OPTIMAL, OPTIMAL_NOT_UNIQUE, NEAR_OPTIMAL, NEAR_OPTIMAL_NOT_UNIQUE),
     *(SPURIOUS, NO_EQUILIBRIUM, NO_ROTATION),
@@ -158,7 +164,9 @@ def headline_of(registration: Registration) -> Headline:
     if status is Optimality.CERTIFIED_NOT_UNIQUE:
         return NOT_UNIQUE
     if status is Optimality.CERTIFIED:
-        return NEARLY_AMBIGUOUS if equilibria.nearly_ambiguous else CERTIFIED
+        if equilibria.nearly_ambiguous:
+            return NEARLY_AMBIGUOUS
+        return POOR_FIT if registration.fit.warnings else CERTIFIED
     if not equilibria.classification.unique:
         return BOUNDED_NOT_UNIQUE
     return BOUNDED_WITHOUT_ANGLE if proved_degrees(registration) is None else BOUNDED
@@ -169,7 +177,9 @@ def headline_words(registration: Registration) -> str:
     bounds = registration.bounds
     gap, share = ("", "") if bounds is None else (at_most(bounds.greatest_gap), share_words(bounds))
     degrees = proved_degrees(registration) or ""
-    return headline_of(registration).said(gap=gap, share=share, degrees=degrees)
+    warning = next((one.text for one in registration.fit.warnings), "")
+    numbers = {"gap": gap, "share": share, "degrees": degrees, "warning": warning}
+    return headline_of(registration).said(**numbers)
 
 
 def proved_degrees(registration: Registration) -> str | None:

@@ -33,7 +33,7 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -45,6 +45,7 @@ from certreg.registration.tails import (
     log_choices,
     log_ratio_below,
 )
+from certreg.verify import shown
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -176,9 +177,17 @@ class RowNames:
         """The label of a row, if it has one."""
         return None if self.labels is None else self.labels[row]
 
+    @classmethod
+    def of(cls, about: dict[str, Any], n: int) -> RowNames:
+        """The labels that a certificate holds, unproved, if there is one for each row."""
+        labels: Any = about.get("labels")
+        given = cast("list[Any]", labels) if isinstance(labels, list) else []
+        texts = tuple(one for one in given if isinstance(one, str))
+        return cls(texts if len(texts) == n else None)
+
     def words(self, rows: Sequence[int], count: int) -> str:
         """For example: rows 3 (P4), 9 (P10) and 5 others."""
-        named = [f"{r}" if self.labels is None else f"{r} ({self.labels[r]})" for r in rows]
+        named = [f"{r}" if self.labels is None else f"{r} ({shown(self.labels[r])})" for r in rows]
         more = count - len(rows)
         tail = f" and {more} {'other' if more == 1 else 'others'}" if more else ""
         return f"row{'' if count == 1 else 's'} {', '.join(named)}{tail}"
@@ -207,7 +216,7 @@ def _likeliest(
     """Of causes that exclude each other the one that leaves least: what is left of E."""
     other = rows.other_pairing
     left = {
-        FitCode.OUTLIER_ROWS: FEWER * rows.left,
+        FitCode.OUTLIER_ROWS: FEWER * (rows.left + ROUNDING),
         FitCode.SHUFFLED: 1.0 if other is None else other.left,
         FitCode.MIRRORED: float(sums.mirrored_share),
     }

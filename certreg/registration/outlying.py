@@ -318,11 +318,12 @@ def _rows(points: RegistrationProblem | Block, rows: NDArray[np.int64]) -> Block
 
 def _picked(problem: RegistrationProblem) -> Block:
     """The rows with weight: all, or of many rows a sample at random, always the same."""
-    rows = np.arange(problem.n)
-    if problem.n > SAMPLE_ROWS:
+    if problem.n <= SAMPLE_ROWS:
+        points = problem.block(slice(0, problem.n))
+    else:
         rng = np.random.default_rng(0)
-        rows = np.sort(rng.choice(problem.n, SAMPLE_ROWS, replace=False, shuffle=False))
-    points = _rows(problem, rows)
+        rows = rng.choice(problem.n, SAMPLE_ROWS, replace=False, shuffle=False)
+        points = _rows(problem, np.sort(rows))
     return _rows(points, np.flatnonzero(points.weights))
 
 

@@ -15,7 +15,7 @@ from certreg.results import OUT_OF_RANGE, Absent
 
 if TYPE_CHECKING:
     from certreg.equilibrium import Component, EquilibriumSet
-    from certreg.registration import Assessment, Enumeration, Registration
+    from certreg.registration import Assessment, Enumeration, Fit, FitRow, Registration
 
 RESULT_SCHEMA = "certreg-result/1"
 ASSESSMENT_SCHEMA = "certreg-assessment/1"
@@ -62,6 +62,7 @@ def result_document(registration: Registration, certificate_path: str | None = N
                 "relaxation_deg": _degrees(agreement.stated("relaxation")),
                 "simulation_deg": _degrees(agreement.stated("simulation")),
             },
+            "fit": _fit(registration.fit),
             "residuals": _residuals(registration),
             "certificate": written,
             "digest": registration.problem.digest(),
@@ -229,6 +230,28 @@ def _simulation_fields(simulated: SimulatedRegistration) -> Document:
         "angle_to_pose_deg": math.degrees(simulated.angle_to_optimum),
         "energy": {"initial": initial, "final": final},
     }
+
+
+def _fit(fit: Fit) -> Document:
+    """Statistics of the fit: nothing of it is proved."""
+    chi2 = fit.stated("chi2")
+    return {
+        "explained": fit.stated("explained"),
+        "best_scale": fit.stated("best_scale"),
+        "scale_p": fit.stated("scale_p"),
+        "largest_over_median_residual": fit.stated("largest_over_median_residual"),
+        "worst": [_fit_row(one) for one in fit.worst],
+        "chi2": chi2
+        if isinstance(chi2, Absent)
+        else {"value": chi2.value, "dof": chi2.dof, "p": chi2.p},
+        "warnings": [{"code": one.code.value, "text": one.text} for one in fit.warnings],
+    }
+
+
+def _fit_row(one: FitRow) -> Document:
+    """A row with its label, if the points have labels."""
+    label = {} if one.label is None else {"label": one.label}
+    return {"row": one.row, **label, "residual": one.residual}
 
 
 def _residuals(registration: Registration) -> list[Document]:

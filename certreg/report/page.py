@@ -156,6 +156,7 @@ def _header(report: Report, names: Names) -> Markup:
     stamp, _, said = headline.partition(": ")
     kind = "good" if report.headline.good else "open"
     n, trap = registration.problem.n, trap_words(registration.equilibria)
+    noted = warnings(registration, headline)
     return element(
         "header",
         element(
@@ -169,7 +170,7 @@ def _header(report: Report, names: Names) -> Markup:
         element("p", stamp, class_=f"stamp {kind}"),
         element("h1", _begun(said)),
         *(element("p", _begun(words), class_="lead") for words in further),
-        *(element("p", _begun(words), class_="warning") for words in warnings(registration)),
+        *(element("p", _begun(words), class_="warning") for words in noted),
         element("p", motion_words(registration), class_="lead"),
         *([] if trap is None else [element("p", trap, class_="lead")]),
         element("dl", *_facts(registration), class_="facts"),

@@ -100,6 +100,7 @@ def report_of(
         stated if motion.damping is None else stated.damped(motion.damping),
         relaxation=body.multiplier is not None,
         integrator=motion.integrator,
+        about=loaded.about,
     )
     given = _bounds(body, registration)
     return Report(

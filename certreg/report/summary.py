@@ -20,7 +20,7 @@ from certreg.results import Absent, ComponentKind, Guarantee, Limits, Optimality
 if TYPE_CHECKING:
     from certreg.dynamics import Trajectory
     from certreg.equilibrium import Component, EquilibriumSet
-    from certreg.registration import Assessment, Registration, SimulatedRegistration
+    from certreg.registration import Assessment, Fit, Registration, SimulatedRegistration
 
 COUNTS = {1: "one", 2: "two", 3: "three", 4: "four"}
 KINDS = {
@@ -31,25 +31,25 @@ KINDS = {
 }
 DISTINGUISHABLE = 25.0  # twice the log-likelihood ratio of five standard deviations
 ROUNDING_SHARE = 1e6  # a gap above a millionth of the minimum is worth a word
-MIRRORED_SHARE = -0.3  # d3 / d2: planar clouds with noise are near 0, mirrored ones near -1
 UNNOTED_COST = 1e-24  # of the spread: a shift of 1e-12, finer than any data
 COMPARABLE_STEP = 0.1  # h times the decay rate: a scheme's own differs by half of that
 
 
 def registration_summary(registration: Registration) -> str:
     """The result of `certify`, readable."""
-    pose = registration.pose
+    pose, status = registration.pose, _status_lines(registration)
     return "\n".join(
         (
-            *_status_lines(registration),
+            *status,
             "",
             f"  correspondences   {registration.problem.n}",
             f"  rotation (wxyz)   {' '.join(map(repr, pose.quaternion_wxyz.tolist()))}",
             f"  translation       {' '.join(map(repr, pose.translation.tolist()))}",
             f"  RMSE              {number(registration.rmse)}  (weighted, unit of the clouds)",
+            f"  explained         {explained_words(registration.fit)}",
             f"  ambiguity margin  {margin_words(registration.equilibria)}",
             *_method_lines(registration),
-            *(f"  warning           {words}" for words in warnings(registration)),
+            *(f"  warning           {words}" for words in warnings(registration, status[0])),
             "",
             equilibria_summary(registration.equilibria),
         )
@@ -247,17 +247,25 @@ def _method_lines(registration: Registration) -> list[str]:
     return lines
 
 
+def explained_words(fit: Fit) -> str:
+    """How much of the target a fit explains."""
+    if fit.explained is None:
+        return f"unknown: {fit.stated('explained').reason}"
+    percent = 100.0 * fit.explained
+    digits = max(0, min(9, 2 - math.floor(math.log10(max(100.0 - percent, 1e-9)))))
+    return f"{percent:.{digits}f} % of the target's spread (R squared, with the best scale)"
+
+
 def _away(angle: float) -> str:
     return f"{math.degrees(angle):.1g} degrees from the optimum"
 
 
-def warnings(registration: Registration) -> list[str]:
-    """What is true of the data and should not be overlooked."""
-    equilibria, bounds, notes = registration.equilibria, registration.bounds, list[str]()
+def warnings(registration: Registration, headline: str) -> list[str]:
+    """What is true of the data and should not be overlooked, and is not in the headline."""
+    equilibria, bounds = registration.equilibria, registration.bounds
+    notes = [one.text for one in registration.fit.warnings if one.text not in headline]
     gap, minimum = equilibria.margin.eigenvalue_gap, equilibria.components[0].energy
     unique = equilibria.classification.unique
-    if _looks_mirrored(equilibria):
-        notes.append("the target looks mirrored: is an axis flipped?")
     noisy = unique and registration.problem.noise_given and gap is not None
     if noisy and 2.0 * (gap or 0.0) < DISTINGUISHABLE:
         notes.append("at the given noise the next equilibrium is as likely as the optimum")
@@ -270,19 +278,6 @@ def warnings(registration: Registration) -> list[str]:
             "move the origin to the clouds"
         )
     return notes
-
-
-def _looks_mirrored(equilibria: EquilibriumSet) -> bool:
-    """Whether d3, of the signed singular values of C, is well below 0: -0.3 d2 or less.
-
-    From the energies of four equilibria: l1 - l2 = 2 (d2 + d3), l3 - l4 = 2 (d2 - d3).
-    """
-    energies = [component.energy for component in equilibria.components]
-    if len(energies) < 4 or None in energies:
-        return False
-    a, b, c, d = (energy or 0.0 for energy in energies)
-    upper, lower = b - a, d - c
-    return upper - lower < MIRRORED_SHARE * (upper + lower)
 
 
 def _row(component: Component) -> tuple[str, ...]:

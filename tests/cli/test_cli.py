@@ -266,6 +266,9 @@ WORDS = {
 }
 
 
+FLIPPED = {name for name in (one.name for one in ZOO) if name.startswith("mirrored")}
+
+
 def test_every_row_of_the_classification_is_in_the_zoo():
     assert len({specimen.pattern for specimen in ZOO}) == 8
     assert set(WORDS) == {specimen.name for specimen in ZOO if specimen.pattern[0] > 1}
@@ -288,7 +291,10 @@ def test_every_row_of_the_classification_ends_with_its_code_and_its_words(specim
     assert document["optimality"]["unique"] is unique
     assert document["optimality"]["status"] == "certified" if unique else "certified-not-unique"
     assert (document["optimality"]["angle_bound_rad"] is None) is not unique
-    assert told.out.startswith("CERTIFIED: " if unique else "CERTIFIED, BUT NOT UNIQUE: ")
+    poor = "mirrored" in {warning["code"] for warning in document["fit"]["warnings"]}
+    assert poor == (specimen.name in FLIPPED)
+    stamp = "CERTIFIED OPTIMUM, BUT THE FIT IS POOR: " if poor else "CERTIFIED: "
+    assert told.out.startswith(stamp if unique else "CERTIFIED, BUT NOT UNIQUE: ")
     if not unique:
         assert WORDS[specimen.name] in told.out
         assert WORDS[specimen.name] in document["optimality"]["ambiguity"]

@@ -63,7 +63,7 @@ def test_chi_squared_is_the_objective_under_the_given_noise():
 def test_worst_rows_have_labels_and_their_residuals():
     target = NOISY.copy()
     target[4] += [0.0, 3.0, 0.0]
-    labels = [f"P{k}" for k in range(12)]
+    labels = tuple(f"P{k}" for k in range(12))
     result = fit(RegistrationProblem(CLOUD, target), labels)
 
     assert (result.worst[0].row, result.worst[0].label, len(result.worst)) == (4, "P4", 10)
