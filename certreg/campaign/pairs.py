@@ -41,6 +41,7 @@ from certreg.io import (
 from certreg.registration import (
     MISUSED,
     REFUSED,
+    FitDemands,
     certify,
     code_of_error,
     code_of_registration,
@@ -71,7 +72,9 @@ RESULTS = "results.jsonl"
 SHOWN_ERRORS = 10  # one by one; the others are counted
 STEM = 60  # characters of a pair's name in the name of its certificate
 DEFAULT_LIMITS = Limits()
+NOTHING_ASKED = FitDemands()
 STATUSES = "certified, certified-not-unique, bounded, not-certified, or error"
+POSE_COLUMNS = ("qw", "qx", "qy", "qz", "tx", "ty", "tz")
 PAIR_COLUMNS = (
     Column("name", str, "", "what the list calls the pair"),
     Column("place", str, "", "file and line of the list"),
@@ -79,6 +82,11 @@ PAIR_COLUMNS = (
     Column("status", str, "", STATUSES),
     Column("n", int, "points", "correspondences"),
     Column("rmse", float, "unit of the clouds", "root of the weighted mean of squared residuals"),
+    Column("explained", float, "1", "R squared of the fit, with the best scale"),
+    Column("best_scale", float, "1", "target over source"),
+    Column("warnings", str, "", "codes of what is wrong with the fit: empty for a good one"),
+    *(Column(f"q{axis}", float, "1", f"rotation: {axis} of the quaternion") for axis in "wxyz"),
+    *(Column(f"t{axis}", float, "unit of the clouds", f"translation: {axis}") for axis in "xyz"),
     Column("gap_bound", float, "objective", "proved: the objective exceeds the minimum by less"),
     Column("gap_share", float, "1", "proved: gap over the range of energies; empty if that is 0"),
     Column("angle_bound_rad", float, "rad", "proved: the optimum is nearer; empty if not unique"),
@@ -192,12 +200,13 @@ def _headed(path: Path, content: bytes) -> tuple[list[str], Iterator[tuple[Place
 class PairCampaign:
     """The pairs of a list; with certificates, if they are to be kept.
 
-    limits: what must be proved of a pose to call it certified.
+    limits: what must be proved of a pose to call it certified. demands: on its fit.
     """
 
     listing: Listing
     certificates: bool
     limits: Limits = DEFAULT_LIMITS
+    demands: FitDemands = NOTHING_ASKED
     suffix: str = ".jsonl"
 
     def manifest(self) -> Manifest:
@@ -211,6 +220,7 @@ class PairCampaign:
                 "list": str(self.listing.path),
                 "sha256": self.listing.digest,
                 **asdict(self.limits),
+                **asdict(self.demands),
             },
             versions=current_versions(),
         )
@@ -226,6 +236,7 @@ class PairCampaign:
                     "folder": str(self.listing.path.parent),
                     "certificates": self.certificates,
                     "limits": self.limits,
+                    "demands": self.demands,
                 }
                 yield Task(shard=shard, function=certify_pairs, arguments=arguments)
 
@@ -254,12 +265,13 @@ def certify_pairs(
     folder: str,
     certificates: bool,
     limits: Limits,
+    demands: FitDemands,
 ) -> TaskResult:
     """A line of JSON for each row, with certificates as files if they are to be kept."""
     lines: list[str] = []
     files: dict[str, bytes] = {}
     for row in rows:
-        entry, certificate = _entry(row, Path(folder), limits)
+        entry, certificate = _entry(row, Path(folder), limits, demands)
         if certificates and certificate is not None:
             name = f"{row.number + 1:06d}-{UNSAFE.sub('_', row.name)[:STEM]}.json"
             files[name] = certificate
@@ -271,12 +283,14 @@ def certify_pairs(
 
 
 class Tally:
-    """What became of the pairs: how many ended with each exit code, and the first errors."""
+    """What became of the pairs: how many ended with each exit code, the first errors, poor fits."""
 
     def __init__(self) -> None:
         self.codes: Counter[int] = Counter()
         self.errors = 0
         self.first_errors: list[str] = []
+        self.poor = 0
+        self.first_poor: list[str] = []
 
     def add(self, entry: dict[str, Any]) -> None:
         """Count a pair by its line of results."""
@@ -285,6 +299,10 @@ class Tally:
             self.errors += 1
             if len(self.first_errors) < SHOWN_ERRORS:
                 self.first_errors.append(f"{entry['name']}: {entry['error']['message']}")
+        elif entry["fit"]["warnings"]:
+            self.poor += 1
+            if len(self.first_poor) < SHOWN_ERRORS:
+                self.first_poor.append(f"{entry['name']}: {entry['fit']['warnings'][0]['text']}")
 
 
 def write_pair_results(kind: PairCampaign, folder: Path, *, parquet: bool) -> Tally:
@@ -319,6 +337,7 @@ def _row(entry: dict[str, Any]) -> dict[str, Any]:
         "status": optimality["status"],
         "n": entry["n"],
         "rmse": entry["rmse"],
+        **_fit_and_pose(entry["fit"], entry["pose"]),
         "gap_bound": optimality["gap_bound"],
         "gap_share": optimality["gap_share"],
         "angle_bound_rad": optimality["angle_bound_rad"],
@@ -329,7 +348,19 @@ def _row(entry: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _entry(row: PairRow, folder: Path, limits: Limits) -> tuple[dict[str, Any], bytes | None]:
+def _fit_and_pose(fit: dict[str, Any], pose: dict[str, Any]) -> dict[str, Any]:
+    numbers = [*pose["quaternion_wxyz"], *pose["translation"]]
+    return {
+        "explained": fit["explained"],
+        "best_scale": fit["best_scale"],
+        "warnings": " ".join(warning["code"] for warning in fit["warnings"]),
+        **dict(zip(POSE_COLUMNS, numbers, strict=True)),
+    }
+
+
+def _entry(
+    row: PairRow, folder: Path, limits: Limits, demands: FitDemands
+) -> tuple[dict[str, Any], bytes | None]:
     """The result of a row, or its error, and the bytes of its certificate."""
     inputs = _inputs(row, folder)  # before they are read: a later change is seen
     try:
@@ -350,7 +381,7 @@ def _entry(row: PairRow, folder: Path, limits: Limits) -> tuple[dict[str, Any], 
         "schema": document["schema"],
         "name": row.name,
         "place": str(row.place),
-        "exit_code": code_of_registration(registration),
+        "exit_code": code_of_registration(registration, demands),
     }
     head |= {"notes": pair.notes, "inputs": inputs}
     certificate = registration.certificate

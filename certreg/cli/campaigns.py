@@ -23,7 +23,7 @@ from certreg.campaign import (
     workers_at,
     write_pair_results,
 )
-from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER, limit_options
+from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER, fit_options, limit_options
 from certreg.cli.progress import Progress
 from certreg.errors import InvalidFileError
 from certreg.registration import worst
@@ -33,6 +33,8 @@ from certreg.results import Limits
 if TYPE_CHECKING:
     from collections.abc import Generator
     from pathlib import Path
+
+    from certreg.registration import FitDemands
 
 
 @click.command(epilog=EXIT_CODES)
@@ -45,6 +47,7 @@ if TYPE_CHECKING:
 @click.option("--out", type=FOLDER, help="Folder for results, certificates and a table.")
 @click.option("--parquet", is_flag=True, help="With --out: the table as Parquet, too.")
 @limit_options
+@fit_options
 def batch(
     manifest: Path,
     *,
@@ -53,6 +56,7 @@ def batch(
     parquet: bool,
     max_gap: float,
     max_angle: float,
+    demands: FitDemands,
 ) -> int:
     """Certify the pairs listed in MANIFEST, a .csv file: one line of JSON for each.
 
@@ -68,19 +72,30 @@ def batch(
         names = ", ".join(map(printable, listing.ignored))
         click.echo(f"note: {printable(manifest)}: columns not read: {names}", err=True)
     limits = Limits(max_gap=max_gap, max_angle=max_angle)
-    campaign = PairCampaign(listing=listing, certificates=out is not None, limits=limits)
+    campaign = PairCampaign(
+        listing=listing, certificates=out is not None, limits=limits, demands=demands
+    )
     if out is None:
         tally = _streamed(campaign, scheduler)
     else:
         tally = _kept(campaign, scheduler, out, parquet=parquet)
-    if tally.errors:
-        first = [] if out is None else tally.first_errors
-        for words in first:
-            click.echo(f"error: {printable(words)}", err=True)
-        more = ", of which the first are above" if tally.errors > len(first) > 0 else ""
-        total = f"{tally.errors} of {listing.count} pairs could not be registered{more}"
-        click.echo(f'certreg: {total}: look for "error" in the results', err=True)
+    _tell(tally, listing.count, kept=out is not None)
     return worst(tally.codes)
+
+
+def _tell(tally: Tally, count: int, *, kept: bool) -> None:
+    """Says on stderr which pairs failed or fit poorly; the first by name where lines are kept."""
+    said = {
+        "error": (tally.errors, tally.first_errors, "could not be registered"),
+        "warning": (tally.poor, tally.first_poor, "fit poorly"),
+    }
+    for kind, (number, first, what) in said.items():
+        if number:
+            for words in first if kept else ():
+                click.echo(f"{kind}: {printable(words)}", err=True)
+            more = ", of which the first are above" if number > len(first) and kept else ""
+            total = f"{number} of {count} pairs {what}{more}"
+            click.echo(f'certreg: {total}: look for "{kind}" in the results', err=True)
 
 
 def _streamed(campaign: PairCampaign, scheduler: str | None) -> Tally:

@@ -30,7 +30,8 @@ Exit codes: 0 done and proved
             1 refused, or two roads disagree
             2 bad usage or input
             3 certified, but the optimum is not unique
-            4 solved, but too little is proved to call it certified; simulate: not converged
+            4 solved, but too little is proved to call it certified, or the fit is not what
+              --require-fit and --max-rmse ask; simulate: not converged
 """
 OPTIMAL = "optimal"  # the damping of the fastest decay
 SIGMA_OR_WEIGHTS = "--sigma and --weights exclude each other: give one"
@@ -89,6 +90,27 @@ def limit_options(command: Callable[..., Any]) -> Callable[..., Any]:
                 message = f"{name} is {value}: give a finite number, 0 or more"
                 raise click.UsageError(message)
         return command(*args, max_gap=max_gap, max_angle=max_angle, **options)
+
+    return wrapped
+
+
+def fit_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """[--require-fit] [--max-rmse X], made one argument `demands`: what is asked of the fit."""
+
+    @click.option("--require-fit", is_flag=True, help="Code 4 where the fit has a warning.")
+    @click.option(
+        "--max-rmse",
+        type=click.FloatRange(min=0.0),
+        metavar="X",
+        help="Code 4 where the RMSE is larger, in the clouds' unit.",
+    )
+    @functools.wraps(command)
+    def wrapped(*args: Any, require_fit: bool, max_rmse: float | None, **options: Any) -> Any:
+        if max_rmse is not None and not math.isfinite(max_rmse):
+            message = f"--max-rmse is {max_rmse}: give a finite number, 0 or more"
+            raise click.UsageError(message)
+        demands = registration.FitDemands(require_fit=require_fit, max_rmse=max_rmse)
+        return command(*args, demands=demands, **options)
 
     return wrapped
 

@@ -11,7 +11,13 @@ from typing import TYPE_CHECKING
 import click
 
 from certreg import __version__
-from certreg.cli.options import EXIT_CODES, FOLDER, cloud_options, limit_options
+from certreg.cli.options import (
+    EXIT_CODES,
+    FOLDER,
+    cloud_options,
+    fit_options,
+    limit_options,
+)
 from certreg.registration import (
     DONE,
     REFUSED,
@@ -34,11 +40,13 @@ from certreg.verify import shown
 if TYPE_CHECKING:
     from certreg.io import Pair
     from certreg.problem import RegistrationProblem
+    from certreg.registration import FitDemands
 
 
 @click.command(epilog=EXIT_CODES)
 @cloud_options
 @limit_options
+@fit_options
 @click.option("--no-relaxation", is_flag=True, help="Leave the semidefinite relaxation out.")
 @click.option("--no-simulation", is_flag=True, help="Leave the simulation out.")
 @click.option(
@@ -59,6 +67,7 @@ def certify(
     integrator: str,
     max_gap: float,
     max_angle: float,
+    demands: FitDemands,
     out: Path | None,
     as_json: bool,
 ) -> int:
@@ -81,7 +90,9 @@ def certify(
             place = printable(path)
             click.echo(f"\nCertificate: {place}  (re-check it: certreg verify {place})")
             click.echo(f"Report: {printable(path.with_name(REPORT))}  (open it in a browser)")
-    return code_of_registration(registration)
+    for words in demands.unmet(registration):
+        click.echo(f"certreg: {words}: exit code 4", err=True)
+    return code_of_registration(registration, demands)
 
 
 @click.command(epilog="Exit code 0 when every problem came out as told, else 1.")

@@ -1,0 +1,155 @@
+"""A poor fit is said in the first line, JSON, page and table, and asked for by options."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from campaign_work import InProcess
+from commands import certreg, write_csv
+
+from certreg.problem import RegistrationProblem
+from certreg.registration import FitDemands, certify, code_of_registration, headline_of
+from certreg.registration import headlines as listed
+from certreg.report import registration_summary, report_of, result_document
+from certreg.report.page import Report, html_page
+from certreg.results import Limits
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from certreg.registration import Registration
+
+CLOUD = np.random.default_rng(1).standard_normal((12, 3))
+NOISY = CLOUD + 0.01 * np.random.default_rng(2).standard_normal((12, 3))
+MISTYPED = NOISY + 9.0 * np.outer(np.arange(12) == 5, [0.0, 1.0, 0.0])
+LABELS = [f"<b>P{k}\x1b[31m" for k in range(12)]
+
+
+def proof_of(target: object, labels: list[str] | None = None, **options: object) -> Registration:
+    problem = RegistrationProblem(CLOUD, target, **options)  # pyright: ignore[reportArgumentType]
+    about = {} if labels is None else {"labels": labels}
+    return certify(problem, relaxation=False, simulation=False, about=about)
+
+
+@pytest.fixture(scope="module")
+def poor() -> Registration:
+    return proof_of(MISTYPED, LABELS)
+
+
+@pytest.fixture(scope="module")
+def good() -> Registration:
+    return proof_of(NOISY)
+
+
+def test_the_first_line_says_that_the_fit_is_poor_and_why(poor, good):
+    words = registration_summary(poor)
+    stamp = "CERTIFIED OPTIMUM, BUT THE FIT IS POOR: row 5 (<b>P5\\x1b[31m)"
+
+    assert headline_of(poor) is listed.POOR_FIT
+    assert not headline_of(poor).good
+    assert words.startswith(stamp)
+    assert "proved gap" in words
+    assert words.count("far worse than the others") == 1
+    assert headline_of(good) is listed.CERTIFIED
+    assert "warning" not in registration_summary(good)
+
+
+def test_what_is_proved_comes_before_what_is_likely(poor):
+    bounded = replace(poor, limits=Limits(max_gap=0.0))
+
+    assert headline_of(bounded) is listed.BOUNDED
+    assert "  warning           row 5" in registration_summary(bounded)
+
+
+def test_further_warnings_stand_below_the_numbers():
+    words = registration_summary(proof_of(MISTYPED, sigma=0.01))
+
+    assert "  warning           the residuals are" in words
+
+
+def test_the_document_holds_the_fit(poor, good):
+    fit, quiet = (result_document(one)["fit"] for one in (poor, good))
+
+    assert [warning["code"] for warning in fit["warnings"]] == ["outlier-rows"]
+    assert (fit["worst"][0]["row"], fit["worst"][0]["label"]) == (5, LABELS[5])
+    assert quiet["warnings"] == []
+    assert "label" not in quiet["worst"][0]
+    assert quiet["explained"] > 0.999
+    assert fit["explained"] < 0.5
+    assert result_document(good)["reasons"]["fit.chi2"].startswith("no noise was given")
+
+
+def test_the_page_warns_and_escapes(poor, good):
+    page, quiet = (html_page(Report.of(one)).decode() for one in (poor, good))
+
+    assert '<p class="stamp open">CERTIFIED OPTIMUM, BUT THE FIT IS POOR</p>' in page
+    assert "<b>P5" not in page.split("<script")[0]
+    assert "FIT IS POOR" not in quiet
+
+
+def test_the_page_of_a_certificate_alone_says_the_same(poor, tmp_path: Path):
+    path = tmp_path / "certificate.json"
+    assert poor.certificate is not None
+    poor.certificate.save(path)
+
+    assert report_of(path).verdict_words[0] == registration_summary(poor).splitlines()[0]
+
+
+def test_demands_are_met_exactly_up_to_themselves(poor, good):
+    rmse = good.rmse or 0.0
+
+    def code(one: Registration, **demands: object) -> int:
+        return code_of_registration(one, FitDemands(**demands))  # pyright: ignore[reportArgumentType]
+
+    assert code(poor) == code(good) == 0
+    assert code(poor, require_fit=True) == 4
+    assert code(good, require_fit=True) == 0
+    assert code(good, max_rmse=rmse) == 0
+    assert code(good, max_rmse=float(np.nextafter(rmse, 0.0))) == 4
+    assert code(replace(good, rmse=None), max_rmse=1e308) == 4
+
+
+@pytest.fixture
+def clouds(tmp_path: Path) -> list[Path]:
+    arrays = {"source": CLOUD, "target": NOISY, "wrong": MISTYPED}
+    return [write_csv(tmp_path / f"{name}.csv", array.tolist()) for name, array in arrays.items()]
+
+
+def test_the_command_line_asks_for_a_fit(clouds):
+    source, target, wrong = clouds
+    quick = ("--no-relaxation", "--no-simulation")
+
+    assert certreg("certify", source, wrong, *quick).code == 0
+    asked = certreg("certify", source, wrong, *quick, "--require-fit")
+    assert (asked.code, asked.err) == (4, "certreg: the fit has warnings: exit code 4\n")
+    assert certreg("certify", source, target, *quick, "--require-fit", "--max-rmse", "1").code == 0
+    larger = certreg("certify", source, target, *quick, "--max-rmse", "1e-9")
+    assert larger.code == 4
+    assert "more than 1e-09" in larger.err
+    for nonsense in ("-1", "nan", "inf"):
+        assert certreg("certify", source, target, "--max-rmse", nonsense).code == 2
+
+
+def test_a_list_names_its_poor_pairs(clouds, tmp_path: Path, monkeypatch):
+    monkeypatch.setattr("certreg.cli.campaigns.workers_at", lambda _: InProcess(1))
+    listing = tmp_path / "list.csv"
+    listing.write_text("name,source,target\nfine,source.csv,target.csv\nbad,source.csv,wrong.csv\n")
+    run = certreg("batch", listing, "--out", tmp_path / "out")
+    with (tmp_path / "out" / "summary.csv").open(encoding="utf-8") as stream:
+        table = list(csv.DictReader(stream))
+    lines = (tmp_path / "out" / "results.jsonl").read_text().splitlines()
+    fine, bad = (json.loads(line) for line in lines)
+
+    assert run.code == 0
+    assert run.err.splitlines()[0].startswith("warning: bad: row 5 (counting from 0) fits far")
+    assert 'certreg: 1 of 2 pairs fit poorly: look for "warning" in the results' in run.err
+    assert [row["warnings"] for row in table] == ["", "outlier-rows"]
+    assert float(table[1]["explained"]) == bad["fit"]["explained"]
+    assert [float(table[0][f"q{axis}"]) for axis in "wxyz"] == fine["pose"]["quaternion_wxyz"]
+    assert [float(table[0][f"t{axis}"]) for axis in "xyz"] == fine["pose"]["translation"]
+    assert certreg("batch", listing, "--require-fit").code == 4
