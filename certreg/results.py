@@ -119,17 +119,17 @@ class Limits:
 
     max_gap: of objective - minimum, as a share of the range of energies over all rotations.
     max_angle: radians from the optimum, where that is unique. Raises ValueError for less than zero,
-    and for what is not finite.
+    and for a limit that every rotation meets: the whole range of energies, or half a turn.
     """
 
     max_gap: float = MAX_GAP
     max_angle: float = MAX_ANGLE
 
     def __post_init__(self) -> None:
-        for name in ("max_gap", "max_angle"):
+        for name, whole in (("max_gap", 1.0), ("max_angle", math.pi)):
             value = getattr(self, name)
-            if not 0.0 <= value < math.inf:
-                raise ValueError(f"{name} is {value!r}: give a finite number, 0 or more")
+            if not 0.0 <= value < whole:
+                raise ValueError(f"{name} is {value!r}: give a number from 0 to below {whole:.6g}")
 
 
 class ComponentKind(enum.Enum):

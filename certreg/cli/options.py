@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import math
 import sys
 import threading
 import warnings
@@ -17,7 +16,7 @@ import click
 from certreg import io, registration
 from certreg.errors import SlowSimulationWarning
 from certreg.report import printable
-from certreg.results import MAX_ANGLE, MAX_GAP
+from certreg.results import MAX_ANGLE, MAX_GAP, Limits
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
@@ -85,10 +84,10 @@ def limit_options(command: Callable[..., Any]) -> Callable[..., Any]:
     )
     @functools.wraps(command)
     def wrapped(*args: Any, max_gap: float, max_angle: float, **options: Any) -> Any:
-        for name, value in (("--max-gap", max_gap), ("--max-angle", max_angle)):
-            if not math.isfinite(value):
-                message = f"{name} is {value}: give a finite number, 0 or more"
-                raise click.UsageError(message)
+        try:
+            Limits(max_gap=max_gap, max_angle=max_angle)
+        except ValueError as error:
+            raise click.UsageError(f"--{error}".replace("_", "-")) from error
         return command(*args, max_gap=max_gap, max_angle=max_angle, **options)
 
     return wrapped

@@ -31,7 +31,7 @@ from certreg.report.words import (
     trap_words,
     weak_words,
 )
-from certreg.results import Optimality
+from certreg.results import Limits, Optimality
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -154,7 +154,7 @@ def _header(report: Report, names: Names) -> Markup:
     registration = report.registration
     headline, *further = report.verdict_words
     stamp, _, said = headline.partition(": ")
-    kind = "good" if report.headline.good else "open"
+    kind = "good" if report.headline.good and _within_usual(registration) else "open"
     n, trap = registration.problem.n, trap_words(registration.equilibria)
     noted = warnings(registration, headline)
     return element(
@@ -175,6 +175,12 @@ def _header(report: Report, names: Names) -> Markup:
         *([] if trap is None else [element("p", trap, class_="lead")]),
         element("dl", *_facts(registration), class_="facts"),
     )
+
+
+def _within_usual(registration: Registration) -> bool:
+    """Whether what is proved is within the usual limits, whatever limits were asked for."""
+    bounds = registration.bounds
+    return bounds is not None and bounds.meet(Limits(), unique=True)
 
 
 def _begun(words: str) -> str:

@@ -186,7 +186,14 @@ def test_the_page_stamps_green_what_is_certified_and_far_from_ambiguous(height: 
     assert registration.equilibria.nearly_ambiguous == (kind == "open")
 
 
-@pytest.mark.parametrize("value", [-1.0, NAN, INFINITE])
+def test_the_page_stamps_green_only_what_is_within_the_usual_limits():
+    loose = replace(proof_of(attack(offset=1e16)), limits=Limits(max_gap=0.9))
+
+    assert headline_of(loose).good
+    assert 'class="stamp open"' in html_page(Report.of(loose)).decode()
+
+
+@pytest.mark.parametrize("value", [-1.0, NAN, INFINITE, 3.2])
 def test_limits_that_make_no_sense_are_refused(value: float):
     for name in ("max_gap", "max_angle"):
         given: Any = {name: value}
@@ -208,8 +215,11 @@ def test_the_limits_of_the_command_line_decide_the_code(tmp_path: Path):
         "gap_share": 1e-30,
         "angle_rad": 1e-5,
     }
-    for wrong in ("-1", "nan", "inf"):
+    for wrong in ("-1", "nan", "inf", "1", "1e80"):
         assert certreg(*plain, "--max-gap", wrong).code == 2
+    vacuous = certreg(*plain, "--max-angle", "3.2")
+    assert vacuous.code == 2
+    assert "--max-angle is 3.2: give a number from 0 to below 3.14159" in vacuous.err
 
 
 def test_a_list_of_pairs_has_the_same_limits(tmp_path: Path):
@@ -304,9 +314,9 @@ def test_no_headline_says_more_than_its_numbers():
 
 
 def test_a_limit_that_was_moved_is_said_beside_the_headline():
-    registration = replace(proof_of(attack(offset=1e16)), limits=Limits(max_gap=2.0))
+    registration = replace(proof_of(attack(offset=1e16)), limits=Limits(max_gap=0.9))
 
     assert registration.status is Optimality.CERTIFIED
-    assert "Certified means here within 2 of the range of energies" in registration_summary(
+    assert "Certified means here within 0.9 of the range of energies" in registration_summary(
         registration
     )
