@@ -278,7 +278,7 @@ def _delay(basin: Basin, batch: Batch, settings: SimulationSettings) -> str:
         return f"The step {step:.3g} is short: {batch.integrator.value} itself takes {usual:.3g}."
     if basin.barrier > 0.0:
         best = _best_damping(batch.bodies, batch.basins)
-        if not best / FAR_DAMPING <= damping <= best * FAR_DAMPING:
+        if best > 0.0 and not best / FAR_DAMPING <= damping <= best * FAR_DAMPING:
             far = f"The damping {damping:.3g} is far from the best one, {best:.3g}"
             return f"{far}: try --damping optimal."
     return (

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from hard_instances import FAMILIES, outcome
+from strategies import random_problem
 
-from certreg.registration import DONE, NOT_CERTIFIED
+from certreg.dynamics import SimulationSettings
+from certreg.problem import RegistrationProblem
+from certreg.registration import DONE, NOT_CERTIFIED, simulate
 from certreg.results import Optimality
 
 
@@ -26,3 +30,21 @@ def test_a_code_that_is_not_that_of_the_proof_is_seen():
     assert found.code == DONE
     assert not replace(found, code=NOT_CERTIFIED).sound
     assert not replace(found, converged=False, why="").sound
+
+
+def test_where_no_damping_is_best_none_is_advised():
+    """A mirrored prism: doubles do not tell the two best poses apart, and no motion would."""
+    k = 7
+    angles = 2 * np.pi * np.arange(k) / k
+    ring = 20.0 * np.stack([np.cos(angles), np.sin(angles), np.zeros(k)], axis=1)
+    source = np.vstack([ring, ring + np.array([0.0, 0.0, 400.0])])
+    target = source[:, [1, 2, 0]] * np.array([1.0, 1.0, -1.0])
+    few = SimulationSettings(max_steps=2000)
+    stuck = simulate(RegistrationProblem(source, target), "splitting", settings=few)
+    slow = random_problem(np.random.default_rng(1)).damped(1e-3)
+    advised = simulate(slow, "splitting", settings=few)
+
+    assert not stuck.converged
+    assert not any("far from the best one" in note for note in stuck.notes)
+    assert not advised.converged
+    assert any("try --damping optimal" in note for note in advised.notes)
