@@ -203,7 +203,9 @@ def test_the_damping_that_certify_takes_lets_weak_springs_arrive():
     assert registration.problem.damping == optimal_damping(registration.solution.objective)
     assert trajectory.status is SimulationStatus.CONVERGED
     assert trajectory.integrator is Integrator.SPLITTING
-    given: Any = certify(problem.damped(1.0), relaxation=False, simulation="midpoint")
+
+    strong = RegistrationProblem(source, source @ random_rotation(rng).T).damped(1.0)
+    given: Any = certify(strong, relaxation=False, simulation="midpoint")
     assert given.problem.damping == 1.0
     assert given.solution.trajectory.integrator is Integrator.MIDPOINT
     with pytest.raises(ValueError, match="leapfrog"):
