@@ -158,6 +158,7 @@ def formula(tex: str) -> str:
     return rf'<p><span class="math notranslate nohighlight">\({tex}\)</span></p>'
 
 
+@pytest.mark.slow
 def test_a_sound_formula_is_no_fault(page: Page, tmp_path: Path):
     assert faults(page, planted(tmp_path, formula(r"q^{\mathsf T} K q"))) == []
 

@@ -61,6 +61,7 @@ def test_random_problems_are_certified_and_about_no_others(seed):
     assert not check_own(certificate, other).proved
 
 
+@pytest.mark.slow
 @given(st.lists(small, min_size=4, max_size=4), st.lists(small, min_size=9, max_size=9))
 def test_the_checkers_coefficients_are_those_of_the_torques_of_R(q, entries):
     C = [entries[:3], entries[3:6], entries[6:]]

@@ -182,6 +182,7 @@ LITERALS = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", PATHS, ids=lambda path: ".".join(map(str, path)))
 def test_any_other_value_in_any_place_is_refused_unless_it_is_true(path):
     for value in VALUES:

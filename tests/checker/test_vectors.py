@@ -63,6 +63,7 @@ def test_the_folder_holds_what_the_manifest_lists_and_is_small():
     assert sum(file.stat().st_size for file in VECTORS.glob("*.json")) < 300_000
 
 
+@pytest.mark.slow
 def test_the_vectors_are_made_anew_byte_for_byte(tmp_path: Path):
     run = subprocess.run(
         [sys.executable, "-W", "error", VECTORS / "make.py", tmp_path],

@@ -468,6 +468,7 @@ def test_bounds_are_rounded_up_to_the_next_decimal(numerator, denominator, digit
     assert below <= value < below * (1 + Fraction(1, 10 ** (digits - 1)))
 
 
+@pytest.mark.slow
 @given(st.integers(0, 10**400), st.integers(1, 10**400))
 @settings(max_examples=100, deadline=None, derandomize=True)
 def test_a_root_is_rounded_up(numerator, denominator):

@@ -382,6 +382,7 @@ def test_damping_changes_the_eigenvalues_and_nothing_else(data: Path):
     assert documents[0] == documents[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damping", ["1e-150", "1e150"])
 def test_extreme_damping_is_answered_in_numbers_or_with_a_reason(data: Path, damping: str):
     run = certreg("certify", *SURVEY.paths(data), "--damping", damping, "--json")

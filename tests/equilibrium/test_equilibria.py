@@ -74,6 +74,7 @@ def test_every_pair_of_the_four_equilibria_is_half_a_turn_apart():
         assert abs(np.degrees(angle_between(p, q)) - 180) < 1e-13
 
 
+@pytest.mark.slow
 @given(strategies.problems(), st.integers(0, 2**32 - 1))
 def test_energies_do_not_change_under_a_common_rigid_motion(problem, seed):
     """A rotation by quarter turns and a swap of signs: exact in doubles."""

@@ -35,6 +35,7 @@ def test_a_thousand_random_instances_have_four_roots_each_and_none_is_silently_w
     assert np.abs(overlaps - np.eye(4)).max() < 1e-10
 
 
+@pytest.mark.slow
 def test_lost_paths_are_tried_again_with_another_gamma(monkeypatch):
     K = davenports(1000)
     hasty = TrackerSettings(max_rounds=12)

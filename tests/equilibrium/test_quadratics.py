@@ -58,6 +58,7 @@ def test_the_six_quadratics_are_sums_and_differences_of_the_minors_of_q_and_Kq(C
     assert quaternion_system(C).evaluate(q) == body + world
 
 
+@pytest.mark.slow
 @given(matrices, quaternions)
 def test_every_rational_rotation_satisfies_all_equations_but_the_torques(C, q):
     norm = sum(c * c for c in q)

@@ -114,6 +114,7 @@ def test_readers_and_problems_never_refuse_without_evidence():
     assert [place for place, _, words in made if not words] == []
 
 
+@pytest.mark.slow
 def test_no_field_is_there_for_nothing():
     used = {(kind, field) for _, kind, words in calls(PACKAGE) for field in words}
     declared = {(kind.__name__, name) for kind in KINDS if kind is not CertregError

@@ -150,6 +150,7 @@ def test_an_euler_step_divides_once():
     assert text[start:end].count("/") == 1
 
 
+@pytest.mark.slow
 def test_the_sources_to_embed_compile_without_a_warning_and_reproduce_a_trajectory(tmp_path):
     paths = write_sources(tmp_path / "embedded")
     folder = tmp_path / "embedded"

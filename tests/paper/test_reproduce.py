@@ -622,6 +622,7 @@ def paths_of(value: Any, path: tuple[str, ...] = ()):
             yield from paths_of(inner, (*path, key))
 
 
+@pytest.mark.slow
 def test_no_key_of_the_document_may_be_missing_or_of_another_type(made, drawn):
     document = reproduction_document(made, drawn)
     validator = Draft202012Validator(SCHEMA)

@@ -82,6 +82,7 @@ def test_good_problems_raise_no_alarm():
     assert list(rates.alarms(40)) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [4, 5, 7])
 def test_few_points_raise_no_alarm_though_some_rows_are_far(n):
     """Half of them always agree on a pose: only the number of ways to choose them tells."""

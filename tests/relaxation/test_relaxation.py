@@ -419,6 +419,7 @@ def test_an_unknown_form_is_refused():
 # The proved multiplier
 
 
+@pytest.mark.slow
 @hypothesis_settings(max_examples=60)
 @given(strategies.problems())
 def test_the_proved_multiplier_is_above_the_largest_eigenvalue_and_bounds_the_gap(problem):

@@ -136,6 +136,7 @@ def test_no_key_may_be_missing(kind: str, good):
             assert not validator(kind).is_valid(changed(good[kind], path, None, drop=True)), path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_value_may_be_of_another_type(kind: str, good):
     free = ("about", "reasons", "timings_ms")
