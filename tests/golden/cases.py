@@ -95,6 +95,7 @@ def _faces() -> Iterator[Case]:
         ("verify", "out/certificate.json"),
         ("report", "out/certificate.json", "--out", "again.html"),
         ("assess", *survey, "--pose", "out"),
+        ("certify", *survey, "--max-gap", "1e-40", "--integrator", "midpoint"),
         ("equilibria", *survey, "--method", "all"),
         ("simulate", *survey),
         ("apply", "out", survey[0], "--out", "moved.csv"),
