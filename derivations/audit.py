@@ -119,8 +119,7 @@ ROWS = (
         place="proof of Proposition 4, for the invariant set theorem on 18 numbers",
         finding=CONDITION,
         holds="On the rotations, where the motion is. For other matrices R the rate has the "
-        "further "
-        "term 2 tr(RᵀR[ω]S₂), of either sign.",
+        "further term 2 tr(RᵀR[ω]S₂), of either sign.",
         because=("kinetic_energy", "dissipation"),
         counterexample=counterexamples.OFF_THE_ROTATIONS,
     ),
@@ -184,8 +183,7 @@ ROWS = (
         place="Conjecture 6",
         finding=CONDITION,
         holds="Where the optimum is unique. Where it is not, there are none, one, two or "
-        "infinitely "
-        "many, as the table of the eight cases says.",
+        "infinitely many, as the table of the eight cases says.",
         because=("eigenvectors", "classification"),
         counterexample=counterexamples.FEWER_THAN_THREE,
     ),
@@ -239,8 +237,7 @@ ROWS = (
         place="the graphical proof of Conjecture 6 (ii)",
         finding=FALSE,
         holds="They are unstable: turned about the axis of the flip, the body leaves. About the "
-        "other "
-        "axis in the plane the energy rises, and the body turns back.",
+        "other axis in the plane the energy rises, and the body turns back.",
         because=("hessian", "morse_bott", "instability"),
         counterexample=counterexamples.PULLED_BACK,
     ),
@@ -267,8 +264,7 @@ ROWS = (
         finding=CONDITION,
         holds="Of the closed half-plane, which has the imaginary axis for its edge: none is to the "
         "right of it. Six are zero at every equilibrium, as 18 numbers describe 12 dimensions; "
-        "where "
-        "the optimum is unique the other 12 are in the open half-plane.",
+        "where the optimum is unique the other 12 are in the open half-plane.",
         because=("ambient_jacobian", "characteristic_polynomial", "pushforward"),
         counterexample=counterexamples.SIX_ZEROS,
     ),
@@ -326,8 +322,7 @@ ROWS = (
         finding=CONDITION,
         holds="With the remedy that the paper gives: look at the Jacobian where it stopped, and "
         "perturb. The rule alone stops on an open set around every saddle, and changes with the "
-        "unit "
-        "of length. The certified basin is a rule that needs no second look.",
+        "unit of length. The certified basin is a rule that needs no second look.",
         because=("certified_basin", "half_turns"),
         counterexample=counterexamples.STOPPED_AT_ONCE,
     ),
@@ -338,9 +333,9 @@ ROWS = (
         place="section 3, after Conjecture 6",
         finding=OPEN,
         holds="Every motion tends to the equilibria, and next to each spurious one there are "
-        "states "
-        "from which it leaves for good. That the states that stay have measure zero would take a "
-        "theorem on centre-stable manifolds; the paper does not say of which starts it speaks.",
+        "states from which it leaves for good. That the states that stay have measure zero would "
+        "take a theorem on centre-stable manifolds; the paper does not say of which starts it "
+        "speaks.",
         because=("convergence", "instability"),
     ),
     Row(
@@ -350,10 +345,8 @@ ROWS = (
         place="section 3, after Conjecture 6",
         finding=TRUE,
         holds="At the optimum no eigenvalue has a positive real part, at every spurious "
-        "equilibrium "
-        "one has, if J ≻ 0. Arbitrarily near are states with less energy, from which the body "
-        "never "
-        "comes back.",
+        "equilibrium one has, if J ≻ 0. Arbitrarily near are states with less energy, from which "
+        "the body never comes back.",
         because=("pushforward", "characteristic_polynomial", "unstable_count", "instability"),
     ),
 )

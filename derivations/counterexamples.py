@@ -261,8 +261,8 @@ FEWER_THAN_THREE = Counterexample(
 )
 SYMMETRIC_BUT_FINITE = Counterexample(
     words="the rectangle (±2, ±1, 0) onto itself, 4 symmetries: exactly 3 spurious; the square "
-    "onto "
-    "a rectangle, 8 symmetries: 3; the box (±1, ±1, ±2) onto its mirror image, 16 symmetries: 2",
+    "onto a rectangle, 8 symmetries: 3; the box (±1, ±1, ±2) onto its mirror image, 16 symmetries: "
+    "2",
     clouds=(
         _still(RECTANGLE),
         ExactCloud(source=SQUARE, target=RECTANGLE),
@@ -281,10 +281,9 @@ INFINITE_WITHOUT_SYMMETRY = Counterexample(
 )
 PULLED_BACK = Counterexample(
     words="the square (±1, ±1, 0), flipped over: at rest with the energy 16. Turned out of the "
-    "plane "
-    "by 1.1 degrees, about the axis in the plane across that of the flip, every corner leaves the "
-    "plane, the energy is 160032/10001, more than 16, and the torque, −1600/10001 about that axis "
-    "and nothing else, turns the body back",
+    "plane by 1.1 degrees, about the axis in the plane across that of the flip, every corner "
+    "leaves the plane, the energy is 160032/10001, more than 16, and the torque, −1600/10001 about "
+    "that axis and nothing else, turns the body back",
     clouds=(ExactCloud(source=SQUARE, target=turned(SQUARE, (0, 100, 0, 1))),),
     found=_pulled_back,
     expected=(True, True, 0, Fraction(-1600, 10001), 0, Fraction(160032, 10001), 16, 0),

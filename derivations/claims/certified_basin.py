@@ -138,10 +138,9 @@ def _descent(torque: Torque) -> Proof:
     rotating = state.R * hat(omega)
     yield identity(
         r"Let $E = \tfrac12 \omega^{\mathsf T} J \omega - 2 \operatorname{tr}(R^{\mathsf T} C)$, "
-        r"the energy of rotation but for a constant. Along $\dot R = R [\omega]_\times$ its "
-        r"rate is $\omega^{\mathsf T} J \dot\omega - 2 \operatorname{tr}(\dot R^{\mathsf T} C)$, "
-        r"and that "
-        r"is $-\mu\, \omega^{\mathsf T} J \omega$. With $J \succ 0$ and $\mu > 0$ it is never "
+        r"the energy of rotation but for a constant. Along $\dot R = R [\omega]_\times$ its rate "
+        r"is $\omega^{\mathsf T} J \dot\omega - 2 \operatorname{tr}(\dot R^{\mathsf T} C)$, and "
+        r"that is $-\mu\, \omega^{\mathsf T} J \omega$. With $J \succ 0$ and $\mu > 0$ it is never "
         r"positive, and zero at $\omega = 0$ only.",
         (omega.T * total)[0] - 2 * inner(rotating, cloud.cross),
         -DAMPING * (omega.T * cloud.inertia * omega)[0],
@@ -172,9 +171,8 @@ def _levels(spin: Any) -> Proof:
         r"With $R = R(p)$, $\operatorname{tr}(R^{\mathsf T} C) = p^{\mathsf T} K p / |p|^2 \le "
         r"\lambda_1$, so that $\tfrac12 \omega^{\mathsf T} J \omega \le E + 2 \lambda_1$ (here "
         r"times $|p|^2$). The set of states with $E \le E_0$ is closed, $\omega$ is bounded on it "
-        r"as $J \succ 0$, and rotations are a compact set: it is compact. While the body turns, "
-        r"$E > "
-        r"-2\lambda_1$.",
+        r"as $J \succ 0$, and rotations are a compact set: it is compact. While the body turns, $E "
+        r"> -2\lambda_1$.",
         energy + 2 * FIRST * square(p),
         [
             (2, TOP[0]),
@@ -290,9 +288,8 @@ CLAIM = Claim(
     r"\eta$ of a proved optimality certificate ($\eta$ stands for its $\mu$, which is not the "
     r"damping) exceeds $\lambda_2$ and may stand in its place. The checker decides that "
     r"inequality, and the rotation does not feel the translation. The barrier in $E$ is "
-    r"$2(\lambda_1 "
-    r"- \lambda_2) = 4(d_2 + d_3)$, and the angle $\theta$ from the optimum has $\sin^2(\theta/2) "
-    r"\le (\lambda_1 - p^{\mathsf T} K p/|p|^2) / (\lambda_1 - \lambda_2)$.",
+    r"$2(\lambda_1 - \lambda_2) = 4(d_2 + d_3)$, and the angle $\theta$ from the optimum has "
+    r"$\sin^2(\theta/2) \le (\lambda_1 - p^{\mathsf T} K p/|p|^2) / (\lambda_1 - \lambda_2)$.",
     concludes=(1, 2, 3, 4, 5, 6, 8, 9, 10, 11, 12),
     hypotheses=(
         PRINCIPAL,

@@ -261,8 +261,7 @@ def _cube_for_a_square() -> Step:
     one = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
     return refuting(
         r"At $C = I$, where $s = 0$ and the eigenvalues are $3, -1, -1, -1$, the decision with "
-        r"$26$ "
-        r"for $27$ is not 1,3.",
+        r"$26$ for $27$ is not 1,3.",
         [decide(_one_coefficient_wrong(one))],
         [pattern_of(one)],
     )

@@ -109,8 +109,8 @@ def _only_at_rest() -> Proof:
     yield positive(
         r"The set $\dot V = 0$ is $v = \omega = 0$. In principal axes, $J = "
         r"\operatorname{diag}(j_1, j_2, j_3)$, the loss is $-\dot V = \mu\,\bigl(|v|^2 + \sum_k "
-        r"j_k "
-        r"\omega_k^2\bigr)$: with $\mu > 0$ and $J \succ 0$ it is positive where the body turns,",
+        r"j_k \omega_k^2\bigr)$: with $\mu > 0$ and $J \succ 0$ it is positive where the body "
+        r"turns,",
         lost,
         [*moving, [damping, PRINCIPAL[0], Square(TURNING[0])], *turning[1:]],
     )

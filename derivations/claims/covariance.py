@@ -67,12 +67,10 @@ def proof(
     yield from _rotation_block(cloud, covariance_factor)
     yield identity(
         r"The mean $\bar e$ has no covariance with $\varphi$: $\sum_i m_i B_i = 0$, because the "
-        r"centred points sum to zero. "
-        r"So, with $\delta t = \bar e + R[\bar x]_\times \varphi$, $\operatorname{cov}(\delta t, "
-        r"\varphi) = R [\bar x]_\times P$ and $\operatorname{cov} \delta t = I/M + R [\bar "
-        r"x]_\times "
-        r"P\, [\bar x]_\times^{\mathsf T} R^{\mathsf T}$. The error of the estimate is minus "
-        r"$(\delta t, \varphi)$, and has the same covariance.",
+        r"centred points sum to zero. So, with $\delta t = \bar e + R[\bar x]_\times \varphi$, "
+        r"$\operatorname{cov}(\delta t, \varphi) = R [\bar x]_\times P$ and $\operatorname{cov} "
+        r"\delta t = I/M + R [\bar x]_\times P\, [\bar x]_\times^{\mathsf T} R^{\mathsf T}$. The "
+        r"error of the estimate is minus $(\delta t, \varphi)$, and has the same covariance.",
         cloud.total(hat(cloud.x) * R.T),
         sympy.zeros(3),
     )

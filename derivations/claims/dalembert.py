@@ -135,12 +135,11 @@ def _spring_halved(state: State, cloud: MomentCloud) -> tuple[Array, Array]:
 CLAIM = Claim(
     name="dalembert",
     title="D'Alembert's principle",
-    statement=r"$\sum (f_i - m_i\ddot r_i)\cdot\delta r_i = (f - Ma)\cdot\xi + "
-    r"(\tau - \omega\times J\omega - J\alpha)\cdot\varphi$ for all virtual displacements "
-    r"$\delta r_i = \xi + R(\varphi\times x_i)$ of the rigid body, whose particles have the "
-    r"accelerations $\ddot r = a + R(\alpha\times x + \omega\times(\omega\times x))$. So "
-    r"d'Alembert's principle gives "
-    r"the Newton-Euler equations of the paper.",
+    statement=r"$\sum (f_i - m_i\ddot r_i)\cdot\delta r_i = (f - Ma)\cdot\xi + (\tau - "
+    r"\omega\times J\omega - J\alpha)\cdot\varphi$ for all virtual displacements $\delta r_i = \xi "
+    r"+ R(\varphi\times x_i)$ of the rigid body, whose particles have the accelerations $\ddot r = "
+    r"a + R(\alpha\times x + \omega\times(\omega\times x))$. So d'Alembert's principle gives the "
+    r"Newton-Euler equations of the paper.",
     concludes=(1, 2, 3, 4, 5),
     hypotheses=(ROTATION, *BOTH_CENTRED),
     source="[Yang2020], the proposition on the dynamics",

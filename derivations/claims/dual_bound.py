@@ -103,9 +103,8 @@ CLAIM = Claim(
     statement=r"If $\nu I - K \succeq 0$, then $\operatorname{tr}(R^{\mathsf T} C) \le \nu$ for "
     r"every rotation $R$, and the objective at any rotation $R(q)$ exceeds the global minimum by "
     r"at most $2\,(\nu - v)$, $v = q^{\mathsf T} K q / |q|^2$. What the checker decides with $\mu "
-    r"= 0$ is "
-    r"whether a positive multiple of $\nu I - K$ is positive definite; where $\nu$ is the largest "
-    r"eigenvalue or less, it is not.",
+    r"= 0$ is whether a positive multiple of $\nu I - K$ is positive definite; where $\nu$ is the "
+    r"largest eigenvalue or less, it is not.",
     concludes=(1, 2, 3, 5),
     hypotheses=(DUAL, UNIT_LEFT),
     setting=(r"Nothing is asked of where $\nu$ comes from: a solver, a guess, a rounded number.",),

@@ -109,9 +109,8 @@ def _at_rest() -> Proof:
     )
     yield combination(
         r"And with $J$ invertible the body does not begin to turn, $\alpha = 0$, if and only if "
-        r"the "
-        r"torque $J\alpha$ vanishes: for every $a$, $a\cdot\alpha - (J^{-1}a)\cdot J\alpha$ is a "
-        r"combination of the entries of $J J^{-1} - I$.",
+        r"the torque $J\alpha$ vanishes: for every $a$, $a\cdot\alpha - (J^{-1}a)\cdot J\alpha$ is "
+        r"a combination of the entries of $J J^{-1} - I$.",
         inner(a, alpha) - inner(symmetric("I") * a, cloud.inertia * alpha),
         contraction(-alpha * a.T, SOLID_INVERSE),
     )

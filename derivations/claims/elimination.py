@@ -117,11 +117,9 @@ def _positive_up_to(k: int, D: list[Any]) -> Step:
     terms.append([Square(LAST[k - 1][0]), minors[k], *last])
     words = (
         r"If all four minors are positive, $A$ is positive definite. Let $x \ne 0$, and $x_k$ its "
-        r"last "
-        r"entry that is not zero. With $y_j$ the $j$-th row after elimination applied to $x$, "
+        r"last entry that is not zero. With $y_j$ the $j$-th row after elimination applied to $x$, "
         r"$x^{\mathsf T} A x = \sum_{j \le k} y_j^2 / (D_{j-1} D_j)$, $D_0 = 1$, here multiplied "
-        r"by $D_1 "
-        r"\cdots D_{k-1}$, and $y_k = D_k x_k$: positive. "
+        r"by $D_1 \cdots D_{k-1}$, and $y_k = D_k x_k$: positive. "
     )
     return positive(
         f"{words if k == 1 else 'The same: '}${k = }$.",

@@ -18,8 +18,7 @@ from ..notation import Matrix, inner, matrix, scalar, square
 GAPS = [scalar(f"g_{k}") for k in (1, 2, 3)]
 DESCENDING = nonnegative_by(
     r"$\lambda_1 \ge \lambda_2 \ge \lambda_3 \ge \lambda_4$ are the eigenvalues of $K$, the gaps "
-    r"$g_1, g_2, g_3 \ge "
-    r"0$ between neighbours.",
+    r"$g_1, g_2, g_3 \ge 0$ between neighbours.",
     GAPS,
     standing=Standing.NOTATION,
     example={GAPS[0]: 1, GAPS[1]: -1},
@@ -58,26 +57,23 @@ def _norm(factor: int) -> Proof:
     gram = Q.T * Q
     yield combination(
         r"In an orthonormal basis of eigenvectors $K = Q \operatorname{diag}(\lambda) Q^{\mathsf "
-        r"T}$, and "
-        r"$F^2 = \lVert K\rVert^2 = \sum_k \lambda_k^2$: the difference is a combination of the "
-        r"entries of "
-        r"$Q^{\mathsf T}Q - I$.",
+        r"T}$, and $F^2 = \lVert K\rVert^2 = \sum_k \lambda_k^2$: the difference is a combination "
+        r"of the entries of $Q^{\mathsf T}Q - I$.",
         square(Q * D * Q.T) - total,
         contraction(D * (gram + sympy.eye(4)) * D, ORTHONORMAL),
     )
     pairs = sum((a - b) ** 2 for a, b in combinations(spectrum, 2))
     yield combination(
-        r"With $\sum_k \lambda_k = 0$ it is a quarter of the sum of all squared differences, "
-        r"$4F^2 = "
-        r"\sum_{j<k} (\lambda_j - \lambda_k)^2$.",
+        r"With $\sum_k \lambda_k = 0$ it is a quarter of the sum of all squared differences, $4F^2 "
+        r"= \sum_{j<k} (\lambda_j - \lambda_k)^2$.",
         4 * total - pairs,
         [(sum(spectrum), TRACE_FREE[0])],
     )
     found = levels()
     yield identity(
         r"The eigenvalues of trace zero with the gaps $g_1, g_2, g_3$ are $\lambda_1 = "
-        r"\tfrac14(3g_1 + 2g_2 "
-        r"+ g_3)$ and so on down; the range is $\lambda_1 - \lambda_4 = g_1 + g_2 + g_3$.",
+        r"\tfrac14(3g_1 + 2g_2 + g_3)$ and so on down; the range is $\lambda_1 - \lambda_4 = g_1 + "
+        r"g_2 + g_3$.",
         [sum(found), found[0] - found[1], found[1] - found[2], found[2] - found[3]],
         [0, *GAPS],
     )
@@ -97,8 +93,7 @@ def _bounds(lower: Any, upper: Any) -> Proof:
     half, quarter = sympy.Rational(1, 2), sympy.Rational(1, 4)
     yield nonnegative(
         r"**Below.** $(\lambda_1 - \lambda_4)^2 - F^2 = \tfrac14 g_1^2 + \tfrac14 g_3^2 + g_1 g_2 "
-        r"+ g_2 g_3 + "
-        r"\tfrac32 g_1 g_3 \ge 0$. So $F \le \lambda_1 - \lambda_4$.",
+        r"+ g_2 g_3 + \tfrac32 g_1 g_3 \ge 0$. So $F \le \lambda_1 - \lambda_4$.",
         extent**2 - lower * norm,
         [
             [quarter, Square(GAPS[0])],
@@ -110,8 +105,7 @@ def _bounds(lower: Any, upper: Any) -> Proof:
     )
     yield nonnegative(
         r"**Above.** $2F^2 - (\lambda_1 - \lambda_4)^2 = (\lambda_1 + \lambda_4)^2 + 2\lambda_2^2 "
-        r"+ "
-        r"2\lambda_3^2 \ge 0$. So $\lambda_1 - \lambda_4 \le \sqrt2\, F$.",
+        r"+ 2\lambda_3^2 \ge 0$. So $\lambda_1 - \lambda_4 \le \sqrt2\, F$.",
         upper * norm - extent**2,
         [[Square(found[0] + found[3])], [2, Square(found[1])], [2, Square(found[2])]],
     )
@@ -121,8 +115,7 @@ def _attained() -> Step:
     cases = [(1, 1, -1, -1), (1, 0, 0, -1)]
     return facts(
         r"Neither can be improved: for the eigenvalues $1, 1, -1, -1$ the range is $2 = F$, for "
-        r"$1, 0, "
-        r"0, -1$ it is $2$ and $F^2 = 2$.",
+        r"$1, 0, 0, -1$ it is $2$ and $F^2 = 2$.",
         [value for case in cases for value in (case[0] - case[3], sum(x * x for x in case))],
         [2, 4, 2, 2],
     )
@@ -132,14 +125,10 @@ CLAIM = Claim(
     name="energy_range",
     title="The range of energies",
     statement=r"Let $K$ be a symmetric $4\times4$ matrix of trace zero, with eigenvalues "
-    r"$\lambda_1 \ge \dots "
-    r"\ge \lambda_4$ and Frobenius norm $F$. Then $$F \le \lambda_1 - \lambda_4 \le \sqrt2\, F,$$ "
-    r"and "
-    r"neither bound can be improved. For Davenport's matrix $F^2 = 4\lVert C\rVert^2$, and the "
-    r"objective "
-    r"over all rotations ranges over an interval of length $2(\lambda_1 - \lambda_4)$, so between "
-    r"$2F$ "
-    r"and $2\sqrt2\, F$.",
+    r"$\lambda_1 \ge \dots \ge \lambda_4$ and Frobenius norm $F$. Then $$F \le \lambda_1 - "
+    r"\lambda_4 \le \sqrt2\, F,$$ and neither bound can be improved. For Davenport's matrix $F^2 = "
+    r"4\lVert C\rVert^2$, and the objective over all rotations ranges over an interval of length "
+    r"$2(\lambda_1 - \lambda_4)$, so between $2F$ and $2\sqrt2\, F$.",
     concludes=(1, 2, 3, 4, 5, 6, 7),
     hypotheses=(TRACE_FREE, ORTHONORMAL, DESCENDING),
     source="ours; the lower bound is Popoviciu's inequality for four numbers",
@@ -158,10 +147,8 @@ CLAIM = Claim(
         "F^2 = 3 |C|^2": Mutation(at=4, proof=lambda: proof(factor=3)),
     },
     not_claimed=r"The range itself: it takes the eigenvalues. The two bounds take a sum of "
-    r"squares, "
-    r"and a share of the range computed from them is right within a factor of $\sqrt2$, on the "
-    r"side that "
-    r"is chosen.",
+    r"squares, and a share of the range computed from them is right within a factor of $\sqrt2$, "
+    r"on the side that is chosen.",
     needs=("davenport", "eigenvectors"),
     standard=(SPECTRAL,),
     runs=("certreg.geometry.so3.davenport_matrix",),

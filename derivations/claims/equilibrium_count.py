@@ -74,21 +74,17 @@ def _forms(shipped: Coefficients) -> Proof:
     body, world = R.T * C - C.T * R, R * C.T - C * R.T
     yield identity(
         r"The checker's $10\times10$ matrix, made from the symbols of $C$ and of the chart $a$, "
-        r"holds "
-        r"the coefficients of ten quadratic forms in $q$: the entries of $\hat R^{\mathsf T} C - "
-        r"C^{\mathsf T}\hat R$ and of $\hat R C^{\mathsf T} - C \hat R^{\mathsf T}$ above the "
-        r"diagonal, "
-        r"and $q_k\,(a\cdot q)$.",
+        r"holds the coefficients of ten quadratic forms in $q$: the entries of $\hat R^{\mathsf T} "
+        r"C - C^{\mathsf T}\hat R$ and of $\hat R C^{\mathsf T} - C \hat R^{\mathsf T}$ above the "
+        r"diagonal, and $q_k\,(a\cdot q)$.",
         (MONOMIALS.T * found).T,
         [*_upper(body), *_upper(world), *(Q * inner(a, Q))],
     )
     yield identity(
         r"The first three are the torque of the springs in the body's frame, the next three in the "
         r"world's: $\hat R\,(\hat R^{\mathsf T} C - C^{\mathsf T}\hat R)\,\hat R^{\mathsf T} = "
-        r"|q|^4\,(C \hat "
-        r"R^{\mathsf T} - \hat R C^{\mathsf T})$. At an equilibrium all six vanish, and elsewhere "
-        r"they do "
-        r"not (claim `eigenvectors`).",
+        r"|q|^4\,(C \hat R^{\mathsf T} - \hat R C^{\mathsf T})$. At an equilibrium all six vanish, "
+        r"and elsewhere they do not (claim `eigenvectors`).",
         R * body * R.T,
         square(Q) ** 2 * -world,
     )
@@ -100,23 +96,19 @@ def _spanned() -> Proof:
     lifted = INVERSE * e
     yield combination(
         r"Let $m$ be the ten monomials $q_i q_j$ and $F$ such a matrix, $m^{\mathsf T} F$ the "
-        r"values of "
-        r"the forms. If $F$ has an inverse $P$, every monomial is a combination of the forms: for "
-        r"every "
-        r"$e$, $m\cdot e - (m^{\mathsf T} F)(P e)$ is a combination of the entries of $F P - I$.",
+        r"values of the forms. If $F$ has an inverse $P$, every monomial is a combination of the "
+        r"forms: for every $e$, $m\cdot e - (m^{\mathsf T} F)(P e)$ is a combination of the "
+        r"entries of $F P - I$.",
         inner(MONOMIALS, e) - inner(VALUES, lifted),
         contraction(-outer, INDEPENDENT),
     )
     linear = inner(Q, lifted[6:, :])
     yield combination(
         r"So at an equilibrium with $a\cdot q = 1$ every $q_i q_j$ is a linear function of $q$, "
-        r"the same "
-        r"at all of them: $m\cdot e = \sum_k q_k\,(P e)_{6+k}$, as the last four forms are the "
-        r"$q_k$. And "
-        r"$1 = a\cdot q$ is one as well. So modulo the equations every polynomial is a "
-        r"combination of "
-        r"four, the quotient ring has at most four dimensions, and the equations have at most four "
-        r"solutions, complex ones and multiplicities counted.",
+        r"the same at all of them: $m\cdot e = \sum_k q_k\,(P e)_{6+k}$, as the last four forms "
+        r"are the $q_k$. And $1 = a\cdot q$ is one as well. So modulo the equations every "
+        r"polynomial is a combination of four, the quotient ring has at most four dimensions, and "
+        r"the equations have at most four solutions, complex ones and multiplicities counted.",
         inner(MONOMIALS, e) - linear,
         [
             *contraction(-outer, INDEPENDENT),
@@ -128,8 +120,8 @@ def _spanned() -> Proof:
     top = INVERSE * diagonal
     yield combination(
         r"An equilibrium with $a\cdot q = 0$ would have $|q|^2 = 0$, a sum of monomials: there is "
-        r"none. "
-        r"Every other one can be scaled to $a\cdot q = 1$; $q$ and $-q$ are the same rotation.",
+        r"none. Every other one can be scaled to $a\cdot q = 1$; $q$ and $-q$ are the same "
+        r"rotation.",
         square(Q),
         [
             *contraction(-MONOMIALS * diagonal.T, INDEPENDENT),
@@ -143,13 +135,10 @@ def _decided(bound: int) -> Proof:
     few, many = coefficients(FEW, CHART), coefficients(MANY, CHART)
     yield facts(
         r"The checker looks for ten pivots that have an inverse modulo a number. Then the "
-        r"determinant "
-        r"has one, and is not zero; whether the number is a prime does not matter. An example on "
-        r"either side: for $C = \operatorname{diag}(1, 2, 4)$ it finds them modulo $2^{31} - 1$ "
-        r"and modulo "
-        r"$101 \cdot 103$, for $C = I$, with infinitely many equilibria, modulo neither; the "
-        r"ranks, in "
-        r"fractions, are $10$ and less.",
+        r"determinant has one, and is not zero; whether the number is a prime does not matter. An "
+        r"example on either side: for $C = \operatorname{diag}(1, 2, 4)$ it finds them modulo "
+        r"$2^{31} - 1$ and modulo $101 \cdot 103$, for $C = I$, with infinitely many equilibria, "
+        r"modulo neither; the ranks, in fractions, are $10$ and less.",
         [
             *(has_full_rank(few, m) for m in (PRIME, COMPOSITE)),
             *(has_full_rank(many, m) for m in (PRIME, COMPOSITE)),
@@ -165,9 +154,8 @@ def _attained(bound: int) -> Step:
     C, four = Matrix(FEW), sympy.eye(4).columnspace()
     torques = [rotation(q).T * C - C.T * rotation(q) for q in four]
     return facts(
-        r"Four is attained: for $C = \operatorname{diag}(1, 2, 4)$ the identity and the half "
-        r"turns about "
-        r"the three axes exert no torque.",
+        r"Four is attained: for $C = \operatorname{diag}(1, 2, 4)$ the identity and the half turns "
+        r"about the three axes exert no torque.",
         [*(torque == sympy.zeros(3) for torque in torques), len(four) <= bound],
         [True] * 5,
     )
@@ -185,15 +173,10 @@ CLAIM = Claim(
     name="equilibrium_count",
     title="At most four, from the torque alone",
     statement=r"Write the torque of the springs at $R(q)$ in the body's and in the world's frame "
-    r"as six "
-    r"quadratic forms in $q$, and let $a$ be a vector of four integers. If the $10\times10$ "
-    r"matrix of the "
-    r"coefficients of these and of the four forms $q_k\,(a\cdot q)$ is invertible, there are at "
-    r"most four "
-    r"equilibrium rotations, complex ones and multiplicities counted. It is invertible if it is "
-    r"so modulo any "
-    r"integer, "
-    r"which the checker decides of its own matrix.",
+    r"as six quadratic forms in $q$, and let $a$ be a vector of four integers. If the $10\times10$ "
+    r"matrix of the coefficients of these and of the four forms $q_k\,(a\cdot q)$ is invertible, "
+    r"there are at most four equilibrium rotations, complex ones and multiplicities counted. It is "
+    r"invertible if it is so modulo any integer, which the checker decides of its own matrix.",
     concludes=(1, 2, 3, 4, 5, 6, 7),
     hypotheses=(INDEPENDENT, RESTING, IN_THE_CHART, OUTSIDE),
     source="ours",
@@ -209,8 +192,7 @@ CLAIM = Claim(
     },
     not_claimed=r"That there are four real ones, or how many: that is `classification`. That the "
     r"matrix is invertible where there are only finitely many: a half turn needs another chart "
-    r"than "
-    r"$(1, 0, 0, 0)$.",
+    r"than $(1, 0, 0, 0)$.",
     needs=("quaternions", "torque", "eigenvectors"),
     standard=(
         (

@@ -139,8 +139,7 @@ def _spinning_at_rest() -> Step:
     found = _not_the_third(state, Body(cross=pushed, inertia=one, inertia_inverse=one))
     return facts(
         r"At $R = J = I$, $\mu = 1$, $C_{21} = \tfrac12$ and the other entries of $C$ zero, all "
-        r"rates "
-        r"are zero at $c = v = 0$ and $\omega = (0, 0, 1)$, which is not zero.",
+        r"rates are zero at $c = v = 0$ and $\omega = (0, 0, 1)$, which is not zero.",
         list(found.subs(DAMPING, 1)),
         [0] * 18,
     )

@@ -179,12 +179,11 @@ CLAIM = Claim(
     title="Generically exactly four equilibria",
     statement=r"Fix $N \geq 3$ and positive masses. The clouds $(x_i, y_i) \in \mathbb{R}^{6N}$ "
     r"that do not have exactly four equilibria form the zero set of one polynomial that is not "
-    r"zero, so a closed set of measure zero. The same holds for clouds without noise, "
-    r"$y_i = R x_i + t$, among all sources $x \in \mathbb{R}^{3N}$. Outside of it there are one "
-    r"optimum and three spurious equilibria, each exactly $180^\circ$ from every other. A witness "
-    r"is "
-    r"a cloud with $C = t\operatorname{diag}(1, 2, 0)$, three balanced points with all others at "
-    r"their mean; two points never are one.",
+    r"zero, so a closed set of measure zero. The same holds for clouds without noise, $y_i = R x_i "
+    r"+ t$, among all sources $x \in \mathbb{R}^{3N}$. Outside of it there are one optimum and "
+    r"three spurious equilibria, each exactly $180^\circ$ from every other. A witness is a cloud "
+    r"with $C = t\operatorname{diag}(1, 2, 0)$, three balanced points with all others at their "
+    r"mean; two points never are one.",
     concludes=(1, 2, 3, 4, 5, 6, 7, 8),
     hypotheses=(POSITIVE_MASSES,),
     setting=(

@@ -86,13 +86,11 @@ def _orthogonality(*, skewed: bool) -> Proof:
     yield combination(
         r"Let $K p = u p$ and $K q = v q$ with $K$ symmetric. Then $(u - v)\, p \cdot q = "
         r"q^{\mathsf T}(K p - u p) - p^{\mathsf T}(K q - v q)$ up to sign; with $u \ne v$ it can "
-        r"be "
-        r"divided by, and $p \cdot q$ vanishes: eigenvectors of different "
-        r"eigenvalues are orthogonal, and so equilibria of different energy are exactly "
-        r"$180^\circ$ apart, with nothing left to the shape of the clouds. (Where an eigenvalue is "
-        r"repeated, all combinations of its eigenvectors are eigenvectors, infinitely many lines. "
-        r"So if there are four equilibria, the eigenvalues are distinct, and this holds of any "
-        r"two.)",
+        r"be divided by, and $p \cdot q$ vanishes: eigenvectors of different eigenvalues are "
+        r"orthogonal, and so equilibria of different energy are exactly $180^\circ$ apart, with "
+        r"nothing left to the shape of the clouds. (Where an eigenvalue is repeated, all "
+        r"combinations of its eigenvectors are eigenvectors, infinitely many lines. So if there "
+        r"are four equilibria, the eigenvalues are distinct, and this holds of any two.)",
         inner(p, q),
         [
             *contraction(inverse * p, at_q),

@@ -183,16 +183,14 @@ def _turned_the_other_way(state: State, body: Body) -> Array:
 CLAIM = Claim(
     name="hessian",
     title="The Hessian and its eigenvalues",
-    statement=r"The Hessian of $V_p$ in $\varphi$ along $R \exp([\varphi]_\times)$ is "
-    r"$G = 2 \operatorname{tr}(R^{\mathsf T} C)\, I - R^{\mathsf T} C - C^{\mathsf T} R = "
-    r"(q^{\mathsf T} K q)\, I - L(q)^{\mathsf T} K L(q)$ for $R = R(q)$, $|q| = 1$. At the "
-    r"equilibrium of the eigenvector $q_j$ of $K$ its eigenvalues are $\lambda_j - \lambda_k$, "
-    r"$k \neq j$, with the eigenvectors $L(q_j)^{\mathsf T} q_k$. Along a turn by $\theta$ about a "
-    r"unit axis $n$ the potential changes by $2 s^2\, n^{\mathsf T} G n - 2 s c\, \tau \cdot n$, "
-    r"$c = "
+    statement=r"The Hessian of $V_p$ in $\varphi$ along $R \exp([\varphi]_\times)$ is $G = 2 "
+    r"\operatorname{tr}(R^{\mathsf T} C)\, I - R^{\mathsf T} C - C^{\mathsf T} R = (q^{\mathsf T} "
+    r"K q)\, I - L(q)^{\mathsf T} K L(q)$ for $R = R(q)$, $|q| = 1$. At the equilibrium of the "
+    r"eigenvector $q_j$ of $K$ its eigenvalues are $\lambda_j - \lambda_k$, $k \neq j$, with the "
+    r"eigenvectors $L(q_j)^{\mathsf T} q_k$. Along a turn by $\theta$ about a unit axis $n$ the "
+    r"potential changes by $2 s^2\, n^{\mathsf T} G n - 2 s c\, \tau \cdot n$, $c = "
     r"\cos\tfrac\theta2$, $s = \sin\tfrac\theta2$. Without noise $G = 2J$ at the optimum. The "
-    r"function "
-    r"that is turned into code returns $G$.",
+    r"function that is turned into code returns $G$.",
     concludes=(2, 3, 6, 7, 8, 10),
     hypotheses=(AT_Q, AT_P, CIRCLE),
     setting=(r"$R$ is a rotation; $q_1, \dots, q_4$ is an orthonormal eigenbasis of $K$.",),

@@ -86,10 +86,9 @@ def _written_out(n: int, of_scatter: Formula) -> Any:
     terms[0][-1] = Square(APART[n][0])
     return positive(
         rf"Once more with $N = {n}$ points written out, about any origin, and with the integers of "
-        r"the code, which hold $M S_2 = M\sum m\,xx^{\mathsf T} - \sum m\,x\,\sum m\,x^{\mathsf T}$"
-        r" in place of $S_2$: $M\,a^{\mathsf T}Ja = \sum_{i<j} m_i m_j\,|a\times(x_i - x_j)|^2$. "
-        r"It is "
-        r"positive unless all these products are zero.",
+        r"the code, which hold $M S_2 = M\sum m\,xx^{\mathsf T} - \sum m\,x\,\sum m\,x^{\mathsf "
+        r"T}$ in place of $S_2$: $M\,a^{\mathsf T}Ja = \sum_{i<j} m_i m_j\,|a\times(x_i - "
+        r"x_j)|^2$. It is positive unless all these products are zero.",
         (a.T * J * a)[0],
         terms,
     )

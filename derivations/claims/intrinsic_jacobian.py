@@ -143,9 +143,8 @@ CLAIM = Claim(
     hypotheses=(BALANCED,),
     setting=(
         (
-            r"$R$ may be any matrix; where it is invertible, $\dot\varphi$ is determined. "
-            r"$J^{-1}$ is "
-            r"a matrix of constants, of which nothing is used."
+            r"$R$ may be any matrix; where it is invertible, $\dot\varphi$ is determined. $J^{-1}$ "
+            r"is a matrix of constants, of which nothing is used."
         ),
     ),
     source="ours; [Yang2020] linearises in the ambient space",

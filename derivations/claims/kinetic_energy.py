@@ -30,11 +30,11 @@ def proof(speed: Velocity = velocity, rigid: Energy = body_kinetic_energy) -> Pr
     swing = turning * cloud.source_scatter * turning.T
     energy = cloud.total(square(speed(state, cloud.x))) / 2
     yield identity(
-        r"A particle at $R x + c$ has the velocity $R\,(\omega\times x) + v$. In the sum "
-        r"$V_k = \tfrac12\sum m\,|R(\omega\times x) + v|^2$ the mixed terms are linear in $x$ and "
-        r"vanish, because $x$ is taken about the centre of mass. For every matrix $R$ it remains "
-        r"$V_k = \tfrac12 M|v|^2 + "
-        r"\tfrac12\operatorname{tr}(R^{\mathsf T}R\,[\omega]S_2[\omega]^{\mathsf T})$.",
+        r"A particle at $R x + c$ has the velocity $R\,(\omega\times x) + v$. In the sum $V_k = "
+        r"\tfrac12\sum m\,|R(\omega\times x) + v|^2$ the mixed terms are linear in $x$ and vanish, "
+        r"because $x$ is taken about the centre of mass. For every matrix $R$ it remains $V_k = "
+        r"\tfrac12 M|v|^2 + \tfrac12\operatorname{tr}(R^{\mathsf T}R\,[\omega]S_2[\omega]^{\mathsf "
+        r"T})$.",
         energy,
         (cloud.mass * square(state.v) + inner(state.R.T * state.R, swing)) / 2,
     )

@@ -119,8 +119,7 @@ CLAIM = Claim(
     setting=(
         (
             r"The noise on $y$ is independent and Gaussian, of standard deviation $\sigma$ on "
-            r"every "
-            r"coordinate."
+            r"every coordinate."
         ),
     ),
     source="[Yang2020], the objective of registration and the potential energy",

@@ -281,13 +281,12 @@ CLAIM = Claim(
     name="midpoint",
     title="The midpoint rule's exact energy law",
     statement=r"The step in the code is that of the implicit midpoint rule in quaternions, with "
-    r"$q_m = q "
-    r"+ \tfrac h4L(q_m)\,\omega_m$ and $s' - s = h\,\mathcal F(s_m)$. With any root $\omega_m$ of "
-    r"its "
-    r"equations and any $h > 0$ it keeps $|q| = 1$ and changes the energy per unit of mass by "
-    r"exactly $\;\Delta V = -h\mu\,\bigl(|v_m|^2 + \omega_m^{\mathsf T}J\omega_m\bigr)$. So the "
-    r"energy never rises, a run that has entered the certified basin stays in it, and if $J \succ "
-    r"0$ and the steps stay between two positive bounds, every run tends to the equilibria.",
+    r"$q_m = q + \tfrac h4L(q_m)\,\omega_m$ and $s' - s = h\,\mathcal F(s_m)$. With any root "
+    r"$\omega_m$ of its equations and any $h > 0$ it keeps $|q| = 1$ and changes the energy per "
+    r"unit of mass by exactly $\;\Delta V = -h\mu\,\bigl(|v_m|^2 + \omega_m^{\mathsf "
+    r"T}J\omega_m\bigr)$. So the energy never rises, a run that has entered the certified basin "
+    r"stays in it, and if $J \succ 0$ and the steps stay between two positive bounds, every run "
+    r"tends to the equilibria.",
     concludes=(1, 2, 3, 4, 5, 6, 7, 8, 11, 12, 13, 14, 15, 16, 17),
     hypotheses=(STRETCH, SLOWED, INERTIA_INVERSE, AT_ROOT, FORWARD, UNDRIVEN),
     setting=(

@@ -119,11 +119,10 @@ def _one_mode(slow: int) -> Proof:
     g, s, beta = scalar("g"), scalar("s"), scalar("beta")
     one, turned = sympy.eye(2), beta * Matrix([[0, -1], [1, 0]])  # 1 and i beta
     yield modulo(
-        r"A mode with $\mu^2 < 4g$ swings: with $\beta = \sqrt{g - \mu^2/4}$ its roots are "
-        r"$s = -\mu/2 \pm i\beta$, because $(s + \mu/2 - i\beta)(s + \mu/2 + i\beta) = "
-        r"s^2 + \mu s + g$, here with a matrix for $i$. Both have the real part $-\mu/2$: it "
-        r"decays at "
-        r"the rate $\mu/2$.",
+        r"A mode with $\mu^2 < 4g$ swings: with $\beta = \sqrt{g - \mu^2/4}$ its roots are $s = "
+        r"-\mu/2 \pm i\beta$, because $(s + \mu/2 - i\beta)(s + \mu/2 + i\beta) = s^2 + \mu s + "
+        r"g$, here with a matrix for $i$. Both have the real part $-\mu/2$: it decays at the rate "
+        r"$\mu/2$.",
         ((s + MU / 2) * one - turned) * ((s + MU / 2) * one + turned),
         (s**2 + MU * s + g) * one,
         [SWING],
@@ -173,9 +172,8 @@ def _without_noise(noise_free: int) -> Proof:
 def _slower() -> Step:
     """All g = 1: at mu = 1 every mode decays at the rate 1/2, at mu = 2 at the rate 1."""
     return refuting(
-        r"Where all $g$ are $1$, $\mu = \sqrt m = 1$ gives every mode the rate $\mu/2 = "
-        r"\tfrac12$, and "
-        r"$\mu = 2$ gives it the rate $1$: it is not the best.",
+        r"Where all $g$ are $1$, $\mu = \sqrt m = 1$ gives every mode the rate $\mu/2 = \tfrac12$, "
+        r"and $\mu = 2$ gives it the rate $1$: it is not the best.",
         [max(Fraction(1, 2), Fraction(2, 2))],
         [Fraction(1, 2)],
     )

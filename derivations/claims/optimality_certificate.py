@@ -221,12 +221,10 @@ def _decided(found: Any, frame: tuple[Any, Any, Any]) -> Step:
     return combination(
         r"`certreg.verify.proves_level`, run on polynomials, hands to the elimination a symmetric "
         r"matrix; here is its quadratic form in $p$. The checker holds $K$ as integers $K_M$ over "
-        r"a "
-        r"unit (it works with $M K$). Times the unit and times $|q|^2$, with "
-        r"$\mathrm{unit}\cdot\mathrm{unit}^{-1} = 1$ and $|q|^2 \cdot |q|^{-2} = 1$, it is "
-        r"$\ell\, |q|^2 I - |q|^2\, \mathrm{unit}\, K_M + \mu\, q q^{\mathsf T}$, which is $|q|^2 "
-        r"A$ "
-        r"at the level $\ell = v + \delta - \mu$, without denominators. The two are positive "
+        r"a unit (it works with $M K$). Times the unit and times $|q|^2$, with "
+        r"$\mathrm{unit}\cdot\mathrm{unit}^{-1} = 1$ and $|q|^2 \cdot |q|^{-2} = 1$, it is $\ell\, "
+        r"|q|^2 I - |q|^2\, \mathrm{unit}\, K_M + \mu\, q q^{\mathsf T}$, which is $|q|^2 A$ at "
+        r"the level $\ell = v + \delta - \mu$, without denominators. The two are positive "
         r"multiples of each other, and the elimination decides exactly whether they are positive "
         r"definite.",
         UNIT * n * (p.T * found * p)[0]

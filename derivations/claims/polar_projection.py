@@ -156,8 +156,7 @@ def _is_the_polar_factor(stretch: Callable[[], Array]) -> Proof:
     )
     yield positive(
         r"and that is positive for $x \ne 0$, as $n \ge 0$. So $UH$ is the polar decomposition of "
-        r"$I + "
-        r"[a]_\times$.",
+        r"$I + [a]_\times$.",
         square(A.cross(x)) + (N + 1) * square(x),
         [
             [Square(STRETCHED[0])],
@@ -256,8 +255,7 @@ CLAIM = Claim(
     statement=r"Let $n = \sqrt{1 + |a|^2}$. The rotation nearest to $R(I + [a]_\times)$ in the "
     r"Frobenius norm is $R\,\bigl(I + \frac1n[a]_\times + \frac1{n(n+1)}[a]_\times^2\bigr)$, for "
     r"every vector $a$ and every rotation $R$, and it is the only one: the polar factor, $I + "
-    r"[a]_\times "
-    r"= UH$ with $(n+1)H = n(n+1)I - aa^{\mathsf T}$. The step that ships goes there.",
+    r"[a]_\times = UH$ with $(n+1)H = n(n+1)I - aa^{\mathsf T}$. The step that ships goes there.",
     concludes=(1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14),
     hypotheses=(
         ROOT,

@@ -217,9 +217,8 @@ def _rests(kicked: Kick, drifted: Drift) -> Proof:
         [*(-2 * IMPULSE * STATE.c), *(IMPULSE * BODY.inertia_inverse * torque)],
     )
     yield positive(
-        r"With $i > 0$ the first is zero for $c = 0$ only: $|v'|^2 = 4 i^2 |c|^2$. In the same "
-        r"way the "
-        r"second is for $J^{-1}\tau = 0$ only.",
+        r"With $i > 0$ the first is zero for $c = 0$ only: $|v'|^2 = 4 i^2 |c|^2$. In the same way "
+        r"the second is for $J^{-1}\tau = 0$ only.",
         square(v),
         [
             [4, Square(PUSHED[0]), Square(APART[0])],

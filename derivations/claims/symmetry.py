@@ -174,19 +174,16 @@ def _double_eigenvalue(*, commuting: bool) -> Proof:
     far = (c - 1) ** 2 + s**2
     yield identity(
         r"Put the third axis along that of $Q$, a rotation by an angle with cosine $c$ and sine "
-        r"$s$, and let $E = Q S - S Q$. Then $\;2 s S_{12} = -E_{11}$, "
-        r"$\;s (S_{11} - S_{22}) = E_{12}$, and with $f = (c - 1)^2 + s^2$ $\;f S_{13} = (c - 1) "
-        r"E_{13} + "
-        r"s E_{23}\;$ and $\;f S_{23} = (c - 1) E_{23} - s E_{13}$.",
+        r"$s$, and let $E = Q S - S Q$. Then $\;2 s S_{12} = -E_{11}$, $\;s (S_{11} - S_{22}) = "
+        r"E_{12}$, and with $f = (c - 1)^2 + s^2$ $\;f S_{13} = (c - 1) E_{13} + s E_{23}\;$ and "
+        r"$\;f S_{23} = (c - 1) E_{23} - s E_{13}$.",
         [2 * s * S[0, 1], s * (S[0, 0] - S[1, 1]), far * S[0, 2], far * S[1, 2]],
         [-E[0, 0], E[0, 1], (c - 1) * E[0, 2] + s * E[1, 2], (c - 1) * E[1, 2] - s * E[0, 2]],
     )
     yield positive(
         r"If the angle is neither $0$ nor $180^\circ$, then $s \neq 0$ and $f > 0$, and from $E = "
-        r"0$ it "
-        r"follows that $S = \operatorname{diag}(p, p, r)$: two equal eigenvalues. An axis of "
-        r"order at "
-        r"least three has such a rotation.",
+        r"0$ it follows that $S = \operatorname{diag}(p, p, r)$: two equal eigenvalues. An axis of "
+        r"order at least three has such a rotation.",
         far,
         [[Square(c - 1)], [Square(TURNING[0])]],
     )
@@ -207,8 +204,7 @@ def _equal_diagonal() -> Step:
     inverse = scalar("s_inverse")
     return combination(
         r"So across the axis the scatter is a multiple of $I$: for all $a$ and $b$ the number $a "
-        r"S_{12} "
-        r"+ b\,(S_{11} - S_{22})$ is a combination of entries of $E$ and of $s s^{-1} - 1$.",
+        r"S_{12} + b\,(S_{11} - S_{22})$ is a combination of entries of $E$ and of $s s^{-1} - 1$.",
         a * off + b * apart,
         [
             (-a * inverse / 2, COMMUTES[0, 0]),
@@ -317,8 +313,7 @@ CLAIM = Claim(
     setting=(
         (
             r"$y_i = R x_i + t$ with $R \in \mathrm{SO}(3)$: no noise, not mirrored. $Q$ turns by "
-            r"an "
-            r"angle with cosine $c$ and sine $s$ and permutes the weighted source."
+            r"an angle with cosine $c$ and sine $s$ and permutes the weighted source."
         ),
     ),
     source="[Yang2020], the conjecture's part (ii)",

@@ -93,9 +93,7 @@ CLAIM = Claim(
     setting=(
         (
             r"Both clouds are taken about their means, $\sum_i m_i \tilde x_i = \sum_i m_i \tilde "
-            r"y_i "
-            r"= "
-            r"0$; any number of points, any masses."
+            r"y_i = 0$; any number of points, any masses."
         ),
     ),
     source="[Yang2020], the total torque; [Horn1987] for K",

@@ -107,11 +107,9 @@ def _diagonalisation(*, transposed: bool, pencil: int) -> Proof:
     )
     inner_form = s * sympy.eye(3) + D
     yield combination(
-        r"$N$ is invertible: with $P = N^{-1}$ it is $(\sigma J + G)\, P^{\mathsf T} = N (\sigma "
-        r"I + D)$, so "
-        r"that the columns of $P^{\mathsf T}$ are the eigenvectors of the pencil; for all $a$ and "
-        r"$b$ a "
-        r"combination of the entries of $N^{\mathsf T} P^{\mathsf T} - I$.",
+        r"$N$ is invertible: with $P = N^{-1}$ it is $(\sigma J + G)\, P^{\mathsf T} = N (\sigma I "
+        r"+ D)$, so that the columns of $P^{\mathsf T}$ are the eigenvectors of the pencil; for "
+        r"all $a$ and $b$ a combination of the entries of $N^{\mathsf T} P^{\mathsf T} - I$.",
         inner(a, (N * inner_form * N.T * NORMALISER_INVERSE.T - N * inner_form) * b),
         contraction(inner_form * N.T * a * b.T, SOLID_FACTOR),
     )
@@ -165,17 +163,14 @@ def _no_other_root(damping: int) -> Proof:
     yield identity(
         r"One spring. At $s = a + ib$ the real part of $s^2 + \mu s + g$ is $a^2 - b^2 + \mu a + "
         r"g$ and the imaginary part is $b\, (2a + \mu)$; with matrices $\begin{pmatrix}a & -b\\ b "
-        r"& "
-        r"a\end{pmatrix}$ for complex numbers.",
+        r"& a\end{pmatrix}$ for complex numbers.",
         s * s + mu * s + g * sympy.eye(2),
         [[real, -imaginary], [imaginary, real]],
     )
     yield positive(
         r"Let $s$ be a root with $a \geq 0$. If $b \ne 0$, then $b \cdot b\,(2a + \mu)$, which is "
-        r"$2 a "
-        r"b^2 + \mu b^2$, is positive as $\mu > 0$, and not zero: a root that does not decay is "
-        r"real. "
-        r"There are no growing oscillations.",
+        r"$2 a b^2 + \mu b^2$, is positive as $\mu > 0$, and not zero: a root that does not decay "
+        r"is real. There are no growing oscillations.",
         b * imaginary,
         [[2, NOT_DECAYING[0], Square(SWINGING[0])], [DAMPED[0], Square(SWINGING[0])]],
     )
@@ -186,9 +181,8 @@ def _no_other_root(damping: int) -> Proof:
     )
     yield positive(
         r"and it is positive if $a > 0$. Hence, if $g > 0$, both roots have negative real parts; "
-        r"if $g = "
-        r"0$, none has a positive one, and the only one with the real part zero is $s = 0$. In "
-        r"particular the translation, $g = 2$, has only decaying modes.",
+        r"if $g = 0$, none has a positive one, and the only one with the real part zero is $s = "
+        r"0$. In particular the translation, $g = 2$, has only decaying modes.",
         (real - g).subs(b, 0),
         [[Square(GROWING[0])], [DAMPED[0], GROWING[0]]],
     )
@@ -256,9 +250,8 @@ CLAIM = Claim(
     name="unstable_count",
     title="As many growing modes as the index",
     statement=r"Let $J \succ 0$ and $\mu > 0$. There is an invertible $N$ with $J = N N^{\mathsf "
-    r"T}$ and "
-    r"$G = N D N^{\mathsf T}$, $D$ diagonal. At every equilibrium the linearised dynamics has "
-    r"exactly as many eigenvalues with positive real part as the Hessian $G$ has negative "
+    r"T}$ and $G = N D N^{\mathsf T}$, $D$ diagonal. At every equilibrium the linearised dynamics "
+    r"has exactly as many eigenvalues with positive real part as the Hessian $G$ has negative "
     r"eigenvalues, all of them real, and as many zero eigenvalues as $G$ has; all others have "
     r"negative real parts. At the equilibria of the eigenvalue $\lambda_j$ of $K$ that is the "
     r"number of eigenvalues of $K$ above $\lambda_j$.",
