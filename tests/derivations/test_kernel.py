@@ -264,3 +264,12 @@ def test_an_instance_obeys_every_hypothesis_and_is_exact():
     assert found.value == 2 * point[X]
     assert dict(outside.point) == {X: 1, Y: 0}
     assert outside.words == "at x = 1, all else 0: 1, not 0"
+
+
+def test_an_instance_obeys_what_a_hypothesis_says_beyond_its_values():
+    step = next(iter(wrong()))
+    assert step.asserted is not None
+    nowhere = nonnegative_by("$y > 9$.", Y, further=lambda point: point[Y] > 9)
+
+    assert counterexample(step.asserted, (SAME, nowhere), first={}) is None
+    assert counterexample(step.asserted, (SAME, nowhere), first={Y: 10}) is not None
