@@ -350,8 +350,8 @@ def _headline(facts: _Findings, verdict: PoseVerdict) -> str:
         chosen = OPTIMAL_NOT_UNIQUE if degrees is None else OPTIMAL
         return chosen.said(degrees=degrees or "", gap=gap)
     if verdict is PoseVerdict.NEAR_OPTIMAL:
-        chosen = NEAR_OPTIMAL_NOT_UNIQUE if degrees is None else NEAR_OPTIMAL
-        return chosen.said(degrees=degrees or "", gap=gap, share=share)
+        chosen = NEAR_OPTIMAL if facts.unique else NEAR_OPTIMAL_NOT_UNIQUE
+        return chosen.said(degrees=degrees or "180", gap=gap, share=share)
     if verdict is PoseVerdict.SPURIOUS_EQUILIBRIUM:
         components = facts.registration.equilibria.components
         component = components[facts.nearest]
@@ -398,13 +398,16 @@ def _good_words(facts: _Findings, verdict: PoseVerdict) -> str:
         )
     else:
         away = math.degrees(facts.angles[0])
+        nearest = "the optimum" if facts.unique else "the nearest optimum"
         words = (
-            f"It is {away:.4g} degrees from the optimum{_shift_words(facts)}. Rounding the numbers "
+            f"It is {away:.4g} degrees from {nearest}{_shift_words(facts)}. Rounding the numbers "
             f"of the optimal pose to doubles costs at most {cost}."
         )
     ambiguity = facts.registration.equilibria.classification.ambiguity
     if ambiguity is not None:
         words += f" The optimum is not the only one: {ambiguity.value}."
+    elif facts.registration.equilibria.nearly_ambiguous:
+        words += " A very different pose fits almost as well: do not rely on the rotation."
     return words
 
 

@@ -309,7 +309,11 @@ def _pose(registration: Registration) -> Iterator[Markup]:
     yield element("p", "The 4×4 matrix that takes source coordinates to target coordinates:")
     yield element("pre", "\n".join(rows), tabindex=0, aria_label="4 by 4 matrix")
     quaternion = " ".join(map(repr, pose.quaternion_wxyz.tolist()))
-    yield element("p", "Rotation as a unit quaternion, w x y z; the bounds hold for this one:")
+    yield element(
+        "p",
+        "Rotation as a unit quaternion, w x y z; the bounds hold for this one, with the "
+        "translation of the matrix:",
+    )
     yield element("pre", quaternion, tabindex=0, aria_label="quaternion")
 
 

@@ -107,7 +107,7 @@ def count_words(equilibria: EquilibriumSet) -> str:
     if classification.finite:
         what = f"{exactly}four equilibria: the optimum and three spurious ones"
     elif spurious == 0:
-        what = "every pose is an equilibrium, and every one is optimal"
+        what = "every rotation is an equilibrium, and every one is optimal"
     elif spurious is None:
         what = "infinitely many spurious equilibria"
     else:
@@ -183,7 +183,7 @@ def verdict_words(registration: Registration) -> list[str]:
     if ambiguity is not None:
         lines += [
             f"{ambiguity.value}.",
-            "The pose below is the one of them that turns the source least, up to rounding.",
+            "The pose below is one of them that turns the source least, up to rounding.",
         ]
     elif registration.equilibria.nearly_ambiguous:
         lines.append("A very different pose fits almost as well: do not rely on the rotation.")
@@ -219,19 +219,18 @@ def _status_lines(registration: Registration) -> list[str]:
 def _method_lines(registration: Registration) -> list[str]:
     """What the independent methods say, one line each."""
     solution, lines = registration.solution, list[str]()
+    unique = registration.equilibria.classification.unique
     relaxation, trajectory, agreement = solution.relaxation, solution.trajectory, solution.agreement
     if not isinstance(relaxation, Absent) and agreement.relaxation is not None:
         gap = None if solution.certificate is None else solution.certificate.body.claims.sdp_gap
         bound = "" if gap is None else f", proved gap {at_most(gap.value)}"
-        lines.append(
-            f"  relaxation (SDP)  rank {relaxation.rank}, {_away(agreement.relaxation)}{bound}"
-        )
+        away = _away(agreement.relaxation, unique=unique)
+        lines.append(f"  relaxation (SDP)  rank {relaxation.rank}, {away}{bound}")
     if not isinstance(trajectory, Absent) and agreement.simulation is not None:
         basin = solution.certificate is not None and solution.certificate.body.claims.basin
         where = ", proved in the basin of the optimum" if basin else ""
-        lines.append(
-            f"  simulation        {trajectory.steps} steps, {_away(agreement.simulation)}{where}"
-        )
+        away = _away(agreement.simulation, unique=unique)
+        lines.append(f"  simulation        {trajectory.steps} steps, {away}{where}")
         if not trajectory.converged:
             words = " ".join((trajectory.status.value, *trajectory.notes))
             lines.append(f"                    NOT CONVERGED: {words}")
@@ -256,8 +255,8 @@ def explained_words(fit: Fit) -> str:
     return f"{percent:.{digits}f} % of the target's spread (R squared, with the best scale)"
 
 
-def _away(angle: float) -> str:
-    return f"{math.degrees(angle):.1g} degrees from the optimum"
+def _away(angle: float, *, unique: bool = True) -> str:
+    return f"{math.degrees(angle):.1g} degrees from the {'' if unique else 'nearest '}optimum"
 
 
 def warnings(registration: Registration, headline: str) -> list[str]:
@@ -268,7 +267,9 @@ def warnings(registration: Registration, headline: str) -> list[str]:
     unique = equilibria.classification.unique
     noisy = unique and registration.problem.noise_given and gap is not None
     if noisy and 2.0 * (gap or 0.0) < DISTINGUISHABLE:
-        notes.append("at the given noise the next equilibrium is as likely as the optimum")
+        notes.append(
+            "at the given noise, five standard deviations do not rule out the next equilibrium"
+        )
     costs = 0.0 if bounds is None else ROUNDING_SHARE * bounds.gap_lower
     unnoted = Fraction(UNNOTED_COST) * registration.solution.moments.spread
     noted = bounds is not None and bounds.greatest_gap > unnoted

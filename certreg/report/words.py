@@ -11,7 +11,7 @@ from certreg.certificate import sin2_half_angle_between
 from certreg.exact import half_angle_bound, rational_root_above
 from certreg.registration import DEGREE_SLACK, at_most, proved_degrees
 from certreg.report.summary import count_words, margin_words, number
-from certreg.results import Absent, ComponentKind, Guarantee
+from certreg.results import Absent, ComponentKind, Guarantee, Optimality
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -34,7 +34,7 @@ THEOREMS = {  # claims of `certreg derive`, by the titles of their pages
 NOT_CLAIMED = (
     "that the correspondences are right: a wrong pair is registered as faithfully as a right one;",
     "that the noise is Gaussian, or the bodies rigid;",
-    "that the optimum is close to the truth: only that no pose fits these numbers better;",
+    "that the optimum is close to the truth: only how well any pose can fit these numbers;",
     "where the points come from, nor what the certificate says under `about`: names and labels.",
 )
 NAMES = {
@@ -151,10 +151,12 @@ def _optimality(registration: Registration) -> Iterator[Sentence]:
 
 def _equilibria(registration: Registration, claims: Claims) -> Iterator[Sentence]:
     equilibria = registration.equilibria
-    counted = count_words(equilibria).split(": ", 1)[1]
+    counted = count_words(equilibria).split(": ", 1)[1][:-1]
+    every = equilibria.components[0].kind is ComponentKind.ROTATION_GROUP
+    begun = counted.capitalize() if every else f"There are {counted}"
     listed = ", ".join(f"{NAMES[c.kind]} of index {c.morse_index}" for c in equilibria.components)
     yield Sentence(
-        words=f"There are {counted[:-1]}: {listed}. The list is complete.",
+        words=f"{begun}: {listed}. The list is complete.",
         guarantee=equilibria.guarantee,
         theorems=("eigenvectors", "classification"),
     )
@@ -173,7 +175,7 @@ def _equilibria(registration: Registration, claims: Claims) -> Iterator[Sentence
         yield Sentence(
             words=(
                 f"In this order they have {counts} growing modes: whatever is not optimal is "
-                "unstable, and the smallest push makes a body leave it."
+                "unstable: there are pushes, however small, after which a body leaves it."
             ),
             guarantee=equilibria.guarantee,
             theorems=("unstable_count", "instability"),
@@ -259,9 +261,12 @@ def _methods_words(registration: Registration, methods: MethodAngles) -> str:
     ran = {name: angle for name, angle in angles.items() if angle is not None}
     apart = [name for name, angle in ran.items() if not angle <= SAME_ROTATION]
     near = [f"{name} to {angle:.1g}°" for name, angle in ran.items() if name not in apart]
-    words = [f"Independent roads lead to the same rotation: {', '.join(near)}."] if near else []
+    unique = registration.equilibria.classification.unique
+    end = "the same rotation" if unique else "an optimum, not always the same"
+    words = [f"Independent roads lead to {end}: {', '.join(near)}."] if near else []
     words += [
-        f"{name[0].upper()}{name[1:]} does not: it ended {ran[name]:.3g}° from it. "
+        f"{name[0].upper()}{name[1:]} does not: it ended {ran[name]:.3g}° from "
+        f"{'it' if unique else 'all of them'}. "
         "No proof rests on it."
         for name in apart
     ]
@@ -271,7 +276,8 @@ def _methods_words(registration: Registration, methods: MethodAngles) -> str:
 def motion_words(registration: Registration) -> str:
     """The pose as a turn about an axis and a shift."""
     pose, unique = registration.pose, registration.equilibria.classification.unique
-    which = "The best motion" if unique else "That pose"
+    which = "The pose below" if registration.status is Optimality.BOUNDED else "The best motion"
+    which = which if unique else "That pose"
     w, *axial = pose.quaternion_wxyz.tolist()
     length = math.hypot(*axial)
     shift = ", ".join(f"{entry:.6g}" for entry in pose.translation.tolist())
@@ -288,13 +294,15 @@ def trap_words(equilibria: EquilibriumSet) -> str | None:
     worst, last = equilibria.components[-1], len(equilibria.components) - 1
     if worst.optimal or None in {worst.rmse, equilibria.components[0].rmse}:
         return None
-    factor = factor_words(equilibria, last)
+    factor, best = factor_words(equilibria, last), number(equilibria.components[0].rmse)
+    fit = f"with an RMSE of {number(worst.rmse)} instead of {best}"
+    if number(worst.rmse) == best:
+        fit = f"though its RMSE is {best}, as the optimum's is, in these digits"
     unstable = worst.unstable_eigenvalues is not None
     return (
         f"The worst rotation, {math.degrees(worst.angle_to_optimum):.4g}° off, balances the "
-        f"springs, too. It is wrong, with an RMSE of {number(worst.rmse)} instead of "
-        f"{number(equilibria.components[0].rmse)}{f' ({factor})' if factor else ''}"
-        f"{', and unstable: the smallest push ends it' if unstable else ''}."
+        f"springs, too. It is wrong, {fit}{f' ({factor})' if factor else ''}"
+        f"{', and unstable: a push, however small, can end it' if unstable else ''}."
     )
 
 
@@ -336,10 +344,11 @@ def _growth_words(component: Component) -> str:
     count = component.unstable_eigenvalues
     if count is None:
         return "so it is no minimum."
+    which = "its mode" if count == 1 else "their modes"
     modes = "1 of the 12 eigenvalues has" if count == 1 else f"{count} of the 12 eigenvalues have"
     return (
-        f"and so {modes} a positive real part: the smallest push grows, and the body leaves. "
-        "Push it, and watch."
+        f"and so {modes} a positive real part: along {which} a push grows, however small, "
+        "and the body leaves. Push it, and watch."
     )
 
 

@@ -1,0 +1,101 @@
+"""Sentences of a page and a summary that a hostile reader found stronger than what is proved."""
+
+from __future__ import annotations
+
+import html
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from certreg import RegistrationProblem
+from certreg.registration import Registration, assess, certify
+from certreg.report import equilibria_words, html_page, registration_summary
+from certreg.report.page import Report
+from certreg.results import Limits
+
+RNG = np.random.default_rng(5)
+SOURCE = RNG.normal(size=(12, 3))
+TARGET = SOURCE + 0.1 * RNG.normal(size=(12, 3))
+TETRAHEDRON = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+
+
+def proof(source, target, *, relaxation: bool = False, **options) -> Registration:
+    problem = RegistrationProblem(np.array(source), np.array(target), **options)
+    return certify(problem, relaxation=relaxation, simulation=False)
+
+
+def page(registration: Registration) -> str:
+    words = re.sub(r"<[^>]*>", " ", html_page(Report.of(registration)).decode())
+    return html.unescape(re.sub(r"\s+", " ", words))
+
+
+@pytest.fixture(scope="module")
+def usual() -> str:
+    return page(proof(SOURCE, TARGET))
+
+
+def test_not_every_push_ends_an_unstable_pose(usual: str):
+    """What is pushed along a stable direction comes back: audit, "immediately leaves"."""
+    assert "smallest push" not in usual
+    assert "there are pushes, however small, after which a body leaves it" in usual
+
+
+def test_nothing_is_claimed_of_other_poses_beyond_the_bounds(usual: str):
+    assert "no pose fits these numbers better" not in usual
+    assert "the bounds hold for this one, with the translation of the matrix" in usual
+
+
+def test_a_pose_that_is_only_bounded_is_not_the_best_motion(usual: str):
+    bounded = replace(proof(SOURCE, TARGET), limits=Limits(max_gap=0.0))
+
+    assert "The best motion turns" in usual
+    assert "The best motion" not in page(bounded)
+    assert "The pose below turns" in page(bounded)
+
+
+def test_an_rmse_is_not_said_to_be_another_where_no_digit_differs():
+    words = page(proof(1e-100 * SOURCE, TARGET))
+    (fit,) = re.findall(r"It is wrong, (.*?), and unstable", words)
+
+    assert re.fullmatch(r"though its RMSE is [\d.]+, as the optimum's is, in these digits", fit)
+
+
+def test_where_every_rotation_fits_a_translation_still_may_not():
+    registration = proof(np.ones((5, 3)), TARGET[:5])
+
+    assert "every rotation is an equilibrium" in equilibria_words(registration.equilibria)
+    assert " Every rotation is an equilibrium, and every one is optimal: every" in page(
+        registration
+    )
+
+
+def test_of_many_optima_no_method_leads_to_the_one():
+    registration = proof(TETRAHEDRON, -TETRAHEDRON, relaxation=True)  # all turn by 180 degrees
+    summary, words = registration_summary(registration), page(registration)
+
+    assert "is one of them that turns the source least" in summary
+    assert "degrees from the nearest optimum" in summary
+    assert "the same rotation" not in words
+    assert "Independent roads lead to an optimum, not always the same: " in words
+
+
+def test_a_noise_that_hides_the_next_equilibrium_does_not_make_it_as_likely():
+    octahedron = np.vstack([np.diag([2.0, 1, 1]), -np.diag([2.0, 1, 1])])
+    registration = proof(octahedron, octahedron * [1, 1, -0.5], sigma=0.5)
+    summary = registration_summary(registration)
+
+    assert "as likely as" not in summary
+    assert "five standard deviations do not rule out the next equilibrium" in summary
+
+
+def test_an_assessment_says_what_is_nearly_ambiguous():
+    octahedron = np.vstack([np.diag([2.0, 1, 1]), -np.diag([2.0, 1, 1])])
+    problem = RegistrationProblem(octahedron, octahedron * [1, 1, -(1 - 1e-9)])
+
+    judged = assess(problem, np.eye(3), np.zeros(3))
+    assert judged.headline.startswith("OPTIMAL TO ROUNDING")
+    assert judged.words.endswith(
+        "A very different pose fits almost as well: do not rely on the rotation."
+    )
