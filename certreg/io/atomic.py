@@ -43,7 +43,9 @@ def write_files(folder: Path, contents: Mapping[str, bytes]) -> None:
         write_atomically(folder / name, content)
 
 
-def write_together(contents: dict[Path, bytes | Iterable[bytes]], obsolete: Iterable[Path]) -> None:
+def write_together(
+    contents: Mapping[Path, bytes | Iterable[bytes]], obsolete: Iterable[Path]
+) -> None:
     """Write files that belong together: all under temporary names, then rename, the first one last.
 
     Before anything is renamed, the `obsolete` ones are removed, then what stands there. So when the
