@@ -25,10 +25,16 @@ os.environ.setdefault("SYMPY_CACHE_SIZE", "20000")  # as derivations/__init__.py
 DATA = Path(__file__).parent.parent / "certreg" / "data"
 
 
+# Whoever asks first for one of these waits for it: all figures.
+SLOW_FIXTURES = {"drawn"}
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """What is not slow is quick: `-m quick` takes less than a minute."""
     for item in items:
-        if item.get_closest_marker("slow") is None:
+        if SLOW_FIXTURES.intersection(getattr(item, "fixturenames", ())):
+            item.add_marker("slow")
+        elif item.get_closest_marker("slow") is None:
             item.add_marker("quick")
 
 

@@ -34,6 +34,7 @@ def test_no_mutant_of_the_checker_answers_as_it_should():
     assert not any(str(question).startswith("not even loaded") for question in found.values())
 
 
+@pytest.mark.slow
 def test_a_case_is_failed_by_an_answer_that_is_wrong_torn_or_none():
     text = FILE.read_text(encoding="utf-8")
     cases = boundaries.quick_cases()[:20]

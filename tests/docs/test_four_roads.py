@@ -39,6 +39,7 @@ def test_every_cell_runs_and_the_methods_agree(run):
     assert "At most four rotations" in printed
 
 
+@pytest.mark.slow
 def test_near_a_tie_the_exact_methods_decide_and_the_third_is_right_or_in_doubt(run):
     lines = [line for line in run[1].splitlines() if re.match(r"1e-\d\d ", line)]
     assert len(lines) == 5

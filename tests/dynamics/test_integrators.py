@@ -44,6 +44,7 @@ from certreg.problem.problem import RegistrationProblem
 COMPILED = isinstance(current_engine(), Library)
 # instances; without a compiler each takes a millisecond
 MANY, FEW, STEPS = (100_000, 83, 20_000) if COMPILED else (1_000, 11, 1_000)
+of_many = pytest.mark.slow if COMPILED else pytest.mark.quick  # whoever asks first waits
 EPSILON = 2.0**-52
 each_integrator = pytest.mark.parametrize("integrator", Integrator)
 
@@ -245,7 +246,7 @@ def registrations() -> list[tuple[Clouds, Bodies, Ends]]:
     return found
 
 
-@pytest.mark.slow
+@of_many
 def test_splitting_reaches_the_optimum_and_says_so(registrations):
     """|alpha| < 1e-4 bounds the torque, G / J times the angle; at convergence it is small."""
     reached = total = 0
@@ -261,6 +262,7 @@ def test_splitting_reaches_the_optimum_and_says_so(registrations):
     assert reached >= 0.9999 * total
 
 
+@of_many
 def test_what_converged_is_slow_and_in_the_certified_basin(registrations):
     for _, bodies, ends in registrations:
         q, gaps = ends.states["q"], bodies.basins["gaps"]
@@ -271,7 +273,7 @@ def test_what_converged_is_slow_and_in_the_certified_basin(registrations):
         assert (height < 0.4 * gaps[:, 1])[ends.converged].all()
 
 
-@pytest.mark.slow
+@of_many
 def test_what_converged_is_within_a_thousandth_of_a_radian(registrations):
     for clouds, _, ends in registrations:
         off = angles(ends.rotations, best_rotations(clouds))
@@ -299,6 +301,7 @@ def test_a_body_that_is_slow_far_from_the_optimum_goes_on(scale, damping, integr
     assert np.array_equal(alone.states[0], ends.states[0])
 
 
+@of_many
 def test_ends_of_a_sample_are_proved(registrations):
     clouds, _, ends = registrations[0]
     for k in range(20):
@@ -313,6 +316,7 @@ def test_ends_of_a_sample_are_proved(registrations):
         assert proved_end(problem, found, end).body.claims.basin is True
 
 
+@of_many
 def test_what_has_too_few_steps_is_not_called_converged(registrations):
     _, bodies, _ = registrations[1]
     ends = simulate_many(bodies, settings=SimulationSettings(max_steps=3))

@@ -59,6 +59,7 @@ def test_generating_anew_gives_the_committed_bytes(tmp_path):
         assert (tmp_path / name).read_bytes() == (GENERATED / name).read_bytes(), name
 
 
+@pytest.mark.slow
 def test_a_mutated_derivation_changes_the_code(tmp_path, monkeypatch):
     honest = motion.spring_torque
     monkeypatch.setattr(motion, "spring_torque", lambda state, cloud: -honest(state, cloud))

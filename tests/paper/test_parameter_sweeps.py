@@ -100,6 +100,7 @@ def test_the_steps_are_those_that_the_slowest_mode_tells(mu: float):
     assert 1.0 < np.median(ratios) < 1.3
 
 
+@pytest.mark.slow
 def test_the_fewest_steps_are_made_near_optimal_damping():
     steps = {mu: np.median(measured("damping", mu).steps) for mu in FAMILIES["damping"].values}
 
