@@ -179,7 +179,8 @@ def headline_words(registration: Registration) -> str:
     degrees = proved_degrees(registration) or ""
     warning = next((one.text for one in registration.fit.warnings), "")
     numbers = {"gap": gap, "share": share, "degrees": degrees, "warning": warning}
-    return headline_of(registration).said(**numbers)
+    said = headline_of(registration).said(**numbers)
+    return said[:-1] if said.endswith("?.") else said
 
 
 def proved_degrees(registration: Registration) -> str | None:

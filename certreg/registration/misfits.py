@@ -203,7 +203,8 @@ def misfits(
         FitCode.MIRRORED: _mirrored_words(sums, rows),
     }
     texts = {FitCode.SCALE: _scale_words(sums, rows), **_likeliest(causes, sums, rows)}
-    texts.setdefault(FitCode.SHUFFLED, _shuffled_words(sums, rows))
+    if FitCode.MIRRORED not in texts:  # a reflection that fits pairs the rows as they are
+        texts.setdefault(FitCode.SHUFFLED, _shuffled_words(sums, rows))
     texts[FitCode.CHI2] = _chi2_words(chi2)
     if not any(texts.values()):
         texts[FitCode.POOR_FIT] = _poor_words(sums)
@@ -300,7 +301,7 @@ def _shuffled_words(sums: FitSums, rows: RowFit) -> str | None:
         return None
     return (
         f"the rows are paired no better than at random: they explain {_percent(sums.explained)} "
-        "of the target, though both clouds have one shape: is one of them in another order?"
+        "of the target, though the clouds are as long and wide: is one of them in another order?"
     )
 
 
