@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from decimal import Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +22,7 @@ from certreg.registration.certification import certify
 from certreg.report.document import result_document
 from certreg.report.page import Report, html_page
 from certreg.report.summary import registration_summary
+from certreg.verify import Worth, parse
 
 if TYPE_CHECKING:
     from certreg.registration.certification import Registration
@@ -183,3 +185,30 @@ def test_a_certificate_of_another_rotation_bounds_the_gap_of_every_pose(registra
         with flint.ctx.workprec(BITS):
             assert brackets.ball(bounds.greatest_gap) >= oracle.gap(exact, t)
             assert not bounds.least_gap or brackets.ball(bounds.least_gap) <= oracle.gap(exact, t)
+
+
+@pytest.mark.parametrize("degrees", ["1.2e-5", "7.0e-15", "90"])
+def test_the_checkers_degrees_are_no_fewer_than_its_radians(registration: Registration, degrees):
+    """180/pi is rounded up there: a little more than such an angle is told as the next number."""
+    content = checked(registration.solution.certificate).to_json()
+    statement: Any = parse(content)
+    with flint.ctx.workprec(BITS):
+        least = Fraction(degrees) * (1 + Fraction(1, 10**9))
+        radians = brackets.ball(least) * flint.arb.pi() / 180
+        angle = Fraction(Decimal(radians.str(40, radius=False)))
+    worth = replace(WORTH, angle=angle)
+    words = list(statement._words(worth, [1, 1, 1, 1], solid=True, equal=True))
+    (told,) = [line for line in words if line.startswith("Every global optimum is within ")]
+
+    assert Fraction(Decimal(told.split()[5])) >= least
+
+
+WORTH = Worth(
+    weight=Fraction(1),
+    objective=Fraction(1),
+    minimum=Fraction(1),
+    gap=Fraction(1, 2**99),
+    length=Fraction(1, 2**49),
+    share=Fraction(1, 2**99),
+    angle=None,
+)
