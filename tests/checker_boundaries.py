@@ -1015,8 +1015,9 @@ def energy_of(q: list[int], source: Any, target: Any, weights: list[Fraction]) -
     total = sum(weights)
     return sum(
         (
-            w * sum((a - b / total) ** 2 for a, b in zip(row, mean, strict=True))
+            w * (a - b / total) ** 2
             for w, row in zip(weights, left, strict=True)
+            for a, b in zip(row, mean, strict=True)
         ),
         Fraction(0),
     )

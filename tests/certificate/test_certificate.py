@@ -4,6 +4,7 @@ import json
 import math
 from dataclasses import replace
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
@@ -250,8 +251,9 @@ def test_bounds_that_are_asked_for_are_compared_with_those_proved():
         assert check_in_blocks(content, problem, {kind: bound}).verified
         assert not check_in_blocks(content, problem, {kind: bound * less}).verified
         for wrong in (math.nan, math.inf, "1e-5 rad"):
+            limit: dict[str, Any] = {name: wrong}
             with pytest.raises(InvalidProblemError, match="give a number"):
-                certreg.verify(content, **{name: wrong})
+                certreg.verify(content, **limit)
     assert check_own(certificate, problem).worth == worth
     count = count_certificate(problem)
     assert count is not None
