@@ -79,7 +79,7 @@ BOUNDED = Headline(
 )
 BOUNDED_WITHOUT_ANGLE = Headline(
     stamp="BOUNDED",
-    words="within {gap} of the minimum ({share}); no angle to the one optimum is proved.",
+    words="within {gap} of the minimum ({share}); no angle to the one optimum is claimed.",
     rests_on=(*_GAP, "classification"),
     code=4,
 )

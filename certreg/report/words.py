@@ -100,12 +100,12 @@ def weak_words(registration: Registration) -> str:
     """What a certificate proves that proves less than could be proved."""
     bounds, degrees = registration.bounds, proved_degrees(registration)
     gap = "an unknown amount" if bounds is None else at_most(bounds.greatest_gap)
-    angle = "of its angle to the best one, it proves nothing"
+    angle = "of its angle to the best one, it claims nothing"
     if degrees is not None:
         angle = f"its rotation is within {degrees} degrees of the best one"
     return (
-        f"Of the pose printed here it proves this: its objective exceeds the minimum by at most "
-        f"{gap}, and {angle}. The certificate that certreg certify writes for these points proves "
+        "Of the pose printed here its claims prove this: its objective exceeds the minimum by at "
+        f"most {gap}, and {angle}. The certificate that certreg certify writes for these points proves "
         "more."
     )
 
@@ -136,7 +136,7 @@ def _optimality(registration: Registration) -> Iterator[Sentence]:
         return
     if registration.equilibria.classification.unique:
         yield Sentence(
-            words="The best rotation is unique. How far it is from the one printed is not bounded.",
+            words="The best rotation is unique. How far it is from the one printed is not claimed.",
             guarantee=Guarantee.EXACT,
             theorems=("classification",),
         )

@@ -118,3 +118,15 @@ def test_clouds_that_are_alike_in_extent_are_not_said_to_have_one_shape():
     assert "paired no better than at random" in summary
     assert "have one shape" not in summary
     assert "though the clouds are as long and wide" in summary
+
+
+def test_what_a_certificate_does_not_claim_is_not_said_to_be_unproved():
+    """Its delta and mu may prove an angle that it does not claim: the checker says so below."""
+    registration = proof(SOURCE, TARGET)
+    bounds = registration.bounds
+    assert bounds is not None
+    words = page(replace(registration, bounds=replace(bounds, angle_upper=None)))
+
+    assert "Every global optimum is within" in words  # the checker, of delta and mu
+    assert "no angle to the one optimum is claimed" in words
+    assert "not bounded" not in words
