@@ -105,8 +105,8 @@ def weak_words(registration: Registration) -> str:
         angle = f"its rotation is within {degrees} degrees of the best one"
     return (
         "Of the pose printed here its claims prove this: its objective exceeds the minimum by at "
-        f"most {gap}, and {angle}. The certificate that certreg certify writes for these points proves "
-        "more."
+        f"most {gap}, and {angle}. The certificate that certreg certify writes for these points "
+        "proves more."
     )
 
 
