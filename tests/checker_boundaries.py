@@ -1011,8 +1011,9 @@ def energy_of(q: list[int], source: Any, target: Any, weights: list[Fraction]) -
         [Fraction(y[k]) - sum(R[k][j] * Fraction(x[j]) for j in range(3)) for k in range(3)]
         for x, y in pairs
     ]
-    mean = [sum(w * row[k] for w, row in zip(weights, left, strict=True)) for k in range(3)]
-    total = sum(weights)
+    zero = Fraction(0)
+    mean = [sum((w * row[k] for w, row in zip(weights, left, strict=True)), zero) for k in range(3)]
+    total = sum(weights, zero)
     return sum(
         (
             w * (a - b / total) ** 2
