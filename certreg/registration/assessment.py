@@ -240,7 +240,7 @@ def why_no_rotation(matrix: NDArray[np.float64], tolerance: float) -> str | None
         return (
             "The matrix is a reflection (determinant -1), not a rotation: no rigid motion does "
             "that. "
-            "The tool that returned it lacks the determinant rule, or the target is mirrored."
+            "Does the tool that returned it lack the determinant rule, or is the target mirrored?"
         )
     if stretch[-1] > 0 and stretch[0] / stretch[-1] - 1 <= tolerance:
         return (
@@ -357,7 +357,8 @@ def _headline(facts: _Findings, verdict: PoseVerdict) -> str:
         component = components[facts.nearest]
         name = f"the index-{component.morse_index} equilibrium"
         if component.kind is not ComponentKind.POINT:
-            name = f"a {component.kind.value} of index-{component.morse_index} equilibria"
+            kind = component.kind.value.replace("-", " ")
+            name = f"a {kind} of index-{component.morse_index} equilibria"
         last = facts.nearest == len(components) - 1
         end = ": the worst rotation there is" if last else ""
         near = f"{math.degrees(facts.angles[facts.nearest]):.2g}"

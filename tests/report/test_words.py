@@ -130,3 +130,13 @@ def test_what_a_certificate_does_not_claim_is_not_said_to_be_unproved():
     assert "Every global optimum is within" in words  # the checker, of delta and mu
     assert "no angle to the one optimum is claimed" in words
     assert "not bounded" not in words
+
+
+def test_why_a_reflection_came_back_is_asked_and_not_asserted():
+    judged = assess(RegistrationProblem(SOURCE, TARGET), np.diag([1.0, 1, -1]), np.zeros(3))
+
+    assert judged.words.endswith("or is the target mirrored?")
+    turned = assess(
+        RegistrationProblem(TETRAHEDRON, TETRAHEDRON), np.diag([1.0, -1, -1]), [0, 0, 0]
+    )
+    assert "degrees from a projective plane of index-1 equilibria" in turned.headline
