@@ -12,7 +12,7 @@ from strategies import AXES, random_problem, random_rotation
 from test_simulation import proved_end
 
 from certreg.dynamics import integrators
-from certreg.dynamics.basin import certified_basin
+from certreg.dynamics.basin import basins_of, certified_basin
 from certreg.dynamics.batch import Bodies, Ends, bodies_of, simulate_many
 from certreg.dynamics.body import body_of
 from certreg.dynamics.integrators import (
@@ -232,6 +232,14 @@ def test_a_midpoint_run_logs_energies_that_fall():
 
 
 # Splitting ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("size", [2.0**-100, 1.0, 2.0**100])
+def test_eigenvalues_are_told_apart_relative_to_their_range(size):
+    values = np.array([[3.0, 1.0, -1.0, -3.0], [3.0, 3.0 - 1e-13, -3.0, -3.0]])
+    basins = basins_of(np.array([np.eye(4)] * 2), size * values, np.ones((2, 1)))
+
+    assert (basins["gaps"] == size * np.array([[0.0, 2.0, 4.0, 6.0], [0.0, 0.0, 6.0, 6.0]])).all()
 
 
 @pytest.fixture(scope="module")

@@ -17,15 +17,18 @@ from strategies import AXES, ZOO, random_problem, random_rotation
 from certreg.certificate.checking import check_own, verify
 from certreg.certificate.isotropic import RotationState
 from certreg.certificate.producing import produce, proves_basin
-from certreg.dynamics.body import body_of
+from certreg.dynamics import integrators
+from certreg.dynamics.body import body_of, state_at_rest
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.simulation import SimulationStatus, optimal_damping, simulate
 from certreg.equilibrium.presentation import rotation_double, unit_double
 from certreg.equilibrium.spectral import by_eigenspaces
 from certreg.errors import ContradictionError, DegenerateProblemError
 from certreg.exact.dyadic import dyadic_below
+from certreg.geometry.so3 import rotation_matrix
 from certreg.native import Integrator
 from certreg.native.engine import current_engine
+from certreg.native.evaluator import evaluator
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem, lift
@@ -175,6 +178,34 @@ def test_too_few_steps_are_reported_and_claim_no_convergence():
 
     assert trajectory.status is SimulationStatus.OUT_OF_STEPS
     assert not trajectory.converged
+
+
+@pytest.mark.parametrize("machine", [current_engine, evaluator])
+@pytest.mark.parametrize("integrator", list(Integrator))
+@pytest.mark.parametrize(("share", "near"), [(0.99, True), (1.01, False)])
+def test_a_slow_body_is_at_rest_within_the_angle_asked_for(
+    monkeypatch, machine, integrator, share, near
+):
+    """Turned towards the lowest saddle, where the energy rises least: the angle is what counts."""
+    monkeypatch.setattr(integrators, "current_engine", machine)
+    found = Isotropic(exact_moments(random_problem(np.random.default_rng(5))))
+    best, next_best, *_ = map(unit_double, found.eigenvectors)
+    half = share * 0.01 / 2.0
+    turn = rotation_matrix((math.cos(half) * best + math.sin(half) * next_best).tolist())
+    limits = SimulationSettings(max_steps=0, speed_tolerance=1e3, rest_angle=0.01)
+    start = state_at_rest(np.array(turn))
+
+    assert simulate(found, 1.0, integrator, start=start, settings=limits).converged == near
+
+
+@pytest.mark.parametrize(("share", "far"), [(0.2, True), (0.3, False), (3.0, False), (5.0, True)])
+def test_a_damping_far_from_the_best_is_named_where_the_steps_ran_out(share, far):
+    problem = random_problem(np.random.default_rng(5))
+    found = Isotropic(exact_moments(problem))
+    limits = SimulationSettings(max_steps=10)
+    (note,) = simulate(found, share * optimal_damping(found), settings=limits).notes
+
+    assert ("is far from the best one" in note) == far
 
 
 @pytest.mark.slow

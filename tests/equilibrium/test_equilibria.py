@@ -11,6 +11,7 @@ from rotations import turned
 
 import certreg
 from certreg import RegistrationProblem
+from certreg.equilibrium.stability import Curvature, spring_ratios
 from certreg.exact.eigenbasis import integer_eigenbasis
 from certreg.geometry.so3 import angle_between, davenport_matrix, dot, quaternion_from_matrix
 from certreg.objective.isotropic import Isotropic
@@ -44,6 +45,29 @@ def test_components_are_mutually_orthogonal_eigenspaces_that_fill_the_space(prob
     basis = np.hstack([c.basis for c in certreg.equilibria(problem).components])
 
     assert np.abs(basis.T @ basis - np.eye(4)).max() < 1e-14
+
+
+def test_the_margin_is_that_of_the_eigenvalues():
+    """C = diag(18, 8, 2): eigenvalues 28, 8, -12, -24, and energies twice as far apart."""
+    cloud = np.vstack([np.diag([3.0, 2.0, 1.0]), -np.diag([3.0, 2.0, 1.0])])
+    found = certreg.equilibria(RegistrationProblem(cloud, cloud))
+
+    assert found.margin.eigenvalue_gap == pytest.approx(20.0)
+    assert found.margin.relative == pytest.approx(20.0 / 52.0)
+    assert [c.energy for c in found.components] == pytest.approx([0.0, 40.0, 80.0, 104.0], abs=1e-9)
+
+
+def test_rates_that_rounding_would_drown_are_not_given():
+    """G = diag(1, 1, 10^-e) and J = diag(1, 10^-c, 10^-c): the digits left are 16 - c - e - c."""
+
+    def rates(c: int, e: int) -> list[float] | None:
+        at = Curvature(values=np.array([1.0, 1.0, 10.0**-e]), directions=np.eye(3))
+        return spring_ratios([at], np.diag([1.0, 10.0**-c, 10.0**-c]))[0]
+
+    assert rates(2, 2) == pytest.approx([1.0, 1.0, 100.0])
+    assert rates(4, 2) == pytest.approx([1.0, 100.0, 10_000.0])
+    assert rates(4, 8) is None
+    assert rates(9, 9) is None
 
 
 @given(strategies.problems())

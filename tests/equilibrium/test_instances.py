@@ -411,6 +411,21 @@ def test_a_count_that_rounding_could_change_is_not_given(monkeypatch):
     assert (solve_many(**some(40)).unstable == [0, 1, -1, 3]).all()
 
 
+@pytest.mark.parametrize("thin", [1.0, 1e-2, 1e-4])
+def test_ratios_of_a_body_that_fits_exactly_are_two_within_their_bounds(thin):
+    """G = 2 J there. Small moments of inertia multiply what rounding does, and so the bound."""
+    rng = np.random.default_rng(4)
+    turn = np.array(rotation_matrix((0.5, -0.1, 0.7, 0.5)))
+    sources = rng.normal(size=(200, 8, 3)) * [1.0, thin, thin] @ turn.T
+    given = instances.clouds(sources, sources, None)
+    found = instances.stationary_poses(given)
+    bound = instances.Bounds.of(found, 8).ratio
+    off = np.abs(found.ratios[:, 0] - 2.0).max(axis=1)
+
+    assert (off <= bound).all()
+    assert (bound < 1.0).all()
+
+
 def test_squares_that_could_underflow_leave_a_problem_undecided():
     given = some(8)
     assert solve_many(**given).decided.all()

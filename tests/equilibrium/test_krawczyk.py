@@ -5,8 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 from commands import checked
-from flint import acb, acb_mat, arb, arb_mat
+from flint import acb, acb_mat, arb, arb_mat, ctx
 
+from certreg.equilibrium import krawczyk
 from certreg.equilibrium.counting import at_most_four, macaulay_matrix
 from certreg.equilibrium.homotopy import EigenBalls
 from certreg.equilibrium.krawczyk import (
@@ -120,6 +121,37 @@ def test_complex_arithmetic_alone_does_not_call_a_root_real():
 
 def test_a_double_root_is_never_proved():
     assert proved_root(Square(0), arb_mat([[1e-9]])) is None
+
+
+class Slope:
+    """A function of one unknown with this slope everywhere."""
+
+    def __init__(self, slope):
+        self.slope = slope
+
+    def values(self, x):
+        return type(x)([[self.slope * x[0, 0]]])
+
+    def jacobian(self, x):
+        return type(x)([[self.slope]])
+
+
+def test_a_box_whose_image_touches_its_edge_proves_nothing():
+    """Newton's step is 2^-64 upwards, the box five times as wide, the image four times as wide."""
+    step, touching = arb(2) ** -64, 0
+    with ctx.workprec(128):
+        for nudge in range(64):  # so that balls, whose radii have 30 bits, come out at the edge
+            k = (arb(8) / 10).mid() - arb(nudge) * arb(2) ** -33
+            slope = (1 - k).mid()
+            image = 1 + step + (1 - slope) * arb(0, 5 * step)
+            box = arb(1, 5 * step)
+            inside = krawczyk._krawczyk(
+                Slope(slope), arb_mat([[1]]), arb_mat([[1]]), arb_mat([[-step]])
+            )
+            touching += box.contains(image) and not box.contains_interior(image)
+
+            assert (inside is not None) == box.contains_interior(image)
+    assert touching
 
 
 def test_without_the_interior_condition_a_box_without_root_would_pass(monkeypatch):

@@ -235,6 +235,20 @@ def test_an_origin_far_from_the_mean_costs_no_digits(seed):
     assert found.rounding <= 4e-13 * size
 
 
+@pytest.mark.parametrize("far", ["source", "target"])
+def test_an_origin_far_from_the_mean_of_one_cloud_costs_no_digits(far):
+    rng = np.random.default_rng(4)
+    x, y = rng.normal(size=(2, 640, 3))
+    weights = np.ones(640)
+    weights[::20] = 1e-30
+    (x if far == "source" else y)[::20] += 1e9
+    problem = certreg.RegistrationProblem(x, y, weights=weights)
+    found = floating_moments(problem)
+    size = np.sqrt(np.trace(found.source_scatter) * found.target_spread)
+
+    assert distance_to_exact(problem, found)[0] <= 2e-15 * size
+
+
 @given(st.integers(0, 2**32), st.sampled_from([-150, 0, 150]), st.integers(1, 40))
 def test_scaling_and_order_and_shift_change_nothing_but_rounding(seed, decades, n):
     rng = np.random.default_rng(seed)
@@ -264,10 +278,11 @@ def test_scaling_and_order_and_shift_change_nothing_but_rounding(seed, decades, 
     assert np.abs(C(moved) - C(plain)).max() <= 2 * bound(plain)
 
 
-def test_equal_weights_in_the_place_of_one_are_weights():
-    given_ = clouds(50, 8)
-    one = moments_of_clouds(given_.source, given_.target, np.broadcast_to(np.array(0.3), 50))
-    all_ = moments_of_clouds(given_.source, given_.target, np.full(50, 0.3))
+@pytest.mark.parametrize("n", [50, 5000])  # whose origin is the mean, or that of a sample
+def test_equal_weights_in_the_place_of_one_are_weights(n):
+    given_ = clouds(n, 8)
+    one = moments_of_clouds(given_.source, given_.target, np.broadcast_to(np.array(0.3), n))
+    all_ = moments_of_clouds(given_.source, given_.target, np.full(n, 0.3))
     C = np.ldexp(one.cross_covariance, one.weight_exponent)
 
     assert np.abs(C - all_.cross_covariance).max() <= 2 * all_.rounding
