@@ -20,6 +20,8 @@ from commands import certreg, strict_json, write_csv
 from jsonschema import Draft202012Validator
 
 import certreg as package
+from certreg.campaign import PairCampaign, pairs, read_listing
+from certreg.campaign.pairs import ERROR_SCHEMA
 
 SCHEMAS = Path(package.__file__).parent / "report" / "schemas"
 TURN = [1, 2, 0]
@@ -243,6 +245,29 @@ def test_the_folder_holds_lines_certificates_and_a_table(folder):
         assert strict_json(place.read_bytes())["problem"]["digest"] == entry["digest"]
         assert float(row["rmse"]) == entry["rmse"]
     assert {path.name for path in folder.parent.iterdir() if path.name.startswith("up")} == set()
+
+
+def test_a_shard_with_one_error_is_not_final_whatever_the_others_are(folder):
+    kind = PairCampaign(listing=read_listing(listing(folder, "a0.csv,b0.csv")), certificates=False)
+    good, bad = {"schema": "certreg-result/1", "inputs": {}}, {"schema": ERROR_SCHEMA}
+
+    def final(*entries: dict) -> bool:
+        return kind.final("".join(json.dumps(entry) + "\n" for entry in entries).encode())
+
+    assert final(good, good)
+    assert not final(good, bad)
+    assert not final(good, {"schema": "certreg-result/1"})
+
+
+def test_each_column_of_the_table_is_what_it_is_called(folder):
+    (entry,) = lines(certreg("batch", listing(folder, "a0.csv,b0.csv")).out)
+    optimality = {"gap_bound": 1.0, "gap_share": 2.0, "angle_bound_rad": 3.0}
+    entry["optimality"] |= optimality
+    entry |= {"rmse": 4.0, "margin": {"relative": 5.0, "nearly_ambiguous": False}}
+    row = pairs._row(entry)
+
+    assert {name: row[name] for name in optimality} == optimality
+    assert (row["rmse"], row["margin"], row["nearly_ambiguous"]) == (4.0, 5.0, 0)
 
 
 def test_what_was_mended_is_done_when_the_same_is_run_again(folder):

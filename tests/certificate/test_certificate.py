@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import strategies
+from commands import checked
 from hypothesis import given
 from rotations import turned
 
@@ -62,6 +63,17 @@ def test_every_problem_is_certified_with_the_claims_of_its_row(problem):
     assert (certificate.body.claims.sin2_half_angle is None) == (not classification.unique)
     unique = registration.status is Optimality.CERTIFIED
     assert unique == classification.unique
+
+
+def test_an_about_of_any_keys_is_kept_and_the_points_are_where_they_belong():
+    problem = strategies.random_problem(np.random.default_rng(1))
+    about = {"data": None, "problem": {"data": None}, "damping": 7.0, "integrator": "mine"}
+    registration = certreg.certify(problem, relaxation=False, simulation=False, about=about)
+    content = checked(registration.certificate).to_json()
+    kept = json.loads(content)["about"]
+
+    assert check(content).verified
+    assert kept == {**about, "damping": registration.problem.damping, "integrator": None}
 
 
 @pytest.mark.slow
@@ -316,6 +328,25 @@ def test_a_closed_form_that_contradicts_the_certificate_is_not_ignored(monkeypat
 
     with pytest.raises(ContradictionError, match="Arun"):
         certified(strategies.random_problem(np.random.default_rng(0)))
+
+
+@pytest.mark.parametrize("converged", [True, False])
+def test_a_simulation_that_says_it_arrived_and_did_not_is_not_ignored(converged):
+    from certreg.dynamics import SimulationStatus
+    from certreg.errors import ContradictionError
+    from certreg.registration.agreement import agreement
+
+    problem = strategies.random_problem(np.random.default_rng(0))
+    solution: Any = certreg.certify(problem, relaxation=False).solution
+    status = SimulationStatus.CONVERGED if converged else SimulationStatus.OUT_OF_STEPS
+    turned_on = np.roll(solution.trajectory.quaternion, 1)
+    elsewhere = replace(solution.trajectory, quaternion=turned_on, status=status)
+    parts = {"relaxation": solution.relaxation, "trajectory": elsewhere}
+    if converged:
+        with pytest.raises(ContradictionError, match="the simulation contradicts"):
+            agreement(problem, solution.objective, **parts)
+    else:
+        assert checked(agreement(problem, solution.objective, **parts).simulation) > 0.1
 
 
 def test_without_a_certificate_nothing_is_called_certified(monkeypatch):

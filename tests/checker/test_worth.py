@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 from fractions import Fraction
 from importlib import import_module
 
@@ -127,6 +128,18 @@ def test_every_number_holds_of_exact_patterns(name):
 
     assert_true(certificate, source, target, [1] * len(source))
     assert ("The range of energies is 0" in words) == (pattern == [4])
+
+
+def test_an_angle_just_above_two_digits_of_a_degree_is_rounded_up():
+    """1.2 degrees, and 1e-13 of it more: 180/pi in the sentence must not be below the true one."""
+    pi = Fraction(314159265358979323846264338327950288419, 10**38)
+    content = oracle.dump(oracle.produce(AXES, AXES))
+    worth = checker.check(content).worth
+    for part, degrees in ((1 - Fraction(1, 10**10), "1.2"), (1 + Fraction(1, 10**13), "1.3")):
+        near = replace(worth, angle=Fraction(12, 10) * pi / 180 * part)
+        words = checker.parse(content)._words(near, [1, 1, 1, 1], solid=True, equal=True)
+
+        assert f"within {degrees}e+0 degrees" in " ".join(words)
 
 
 def test_a_vacuous_certificate_says_that_it_bounds_nothing_and_is_refused_where_more_is_asked():

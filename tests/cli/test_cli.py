@@ -648,6 +648,19 @@ def test_verify_binds_the_certificate_to_the_points(data: Path, survey: Path, tm
     assert certreg("verify", certificate, *HEAD.paths(data)).code == 1
 
 
+@pytest.mark.parametrize(
+    "options", [("--sigma", "0.1"), ("--weights", "w.csv"), ("--pairs", "p.csv")]
+)
+@pytest.mark.parametrize("command", ["verify", "report"])
+def test_options_of_clouds_without_clouds_are_bad_usage(
+    command: str, options: tuple[str, str], survey: Path
+):
+    run = certreg(command, survey / "certificate.json", *options)
+
+    assert run.code == 2
+    assert "give SOURCE and TARGET, or neither" in run.err
+
+
 def test_verify_reads_clouds_of_numpy(data: Path, survey: Path, tmp_path: Path):
     problem, _ = read_problem(*SURVEY.paths(data))
     source, target, moved = (tmp_path / f"{name}.npy" for name in ("a", "b", "c"))

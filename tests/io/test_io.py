@@ -480,6 +480,25 @@ def test_a_place_that_cannot_be_written_is_named(tmp_path: Path):
     assert list((tmp_path / "folder.csv").iterdir()) == []
 
 
+def test_files_of_an_earlier_run_that_are_not_written_again_go(tmp_path: Path):
+    kept, gone = tmp_path / "a.txt", tmp_path / "b.txt"
+    kept.write_text("old")
+    gone.write_text("old")
+    contents: Any = {kept: b"new"}
+    write_together(contents, obsolete=[gone, tmp_path / "never.txt"])
+
+    assert kept.read_bytes() == b"new"
+    assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
+
+
+def test_of_a_pose_with_a_quaternion_the_quaternion_is_judged(tmp_path: Path):
+    file = tmp_path / "pose.json"
+    quaternion = [0.5000000000000001, 0.5, -0.5, 0.4999999999999999]
+    file.write_text(json.dumps({"quaternion_wxyz": quaternion, "translation": [1, 2, 3]}))
+
+    assert read_pose(file).turn.tolist() == quaternion
+
+
 @pytest.mark.parametrize("obsolete", [False, True])
 @pytest.mark.parametrize("exists", [False, True])
 def test_files_that_belong_together_are_not_written_through_a_link(
