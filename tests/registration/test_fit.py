@@ -7,6 +7,7 @@ import math
 import fit_rates as rates
 import numpy as np
 import pytest
+from commands import checked
 from fit_rates import MEASURED, fit
 from scipy import stats
 
@@ -58,6 +59,16 @@ def test_chi_squared_is_the_objective_under_the_given_noise():
     assert (result.chi2.value, result.chi2.dof) == (pytest.approx(energy, rel=1e-9), 30)
     assert result.chi2.p == pytest.approx(stats.chi2.sf(energy, 30), rel=1e-6)
     assert said(CLOUD, NOISY).absent["chi2"] == fit_module.NO_NOISE
+
+
+def test_the_noise_beyond_sigma_is_told_as_a_length():
+    result = said(CLOUD, NOISY, sigma=1e-3)
+    (text,) = [one.text for one in result.warnings if one.code is FitCode.CHI2]
+    times = float(text.removeprefix("the residuals are ").split(" times ")[0])
+
+    assert times**2 * checked(result.chi2).dof == pytest.approx(
+        checked(result.chi2).value, rel=0.02
+    )
 
 
 def test_worst_rows_have_labels_and_their_residuals():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -12,7 +13,9 @@ from commands import checked
 from strategies import ZOO, random_problem
 
 from certreg import RegistrationProblem, assess, certify
-from certreg.certificate.bounds import ExactPose, pose_bounds
+from certreg.certificate.bounds import ExactPose, pose_bounds, pose_energy
+from certreg.objective import Isotropic
+from certreg.problem import exact_moments
 from certreg.registration.assessment import _nearest_pose
 from certreg.registration.rounding import rounding_cost
 from certreg.report import assessment_summary
@@ -83,6 +86,20 @@ def test_by_hand(form: str):
     expected = math.sqrt(2) * 2 * math.sqrt(48) * sine
 
     assert float(cost) == pytest.approx(expected, rel=1e-9, abs=0.0)
+
+
+@pytest.mark.parametrize("offset", [(1e6, 0.0, 0.0), (0.0, 1e6, 0.0), (0.0, 0.0, 1e6)])
+def test_the_rounding_of_a_quaternion_far_from_the_origin_costs_no_more(offset: tuple[float, ...]):
+    """A turn that takes axis to axis, and no shift: all is exact, but for half an ulp of q."""
+    source = np.vstack([np.diag([3.0, 2.0, 1.0]), -np.diag([3.0, 2.0, 1.0])]) + offset
+    objective = Isotropic(exact_moments(RegistrationProblem(source, source[:, [2, 0, 1]])))
+    cost = rounding_cost(objective, np.full(4, 0.5), np.zeros(3))
+    best = objective.energy((1, 1, 1, 1))
+    assert best == 0
+    for signs in itertools.product((-1, 1), repeat=4):
+        q = tuple(2**53 + sign for sign in signs)  # 1/2, and half a unit in the last place
+        pose = ExactPose(quaternion=q, translation=(Fraction(0),) * 3)
+        assert pose_energy(objective, pose) - best <= cost
 
 
 @pytest.mark.parametrize("form", FORMS)

@@ -1,0 +1,113 @@
+"""Numbers on their way to words, page and JSON: in the right unit, on the right side, labelled."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+from commands import checked
+from strategies import random_problem
+
+from certreg.dynamics import SimulationStatus
+from certreg.problem import RegistrationProblem
+from certreg.registration import Registration, assess, certify, enumerated
+from certreg.registration.agreement import Agreement
+from certreg.registration.headlines import at_least, at_most, interval_words
+from certreg.report import assessment_document, assessment_summary, result_document, thinning
+from certreg.report.methods import methods_fields
+from certreg.report.reload import WEAKER, _weaker
+from certreg.report.summary import warnings
+from certreg.report.words import MethodAngles
+
+AXES = np.vstack([np.diag([3.0, 2.0, 1.0]), -np.diag([3.0, 2.0, 1.0])])
+PI_BELOW = Fraction(314159265358979323846, 10**20)
+
+
+def plainly(problem: RegistrationProblem) -> Registration:
+    return certify(problem, relaxation=False, simulation=False)
+
+
+@pytest.fixture(scope="module")
+def registration() -> Registration:
+    return certify(random_problem(np.random.default_rng(3)), relaxation=False)
+
+
+def test_a_lower_bound_is_rounded_down_and_an_upper_one_up(registration: Registration):
+    third = Fraction(2, 3)
+    bounds = replace(checked(registration.bounds), least_gap=third, greatest_gap=third)
+    assessment = assess(random_problem(np.random.default_rng(3)), np.eye(3), np.zeros(3))
+    told = assessment_summary(replace(assessment, gap_lower=2.0 / 3.0, gap_upper=2.0 / 3.0))
+
+    assert (at_least(third), at_most(third)) == ("0.666", "0.667")
+    assert interval_words(bounds) == "between 0.666666666 and 0.666666667"
+    assert "above the minimum  between 0.666666666 and 0.666666667 (proved)" in told
+
+
+def test_an_angle_in_degrees_is_no_smaller_than_in_radians():
+    assessment = assess(RegistrationProblem(AXES, AXES), np.eye(3), np.zeros(3))
+    for angle in np.random.default_rng(0).uniform(1e-9, 3.0, size=40).tolist():
+        told = assessment_document(replace(assessment, angle_upper=angle))["angle_upper_deg"]
+
+        assert Fraction(told) * PI_BELOW / 180 >= Fraction(angle) * (1 - Fraction(1, 10**20))
+
+
+@pytest.mark.parametrize(("square", "warned"), [(1.55, False), (1.65, True)])
+def test_the_next_equilibrium_is_as_likely_where_twice_the_gap_is_below_25(
+    square: float, *, warned: bool
+):
+    """C = diag(18, 8, 2) / sigma^2, so l1 - l2 = 20 / sigma^2: 40 / 1.6 is 25."""
+    problem = RegistrationProblem(AXES, AXES, sigma=math.sqrt(square))
+    words = " ".join(warnings(plainly(problem)))
+
+    assert ("the next equilibrium is as likely as the optimum" in words) == warned
+
+
+@pytest.mark.parametrize(("sigma", "scale"), [(None, "estimated"), (0.1, "given")])
+def test_the_covariance_says_where_its_scale_is_from(sigma: float | None, scale: str):
+    cloud = random_problem(np.random.default_rng(1))
+    problem = RegistrationProblem(cloud.source, cloud.target, sigma=sigma)
+
+    assert result_document(plainly(problem))["pose"]["covariance_scale"] == scale
+
+
+def test_angles_of_methods_are_in_degrees():
+    angles = Agreement(closed_form=math.pi, relaxation=math.pi / 2, simulation=math.pi / 3)
+    found = MethodAngles.of(angles)
+
+    assert found.closed_form == pytest.approx(180.0)
+    assert found.relaxation == pytest.approx(90.0)
+    assert found.simulation == pytest.approx(60.0)
+
+
+def test_how_well_roads_agree_is_told_in_degrees():
+    found = enumerated(RegistrationProblem(AXES, AXES), "all")
+    apart = replace(found, comparison=replace(checked(found.comparison), angle=math.pi / 6))
+
+    assert methods_fields(apart)["agreement"]["rotation_deg"] == pytest.approx(30.0)
+
+
+@pytest.mark.parametrize(("times", "weak"), [(0.99 * WEAKER, False), (1.01 * WEAKER, True)])
+def test_a_certificate_of_a_wide_angle_is_weak_however_small_its_gap(
+    registration: Registration, times: float, *, weak: bool
+):
+    proved = checked(registration.bounds)
+    given = replace(proved, angle_upper=times * checked(proved.angle_upper))
+
+    assert _weaker(given, proved) == weak
+
+
+@pytest.mark.parametrize("arrived", [True, False])
+def test_a_finer_motion_is_shown_only_where_it_ends(
+    monkeypatch: pytest.MonkeyPatch, registration: Registration, *, arrived: bool
+):
+    solution = registration.solution
+    coarse: Any = solution.trajectory
+    status = SimulationStatus.CONVERGED if arrived else SimulationStatus.OUT_OF_STEPS
+    fine = replace(coarse, times=2.0 * coarse.times, status=status)
+    monkeypatch.setattr(thinning, "simulate", lambda *_, **__: fine)
+
+    assert thinning.shown_motion(solution, coarse).last == (fine if arrived else coarse).times[-1]
