@@ -18,6 +18,7 @@ from certreg.equilibrium.batch import Solutions, exactly, solve_many
 from certreg.equilibrium.stability import Oscillations, linearised_spectrum
 from certreg.errors import InvalidProblemError
 from certreg.geometry.so3 import davenport_matrix, rotation_matrix
+from certreg.native import stationary
 from certreg.native.engine import current_engine
 from certreg.native.evaluator import evaluator
 from certreg.native.layout import plain
@@ -409,6 +410,19 @@ def test_a_count_that_rounding_could_change_is_not_given(monkeypatch):
     monkeypatch.setattr(instances, "current_engine", Flat)
 
     assert (solve_many(**some(40)).unstable == [0, 1, -1, 3]).all()
+
+
+def test_the_residual_has_all_the_terms_of_its_formula():
+    """By the same formula in NumPy: both round, so the medians of many are compared."""
+    rng = np.random.default_rng(0)
+    sources = rng.normal(size=(1000, 6, 3))
+    targets = sources + 0.3 * rng.normal(size=sources.shape)
+    found = instances.stationary_poses(instances.clouds(sources, targets, None))
+    entries: Any = np.moveaxis(found.cross.reshape(-1, 3, 3), 0, -1)
+    davenport = np.moveaxis(np.array(davenport_matrix(entries)), -1, 0)
+    expected = stationary._residual(davenport, found.values, found.vectors)
+
+    assert np.median(found.residual) == pytest.approx(np.median(expected), rel=0.05)
 
 
 @pytest.mark.parametrize("thin", [1.0, 1e-2, 1e-4])
