@@ -16,7 +16,7 @@ import sympy
 
 from certreg.results import Ruling, Verdict
 
-from .hypothesis import Form, Hypothesis, Part
+from .hypothesis import Condition, Hypothesis, Part
 from .rings import Entries, flat, polynomial, ring_of
 from .steps import Asserted, Kind, Sense, Step
 
@@ -177,15 +177,15 @@ def _is_positive(factor: Any) -> bool:
     if isinstance(factor, Square):
         return isinstance(factor.base, Part) and _is_not_zero(factor.base.hypothesis)
     if isinstance(factor, Part):
-        return factor.hypothesis.form is Form.POSITIVE
+        return factor.hypothesis.form is Condition.POSITIVE
     return bool(sympy.sympify(factor) > 0)
 
 
 def _is_not_zero(hypothesis: Hypothesis) -> bool:
     """Whether each value of a hypothesis is not zero; entries of an invertible matrix may be."""
-    if hypothesis.form is Form.INVERTIBLE:
+    if hypothesis.form is Condition.INVERTIBLE:
         return hypothesis.columns == 1
-    return hypothesis.form is Form.POSITIVE
+    return hypothesis.form is Condition.POSITIVE
 
 
 def _named(factor: Any) -> list[Hypothesis]:
@@ -244,7 +244,7 @@ def _nonnegative_value(factor: Any) -> Any:
             base = base.hypothesis.values[base.index]
         return sympy.sympify(base) ** 2
     if isinstance(factor, Part):
-        if factor.hypothesis.form not in {Form.POSITIVE, Form.NONNEGATIVE}:
+        if factor.hypothesis.form not in {Condition.POSITIVE, Condition.NONNEGATIVE}:
             raise TypeError(f"nobody said why {factor.value} is nonnegative")
         return sympy.sympify(factor.value)
     number = sympy.sympify(factor)

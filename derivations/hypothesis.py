@@ -23,7 +23,7 @@ Point = dict[sympy.Symbol, Fraction]
 Preparation = Callable[[Point], Mapping[sympy.Symbol, Any]]
 
 
-class Form(enum.Enum):
+class Condition(enum.Enum):
     """What a hypothesis says of its values; the value is the word."""
 
     VANISHES = "vanishes"
@@ -54,7 +54,7 @@ class Hypothesis:
     """
 
     says: str
-    form: Form
+    form: Condition
     values: tuple[Any, ...]
     generators: tuple[Any, ...] = ()
     columns: int = 1
@@ -103,16 +103,16 @@ class Hypothesis:
             return not any(value_at(equation, point) for equation in self.equations)
         found = [value_at(value, point) for value in self._valued]
         match self.form:
-            case Form.NONNEGATIVE:
+            case Condition.NONNEGATIVE:
                 return all(value >= 0 for value in found)
-            case Form.POSITIVE:
+            case Condition.POSITIVE:
                 return all(value > 0 for value in found)
             case _:
                 return all(found)
 
     def fails_at(self, point: Point) -> bool:
         """Whether it does not hold at a rational point: for an inverse, that there is none."""
-        if self.form is Form.INVERTIBLE and self.standing is not Standing.NOTATION:
+        if self.form is Condition.INVERTIBLE and self.standing is not Standing.NOTATION:
             found = [value_at(value, point) for value in self._valued]
             if self.generators:
                 rows = [found[k : k + self.columns] for k in range(0, len(found), self.columns)]
@@ -143,7 +143,7 @@ def vanishing(says: str, value: Any, **further: Any) -> Hypothesis:
     columns = value.cols if isinstance(value, sympy.MatrixBase) else 1
     return Hypothesis(
         says=says,
-        form=Form.VANISHES,
+        form=Condition.VANISHES,
         values=entries,
         generators=entries,
         columns=columns,
@@ -158,12 +158,12 @@ def equation(says: str, lead: sympy.Symbol, power: int, value: Any, **further: A
 
 def nonnegative_by(says: str, values: Any, **further: Any) -> Hypothesis:
     """The hypothesis that expressions are not negative."""
-    return Hypothesis(says=says, form=Form.NONNEGATIVE, values=tuple(flat(values)), **further)
+    return Hypothesis(says=says, form=Condition.NONNEGATIVE, values=tuple(flat(values)), **further)
 
 
 def positive_by(says: str, values: Any, **further: Any) -> Hypothesis:
     """The hypothesis that expressions are positive."""
-    return Hypothesis(says=says, form=Form.POSITIVE, values=tuple(flat(values)), **further)
+    return Hypothesis(says=says, form=Condition.POSITIVE, values=tuple(flat(values)), **further)
 
 
 def invertible(says: str, value: Any, inverse: Any = None, **further: Any) -> Hypothesis:
@@ -174,13 +174,13 @@ def invertible(says: str, value: Any, inverse: Any = None, **further: Any) -> Hy
     """
     entries = tuple(flat(value))
     if inverse is None:
-        return Hypothesis(says=says, form=Form.INVERTIBLE, values=entries, **further)
+        return Hypothesis(says=says, form=Condition.INVERTIBLE, values=entries, **further)
     square = isinstance(value, sympy.MatrixBase)
     gone = value * inverse - (sympy.eye(value.rows) if square else 1)
     solved = sorted(set[Any]().union(*(e.free_symbols for e in flat(inverse))), key=str)
     return Hypothesis(
         says=says,
-        form=Form.INVERTIBLE,
+        form=Condition.INVERTIBLE,
         values=entries,
         generators=tuple(flat(gone)),
         columns=value.cols if square else 1,

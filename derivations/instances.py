@@ -14,7 +14,7 @@ from typing import Any
 
 import sympy
 
-from .hypothesis import Form, Hypothesis, Point, Standing
+from .hypothesis import Condition, Hypothesis, Point, Standing
 from .notation import scalar
 from .rings import rational
 from .steps import Asserted
@@ -120,7 +120,7 @@ def _points(
             for symbol, draw in zip(symbols, choices, strict=True)
         }
         if trial < TRIES // 2:
-            flat = violated is not None and violated.form is Form.INVERTIBLE
+            flat = violated is not None and violated.form is Condition.INVERTIBLE
             point |= {s: v for s, v in _of_a_body(draws, flat=flat).items() if s in point}
         if violated is not None:
             _break(violated, point, trial)
@@ -162,12 +162,12 @@ def _of_a_body(draws: Iterator[int], *, flat: bool) -> Point:
 
 def _break(violated: Hypothesis, point: Point, trial: int) -> None:
     """A number that shall be positive is zero, or -1 in every second try."""
-    if violated.form in {Form.POSITIVE, Form.NONNEGATIVE}:
-        strict = violated.form is Form.POSITIVE
+    if violated.form in {Condition.POSITIVE, Condition.NONNEGATIVE}:
+        strict = violated.form is Condition.POSITIVE
         for value in violated.values:
             if isinstance(value, sympy.Symbol):
                 point[value] = Fraction(0 if strict and trial % 2 == 0 else -1)
-    elif violated.form is Form.INVERTIBLE and violated.standing is not Standing.NOTATION:
+    elif violated.form is Condition.INVERTIBLE and violated.standing is not Standing.NOTATION:
         row = violated.values[: violated.columns]
         point |= {value: Fraction(0) for value in row if value in point}
 
@@ -175,8 +175,8 @@ def _break(violated: Hypothesis, point: Point, trial: int) -> None:
 def _prepare(hypothesis: Hypothesis, point: Point) -> None:
     if hypothesis.prepare is not None:
         point |= {s: Fraction(v) for s, v in hypothesis.prepare(point).items()}
-    elif hypothesis.form in {Form.POSITIVE, Form.NONNEGATIVE}:
-        least = 1 if hypothesis.form is Form.POSITIVE else 0
+    elif hypothesis.form in {Condition.POSITIVE, Condition.NONNEGATIVE}:
+        least = 1 if hypothesis.form is Condition.POSITIVE else 0
         for value in hypothesis.values:
             if isinstance(value, sympy.Symbol):
                 point[value] = max(abs(point[value]), Fraction(least))

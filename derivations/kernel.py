@@ -24,7 +24,7 @@ import sympy
 
 from certreg.results import Ruling, Verdict
 
-from .hypothesis import Form, Hypothesis, Standing, printed
+from .hypothesis import Condition, Hypothesis, Standing, printed
 from .instances import counterexample
 from .steps import Kind, Proof, Step
 
@@ -211,7 +211,7 @@ def _without(hypothesis: Hypothesis, claim: Claim, steps: Sequence[Step]) -> Dro
         return Dropped(hypothesis=hypothesis, number=0, complaint=complaint)
     first = leaning[0][0]
     strict = [pair for pair in leaning if _strict(pair[1], hypothesis)]
-    if hypothesis.form is Form.POSITIVE and not strict:
+    if hypothesis.form is Condition.POSITIVE and not strict:
         complaint = "every step would do with nonnegative"
         return Dropped(hypothesis=hypothesis, number=first, complaint=complaint)
     for number, step in strict + [pair for pair in leaning if pair not in strict]:

@@ -10,18 +10,18 @@ matters, since a test alone finds every millionth of a scale in a million points
 Let a model with k more parameters, or a model of as many but wrong, leave the share b of E. The
 share that its free parameters leave of pure noise is a beta variable, which gives the bounds:
 
-scale         E_s / E ~ Beta((3 n - 7) / 2, 1 / 2), Student's test with 3 n - 7 degrees.
-outlier rows  k given rows left out: Beta((3 (n - k) - 6) / 2, 3 k / 2). The rows are found from
-              the data, so all n over k sets count, and all k: the bound times k (k + 1) (n over k).
-mirrored      A wrong model leaves noise and a vector that does not depend on it: its least
-              objective is no smaller, in distribution, than a chi-squared variable of as many
-              degrees as E has. That one is at most b E is bounded whatever links the two, so
-              noise of both clouds is included: P(chi2 <= c) + P(chi2 >= c / b), for every c.
-shuffled      The same for a pairing that a slip makes, three of them.
-              Else: explained < 1/2, which takes an RMSE above three quarters of the size. With
-              right pairs E <= e sqrt(Sxx Syy) gives R >= 1 - e / 2.
-chi2          E / sigma^2 >= the value found: the chi-squared distribution.
-poor-fit      explained < 1/2, as for shuffled.
+- scale: E_s / E ~ Beta((3 n - 7) / 2, 1 / 2), Student's test with 3 n - 7 degrees.
+- outlier rows: k given rows left out: Beta((3 (n - k) - 6) / 2, 3 k / 2). The rows are found from
+  the data, so all n over k sets count, and all k: the bound times k (k + 1) (n over k).
+- mirrored: a wrong model leaves noise and a vector that does not depend on it: its least
+  objective is no smaller, in distribution, than a chi-squared variable of as many degrees as E
+  has. That one is at most b E is bounded whatever links the two, so noise of both clouds is
+  included: P(chi2 <= c) + P(chi2 >= c / b), for every c.
+- shuffled: the same for a pairing that a slip makes, three of them. Else: explained < 1/2, which
+  takes an RMSE above three quarters of the size. With right pairs E <= e sqrt(Sxx Syy) gives
+  R >= 1 - e / 2.
+- chi2: E / sigma^2 >= the value found: the chi-squared distribution.
+- poor-fit: explained < 1/2, as for shuffled.
 
 `tests/fit_rates.py` measures all of this, with noise up to a tenth of the size, too.
 """
