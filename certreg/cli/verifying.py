@@ -76,7 +76,10 @@ def verify(
     given, notes = None, list[str]()
     if clouds:
         given, notes = _clouds_to_bind(*clouds, sigma=sigma, weights=weights, pairing=pairing)
-    if any_weight and isinstance(given, Clouds):
+    if any_weight:
+        if not isinstance(given, Clouds):  # its digest is of the weights, too
+            message = f"--any-weight is for {INLINE_MAX} points at most: give --sigma"
+            raise click.UsageError(message)
         given = replace(given, any_weight=True)
     for note in notes:
         click.echo(f"note: {note}", err=True)

@@ -28,7 +28,7 @@ from strategies import BENT, LINE, ZOO, random_problem, random_rotation
 import certreg as package
 from certreg import RegistrationProblem
 from certreg.cli import main as cli
-from certreg.cli import registering
+from certreg.cli import registering, verifying
 from certreg.io.clouds import read_problem
 from certreg.registration import agreement
 from certreg.registration import certification as pipeline
@@ -726,6 +726,22 @@ def test_verify_refuses_bounds_that_are_larger_than_asked(data: Path, survey: Pa
         assert (run.code, run.out) == (2, "")
         assert "--any-weight goes with SOURCE TARGET, without --sigma" in run.err
     assert certreg("verify", certificate, *SURVEY.paths(data), "--any-weight").out == whole
+
+
+def test_any_weight_is_refused_where_the_weights_are_in_the_digest_only(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    problem = random_problem(np.random.default_rng(6), n=5, noise=0.1)
+    clouds = tmp_path / "a.npy", tmp_path / "b.npy"
+    for path, points in zip(clouds, (problem.source, problem.target), strict=True):
+        np.save(path, np.array(points))
+    assert certreg("certify", *clouds, "--out", tmp_path).code == 0
+    certificate = tmp_path / "certificate.json"
+    for most, code in ((5, 0), (4, 2)):
+        monkeypatch.setattr(verifying, "INLINE_MAX", most)
+        run = certreg("verify", certificate, *clouds, "--any-weight")
+        assert run.code == code, run.err
+    assert "--any-weight is for 4 points at most: give --sigma" in run.err
 
 
 def test_verify_refuses_what_is_no_certificate_and_misses_what_is_not_there(
