@@ -74,28 +74,35 @@ class RowFit:
 
 def row_fit(problem: RegistrationProblem, objective: Isotropic, pose: Pose) -> RowFit | None:
     """What the rows say of a fit; None where numbers leave the range of doubles."""
-    with np.errstate(all="ignore"):
-        frame = _Frame.of(objective)
-        picked = _picked(problem)
-        sample = frame.pairs(picked)
-        if not (sample.finite and np.isfinite(residual_distances(picked, pose)).all()):
-            return None
-        limits, count = _limits(sample), _Count()
-        for rows in row_blocks(problem.n):
-            count.add(rows.start, problem.block(rows), frame, limits)
-        least = frame.energy(objective.energy(objective.quaternions[0]))
-        median = float(np.median(sample.distances(frame.optimum)))
-        return RowFit(
-            rows=count.rows,
-            effective_rows=count.weight**2 / count.squares,
-            worst=_residuals(problem, pose, count.worst),
-            largest_over_median=count.worst[0].distance / median if median > 0.0 else None,
-            far=tuple(one.row for one in count.far),
-            far_rows=count.far_rows,
-            left=count.left / least if least > 0.0 else 1.0,
-            other_pairing=_other_pairing(frame, problem),
-            second_moments=sample.second_moments(),
-        )
+    try:
+        with np.errstate(all="ignore"):
+            return _row_fit(problem, objective, pose)
+    except np.linalg.LinAlgError:  # weights or lengths so far apart that shares are not finite
+        return None
+
+
+def _row_fit(problem: RegistrationProblem, objective: Isotropic, pose: Pose) -> RowFit | None:
+    frame = _Frame.of(objective)
+    picked = _picked(problem)
+    sample = frame.pairs(picked)
+    if not (sample.finite and np.isfinite(residual_distances(picked, pose)).all()):
+        return None
+    limits, count = _limits(sample), _Count()
+    for rows in row_blocks(problem.n):
+        count.add(rows.start, problem.block(rows), frame, limits)
+    least = frame.energy(objective.energy(objective.quaternions[0]))
+    median = float(np.median(sample.distances(frame.optimum)))
+    return RowFit(
+        rows=count.rows,
+        effective_rows=count.weight**2 / count.squares,
+        worst=_residuals(problem, pose, count.worst),
+        largest_over_median=count.worst[0].distance / median if median > 0.0 else None,
+        far=tuple(one.row for one in count.far),
+        far_rows=count.far_rows,
+        left=count.left / least if least > 0.0 else 1.0,
+        other_pairing=_other_pairing(frame, problem),
+        second_moments=sample.second_moments(),
+    )
 
 
 def _residuals(
