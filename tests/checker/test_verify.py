@@ -375,6 +375,19 @@ def test_a_digest_stands_for_points_given_elsewhere(generic):
     assert verdict(certificate, clouds_of(source, target)).verified
 
 
+def test_one_other_weight_between_equal_ones_is_seen():
+    source, target, _ = GENERIC
+    for place in (1, len(source) // 2, len(source) - 2):
+        weights = np.full(len(source), 4.0)
+        weights[place] = 2.0
+        certificate = oracle.produce(source, target, weights)
+        alone = clouds_of(source, target)
+
+        assert "NOT all of one weight" in verdict(certificate).theorems[0]
+        for clouds in (alone, replace(alone, any_weight=True)):
+            assert "weights its points unequally" in verdict(certificate, clouds).reason
+
+
 def test_minus_zero_is_zero_in_given_points_and_refused_in_the_certificate():
     source = np.array(oracle.OCTAHEDRON, dtype=float)
     negative = np.where(source == 0, -0.0, source)
