@@ -3,7 +3,7 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from certreg.exact.dyadic import (
@@ -14,6 +14,8 @@ from certreg.exact.dyadic import (
     half_angle_bound,
     nearest_double,
     nearest_root,
+    rational_root_above,
+    root_above,
 )
 
 positive = st.builds(
@@ -59,6 +61,16 @@ def test_roots_are_right_where_the_square_is_far_outside_the_doubles(value):
     assert root is not None
     if root > 1e-300:
         assert abs(Fraction(root) ** 2 - value) <= value / 2**51
+
+
+@given(positive)
+@example(Fraction(9 * 4**500 + 1))  # hardly above a square, before and after it is cut to 64 bits
+@example(Fraction(9 * 4**500 + 1, 4**900))
+def test_a_root_above_is_above_and_close_at_every_size(value):
+    root = rational_root_above(value)
+
+    assert value <= root**2 <= value * (1 + Fraction(1, 2**61))
+    assert root_above(value) >= root
 
 
 def test_zero_stays_zero():
