@@ -440,6 +440,20 @@ def test_ratios_of_a_body_that_fits_exactly_are_two_within_their_bounds(thin):
     assert (bound < 1.0).all()
 
 
+@pytest.mark.parametrize(("share", "decided"), [(0.49, True), (0.51, False)])
+def test_eigenvalues_are_told_apart_by_twice_the_bound_of_each(share, decided, monkeypatch):
+    """Two neighbours may both be off by the bound, and towards each other."""
+    proved = instances.Bounds.of
+
+    def wide(found: StationaryPoses, points: int) -> instances.Bounds:
+        least = (found.values[:, :-1] - found.values[:, 1:]).min(axis=1)
+        return replace(proved(found, points), eigenvalue=share * least)
+
+    monkeypatch.setattr(instances.Bounds, "of", wide)
+
+    assert (solve_many(**some(8)).decided == decided).all()
+
+
 def test_squares_that_could_underflow_leave_a_problem_undecided():
     given = some(8)
     assert solve_many(**given).decided.all()
@@ -461,6 +475,16 @@ def test_modes_that_no_double_holds_are_not_counted():
 
 
 # What is refused ---------------------------------------------------------------------------------
+
+
+def test_what_is_not_finite_is_named_by_its_number_among_all(monkeypatch):
+    monkeypatch.setattr(instances, "PORTION", 3)
+    given = some(8, n=4)
+    given["targets"][7, 2, 1] = np.nan
+
+    with pytest.raises(InvalidProblemError, match="targets of instance 7, row 2,") as error:
+        solve_many(**given)
+    assert error.value.instance == 7
 
 
 @pytest.mark.slow
