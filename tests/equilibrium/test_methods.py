@@ -195,6 +195,15 @@ def test_a_list_in_doubt_may_only_take_neighbours_together():
         compare([other, dataclasses.replace(first, completeness=None, doubt="in doubt")])
 
 
+def test_a_list_is_as_sure_as_its_least_sure_component():
+    found, *_ = critical_sets(strategies.random_problem(np.random.default_rng(4)))
+    assert found.guarantee is Guarantee.EXACT
+    for place in range(4):
+        sureness = [Guarantee.NUMERICAL if k == place else Guarantee.EXACT for k in range(4)]
+        doubtful = changed(found, guarantee=lambda k, _, sureness=sureness: sureness[k])
+        assert doubtful.guarantee is Guarantee.NUMERICAL
+
+
 def test_a_list_has_a_proof_of_completeness_or_a_doubt_and_not_both():
     found = critical_sets(strategies.random_problem(np.random.default_rng(4)))
     assert [each.completeness for each in found] == list(Completeness)
