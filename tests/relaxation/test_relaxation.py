@@ -282,6 +282,18 @@ def test_a_solver_that_is_not_installed_is_a_status(monkeypatch):
     assert relaxed(moments).status is RelaxationStatus.SOLVED
 
 
+@pytest.mark.parametrize("form", Form)
+def test_where_c_is_zero_a_missing_or_failing_solver_is_what_is_named(form, monkeypatch):
+    moments = exact_moments(next(each.problem for each in strategies.ZOO if each.pattern == (4,)))
+    assert relaxed(moments, form).status is RelaxationStatus.DEGENERATE
+    with monkeypatch.context() as patched:
+        patched.setattr(conic, "MAX_ITERATIONS", 1)
+        assert relaxed(moments, form).status is RelaxationStatus.FAILED
+    monkeypatch.setitem(sys.modules, "clarabel", None)
+
+    assert relaxed(moments, form).status is RelaxationStatus.UNAVAILABLE
+
+
 def test_a_solver_is_named_with_its_version_where_it_has_one(monkeypatch):
     assert conic.solver_name().startswith("Clarabel 0.")
 
