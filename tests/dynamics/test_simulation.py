@@ -198,6 +198,31 @@ def test_a_slow_body_is_at_rest_within_the_angle_asked_for(
     assert simulate(found, 1.0, integrator, start=start, settings=limits).converged == near
 
 
+@pytest.mark.parametrize("machine", [current_engine, evaluator])
+@pytest.mark.parametrize("integrator", list(Integrator))
+def test_a_body_perturbed_at_its_last_step_is_out_of_steps(monkeypatch, machine, integrator):
+    monkeypatch.setattr(integrators, "current_engine", machine)
+    found = Isotropic(exact_moments(random_problem(np.random.default_rng(5))))
+    start, none = saddle_start(found, 1, 0.0, [1.0, 0.0, 0.0]), SimulationSettings(max_steps=0)
+    trajectory = simulate(found, 2.8, integrator, start=start, settings=none)
+
+    assert trajectory.status is SimulationStatus.OUT_OF_STEPS
+    assert trajectory.escapes == 1
+
+
+@pytest.mark.parametrize("machine", [current_engine, evaluator])
+@pytest.mark.parametrize("integrator", list(Integrator))
+def test_perturbations_do_not_grow_beyond_the_largest(monkeypatch, machine, integrator):
+    """A whole turn leads back to the saddle, and ten times that again; one radian leads off it."""
+    monkeypatch.setattr(integrators, "current_engine", machine)
+    found = Isotropic(exact_moments(random_problem(np.random.default_rng(5))))
+    start = saddle_start(found, 1, 0.0, [1.0, 0.0, 0.0])
+    whole = SimulationSettings(max_steps=3, first_perturbation=2.0 * math.pi)
+    trajectory = simulate(found, 2.8, integrator, start=start, settings=whole)
+
+    assert trajectory.escapes == 2
+
+
 @pytest.mark.parametrize(("share", "far"), [(0.2, True), (0.3, False), (3.0, False), (5.0, True)])
 def test_a_damping_far_from_the_best_is_named_where_the_steps_ran_out(share, far):
     problem = random_problem(np.random.default_rng(5))
@@ -206,6 +231,17 @@ def test_a_damping_far_from_the_best_is_named_where_the_steps_ran_out(share, far
     (note,) = simulate(found, share * optimal_damping(found), settings=limits).notes
 
     assert ("is far from the best one" in note) == far
+
+
+@pytest.mark.parametrize(("share", "short"), [(0.09, True), (0.11, False), (0.9, False)])
+def test_a_step_is_called_short_below_a_tenth_of_the_integrators_own(share, short):
+    problem = random_problem(np.random.default_rng(5))
+    found, few = Isotropic(exact_moments(problem)), SimulationSettings(max_steps=2)
+    usual = simulate(found, problem.damping, Integrator.SPLITTING, settings=few).step
+    given = dataclasses.replace(few, step=share * usual)
+    (note,) = simulate(found, problem.damping, Integrator.SPLITTING, settings=given).notes
+
+    assert ("is short: splitting itself takes" in note) == short
 
 
 @pytest.mark.slow
