@@ -222,6 +222,8 @@ def test_bounds_bracket_the_energy_of_any_pose_above_the_minimum():
         assert bounds.gap_lower == pytest.approx(direct - minimum, rel=1e-10)
         assert bounds.gap_lower <= bounds.gap_upper
         assert bounds.angle_upper == pytest.approx(math.pi)
+        assert bounds.angle_upper is not None
+        assert bounds.angle_upper <= math.pi  # no angle is larger: a sum of bounds may be
 
 
 def test_the_sine_between_quaternions_is_exact():
