@@ -640,6 +640,20 @@ def test_a_planted_gap_is_seen_by_coq_although_no_one_read_the_text(proofs, tmp_
         assert f"Certreg.Planted.{gap}" in summary.stderr
 
 
+def test_bytes_of_minus_zero_across_two_doubles_are_no_minus_zero():
+    numbers = [1.0, 0.0, 1.0 + 2.0**-45, 0.0, 1.0, 2.0]
+    content = oracle.problem_bytes(numbers[:3], numbers[3:], [1.0])
+    certificate = oracle.produce(*oracle.random_problem(0, n=4))
+    certificate["problem"] = oracle.stated_problem(content, 1)
+
+    assert struct.pack("<d", -0.0) in content
+    assert "ZPair" in export(oracle.dump(certificate)).refusal()
+    signed = content.replace(struct.pack("<2d", 0.0, 1.0), struct.pack("<2d", -0.0, 1.0))
+    certificate["problem"] = oracle.stated_problem(signed, 1)
+    with pytest.raises(checker.RefusalError, match=r"-0\.0"):
+        export(oracle.dump(certificate))
+
+
 def test_doubles_of_all_magnitudes_are_exported_exactly():
     numbers = [5e-324, 1.7e308, -2.5, 0.0, 1.0, -1e-200]
     content = oracle.problem_bytes(numbers[:3], numbers[3:], [1.0])
