@@ -17,6 +17,7 @@ from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.simulation import SimulationStatus
 from certreg.io.clouds import read_problem
 from certreg.registration import certification as pipeline
+from certreg.registration import optimally_damped
 from certreg.results import Absent
 
 if TYPE_CHECKING:
@@ -366,3 +367,18 @@ def test_the_rates_are_compared_only_where_the_steps_are_small_beside_them(data:
 
     assert re.search(r"\d  \(too few steps to compare with the predicted [\d.]+\)$", told[0])
     assert re.search(r"\d  \(predicted [\d.]+\)$", told[1])
+
+
+@pytest.mark.parametrize("command", ["equilibria", "simulate"])
+def test_optimal_damping_is_that_of_the_fastest_decay_and_not_the_default(
+    tmp_path: Path, command: str
+):
+    files = clouds(tmp_path, TALL, TALL)
+    best = optimally_damped(RegistrationProblem(TALL, TALL)).damping
+    plain, named, given = (
+        certreg(command, *files, "--json", *options).document
+        for options in ((), ("--damping", "optimal"), ("--damping", repr(best)))
+    )
+
+    assert named == given
+    assert named != plain

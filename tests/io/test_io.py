@@ -20,10 +20,11 @@ from hypothesis import strategies as st
 from certreg.errors import InvalidFileError
 from certreg.io import atomic
 from certreg.io.atomic import write_atomically, write_together
-from certreg.io.clouds import read_cloud, read_pair, read_weights, write_cloud
-from certreg.io.labels import csv_field, text_of_field
+from certreg.io.clouds import Pairing, read_cloud, read_pair, read_weights, write_cloud
+from certreg.io.labels import Match, csv_field, text_of_field
 from certreg.io.poses import read_pose
 from certreg.io.streams import NUMBER
+from certreg.problem import problem as problems
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -543,3 +544,26 @@ def test_writing_through_a_link_keeps_the_link(tmp_path: Path):
 
     assert link.is_symlink()
     assert target.read_text() == "x,y,z\n0.0,0.0,0.0\n"
+
+
+def test_what_is_left_out_is_told_of_the_file_that_has_it(tmp_path: Path):
+    texts = {"a": "pqrs", "b": "rqtuvw"}  # of each, two of the other and more
+    for name, labels in texts.items():
+        rows = [f"{label},{k},0,0" for k, label in enumerate(labels)]
+        (tmp_path / f"{name}.csv").write_text("\n".join(("label,x,y,z", *rows)) + "\n")
+    files = tmp_path / "a.csv", tmp_path / "b.csv"
+    pair = read_pair(*files, Pairing(match=Match.COMMON))
+
+    assert pair.notes == [f"2 pairs; left out: 2 of {files[0]}, 4 of {files[1]}"]
+
+
+def test_a_row_that_cannot_be_written_is_counted_over_all_blocks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(problems, "BLOCK_POINTS", 2)
+    points = np.ones((8, 3))
+    points[5, 1] = np.inf
+
+    with pytest.raises(InvalidFileError, match="row 5 ") as caught:
+        write_cloud(tmp_path / "moved.csv", points, None)
+    assert caught.value.row == 5

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from certreg.objective.isotropic import Isotropic
 from certreg.problem import floating_sums as sums
 from certreg.problem.floating_sums import CloudPair, compiled, floating_sums
 from certreg.problem.moments import exact_moments, floating_moments, moments_of_clouds
+from certreg.registration import closed_form
 
 ROOT = Path(__file__).parents[2]
 UNIT = Fraction(1, 2**53)
@@ -330,6 +332,21 @@ def test_a_rotation_that_is_not_unique_is_refused(specimen):
         return
     with pytest.raises(DegenerateProblemError, match=r"rounding may move.*certreg\.certify"):
         certreg.register(specimen.source, specimen.target)
+
+
+@pytest.mark.parametrize(("share", "refused"), [(0.9, False), (1.1, True)])
+def test_a_rotation_that_the_rounding_of_the_sums_may_turn_is_refused(share, refused):
+    """The rounding that may turn it by 1e-3: 2 e < 1e-3 (gap - e), e = 3 sqrt(3) rounding."""
+    x = np.vstack([np.diag([3.0, 2, 1]), -np.diag([3.0, 2, 1])])
+    moments = moments_of_clouds(x, x, None, threads=1)
+    gap = 20.0  # C = diag(18, 8, 2): 2 (8 + 2)
+    most = 1e-3 * gap / 2.001 / (3 * np.sqrt(3))
+    rounded = replace(moments, rounding=share * most)
+    if not refused:
+        assert closed_form._optimal_quaternion(rounded)[0] == pytest.approx(1.0)
+        return
+    with pytest.raises(DegenerateProblemError, match="rounding may move"):
+        closed_form._optimal_quaternion(rounded)
 
 
 @pytest.mark.parametrize("cloud", [[[1, 2, 3]], [[0, 0, 0], [1, 1, 1]], [[1, 1, 1]] * 5])

@@ -142,6 +142,7 @@ def test_nothing_is_called_unstable_where_the_dynamics_is_undefined():
         (np.zeros((3, 3)), "not orthogonal"),
         (np.array([[1.0, 0.1, 0], [0, 1, 0], [0, 0, 1]]), "not orthogonal"),
         (np.array([2.0, 0, 0, 0]), "norm 2"),
+        (np.array([0.5, 0, 0, 0]), "norm 0.5"),
     ],
 )
 def test_what_is_no_rotation_is_told_why(matrix, words):
@@ -200,3 +201,24 @@ def test_centroids_apart_are_told_from_a_billionth_of_the_clouds_size_on(factor,
 
     assert found.verdict is PoseVerdict.NOT_AN_EQUILIBRIUM
     assert ("and the centroids" in found.words) == said
+
+
+@pytest.mark.parametrize("index", [1, 2, 3])
+def test_a_spurious_equilibrium_is_as_far_from_the_optimum_as_it_is_and_one_is_the_worst(index):
+    """C = diag(18, 8, 2): half turns about the axes, the longest first, rise in energy."""
+    cloud = np.vstack([np.diag([3.0, 2, 1]), -np.diag([3.0, 2, 1])])
+    found = assess(RegistrationProblem(cloud, cloud), np.eye(4)[index], np.zeros(3))
+
+    assert found.nearest_index == index
+    assert found.headline.startswith(f"SPURIOUS-EQUILIBRIUM: 0 degrees from the index-{index} ")
+    assert ("the worst rotation there is" in found.headline) == (index == 3)
+    assert found.words.endswith("and the pose is 180 degrees from the global optimum.")
+
+
+@pytest.mark.parametrize("weight", [1.0, 100.0])
+def test_the_distance_of_the_centroids_is_a_length_whatever_the_weights(weight):
+    cloud = np.vstack([np.diag([3.0, 2, 1]), -np.diag([3.0, 2, 1])])
+    problem = RegistrationProblem(cloud, cloud, weights=np.full(6, weight))
+    found = assess(problem, np.eye(3), np.array([0.3, 0.0, 0.4]))
+
+    assert "and the centroids 0.5 apart" in found.words

@@ -12,6 +12,7 @@ from fit_rates import MEASURED, fit
 from scipy import stats
 
 from certreg.problem import RegistrationProblem
+from certreg.problem import problem as problems
 from certreg.registration import STORIES, misfits, outlying, stated
 from certreg.registration import fit as fit_module
 from certreg.registration.misfits import FitCode
@@ -222,6 +223,34 @@ def test_one_row_in_many_is_named_though_no_sample_holds_it():
     assert (result.codes, result.outlier_rows) == ((FitCode.OUTLIER_ROWS,), (9999,))
 
 
+def test_rows_of_all_blocks_are_named(monkeypatch):
+    monkeypatch.setattr(problems, "BLOCK_POINTS", 7)
+    source = np.random.default_rng(2).standard_normal((40, 3))
+    target = source + 0.01 * np.random.default_rng(3).standard_normal((40, 3))
+    target[3] += 1.0
+    target[30] += 2.0
+    result = said(source, target)
+
+    assert (result.codes, result.outlier_rows) == ((FitCode.OUTLIER_ROWS,), (30, 3))
+    assert "rows 30, 3 (counting from 0)" in result.warnings[0].text
+
+
+@pytest.mark.parametrize(
+    ("scale", "units"),
+    [
+        (1000.0, "millimetres against metres"),
+        (1e-3, "millimetres against metres"),
+        (0.3048, "feet against metres"),
+        (1 / 0.3048, "feet against metres"),
+    ],
+)
+def test_units_that_differ_are_named_whichever_cloud_is_the_larger(scale, units):
+    (warning,) = said(CLOUD, scale * NOISY).warnings
+
+    assert warning.code is FitCode.SCALE
+    assert f" times as large as the source ({units}?): " in warning.text
+
+
 def test_a_chain_that_is_one_row_on_fits_well_and_is_told():
     """Neighbours are near: more than 99 % are explained, and the next row fits better."""
     chain = np.cumsum(np.random.default_rng(1).standard_normal((400, 3)), axis=0)
@@ -230,7 +259,7 @@ def test_a_chain_that_is_one_row_on_fits_well_and_is_told():
 
     assert (result.explained or 0.0) > 0.99
     assert result.codes == (FitCode.SHUFFLED,)
-    assert "one row earlier" in result.warnings[0].text
+    assert "one row earlier over 99.9 % of the squared residuals" in result.warnings[0].text
 
 
 def test_p_values_of_the_scale_are_uniform_where_it_is_one():

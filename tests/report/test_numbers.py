@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -26,7 +27,8 @@ from certreg.report import (
 )
 from certreg.report.methods import methods_fields
 from certreg.report.reload import WEAKER, _weaker
-from certreg.report.words import MethodAngles
+from certreg.report.viewer import Names, scene_document
+from certreg.report.words import MethodAngles, motion_words
 
 AXES = np.vstack([np.diag([3.0, 2.0, 1.0]), -np.diag([3.0, 2.0, 1.0])])
 PI_BELOW = Fraction(314159265358979323846, 10**20)
@@ -116,3 +118,51 @@ def test_a_finer_motion_is_shown_only_where_it_ends(
     monkeypatch.setattr(thinning, "simulate", lambda *_, **__: fine)
 
     assert thinning.shown_motion(solution, coarse).last == (fine if arrived else coarse).times[-1]
+
+
+def test_a_quarter_turn_is_told_as_90_degrees():
+    quarter = AXES @ np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])
+    told = motion_words(plainly(RegistrationProblem(AXES, quarter)))
+
+    assert "turns the source by 90° about the axis (0.000, 0.000, 1.000)" in told
+
+
+def test_each_road_is_told_with_its_own_angle():
+    """Roads that ended 30 and 60 degrees off, and a closed form that did not."""
+    found = certify(random_problem(np.random.default_rng(3)))
+    angles = Agreement(closed_form=0.0, relaxation=math.pi / 6, simulation=math.pi / 3)
+    told = registration_summary(replace(found, solution=replace(found.solution, agreement=angles)))
+
+    assert re.search(r"relaxation \(SDP\) .* 3e\+01 degrees from the optimum", told)
+    assert re.search(r"simulation .* 6e\+01 degrees from the optimum", told)
+
+
+def test_equilibria_are_told_in_degrees():
+    components = result_document(plainly(RegistrationProblem(AXES, AXES)))["equilibria"][
+        "components"
+    ]
+
+    assert [c["angle_to_optimum_deg"] for c in components] == pytest.approx([0.0, *[180.0] * 3])
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+def test_the_value_of_the_relaxation_is_in_the_unit_of_the_objective(scale: float):
+    """It is the greatest tr(R^T C), here 28 times the square of the scale."""
+    problem = RegistrationProblem(scale * AXES, scale * AXES)
+    document = result_document(certify(problem, simulation=False))
+
+    assert document["relaxation"]["value"] == pytest.approx(28.0 * scale**2, rel=1e-6)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1e3])
+def test_the_page_has_energies_in_units_of_the_objective(scale: float):
+    """Motions are over 2^length_exponent, their energies over its square and per mass."""
+    problem = RegistrationProblem(scale * AXES, scale * AXES, weights=np.full(6, 2.0))
+    found = plainly(problem)
+    scene = scene_document(found, Names(source="a", target="b", labels=None))
+    exponent = scene["runs"][0]["length_exponent"]
+
+    assert (exponent < 0) == (scale < 1.0)
+    assert scene["energy_unit"] == 12.0 * 4.0**exponent
+    for told, component in zip(scene["components"], found.equilibria.components, strict=True):
+        assert told["level"] * scene["energy_unit"] == pytest.approx(component.energy)
