@@ -11,7 +11,7 @@ The source is taken about its centroid, and so is the target: the paper's \tilde
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import sympy
@@ -47,11 +47,8 @@ class MomentCloud:
         if isinstance(of_a_point, sympy.MatrixBase):
             return of_a_point.applyfunc(self.total)
         point = [*self.x, *self.y]
-        polynomial = sympy.Poly(of_a_point, *point)
-        return sum(
-            (c * self._moment(powers) for powers, c in polynomial.terms()),
-            start=sympy.Integer(0),
-        )
+        terms = _terms(sympy.sympify(of_a_point), tuple(point))
+        return sum((c * self._moment(powers) for powers, c in terms), start=sympy.Integer(0))
 
     def _moment(self, powers: tuple[int, ...]) -> Any:
         at = [k for k, power in enumerate(powers) for _ in range(power)]
@@ -113,3 +110,11 @@ def inertia_of(scatter: Any) -> Array:
     """tr(S) I - S."""
     scatter = Matrix(scatter)
     return scatter.trace() * sympy.eye(3) - scatter
+
+
+@lru_cache(maxsize=4096)  # proofs and their controls take the same sums
+def _terms(
+    of_a_point: sympy.Expr, point: tuple[sympy.Symbol, ...]
+) -> tuple[tuple[tuple[int, ...], sympy.Expr], ...]:
+    """The powers of the coordinates and their coefficients."""
+    return tuple(sympy.Poly(of_a_point, *point).terms())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
+from functools import lru_cache
 from typing import Any
 
 import sympy
@@ -34,7 +35,11 @@ def ring_of(expressions: Iterable[Any], first: Sequence[sympy.Symbol] = ()) -> P
 
 def polynomial(ring: PolyRing, expression: Any) -> PolyElement:
     """The expression multiplied out; TypeError for anything but a rational polynomial."""
-    expression = sympy.sympify(expression)
+    return _multiplied_out(ring, sympy.sympify(expression))
+
+
+@lru_cache(maxsize=10_000)  # a control repeats most steps of the proof that it mutates
+def _multiplied_out(ring: PolyRing, expression: sympy.Expr) -> PolyElement:
     if expression.has(sympy.Float):
         raise TypeError(f"a floating-point number proves nothing: {expression}")
     try:
@@ -47,6 +52,12 @@ def polynomials(expressions: Sequence[Any]) -> list[PolyElement]:
     """The expressions multiplied out, in a ring of their own."""
     ring = ring_of(map(sympy.sympify, expressions))
     return [polynomial(ring, expression) for expression in expressions]
+
+
+def symbols_of(element: PolyElement) -> set[sympy.Symbol]:
+    """The symbols that occur in a polynomial, without those of its ring that do not."""
+    occur = element.degrees() if element else ()
+    return {symbol for symbol, degree in zip(element.ring.symbols, occur, strict=False) if degree}
 
 
 def value_at(element: PolyElement, point: Mapping[sympy.Symbol, Fraction]) -> Fraction:

@@ -14,7 +14,7 @@ import sympy
 from certreg.results import Ruling, Verdict
 
 from .hypothesis import Hypothesis, Point
-from .rings import value_at
+from .rings import symbols_of, value_at
 
 Proof = Iterable["Step"]
 
@@ -58,7 +58,7 @@ class Asserted:
     @cached_property
     def symbols(self) -> frozenset[sympy.Symbol]:
         """The symbols of its values and of the hypotheses that it names."""
-        own = frozenset[sympy.Symbol]().union(*(v.as_expr().free_symbols for v in self.values if v))
+        own = frozenset[sympy.Symbol]().union(*map(symbols_of, self.values))
         return own.union(*(h.symbols for h in self.named))
 
     def wrong_at(self, point: Point) -> Fraction | None:
