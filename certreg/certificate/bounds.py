@@ -64,6 +64,13 @@ class PoseBounds(Explained):
             return False
         return not unique or (self.angle_upper is not None and self.angle_upper <= limits.max_angle)
 
+    def covers_range(self, gap: Fraction) -> bool:
+        """Whether a gap bounds nothing: it may reach over all energies there are.
+
+        False where the range is zero: there is nothing to bound.
+        """
+        return bool(self.least_range_squared) and gap**2 >= self.least_range_squared
+
     @property
     def gap_lower(self) -> float:
         """`least_gap` as a double, rounded down."""

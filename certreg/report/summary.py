@@ -216,6 +216,11 @@ def _status_lines(registration: Registration) -> list[str]:
     return lines
 
 
+def bounds_nothing(registration: Registration, gap: Fraction) -> bool:
+    """Whether a proved gap is not below the range of energies, as far as that is known."""
+    return registration.bounds is not None and registration.bounds.covers_range(gap)
+
+
 def _method_lines(registration: Registration) -> list[str]:
     """What the independent methods say, one line each."""
     solution, lines = registration.solution, list[str]()
@@ -224,6 +229,8 @@ def _method_lines(registration: Registration) -> list[str]:
     if not isinstance(relaxation, Absent) and agreement.relaxation is not None:
         gap = None if solution.certificate is None else solution.certificate.body.claims.sdp_gap
         bound = "" if gap is None else f", proved gap {at_most(gap.value)}"
+        if gap is not None and bounds_nothing(registration, gap.value):
+            bound += ", which bounds nothing"
         away = _away(agreement.relaxation, unique=unique)
         lines.append(f"  relaxation (SDP)  rank {relaxation.rank}, {away}{bound}")
     if not isinstance(trajectory, Absent) and agreement.simulation is not None:

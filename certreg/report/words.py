@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from certreg.certificate import sin2_half_angle_between
 from certreg.exact import half_angle_bound, rational_root_above
 from certreg.registration import DEGREE_SLACK, at_most, proved_degrees
-from certreg.report.summary import count_words, margin_words, number
+from certreg.report.summary import bounds_nothing, count_words, margin_words, number
 from certreg.results import Absent, ComponentKind, Guarantee, Optimality
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ def sentences(
         *_optimality(registration),
         *_equilibria(registration, body.claims),
         *_basin(registration, body),
-        *_dual(body.claims),
+        *_dual(registration, body.claims),
         *_numbers(registration, angles),
     ]
 
@@ -220,13 +220,16 @@ def _simulation_name(registration: Registration) -> str:
     return f"the simulation for this page ({trajectory.integrator.value}, damping {damping:.6g})"
 
 
-def _dual(claims: Claims) -> Iterator[Sentence]:
+def _dual(registration: Registration, claims: Claims) -> Iterator[Sentence]:
     gap = claims.sdp_gap
     if gap is not None:
+        worth = ""
+        if bounds_nothing(registration, gap.value):
+            worth = " It bounds nothing: the range of energies may be smaller."
         yield Sentence(
             words=(
                 "The dual of the semidefinite relaxation, rounded outwards, bounds the gap "
-                f"of the certified rotation independently: at most {at_most(gap.value)}."
+                f"of the certified rotation independently: at most {at_most(gap.value)}.{worth}"
             ),
             guarantee=Guarantee.EXACT,
             theorems=("dual_bound",),

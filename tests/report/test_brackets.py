@@ -130,6 +130,29 @@ def test_the_gap_of_the_relaxation_is_rounded_up(registration: Registration):
     assert "of the certified rotation independently: at most 1.01." in page
 
 
+@pytest.mark.parametrize(("gap", "nothing"), [(1 - 2**-50, False), (1, True), (2, True)])
+def test_a_gap_of_the_relaxation_that_reaches_over_the_range_bounds_nothing(
+    registration: Registration, gap: float, *, nothing: bool
+):
+    bounds = replace(checked(registration.bounds), least_range_squared=Fraction(1))
+    mantissa, exponent = Fraction(gap).as_integer_ratio()
+    odd = claiming(
+        replace(registration, bounds=bounds),
+        sdp_gap=Dyadic(mantissa=mantissa, exponent=1 - exponent.bit_length()),
+    )
+
+    assert (", which bounds nothing\n" in registration_summary(odd)) == nothing
+    page = brackets.seen(html_page(Report.of(odd)))
+    assert (" It bounds nothing: the range of energies may be smaller." in page) == nothing
+
+
+def test_where_the_range_is_zero_no_gap_is_called_vague(registration: Registration):
+    flat = replace(checked(registration.bounds), least_range_squared=Fraction(0))
+
+    assert not flat.covers_range(Fraction(0))
+    assert not flat.covers_range(Fraction(1))
+
+
 def test_gap_and_share_of_a_pose_are_rounded_outwards(registration: Registration):
     bounds = PoseBounds(
         least_gap=BELOW, greatest_gap=ABOVE, angle_upper=0.5, least_range_squared=Fraction(1)
