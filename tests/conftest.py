@@ -32,7 +32,8 @@ SLOW_FIXTURES = {"drawn"}
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """What is not slow is quick: `-m quick` takes less than a minute."""
     for item in items:
-        if SLOW_FIXTURES.intersection(getattr(item, "fixturenames", ())):
+        plots = item.path.name == "plots.py"  # imports Matplotlib
+        if plots or SLOW_FIXTURES.intersection(getattr(item, "fixturenames", ())):
             item.add_marker("slow")
         elif item.get_closest_marker("slow") is None:
             item.add_marker("quick")

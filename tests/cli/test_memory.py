@@ -60,9 +60,14 @@ def test_what_loads_in_a_process_of_its_own_is_loaded_here(tmp_path, monkeypatch
 
 @pytest.mark.parametrize("limit", [None, 1 << 40])
 def test_with_enough_memory_nothing_is_tried(limit, monkeypatch):
+    tried: list[object] = []
     monkeypatch.setattr(memory, "memory_limit", lambda: limit)
 
+    monkeypatch.setattr(memory, "_succeeds", tried.append)
+
     memory.require_loadable("raise MemoryError")
+
+    assert tried == []
 
 
 def test_commands_that_compute_say_so_and_the_checker_runs(data, monkeypatch):

@@ -78,8 +78,12 @@ def test_there_are_guides():
 @each_guide
 def test_the_python_of_a_guide_runs(guide):
     namespace: dict[str, object] = {}
-    for block in blocks(guide, "python"):
+    written = blocks(guide, "python")
+    for block in written:
         exec(compile(block, guide.name, "exec"), namespace)  # noqa: S102 - our own page
+
+    assert len(written) == guide.read_text().count("```python")  # none is passed over
+    assert bool(written) == bool(namespace)
 
 
 def free_port() -> int:

@@ -107,6 +107,7 @@ def test_every_peer_that_is_installed_finds_the_optimal_rotation():
         assert angle_of_matrix(peer.prepare(source, target)(), reference) < 1e-12, peer.name
 
 
+@pytest.mark.slow
 def test_every_way_is_timed_on_the_same_clouds():
     lines = comparing.times_of((10,), threads=1)
 

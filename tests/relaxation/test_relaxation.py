@@ -189,6 +189,7 @@ def statement(form):
     return conic.statement(form)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", Form)
 def test_the_cones_are_those_that_cvxpy_makes_number_by_number(form):
     """Of the cost: at the nine unit matrices, as it is linear in C."""
