@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from certreg.registration.assessment import Assessment
-    from certreg.registration.certification import Registration
+    from certreg.registration.result import Registration
 
 PROBLEMS = 5000
 BITS = 3000  # of a ball: singular values and angles 100 decades apart are told

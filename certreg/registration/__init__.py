@@ -16,9 +16,6 @@ if TYPE_CHECKING:
     from certreg.registration.c_sources import write_sources as write_sources
     from certreg.registration.certification import CROSS_CHECK as CROSS_CHECK
     from certreg.registration.certification import NOT_ASKED as NOT_ASKED
-    from certreg.registration.certification import Registration as Registration
-    from certreg.registration.certification import SimulatedRegistration as SimulatedRegistration
-    from certreg.registration.certification import Solution as Solution
     from certreg.registration.certification import certified as certified
     from certreg.registration.certification import certify as certify
     from certreg.registration.certification import optimally_damped as optimally_damped
@@ -62,6 +59,9 @@ if TYPE_CHECKING:
     from certreg.registration.misfits import ChiSquared as ChiSquared
     from certreg.registration.misfits import FitCode as FitCode
     from certreg.registration.misfits import FitWarning as FitWarning
+    from certreg.registration.result import Registration as Registration
+    from certreg.registration.result import SimulatedRegistration as SimulatedRegistration
+    from certreg.registration.result import Solution as Solution
 
 __getattr__ = lazy_face(
     __name__,
@@ -78,9 +78,6 @@ __getattr__ = lazy_face(
         "certification": (
             "CROSS_CHECK",
             "NOT_ASKED",
-            "Registration",
-            "SimulatedRegistration",
-            "Solution",
             "certified",
             "certify",
             "optimally_damped",
@@ -138,6 +135,11 @@ __getattr__ = lazy_face(
             "ChiSquared",
             "FitCode",
             "FitWarning",
+        ),
+        "result": (
+            "Registration",
+            "SimulatedRegistration",
+            "Solution",
         ),
     },
 )

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 
     from certreg.certificate import PoseBounds
     from certreg.problem import ExactMoments, RegistrationProblem
-    from certreg.registration.certification import Registration, Solution
+    from certreg.registration.result import Registration, Solution
 
 
 GOOD = (PoseVerdict.OPTIMAL, PoseVerdict.NEAR_OPTIMAL)

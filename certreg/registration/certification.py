@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import time
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from fractions import Fraction
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from certreg.certificate import (
     ExactPose,
-    PoseBounds,
-    RotationState,
     check_own,
     pose_bounds,
     pose_energy,
@@ -37,35 +34,37 @@ from certreg.exact import (
     nearest_double,
     nearest_or_zero,
     nearest_root,
-    power_of_two,
 )
 from certreg.geometry import Pose
 from certreg.native import Integrator
 from certreg.objective import Isotropic
 from certreg.problem import exact_moments, lift
-from certreg.registration.agreement import Agreement, agreement, require_sound_trajectory
-from certreg.registration.covariance import PoseCovariance, pose_covariance
+from certreg.registration.agreement import agreement, require_sound_trajectory
+from certreg.registration.covariance import pose_covariance
 from certreg.registration.fit import fit_of
 from certreg.registration.misfits import RowNames
+from certreg.registration.result import (
+    Registration,
+    SimulatedRegistration,
+    Solution,
+    exact_energy_unit,
+    final_state,
+)
 from certreg.relaxation import relax
 from certreg.results import (
     MAX_ANGLE,
     MAX_GAP,
     OUT_OF_RANGE,
     Absent,
-    Explained,
     Limits,
-    Optimality,
     present,
 )
 
 if TYPE_CHECKING:
     from collections.abc import Generator
 
-    from certreg.certificate import Certificate, IsotropicBody
     from certreg.dynamics import Trajectory
-    from certreg.equilibrium import EquilibriumSet
-    from certreg.problem import ExactMoments, RegistrationProblem
+    from certreg.problem import RegistrationProblem
     from certreg.registration.fit import Fit
     from certreg.relaxation import Relaxation
     from certreg.results import Verdict
@@ -73,113 +72,6 @@ if TYPE_CHECKING:
 NOT_ASKED = Absent("not asked for")
 NOT_CERTIFIED = Absent("not certified")
 CROSS_CHECK = Integrator.SPLITTING  # a few large steps, however stiff the springs
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Solution(Explained):
-    """What is computed before anything is checked.
-
-    problem: as stated, with the damping that was taken.
-    relaxation, trajectory: Absent says why there is none. covariance: None where the optimum is not
-        unique or no double holds it.
-    """
-
-    problem: RegistrationProblem
-    objective: Isotropic
-    equilibria: EquilibriumSet
-    pose: Pose
-    covariance: PoseCovariance | None
-    relaxation: Relaxation | Absent
-    trajectory: Trajectory | Absent
-    agreement: Agreement
-    certificate: Certificate[IsotropicBody] | None
-
-    @property
-    def moments(self) -> ExactMoments:
-        """The sums over the points, exactly."""
-        return self.objective.moments
-
-    @property
-    def energy_unit(self) -> Fraction:
-        """What the trajectory's energies are worth in objective units."""
-        return _energy_unit(self.moments, self.trajectory)
-
-    def ended_in(self, state: RotationState) -> bool:
-        """Whether a simulation was run and ended in exactly this state."""
-        trajectory = self.trajectory
-        return not isinstance(trajectory, Absent) and _final_state(trajectory) == state
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SimulatedRegistration:
-    """A simulation on its own, and what is proved of its end.
-
-    energy_unit: what the trajectory's energies are worth in objective units.
-    angle_to_optimum: radians, from the last rotation to the nearest optimum.
-    in_certified_basin: the checker accepted that the exact flow from the last state ends at the
-        optimum; False means not proved, not disproved.
-    """
-
-    trajectory: Trajectory
-    energy_unit: Fraction
-    angle_to_optimum: float
-    in_certified_basin: bool
-
-    @property
-    def energies(self) -> tuple[float | Absent, ...]:
-        """V_p + V_k at the start and at the end, in objective units."""
-        ends = (self.trajectory.potential + self.trajectory.kinetic)[[0, -1]].tolist()
-        energies = [nearest_double(Fraction(value) * self.energy_unit) for value in ends]
-        return tuple(OUT_OF_RANGE if energy is None else energy for energy in energies)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Registration(Explained):
-    """The result of `certify`: a solution and what the checker has accepted of it.
-
-    objective: sum w |y - R x - t|^2 at `pose`; None where no double holds it.
-    rmse: sqrt(objective / sum w), in the unit of length.
-    bounds: proved of `pose` as reported, rounding included; None if nothing is proved.
-    limits: of the bounds, within which the pose is called certified.
-    verdict: the checker's, with the theorems in its words; None if there is no certificate.
-    fit: what the optimum is worth as a fit, by statistics; nothing of it is proved.
-    timings: seconds per phase.
-    """
-
-    problem: RegistrationProblem
-    solution: Solution
-    objective: float | None
-    rmse: float | None
-    bounds: PoseBounds | None
-    limits: Limits
-    verdict: Verdict | None
-    fit: Fit
-    timings: dict[str, float]
-
-    @property
-    def pose(self) -> Pose:
-        """The optimum, rounded to doubles; where it is not unique, the one nearest the identity."""
-        return self.solution.pose
-
-    @property
-    def equilibria(self) -> EquilibriumSet:
-        """All equilibria of the registration dynamics."""
-        return self.solution.equilibria
-
-    @property
-    def certificate(self) -> Certificate[IsotropicBody] | None:
-        """The certificate that the checker has accepted; None if none was found."""
-        return self.solution.certificate
-
-    @property
-    def status(self) -> Optimality:
-        """What is proved of the pose; never more than the checker has accepted."""
-        if self.verdict is None or not self.verdict.proved or self.bounds is None:
-            return Optimality.NOT_CERTIFIED
-        unique = self.equilibria.classification.unique
-        if not self.bounds.meet(self.limits, unique=unique):
-            return Optimality.BOUNDED
-        return Optimality.CERTIFIED if unique else Optimality.CERTIFIED_NOT_UNIQUE
 
 
 def certify(
@@ -275,13 +167,13 @@ def simulated(
     chosen, settings = Integrator(integrator), _with_step(None, step)
     objective = Isotropic(exact_moments(problem))
     trajectory = run(objective, problem.damping, chosen, settings=settings)
-    certificate = produce(problem, objective, state=_final_state(trajectory))
+    certificate = produce(problem, objective, state=final_state(trajectory))
     if certificate is not None:
         require_accepted(check_own(certificate, problem))
         require_sound_trajectory(objective, certificate.body, trajectory)
     return SimulatedRegistration(
         trajectory=trajectory,
-        energy_unit=_energy_unit(objective.moments, trajectory),
+        energy_unit=exact_energy_unit(objective.moments, trajectory),
         angle_to_optimum=objective.angle_to_optimum(lift(trajectory.quaternion).integers),
         in_certified_basin=certificate is not None and bool(certificate.body.claims.basin),
     )
@@ -308,7 +200,7 @@ def solve(
         problem,
         objective,
         proposal=None if isinstance(relaxed, Absent) else relaxed.proposal,
-        state=None if isinstance(trajectory, Absent) else _final_state(trajectory),
+        state=None if isinstance(trajectory, Absent) else final_state(trajectory),
         about={**(about or {}), "damping": problem.damping, "integrator": integrator},
     )
     return Solution(
@@ -370,20 +262,6 @@ def optimally_damped(problem: RegistrationProblem) -> RegistrationProblem:
     Raises DegenerateProblemError where the dynamics is not defined or the optimum is not unique.
     """
     return problem.damped(optimal_damping(Isotropic(exact_moments(problem))))
-
-
-def _energy_unit(moments: ExactMoments, trajectory: Trajectory | Absent) -> Fraction:
-    exponent = 0 if isinstance(trajectory, Absent) else 2 * trajectory.length_exponent
-    return moments.total_weight * power_of_two(exponent)
-
-
-def _final_state(trajectory: Trajectory) -> RotationState:
-    velocity = lift(trajectory.angular_velocity)
-    return RotationState(
-        quaternion=tuple(lift(trajectory.quaternion).integers),
-        angular_velocity=tuple(velocity.integers),
-        exponent=velocity.exponent,
-    )
 
 
 def _registration(

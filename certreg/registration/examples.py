@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from certreg.io import Pair
     from certreg.problem import RegistrationProblem
-    from certreg.registration.certification import Registration
+    from certreg.registration.result import Registration
 
 RMSE_DIGITS = 6  # as the figures below are printed
 

@@ -11,7 +11,7 @@ from certreg.results import Optimality
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from certreg.registration.certification import Registration
+    from certreg.registration.result import Registration
 
 DONE, REFUSED, MISUSED, NOT_UNIQUE, NOT_CERTIFIED = 0, 1, 2, 3, 4
 INTERRUPTED = 130  # as shells have it: 128 and the number of the signal, 2

@@ -16,7 +16,7 @@ from certreg.results import Optimality
 
 if TYPE_CHECKING:
     from certreg.certificate import PoseBounds
-    from certreg.registration.certification import Registration
+    from certreg.registration.result import Registration
 
 LEAST_PLAIN = 1e-4  # smaller numbers are written with an exponent
 DEGREE_SLACK = 1.0 + 1e-15  # radians to degrees rounds twice

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from playwright.sync_api import BrowserContext, ConsoleMessage, Page
 
-    from certreg.registration.certification import Registration
+    from certreg.registration.result import Registration
 
 REQUIRED = bool(os.environ.get("CERTREG_BROWSER"))
 if not REQUIRED:

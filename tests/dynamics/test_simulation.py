@@ -33,9 +33,10 @@ from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem, lift
 from certreg.registration.agreement import require_sound_trajectory
-from certreg.registration.certification import _final_state, certified, certify
+from certreg.registration.certification import certified, certify
 from certreg.registration.examples import STORIES, tell
 from certreg.registration.exit_codes import DONE, code_of_registration
+from certreg.registration.result import final_state
 from certreg.report import registration_summary, result_document
 from certreg.results import Optimality
 
@@ -50,7 +51,7 @@ def told(name) -> Any:
 
 def proved_end(problem, found, trajectory):
     """The certificate whose basin is where the trajectory ended; the checker has accepted it."""
-    certificate = produce(problem, found, state=_final_state(trajectory))
+    certificate = produce(problem, found, state=final_state(trajectory))
     assert certificate is not None
     assert check_own(certificate, problem).proved
     return certificate

@@ -25,7 +25,7 @@ from certreg.report.summary import registration_summary
 from certreg.verify import Worth, parse
 
 if TYPE_CHECKING:
-    from certreg.registration.certification import Registration
+    from certreg.registration.result import Registration
 
 EVERYWHERE = {  # where bounds are printed; a page or a sentence that is written anew is read anew
     "JSON angle_bound_rad",

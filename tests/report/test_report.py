@@ -36,7 +36,7 @@ from certreg.report.words import THEOREMS, MethodAngles, sentences
 from certreg.results import Absent
 
 if TYPE_CHECKING:
-    from certreg.registration.certification import Registration
+    from certreg.registration.result import Registration
 
 ROOT = Path(__file__).parents[2]
 DATA = Path(__file__).parents[2] / "certreg" / "data"

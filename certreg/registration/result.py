@@ -1,0 +1,148 @@
+"""The result of `certify`: what is computed, and what the checker has accepted of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from certreg.certificate import RotationState
+from certreg.exact import nearest_double, power_of_two
+from certreg.problem import lift
+from certreg.results import OUT_OF_RANGE, Absent, Explained, Optimality
+
+if TYPE_CHECKING:
+    from certreg.certificate import Certificate, IsotropicBody, PoseBounds
+    from certreg.dynamics import Trajectory
+    from certreg.equilibrium import EquilibriumSet
+    from certreg.geometry import Pose
+    from certreg.objective import Isotropic
+    from certreg.problem import ExactMoments, RegistrationProblem
+    from certreg.registration.agreement import Agreement
+    from certreg.registration.covariance import PoseCovariance
+    from certreg.registration.fit import Fit
+    from certreg.relaxation import Relaxation
+    from certreg.results import Limits, Verdict
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Solution(Explained):
+    """What is computed before anything is checked.
+
+    problem: as stated, with the damping that was taken.
+    relaxation, trajectory: Absent says why there is none. covariance: None where the optimum is not
+        unique or no double holds it.
+    """
+
+    problem: RegistrationProblem
+    objective: Isotropic
+    equilibria: EquilibriumSet
+    pose: Pose
+    covariance: PoseCovariance | None
+    relaxation: Relaxation | Absent
+    trajectory: Trajectory | Absent
+    agreement: Agreement
+    certificate: Certificate[IsotropicBody] | None
+
+    @property
+    def moments(self) -> ExactMoments:
+        """The sums over the points, exactly."""
+        return self.objective.moments
+
+    @property
+    def energy_unit(self) -> Fraction:
+        """What the trajectory's energies are worth in objective units."""
+        return exact_energy_unit(self.moments, self.trajectory)
+
+    def ended_in(self, state: RotationState) -> bool:
+        """Whether a simulation was run and ended in exactly this state."""
+        trajectory = self.trajectory
+        return not isinstance(trajectory, Absent) and final_state(trajectory) == state
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SimulatedRegistration:
+    """A simulation on its own, and what is proved of its end.
+
+    energy_unit: what the trajectory's energies are worth in objective units.
+    angle_to_optimum: radians, from the last rotation to the nearest optimum.
+    in_certified_basin: the checker accepted that the exact flow from the last state ends at the
+        optimum; False means not proved, not disproved.
+    """
+
+    trajectory: Trajectory
+    energy_unit: Fraction
+    angle_to_optimum: float
+    in_certified_basin: bool
+
+    @property
+    def energies(self) -> tuple[float | Absent, ...]:
+        """V_p + V_k at the start and at the end, in objective units."""
+        ends = (self.trajectory.potential + self.trajectory.kinetic)[[0, -1]].tolist()
+        energies = [nearest_double(Fraction(value) * self.energy_unit) for value in ends]
+        return tuple(OUT_OF_RANGE if energy is None else energy for energy in energies)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Registration(Explained):
+    """The result of `certify`: a solution and what the checker has accepted of it.
+
+    objective: sum w |y - R x - t|^2 at `pose`; None where no double holds it.
+    rmse: sqrt(objective / sum w), in the unit of length.
+    bounds: proved of `pose` as reported, rounding included; None if nothing is proved.
+    limits: of the bounds, within which the pose is called certified.
+    verdict: the checker's, with the theorems in its words; None if there is no certificate.
+    fit: what the optimum is worth as a fit, by statistics; nothing of it is proved.
+    timings: seconds per phase.
+    """
+
+    problem: RegistrationProblem
+    solution: Solution
+    objective: float | None
+    rmse: float | None
+    bounds: PoseBounds | None
+    limits: Limits
+    verdict: Verdict | None
+    fit: Fit
+    timings: dict[str, float]
+
+    @property
+    def pose(self) -> Pose:
+        """The optimum, rounded to doubles; where it is not unique, the one nearest the identity."""
+        return self.solution.pose
+
+    @property
+    def equilibria(self) -> EquilibriumSet:
+        """All equilibria of the registration dynamics."""
+        return self.solution.equilibria
+
+    @property
+    def certificate(self) -> Certificate[IsotropicBody] | None:
+        """The certificate that the checker has accepted; None if none was found."""
+        return self.solution.certificate
+
+    @property
+    def status(self) -> Optimality:
+        """What is proved of the pose; never more than the checker has accepted."""
+        if self.verdict is None or not self.verdict.proved or self.bounds is None:
+            return Optimality.NOT_CERTIFIED
+        unique = self.equilibria.classification.unique
+        if not self.bounds.meet(self.limits, unique=unique):
+            return Optimality.BOUNDED
+        return Optimality.CERTIFIED if unique else Optimality.CERTIFIED_NOT_UNIQUE
+
+
+def exact_energy_unit(moments: ExactMoments, trajectory: Trajectory | Absent) -> Fraction:
+    """What the energies of a trajectory are worth in objective units."""
+    exponent = 0 if isinstance(trajectory, Absent) else 2 * trajectory.length_exponent
+    return moments.total_weight * power_of_two(exponent)
+
+
+def final_state(trajectory: Trajectory) -> RotationState:
+    """The last state of a trajectory, exactly: what the basin proof is about."""
+    velocity = lift(trajectory.angular_velocity)
+    return RotationState(
+        quaternion=tuple(lift(trajectory.quaternion).integers),
+        angular_velocity=tuple(velocity.integers),
+        exponent=velocity.exponent,
+    )
