@@ -72,7 +72,7 @@ def apply(result: Path, cloud: Path, *, out: Path) -> int:
     if fault is not None:
         message = f"{shown(result)}: {NO_ROTATION.said(fault=fault)}"
         raise InvalidFileError(message, path=result)
-    points = read_cloud(cloud)
+    points = read_cloud(cloud, noise=False)
     write_cloud(out, points.points, points.labels, move=pose.apply)
     click.echo(f"{len(points.points)} points written to {printable(out)}")
     click.echo(f"The pose is as {printable(result)} has it, unchecked: certreg assess judges it.")

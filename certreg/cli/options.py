@@ -41,9 +41,10 @@ FOLDER = click.Path(file_okay=False, path_type=Path)
 
 
 def pairing_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """[--pairs FILE | --match all|common], made one argument; None where rows pair by default."""
+    """[--pairs FILE | --match all|common] ..., made one argument; None where all is by default."""
 
     @click.option("--pairs", type=CLOUD, help="File of pairs: a row of SOURCE, a row of TARGET.")
+    @click.option("--one-to-one", is_flag=True, help="With --pairs: refuse a row that comes again.")
     @click.option(
         "--match",
         type=click.Choice(["all", "common"]),
@@ -51,14 +52,34 @@ def pairing_options(command: Callable[..., Any]) -> Callable[..., Any]:
         show_default=True,
         help="Labels in one cloud only: refuse them, or leave them out.",
     )
+    @click.option(
+        "--ignore-weights",
+        is_flag=True,
+        help="Leave columns sigma and weight of the clouds unread.",
+    )
     @functools.wraps(command)
-    def wrapped(*args: Any, pairs: Path | None, match: str, **options: Any) -> Any:
-        if pairs is None and match == "all":
-            return command(*args, pairing=None, **options)
+    def wrapped(
+        *args: Any,
+        pairs: Path | None,
+        one_to_one: bool,
+        match: str,
+        ignore_weights: bool,
+        **options: Any,
+    ) -> Any:
+        if one_to_one and pairs is None:
+            message = "--one-to-one goes with --pairs: labels and rows are one to one anyway"
+            raise click.UsageError(message)
         if pairs is not None and match == "common":
             message = "--pairs and --match common exclude each other: give one"
             raise click.UsageError(message)
-        pairing = io.Pairing(pairs=pairs, match=io.Match(match))
+        if pairs is None and match == "all" and not ignore_weights:
+            return command(*args, pairing=None, **options)
+        pairing = io.Pairing(
+            pairs=pairs,
+            match=io.Match(match),
+            one_to_one=one_to_one,
+            ignore_weights=ignore_weights,
+        )
         return command(*args, pairing=pairing, **options)
 
     return wrapped

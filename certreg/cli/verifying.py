@@ -108,7 +108,8 @@ def _clouds_to_bind(
     problem, pair = io.read_problem(
         source, target, sigma=sigma, weights=weights, pairing=pairing or io.BY_LABEL
     )
-    if sigma is not None or weights is not None or problem.n > INLINE_MAX:
+    weighed = sigma is not None or weights is not None or pair.weighed
+    if weighed or problem.n > INLINE_MAX:
         return problem, pair.notes
     # as with text clouds: a certificate of another weight is told which
     points = problem.block(slice(None))

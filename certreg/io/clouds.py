@@ -19,13 +19,14 @@ from certreg.io.labels import (
     rows_by_label,
     unused_labels_note,
 )
+from certreg.io.noise import noise_of_columns
 from certreg.io.npy import parse_array, read_array, write_array
 from certreg.io.npz import parse_npz
-from certreg.io.pairs import read_pairs
+from certreg.io.pairs import read_pairs, repeated_rows_note
 from certreg.io.pcd import parse_pcd
 from certreg.io.ply import parse_ply, write_ply
 from certreg.io.streams import reading
-from certreg.io.text import TEXT_FORMATS, ignored_note, parse_points, read_numbers
+from certreg.io.text import TEXT_FORMATS, notes_on, parse_points, read_numbers
 from certreg.problem import (
     RegistrationProblem,
     contiguous,
@@ -62,14 +63,23 @@ class Cloud:
     labels: tuple[str, ...] | None
     ignored: tuple[str, ...]
     identifiers: tuple[str, ...] | None = None  # labels, or what a column not read calls the points
+    sigma: NDArray[np.float64] | None = None  # of the column of this name: one for each point
+    weights: NDArray[np.float64] | None = None  # of the column `weight`
+    notes: tuple[str, ...] = ()  # on how the file was read
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pairing:
-    """How rows are to be paired: as a file says, or by label (all, or those in common)."""
+    """How rows are to be paired: as a file says, or by label (all, or those in common).
+
+    one_to_one: whether a file of pairs may name no row twice. ignore_weights: whether columns
+    `sigma` and `weight` of the clouds are left unread.
+    """
 
     pairs: Path | None = None
     match: Match = Match.ALL
+    one_to_one: bool = False
+    ignore_weights: bool = False
 
 
 BY_LABEL = Pairing()
@@ -83,6 +93,14 @@ class Pair:
     target: Cloud
     source_rows: NDArray[np.int64] | None  # None: all, in their order
     sizes: tuple[int, int]  # of the files
+    left_out: tuple[int, int] = (0, 0)  # how many rows of them are in no pair
+    further: tuple[str, ...] = ()  # notes: rows in several pairs, a column of weights
+
+    @property
+    def weighed(self) -> bool:
+        """Whether a column of one of the files says how sure a pair is."""
+        sides = self.source, self.target
+        return any(c.sigma is not None or c.weights is not None for c in sides)
 
     @property
     def about(self) -> dict[str, Any]:
@@ -96,42 +114,47 @@ class Pair:
     @property
     def notes(self) -> list[str]:
         """What the user should know about how the files were read."""
-        ignored = (ignored_note(c.path, c.ignored) for c in (self.source, self.target))
-        notes = [note for note in ignored if note is not None]
+        sides = self.source, self.target
+        notes = [note for c in sides for note in notes_on(c.path, c.notes, c.ignored)]
         if self.source_rows is None:
             labelled = self.source.labels is not None, self.target.labels is not None
             notes += unused_labels_note(labelled, (self.source.path, self.target.path))
         n = len(self.source.points)
-        if self.sizes != (n, n):
-            first, second = (size - n for size in self.sizes)
+        if self.left_out != (0, 0):
+            first, second = self.left_out
             names = shown(self.source.path), shown(self.target.path)
             notes.append(f"{n} pairs; left out: {first} of {names[0]}, {second} of {names[1]}")
-        return notes
+        return [*notes, *self.further]
 
 
-def read_cloud(path: str | os.PathLike[str]) -> Cloud:
-    """A cloud from a file of any of FORMATS. Raises InvalidFileError: file, place, remedy."""
+def read_cloud(path: str | os.PathLike[str], *, noise: bool = True) -> Cloud:
+    """A cloud from a file of any of FORMATS. Raises InvalidFileError: file, place, remedy.
+
+    noise: whether columns `sigma` and `weight` are read, too.
+    """
     file = Path(path)
     if file.suffix.lower() not in FORMATS:
         what = f"the format {shown(file.suffix) or '(none)'} is not known"
         message = f"{shown(file)}: {what}: use one of {' '.join(FORMATS)}"
         raise InvalidFileError(message, path=file, value=file.suffix, limit=FORMATS)
     with reading(file) as stream:
-        return parse_cloud(stream, file)
+        return parse_cloud(stream, file, noise=noise)
 
 
-def parse_cloud(stream: BinaryIO, file: Path) -> Cloud:
+def parse_cloud(stream: BinaryIO, file: Path, *, noise: bool = True) -> Cloud:
     """A cloud from a stream; `file` tells the format, one of FORMATS, and the name in errors."""
     suffix = file.suffix.lower()
     if suffix in TEXT_FORMATS:
-        text = parse_points(stream, file)
-        coordinates = np.array(text.coordinates, dtype=np.float64).reshape(-1, 3)
+        text = parse_points(stream, file, noise=noise)
         return Cloud(
             path=file,
-            points=coordinates,
+            points=np.array(text.coordinates, dtype=np.float64).reshape(-1, 3),
             labels=text.labels,
             ignored=text.ignored,
             identifiers=text.identifiers,
+            sigma=None if text.sigma is None else np.array(text.sigma),
+            weights=None if text.weights is None else np.array(text.weights),
+            notes=text.notes,
         )
     if suffix in PARSERS:
         points, ignored = PARSERS[suffix](stream, file)
@@ -145,14 +168,24 @@ def parse_cloud(stream: BinaryIO, file: Path) -> Cloud:
 
 
 def read_pair(
-    source: str | os.PathLike[str], target: str | os.PathLike[str], pairing: Pairing = BY_LABEL
+    source: str | os.PathLike[str],
+    target: str | os.PathLike[str],
+    pairing: Pairing = BY_LABEL,
+    *,
+    noise: bool = True,
 ) -> Pair:
-    """Two clouds in correspondence: by the pairing, by label if both have them, else by row."""
-    first, second = read_cloud(source), read_cloud(target)
+    """Two clouds in correspondence: by the pairing, by label if both have them, else by row.
+
+    noise: whether columns `sigma` and `weight` are read, unless the pairing ignores them.
+    """
+    noise = noise and not pairing.ignore_weights
+    first, second = read_cloud(source, noise=noise), read_cloud(target, noise=noise)
     sizes = len(first.points), len(second.points)
     rows: tuple[Sequence[int] | NDArray[np.int64], ...]
+    further: tuple[str, ...] = ()
     if pairing.pairs is not None:
-        rows = tuple(read_pairs(pairing.pairs, sizes).T)
+        pairs = read_pairs(pairing.pairs, sizes, one_to_one=pairing.one_to_one)
+        rows, further = tuple(pairs.T), repeated_rows_note(pairing.pairs, pairs)
     elif first.labels is not None and second.labels is not None:
         files = (first.path, second.path)
         rows = rows_by_label(first.labels, second.labels, pairing.match, files=files)
@@ -171,7 +204,12 @@ def read_pair(
         return Pair(source=first, target=second, source_rows=None, sizes=sizes)
     here, there = (np.asarray(side, dtype=np.int64) for side in rows)
     return Pair(
-        source=_taken(first, here), target=_taken(second, there), source_rows=here, sizes=sizes
+        source=_taken(first, here),
+        target=_taken(second, there),
+        source_rows=here,
+        sizes=sizes,
+        left_out=(sizes[0] - len(np.unique(here)), sizes[1] - len(np.unique(there))),
+        further=further,
     )
 
 
@@ -186,15 +224,19 @@ def read_problem(
 ) -> tuple[RegistrationProblem, Pair]:
     """The problem that two cloud files state, and how they were read.
 
-    weights: one per row of the source's file; they go with their rows, whatever the pairing.
+    sigma, weights: one weight per row of the source's file; they go with their rows, whatever the
+    pairing. Without them a column `sigma` or `weight` of one of the clouds is used, and noted.
     """
-    pair = read_pair(source, target, pairing)
+    bare = sigma is None and weights is None
+    pair = read_pair(source, target, pairing, noise=bare)
+    noise = noise_of_columns(pair.source, pair.target, (pair.source.path, pair.target.path))
+    pair = replace(pair, further=(*pair.further, *noise.notes))
     numbers = None if weights is None else _paired_weights(weights, source, pair)
     problem = RegistrationProblem(
         pair.source.points,
         pair.target.points,
-        sigma=sigma,
-        weights=numbers,
+        sigma=noise.sigma if sigma is None else sigma,
+        weights=noise.weights if numbers is None else numbers,
         damping=damping,
     )
     return problem, pair
@@ -322,4 +364,11 @@ def _taken(cloud: Cloud, rows: NDArray[np.int64]) -> Cloud:
     order: list[int] = rows.tolist()
     kept = cloud.labels
     labels = None if kept is None else tuple(kept[row] for row in order)
-    return replace(cloud, points=cloud.points[rows], labels=labels, identifiers=labels)
+    return replace(
+        cloud,
+        points=cloud.points[rows],
+        labels=labels,
+        identifiers=labels,
+        sigma=None if cloud.sigma is None else cloud.sigma[rows],
+        weights=None if cloud.weights is None else cloud.weights[rows],
+    )

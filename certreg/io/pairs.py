@@ -1,11 +1,12 @@
 """Files of pairs: two columns of rows, counted from 0, of the source and of the target.
 
-One to one: no row may come twice in a column, as no label may. A point that is meant to count in
-several pairs stands several times in its cloud.
+A row may come in several pairs, as nearest neighbours do; then it counts in each, and a note says
+so. Where the pairs are to be one to one, a row that comes again is refused.
 """
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
@@ -21,16 +22,23 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from certreg.io.streams import Place
+
 HEADER = ["source", "target"]
+WHOLE = re.compile(r"[0-9]\.[0-9]{18}e\+(0[0-9]|1[0-5])")  # up to 10^16; its doubles are integers
 
 
-def read_pairs(path: Path, sizes: tuple[int, int]) -> NDArray[np.int64]:
+def read_pairs(
+    path: Path, sizes: tuple[int, int], *, one_to_one: bool = False
+) -> NDArray[np.int64]:
     """Rows of source and target, (M, 2), of clouds of the given sizes. From .csv, .txt or .npy."""
     with reading(path) as stream:
-        return parse_pairs(stream, path, sizes)
+        return parse_pairs(stream, path, sizes, one_to_one=one_to_one)
 
 
-def parse_pairs(stream: BinaryIO, file: Path, sizes: tuple[int, int]) -> NDArray[np.int64]:
+def parse_pairs(
+    stream: BinaryIO, file: Path, sizes: tuple[int, int], *, one_to_one: bool = False
+) -> NDArray[np.int64]:
     """As `read_pairs`; `file` tells the format and the name."""
     suffix = file.suffix.lower()
     if suffix == ".npy":
@@ -45,7 +53,21 @@ def parse_pairs(stream: BinaryIO, file: Path, sizes: tuple[int, int]) -> NDArray
         raise InvalidFileError(message, path=file, value=0, limit=1)
     for column, side, size in zip(pairs.T, HEADER, sizes, strict=True):
         _require_rows(file, column, side, size)
+        if one_to_one:
+            _require_once(file, column, side)
     return pairs
+
+
+def repeated_rows_note(file: Path, pairs: NDArray[np.int64]) -> tuple[str, ...]:
+    """What the user should know where rows come in several pairs."""
+    repeated = [int((np.unique(side, return_counts=True)[1] > 1).sum()) for side in pairs.T]
+    if not any(repeated):
+        return ()
+    note = (
+        f"{shown(file)}: not one to one: {repeated[0]} rows of the source and {repeated[1]} of the "
+        "target are in several pairs, and count in each (--one-to-one refuses that)"
+    )
+    return (note,)
 
 
 def _from_npy(stream: BinaryIO, file: Path) -> NDArray[np.int64]:
@@ -69,8 +91,15 @@ def _from_text(stream: BinaryIO, file: Path) -> NDArray[np.int64]:
         if len(words) != 2:
             what = f"{len(words)} columns: write a row of source and one of target"
             raise place.refusal(what, value=len(words), limit=2)
-        pairs.append([count(place, word) for word in words])
+        pairs.append([_row_number(place, word) for word in words])
     return np.array(pairs, dtype=np.int64).reshape(-1, 2)
+
+
+def _row_number(place: Place, text: str) -> int:
+    """A count in plain digits, or as numpy.savetxt writes it: 1.7e+01 with many zeros."""
+    if WHOLE.fullmatch(text) and float(text).is_integer():
+        return int(float(text))
+    return count(place, text)
 
 
 def _require_rows(file: Path, column: NDArray[np.int64], side: str, size: int) -> None:
@@ -84,6 +113,9 @@ def _require_rows(file: Path, column: NDArray[np.int64], side: str, size: int) -
         raise InvalidFileError(
             message, path=file, row=k, column=side, value=int(column[k]), limit=size - 1
         )
+
+
+def _require_once(file: Path, column: NDArray[np.int64], side: str) -> None:
     first = np.unique(column, return_index=True)[1]
     if len(first) != len(column):
         again = np.ones(len(column), dtype=bool)

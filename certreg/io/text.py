@@ -14,22 +14,25 @@ from __future__ import annotations
 import csv
 import re
 from array import array
-from dataclasses import dataclass
-from itertools import chain, pairwise
+from dataclasses import dataclass, replace
+from itertools import chain, pairwise, repeat
 from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError, InvalidProblemError
 from certreg.exact import weight_of_sigma
+from certreg.io.columns import Columns, axes_of, columns_in_order, named_columns
 from certreg.io.labels import (
-    IDENTIFIERS,
     require_same_order,
     rows_by_label,
     text_of_field,
     unused_labels_note,
 )
-from certreg.io.streams import NUMBER, Place, lines, number, reading
+from certreg.io.noise import noise_of_columns
+from certreg.io.obj import parse_obj
+from certreg.io.semicolons import DecimalCommas, separated_by_semicolons
+from certreg.io.streams import COUNT, NUMBER, Place, lines, number, reading
 from certreg.io.xyz import chemical, chemical_points
 from certreg.verify import Clouds, shown
 
@@ -38,8 +41,13 @@ if TYPE_CHECKING:
     from typing import BinaryIO
 
 TABLE_FORMATS = (".csv", ".txt")  # of numbers, too: weights, pairs
-TEXT_FORMATS = (*TABLE_FORMATS, ".xyz")
+TEXT_FORMATS = (*TABLE_FORMATS, ".xyz", ".asc", ".pts", ".obj")
 BLANKS = re.compile(r"[ \t]+")
+COMMENTS = ("#", "//")
+TOO_FEW = (
+    "give three columns of numbers, separated by commas, or a header that names one column each x, "
+    "y and z (and label)"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,65 +55,183 @@ class Points:
     """A cloud from a text file: 3n coordinates row by row, the rows' labels, columns left out.
 
     identifiers: the labels, or else what a column left out calls the points, if there is one.
+    sigma, weights: of the columns `sigma` and `weight`. notes: what the user should know.
     """
 
     coordinates: array[float]
     labels: tuple[str, ...] | None
     ignored: tuple[str, ...]
     identifiers: tuple[str, ...] | None = None
+    sigma: array[float] | None = None
+    weights: array[float] | None = None
+    notes: tuple[str, ...] = ()
 
 
-def read_points(path: str | Path) -> Points:
-    """Points of a .csv, .txt or .xyz file; x, y, z are the columns named so, or the first three.
+def read_points(path: str | Path, *, noise: bool = True) -> Points:
+    """Points of a file of TEXT_FORMATS; x, y, z are the columns named so, or the first three.
 
-    Only a .csv may have a header, and with it a column `label`. Raises InvalidFileError, also where
+    noise: whether columns `sigma` and `weight` are read. Raises InvalidFileError, also where
     there is no header and the first three columns may be others than x, y, z.
     """
     file = _one_of(TEXT_FORMATS, path)
     with reading(file) as stream:
-        return parse_points(stream, file)
+        return parse_points(stream, file, noise=noise)
 
 
-def parse_points(stream: BinaryIO, file: Path) -> Points:
+def parse_points(stream: BinaryIO, file: Path, *, noise: bool = True) -> Points:
     """Points of a text cloud; `file` tells the format and the name."""
-    content = lines(stream, file)
-    if file.suffix.lower() == ".xyz":
+    suffix, content = file.suffix.lower(), lines(stream, file)
+    if suffix == ".obj":
+        return Points(*parse_obj(content, file))
+    if suffix == ".xyz":
         declared, content = chemical(content)
         if declared is not None:
             coordinates, width = chemical_points(content, file, declared)
             return Points(coordinates, None, tuple(f"column {k}" for k in range(5, width + 1)))
-    return _table(_rows(content, file), file)
+    if suffix == ".csv":
+        first, content = _first_row(content)
+        semicolons = separated_by_semicolons(first)
+        rows = _rows(content, file, ";" if semicolons else ",")
+        return _table(rows, file, noise=noise, commas=DecimalCommas() if semicolons else None)
+    said, content = _leading_comment(content)
+    rows = _rows(content, file)
+    declared = None
+    if suffix in {".pts", ".asc"}:
+        declared, rows = _declared_count(rows)
+    points = _table(rows, file, noise=noise, comment=said)
+    if declared is not None:
+        _require_count(points, declared)
+    return points
 
 
-def _table(rows: Iterator[tuple[Place, list[str]]], file: Path) -> Points:
+def _table(
+    rows: Iterator[tuple[Place, list[str]]],
+    file: Path,
+    *,
+    noise: bool,
+    comment: str = "",
+    commas: DecimalCommas | None = None,
+) -> Points:
     place, first = next(rows, (Place(file, 1), list[str]()))
-    names = [name.strip().lower() for name in first]
-    bare = file.suffix.lower() != ".csv" or all(map(NUMBER.fullmatch, names))
-    if bare:
-        _require_three(place, names)
-        names = ["x", "y", "z", *(f"column {k}" for k in range(4, len(first) + 1))][: len(first)]
-        rows = chain([(place, first)], rows)
-    if [names.count(name) for name in "xyz"] != [1, 1, 1] or names.count("label") > 1:
-        words = (
-            "give three columns of numbers, separated by commas, or a header that names "
-            "one column each x, y and z (and label)"
-        )
-        raise place.refusal(words, value=names)
-    axes, coordinates, called = [names.index(name) for name in "xyz"], array("d"), list[str]()
-    calling = next((names.index(name) for name in ("label", *IDENTIFIERS) if name in names), None)
+    columns, headed = _columns(place, first, noise=noise, comment=comment, commas=commas)
+    rows = rows if headed else chain([(place, first)], rows)
+    value = number if commas is None else commas.number
+    axes, called, width = columns.axes, columns.called, len(columns.names)
+    coordinates, names = array("d"), list[str]()
+    kept = {name: array("d") for name in columns.noise}
     for place, row in rows:
-        if len(row) != len(names):
-            words = f"{len(row)} columns, not {len(names)}: mend the row"
-            raise place.refusal(words, value=len(row), limit=len(names))
-        coordinates.extend(number(place, row[axis]) for axis in axes)
-        called += [] if calling is None else [text_of_field(row[calling].strip())]
+        if len(row) != width:
+            words = f"{len(row)} columns, not {width}: mend the row"
+            raise place.refusal(words, value=len(row), limit=width)
+        coordinates.extend(value(place, row[axis]) for axis in axes)
+        if called is not None:
+            names.append(text_of_field(row[called].strip()))
+        for name, column in columns.noise.items():
+            kept[name].append(_noise(place, name, value(place, row[column])))
     if not coordinates:
         raise place.refusal("no points: add rows", value=0, limit=1)
-    if bare and len(names) > 3:
+    if commas is not None:
+        commas.require_decimal()
+    if not headed and columns.label is None and width > 3:
         _require_no_count(coordinates[::3], file)
-    ignored = tuple(name for name in names if name not in {"x", "y", "z", "label"})
-    identifiers = None if calling is None else tuple(called)
-    return Points(coordinates, identifiers if "label" in names else None, ignored, identifiers)
+    identifiers = None if called is None else tuple(names)
+    return Points(
+        coordinates,
+        None if columns.label is None else identifiers,
+        columns.ignored,
+        identifiers,
+        kept.get("sigma"),
+        kept.get("weight"),
+        (*columns.notes, *(() if commas is None else commas.notes)),
+    )
+
+
+def _columns(
+    place: Place, first: list[str], *, noise: bool, comment: str, commas: DecimalCommas | None
+) -> tuple[Columns, bool]:
+    """What the columns are, and whether the first row is the header that says so."""
+    spaced = place.file.suffix.lower() != ".csv"
+    plain = [_is_number(field, commas) for field in first]
+    titles = comment.replace(",", " ").split()
+    if spaced and all(plain[:3]) and len(titles) == len(first) and axes_of(_lowered(titles)):
+        return named_columns(place, titles, noise=noise), False
+    if len(first) < 3:
+        raise place.refusal(TOO_FEW, value=first)
+    if (spaced and all(plain[:3])) or all(plain):
+        _require_three(place, first)
+        return columns_in_order(len(first)), False
+    symbols = place.file.suffix.lower() == ".xyz"  # in front, without a count: no labels
+    if _labelled(plain, more=spaced) and not symbols:
+        return columns_in_order(len(first), labelled=True), False
+    if any(plain):
+        k = plain.index(False)
+        words = f"'{shown(first[k])}' is not a number, and the row is no header of names"
+        remedy = "write plain decimal numbers, or add a header such as label,x,y,z"
+        raise place.refusal(f"{words}: {remedy}", value=first[k])
+    return named_columns(place, first, noise=noise), True
+
+
+def _labelled(plain: list[bool], *, more: bool) -> bool:
+    """Whether a first row is a name and x, y, z; with `more`, other columns behind."""
+    return len(plain) >= 4 and plain[:4] == [False, True, True, True] and (more or len(plain) == 4)
+
+
+def _lowered(names: list[str]) -> list[str]:
+    return [name.lower() for name in names]
+
+
+def _is_number(field: str, commas: DecimalCommas | None) -> bool:
+    text = field.strip()
+    return NUMBER.fullmatch(text if commas is None else text.replace(",", ".", 1)) is not None
+
+
+def _noise(place: Place, name: str, value: float) -> float:
+    """A standard deviation > 0 whose weight is a double, or a weight >= 0."""
+    if name == "weight" and not value >= 0:
+        raise place.refusal(f"weight {value!r}: weights must be >= 0", column=name, value=value)
+    if name == "sigma" and not (value > 0 and 0 < weight_of_sigma(value) < inf):
+        words = f"sigma {value!r}: give a standard deviation > 0 whose 1/sigma^2 is a double"
+        raise place.refusal(words, column=name, value=value)
+    return value
+
+
+def _declared_count(
+    rows: Iterator[tuple[Place, list[str]]],
+) -> tuple[tuple[Place, int] | None, Iterator[tuple[Place, list[str]]]]:
+    """The count that may stand alone in the first row, and the rows below it."""
+    place, first = next(rows, (None, list[str]()))
+    if place is None:
+        return None, rows
+    if len(first) == 1 and COUNT.fullmatch(first[0]):
+        return (place, int(first[0])), rows
+    return None, chain([(place, first)], rows)
+
+
+def _require_count(points: Points, declared: tuple[Place, int]) -> None:
+    place, n = declared
+    held = len(points.coordinates) // 3
+    if held != n:
+        words = f"declares {n} points, the file holds {held}: give the true count"
+        raise place.refusal(words, value=held, limit=n)
+
+
+def _first_row(content: Iterator[str]) -> tuple[str, Iterator[str]]:
+    """The first line that is not blank, and all lines as they were."""
+    for blank, text in enumerate(content):
+        if text.strip():
+            return text, chain(repeat("\n", blank), [text], content)
+    return "", iter(())
+
+
+def _leading_comment(content: Iterator[str]) -> tuple[str, Iterator[str]]:
+    """The last comment before the first row, which may name the columns, and the other lines."""
+    said = ""
+    for left, text in enumerate(content):
+        line = text.strip()
+        if line and not line.startswith(COMMENTS):
+            return said, chain(repeat("\n", left), [text], content)
+        said = line.lstrip("#/").strip() or said
+    return said, iter(())
 
 
 def _require_three(place: Place, fields: list[str]) -> None:
@@ -160,25 +286,41 @@ def pair_by_label(source: Points, target: Points, files: tuple[Path, Path]) -> P
         return target
     _, rows = rows_by_label(source.labels, target.labels, files=files)
     moved = (3 * row + axis for row in rows for axis in range(3))
-    coordinates = array("d", map(target.coordinates.__getitem__, moved))
-    return Points(coordinates, source.labels, target.ignored, source.labels)
+    return replace(
+        target,
+        coordinates=array("d", map(target.coordinates.__getitem__, moved)),
+        labels=source.labels,
+        identifiers=source.labels,
+        sigma=_of_rows(target.sigma, rows),
+        weights=_of_rows(target.weights, rows),
+    )
 
 
-def ignored_note(path: Path, ignored: tuple[str, ...]) -> str | None:
-    """What the user should know about columns that were not read."""
-    if not ignored:
-        return None
-    hint = " (only `label` pairs rows)" if path.suffix.lower() == ".csv" else ""
-    return f"{shown(path)}: not used: {shown(', '.join(ignored))}{hint}"
+def _of_rows(numbers: array[float] | None, rows: list[int]) -> array[float] | None:
+    return None if numbers is None else array("d", map(numbers.__getitem__, rows))
+
+
+def notes_on(path: Path, notes: tuple[str, ...], ignored: tuple[str, ...]) -> list[str]:
+    """What the user should know of how a file was read, and of columns that were not."""
+    told = [f"{shown(path)}: {', '.join(notes)}"] if notes else []
+    if ignored:
+        hint = " (only `label` pairs rows)" if path.suffix.lower() == ".csv" else ""
+        told.append(f"{shown(path)}: not used: {shown(', '.join(ignored))}{hint}")
+    return told
 
 
 def read_clouds(
     source: Path, target: Path, *, sigma: float | None = None, weights: Path | None = None
 ) -> tuple[Clouds, list[str]]:
     """Two text clouds, paired, with their weights if given, for the checker; and notes."""
-    first, second = read_points(source), read_points(target)
+    bare = sigma is None and weights is None
+    first, second = (read_points(file, noise=bare) for file in (source, target))
     files = (source, target)
-    notes = [ignored_note(source, first.ignored), ignored_note(target, second.ignored)]
+    notes = [
+        note
+        for file, points in zip(files, (first, second), strict=True)
+        for note in notes_on(file, points.notes, points.ignored)
+    ]
     notes += unused_labels_note((first.labels is not None, second.labels is not None), files)
     second = pair_by_label(first, second, files)
     masses = None if weights is None else read_numbers(weights)
@@ -189,8 +331,13 @@ def read_clouds(
             )
             raise InvalidProblemError(message, array="sigma", value=sigma)
         masses = array("d", [weight_of_sigma(sigma)]) * (len(first.coordinates) // 3)
-    clouds = Clouds(first.coordinates, second.coordinates, masses)
-    return clouds, [note for note in notes if note is not None]
+    if bare:
+        noise = noise_of_columns(first, second, files)
+        masses = noise.weights
+        if noise.sigma is not None:
+            masses = array("d", map(weight_of_sigma, noise.sigma))
+        notes += noise.notes
+    return Clouds(first.coordinates, second.coordinates, masses), notes
 
 
 def _one_of(formats: tuple[str, ...], path: str | Path) -> Path:
@@ -202,14 +349,16 @@ def _one_of(formats: tuple[str, ...], path: str | Path) -> Path:
     return file
 
 
-def _rows(content: Iterator[str], file: Path) -> Iterator[tuple[Place, list[str]]]:
+def _rows(
+    content: Iterator[str], file: Path, separator: str = ","
+) -> Iterator[tuple[Place, list[str]]]:
     """Place and fields of each row; only in .csv, blanks are no commas and # is no comment."""
     line, spaced = 0, file.suffix.lower() != ".csv"
     try:
         if spaced:
             content = (_commas(text.partition("#")[0].strip()) for text in content)
         quotes = csv.QUOTE_NONE if spaced else csv.QUOTE_MINIMAL
-        reader = csv.reader(content, quoting=quotes, strict=True)
+        reader = csv.reader(content, delimiter=separator, quoting=quotes, strict=True)
         for row in filter(None, reader):
             line = reader.line_num
             yield Place(file, line), row

@@ -52,8 +52,8 @@ BAD = {
     "missing file": Bad({}, ("nowhere.csv",), arguments=("nowhere.csv", "target.csv")),
     "missing npy": Bad({}, ("nowhere.npy",), arguments=("nowhere.npy", "target.csv")),
     "missing target": Bad({}, ("nowhere.txt",), arguments=("source.csv", "nowhere.txt")),
-    "wrong extension": Bad({"source.stl": CSV}, ("source.stl", ".csv .txt .xyz .ply")),
-    "no extension": Bad({"source": CSV}, ("source", ".csv .txt .xyz .ply")),
+    "wrong extension": Bad({"source.doc": CSV}, ("source.doc", ".csv .txt .xyz .asc")),
+    "no extension": Bad({"source": CSV}, ("source", ".csv .txt .xyz .asc")),
     "empty file": Bad({"source.csv": b""}, ("source.csv",)),
     "empty txt": Bad({"source.txt": b""}, ("source.txt",)),
     "empty npy": Bad({"source.npy": b""}, ("source.npy", "numpy.save")),
@@ -70,7 +70,9 @@ BAD = {
         {"source.csv": CSV + b"1,1e999,3\n"}, ("source.csv", "line 5", "1e999")
     ),
     "underscores": Bad({"source.csv": CSV + b"1,1_000,3\n"}, ("source.csv", "line 5", "1_000")),
-    "decimal commas": Bad({"source.csv": b"1;2;3\n4;5;6\n"}, ("source.csv", "line 1")),
+    "decimal commas": Bad(
+        {"source.csv": b"1;2,345;3\n4;5;6\n"}, ("source.csv", "line 1", "is it 2.345 or 2345?")
+    ),
     "two columns": Bad({"source.csv": b"1,2\n3,4\n"}, ("source.csv", "line 1", "three columns")),
     "a short row": Bad({"source.csv": CSV + b"1,2\n"}, ("source.csv", "line 5", "2 columns")),
     "a long row": Bad({"source.csv": CSV + b"1,2,3,4\n"}, ("source.csv", "line 5", "4 columns")),

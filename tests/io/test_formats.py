@@ -637,6 +637,52 @@ def clouds(tmp_path: Path) -> tuple[Path, Path, list[int]]:
     return write_csv(tmp_path / "a.csv", BENT.tolist()), tmp_path / "b.npy", order
 
 
+@pytest.mark.parametrize(
+    ("pairs", "words"),
+    [
+        ([(0, 1), (1, 2), (0, 3)], "pair 2 (counting from 0) names row 0 of the source again"),
+        ([(0, 1), (1, 2), (2, 1)], "row 1 of the target again"),
+        ([(0, 1), (0, 1)], "row 0 of the source again"),
+    ],
+)
+def test_pairs_that_repeat_rows_are_noted_or_refused_if_asked(tmp_path, clouds, pairs, words):
+    np.savetxt(tmp_path / "p.txt", pairs)  # doubles in full, as Open3D's set is often saved
+    told = (*clouds[:2], "--pairs", tmp_path / "p.txt")
+    refused = certreg("equilibria", *told, "--one-to-one")
+
+    assert (refused.code, refused.out) == (2, "")
+    assert words in refused.err
+    assert "p.txt: not one to one: " in certreg("equilibria", *told).err
+
+
+def test_one_to_one_is_about_pairs_and_says_nothing_where_they_are_so(tmp_path: Path, clouds):
+    source, target, order = clouds
+    np.save(tmp_path / "p.npy", np.array(list(enumerate(order))))
+    usage = certreg("equilibria", source, target, "--one-to-one")
+    good = certreg("equilibria", source, target, "--pairs", tmp_path / "p.npy", "--one-to-one")
+
+    assert (usage.code, "goes with --pairs" in usage.err) == (2, True)
+    assert (good.code, good.err) == (0, "")
+
+
+def test_a_set_of_nearest_neighbours_is_certified_and_assessed_as_its_rows(tmp_path, clouds):
+    """Many to one: as the same points written out."""
+    pairs = np.array([(0, 0), (1, 0), (2, 3), (3, 4), (4, 4), (5, 2)], dtype=np.int32)
+    np.save(tmp_path / "p.npy", pairs)
+    told = (*clouds[:2], "--pairs", tmp_path / "p.npy")
+    run = certreg("certify", *told, "--json", "--out", tmp_path / "out", "--no-relaxation")
+    x, y = (read_cloud(file).points[rows] for file, rows in zip(clouds, pairs.T, strict=False))
+    from certreg import RegistrationProblem
+
+    assert run.code == 0
+    assert "1 rows of the source" not in run.err
+    assert "0 rows of the source and 2 of the target are in several pairs" in run.err
+    assert f"6 pairs; left out: 0 of {clouds[0]}, 2 of {clouds[1]}" in run.err
+    assert pose(run)["digest"] == RegistrationProblem(x, y).digest()
+    assert certreg("verify", tmp_path / "out" / "certificate.json", *told).code == 0
+    assert certreg("assess", *told, "--pose", tmp_path / "out" / "pose.txt").code == 0
+
+
 def expected(rows: list[int], weights: list[float] | None = None) -> str:
     """The digest of the problem of these rows of the source."""
     numbers = None if weights is None else [weights[row] for row in rows]
@@ -721,13 +767,6 @@ BAD_PAIRS: dict[str, tuple[str, bytes, str]] = {
         "pair 1 (counting from 0) names row 6 of the s",
     ),
     "target out of range": ("p.csv", b"0,6\n", "row 6 of the target: its rows are 0 to 5"),
-    "a source row again": (
-        "p.csv",
-        b"0,1\n1,2\n0,3\n",
-        "pair 2 (counting from 0) names row 0 of th",
-    ),
-    "a target row again": ("p.csv", b"0,1\n1,2\n2,1\n", "row 1 of the target again"),
-    "a pair again": ("p.csv", b"0,1\n0,1\n", "row 0 of the source again"),
     "npy of doubles": ("p.npy", npy([[0.0, 1.0]]), "save row numbers as integers"),
     "npy of three columns": ("p.npy", npy([[0, 1, 2]]), "shape (1, 3)"),
     "negative npy": ("p.npy", npy([[0, -1]]), "row -1 of the target"),
