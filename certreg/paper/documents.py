@@ -83,8 +83,12 @@ def proof_words(claim: ClaimVerdict) -> str:
 
 def certificate_words(cloud: CertifiedCloud) -> str:
     """What the certificates of a counterexample's cloud prove, in which files."""
-    proved = cloud.words if cloud.verdict.proved else f"REFUSED: {cloud.verdict.words}"
-    return f"{', '.join(cloud.files)}: {proved}"
+    return f"{', '.join(cloud.files)}: {certified_words(cloud)}"
+
+
+def certified_words(cloud: CertifiedCloud) -> str:
+    """What the certificates of a counterexample's cloud prove, or why one was refused."""
+    return cloud.words if cloud.verdict.proved else f"REFUSED: {cloud.verdict.words}"
 
 
 def closing_text(reproduction: Reproduction) -> str:

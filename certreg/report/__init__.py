@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from certreg.report.folder import REPORT as REPORT
     from certreg.report.folder import write_folder as write_folder
     from certreg.report.markup import printable as printable
+    from certreg.report.markup import rendered as rendered
     from certreg.report.methods import methods_summary as methods_summary
     from certreg.report.methods import methods_table as methods_table
     from certreg.report.page import html_page as html_page
@@ -38,7 +39,10 @@ __getattr__ = lazy_face(
             "REPORT",
             "write_folder",
         ),
-        "markup": ("printable",),
+        "markup": (
+            "printable",
+            "rendered",
+        ),
         "methods": (
             "methods_summary",
             "methods_table",

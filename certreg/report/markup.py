@@ -1,65 +1,87 @@
-"""HTML whose every text is escaped: a string that is not `Markup` is text, whoever wrote it."""
+"""Pages from templates that escape every value, whoever wrote it; what only scripts read.
+
+The one way in which HTML is written. Jinja is loaded with the first page.
+"""
 
 from __future__ import annotations
 
-import html
 import json
+from functools import cache
+from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable
 
-VOID = frozenset({"input", "meta"})  # elements that have no end
+    from jinja2 import Environment
+    from markupsafe import Markup
 
-
-class Markup(str):
-    """HTML that needs no escaping any more; made by `element` only."""
-
-    __slots__ = ()
+PACKAGE = "certreg"
 
 
-def element(tag: str, *children: str, **attributes: str | int | bool | None) -> Markup:
-    """An element. A trailing _ of an attribute's name is dropped, other _ are hyphens.
+def rendered(template: str, **values: object) -> str:
+    """A page; template: its path in the package, as `report/templates/report.html`.
 
-    Attributes: True stands alone, False and None are left out.
-
-    >>> element("a", "x < y", element("b"), class_="it's", aria_label="<", hidden=True)
-    '<a class="it&#x27;s" aria-label="&lt;" hidden>x &lt; y<b></b></a>'
+    A string that is not `Markup` is text. A value that the template lacks is an error.
     """
-    opened = [tag]
-    for key, value in attributes.items():
-        name = key.removesuffix("_").replace("_", "-")
-        if value is True:
-            opened.append(name)
-        elif value is not None and value is not False:
-            opened.append(f'{name}="{html.escape(str(value))}"')
-    start = f"<{' '.join(opened)}>"
-    return Markup(start if tag in VOID else f"{start}{together(children)}</{tag}>")
+    return _environment().get_template(template).render(values)
 
 
-def together(parts: Iterable[str]) -> Markup:
-    """The parts one after the other, texts among them escaped."""
-    return Markup("".join(p if isinstance(p, Markup) else html.escape(p) for p in parts))
+@cache
+def _environment() -> Environment:
+    return environment_of(lambda name: files(PACKAGE).joinpath(name).read_text("utf-8"))
 
 
-def data_block(name: str, kind: str, content: str) -> Markup:
-    """A script element that is only read: no `<` of the content can end it."""
-    safe = content.replace("<", r"\u003c")
-    return Markup(f'<script id="{name}" type="{kind}">{safe}</script>')
+def environment_of(source: Callable[[str], str]) -> Environment:
+    """What makes pages of templates; source: the text of one, by its name."""
+    from jinja2 import Environment, FunctionLoader, StrictUndefined
+
+    environment = Environment(
+        autoescape=True,
+        loader=FunctionLoader(source),
+        lstrip_blocks=True,
+        trim_blocks=True,
+        undefined=StrictUndefined,
+    )
+    environment.filters["coded"] = coded  # pyright: ignore[reportUnknownMemberType]  (untyped there)
+    return environment
 
 
-def json_block(name: str, document: dict[str, Any]) -> Markup:
+def coded(words: str) -> Markup:
+    """Words in which `something` in backticks is set as code.
+
+    >>> print(coded("a < b: see `x > y`"))
+    a &lt; b: see <code>x &gt; y</code>
+    """
+    from markupsafe import Markup
+
+    parts = words.split("`")
+    if len(parts) % 2 == 0:
+        parts[-2:] = ["`".join(parts[-2:])]  # one without a partner is a letter like others
+    shown = [Markup("<code>{}</code>").format(p) if i % 2 else p for i, p in enumerate(parts)]
+    return Markup("").join(shown)
+
+
+def inert(content: str) -> Markup:
+    """The content of a script element that is only read: no `<` of it can end the element."""
+    from markupsafe import Markup
+
+    return Markup(content.replace("<", r"\u003c"))  # noqa: S704  (no tag begins in it)
+
+
+def inert_json(document: dict[str, Any]) -> Markup:
     """A document for the page's script, in ASCII."""
-    text = json.dumps(document, allow_nan=False, separators=(",", ":"))
-    return data_block(name, "application/json", text)
+    return inert(json.dumps(document, allow_nan=False, separators=(",", ":")))
 
 
-def asset_block(tag: str, content: str) -> Markup:
+def asset(tag: str, content: str) -> Markup:
     """A script or style of certreg's own, whose content is kept to the letter: it is hashed."""
+    from markupsafe import Markup
+
     if f"</{tag}" in content.lower() or "<!--" in content:
         message = f"the content would end its own <{tag}>"
         raise ValueError(message)
-    return Markup(f"<{tag}>{content}</{tag}>")
+    return Markup(content)  # noqa: S704  (a file of this package, which does not end its element)
 
 
 def printable(words: object) -> str:

@@ -7,25 +7,17 @@ import hashlib
 import shlex
 from dataclasses import dataclass
 from importlib.resources import files
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from certreg import __version__
 from certreg.registration import WEAK, at_most, headline_of, share_words
-from certreg.report.markup import (
-    Markup,
-    asset_block,
-    data_block,
-    element,
-    json_block,
-    printable,
-)
+from certreg.report.markup import asset, inert, inert_json, printable, rendered
 from certreg.report.summary import margin_words, number, verdict_words, warnings
-from certreg.report.viewer import Names, packed, sample_of, scene_document, viewer_section
+from certreg.report.viewer import Names, packed, sample_of, scene_document, viewer_words
 from certreg.report.words import (
     NOT_CLAIMED,
     THEOREMS,
     MethodAngles,
-    Sentence,
     motion_words,
     sentences,
     trap_words,
@@ -46,7 +38,6 @@ GUARANTEE_WORDS = (
     "bounded. Each theorem has a page in the documentation; certreg derive NAME proves it anew."
 )
 EMBEDDED_BYTES = 8 << 20  # of a certificate in its page; a larger one is named there
-CHECKERS = ("certreg verify", "python3 -I -S verify.py")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -106,24 +97,19 @@ def html_page(report: Report) -> bytes:
     """The file's content, in UTF-8."""
     names = Names.of(report.certificate.about, report.registration.problem.n)
     style, script = ((ASSETS / name).read_text("utf-8") for name in ("report.css", "report.js"))
-    head = (
-        element("meta", charset="utf-8"),
-        element("meta", http_equiv="Content-Security-Policy", content=_policy(style, script)),
-        element("meta", name="viewport", content="width=device-width, initial-scale=1"),
-        element("meta", name="color-scheme", content="light dark"),
-        element("meta", name="generator", content=f"certreg {__version__}"),
-        element("title", f"{_stamp(report)}: {names.source} to {names.target}"),
-        asset_block("style", style),
+    whole = rendered(
+        "report/templates/report.html",
+        policy=_policy(style, script),
+        style=asset("style", style),
+        script=asset("script", script),
+        version=__version__,
+        names=names,
+        documentation=report.documentation,
+        **_head(report),
+        **_body(report),
+        **_blocks(report, names),
     )
-    body = (
-        _header(report, names),
-        element("main", *_sections(report)),
-        _footer(),
-        *_blocks(report, names),
-        asset_block("script", script),
-    )
-    whole = element("html", element("head", *head), element("body", *body), lang="en")
-    return f"<!doctype html>\n{whole}\n".encode()
+    return f"{whole}\n".encode()
 
 
 def _policy(style: str, script: str) -> str:
@@ -136,45 +122,34 @@ def _policy(style: str, script: str) -> str:
     )
 
 
-def _blocks(report: Report, names: Names) -> Iterator[Markup]:
+def _blocks(report: Report, names: Names) -> dict[str, Any]:
+    """What the page's script reads."""
+    sampled = report.certificate.data is None or not report.embedded
     problem = report.registration.problem
-    document = scene_document(report.registration, names)
-    yield json_block("scene", document)
-    if report.embedded:
-        yield data_block("certificate", "text/plain", packed(report.content))
-    if report.certificate.data is None or not report.embedded:
-        yield data_block("sample", "text/plain", sample_of(problem))
+    return {
+        "scene_data": inert_json(scene_document(report.registration, names)),
+        "certificate_data": inert(packed(report.content)) if report.embedded else None,
+        "sample_data": inert(sample_of(problem)) if sampled else None,
+    }
 
 
-def _stamp(report: Report) -> str:
-    return report.verdict_words[0].partition(": ")[0].capitalize()
-
-
-def _header(report: Report, names: Names) -> Markup:
+def _head(report: Report) -> dict[str, Any]:
+    """What is said first: the verdict, warnings, the pose, the figures that one asks for."""
     registration = report.registration
     headline, *further = report.verdict_words
     stamp, _, said = headline.partition(": ")
-    kind = "good" if report.headline.good and _within_usual(registration) else "open"
-    n, trap = registration.problem.n, trap_words(registration.equilibria)
-    noted = warnings(registration, headline)
-    return element(
-        "header",
-        element(
-            "p",
-            element("bdi", names.source),
-            " → ",
-            element("bdi", names.target),
-            f" · {n} pair{'s' * (n != 1)}",
-            class_="files",
-        ),
-        element("p", stamp, class_=f"stamp {kind}"),
-        element("h1", _begun(said)),
-        *(element("p", _begun(words), class_="lead") for words in further),
-        *(element("p", _begun(words), class_="warning") for words in noted),
-        element("p", motion_words(registration), class_="lead"),
-        *([] if trap is None else [element("p", trap, class_="lead")]),
-        element("dl", *_facts(registration), class_="facts"),
-    )
+    n = registration.problem.n
+    return {
+        "pairs": f"{n} pair{'s' * (n != 1)}",
+        "stamp": stamp,
+        "good": report.headline.good and _within_usual(registration),
+        "headline": _begun(said),
+        "further": [_begun(words) for words in further],
+        "warnings": [_begun(words) for words in warnings(registration, headline)],
+        "motion": motion_words(registration),
+        "trap": trap_words(registration.equilibria),
+        "facts": list(_facts(registration)),
+    }
 
 
 def _within_usual(registration: Registration) -> bool:
@@ -187,7 +162,7 @@ def _begun(words: str) -> str:
     return words[:1].upper() + words[1:]
 
 
-def _facts(registration: Registration) -> Iterator[Markup]:
+def _facts(registration: Registration) -> Iterator[dict[str, str]]:
     """The figures that one asks for first."""
     equilibria, bounds = registration.equilibria, registration.bounds
     others = equilibria.classification.spurious
@@ -202,9 +177,7 @@ def _facts(registration: Registration) -> Iterator[Markup]:
         ("Ambiguity margin", *_split(margin_words(equilibria))),
     ]
     for name, value, words in facts:
-        yield element(
-            "div", element("dt", name), element("dd", value), element("dd", words, class_="note")
-        )
+        yield {"name": name, "value": value, "words": words}
 
 
 def _split(words: str) -> tuple[str, str]:
@@ -213,116 +186,33 @@ def _split(words: str) -> tuple[str, str]:
     return (f"{figure}{' %' if percent else ''}", f"{unit}{': ' if unit else ''}{rest}")
 
 
-def _sections(report: Report) -> Iterator[Markup]:
-    yield _section("see", "See it", viewer_section(report.registration))
-    yield _section("charts", "In numbers", *_charts())
-    angles = MethodAngles.of(report.registration.solution.agreement)
-    known = sentences(report.registration, report.certificate.body, angles)
-    yield _section(
-        "proof",
-        "What is proved, and how we know",
-        element("p", GUARANTEE_WORDS, class_="note"),
-        element("ol", *(_sentence(one, report.documentation) for one in known), class_="known"),
-        element("h3", "Not claimed"),
-        element("ul", *(element("li", words) for words in NOT_CLAIMED)),
-    )
-    yield _section("check", "Check it yourself", *_check(report))
-    yield _section("pose", "The pose", *_pose(report.registration))
-
-
-def _section(name: str, title: str, *content: Markup) -> Markup:
-    heading = element("h2", title, id=f"{name}-title")
-    return element("section", heading, *content, id=name, aria_labelledby=f"{name}-title")
-
-
-def _charts() -> Iterator[Markup]:
-    charts = (
-        ("energy", "Energy along the motion", "Dashed: the poses at rest (index)."),
-        ("spectrum", "Eigenvalues at this pose at rest", "Right of the line: a push grows."),
-        ("residuals", "Distances of the pairs", "At the pose shown, the worst first."),
-        ("margin", "Ambiguity margin", "How far the data are from a second best pose."),
-    )
-    for name, title, words in charts:
-        caption = element("figcaption", element("b", title), " ", element("span", words))
-        yield element("figure", caption, element("div", class_="chart"), id=name)
-
-
-def _sentence(known: Sentence, documentation: str | None) -> Markup:
-    label = known.guarantee.label
-    rests = [_theorem(name, documentation) for name in known.theorems]
-    how = element("p", element("span", label, class_=f"how {label}"), *rests, class_="rests-on")
-    return element("li", element("p", known.words), how)
-
-
-def _theorem(name: str, documentation: str | None) -> Markup:
-    """A theorem by its title: a link to its page, or the name by which it is found and proved."""
-    title = THEOREMS[name]
-    if documentation is not None:
-        return element("a", title, href=f"{documentation}proofs/{name}.html")
-    return element("span", f"{title} (", element("code", name), ")")
-
-
-def _embedded() -> Iterator[Markup]:
-    yield element(
-        "p",
-        "The certificate is in this file. Save it, and let it be checked in exact integer "
-        "arithmetic, with certreg or with nothing but Python:",
-    )
-    yield element(
-        "p",
-        element("button", "Save certificate.json", id="save", type="button"),
-        element("span", id="saved", role="status"),
-    )
-
-
-def _named(report: Report) -> Iterator[Markup]:
-    size, limit = (count / 2**20 for count in (len(report.content), EMBEDDED_BYTES))
-    yield element(
-        "p",
-        f"The certificate is too large for a page: {size:.1f} MiB, more than {limit:.0f}. It is "
-        "the file ",
-        element("bdi", printable(report.name)),
-        " that was written or given with this page, and has the SHA-256 below. Let it be checked "
-        "in exact integer arithmetic, with certreg or with nothing but Python:",
-    )
-    digest = hashlib.sha256(report.content).hexdigest()
-    yield element("p", "SHA-256 of the certificate: ", element("code", digest, id="file-digest"))
-
-
-def _check(report: Report) -> Iterator[Markup]:
-    name = "certificate.json" if report.embedded else shlex.quote(printable(report.name))
-    yield from _embedded() if report.embedded else _named(report)
-    yield element("pre", element("code", "\n".join(f"{c} {name}" for c in CHECKERS)))
-    digest = report.registration.problem.digest()
-    yield element("p", "SHA-256 of the points and weights: ", element("code", digest, id="digest"))
-    lines = "\n".join((*report.verdict.theorems, "VERIFIED"))
-    yield element(
-        "details",
-        element("summary", "What the checker said when this page was written"),
-        element("pre", lines, tabindex=0),
-    )
-
-
-def _pose(registration: Registration) -> Iterator[Markup]:
-    pose = registration.pose
+def _body(report: Report) -> dict[str, Any]:
+    """The sections below: scene, charts, what is proved, how to check it, the pose."""
+    registration, pose = report.registration, report.registration.pose
+    angles = MethodAngles.of(registration.solution.agreement)
     rows = [" ".join(map(repr, row)) for row in pose.T_target_source.tolist()]
-    yield element("p", "The 4×4 matrix that takes source coordinates to target coordinates:")
-    yield element("pre", "\n".join(rows), tabindex=0, aria_label="4 by 4 matrix")
-    quaternion = " ".join(map(repr, pose.quaternion_wxyz.tolist()))
-    yield element(
-        "p",
-        "Rotation as a unit quaternion, w x y z; the bounds hold for this one, with the "
-        "translation of the matrix:",
-    )
-    yield element("pre", quaternion, tabindex=0, aria_label="quaternion")
+    return {
+        "viewer": viewer_words(registration),
+        "guarantee_words": GUARANTEE_WORDS,
+        "known": sentences(registration, report.certificate.body, angles),
+        "theorems": THEOREMS,
+        "not_claimed": NOT_CLAIMED,
+        "file": _file(report),
+        "digest": registration.problem.digest(),
+        "checked": report.verdict.theorems,
+        "matrix": "\n".join(rows),
+        "quaternion": " ".join(map(repr, pose.quaternion_wxyz.tolist())),
+    }
 
 
-def _footer() -> Markup:
-    return element(
-        "footer",
-        element(
-            "p",
-            f"Written by certreg {__version__}. This file is complete: it loads nothing and sends "
-            "nothing. The scene is drawn by three.js (MIT licence, in the script).",
-        ),
-    )
+def _file(report: Report) -> dict[str, Any]:
+    """The certificate's file: in the page, or named there."""
+    name = printable(report.name)
+    return {
+        "embedded": report.embedded,
+        "name": name,
+        "argument": "certificate.json" if report.embedded else shlex.quote(name),
+        "mebibytes": len(report.content) / 2**20,
+        "most": f"{EMBEDDED_BYTES / 2**20:.0f}",
+        "sha256": hashlib.sha256(report.content).hexdigest(),
+    }

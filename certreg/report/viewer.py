@@ -1,4 +1,4 @@
-"""The viewer, the part of the page where the bodies move: its markup, and what its script draws.
+"""The viewer, the part of the page where the bodies move: its words, and what its script draws.
 
 The script reads equilibria, motions and labels from a document; the points are in the certificate.
 A module beside the page, which alone uses it: together they would be too long to read.
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from certreg.exact import nearest_double
-from certreg.report.markup import Markup, element, printable
+from certreg.report.markup import printable
 from certreg.report.summary import margin_words, number
 from certreg.report.thinning import shown_motion, simulated_escapes
 from certreg.report.words import component_name, component_words, factor_words
@@ -24,6 +24,7 @@ from certreg.results import Absent
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from certreg.equilibrium import EquilibriumSet
     from certreg.problem import RegistrationProblem
     from certreg.registration import Registration
 
@@ -39,103 +40,33 @@ NOT_SIMULATED = "the motion was not simulated."
 SAMPLE = 100_000  # points shown where the page holds no certificate with them
 
 
-def viewer_section(registration: Registration) -> Markup:
-    """The scene, what moves it, and a button for each stationary pose."""
-    equilibria = registration.equilibria
-    poses = [_pose_button(registration, i) for i in range(len(equilibria.components))]
-    film = element(
-        "div",
-        element("div", _view(), _bar(), class_="film"),
-        element("p", id="caption", role="status"),
-        element("button", "Push it", id="push", type="button", hidden=True),
-        element("div", id="along"),
-    )
-    choices = element(
-        "div",
-        element(
-            "div",
-            element("h3", "Watch the registration"),
-            _button("From the start", "the source as it was given, released", id="released"),
-            id="watch",
-        ),
-        element("h3", "Every pose at which it can rest"),
-        element("div", *poses, class_="rests", role="group", aria_label="Poses at rest"),
-        element("p", INDEX_WORDS, class_="note"),
-        class_="choices",
-    )
-    silent = element("noscript", element("p", "The pictures need JavaScript; the words do not."))
-    return element(
-        "div",
-        element("p", SPRINGS_WORDS, class_="note"),
-        silent,
-        element("div", film, choices, class_="stage"),
-    )
+def viewer_words(registration: Registration) -> dict[str, Any]:
+    """The words of the viewer, as its template shows them: a button for each stationary pose."""
+    return {
+        "springs_words": SPRINGS_WORDS,
+        "index_words": INDEX_WORDS,
+        "rests": [
+            _rest(registration.equilibria, i)
+            for i in range(len(registration.equilibria.components))
+        ],
+    }
 
 
-def _view() -> Markup:
-    zooms = (("+", "Closer"), ("−", "Farther"), ("⟲", "As at first"))
-    return element(
-        "div",
-        element(
-            "canvas",
-            id="view",
-            tabindex=0,
-            role="img",
-            aria_label="The two clouds in space. Arrow keys turn, + and - zoom, Home resets, "
-            "space plays.",
-        ),
-        element("div", id="tags", aria_hidden="true"),
-        element("p", id="view-note", role="status"),
-        element("p", id="legend", aria_hidden="true"),
-        element(
-            "div",
-            *(
-                element("button", sign, type="button", title=words, aria_label=words)
-                for sign, words in zooms
-            ),
-            id="zoom",
-        ),
-        class_="view",
-    )
-
-
-def _bar() -> Markup:
-    return element(
-        "div",
-        element("button", "Play", id="play", type="button"),
-        element("label", "Time", for_="time", class_="unseen"),
-        element("input", id="time", type="range", min=0, max=1000, value=0, step="any"),
-        element("output", id="clock", for_="time"),
-        class_="bar",
-    )
-
-
-def _pose_button(registration: Registration, index: int) -> Markup:
-    equilibria = registration.equilibria
+def _rest(equilibria: EquilibriumSet, index: int) -> dict[str, Any]:
     component = equilibria.components[index]
     away = math.degrees(component.angle_to_optimum)
-    fit = [f"RMSE {number(component.rmse)}"]
+    notes = [f"RMSE {number(component.rmse)}"]
     if not component.optimal:
-        fit += filter(None, [factor_words(equilibria, index), f"{away:.4g}° from the optimum"])
-    return _button(
-        component_name(equilibria, index),
-        *fit,
-        badge=f"index {component.morse_index}",
-        class_="rest best" if component.optimal else "rest wrong",
-        data_component=index,
-    )
-
-
-def _button(name: str, *notes: str, badge: str = "", **attributes: str | int) -> Markup:
-    return element(
-        "button",
-        element("span", name, class_="name"),
-        element("span", badge, class_="badge"),
-        *(element("span", note, class_="note") for note in notes),
-        type="button",
-        aria_pressed="false",
-        **attributes,
-    )
+        notes += filter(None, [factor_words(equilibria, index), f"{away:.4g}° from the optimum"])
+    return {
+        "name": component_name(equilibria, index),
+        "notes": notes,
+        "badge": f"index {component.morse_index}",
+        "attributes": {
+            "class": "rest best" if component.optimal else "rest wrong",
+            "data-component": index,
+        },
+    }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

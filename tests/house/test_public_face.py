@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 ROOT = Path(certreg.__file__).parents[1]
 DATA = ROOT / "certreg" / "data"
 PAIR = (DATA / "survey_source.csv", DATA / "survey_target.csv")
-HEAVY = {"scipy", "sympy", "casadi", "cvxpy", "matplotlib"}
+HEAVY = {"scipy", "sympy", "casadi", "cvxpy", "jinja2", "matplotlib"}
 
 # Imports of the one name that is a function and a submodule.
 IMPORTS = (

@@ -19,15 +19,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 from commands import certreg, checked, write_csv
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
+from jinja2 import UndefinedError
+from markupsafe import Markup
 from strategies import ZOO, random_rotation
 
 from certreg.geometry import quaternion_from_matrix, quaternions_from_matrices
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.certification import certified, certify
 from certreg.registration.examples import STORIES, stated, tell
-from certreg.report.markup import Markup, asset_block, data_block, element, json_block
+from certreg.report.markup import asset, coded, environment_of, inert, inert_json
 from certreg.report.page import EMBEDDED_BYTES, Report, html_page
 from certreg.report.reload import Motion, report_of
 from certreg.report.thinning import simulated_escapes, thinned
@@ -109,33 +111,74 @@ def test_the_quaternions_of_many_frames_are_those_of_one_at_a_time():
     assert quaternions_from_matrices(rotations).tobytes() == single.tobytes()
 
 
-@given(st.text(), st.text())
-def test_every_text_is_escaped(words: str, value: str):
-    made = element("p", words, element("b", words), title=value)
+PLANTED = environment_of(
+    {
+        "words": '<p title="{{ value }}">{{ words }}<b>{{ words | coded }}</b></p>',
+        "missing": "{{ nothing }}",
+    }.__getitem__
+)
 
-    assert (
-        made
-        == f'<p title="{html.escape(value)}">{html.escape(words)}<b>{html.escape(words)}</b></p>'
+
+@given(words=st.text(), value=st.text())
+@example(words="</p><script>", value='"><img src=x onerror=1>')
+@example(words="{{ 7 * 7 }}{% raw %}", value="{{ words }}")
+def test_every_text_is_escaped(words: str, value: str):
+    made = PLANTED.get_template("words").render(words=words, value=value)
+    title, text = (
+        html.escape(each).replace("&quot;", "&#34;").replace("&#x27;", "&#39;")
+        for each in (value, words)
     )
+    start, _, code = made.partition("<b>")
+
+    assert start == f'<p title="{title}">{text}'
+    assert re.sub(r"</?code>|`", "", code) == f"{text}</b></p>".replace("`", "")
+
+
+def test_a_value_that_a_template_lacks_is_an_error():
+    with pytest.raises(UndefinedError, match="nothing"):
+        PLANTED.get_template("missing").render()
+
+
+@pytest.mark.parametrize(
+    ("words", "shown"),
+    [
+        ("a `b < c` d", "a <code>b &lt; c</code> d"),
+        ("`a``b`", "<code>a</code><code>b</code>"),
+        ("it`s", "it`s"),
+        ("`a` it`s", "<code>a</code> it`s"),
+    ],
+)
+def test_code_in_words_is_set_as_code(words: str, shown: str):
+    assert coded(words) == shown
 
 
 @given(st.dictionaries(st.text(), st.text()))
 def test_no_data_end_their_block(document: dict[str, str]):
-    block = json_block("scene", document)
-    content = block.removeprefix('<script id="scene" type="application/json">').removesuffix(
-        "</script>"
-    )
+    block = inert_json(document)
 
-    assert json.loads(content) == document
-    assert "<" not in content
-    assert "<" not in data_block("x", "y", "</script>")[len('<script id="x" type="y">') :][:12]
+    assert json.loads(block) == document
+    assert "<" not in block
+    assert "<" not in inert("</script><!--")
 
 
 def test_an_asset_that_would_end_its_own_element_is_refused():
     for content in ("a </script b", "</SCRIPT>", "<!-- a"):
         with pytest.raises(ValueError, match="would end"):
-            asset_block("script", content)
-    assert isinstance(asset_block("script", "a < b"), Markup)
+            asset("script", content)
+    assert isinstance(asset("script", "a < b"), Markup)
+
+
+def test_html_is_written_in_templates_alone():
+    def tags(path: Path) -> list[str]:
+        return re.findall(r"</?(?:a|b|p|div|li|td|tr|span|table|svg|html)[ >]", path.read_text())
+
+    modules = [path for path in (ROOT / "certreg").rglob("*.py") if path.name != "markup.py"]
+    found = {path: tags(path) for path in modules}
+    templates = list((ROOT / "certreg").rglob("templates/*.html"))
+
+    assert {path: words for path, words in found.items() if words} == {}
+    assert all(tags(path) for path in templates)
+    assert not any(re.search(r"\|\s*safe|autoescape", path.read_text()) for path in templates)
 
 
 def test_the_policy_admits_these_two_texts_and_nothing_else(survey: Registration):
