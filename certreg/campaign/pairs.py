@@ -40,12 +40,14 @@ from certreg.io import (
 )
 from certreg.registration import (
     MISUSED,
+    NOT_CERTIFIED,
     REFUSED,
     FitDemands,
     certify,
     code_of_error,
     code_of_registration,
     optimally_damped,
+    worst,
 )
 from certreg.report import result_document
 from certreg.results import Limits
@@ -200,7 +202,8 @@ def _headed(path: Path, content: bytes) -> tuple[list[str], Iterator[tuple[Place
 class PairCampaign:
     """The pairs of a list; with certificates, if they are to be kept.
 
-    limits: what must be proved of a pose to call it certified. demands: on its fit.
+    limits: what must be proved of a pose to call it certified. demands: on its fit; they change
+        exit codes alone, which no shard holds, and may be others when the campaign goes on.
     """
 
     listing: Listing
@@ -220,7 +223,6 @@ class PairCampaign:
                 "list": str(self.listing.path),
                 "sha256": self.listing.digest,
                 **asdict(self.limits),
-                **asdict(self.demands),
             },
             versions=current_versions(),
         )
@@ -236,9 +238,20 @@ class PairCampaign:
                     "folder": str(self.listing.path.parent),
                     "certificates": self.certificates,
                     "limits": self.limits,
-                    "demands": self.demands,
                 }
                 yield Task(shard=shard, function=certify_pairs, arguments=arguments)
+
+    def results(self, content: bytes) -> Iterator[tuple[str, dict[str, Any]]]:
+        """The lines of a shard, and what they hold, with the exit codes that the demands give."""
+        for line in content.decode().splitlines(keepends=True):
+            entry: dict[str, Any] = json.loads(line)
+            registered = entry["schema"] != ERROR_SCHEMA
+            warned = registered and bool(entry["fit"]["warnings"])
+            if not registered or not self.demands.unmet_by(entry["rmse"], warned=warned):
+                yield line, entry
+                continue
+            entry["exit_code"] = worst([entry["exit_code"], NOT_CERTIFIED])
+            yield _line(entry), entry
 
     def files(self, content: bytes) -> dict[str, str]:
         """The certificates of a shard, by the digests in its lines."""
@@ -260,26 +273,28 @@ class PairCampaign:
 
 
 def certify_pairs(
-    *,
-    rows: tuple[PairRow, ...],
-    folder: str,
-    certificates: bool,
-    limits: Limits,
-    demands: FitDemands,
+    *, rows: tuple[PairRow, ...], folder: str, certificates: bool, limits: Limits
 ) -> TaskResult:
-    """A line of JSON for each row, with certificates as files if they are to be kept."""
+    """A line of JSON for each row, with certificates as files if they are to be kept.
+
+    exit_code: of the proof alone.
+    """
     lines: list[str] = []
     files: dict[str, bytes] = {}
     for row in rows:
-        entry, certificate = _entry(row, Path(folder), limits, demands)
+        entry, certificate = _entry(row, Path(folder), limits)
         if certificates and certificate is not None:
             name = f"{row.number + 1:06d}-{UNSAFE.sub('_', row.name)[:STEM]}.json"
             files[name] = certificate
             entry["certificate"] = f"certificates/{name}"
             entry["certificate_sha256"] = hashlib.sha256(certificate).hexdigest()
             del entry["reasons"]["certificate"]
-        lines.append(json.dumps(entry, allow_nan=False) + "\n")
+        lines.append(_line(entry))
     return TaskResult(content="".join(lines).encode(), files=files)
+
+
+def _line(entry: dict[str, Any]) -> str:
+    return json.dumps(entry, allow_nan=False) + "\n"
 
 
 class Tally:
@@ -314,11 +329,11 @@ def write_pair_results(kind: PairCampaign, folder: Path, *, parquet: bool) -> Ta
 
     def blocks(stream: BinaryIO) -> Iterator[Block]:
         for content in contents(kind, folder):
-            stream.write(content)
-            entries = [json.loads(line) for line in content.splitlines()]
-            rows = [_row(entry) for entry in entries]
-            for entry in entries:
+            rows: list[dict[str, Any]] = []
+            for line, entry in kind.results(content):
+                stream.write(line.encode())
                 tally.add(entry)
+                rows.append(_row(entry))
             yield [[row[column.name] for row in rows] for column in PAIR_COLUMNS]
 
     with written_atomically(folder / RESULTS) as stream:
@@ -358,9 +373,7 @@ def _fit_and_pose(fit: dict[str, Any], pose: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _entry(
-    row: PairRow, folder: Path, limits: Limits, demands: FitDemands
-) -> tuple[dict[str, Any], bytes | None]:
+def _entry(row: PairRow, folder: Path, limits: Limits) -> tuple[dict[str, Any], bytes | None]:
     """The result of a row, or its error, and the bytes of its certificate."""
     inputs = _inputs(row, folder)  # before they are read: a later change is seen
     try:
@@ -381,7 +394,7 @@ def _entry(
         "schema": document["schema"],
         "name": row.name,
         "place": str(row.place),
-        "exit_code": code_of_registration(registration, demands),
+        "exit_code": code_of_registration(registration),
     }
     head |= {"notes": pair.notes, "inputs": inputs}
     certificate = registration.certificate

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -104,11 +103,10 @@ def _streamed(campaign: PairCampaign, scheduler: str | None) -> Tally:
     tasks = campaign.tasks(done=())
     with workers_at(scheduler) as workers, Progress(manifest.count, items="pairs") as progress:
         for result in in_order(completed(tasks, workers, manifest.versions)):
-            lines = result.content.decode().splitlines()
-            for line in lines:
-                click.echo(line)
-                tally.add(json.loads(line))
-            progress.advance(len(lines))
+            for line, entry in campaign.results(result.content):
+                click.echo(line, nl=False)
+                tally.add(entry)
+                progress.advance(1)
     return tally
 
 

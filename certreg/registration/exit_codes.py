@@ -43,10 +43,13 @@ class FitDemands:
 
     def unmet(self, registration: Registration) -> list[str]:
         """In words, what a registration does not meet."""
+        return self.unmet_by(registration.rmse, warned=bool(registration.fit.warnings))
+
+    def unmet_by(self, rmse: float | None, *, warned: bool) -> list[str]:
+        """The same, of a fit with or without warnings."""
         words: list[str] = []
-        if self.require_fit and registration.fit.warnings:
+        if self.require_fit and warned:
             words.append("the fit has warnings")
-        rmse = registration.rmse
         if self.max_rmse is not None and (rmse is None or rmse > self.max_rmse):
             size = "beyond doubles" if rmse is None else f"{rmse!r}"
             words.append(f"the RMSE is {size}, more than {self.max_rmse!r}")

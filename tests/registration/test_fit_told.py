@@ -153,3 +153,30 @@ def test_a_list_names_its_poor_pairs(clouds, tmp_path: Path, monkeypatch):
     assert [float(table[0][f"q{axis}"]) for axis in "wxyz"] == fine["pose"]["quaternion_wxyz"]
     assert [float(table[0][f"t{axis}"]) for axis in "xyz"] == fine["pose"]["translation"]
     assert certreg("batch", listing, "--require-fit").code == 4
+
+
+def test_what_is_asked_of_the_fit_may_change_when_a_campaign_goes_on(
+    clouds, tmp_path: Path, monkeypatch
+):
+    monkeypatch.setattr("certreg.cli.campaigns.workers_at", lambda _: InProcess(1))
+    listing, out = tmp_path / "list.csv", tmp_path / "out"
+    listing.write_text("name,source,target\nfine,source.csv,target.csv\nbad,source.csv,wrong.csv\n")
+
+    def codes(*options: str) -> tuple[int, list[int], list[str]]:
+        run = certreg("batch", listing, "--out", out, *options)
+        lines = [json.loads(line) for line in (out / "results.jsonl").read_text().splitlines()]
+        with (out / "summary.csv").open(encoding="utf-8") as stream:
+            table = [row["exit_code"] for row in csv.DictReader(stream)]
+        return run.code, [line["exit_code"] for line in lines], table
+
+    first = codes()
+    monkeypatch.setattr("certreg.campaign.pairs.certify", None)  # nothing is computed again
+    bytes_then = (out / "results.jsonl").read_bytes()
+
+    assert first == (0, [0, 0], ["0", "0"])
+    assert codes("--require-fit") == (4, [0, 4], ["0", "4"])
+    assert codes("--max-rmse", "1e-9") == (4, [4, 4], ["4", "4"])
+    assert codes() == first
+    assert (out / "results.jsonl").read_bytes() == bytes_then
+    other = certreg("batch", listing, "--out", out, "--max-gap", "1e-7")
+    assert (other.code, "another campaign stands there" in other.err) == (2, True)
