@@ -41,7 +41,7 @@ INLINE_MAX, FILE_MAX = 10**6, 10**8  # points in a certificate, 75 MB in base64;
 NODES_MAX = 50_000  # commas and brackets; each costs less than 600 bytes of memory: < 30 MB
 DIGITS_MAX, EXPONENT_MAX = 4300, 32768  # of an integer, as Python's own limit; of a dyadic
 LIMITS = {"max-angle": "angle", "max-gap": "share"}  # options, and what of Worth they limit
-BLOCK = 8192  # points split at a time: bounds the memory
+BLOCK, DEGREES = 8192, Fraction("57.295779514")  # split at a time; in a radian: 180/pi = ...513...
 
 
 class RefusalError(Exception):
@@ -120,10 +120,11 @@ def check(certificate: bytes, clouds: Clouds | None = None, limits: Limits = {})
 def within(outcome: Outcome, limits: Limits) -> Outcome:
     """The outcome; RefusalError where its worth has no such bound, or one above the limit."""
     for name, limit in limits.items():
-        bound = getattr(outcome.worth, name, None)
-        proved = "none" if bound is None else f"{rounded(bound, 3):.2e}"
-        good = bound is not None and bound <= limit
-        require(good, f"proved bound on the {name}: {proved}; asked for: {rounded(limit, 9):g}")
+        bound, unit = getattr(outcome.worth, name, None), " rad" * (name == "angle")
+        degrees = f" ({rounded(bound * DEGREES, 3):.2e} degrees)" if bound and unit else ""
+        proved = "none" if bound is None else f"{rounded(bound, 3):.2e}{unit}{degrees}"
+        told = f"proved bound on the {name}: {proved}; asked for: {rounded(limit, 9):g}{unit}"
+        require(bound is not None and bound <= limit, told)
     return outcome
 
 
@@ -194,8 +195,7 @@ def bound_doubles(certificate: Statement, clouds: Clouds | None) -> memoryview:
     """
     n, text, content = certificate.n, certificate.data, b""
     require(1 <= n < 2**40, "n is out of range")
-    head = certificate.prefix + struct.pack("<Q", n)
-    size = len(head) + 56 * n
+    head, size = certificate.prefix + struct.pack("<Q", n), len(certificate.prefix) + 8 + 56 * n
     if text is not None:
         require(n <= INLINE_MAX and len(text) == (size + 2) // 3 * 4, "data is not of n points")
         try:
@@ -213,18 +213,17 @@ def bound_doubles(certificate: Statement, clouds: Clouds | None) -> memoryview:
         numbers = array("d", map((0.0).__add__, chain(*parts)))  # 0.0 + -0.0 = 0.0
         if sys.byteorder == "big":
             numbers.byteswap()
-        given = head + numbers.tobytes()
+        given, bare = head + numbers.tobytes(), clouds.weights is None
         content = content or given + struct.pack("<d", 1.0) * ((size - len(given)) // 8)
-        require(content.startswith(given), "the certificate is about other points or weights")
-    if clouds and clouds.weights is None:
+        require(content.startswith(given[: size - 8 * n]), "the certificate is about other points")
         equal, (w,) = equally_weighted(content, n), struct.unpack("<d", content[-8:])
-        require(equal, "the certificate weights its points unequally: give the weights, too")
+        good = equal and (clouds.any_weight or w == 1) if bare else content.startswith(given)
         sigma = float(f"{w**-0.5:.6g}") if 1e-300 < w < 1e300 else 1.0
         option = f"--sigma {sigma}" if float(1 / Fraction(sigma) ** 2) == w else "--any-weight"
-        require(clouds.any_weight or w == 1, f"the certified weight is {w!r}, not 1: give {option}")
+        told = f"the certified weight is {w!r}, not {'1' if bare else 'as given'}: give {option}"
+        require(good, told if equal else "the certified weights are unequal: give --weights FILE")
     digest = hashlib.sha256(content).hexdigest()
-    ones = bool(clouds and clouds.weights is None and text is None)
-    require(digest == certificate.digest, "the digest is not theirs" + ", all of weight 1" * ones)
+    require(digest == certificate.digest, "the digest is not theirs (weights not given are 1)")
     return memoryview(content)[len(head) :]
 
 
@@ -328,7 +327,8 @@ def main(argv: list[str]) -> int:
     try:
         options, (path,) = gnu_getopt(argv, "", [f"{name}=" for name in LIMITS])
         limits = {LIMITS[name[2:]]: Fraction(repr(float(text))) for name, text in options}
-    except (GetoptError, ValueError):
+        require(all(limit >= 0 for limit in limits.values()), "a limit is negative")
+    except (GetoptError, ValueError, RefusalError):
         sys.stderr.write("usage: verify.py [--max-angle RAD] [--max-gap SHARE] CERTIFICATE\n")
         return 0 if argv == ["--help"] else 2
     try:
@@ -458,7 +458,7 @@ class IsotropicStatement(Statement):
         if w.angle is None:
             yield "No angle is bounded: nothing is proved of how far R is from an optimum."
         else:
-            degrees = rounded(w.angle * Fraction("57.295779514"), 2)  # 180/pi = ...513...
+            degrees = rounded(w.angle * DEGREES, 2)
             yield f"Every global optimum is within {degrees:.1e} degrees of R."
         unique = "unique: every other rotation has a larger objective"
         several = f"NOT unique: the optima form {SETS[pattern[0]]}"

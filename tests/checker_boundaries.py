@@ -33,6 +33,7 @@ Ask = Callable[[Any], str]
 NEAR = Fraction(1, 2**30)  # just inside and outside: 1 -+ 1e-9
 AXES = oracle.stretched((3, 2, 1))
 DELTA = [1, -40]
+NOT_THEIRS = r"REFUSED: the digest is not theirs \(weights not given are 1\)$"
 
 
 @dataclass(frozen=True)
@@ -573,7 +574,7 @@ def base64_cases(good: Certificate) -> Iterator[Case]:
             yield Case(f"bits left of {n}", outcome_of(changed(certificate, data=spoilt)), other)
     digest = good["problem"]["digest"]
     for wrong in (digest.upper(), digest[:-1], "0" * 64, ""):
-        answer = "REFUSED: the digest is not theirs$"
+        answer = NOT_THEIRS
         yield Case(f"digest {wrong}", outcome_of(changed(good, digest=wrong)), answer)
 
 
@@ -581,21 +582,24 @@ def cloud_cases() -> Iterator[Case]:
     source, target, weights = oracle.random_problem(seed=3, n=6)
     uneven, even = oracle.produce(source, target, weights), oracle.produce(source, target)
     number = "REFUSED: the certificate is about another number of points or weights$"
-    points = "REFUSED: the certificate is about other points or weights$"
-    weight = "REFUSED: the certificate weights its points unequally: give the weights, too$"
-    theirs, of_ones = (
-        f"REFUSED: the digest is not theirs{end}$" for end in ("", ", all of weight 1")
-    )
+    points = "REFUSED: the certificate is about other points$"
+    weight = "REFUSED: the certified weights are unequal: give --weights FILE$"
+    theirs = NOT_THEIRS
     moved = np.nextafter(source, 9)
-    last = np.array(weights)
+    shifted = np.array(target)
+    shifted[5, 2] = np.nextafter(shifted[5, 2], 9)
+    first, last = np.array(weights), np.array(weights)
+    first[0] = np.nextafter(first[0], 9)
     last[5] = np.nextafter(last[5], 9)
     for name, certificate, clouds, answer, lone in (
         ("same", uneven, flat(source, target, weights), "VERIFIED", "VERIFIED"),
         ("same, even", even, flat(source, target), "VERIFIED", "VERIFIED"),
         ("ones", even, flat(source, target, [1] * 6), "VERIFIED", "VERIFIED"),
-        ("weights untold", uneven, flat(source, target), weight, of_ones),
+        ("weights untold", uneven, flat(source, target), weight, theirs),
         ("moved", uneven, flat(moved, target, weights), points, theirs),
-        ("last weight", uneven, flat(source, target, last), points, theirs),
+        ("last number", uneven, flat(source, shifted, weights), points, theirs),
+        ("first weight", uneven, flat(source, target, first), weight, theirs),
+        ("last weight", uneven, flat(source, target, last), weight, theirs),
         ("exchanged", uneven, flat(target, source, weights), points, theirs),
         ("fewer source", uneven, flat(source[1:], target, weights), number, number),
         ("fewer target", uneven, flat(source, target[1:], weights), number, number),
@@ -630,6 +634,9 @@ def weight_cases(source: Any, target: Any) -> Iterator[Case]:
         certificate = of_weight(certified, source, target)
         answer = re.escape(told.format(certified, f"--sigma {sigma!r}")) + "$"
         yield Case(f"clouds: sigma {sigma}", outcome_of(certificate, given), answer)
+        other = flat(source, target, [certified] * 5 + [math.nextafter(certified, 0)])
+        answer = answer.replace("not\\ 1", "not\\ as\\ given")
+        yield Case(f"clouds: not sigma {sigma}", outcome_of(certificate, other), answer)
     for certified in (
         *(math.nextafter(1, 0), math.nextafter(1, 2), math.nextafter(1e4, 0), 1 / 3),
         *(2.0**-1000, 1e-300, 1e300, 5e-324, 1.7e308, 0.0, -1.0, math.nan, math.inf),
@@ -1029,9 +1036,13 @@ def limit_cases(good: Certificate, everywhere: Certificate) -> Iterator[Case]:
     exact = stated(good, Fraction(1, 2**40), Fraction(16))
     angle = Fraction(1, 2**21) / root(1 - Fraction(1, 2**44))
     share = Fraction(1, 2**39) / root(Fraction(4 * 1568))
-    for name, bound, printed in (("angle", angle, r"4\.77e-7"), ("share", share, r"2\.30e-14")):
+    in_words = (
+        r"4\.77e-7 rad \(2\.74e-5 degrees\); asked for: 4\.768\S+e-7 rad",
+        r"2\.30e-14; asked for: \S+",
+    )
+    for name, bound, printed in zip(("angle", "share"), (angle, share), in_words, strict=True):
         yield Case(f"{name}, inside", limited(exact, **{name: bound * (1 + NEAR)}), "VERIFIED")
-        answer = rf"REFUSED: proved bound on the {name}: {printed}; asked for: \S+$"
+        answer = rf"REFUSED: proved bound on the {name}: {printed}$"
         yield Case(f"{name}, outside", limited(exact, **{name: bound * (1 - NEAR)}), answer)
     both = limited(exact, angle=2 * angle, share=2 * share)
     yield Case("both limits", both, "VERIFIED")
@@ -1039,18 +1050,22 @@ def limit_cases(good: Certificate, everywhere: Certificate) -> Iterator[Case]:
         narrow = limited(exact, angle=one * angle, share=other * share)
         name = "angle" if one < 1 else "share"
         yield Case(f"{name} too large", narrow, f"REFUSED: proved bound on the {name}: ")
-    none = "REFUSED: proved bound on the {}: none; asked for: 1$"
+    none = "REFUSED: proved bound on the {}: none; asked for: 1{}$"
     loose = loosely(good, Fraction(1))
-    yield Case("no angle", limited(loose, angle=Fraction(1)), none.format("angle"))
+    yield Case("no angle", limited(loose, angle=Fraction(1)), none.format("angle", " rad"))
     yield Case("a gap alone", limited(loose, share=Fraction(1)), "VERIFIED")
     counts = counted(good, [1, 2, 4, 8], 2**61 - 1)
-    for name in ("angle", "share"):
-        yield Case(f"count: {name}", limited(counts, **{name: Fraction(1)}), none.format(name))
+    for name, unit in (("angle", " rad"), ("share", "")):
+        yield Case(
+            f"count: {name}", limited(counts, **{name: Fraction(1)}), none.format(name, unit)
+        )
     yield Case("range 0, share 0", limited(everywhere, share=Fraction(0)), "VERIFIED")
     yield Case("a limit that no double is", limited(good, share=Fraction(10**400)), "VERIFIED")
-    loud = r"REFUSED: proved bound on the angle: none; asked for: 1\.?0*e\+400$"
+    loud = r"REFUSED: proved bound on the angle: none; asked for: 1\.?0*e\+400 rad$"
     yield Case("a limit so large", limited(loose, angle=Fraction(10**400)), loud)
-    yield Case("range 0, angle", limited(everywhere, angle=Fraction(1)), none.format("angle"))
+    yield Case(
+        "range 0, angle", limited(everywhere, angle=Fraction(1)), none.format("angle", " rad")
+    )
 
 
 def limited(certificate: Certificate, **limits: Fraction) -> Ask:
@@ -1082,8 +1097,13 @@ def command_cases() -> Iterator[Case]:
         (["--max-gap", "1e-13"], "0 .*VERIFIED\n$"),
         (["--max-gap=1e-13", "--max-angle=1e-5"], "0 .*VERIFIED\n$"),
         (["--max-gap", "1e-14"], "1 REFUSED: proved bound on the share: 2.*; asked for: 1e-14\n$"),
-        (["--max-angle", "1e-7"], "1 REFUSED: proved bound on the angle: .*; asked for: 1e-7\n$"),
+        (
+            ["--max-angle", "1e-7"],
+            "1 REFUSED: proved bound on the angle: .*; asked for: 1e-7 rad\n$",
+        ),
         *((["--max-gap", text], "2 usage") for text in ("", "x", "nan", "inf", "1/3", "-inf")),
+        *(([f"--max-{name}=-1e-9"], "2 usage") for name in ("gap", "angle")),
+        (["--max-gap", "0"], "1 REFUSED: proved bound on the share: 2.*; asked for: 0\n$"),
         (["--max-gap"], "2 usage"),
         (["--max", "1"], "2 usage"),
     ):

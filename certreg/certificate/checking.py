@@ -50,7 +50,8 @@ def verify(
         the gap, as a share of the range of energies, is larger, or where there is none.
     PROVED carries the theorems and their numbers; REFUTED means that the certificate does not prove
     its claims, which is not a proof that they are false. Raises InvalidFileError if the file cannot
-    be read, InvalidProblemError where a limit is no number or a mapped cloud is spoilt meanwhile.
+    be read, InvalidProblemError where a limit is no number, or below 0, or a mapped cloud is spoilt
+    meanwhile.
     """
     content = certificate_bytes(certificate)
     limits = _limits(angle=max_angle, share=max_gap)
@@ -71,6 +72,9 @@ def _limits(**limits: float | Fraction | None) -> Limits:
             except (TypeError, ValueError) as error:
                 message = f"the limit of the {name} is {limit!r}: give a number"
                 raise InvalidProblemError(message, array=name, value=limit) from error
+            if found[name] < 0:
+                message = f"the limit of the {name} is {limit!r}: give a number, 0 or more"
+                raise InvalidProblemError(message, array=name, value=limit)
     return found
 
 

@@ -11,10 +11,8 @@ from certreg.cli.options import CLOUD, bound_clouds, cloud_options
 from certreg.cli.progress import note
 from certreg.errors import InvalidFileError
 from certreg.io import (
-    BY_LABEL,
     ROTATION_TOLERANCE,
     read_cloud,
-    read_problem,
     read_result_pose,
     write_atomically,
     write_cloud,
@@ -33,8 +31,9 @@ from certreg.report import (
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    from certreg.io import Pair, Pairing
+    from certreg.io import Pair
     from certreg.problem import RegistrationProblem
+    from certreg.verify import Clouds
 
 
 @click.command()
@@ -81,34 +80,24 @@ def apply(result: Path, cloud: Path, *, out: Path) -> int:
 
 @click.command(epilog="Exit code 0 when the report was written, 1 if the checker refuses, else 2.")
 @click.argument("certificate", type=CLOUD)
-@bound_clouds
+@bound_clouds(lightly=False)
 @click.option("--out", type=CLOUD, help="File to write; default: report.html beside CERTIFICATE.")
 def report(
     certificate: Path,
     *,
-    clouds: tuple[Path, ...],
-    sigma: float | None,
-    weights: Path | None,
-    pairing: Pairing | None,
+    clouds: RegistrationProblem | Clouds | None,
     out: Path | None,
 ) -> int:
     """One HTML file that shows the registration and its proof, for any browser, offline.
 
     CERTIFICATE is checked first. All else is computed anew: the motion with the damping and the
     integrator that it names. More than a million points are not in it: give SOURCE and TARGET.
+    Where they are given it must be about exactly these, as for `certreg verify`.
     """
     place = certificate.with_name(REPORT) if out is None else out
     if place.exists() and certificate.exists() and place.samefile(certificate):
         message = f"{printable(place)}: is the certificate itself: give another --out"
         raise InvalidFileError(message, path=place)
-    problem = None
-    if clouds:
-        source, target = clouds
-        problem, pair = read_problem(
-            source, target, sigma=sigma, weights=weights, pairing=pairing or BY_LABEL
-        )
-        for words in pair.notes:
-            note(words)
-    write_atomically(place, html_page(report_of(certificate, problem, noted=note)))
+    write_atomically(place, html_page(report_of(certificate, clouds, noted=note)))
     click.echo(f"{printable(place)}: open it in a browser; it needs no network")
     return DONE

@@ -7,7 +7,9 @@ import math
 import sys
 import threading
 import warnings
+from array import array
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,13 +18,16 @@ import click
 # Of these wings names are asked where they are needed: they load NumPy, `certreg verify` does not.
 from certreg import io, registration
 from certreg.errors import SlowSimulationWarning
+from certreg.io import TEXT_FORMATS, read_clouds
 from certreg.report import printable
 from certreg.results import MAX_ANGLE, MAX_GAP, Limits
+from certreg.verify import INLINE_MAX, Clouds
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
 
     from certreg.io import Pairing
+    from certreg.problem import RegistrationProblem
 
 EXIT_CODES = """
 \b
@@ -136,29 +141,92 @@ def fit_options(command: Callable[..., Any]) -> Callable[..., Any]:
     return wrapped
 
 
-def bound_clouds(command: Callable[..., Any]) -> Callable[..., Any]:
+def bound_clouds(*, lightly: bool) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """[SOURCE TARGET] that a certificate must be about, and how their rows pair and weigh.
 
-    Arguments `clouds`, two paths or none, `sigma`, `weights` and `pairing`.
+    Read into the argument `clouds`; None where they are not given. lightly: text without NumPy, and
+    of a noise no more than the weights is kept.
     """
 
-    @click.argument("clouds", type=CLOUD, nargs=-1, metavar="[SOURCE TARGET]")
-    @click.option("--sigma", type=float, help="With SOURCE TARGET: the noise that was certified.")
-    @click.option(
-        "--weights", type=CLOUD, help="With SOURCE TARGET: the weights that were certified."
-    )
-    @pairing_options
-    @functools.wraps(command)
-    def wrapped(*args: Any, clouds: tuple[Path, ...], **options: Any) -> Any:
-        given = any(options[name] is not None for name in ("sigma", "weights", "pairing"))
-        if len(clouds) not in {0, 2} or (given and not clouds):
-            message = "give SOURCE and TARGET, or neither; the options go with them"
-            raise click.UsageError(message)
-        if options["sigma"] is not None and options["weights"] is not None:
-            raise click.UsageError(SIGMA_OR_WEIGHTS)
-        return command(*args, clouds=clouds, **options)
+    def decorated(command: Callable[..., Any]) -> Callable[..., Any]:
+        @click.argument("paths", type=CLOUD, nargs=-1, metavar="[SOURCE TARGET]")
+        @click.option(
+            "--sigma", type=float, help="With SOURCE TARGET: the noise that was certified."
+        )
+        @click.option(
+            "--weights", type=CLOUD, help="With SOURCE TARGET: the weights that were certified."
+        )
+        @click.option(
+            "--any-weight",
+            is_flag=True,
+            help="With SOURCE TARGET: whatever weight was certified, if all pairs have the same.",
+        )
+        @pairing_options
+        @functools.wraps(command)
+        def wrapped(
+            *args: Any, paths: tuple[Path, ...], any_weight: bool, pairing: Any, **options: Any
+        ) -> Any:
+            noise = {name: options.pop(name) for name in ("sigma", "weights")}
+            _require_fitting(paths, noise, pairing, any_weight=any_weight)
+            clouds = None
+            if paths:
+                clouds, notes = _clouds_to_bind(*paths, **noise, pairing=pairing, lightly=lightly)
+                for note in notes:
+                    click.echo(f"note: {note}", err=True)
+            if clouds is not None and any_weight:
+                clouds = _of_any_weight(clouds)
+            return command(*args, clouds=clouds, **options)
 
-    return wrapped
+        return wrapped
+
+    return decorated
+
+
+def _require_fitting(
+    paths: tuple[Path, ...], noise: dict[str, Any], pairing: Pairing | None, *, any_weight: bool
+) -> None:
+    """That what is said of clouds goes together, and with clouds."""
+    given = [name for name, value in noise.items() if value is not None]
+    if any_weight and (given or not paths):
+        message = "--any-weight goes with SOURCE TARGET, without --sigma and --weights"
+        raise click.UsageError(message)
+    if len(paths) not in {0, 2} or ((given or pairing is not None) and not paths):
+        message = "give SOURCE and TARGET, or neither; the options go with them"
+        raise click.UsageError(message)
+    if len(given) > 1:
+        raise click.UsageError(SIGMA_OR_WEIGHTS)
+
+
+def _of_any_weight(clouds: RegistrationProblem | Clouds) -> Clouds:
+    if not isinstance(clouds, Clouds):  # its digest is of the weights, too
+        message = f"--any-weight is for {INLINE_MAX} points at most: give --sigma"
+        raise click.UsageError(message)
+    return replace(clouds, any_weight=True)
+
+
+def _clouds_to_bind(
+    source: Path,
+    target: Path,
+    *,
+    sigma: float | None,
+    weights: Path | None,
+    pairing: Pairing | None,
+    lightly: bool,
+) -> tuple[RegistrationProblem | Clouds, list[str]]:
+    """What a certificate must be about, and notes; NumPy is loaded only where it is needed."""
+    files = (source, target) if weights is None else (source, target, weights)
+    if lightly and pairing is None and all(file.suffix.lower() in TEXT_FORMATS for file in files):
+        return read_clouds(source, target, sigma=sigma, weights=weights)
+    problem, pair = io.read_problem(
+        source, target, sigma=sigma, weights=weights, pairing=pairing or io.BY_LABEL
+    )
+    weighed = sigma is not None or weights is not None or pair.weighed
+    if weighed or problem.n > INLINE_MAX:
+        return problem, pair.notes
+    # as with text clouds: a certificate of another weight is told which
+    points = problem.block(slice(None))
+    source_doubles = array("d", points.source.tobytes())
+    return Clouds(source_doubles, array("d", points.target.tobytes())), pair.notes
 
 
 def _damping(context: click.Context, parameter: click.Parameter, value: Any) -> Any:

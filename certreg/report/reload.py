@@ -28,7 +28,7 @@ from certreg.native import Integrator
 from certreg.problem import MAX_DAMPING, MIN_DAMPING, RegistrationProblem
 from certreg.registration import CROSS_CHECK, certified
 from certreg.report.page import Report
-from certreg.verify import FILE_MAX, shown
+from certreg.verify import FILE_MAX, Clouds, shown
 
 if TYPE_CHECKING:
     import os
@@ -73,29 +73,30 @@ class Motion:
 
 def report_of(
     certificate: str | os.PathLike[str],
-    problem: RegistrationProblem | None = None,
+    points: RegistrationProblem | Clouds | None = None,
     *,
     noted: Callable[[str], None] | None = None,
 ) -> Report:
     """The report of a certificate of optimality.
 
-    problem: the points, where the certificate does not hold them; where it does and both are given,
-        it must be about exactly these. noted: hears in a sentence how the motion is computed.
+    points: where the certificate does not hold them; where it does and both are given, it must be
+        about exactly these, weighted as they are. noted: hears in a sentence how the motion is
+        computed.
     Raises InvalidFileError for other files, RefusedCertificateError where the checker refuses.
     """
     file = Path(certificate)
     with reading(file) as stream:
         content = stream.read(FILE_MAX + 1)
     loaded = _loaded(content)
-    body = None if loaded is None else _required_body(loaded, problem, file)
-    verdict = verify(content, problem)
+    body = None if loaded is None else _required_body(loaded, file, pointless=points is None)
+    verdict = verify(content, points)
     if loaded is None or body is None or not verdict.proved:
         message = f"{shown(file)}: REFUSED: {verdict.words}: there is nothing to report"
         raise RefusedCertificateError(message, verdict=verdict)
     motion = Motion.of(loaded.about)
     if noted is not None:
         noted(motion.words)
-    stated = problem or _problem(loaded)
+    stated = points if isinstance(points, RegistrationProblem) else _problem(loaded, points)
     registration = certified(
         stated if motion.damping is None else stated.damped(motion.damping),
         relaxation=body.multiplier is not None,
@@ -121,24 +122,27 @@ def _loaded(content: bytes) -> Certificate[Any] | None:
         return None
 
 
-def _required_body(
-    certificate: Certificate[Any], problem: RegistrationProblem | None, file: Path
-) -> IsotropicBody:
+def _required_body(certificate: Certificate[Any], file: Path, *, pointless: bool) -> IsotropicBody:
     """InvalidFileError for a certificate of which no report can be made, sound as it may be."""
     body = certificate.body
     if not isinstance(body, IsotropicBody):
         what = f"is a certificate of kind {shown(body.KIND)}, which holds no pose"
         message = f"{shown(file)}: {what}: give the certificate.json that certify wrote"
         raise InvalidFileError(message, path=file)
-    if certificate.data is None and problem is None:
+    if certificate.data is None and pointless:
         message = f"{shown(file)}: holds no points, only their digest: give SOURCE TARGET, too"
         raise InvalidFileError(message, path=file)
     return body
 
 
-def _problem(certificate: Certificate[Any]) -> RegistrationProblem:
-    """The points and weights in a certificate that the checker has accepted."""
-    n, data = certificate.n, certificate.data or b""
+def _problem(certificate: Certificate[Any], clouds: Clouds | None) -> RegistrationProblem:
+    """The points and weights of a certificate that the checker has accepted for the clouds."""
+    n, data = certificate.n, certificate.data
+    if data is None and clouds is not None:
+        source, target = (np.array(cloud).reshape(n, 3) for cloud in (clouds.source, clouds.target))
+        weights = None if clouds.weights is None else np.array(clouds.weights)
+        return RegistrationProblem(source, target, weights=weights)
+    data = data or b""
     doubles = np.frombuffer(data, dtype="<f8", offset=len(data) - PAIR * n)
     source, target, weights = np.split(doubles, [3 * n, 6 * n])
     return RegistrationProblem(source.reshape(n, 3), target.reshape(n, 3), weights=weights)

@@ -28,7 +28,8 @@ from strategies import BENT, LINE, ZOO, random_problem, random_rotation
 import certreg as package
 from certreg import RegistrationProblem
 from certreg.cli import main as cli
-from certreg.cli import registering, verifying
+from certreg.cli import options as cloud_options
+from certreg.cli import registering
 from certreg.io.clouds import read_problem
 from certreg.registration import agreement
 from certreg.registration import certification as pipeline
@@ -694,32 +695,39 @@ def test_verify_takes_the_noise_or_the_weights_that_were_certified(tmp_path: Pat
             assert certreg("certify", *clouds, *right, "--out", tmp_path).code == 0
             certificate = tmp_path / "certificate.json"
             assert certreg("verify", certificate, *clouds, *right).code == 0
-            assert certreg("verify", certificate, *clouds, *wrong).code == 1
-            untold = certreg("verify", certificate, *clouds)
-            assert (untold.code, untold.out.count("\n")) == (1, 1)
-            one = "the certified weight is 11.111111111111112, not 1: give --sigma 0.3\n"
-            several = "the certificate weights its points unequally: give the weights, too\n"
-            assert untold.out == "REFUSED: " + (one if "--sigma" in right else several)
+            one = "the certified weight is 11.111111111111112, not {}: give --sigma 0.3\n"
+            several = "the certified weights are unequal: give --weights FILE\n"
+            needed = one if "--sigma" in right else several
+            for given, missed in (((), "1"), (wrong, "as given")):
+                words = "REFUSED: " + needed.format(missed)
+                refused = certreg("verify", certificate, *clouds, *given)
+                assert (refused.code, refused.out) == (1, words)
+                unmade = certreg("report", certificate, *clouds, *given)
+                assert (unmade.code, unmade.out) == (1, "")
+                assert unmade.err.endswith(words.replace("\n", ": there is nothing to report\n"))
             both = certreg("verify", certificate, *clouds, "--sigma", "1", "--weights", weights)
             assert (both.code, both.out) == (2, "")
             any_weight = certreg("verify", certificate, *clouds, "--any-weight")
             assert any_weight.code == (0 if "--sigma" in right else 1)
+            assert certreg("report", certificate, *clouds, "--any-weight").code == any_weight.code
 
 
 def test_verify_refuses_bounds_that_are_larger_than_asked(data: Path, survey: Path, tmp_path: Path):
     certificate = survey / "certificate.json"
     whole = certreg("verify", certificate).out
-    for option, few, many, name in (
-        ("--max-angle", "1e-30", "1e-5", "angle"),
-        ("--max-gap", "1e-60", "1e-6", "share"),
+    for option, few, many, name, units in (
+        ("--max-angle", "1e-30", "1e-5", "angle", (r" rad \(\S+e-\d+ degrees\)", " rad")),
+        ("--max-gap", "1e-60", "1e-6", "share", ("", "")),
     ):
         for clouds in ((), SURVEY.paths(data)):
             assert certreg("verify", certificate, *clouds, option, many).out == whole
             refused = certreg("verify", certificate, *clouds, option, few)
             assert refused.code == 1
-            words = rf"REFUSED: proved bound on the {name}: \S+e-\d+; asked for: {few}\n"
-            assert re.fullmatch(words, refused.out), refused.out
-        assert certreg("verify", certificate, option, "nan").code == 2
+            words = rf"REFUSED: proved bound on the {name}: \S+e-\d+{units[0]}; asked for: {few}"
+            assert re.fullmatch(words + units[1] + "\n", refused.out), refused.out
+        for nonsense in ("nan", "-1"):
+            wrong = certreg("verify", certificate, option, nonsense)
+            assert (wrong.code, wrong.out) == (2, "")
         assert certreg("verify", certificate, option, "1", "--coq").code == 2
     for wrong in (("--any-weight",), (*SURVEY.paths(data), "--any-weight", "--sigma", "1")):
         run = certreg("verify", certificate, *wrong)
@@ -738,7 +746,7 @@ def test_any_weight_is_refused_where_the_weights_are_in_the_digest_only(
     assert certreg("certify", *clouds, "--out", tmp_path).code == 0
     certificate = tmp_path / "certificate.json"
     for most, code in ((5, 0), (4, 2)):
-        monkeypatch.setattr(verifying, "INLINE_MAX", most)
+        monkeypatch.setattr(cloud_options, "INLINE_MAX", most)
         run = certreg("verify", certificate, *clouds, "--any-weight")
         assert run.code == code, run.err
     assert "--any-weight is for 4 points at most: give --sigma" in run.err
