@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg._faces import lazy_face
+from certreg import results as _results
+from certreg._faces import found_late, lazy_face
 
 # Not lazily: this loads the module `certreg.verify`, too, which Python binds to that name when it
 # is first loaded, and never again. So the function, bound after it, stays.
@@ -98,3 +99,7 @@ __getattr__ = lazy_face(
 
 def __dir__() -> list[str]:
     return __all__
+
+
+# Results are shown by a wing below those that make them: it is named here, above all of them.
+_results.present_by(found_late("certreg.report", "PRESENTER"))

@@ -26,3 +26,8 @@ def lazy_face(package: str, names: Mapping[str, Sequence[str]]) -> Callable[[str
         return value
 
     return __getattr__
+
+
+def found_late(module: str, name: str) -> Callable[[], Any]:
+    """A function that gives a name of a module, imported when it is first asked for."""
+    return lambda: getattr(import_module(module), name)

@@ -1,19 +1,141 @@
-"""How a result says what it is worth: guarantees, verdicts, statuses."""
+"""How a result says what it is worth: guarantees, verdicts, statuses; and how it shows itself."""
 
 from __future__ import annotations
 
 import enum
 import math
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+from collections.abc import Sized
+from dataclasses import dataclass, field, fields, is_dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, NoReturn, Protocol, TypeVar
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    import os
+    from collections.abc import Callable, Mapping
+    from pathlib import Path
 
 T = TypeVar("T")
 
 MAX_GAP = 1e-6  # of the range: a rotation off by two thousandths of a radian costs as much
 MAX_ANGLE = 1e-5  # radians: half a millimetre at fifty metres
+REPR_LENGTH = 200  # characters of a repr at most
+PART_LENGTH = 40  # of them for one text
+MANTISSA = 53  # bits of an integer that is written out
+
+
+class Brief:
+    """A dataclass whose `repr` is one short line, however large its arrays are."""
+
+    __slots__ = ()
+
+    def __init_subclass__(cls, **arguments: Any) -> None:
+        """Keep `repr` short in every subclass: `dataclass` writes none where there is one."""
+        super().__init_subclass__(**arguments)
+        if "__repr__" not in cls.__dict__:
+            cls.__repr__ = Brief.__repr__
+
+    def __repr__(self) -> str:
+        name, parts = type(self).__name__, list[str]()
+        for one in fields(self) if is_dataclass(self) else ():
+            value = getattr(self, one.name)
+            if value is not None and one.repr:
+                parts.append(f"{one.name}={_short(value)}")
+        text = f"{name}({', '.join(parts)})"
+        while len(text) > REPR_LENGTH:
+            parts.pop()
+            text = f"{name}({', '.join((*parts, '...'))})"
+        return text
+
+
+def _short(value: Any) -> str:
+    """A value in few characters: of an array its shape, of a text its beginning."""
+    kind = type(value).__name__
+    if isinstance(value, enum.Enum):
+        return f"{kind}.{value.name}"
+    if isinstance(value, float | Fraction) or (isinstance(value, int) and abs(value) >> MANTISSA):
+        return _short_number(value)
+    if isinstance(value, str | bytes) and len(value) > PART_LENGTH:
+        return f"{value[: PART_LENGTH - 5]!r}..."
+    if value is None or isinstance(value, str | int):
+        return repr(value)
+    shape: Any = getattr(value, "shape", None)
+    if shape is not None:
+        return f"<{kind} {tuple(shape)}>"
+    return f"<{kind} of {len(value)}>" if isinstance(value, Sized) else f"<{kind}>"
+
+
+def _short_number(value: Fraction | float) -> str:
+    try:
+        return f"{float(value):.6g}"
+    except OverflowError:
+        return "beyond doubles"
+
+
+class Presenter(Protocol):
+    """Shows results: as text, as a document, as a card, in files and in a picture."""
+
+    def words(self, result: Any) -> str:
+        """The text of the command line."""
+        ...
+
+    def document(self, result: Any) -> dict[str, Any]:
+        """What `--json` prints."""
+        ...
+
+    def card(self, result: Any) -> str:
+        """HTML for a notebook, that loads nothing."""
+        ...
+
+    def report(self, result: Any, path: str | os.PathLike[str]) -> Path:
+        """Write the page of a registration."""
+        ...
+
+    def save(self, result: Any, folder: str | os.PathLike[str]) -> Path | None:
+        """Write the files of a registration."""
+        ...
+
+    def plot(self, result: Any, axes: Any) -> Any:
+        """Draw a registration into axes of Matplotlib."""
+        ...
+
+
+_FINDERS: list[Callable[[], Presenter]] = []  # one: what `certreg/__init__.py` said
+
+
+def present_by(find: Callable[[], Presenter]) -> None:
+    """Say who shows results. How they are shown is not known up here; `report`, below, knows it."""
+    _FINDERS[:] = [find]
+
+
+def presenter() -> Presenter:
+    """Who shows results."""
+    return _FINDERS[0]()
+
+
+class Shown(Brief):
+    """A result that is a card where it ends a cell of a notebook."""
+
+    __slots__ = ()
+
+    def _repr_html_(self) -> str:
+        return presenter().card(self)
+
+
+class Presented(Shown):
+    """A result with the text and the document of the command line: `print` it."""
+
+    __slots__ = ()
+
+    def __str__(self) -> str:
+        return presenter().words(self)
+
+    def summary(self) -> str:
+        """The text that the command line prints of it, as `str` does."""
+        return str(self)
+
+    def to_dict(self) -> dict[str, Any]:
+        """What the command line prints with `--json`, in JSON's types."""
+        return presenter().document(self)
 
 
 class Guarantee(enum.IntEnum):
@@ -42,7 +164,7 @@ class Ruling(enum.Enum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
-class Verdict:
+class Verdict(Brief):
     """The answer of a check, in words; never a bare bool.
 
     `theorems` are the sentences that were established; empty unless `ruling` is PROVED.
@@ -60,12 +182,18 @@ class Verdict:
         """True if the claims were proved. False means not proved, not disproved."""
         return self.ruling is Ruling.PROVED
 
+    def __str__(self) -> str:
+        last = "VERIFIED" if self.proved else f"REFUSED: {self.words}"
+        return "\n".join((*self.theorems, last))
+
     def __bool__(self) -> NoReturn:
         message = "a verdict has three values: compare `verdict.ruling`, or ask `verdict.proved`"
         raise TypeError(message)
 
     def __repr__(self) -> str:
-        return f"<Verdict.{self.ruling.name}: {self.words!r}>"
+        start, words = f"<Verdict.{self.ruling.name}: ", repr(self.words)
+        room = REPR_LENGTH - len(start) - 1
+        return f"{start}{words if len(words) <= room else words[: room - 3] + '...'}>"
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +212,7 @@ def present(value: T | Absent) -> T | None:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Explained:
+class Explained(Brief):
     """A result whose missing values are None, and whose `absent` says why.
 
     absent: of each attribute that is None and has a reason; of what is given, only these are kept.

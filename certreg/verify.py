@@ -48,7 +48,7 @@ class RefusalError(Exception):
     """The certificate does not prove what it claims; the message says what is wrong."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)  # of so many digits
 class Worth:
     """What is proved of a pose, in numbers: exact, or bounds to about twenty digits."""
 

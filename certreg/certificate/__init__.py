@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from certreg.certificate.bounds import pose_bounds as pose_bounds
     from certreg.certificate.bounds import pose_energy as pose_energy
     from certreg.certificate.bounds import sin2_half_angle_between as sin2_half_angle_between
+    from certreg.certificate.checking import CertificateVerdict as CertificateVerdict
     from certreg.certificate.checking import check_own as check_own
     from certreg.certificate.checking import require_accepted as require_accepted
     from certreg.certificate.checking import verify as verify
@@ -36,6 +37,7 @@ __getattr__ = lazy_face(
             "sin2_half_angle_between",
         ),
         "checking": (
+            "CertificateVerdict",
             "check_own",
             "require_accepted",
             "verify",

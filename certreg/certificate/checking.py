@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from certreg.certificate.envelope import certificate_bytes
 from certreg.errors import InvalidProblemError, RefusedCertificateError
 from certreg.io import write_atomically
-from certreg.results import Ruling, Verdict
+from certreg.results import Ruling, Shown, Verdict
 from certreg.verify import INLINE_MAX, Clouds, Outcome, check
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ PYTHON_POINTS = 20_000  # of own certificates: the checker adds up itself (0.3 s
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
-class CertificateVerdict(Verdict):
+class CertificateVerdict(Verdict, Shown):
     """The checker's answer, and in `worth` the exact numbers that it proved of the pose.
 
     None: nothing is proved, or the certificate is of a kind that names no pose.
@@ -36,13 +36,13 @@ class CertificateVerdict(Verdict):
 
 
 def verify(
-    certificate: str | os.PathLike[str] | bytes,
+    certificate: str | os.PathLike[str] | bytes | Certificate[CertificateBody],
     problem: RegistrationProblem | Clouds | None = None,
     *,
     max_angle: float | Fraction | None = None,
     max_gap: float | Fraction | None = None,
 ) -> CertificateVerdict:
-    """Re-check a certificate, a path or the bytes of the file, in exact arithmetic.
+    """Re-check a certificate in exact arithmetic: a path, the bytes of the file, or as made.
 
     problem: if given, the certificate must be about exactly these points and weights; needed where
         the certificate is too large to carry its points.

@@ -16,6 +16,7 @@ from certreg.certificate.count import CountBody
 from certreg.certificate.isotropic import IsotropicBody
 from certreg.errors import InvalidFileError
 from certreg.io import write_atomically
+from certreg.results import Brief
 from certreg.verify import FILE_MAX, RefusalError, parse, shown
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ AnyBody_co = TypeVar("AnyBody_co", bound=CertificateBody, covariant=True)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Certificate(Generic[AnyBody_co]):
+class Certificate(Brief, Generic[AnyBody_co]):
     """A proof object for one problem.
 
     n, digest: number of points, and SHA-256 of `RegistrationProblem.data_bytes`.
@@ -57,6 +58,9 @@ class Certificate(Generic[AnyBody_co]):
     data: bytes | None
     body: AnyBody_co
     about: dict[str, Any] = field(default_factory=dict[str, Any])
+
+    def __repr__(self) -> str:
+        return f"<Certificate of kind {self.body.KIND}: n={self.n}, digest={self.digest[:12]}...>"
 
     @classmethod
     def load(cls, certificate: str | os.PathLike[str] | bytes) -> Certificate[CertificateBody]:
@@ -122,8 +126,12 @@ def file_pieces(document: dict[str, Any], data: bytes | None) -> Iterator[bytes]
     yield ('"' + after.removeprefix("null")).encode()
 
 
-def certificate_bytes(certificate: str | os.PathLike[str] | bytes) -> bytes:
+def certificate_bytes(
+    certificate: str | os.PathLike[str] | bytes | Certificate[CertificateBody],
+) -> bytes:
     """The bytes of the file, one more than allowed at most. Raises InvalidFileError."""
+    if isinstance(certificate, Certificate):
+        return certificate.to_json()
     if isinstance(certificate, bytes):
         return certificate
     try:

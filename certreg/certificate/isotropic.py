@@ -9,13 +9,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from certreg.exact import Dyadic, power_of_two
+from certreg.results import Brief
 
 if TYPE_CHECKING:
     from fractions import Fraction
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Claims:
+class Claims(Brief):
     """What the certificate claims; the checker proves each from the data or refuses.
 
     gap: the objective at the pose (over the best translation) exceeds the minimum by less.
@@ -63,7 +64,7 @@ class Claims:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RotationState:
+class RotationState(Brief):
     """A rotation and an angular velocity (body frame, in the time unit of the springs), exactly.
 
     quaternion: integers (w, x, y, z). angular_velocity: three integers times 2^exponent.
@@ -101,7 +102,7 @@ class RotationState:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class IsotropicBody:
+class IsotropicBody(Brief):
     """A proof that a pose is optimal: an integer quaternion, a few dyadic numbers, what follows.
 
     quaternion: integers (w, x, y, z), the certified rotation is R(q) of the unit vector along it.

@@ -19,9 +19,8 @@ from certreg.registration import (
 )
 from certreg.report import (
     dumps,
+    enumeration_summary,
     equilibria_document,
-    equilibria_words,
-    methods_summary,
     printable,
     simulation_document,
     simulation_summary,
@@ -33,7 +32,7 @@ if TYPE_CHECKING:
     from certreg.io import Pair
     from certreg.problem import RegistrationProblem
 
-SPECTRAL = "spectral"  # of this method the table of the equilibria says everything
+SPECTRAL = "spectral"
 TRAJECTORY = ".npz"  # the one format of a trajectory
 
 
@@ -65,9 +64,7 @@ def equilibria(
     if as_json:
         click.echo(dumps(equilibria_document(enumeration)))
     else:
-        click.echo(equilibria_words(found))
-        if method != SPECTRAL:
-            click.echo(f"\n{methods_summary(enumeration)}")
+        click.echo(enumeration_summary(enumeration))
     if not found.complete:
         return NOT_CERTIFIED
     return DONE if found.classification.unique else NOT_UNIQUE
@@ -121,8 +118,7 @@ def simulate(
         write_atomically(out, Record.of(problem, end.trajectory).to_bytes())
     for note in end.trajectory.notes:
         click.echo(f"note: {note}", err=True)
-    document = simulation_document(end)
-    click.echo(dumps(document) if as_json else simulation_summary(end, document["energy"]))
+    click.echo(dumps(simulation_document(end)) if as_json else simulation_summary(end))
     if out is not None and not as_json:
         click.echo(f"Trajectory: {len(end.trajectory.times)} states written to {printable(out)}")
     return DONE if end.trajectory.converged else NOT_CERTIFIED

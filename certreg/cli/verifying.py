@@ -60,7 +60,5 @@ def verify(
         verdict = verify_with_coq(certificate, clouds, out=out)
     else:
         verdict = checked(certificate, clouds, max_angle=max_angle, max_gap=max_gap)
-    for theorem in verdict.theorems:
-        click.echo(theorem)
-    click.echo("VERIFIED" if verdict.proved else f"REFUSED: {verdict.words}")
+    click.echo(verdict)
     return DONE if verdict.proved else REFUSED

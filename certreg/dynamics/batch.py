@@ -37,6 +37,7 @@ from certreg.native import (
     symmetric,
 )
 from certreg.problem import DEFAULT_DAMPING, checked_damping
+from certreg.results import Brief
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -47,7 +48,7 @@ DIAGONAL = [0, 3, 5]  # of an upper triangle
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Bodies:
+class Bodies(Brief):
     """Bodies to be simulated: what the dynamics knows of each, per unit of mass.
 
     Lengths are over 2^length_exponents, (count,). The others are (count,) records with these parts:
@@ -65,7 +66,7 @@ class Bodies:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Ends:
+class Ends(Brief):
     """Where the bodies ended, and how.
 
     status: (count,), 0 out of steps, 1 converged, 2 at rest at one of several optima; steps,

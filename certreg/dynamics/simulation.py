@@ -111,6 +111,10 @@ class Trajectory(Explained):
     decay_rate: float | None
     notes: tuple[str, ...]
 
+    def __repr__(self) -> str:
+        how = f"{self.steps} steps of {self.integrator.value}"
+        return f"<Trajectory: {self.status.name} after {how}>"
+
     @property
     def converged(self) -> bool:
         """Whether the body came to rest where it had to."""

@@ -68,6 +68,7 @@ from certreg.problem import (
     checked_threads,
     exact_moments,
 )
+from certreg.results import Brief
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -85,7 +86,7 @@ SLACK = 1.0 + 2.0**-10  # for the roundings in evaluating a bound itself
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Solutions:
+class Solutions(Brief):
     """The four equilibria of each problem, by descending eigenvalue: row k has Morse index k.
 
     That holds where `decided`; elsewhere the rows are what doubles make of it.

@@ -6,6 +6,8 @@ import enum
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from certreg.results import Brief
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from fractions import Fraction
@@ -29,7 +31,7 @@ class Completeness(enum.Enum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Critical:
+class Critical(Brief):
     """A critical rotation of an objective, or a continuum of them.
 
     quaternion: of the rotation, in integers of any common length; in a continuum, of the member
@@ -49,7 +51,7 @@ class Critical:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CriticalSet:
+class CriticalSet(Brief):
     """Critical rotations by ascending value, found by one method.
 
     bits: fractional bits of every span.

@@ -19,6 +19,7 @@ from certreg.equilibrium.critical_set import CriticalSet
 from certreg.errors import ContradictionError, UndecidedError
 from certreg.geometry import dot
 from certreg.objective import Isotropic
+from certreg.results import Brief
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -35,7 +36,7 @@ LARGEST_DIFFERENCE = 1e-12  # of the range of energies
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Search:
+class Search(Brief):
     """What a method came to, and how long it took.
 
     critical: None where it came to no list, and then `reason` says why.

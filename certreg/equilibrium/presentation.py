@@ -22,7 +22,7 @@ from certreg.equilibrium.stability import (
 from certreg.exact import nearest_double, nearest_root, power_of_two
 from certreg.geometry import canonical, dot, rotation_matrix, squared_norm
 from certreg.problem import trace
-from certreg.results import OUT_OF_RANGE, Absent, Explained, present
+from certreg.results import OUT_OF_RANGE, Absent, Explained, Presented, present
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -101,7 +101,7 @@ class Margin(Explained):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class EquilibriumSet(Explained):
+class EquilibriumSet(Explained, Presented):
     """All equilibria of the registration dynamics, by descending eigenvalue: the optimum first.
 
     `guarantee` speaks of the classification: that the list is complete, the kinds, the indices.
@@ -114,6 +114,12 @@ class EquilibriumSet(Explained):
     guarantee: Guarantee
     complete: bool
     doubt: str | None = None
+
+    def __repr__(self) -> str:
+        count = "infinitely many" if self.count is None else self.count
+        pattern = "".join(map(str, self.classification.pattern))
+        known = self.guarantee.label + ("" if self.complete else ", not proved complete")
+        return f"<EquilibriumSet: {count}, of pattern {pattern}; {known}>"
 
     @property
     def nearly_ambiguous(self) -> bool:

@@ -13,6 +13,8 @@ from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+from certreg.results import Brief
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -28,7 +30,7 @@ AXIS_BITS = (
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Space:
+class Space(Brief):
     """A space of quaternions with one value, in fixed point.
 
     vectors: orthonormal. values: at each of them, equal but for the last places.
@@ -44,7 +46,7 @@ class Space:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Resolution:
+class Resolution(Brief):
     """Spaces by descending value, told apart.
 
     bits: fractional bits of vectors and values. pose_bits: to which a quaternion of a space is

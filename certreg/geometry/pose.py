@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg.results import Brief
+
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Pose:
+class Pose(Brief):
     """The motion that takes the source to the target: `y = rotation @ x + translation`.
 
     rotation: (3, 3), a rotation matrix up to the rounding of its entries.
@@ -23,6 +25,11 @@ class Pose:
     rotation: NDArray[np.float64]
     translation: NDArray[np.float64]
     quaternion_wxyz: NDArray[np.float64]
+
+    def __repr__(self) -> str:
+        numbers = (self.quaternion_wxyz, self.translation)
+        turn, shift = (", ".join(f"{x:.6g}" for x in each.tolist()) for each in numbers)
+        return f"<Pose: quaternion_wxyz ({turn}), translation ({shift})>"
 
     @property
     def T_target_source(self) -> NDArray[np.float64]:

@@ -33,6 +33,7 @@ from certreg.problem import (
     first_row,
     row_blocks,
 )
+from certreg.results import Brief
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ LABEL_CHARACTERS = 1_000_000  # twelve megabytes of escapes at worst; its limit 
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Cloud:
+class Cloud(Brief):
     """Points read from a file: (N, 3), labels if the file has them, names of columns not read.
 
     Points of a large .npy or binary .ply file are mapped from it: they stay there, as doubles or
@@ -86,7 +87,7 @@ BY_LABEL = Pairing()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Pair:
+class Pair(Brief):
     """Two clouds in correspondence, row i with row i, and the rows of the files that they were."""
 
     source: Cloud

@@ -25,6 +25,7 @@ from certreg.geometry import (
 from certreg.objective.classification import classify, with_pattern
 from certreg.objective.polynomials import multiplier_system
 from certreg.problem import trace
+from certreg.results import Brief
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Isotropic:
+class Isotropic(Brief):
     """The objective of the exact moments of a problem; see `Objective`.
 
     Davenport's matrix, its classification and its eigenspaces are made once, when first asked for.

@@ -22,6 +22,7 @@ from certreg.exact import power_of_two
 from certreg.native import EXACT_SUMS, MEANS, named, parts_of
 from certreg.problem.exact_sums import sums as exact_sums
 from certreg.problem.floating_sums import CloudPair, chunks, floating_sums
+from certreg.results import Brief
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -43,7 +44,7 @@ MOST_SUM = 2.0**400  # of squares: products of two sums do not overflow
 
 
 @dataclass(frozen=True, kw_only=True)
-class ExactMoments:
+class ExactMoments(Brief):
     """Sums over the points in integers, each times a power of two.
 
     With source = X 2^a, target = Y 2^b, weights = W 2^c (integers X, Y, W), summed over the points:
@@ -105,7 +106,7 @@ class ExactMoments:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Moments:
+class Moments(Brief):
     """Sums over the points in doubles; lengths over 2^source_exponent and 2^target_exponent.
 
     mass: total weight over 2^weight_exponent.

@@ -19,6 +19,7 @@ import numpy as np
 
 from certreg.errors import InvalidProblemError
 from certreg.exact import weight_of_sigma
+from certreg.results import Brief
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -34,7 +35,7 @@ MIN_DAMPING, MAX_DAMPING = 1e-150, 1e150  # their squares, in the spectrum, are 
 
 
 @dataclass(frozen=True, slots=True, eq=False, init=False)
-class RegistrationProblem:
+class RegistrationProblem(Brief):
     """Find the rigid motion that takes `source` to `target`, row i to row i.
 
     source, target: (N, 3) arrays of numbers, N >= 1, in one unit of length; or any object with
@@ -96,6 +97,10 @@ class RegistrationProblem:
         object.__setattr__(self, "damping", checked_damping(chosen))
         object.__setattr__(self, "damping_given", damping is not None)
         object.__setattr__(self, "noise_given", sigma is not None)
+
+    def __repr__(self) -> str:
+        noise = ", sigma given" if self.noise_given else ""
+        return f"<RegistrationProblem: n={self.n}{noise}>"
 
     def damped(self, damping: float) -> RegistrationProblem:
         """The same problem with another damping mu > 0; raises InvalidProblemError for others."""
@@ -161,7 +166,7 @@ class RegistrationProblem:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Block:
+class Block(Brief):
     """Some of the points of a problem: source (k, 3), target (k, 3), weights (k,), contiguous."""
 
     source: NDArray[np.float64]

@@ -19,12 +19,14 @@ if TYPE_CHECKING:
     from certreg.registration.certification import certified as certified
     from certreg.registration.certification import certify as certify
     from certreg.registration.certification import optimally_damped as optimally_damped
+    from certreg.registration.certification import proved_end as proved_end
     from certreg.registration.certification import simulate as simulate
     from certreg.registration.certification import simulated as simulated
     from certreg.registration.closed_form import horn as horn
     from certreg.registration.closed_form import register as register
     from certreg.registration.covariance import worst_residuals as worst_residuals
     from certreg.registration.enumeration import Enumeration as Enumeration
+    from certreg.registration.enumeration import ListedEquilibria as ListedEquilibria
     from certreg.registration.enumeration import certified_count as certified_count
     from certreg.registration.enumeration import enumerated as enumerated
     from certreg.registration.enumeration import equilibria as equilibria
@@ -59,6 +61,7 @@ if TYPE_CHECKING:
     from certreg.registration.misfits import ChiSquared as ChiSquared
     from certreg.registration.misfits import FitCode as FitCode
     from certreg.registration.misfits import FitWarning as FitWarning
+    from certreg.registration.result import ProblemTrajectory as ProblemTrajectory
     from certreg.registration.result import Registration as Registration
     from certreg.registration.result import SimulatedRegistration as SimulatedRegistration
     from certreg.registration.result import Solution as Solution
@@ -81,6 +84,7 @@ __getattr__ = lazy_face(
             "certified",
             "certify",
             "optimally_damped",
+            "proved_end",
             "simulate",
             "simulated",
         ),
@@ -91,6 +95,7 @@ __getattr__ = lazy_face(
         "covariance": ("worst_residuals",),
         "enumeration": (
             "Enumeration",
+            "ListedEquilibria",
             "certified_count",
             "equilibria",
             "enumerated",
@@ -137,6 +142,7 @@ __getattr__ = lazy_face(
             "FitWarning",
         ),
         "result": (
+            "ProblemTrajectory",
             "Registration",
             "SimulatedRegistration",
             "Solution",

@@ -37,6 +37,7 @@ from certreg.results import (
     Explained,
     Limits,
     PoseVerdict,
+    Presented,
 )
 
 if TYPE_CHECKING:
@@ -75,7 +76,7 @@ class AssessmentSettings:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Assessment(Explained):
+class Assessment(Explained, Presented):
     """What is known of a given pose.
 
     objective, rmse: at the pose; None where it is no rotation, or beyond the doubles.
@@ -103,6 +104,12 @@ class Assessment(Explained):
     nearest_index: int | None = None
     nearest_angle: float | None = None
     hint: str | None = None
+
+    def __repr__(self) -> str:
+        if self.angle_to_optimum is None:
+            return f"<Assessment: {self.verdict.value}>"
+        away = math.degrees(self.angle_to_optimum)
+        return f"<Assessment: {self.verdict.value}; {away:.6g} degrees from the optimum>"
 
 
 def assess(

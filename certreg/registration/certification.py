@@ -44,6 +44,7 @@ from certreg.registration.covariance import pose_covariance
 from certreg.registration.fit import fit_of
 from certreg.registration.misfits import RowNames
 from certreg.registration.result import (
+    ProblemTrajectory,
     Registration,
     SimulatedRegistration,
     Solution,
@@ -154,7 +155,8 @@ def simulate(
     is not defined or too stiff.
     """
     chosen, settings = Integrator(integrator), _with_step(settings, step)
-    return run(Isotropic(exact_moments(problem)), problem.damping, chosen, settings=settings)
+    trajectory = run(Isotropic(exact_moments(problem)), problem.damping, chosen, settings=settings)
+    return ProblemTrajectory.of(problem, trajectory)
 
 
 def simulated(
@@ -166,7 +168,15 @@ def simulated(
     """
     chosen, settings = Integrator(integrator), _with_step(None, step)
     objective = Isotropic(exact_moments(problem))
-    trajectory = run(objective, problem.damping, chosen, settings=settings)
+    return proved_end(
+        problem, objective, run(objective, problem.damping, chosen, settings=settings)
+    )
+
+
+def proved_end(
+    problem: RegistrationProblem, objective: Isotropic, trajectory: Trajectory
+) -> SimulatedRegistration:
+    """A trajectory of a problem with what the checker has proved of its end; as `simulated`."""
     certificate = produce(problem, objective, state=final_state(trajectory))
     if certificate is not None:
         require_accepted(check_own(certificate, problem))
@@ -246,9 +256,10 @@ def _simulation(
 ) -> Trajectory | Absent:
     """The simulated registration, or why there is none."""
     try:
-        return run(objective, problem.damping, Integrator(integrator), settings=settings)
+        moved = run(objective, problem.damping, Integrator(integrator), settings=settings)
     except DegenerateProblemError as error:
         return Absent(str(error))
+    return ProblemTrajectory.of(problem, moved)
 
 
 def _with_step(settings: SimulationSettings | None, step: float | None) -> SimulationSettings:

@@ -12,7 +12,7 @@ Source: Gauss-Markov theory for the linearised problem; G as in certreg.equilibr
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -52,6 +52,13 @@ class PoseCovariance(Explained):
     variance_factor: float | None
     estimated: bool
     rotation: NDArray[np.float64]
+
+    def __array__(
+        self,
+        dtype: Any = None,
+        copy: bool | None = None,  # noqa: FBT001 - so NumPy calls it
+    ) -> NDArray[Any]:
+        return np.array(self.matrix, dtype=dtype, copy=copy)
 
     @property
     def ros(self) -> NDArray[np.float64]:

@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any
 
 from certreg.certificate import check_own, count_certificate, require_accepted
-from certreg.equilibrium import METHODS, compare, equilibrium_set, search
+from certreg.equilibrium import METHODS, EquilibriumSet, compare, equilibrium_set, search
 from certreg.errors import UndecidedError
 from certreg.objective import Isotropic
 from certreg.problem import exact_moments
+from certreg.results import Brief
 
 if TYPE_CHECKING:
     from certreg.certificate import Certificate, CountBody
-    from certreg.equilibrium import Comparison, EquilibriumSet, Search
+    from certreg.equilibrium import Comparison, Search
     from certreg.problem import RegistrationProblem
 
 ALL = "all"  # methods
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Enumeration:
+class Enumeration(Brief):
     """All equilibria, and the searches for them.
 
     equilibria: at the end of the first search. comparison: of several; None if there was one.
@@ -32,6 +33,23 @@ class Enumeration:
     comparison: Comparison | None
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ListedEquilibria(EquilibriumSet):
+    """An equilibrium set with the searches for it."""
+
+    enumeration: Enumeration
+
+    def __repr__(self) -> str:
+        return EquilibriumSet.__repr__(self)
+
+    @classmethod
+    def of(cls, enumeration: Enumeration) -> ListedEquilibria:
+        """The set that an enumeration found."""
+        found = enumeration.equilibria
+        kept: dict[str, Any] = {one.name: getattr(found, one.name) for one in fields(found)}
+        return cls(**kept, enumeration=enumeration)
+
+
 def equilibria(problem: RegistrationProblem, method: str = "spectral") -> EquilibriumSet:
     """All equilibria of the registration dynamics of a problem.
 
@@ -41,7 +59,7 @@ def equilibria(problem: RegistrationProblem, method: str = "spectral") -> Equili
     Raises UndecidedError where the homotopy comes to no list, and ContradictionError where two
     methods disagree.
     """
-    return enumerated(problem, method).equilibria
+    return ListedEquilibria.of(enumerated(problem, method))
 
 
 def enumerated(problem: RegistrationProblem, method: str = "spectral") -> Enumeration:

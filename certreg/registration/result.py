@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from certreg.certificate import RotationState
+from certreg.dynamics import Trajectory
 from certreg.exact import nearest_double, power_of_two
-from certreg.problem import lift
-from certreg.results import OUT_OF_RANGE, Absent, Explained, Optimality
+from certreg.problem import lift, row_blocks
+from certreg.registration.covariance import residual_distances
+from certreg.results import OUT_OF_RANGE, Absent, Brief, Explained, Optimality, Presented, presenter
 
 if TYPE_CHECKING:
+    import os
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
     from certreg.certificate import Certificate, IsotropicBody, PoseBounds
-    from certreg.dynamics import Trajectory
     from certreg.equilibrium import EquilibriumSet
     from certreg.geometry import Pose
     from certreg.objective import Isotropic
@@ -61,7 +69,24 @@ class Solution(Explained):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SimulatedRegistration:
+class ProblemTrajectory(Trajectory, Presented):
+    """A trajectory with its problem: what is proved of its end is asked for when it is printed."""
+
+    problem: RegistrationProblem
+
+    def __repr__(self) -> str:
+        return Trajectory.__repr__(self)
+
+    @classmethod
+    def of(cls, problem: RegistrationProblem, trajectory: Trajectory) -> ProblemTrajectory:
+        """The same trajectory, of this problem."""
+        names = [one.name for one in fields(trajectory)]
+        kept: dict[str, Any] = {name: getattr(trajectory, name) for name in names}
+        return cls(**kept, problem=problem)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SimulatedRegistration(Brief):
     """A simulation on its own, and what is proved of its end.
 
     energy_unit: what the trajectory's energies are worth in objective units.
@@ -84,7 +109,7 @@ class SimulatedRegistration:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Registration(Explained):
+class Registration(Explained, Presented):
     """The result of `certify`: a solution and what the checker has accepted of it.
 
     objective: sum w |y - R x - t|^2 at `pose`; None where no double holds it.
@@ -105,6 +130,12 @@ class Registration(Explained):
     verdict: Verdict | None
     fit: Fit
     timings: dict[str, float]
+
+    def __repr__(self) -> str:
+        rmse = "beyond doubles" if self.rmse is None else f"{self.rmse:.6g}"
+        codes = ", ".join(code.value for code in self.fit.codes)
+        warned = f"; the fit: {codes}" if codes else ""
+        return f"<Registration: {self.status.value}; n={self.problem.n}, rmse={rmse}{warned}>"
 
     @property
     def pose(self) -> Pose:
@@ -130,6 +161,40 @@ class Registration(Explained):
         if not self.bounds.meet(self.limits, unique=unique):
             return Optimality.BOUNDED
         return Optimality.CERTIFIED if unique else Optimality.CERTIFIED_NOT_UNIQUE
+
+    @property
+    def covariance(self) -> PoseCovariance | None:
+        """Of the pose; None where the optimum is not unique or no double holds it."""
+        return self.solution.covariance
+
+    @property
+    def residuals(self) -> NDArray[np.float64]:
+        """(N,), |y - R x - t| of each correspondence at `pose`, in the unit of length."""
+        problem, pose = self.problem, self.pose
+        blocks = (problem.block(rows) for rows in row_blocks(problem.n))
+        return np.concatenate([residual_distances(block, pose) for block in blocks])
+
+    def report(self, path: str | os.PathLike[str]) -> Path:
+        """Write one HTML file that shows the registration and its proof, offline; its path.
+
+        Raises InvalidFileError where there is no certificate, or the file cannot be written.
+        """
+        return presenter().report(self, path)
+
+    def save(self, folder: str | os.PathLike[str]) -> Path | None:
+        """Write what `certify --out` writes; the certificate's path, None where there is none.
+
+        Raises InvalidFileError where the files cannot be written.
+        """
+        return presenter().save(self, folder)
+
+    def plot(self, axes: Any = None) -> Any:
+        """The clouds at the pose, drawn by Matplotlib; returns the axes.
+
+        axes: to draw into, of a flat projection; None for a figure of its own.
+        Raises MissingToolError without Matplotlib.
+        """
+        return presenter().plot(self, axes)
 
 
 def exact_energy_unit(moments: ExactMoments, trajectory: Trajectory | Absent) -> Fraction:

@@ -17,6 +17,7 @@ from certreg.exact import power_of_two
 from certreg.geometry import canonical, quaternion_from_matrix
 from certreg.relaxation.conic import ConicSolution, RelaxationStatus, solve, solver_name
 from certreg.relaxation.qcqp import Form
+from certreg.results import Brief
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -28,7 +29,7 @@ RANK_THRESHOLD = 1e-4  # of the largest eigenvalue of Z; the solver's tolerance 
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Relaxation:
+class Relaxation(Brief):
     """A solved relaxation. The numbers are None where the status says that there are none.
 
     solver: name and version. solver_word: its own status.

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from certreg.report.folder import write_folder as write_folder
     from certreg.report.markup import printable as printable
     from certreg.report.markup import rendered as rendered
-    from certreg.report.methods import methods_summary as methods_summary
-    from certreg.report.methods import methods_table as methods_table
+    from certreg.report.methods import enumeration_summary as enumeration_summary
     from certreg.report.page import html_page as html_page
+    from certreg.report.presenting import PRESENTER as PRESENTER
     from certreg.report.reload import report_of as report_of
     from certreg.report.summary import assessment_summary as assessment_summary
     from certreg.report.summary import equilibria_words as equilibria_words
@@ -43,11 +43,9 @@ __getattr__ = lazy_face(
             "printable",
             "rendered",
         ),
-        "methods": (
-            "methods_summary",
-            "methods_table",
-        ),
+        "methods": ("enumeration_summary",),
         "page": ("html_page",),
+        "presenting": ("PRESENTER",),
         "reload": ("report_of",),
         "summary": (
             "assessment_summary",

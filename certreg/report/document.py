@@ -75,14 +75,20 @@ def result_document(registration: Registration, certificate_path: str | None = N
 
 def equilibria_document(enumeration: Enumeration) -> Document:
     """An equilibrium set on its own; with the searches for it, if there were several."""
-    return encoded(
-        {
-            "schema": EQUILIBRIA_SCHEMA,
-            "equilibria": _equilibria(enumeration.equilibria),
-            "margin": _margin(enumeration.equilibria),
-            **methods_fields(enumeration),
-        }
-    )
+    return encoded({**_set(enumeration.equilibria), **methods_fields(enumeration)})
+
+
+def set_document(equilibria: EquilibriumSet) -> Document:
+    """As `equilibria_document`, without searches."""
+    return encoded(_set(equilibria))
+
+
+def _set(equilibria: EquilibriumSet) -> Document:
+    return {
+        "schema": EQUILIBRIA_SCHEMA,
+        "equilibria": _equilibria(equilibria),
+        "margin": _margin(equilibria),
+    }
 
 
 def simulation_document(simulated: SimulatedRegistration) -> Document:

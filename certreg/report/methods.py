@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from certreg.exact import nearest_double
 from certreg.report.encoding import Document, Noted
+from certreg.report.summary import equilibria_words
 from certreg.results import OUT_OF_RANGE, Absent, ComponentKind
 
 if TYPE_CHECKING:
@@ -21,6 +22,14 @@ PLURALS = {
 }
 HEADINGS = ("road", "solutions", "energies", "index", "time", "guarantee")
 NO_LIST = "-"
+SPECTRAL = "spectral"  # of this method the table of the equilibria says everything
+
+
+def enumeration_summary(enumeration: Enumeration) -> str:
+    """The result of `equilibria`, readable; with the searches, where more than eigenspaces."""
+    words = equilibria_words(enumeration.equilibria)
+    methods = [each.method for each in enumeration.searches]
+    return words if methods == [SPECTRAL] else f"{words}\n\n{methods_summary(enumeration)}"
 
 
 def methods_summary(enumeration: Enumeration) -> str:

@@ -15,7 +15,7 @@ from certreg.registration import (
     proved_degrees,
     share_words,
 )
-from certreg.results import Absent, ComponentKind, Guarantee, Limits, Optimality
+from certreg.results import Absent, ComponentKind, Guarantee, Limits, Optimality, present
 
 if TYPE_CHECKING:
     from certreg.dynamics import Trajectory
@@ -56,9 +56,10 @@ def registration_summary(registration: Registration) -> str:
     )
 
 
-def simulation_summary(simulated: SimulatedRegistration, energies: dict[str, float | None]) -> str:
+def simulation_summary(simulated: SimulatedRegistration) -> str:
     """The result of `simulate`, readable; energies in objective units."""
     trajectory = simulated.trajectory
+    initial, final = (present(energy) for energy in simulated.energies)
     proved = "Proved" if simulated.in_certified_basin else "Not proved"
     return "\n".join(
         (
@@ -67,8 +68,8 @@ def simulation_summary(simulated: SimulatedRegistration, energies: dict[str, flo
             f"  steps             {trajectory.steps} of at most {trajectory.step:.6g}",
             f"  time              {trajectory.times[-1]:.6g}  (unit of the springs)",
             f"  escapes           {trajectory.escapes}  (kicked off a saddle)",
-            f"  initial energy    {number(energies['initial'])}  (kinetic and potential)",
-            f"  final energy      {number(energies['final'])}",
+            f"  initial energy    {number(initial)}  (kinetic and potential)",
+            f"  final energy      {number(final)}",
             f"  residual          {trajectory.speed:.3g}  (norm of the 18 rates of change)",
             f"  decay rate        {_rate_words(trajectory)}",
             f"  end               {_away(simulated.angle_to_optimum)}",

@@ -1,0 +1,143 @@
+"""Cards: results in a notebook, as HTML that loads nothing."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from certreg.registration import GOOD, headline_of
+from certreg.report.markup import printable, rendered
+from certreg.report.picture import energy_picture, registration_picture
+from certreg.report.summary import (
+    KINDS,
+    count_words,
+    explained_words,
+    margin_words,
+    number,
+    verdict_words,
+    warnings,
+)
+from certreg.results import Brief
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from certreg.certificate import CertificateVerdict
+    from certreg.equilibrium import EquilibriumSet
+    from certreg.registration import Assessment, ProblemTrajectory, Registration
+    from certreg.report.picture import Picture
+
+GREEN, AMBER = "#1a7f37", "#b35900"
+TEMPLATE = "report/templates/card.html"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Card(Brief):
+    """What `templates/card.html` shows.
+
+    good: the headline is green, else amber; None for neither. facts: names and values. head, rows:
+    of a table.
+    """
+
+    headline: str
+    notes: Sequence[str]
+    good: bool | None = None
+    facts: Sequence[tuple[str, str]] = ()
+    head: Sequence[str] = ()
+    rows: Sequence[Sequence[str]] = ()
+    picture: Picture | None = None
+
+    def html(self) -> str:
+        """The card."""
+        return rendered(
+            TEMPLATE,
+            headline=printable(self.headline),
+            notes=[printable(note) for note in self.notes],
+            colour={True: GREEN, False: AMBER, None: "inherit"}[self.good],
+            facts=self.facts,
+            head=self.head,
+            rows=self.rows,
+            picture=self.picture,
+        )
+
+
+def registration_card(registration: Registration) -> str:
+    """Verdict, pose and fit of a registration, and a picture of it."""
+    first, *further = verdict_words(registration)
+    pose = registration.pose
+    return Card(
+        headline=first,
+        notes=[*further, *(f"Warning: {words}" for words in warnings(registration, first))],
+        good=headline_of(registration).good,
+        facts=[
+            ("correspondences", f"{registration.problem.n:,}"),
+            ("rotation (wxyz)", _numbers(pose.quaternion_wxyz.tolist())),
+            ("translation", _numbers(pose.translation.tolist())),
+            ("RMSE", number(registration.rmse)),
+            ("explained", explained_words(registration.fit)),
+            ("ambiguity margin", margin_words(registration.equilibria)),
+        ],
+        picture=registration_picture(registration),
+    ).html()
+
+
+def assessment_card(assessment: Assessment) -> str:
+    """What is known of a pose."""
+    away = assessment.angle_to_optimum
+    facts = [
+        ("RMSE", number(assessment.rmse)),
+        ("angle to the optimum", f"{math.degrees(away or 0.0):.4g} degrees"),
+    ]
+    return Card(
+        headline=assessment.headline,
+        notes=[assessment.words, *([] if assessment.hint is None else [assessment.hint])],
+        good=assessment.verdict in GOOD,
+        facts=[] if away is None else facts,
+    ).html()
+
+
+def equilibria_card(equilibria: EquilibriumSet) -> str:
+    """All equilibria as a table."""
+    notes = [f"Ambiguity margin: {margin_words(equilibria)}."]
+    return Card(
+        headline=count_words(equilibria),
+        notes=notes + ([] if equilibria.doubt is None else [f"Not proved: {equilibria.doubt}"]),
+        head=("index", "kind", "RMSE", "energy", "to the optimum"),
+        rows=[
+            (
+                str(part.morse_index),
+                KINDS[part.kind],
+                number(part.rmse),
+                number(part.energy),
+                f"{math.degrees(part.angle_to_optimum):.6g} degrees",
+            )
+            for part in equilibria.components
+        ],
+    ).html()
+
+
+def trajectory_card(trajectory: ProblemTrajectory) -> str:
+    """A simulation and its energy."""
+    return Card(
+        headline=trajectory.status.value,
+        notes=trajectory.notes,
+        good=trajectory.converged,
+        facts=[
+            ("integrator", trajectory.integrator.value),
+            ("steps", f"{trajectory.steps:,} of at most {trajectory.step:.6g}"),
+            ("time", f"{trajectory.times[-1]:.6g}"),
+            ("escapes", str(trajectory.escapes)),
+        ],
+        picture=energy_picture(trajectory),
+    ).html()
+
+
+def verdict_card(verdict: CertificateVerdict) -> str:
+    """The checker's answer."""
+    first = "VERIFIED" if verdict.proved else f"REFUSED: {verdict.words}"
+    return Card(headline=first, notes=verdict.theorems, good=verdict.proved).html()
+
+
+def _numbers(values: Sequence[float]) -> str:
+    return "  ".join(f"{value:.6g}" for value in values)

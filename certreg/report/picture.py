@@ -1,0 +1,120 @@
+"""Small static pictures of results, drawn as SVG of our own: no library, no script, no network."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from certreg.results import Brief
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+    from certreg.dynamics import Trajectory
+    from certreg.registration import Registration
+
+WIDTH, HEIGHT, MARGIN = 240, 160, 10  # pixels
+SHOWN = 200  # points: a card is 20 kB at most
+SOURCE, SPRING = "#0a84c6", "#d9690f"  # blue and orange, told apart by all eyes on any ground
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Sample(Brief):
+    """Some of the correspondences, evenly chosen: target and moved source, (k, 3)."""
+
+    target: NDArray[np.float64]
+    moved: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, registration: Registration, most: int) -> Sample:
+        """At most so many rows of a registration, the first and the last among them."""
+        problem, n = registration.problem, registration.problem.n
+        rows = np.unique(np.linspace(0, n - 1, min(n, most)).astype(np.int64))
+        with np.errstate(over="ignore", invalid="ignore"):
+            moved = registration.pose.apply(problem.source[rows])
+        return cls(target=problem.target[rows].astype(np.float64), moved=moved)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Picture(Brief):
+    """What `templates/card.html` draws, in pixels: as text, for it computes nothing.
+
+    words: what is to be seen. springs: lines x1, y1, x2, y2. rings, dots: of target and moved
+    source. curve: the points of a line.
+    """
+
+    words: str
+    springs: tuple[tuple[str, ...], ...] = ()
+    rings: tuple[tuple[str, ...], ...] = ()
+    dots: tuple[tuple[str, ...], ...] = ()
+    curve: str | None = None
+    width: int = WIDTH
+    height: int = HEIGHT
+    margin: int = MARGIN
+    source_colour: str = SOURCE
+    spring_colour: str = SPRING
+
+
+def registration_picture(registration: Registration) -> Picture | None:
+    """Target and moved source, seen along the direction in which they are thinnest.
+
+    None where that leaves the doubles.
+    """
+    sample = Sample.of(registration, SHOWN)
+    flat = _flattened(np.stack([sample.target, sample.moved]))
+    if flat is None:
+        return None
+    target, moved = flat
+    return Picture(
+        words="the target as rings, the source at the pose as dots",
+        springs=_pixels(np.hstack([target, moved])),
+        rings=_pixels(target),
+        dots=_pixels(moved),
+    )
+
+
+def energy_picture(trajectory: Trajectory) -> Picture | None:
+    """The energy over time, as a line; None where that leaves the doubles."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        energy = trajectory.potential + trajectory.kinetic
+    rows = np.unique(np.linspace(0, len(energy) - 1, SHOWN).astype(np.int64))
+    times, height = trajectory.times[rows], energy[rows]
+    last, top = float(times[-1]), float(height.max())
+    if not (np.isfinite([last, top]).all() and last > 0.0 and top > 0.0):
+        return None
+    across = MARGIN + (WIDTH - 2 * MARGIN) * (times / last)
+    down = HEIGHT - MARGIN - (HEIGHT - 2 * MARGIN) * (height / top)
+    return Picture(
+        words="the energy over time, from the start to rest",
+        curve=" ".join(map(",".join, _pixels(np.column_stack([across, down])))),
+    )
+
+
+def _pixels(rows: NDArray[np.float64]) -> tuple[tuple[str, ...], ...]:
+    return tuple(tuple(f"{value:.1f}" for value in row) for row in rows.tolist())
+
+
+def _flattened(clouds: NDArray[np.float64]) -> Iterator[NDArray[np.float64]] | None:
+    """Clouds (2, k, 3) in pixels (k, 2) each, on the plane of the two widest directions of both."""
+    points = clouds.reshape(-1, 3)
+    with np.errstate(over="ignore", invalid="ignore"):
+        centred = points - points[:1]
+        centred -= centred.mean(axis=0)
+        size = float(np.abs(centred).max())
+        if not np.isfinite(size):
+            return None
+        centred /= size or 1.0
+    _, _, axes = np.linalg.svd(centred, full_matrices=False)
+    flat = centred @ axes[:2].T
+    if flat.shape[1] < 2:  # a single correspondence has no second direction
+        flat = np.column_stack([flat, np.zeros(len(flat))])
+    low, high = flat.min(axis=0), flat.max(axis=0)
+    room = np.array([WIDTH - 2 * MARGIN, HEIGHT - 2 * MARGIN])
+    spans = np.maximum(high - low, 1e-9)
+    pixels = (flat - (low + high) / 2.0) * float((room / spans).min())
+    pixels += np.array([WIDTH / 2.0, HEIGHT / 2.0])
+    return iter(pixels.reshape(2, -1, 2))

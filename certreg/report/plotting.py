@@ -1,0 +1,43 @@
+"""A registration drawn by Matplotlib, where it is installed."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from certreg.errors import MissingToolError
+from certreg.registration import headline_of
+from certreg.report.picture import SOURCE, SPRING, Sample
+
+if TYPE_CHECKING:
+    from certreg.registration import Registration
+
+PLOTTED = 5_000  # points: more are a cloud all the same, and slow to turn
+JOINED = 500  # of them: more springs hide the points
+
+
+def plotted(registration: Registration, axes: Any = None) -> Any:
+    """The clouds at the pose in three dimensions, and the springs between them; the axes.
+
+    axes: of the projection "3d", None for a new figure. Raises MissingToolError.
+    """
+    if axes is None:
+        try:
+            pyplot: Any = import_module("matplotlib.pyplot")
+        except ImportError as error:
+            message = "plot draws with Matplotlib, which is not installed: pip install matplotlib"
+            raise MissingToolError(message, tool="matplotlib") from error
+        axes = pyplot.figure().add_subplot(projection="3d")
+    if getattr(axes, "name", "") != "3d":
+        message = "axes is not of three dimensions: make it by figure.add_subplot(projection='3d')"
+        raise ValueError(message)
+    sample = Sample.of(registration, PLOTTED)
+    few = Sample.of(registration, JOINED)
+    for start, end in zip(few.target, few.moved, strict=True):
+        axes.plot(*zip(start, end, strict=True), color=SPRING, linewidth=0.8)
+    axes.scatter(*sample.target.T, facecolors="none", edgecolors="0.4", label="target")
+    axes.scatter(*sample.moved.T, s=8, color=SOURCE, label="source at the pose")
+    axes.set_aspect("equal")
+    axes.set_title(headline_of(registration).stamp)
+    axes.legend()
+    return axes

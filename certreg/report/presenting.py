@@ -1,0 +1,142 @@
+"""Who shows results: what the classes further up ask, see `certreg.results.Shown`.
+
+`certreg/__init__.py` tells them. A result that is to be shown has its line in SHAPES.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from certreg.certificate import CertificateVerdict
+from certreg.equilibrium import EquilibriumSet
+from certreg.errors import InvalidFileError
+from certreg.io import write_atomically
+from certreg.objective import Isotropic
+from certreg.problem import exact_moments
+from certreg.registration import (
+    Assessment,
+    ListedEquilibria,
+    ProblemTrajectory,
+    Registration,
+    SimulatedRegistration,
+    proved_end,
+)
+from certreg.report.cards import (
+    assessment_card,
+    equilibria_card,
+    registration_card,
+    trajectory_card,
+    verdict_card,
+)
+from certreg.report.document import (
+    assessment_document,
+    equilibria_document,
+    result_document,
+    set_document,
+    simulation_document,
+)
+from certreg.report.folder import write_folder
+from certreg.report.methods import enumeration_summary
+from certreg.report.page import Report, html_page
+from certreg.report.plotting import plotted
+from certreg.report.summary import (
+    assessment_summary,
+    equilibria_words,
+    registration_summary,
+    simulation_summary,
+)
+from certreg.verify import shown
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable
+
+    from certreg.report.encoding import Document
+    from certreg.results import Presenter
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shape:
+    """How results of a type are shown; a verdict has no document, and writes its own text."""
+
+    card: Callable[[Any], str]
+    words: Callable[[Any], str] = str
+    document: Callable[[Any], Document] | None = None
+
+
+def _simulated(trajectory: ProblemTrajectory) -> SimulatedRegistration:
+    problem = trajectory.problem
+    return proved_end(problem, Isotropic(exact_moments(problem)), trajectory)
+
+
+def _trajectory_words(trajectory: ProblemTrajectory) -> str:
+    return simulation_summary(_simulated(trajectory))
+
+
+def _trajectory_document(trajectory: ProblemTrajectory) -> Document:
+    return simulation_document(_simulated(trajectory))
+
+
+def _enumeration_words(listed: ListedEquilibria) -> str:
+    return enumeration_summary(listed.enumeration)
+
+
+def _enumeration_document(listed: ListedEquilibria) -> Document:
+    return equilibria_document(listed.enumeration)
+
+
+SHAPES: dict[type, Shape] = {
+    Registration: Shape(
+        words=registration_summary, document=result_document, card=registration_card
+    ),
+    Assessment: Shape(words=assessment_summary, document=assessment_document, card=assessment_card),
+    ListedEquilibria: Shape(
+        words=_enumeration_words, document=_enumeration_document, card=equilibria_card
+    ),
+    EquilibriumSet: Shape(words=equilibria_words, document=set_document, card=equilibria_card),
+    ProblemTrajectory: Shape(
+        words=_trajectory_words, document=_trajectory_document, card=trajectory_card
+    ),
+    CertificateVerdict: Shape(card=verdict_card),
+}
+
+
+class ReportPresenter:
+    """Shows results by the functions of this wing."""
+
+    def words(self, result: Any) -> str:
+        """The text of the command line."""
+        return SHAPES[type(result)].words(result)
+
+    def document(self, result: Any) -> Document:
+        """What `--json` prints."""
+        document = SHAPES[type(result)].document
+        if document is None:
+            raise NotImplementedError(type(result).__name__)
+        return document(result)
+
+    def card(self, result: Any) -> str:
+        """HTML for a notebook."""
+        return SHAPES[type(result)].card(result)
+
+    def report(self, result: Registration, path: str | os.PathLike[str]) -> Path:
+        """Write the page of a registration; where it was written."""
+        place = Path(path)
+        if result.certificate is None:
+            message = f"{shown(place)}: not written: there is no certificate to report"
+            raise InvalidFileError(message, path=place)
+        write_atomically(place, html_page(Report.of(result)))
+        return place
+
+    def save(self, result: Registration, folder: str | os.PathLike[str]) -> Path | None:
+        """Write the files of a registration; the certificate's path."""
+        return write_folder(result, folder)
+
+    def plot(self, result: Registration, axes: Any) -> Any:
+        """Draw a registration into axes of Matplotlib; the axes."""
+        return plotted(result, axes)
+
+
+PRESENTER: Presenter = ReportPresenter()
