@@ -298,7 +298,12 @@ def _registration(
         verdict=verdict,
         fit=fit,
         timings=timings,
-        absent={"objective": OUT_OF_RANGE, "rmse": OUT_OF_RANGE, "bounds": NOT_CERTIFIED},
+        absent={
+            **solution.absent,
+            "objective": OUT_OF_RANGE,
+            "rmse": OUT_OF_RANGE,
+            "bounds": NOT_CERTIFIED,
+        },
     )
 
 
