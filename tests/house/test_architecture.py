@@ -181,7 +181,8 @@ def test_a_face_shows_what_its_types_say_and_no_name_of_a_module():
         typed = {
             one.name: one.source.removeprefix(f"{module}.")
             for one in imports_of(module, text)
-            if one.source.startswith(f"{module}.") and one.name not in {"lazy_face", "found_late", "verify"}
+            if one.source.startswith(f"{module}.")
+            and one.name not in {"lazy_face", "found_late", "verify"}
         }
         shown = {name: home for name, home in homes(text).items() if name != "verify"}
         modules = {
