@@ -23,7 +23,7 @@ NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_E
 unexport PYTHONDONTWRITEBYTECODE
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test chromium test-browser test-huge test-oracles golden proofs fuzz fit-rates brackets hard compare-checkers kills generate report-asset check-report-asset lint bench peers lock clean
+.PHONY: help demo docs test test-long chromium test-browser test-huge test-oracles golden proofs fuzz fit-rates brackets hard compare-checkers kills generate report-asset check-report-asset lint bench peers lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -33,6 +33,9 @@ demo: $(READY)  ## register the packaged real data and prove the answers
 
 test: $(READY)  ## run the tests and the examples in the docstrings
 	@$(RUN) -m pytest
+
+test-long: $(READY)  ## the rest of the samples of which `make test` takes a part (a minute)
+	@$(RUN) -m pytest -m long
 
 docs: $(READY)  ## run all proofs and examples and build the documentation: docs/_build/html
 	@rm -rf docs/_build

@@ -30,10 +30,11 @@ SLOW_FIXTURES = {"drawn"}
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """What is not slow is quick: `-m quick` takes less than a minute."""
+    """What is not slow is quick: `-m quick` takes less than a minute. What is long is slow."""
     for item in items:
         plots = item.path.name == "plots.py"  # imports Matplotlib
-        if plots or SLOW_FIXTURES.intersection(getattr(item, "fixturenames", ())):
+        long = item.get_closest_marker("long") is not None
+        if plots or long or SLOW_FIXTURES.intersection(getattr(item, "fixturenames", ())):
             item.add_marker("slow")
         elif item.get_closest_marker("slow") is None:
             item.add_marker("quick")

@@ -77,7 +77,9 @@ def test_an_about_of_any_keys_is_kept_and_the_points_are_where_they_belong():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("part", range(8))
+@pytest.mark.parametrize(
+    "part", [0, *(pytest.param(k, marks=pytest.mark.long) for k in range(1, 8))]
+)
 def test_two_thousand_random_problems_are_verified_with_small_proven_angles(part):
     rng = np.random.default_rng(1000 + part)
     for _ in range(256):

@@ -128,10 +128,11 @@ def test_random_problems_end_in_the_proved_basin():
 
 
 @pytest.mark.slow
-def test_five_hundred_random_problems_end_in_the_proved_basin():
+@pytest.mark.parametrize("count", [100, pytest.param(500, marks=pytest.mark.long)])
+def test_five_hundred_random_problems_end_in_the_proved_basin(count: int):
     """As `certify` simulates and proves: this test would mostly spend on all that it says."""
     rng, proved = np.random.default_rng(2028), 0
-    while proved < 500:
+    while proved < count:
         problem = random_case(rng)
         found = Isotropic(exact_moments(problem))
         best, second, *_, worst = [part.value for part in by_eigenspaces(found).components]

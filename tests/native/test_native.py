@@ -111,13 +111,17 @@ def files(place: Path) -> list[str]:
 # Without a compiler ------------------------------------------------------------------------------
 
 
+SIMULATIONS = (
+    ["cli/test_simulate_command.py"],
+    pytest.param(
+        ["dynamics/test_simulation.py", "dynamics/test_integrators.py"], marks=pytest.mark.long
+    ),
+)
+
+
 @pytest.mark.slow
-def test_without_a_compiler_all_simulation_tests_pass(tmp_path):
-    names = (
-        "dynamics/test_simulation.py",
-        "cli/test_simulate_command.py",
-        "dynamics/test_integrators.py",
-    )
+@pytest.mark.parametrize("names", SIMULATIONS)
+def test_without_a_compiler_all_simulation_tests_pass(tmp_path, names: list[str]):
     suites = [str(ROOT / "tests" / name) for name in names]
     options = ["-q", "-p", "no:cacheprovider", "-m", "not slow", "--no-header"]
     code = f"import sys, pytest; sys.exit(pytest.main({[*options, *suites]!r}))"
