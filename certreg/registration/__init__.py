@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from certreg.registration.certification import simulated as simulated
     from certreg.registration.closed_form import horn as horn
     from certreg.registration.closed_form import register as register
+    from certreg.registration.covariance import PoseCovariance as PoseCovariance
     from certreg.registration.covariance import worst_residuals as worst_residuals
     from certreg.registration.enumeration import Enumeration as Enumeration
     from certreg.registration.enumeration import ListedEquilibria as ListedEquilibria
@@ -92,7 +93,10 @@ __getattr__ = lazy_face(
             "horn",
             "register",
         ),
-        "covariance": ("worst_residuals",),
+        "covariance": (
+            "PoseCovariance",
+            "worst_residuals",
+        ),
         "enumeration": (
             "Enumeration",
             "ListedEquilibria",

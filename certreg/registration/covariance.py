@@ -44,12 +44,17 @@ class PoseCovariance(Explained):
     matrix: (6, 6), order (dt, phi): translation in the target's frame and unit squared, then the
         rotation vector phi in the source's frame, radians; R_true = R exp([phi]), t_true = t + dt.
     variance_factor: objective / (3 N - 6), near 1 if the given sigma is right; None if N < 3.
+    degrees_of_freedom: 3 N - 6, of the residuals; N counts the points with weight.
+    centre_sigma: standard deviation, along any axis, of where the weighted mean of the source goes:
+        of that no rotation moves it, it is the least that a point of the source can have.
     estimated: whether `matrix` was scaled by the variance factor, because no noise was given.
     rotation: (3, 3), the R of the pose.
     """
 
     matrix: NDArray[np.float64]
     variance_factor: float | None
+    degrees_of_freedom: int
+    centre_sigma: float
     estimated: bool
     rotation: NDArray[np.float64]
 
@@ -59,6 +64,27 @@ class PoseCovariance(Explained):
         copy: bool | None = None,  # noqa: FBT001 - so NumPy calls it
     ) -> NDArray[Any]:
         return np.array(self.matrix, dtype=dtype, copy=copy)
+
+    @property
+    def translation_sigma(self) -> NDArray[np.float64]:
+        """(3,), one standard deviation of t, along the target's axes, in the unit of length.
+
+        t is where the source's origin goes: far from the points its lever makes this large.
+        """
+        return np.sqrt(np.diag(self.matrix)[:3].clip(0.0))
+
+    @property
+    def rotation_sigma(self) -> NDArray[np.float64]:
+        """(3,), one standard deviation of phi, about the source's axes, in radians."""
+        return np.sqrt(np.diag(self.matrix)[3:].clip(0.0))
+
+    @property
+    def loosest_turn(self) -> tuple[float, NDArray[np.float64]]:
+        """The largest standard deviation of phi along any axis, radians, and that unit axis."""
+        values, vectors = np.linalg.eigh(self.matrix[3:, 3:])
+        axis = vectors[:, 2]
+        upwards = np.sign(axis[np.argmax(np.abs(axis))])
+        return float(np.sqrt(max(values[2], 0.0))), upwards * axis
 
     @property
     def ros(self) -> NDArray[np.float64]:
@@ -117,6 +143,8 @@ def pose_covariance(problem: RegistrationProblem, objective: Isotropic) -> PoseC
     return PoseCovariance(
         matrix=matrix,
         variance_factor=factor,
+        degrees_of_freedom=max(degrees, 0),
+        centre_sigma=float(np.sqrt(scale * weight)),
         estimated=not problem.noise_given,
         rotation=R,
         absent={"variance_factor": NO_VARIANCE},

@@ -75,6 +75,11 @@ class Fit(Explained):
     warnings: tuple[FitWarning, ...]
 
     @property
+    def rounded(self) -> bool:
+        """Whether the residuals are what rounding the points leaves: they measure no noise."""
+        return self.stated("largest_over_median_residual") == ROUNDED
+
+    @property
     def codes(self) -> tuple[FitCode, ...]:
         """Of the warnings."""
         return tuple(warning.code for warning in self.warnings)

@@ -7,10 +7,13 @@ import math
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from certreg.exact import double_above, nearest_double
 from certreg.registration import DEGREE_SLACK, SimulatedRegistration, worst_residuals
 from certreg.report.encoding import Document, Noted, encoded
 from certreg.report.methods import methods_fields
+from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import OUT_OF_RANGE, Absent
 
 if TYPE_CHECKING:
@@ -20,6 +23,7 @@ if TYPE_CHECKING:
 RESULT_SCHEMA = "certreg-result/1"
 ASSESSMENT_SCHEMA = "certreg-assessment/1"
 EQUILIBRIA_SCHEMA = "certreg-equilibria/1"
+POSE_SCHEMA = "certreg-pose/1"
 SIMULATION_SCHEMA = "certreg-simulation/1"
 
 NOT_WRITTEN = Absent("nothing is written without --out")
@@ -34,7 +38,7 @@ def dumps(document: Document) -> str:
 
 def result_document(registration: Registration, certificate_path: str | None = None) -> Document:
     """A registration as `certreg-result/1`; the path is where the certificate was saved."""
-    pose, agreement = registration.pose, registration.solution.agreement
+    agreement = registration.solution.agreement
     written: str | Absent | None = certificate_path
     if written is None:
         missing = registration.certificate is None
@@ -44,12 +48,7 @@ def result_document(registration: Registration, certificate_path: str | None = N
             "schema": RESULT_SCHEMA,
             "n": registration.problem.n,
             "damping": registration.problem.damping,
-            "pose": {
-                "rotation": pose.rotation,
-                "translation": pose.translation,
-                "quaternion_wxyz": pose.quaternion_wxyz,
-                **_covariance(registration),
-            },
+            "pose": _pose(registration),
             "objective": registration.stated("objective"),
             "rmse": registration.stated("rmse"),
             "optimality": _optimality(registration),
@@ -69,6 +68,18 @@ def result_document(registration: Registration, certificate_path: str | None = N
             "theorems": () if registration.verdict is None else registration.verdict.theorems,
             "bounds_hold_for": "the rotation of quaternion_wxyz (normalised) and the translation",
             "timings_ms": {name: 1e3 * value for name, value in registration.timings.items()},
+        }
+    )
+
+
+def pose_document(registration: Registration) -> Document:
+    """The pose with its uncertainty, as `certreg-pose/1`; `assess` and `apply` read it."""
+    return encoded(
+        {
+            "schema": POSE_SCHEMA,
+            "T_target_source": registration.pose.T_target_source,
+            **_pose(registration),
+            "words": [f"{name}: {words}" for name, words in uncertainty_rows(registration)],
         }
     )
 
@@ -174,15 +185,32 @@ def _optimality(registration: Registration) -> Document:
     return document
 
 
+def _pose(registration: Registration) -> Document:
+    pose = registration.pose
+    return {
+        "rotation": pose.rotation,
+        "translation": pose.translation,
+        "quaternion_wxyz": pose.quaternion_wxyz,
+        **_covariance(registration),
+    }
+
+
 def _covariance(registration: Registration) -> Document:
     """Covariance in the order (translation in the target's frame, rotation in the source's)."""
     covariance = registration.solution.stated("covariance")
     if isinstance(covariance, Absent):
-        return dict.fromkeys(("covariance", "covariance_scale", "variance_factor"), covariance)
+        names = ("covariance", "covariance_scale", "variance_factor", "uncertainty")
+        return dict.fromkeys(names, covariance)
     return {
         "covariance": covariance.matrix,
         "covariance_scale": "estimated" if covariance.estimated else "given",
         "variance_factor": covariance.stated("variance_factor"),
+        "uncertainty": {
+            "translation": covariance.translation_sigma,
+            "rotation_deg": np.degrees(covariance.rotation_sigma),
+            "centre": covariance.centre_sigma,
+            "degrees_of_freedom": covariance.degrees_of_freedom,
+        },
     }
 
 

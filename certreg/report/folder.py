@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from certreg.dynamics import Record
 from certreg.errors import InvalidFileError
 from certreg.io import write_together
-from certreg.report.document import dumps, result_document
+from certreg.report.document import dumps, pose_document, result_document
 from certreg.report.page import Report, html_page
 from certreg.results import Absent
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from certreg.registration import Registration
 
 CERTIFICATE, RESULT, POSE = "certificate.json", "result.json", "pose.txt"
+SURE_POSE = "pose.json"  # with its uncertainty: in the matrix other programs read no words
 TRAJECTORY, REPORT = "trajectory.npz", "report.html"
 
 
@@ -39,6 +40,7 @@ def write_folder(registration: Registration, folder: str | os.PathLike[str]) -> 
     rows = registration.pose.T_target_source.tolist()
     contents: dict[str, bytes | Iterator[bytes]] = {
         RESULT: (dumps(document) + "\n").encode(),
+        SURE_POSE: (dumps(pose_document(registration)) + "\n").encode(),
         POSE: ("\n".join(" ".join(map(repr, row)) for row in rows) + "\n").encode(),
     }
     trajectory = registration.solution.trajectory
@@ -47,7 +49,7 @@ def write_folder(registration: Registration, folder: str | os.PathLike[str]) -> 
     if registration.certificate is not None:
         contents[CERTIFICATE] = registration.certificate.to_json()
         contents[REPORT] = html_page(Report.of(registration))
-    names = (CERTIFICATE, RESULT, POSE, TRAJECTORY, REPORT)
+    names = (CERTIFICATE, RESULT, POSE, SURE_POSE, TRAJECTORY, REPORT)
     try:
         write_together(
             {place / name: contents[name] for name in names if name in contents},

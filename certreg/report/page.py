@@ -13,6 +13,7 @@ from certreg import __version__
 from certreg.registration import WEAK, at_most, headline_of, share_words
 from certreg.report.markup import asset, inert, inert_json, printable, rendered
 from certreg.report.summary import margin_words, number, verdict_words, warnings
+from certreg.report.uncertainty import uncertainty_rows
 from certreg.report.viewer import Names, packed, sample_of, scene_document, viewer_words
 from certreg.report.words import (
     NOT_CLAIMED,
@@ -202,6 +203,7 @@ def _body(report: Report) -> dict[str, Any]:
         "checked": report.verdict.theorems,
         "matrix": "\n".join(rows),
         "quaternion": " ".join(map(repr, pose.quaternion_wxyz.tolist())),
+        "uncertainty": uncertainty_rows(registration),
     }
 
 

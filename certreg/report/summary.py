@@ -15,6 +15,7 @@ from certreg.registration import (
     proved_degrees,
     share_words,
 )
+from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import Absent, ComponentKind, Guarantee, Limits, Optimality, present
 
 if TYPE_CHECKING:
@@ -45,6 +46,7 @@ def registration_summary(registration: Registration) -> str:
             f"  correspondences   {registration.problem.n}",
             f"  rotation (wxyz)   {' '.join(map(repr, pose.quaternion_wxyz.tolist()))}",
             f"  translation       {' '.join(map(repr, pose.translation.tolist()))}",
+            *_uncertainty_lines(registration),
             f"  RMSE              {number(registration.rmse)}  (weighted, unit of the clouds)",
             f"  explained         {explained_words(registration.fit)}",
             f"  ambiguity margin  {margin_words(registration.equilibria)}",
@@ -54,6 +56,13 @@ def registration_summary(registration: Registration) -> str:
             equilibria_summary(registration.equilibria),
         )
     )
+
+
+def _uncertainty_lines(registration: Registration) -> list[str]:
+    """The rows of `uncertainty_rows`, in ASCII."""
+    rows = uncertainty_rows(registration)
+    plain = ([part.replace("±", "+/-") for part in row] for row in rows)
+    return [f"  {name:<17} {words}" for name, words in plain]
 
 
 def simulation_summary(simulated: SimulatedRegistration) -> str:

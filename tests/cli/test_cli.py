@@ -47,7 +47,14 @@ COMMANDS = (
     *("demo", "certify", "assess", "verify", "report", "equilibria", "simulate"),
     *("apply", "batch", "reproduce", "derive", "codegen", "info"),
 )
-FILES = ["certificate.json", "pose.txt", "report.html", "result.json", "trajectory.npz"]
+FILES = [
+    "certificate.json",
+    "pose.json",
+    "pose.txt",
+    "report.html",
+    "result.json",
+    "trajectory.npz",
+]
 
 
 @dataclass(frozen=True)
@@ -429,7 +436,7 @@ def test_a_pose_without_a_certificate_ends_with_code_4(data: Path, tmp_path: Pat
     assert run.document["optimality"]["status"] == "not-certified"
     assert "without --out" not in run.document["reasons"]["certificate"]
     written = sorted(path.name for path in tmp_path.iterdir())
-    assert written == ["pose.txt", "result.json", "trajectory.npz"]
+    assert written == ["pose.json", "pose.txt", "result.json", "trajectory.npz"]
 
 
 def test_two_methods_that_disagree_end_with_code_1(data: Path, monkeypatch):

@@ -29,6 +29,7 @@ from certreg.registration.covariance import (
     residual_distances,
     worst_residuals,
 )
+from certreg.registration.tails import log_chi2_above
 
 REPETITIONS = 10_000
 SIGMA = 1e-3
@@ -121,6 +122,57 @@ def test_the_covariance_is_that_of_ten_thousand_experiments(experiment, conventi
     covariance = covariance_of(experiment.problem(experiment.clean))
 
     assert is_sampled_from(experiment.errors(convention), getattr(covariance, convention))
+
+
+def test_what_is_told_of_each_number_is_the_scatter_of_the_experiments(experiment):
+    """Each within five standard deviations, 1/sqrt(2 n) of a standard deviation's own."""
+    covariance = covariance_of(experiment.problem(experiment.clean))
+    errors = experiment.errors("matrix")
+    mean = experiment.weights @ experiment.source / experiment.weights.sum()
+    centre = errors[:, :3] - (experiment.found_R - experiment.R) @ mean  # of t + R mean
+    told = [*covariance.translation_sigma, *covariance.rotation_sigma]
+
+    error = 5.0 / math.sqrt(2.0 * REPETITIONS)
+    assert np.allclose(np.sqrt(np.mean(errors**2, axis=0)), told, rtol=error)
+    assert np.allclose(np.sqrt(np.mean(centre**2, axis=0)), covariance.centre_sigma, rtol=error)
+    along = errors[:, 3:] @ covariance.loosest_turn[1]
+    assert np.sqrt(np.mean(along**2)) == pytest.approx(covariance.loosest_turn[0], rel=error)
+    assert covariance.loosest_turn[0] >= max(covariance.rotation_sigma)
+
+
+def test_the_p_value_of_chi_squared_is_uniform(experiment):
+    """Kolmogorov and Smirnov: sqrt(n) times the distance is above 2.2 once in 10^4 samples."""
+    degrees = 3 * len(experiment.source) - 6
+    p = np.sort(
+        [math.exp(log_chi2_above(value, degrees)) for value in experiment.objectives[:2000]]
+    )
+    steps = np.arange(len(p) + 1) / len(p)
+
+    distance = max(np.abs(p - steps[1:]).max(), np.abs(p - steps[:-1]).max())
+    assert math.sqrt(len(p)) * distance < 2.2
+    other = np.sort(
+        [math.exp(log_chi2_above(v, degrees + 3)) for v in experiment.objectives[:2000]]
+    )
+    assert math.sqrt(len(p)) * np.abs(other - steps[1:]).max() > 2.2  # 3 N - 3 would be seen
+
+
+def test_chi_squared_of_a_fit_is_its_objective(experiment):
+    target, objective = experiment.targets[0], experiment.objectives[0]
+    registration = certify(experiment.problem(target), relaxation=False, simulation=False)
+    chi2, degrees = registration.fit.chi2, 3 * len(experiment.source) - 6
+
+    assert chi2 is not None
+    assert (chi2.dof, chi2.value) == (degrees, pytest.approx(objective, rel=1e-6))
+    assert chi2.p == pytest.approx(math.exp(log_chi2_above(objective, degrees)), rel=1e-4)
+
+
+def test_a_sigma_from_the_residuals_is_as_sure_as_is_said():
+    """Its standard deviation is 1/sqrt(2 (3N - 6)) of it, to a tenth at 30 degrees of freedom."""
+    experiment = Experiment("isotropic", even=True)
+    degrees = 3 * len(experiment.source) - 6
+    sigmas = np.sqrt(experiment.objectives / degrees)
+
+    assert np.std(sigmas) == pytest.approx(1.0 / math.sqrt(2.0 * degrees), rel=0.1)
 
 
 @pytest.mark.parametrize("told", ["matrix", "ros", "gtsam"])

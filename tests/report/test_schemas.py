@@ -16,9 +16,19 @@ from strategies import ZOO
 if TYPE_CHECKING:
     from pathlib import Path
 
-KINDS = ("result", "assessment", "certificate", "equilibria", "simulation", "roads", "count")
+KINDS = (
+    "result",
+    "pose",
+    "assessment",
+    "certificate",
+    "equilibria",
+    "simulation",
+    "roads",
+    "count",
+)
 SCHEMAS = (
     "result",
+    "pose",
     "assessment",
     "certificate",
     "equilibria",
@@ -41,6 +51,7 @@ def documents(folder: Path, source: Path, target: Path) -> dict[str, Any]:
     """All documents of one pair; no simulation where there is none."""
     found = {
         "result": certreg("certify", source, target, "--json", "--out", folder).document,
+        "pose": strict_json((folder / "pose.json").read_bytes()),
         "equilibria": certreg("equilibria", source, target, "--json").document,
         "assessment": certreg(
             "assess", source, target, "--pose", folder / "pose.txt", "--json"

@@ -1,0 +1,100 @@
+"""How sure a pose is, in words: what +/- is of, where it comes from, and where there is none.
+
+Statistics, to first order in the noise: nothing of it is proved. The law: `covariance` of the
+derivations.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from certreg.registration import FitCode
+from certreg.results import Absent
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from certreg.registration import PoseCovariance, Registration
+
+FINE = math.radians(0.01)  # below it arc seconds: 36 of them
+FIRST_ORDER = 0.1  # radians: what is left out is of the order of its square, here a tenth of it
+SURE_SIGMA = 1e-6  # of chi-squared: so seldom is it so small, as large ones are warned of
+TO_ROUNDING = "the residuals are at rounding and hold no noise: give sigma"
+
+
+def uncertainty_rows(registration: Registration) -> list[tuple[str, str]]:
+    """Names and words: translation, rotation, what ± is, and the test of a sigma that is given.
+
+    Where there is no uncertainty to tell: one row that says why.
+    """
+    covariance = registration.solution.stated("covariance")
+    if isinstance(covariance, Absent):
+        return [("uncertainty", f"not known: {covariance.reason}")]
+    if covariance.estimated and registration.fit.rounded:
+        return [("uncertainty", f"not known: {TO_ROUNDING}")]
+    where = f"along the target's axes; {_two_digits(covariance.centre_sigma)} at the cloud's centre"
+    rows = [
+        ("translation ±", f"{two_digits(covariance.translation_sigma)}  ({where})"),
+        ("rotation ±", rotation_words(covariance)),
+        ("± is", _basis_words(registration, covariance)),
+    ]
+    chi2 = chi2_words(registration)
+    return rows if chi2 is None else [*rows, ("chi-squared", chi2)]
+
+
+def rotation_words(covariance: PoseCovariance) -> str:
+    """Three standard deviations of a small turn, and a word where the turn is not small."""
+    sigma = covariance.rotation_sigma
+    fine = float(sigma.max()) < FINE
+    unit, factor = ("arc seconds", 3600.0) if fine else ("degrees", 1.0)
+    told = (
+        f"{two_digits(np.degrees(sigma) * factor)} {unit}  (a small turn about the source's axes)"
+    )
+    loosest, axis = covariance.loosest_turn
+    if loosest < FIRST_ORDER:
+        return told
+    about = ", ".join(f"{entry + 0.0:.3g}" for entry in np.round(axis, 3))
+    return f"{told}: too large for a first order: the turn about ({about}) is hardly determined"
+
+
+def chi2_words(registration: Registration) -> str | None:
+    """The sum of squared residuals over sigma, and how likely so large a one is; None without."""
+    chi2 = registration.fit.chi2
+    if chi2 is None:
+        return None
+    judged = ""
+    if FitCode.CHI2 in registration.fit.codes:
+        judged = ": the residuals are larger than sigma says"
+    elif chi2.p > 1 - SURE_SIGMA:
+        judged = ": the residuals are smaller than sigma says"
+    p = f"= {chi2.p:.2g}" if chi2.p else "< 1e-300"
+    return f"{chi2.value:.4g} with {chi2.dof} degrees of freedom, p {p}{judged}"
+
+
+def two_digits(values: NDArray[np.float64] | list[float]) -> str:
+    """Numbers in two significant digits, blanks between them, few with exponents."""
+    return " ".join(map(_two_digits, values))
+
+
+def _two_digits(value: float) -> str:
+    if not 1e-4 <= value < 1e6:
+        return f"{value:.1e}" if value else "0"
+    return f"{value:.{max(0, 1 - math.floor(math.log10(value)))}f}"
+
+
+def _basis_words(registration: Registration, covariance: PoseCovariance) -> str:
+    """What one standard deviation is of: the sigma that is given, or what the residuals say."""
+    told = "one standard deviation, to first order, "
+    warned = bool(registration.fit.warnings)
+    if not covariance.estimated:
+        noise = " and for noise alone: see the warning" if warned else ""
+        return f"{told}of the sigma given{noise}"
+    degrees = covariance.degrees_of_freedom
+    sigma = _two_digits(covariance.centre_sigma * math.sqrt((degrees + 6) / 3))  # of N points
+    mean = "" if registration.problem.equally_weighted else " at the mean weight"
+    noise = ", which hold more than noise, see the warning" if warned else ""
+    sure = f"± {100.0 / math.sqrt(2.0 * degrees):.0f} %, {degrees} degrees of freedom"
+    return f"{told}from the residuals{noise}: sigma {sigma}{mean} {sure}"

@@ -1,0 +1,217 @@
+"""What is said of a pose's uncertainty: the numbers of the covariance, and where there are none."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from commands import certreg, write_csv
+from scipy.stats import chi2
+from strategies import TETRAHEDRON
+
+from certreg.problem import RegistrationProblem
+from certreg.registration import certify
+from certreg.registration.fit import ChiSquared
+from certreg.report import html_page, registration_summary, result_document
+from certreg.report.page import Report
+from certreg.report.uncertainty import (
+    FINE,
+    FIRST_ORDER,
+    SURE_SIGMA,
+    chi2_words,
+    rotation_words,
+    two_digits,
+    uncertainty_rows,
+)
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from certreg.registration import PoseCovariance, Registration
+
+RNG = np.random.default_rng(17)
+CLOUD = RNG.normal(size=(12, 3)) + np.array([3.0, 0.0, -2.0])
+NOISE = RNG.normal(size=(12, 3))
+
+
+def registered(target: Any, **noise: Any) -> Registration:
+    problem = RegistrationProblem(CLOUD, target, **noise)
+    return certify(problem, relaxation=False, simulation=False)
+
+
+@pytest.fixture(scope="module")
+def given() -> Registration:
+    return registered(CLOUD + 0.01 * NOISE, sigma=0.01)
+
+
+@pytest.fixture(scope="module")
+def estimated() -> Registration:
+    return registered(CLOUD + 0.01 * NOISE)
+
+
+def rows(registration: Registration) -> dict[str, str]:
+    return dict(uncertainty_rows(registration))
+
+
+def covariance_of(registration: Registration) -> PoseCovariance:
+    covariance = registration.solution.covariance
+    assert covariance is not None
+    return covariance
+
+
+def near(words: str, values: Any) -> bool:
+    """Whether these are the first numbers of a text, to two digits."""
+    told = [float(word) for word in words.split()[: len(values)]]
+    return bool(np.allclose(told, values, rtol=0.05))
+
+
+def test_the_numbers_are_the_roots_of_the_covariance_and_sigma_is_as_given(given):
+    told, covariance = rows(given), covariance_of(given)
+    sigma = np.sqrt(np.diag(covariance.matrix))
+
+    assert list(told) == ["translation ±", "rotation ±", "± is", "chi-squared"]
+    assert near(told["translation ±"], sigma[:3])
+    assert near(told["rotation ±"], np.degrees(sigma[3:]))
+    assert told["translation ±"].endswith(
+        " (along the target's axes; 0.0029 at the cloud's centre)"
+    )
+    assert covariance.centre_sigma == pytest.approx(0.01 / math.sqrt(12))
+    assert told["rotation ±"].endswith(" degrees  (a small turn about the source's axes)")
+    assert told["± is"] == "one standard deviation, to first order, of the sigma given"
+    p = chi2.sf(given.objective or 0.0, 30)
+    assert told["chi-squared"].endswith(f" with 30 degrees of freedom, p = {p:.2g}")
+
+
+def test_without_sigma_it_comes_from_the_residuals_and_says_how_sure_it_is(estimated):
+    told, covariance = rows(estimated), covariance_of(estimated)
+    sigma = math.sqrt((estimated.objective or 0.0) / 30)
+
+    assert "chi-squared" not in told
+    basis, _, rest = told["± is"].partition(": sigma ")
+    assert basis == "one standard deviation, to first order, from the residuals"
+    assert near(rest, [sigma])
+    assert rest.endswith(" ± 13 %, 30 degrees of freedom")
+    assert near(told["translation ±"], covariance.translation_sigma)
+
+
+def test_weights_alone_are_relative_and_sigma_is_that_of_the_mean_weight(estimated):
+    weights = np.linspace(1.0, 3.0, 12)
+    even = rows(registered(CLOUD + 0.01 * NOISE, weights=np.full(12, 9.0)))
+    uneven = registered(CLOUD + 0.01 * NOISE, weights=weights)
+    sigma = math.sqrt((uneven.objective or 0.0) / 30 / weights.mean())
+
+    assert even == rows(estimated)
+    _, _, rest = rows(uneven)["± is"].partition(": sigma ")
+    assert near(rest, [sigma])
+    assert " at the mean weight ± 13 %" in rest
+
+
+def test_a_warning_is_referred_to():
+    wrong = CLOUD + 0.01 * NOISE
+    wrong[4] += 300.0
+
+    noisy = rows(registered(wrong))["± is"]
+    told = rows(registered(wrong, sigma=0.01))
+
+    assert "from the residuals, which hold more than noise, see the warning: sigma " in noisy
+    assert told["± is"].endswith("of the sigma given and for noise alone: see the warning")
+    assert told["chi-squared"].endswith("p < 1e-300: the residuals are larger than sigma says")
+
+
+def test_a_sigma_that_is_far_too_large_is_told(given):
+    def words(p: float) -> str:
+        made = ChiSquared(value=1.0, dof=30, p=p)
+        return chi2_words(replace(given, fit=replace(given.fit, chi2=made))) or ""
+
+    assert words(1 - 0.9 * SURE_SIGMA).endswith(": the residuals are smaller than sigma says")
+    assert words(1 - 1.1 * SURE_SIGMA).endswith("p = 1")
+    assert rows(registered(CLOUD + 0.01 * NOISE, sigma=1.0))["chi-squared"].endswith("sigma says")
+
+
+def test_small_turns_are_in_arc_seconds_and_large_ones_no_longer_small(given):
+    covariance = covariance_of(given)
+
+    def words(sigma: float) -> str:
+        matrix = np.diag([1.0, 1.0, 1.0, 0.5 * sigma**2, 0.5 * sigma**2, sigma**2])
+        return rotation_words(replace(covariance, matrix=matrix))
+
+    assert words(0.99 * FINE).startswith("25 25 36 arc seconds")
+    assert words(1.01 * FINE).startswith("0.0071 0.0071 0.010 degrees")
+    assert "too large" not in words(0.99 * FIRST_ORDER)
+    loose = words(1.01 * FIRST_ORDER)
+    assert loose.endswith(
+        "too large for a first order: the turn about (0, 0, 1) is hardly determined"
+    )
+
+
+def test_points_almost_on_a_line_say_which_turn_is_loose():
+    line = np.outer(np.arange(12.0), [0.6, 0.0, 0.8]) + 1e-3 * NOISE
+    problem = RegistrationProblem(line, line + 1e-2 * NOISE[::-1], sigma=0.01)
+    told = rows(certify(problem, relaxation=False, simulation=False))
+
+    assert "the turn about (0.6, 0, 0.8) is hardly determined" in told["rotation ±"]
+
+
+def test_where_there_is_none_the_reason_stands_in_its_place(estimated):
+    line = np.outer(np.arange(4.0), [1.0, 2.0, 3.0])
+    circle = certify(RegistrationProblem(line, line, sigma=0.1), simulation=False, relaxation=False)
+    exact = RegistrationProblem(TETRAHEDRON, TETRAHEDRON)
+    rounded = certify(exact, simulation=False, relaxation=False)
+    told = certify(replace_sigma(exact), simulation=False, relaxation=False)
+
+    assert rows(circle) == {"uncertainty": "not known: the optimum is not unique"}
+    none = "not known: the residuals are at rounding and hold no noise: give sigma"
+    assert rows(rounded) == {"uncertainty": none}
+    assert rows(told)["± is"].endswith("of the sigma given")
+    assert f"\n  uncertainty       {none}\n" in registration_summary(rounded)
+    assert not estimated.fit.rounded
+
+
+def replace_sigma(problem: RegistrationProblem) -> RegistrationProblem:
+    return RegistrationProblem(problem.source, problem.target, sigma=0.1)
+
+
+def test_two_digits_are_plain_where_they_can_be():
+    numbers = [0.0, 3e-9, 1e-4, 0.0123, 0.996, 9.96, 123.4, 999999.0, 1e6]
+
+    words = "0 3.0e-09 0.00010 0.012 1.00 10.0 123 999999 1.0e+06"
+    assert two_digits(numbers) == words
+    assert all(
+        float(a) == pytest.approx(b, rel=0.05) for a, b in zip(words.split(), numbers, strict=True)
+    )
+
+
+def test_the_terminal_says_it_in_ascii_and_the_page_as_it_is(given):
+    text = registration_summary(given)
+    page = html_page(Report.of(given)).decode()
+
+    text.encode("ascii")
+    for name, words in uncertainty_rows(given):
+        plain = [part.replace("±", "+/-") for part in (name, words)]
+        assert "\n  {:<17} {}\n".format(*plain) in text
+        assert words.replace("'", "&#39;") in page
+
+
+def test_the_document_and_the_pose_file_hold_the_numbers(given, tmp_path: Path):
+    told = result_document(given)["pose"]["uncertainty"]
+    sigma = np.sqrt(np.diag(covariance_of(given).matrix))
+    source, target = tmp_path / "a.csv", tmp_path / "b.csv"
+    write_csv(source, CLOUD.tolist())
+    write_csv(target, (CLOUD + 0.01 * NOISE).tolist())
+    quick = ("--sigma", "0.01", "--no-relaxation", "--no-simulation")
+
+    assert np.array_equal(told["translation"], sigma[:3])
+    assert np.array_equal(told["rotation_deg"], np.degrees(sigma[3:]))
+    assert told["degrees_of_freedom"] == 30
+    assert certreg("certify", source, target, *quick, "--out", tmp_path / "out").code == 0
+    pose = json.loads((tmp_path / "out" / "pose.json").read_text())
+    assert pose["uncertainty"] == told
+    assert pose["words"] == [f"{name}: {words}" for name, words in uncertainty_rows(given)]
+    assert np.array_equal(pose["T_target_source"], np.loadtxt(tmp_path / "out" / "pose.txt"))
+    judged = certreg("assess", source, target, "--pose", tmp_path / "out" / "pose.json")
+    assert judged.code == 0
+    assert judged.out.startswith("OPTIMAL")
