@@ -83,6 +83,10 @@ def test_worst_rows_have_labels_and_their_residuals():
     assert (result.largest_over_median_residual or 0.0) > outlying.FAR
     assert "row 4 (P4)" in result.warnings[0].text
 
+    also = fit(RegistrationProblem(CLOUD, target, sigma=0.01))
+    assert [one.code for one in also.warnings] == [FitCode.OUTLIER_ROWS, FitCode.CHI2]
+    assert also.outlier_rows == result.outlier_rows == (4,)
+
 
 @pytest.mark.parametrize("misfit", MEASURED, ids=lambda misfit: misfit.name)
 def test_misfits_have_the_right_code(misfit):
