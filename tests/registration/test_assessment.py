@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import re
 from fractions import Fraction
 
 import numpy as np
 import pytest
 import strategies
+from commands import checked
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
@@ -16,8 +18,10 @@ import certreg
 from certreg import RegistrationProblem, assess
 from certreg.certificate.bounds import ExactPose, pose_energy
 from certreg.errors import InvalidProblemError
+from certreg.exact import double_above
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
+from certreg.registration.rounding import rounding_cost
 from certreg.results import PoseVerdict
 
 ROD = [[-1.0, 0, 0], [0, 1e-6, 0], [1, 0, 0], [0.5, 0, 1e-6]]
@@ -222,3 +226,90 @@ def test_the_distance_of_the_centroids_is_a_length_whatever_the_weights(weight):
     found = assess(problem, np.eye(3), np.array([0.3, 0.0, 0.4]))
 
     assert "and the centroids 0.5 apart" in found.words
+
+
+AXIAL = np.vstack([np.diag([3.0, 2, 1]), -np.diag([3.0, 2, 1])])
+
+
+def numbers(words: str, before: str) -> list[float]:
+    """The numbers that stand before a word."""
+    return [float(one) for one in re.findall(rf"([-+.\de]+) {before}", words)]
+
+
+@pytest.mark.parametrize("degrees", [0.0, 1e-4, 0.5, 3.0, 30.0, 89.0, 91.0, 150.0, 180.0])
+@pytest.mark.parametrize("offset", [0.0, 1e9])
+def test_every_angle_in_words_is_the_one_in_the_numbers(degrees: float, offset: float):
+    """About x, the longest axis: the half turn is the index-1 equilibrium, the nearest beyond 90."""
+    problem = RegistrationProblem(AXIAL + offset, AXIAL + offset)
+    c = np.full(3, offset)
+    R = about_x(degrees)
+    found = assess(problem, R, c - R @ c)
+    away, near = (
+        math.degrees(checked(one)) for one in (found.angle_to_optimum, found.nearest_angle)
+    )
+    said = numbers(found.words, "degrees")
+
+    assert away == pytest.approx(degrees, abs=1e-6)
+    assert near == pytest.approx(min(degrees, 180.0 - degrees), abs=1e-6)
+    assert found.nearest_index == (degrees > 90.0)
+    told = {
+        PoseVerdict.OPTIMAL: [],
+        PoseVerdict.NEAR_OPTIMAL: [away],
+        PoseVerdict.SPURIOUS_EQUILIBRIUM: [away],
+        PoseVerdict.NOT_AN_EQUILIBRIUM: [near, away] if degrees > 90.0 else [away],
+    }[found.verdict]
+    assert said == pytest.approx(told, rel=1e-3)
+    if found.verdict is PoseVerdict.NOT_AN_EQUILIBRIUM:
+        nearest = "has index 1, " if degrees > 90.0 else "is the optimum; "
+        assert f"The nearest one {nearest}" in found.words
+        assert "rounding of its numbers" not in found.words
+        above = numbers(found.headline, "and") + numbers(found.headline, "above")
+        assert above == pytest.approx([found.gap_lower, found.gap_upper], rel=1e-8)
+    if found.verdict is PoseVerdict.NEAR_OPTIMAL:
+        within = numbers(found.headline, "degrees")
+        assert within == pytest.approx([math.degrees(checked(found.angle_upper))], rel=1e-2)
+        assert within[0] >= math.degrees(checked(found.angle_upper)) >= away
+    assert "only one" not in found.words
+
+
+def test_a_gap_that_rounding_can_explain_is_told_so():
+    """Doubles near 1e16 are 2 apart: no pose in doubles fits clouds of size 1 there."""
+    problem = RegistrationProblem(AXIAL, AXIAL + 1e16)
+    pose = certreg.certify(problem, relaxation=False, simulation=False).pose
+    shift = pose.translation + np.array([np.spacing(1e16), 0.0, 0.0])
+    found = assess(problem, pose.quaternion_wxyz, shift)
+
+    assert found.verdict is PoseVerdict.NOT_AN_EQUILIBRIUM
+    assert checked(found.gap_upper) <= checked(found.rounding_cost)
+    assert "can cost that much: move the origin to the clouds." in found.words
+
+
+@pytest.mark.parametrize("form", ["rotation", "quaternion_wxyz"])
+def test_rounding_is_that_of_the_optimal_pose_in_the_form_that_was_given(form: str):
+    problem = strategies.random_problem(np.random.default_rng(5), n=6, noise=0.3, offset=10.0)
+    registration = certreg.certify(problem, relaxation=False, simulation=False)
+    objective, pose = registration.solution.objective, registration.pose
+    given_turn = {"rotation": np.eye(3), "quaternion_wxyz": np.eye(4)[0]}[form]
+    found = assess(problem, given_turn, np.array([1e3, 2e5, -3e7]))
+    costs = {
+        name: double_above(rounding_cost(objective, getattr(pose, name), pose.translation))
+        for name in ("rotation", "quaternion_wxyz")
+    }
+
+    assert costs["rotation"] != costs["quaternion_wxyz"]
+    assert found.rounding_cost == costs[form]
+
+
+def test_of_many_optima_the_headline_names_no_angle():
+    square = np.array([[1.0, 1, 0], [-1, 1, 0], [-1, -1, 0], [1, -1, 0], [0, 0, 3], [0, 0, -3]])
+    line = np.outer([-1.0, 0.0, 1.0, 5.0], [0.0, 0.0, 1.0])
+    problem = RegistrationProblem(np.vstack([square, line]), np.vstack([0 * square, line]))
+    good = assess(problem, np.eye(3), np.zeros(3))
+    near = assess(problem, about_x(0.1), np.zeros(3))
+
+    assert good.angle_upper is near.angle_upper is None
+    assert good.headline.startswith("OPTIMAL TO ROUNDING")
+    assert near.headline.startswith("NEAR-OPTIMAL: at most ")
+    assert "degrees" not in good.headline + near.headline
+    assert "It is 0.1 degrees from the nearest optimum" in near.words
+    assert all("The optimum is not the only one: " in one.words for one in (good, near))
