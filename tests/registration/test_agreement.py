@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import math
+from fractions import Fraction
 from importlib import import_module
 
 import numpy as np
 import pytest
 
+from certreg.errors import ContradictionError
 from certreg.problem import RegistrationProblem
 from certreg.registration import certify
 
 AXES = np.vstack([np.diag([3.0, 2.0, 1.0]), -np.diag([3.0, 2.0, 1.0])])
+TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 
 
 @pytest.mark.parametrize("off", ["horn", "arun"])
@@ -21,3 +25,36 @@ def test_the_closed_form_that_ended_farther_is_told(monkeypatch: pytest.MonkeyPa
     found = certify(RegistrationProblem(AXES, AXES), relaxation=False, simulation=False)
 
     assert found.solution.agreement.closed_form == pytest.approx(1e-6)
+
+
+class Quarter:
+    """An objective at which every rotation loses a quarter, a tenth of a radian away."""
+
+    def angle_to_optimum(self, _: object) -> float:
+        return 0.1
+
+    def relative_loss(self, _: object) -> Fraction:
+        return Fraction(1, 4)
+
+
+def test_a_loss_at_the_limit_is_allowed_and_one_beyond_it_is_told_in_degrees():
+    angle_of = import_module("certreg.registration.agreement")._angle
+    identity = np.array([1.0, 0.0, 0.0, 0.0])
+
+    assert angle_of(Quarter(), "a road", identity, 0.25) == 0.1
+    with pytest.raises(ContradictionError, match=r"^a road contradicts .* is 5.73 deg") as caught:
+        angle_of(Quarter(), "a road", identity, math.nextafter(0.25, 0.0))
+    assert type(caught.value.value) is float
+    assert caught.value.value == 0.25
+
+
+@pytest.mark.parametrize("decades", [200, 320])
+def test_weights_that_vanish_from_sums_of_doubles_contradict_nothing(decades: int):
+    """The heavy pair is the centroid of both clouds; all that turns them is lost beside it."""
+    weights = np.array([1.0, *[10.0**-decades] * 6])
+    source = np.vstack([[0.0, 0.0, 0.0], AXES]) + np.array([7.0, 8.0, 9.0])
+    problem = RegistrationProblem(source, source @ TURN.T, weights=weights)
+    found = certify(problem, relaxation=False, simulation=False)
+
+    assert found.solution.agreement.closed_form < 1e-6
+    assert found.certificate is not None

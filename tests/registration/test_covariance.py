@@ -295,3 +295,20 @@ def test_the_worst_residuals_are_the_largest_and_of_equal_ones_the_first(monkeyp
         found = worst_residuals(problem, pose, count)
         assert [one.row for one in found] == expected[:count]
         assert [one.distance for one in found] == [offsets[k] for k in expected[:count]]
+
+
+@pytest.mark.parametrize("n", [3, 4, 12])
+def test_the_variance_factor_is_the_objective_over_its_degrees_of_freedom(n):
+    """3 N - 6 of them; a point of weight zero is none. It scales the covariance if estimated."""
+    rng = np.random.default_rng(n)
+    x, w = rng.normal(size=(n + 1, 3)), np.append(np.full(n, 4.0), 0.0)
+    y = x + 0.1 * rng.normal(size=x.shape)
+    found = covariance_of(RegistrationProblem(x, y, weights=w))
+    given = covariance_of(RegistrationProblem(x[:n], y[:n], sigma=0.5))
+    objective = Isotropic(exact_moments(RegistrationProblem(x, y, weights=w)))
+    factor = float(objective.energy(objective.quaternions[0])) / (3 * n - 6)
+
+    assert found.estimated
+    assert not given.estimated
+    assert found.variance_factor == given.variance_factor == pytest.approx(factor, rel=1e-15)
+    assert found.matrix == pytest.approx(factor * given.matrix, rel=1e-12)

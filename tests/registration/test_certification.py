@@ -1,0 +1,162 @@
+"""What a registration says is what was asked, what was computed, and no more than was accepted."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import replace
+from fractions import Fraction
+from importlib import import_module
+from typing import TYPE_CHECKING, NoReturn
+
+import numpy as np
+import pytest
+from strategies import AXES, BENT, random_problem
+
+from certreg.dynamics import SimulationSettings, optimal_damping
+from certreg.errors import ContradictionError
+from certreg.objective import Isotropic
+from certreg.problem import RegistrationProblem, exact_moments
+from certreg.registration import certify
+from certreg.registration.certification import _final_state, simulated
+from certreg.relaxation.conic import ConicSolution, RelaxationStatus
+from certreg.results import Absent, Optimality, Ruling, Verdict
+
+if TYPE_CHECKING:
+    from certreg.dynamics import Trajectory
+    from certreg.registration import Registration
+
+CERTIFICATION = import_module("certreg.registration.certification")
+TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+PROBLEM = random_problem(np.random.default_rng(4), n=8, noise=0.1, scale=8.0)
+
+
+@pytest.fixture(scope="module")
+def bare() -> Registration:
+    return certify(PROBLEM, relaxation=False, simulation=False)
+
+
+@pytest.fixture(scope="module")
+def whole() -> Registration:
+    return certify(PROBLEM, simulation=SimulationSettings(max_steps=3))
+
+
+def unfinished(registration: Registration) -> Trajectory:
+    trajectory = registration.solution.trajectory
+    assert not isinstance(trajectory, Absent)
+    return trajectory
+
+
+def test_what_is_not_asked_for_is_not_computed(bare: Registration, monkeypatch: pytest.MonkeyPatch):
+    solution = bare.solution
+    nothing = (solution.relaxation, solution.trajectory)
+    assert nothing == (Absent("not asked for"),) * 2
+    assert solution.agreement.absent == dict.fromkeys(("relaxation", "simulation"), nothing[0])
+
+    def computed(*_: object, **__: object) -> NoReturn:
+        raise AssertionError
+
+    monkeypatch.setattr(CERTIFICATION, "relax", computed)
+    monkeypatch.setattr(CERTIFICATION, "run", computed)
+    import_module("certreg.registration").assess(PROBLEM, np.eye(3), np.zeros(3))
+
+
+def test_without_a_simulation_energies_are_per_weight_and_nothing_ended_anywhere(
+    bare: Registration, whole: Registration
+):
+    state = _final_state(unfinished(whole))
+
+    assert bare.solution.energy_unit == bare.solution.moments.total_weight
+    assert not bare.solution.ended_in(state)
+    assert whole.solution.ended_in(state)
+    assert not whole.solution.ended_in(replace(state, exponent=state.exponent + 1))
+
+
+def test_energies_of_a_simulation_are_potential_and_kinetic_in_objective_units(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    run = CERTIFICATION.run
+    few = SimulationSettings(max_steps=3)
+    monkeypatch.setattr(CERTIFICATION, "run", lambda *a, settings: run(*a, settings=few))
+    found = simulated(PROBLEM)
+    one, unit = found.trajectory, exact_moments(PROBLEM).total_weight
+    unit *= Fraction(2) ** (2 * one.length_exponent)
+
+    assert one.kinetic[-1] > 0
+    assert found.energy_unit == unit
+    ends = [float(Fraction(float(one.potential[k] + one.kinetic[k])) * unit) for k in (0, -1)]
+    assert list(found.energies) == ends
+
+
+def test_the_damping_is_that_of_the_fastest_decay_unless_one_is_given(bare: Registration):
+    rod = RegistrationProblem(BENT, BENT)
+    best = optimal_damping(Isotropic(exact_moments(rod)))
+    free, own = (certify(one, relaxation=False, simulation=False) for one in (rod, rod.damped(3.0)))
+
+    assert best != rod.damping
+    assert free.problem.damping == free.solution.problem.damping == best
+    assert own.problem.damping == own.solution.problem.damping == 3.0
+    for registration in (bare, free, own):
+        assert registration.certificate is not None
+        assert registration.certificate.about["damping"] == registration.problem.damping
+
+
+@pytest.mark.parametrize("ruling", [Ruling.REFUTED, Ruling.INCONCLUSIVE])
+def test_nothing_is_certified_that_the_checker_has_not_accepted(bare: Registration, ruling: Ruling):
+    assert bare.status is Optimality.CERTIFIED
+    assert (
+        replace(bare, verdict=Verdict(ruling=ruling, words="")).status is Optimality.NOT_CERTIFIED
+    )
+    assert replace(bare, verdict=None).status is Optimality.NOT_CERTIFIED
+    assert replace(bare, bounds=None).status is Optimality.NOT_CERTIFIED
+
+
+@pytest.mark.parametrize("command", [certify, simulated])
+def test_a_trajectory_below_the_certified_minimum_is_a_contradiction(
+    monkeypatch: pytest.MonkeyPatch, command: object
+):
+    """Below by more than its rounding; by less, as in every run to the end, is none."""
+    run = CERTIFICATION.run
+
+    def sunk(*arguments: object, settings: SimulationSettings) -> Trajectory:
+        trajectory = run(*arguments, settings=settings)
+        return replace(trajectory, potential=trajectory.potential - trajectory.potential[0])
+
+    command(PROBLEM)  # type: ignore[operator]
+    monkeypatch.setattr(CERTIFICATION, "run", sunk)
+    with pytest.raises(ContradictionError, match="below the certified minimum"):
+        command(PROBLEM)  # type: ignore[operator]
+
+
+def test_a_relaxation_without_a_value_says_why(monkeypatch: pytest.MonkeyPatch):
+    def lost(*_: object) -> ConicSolution:
+        return ConicSolution(status=RelaxationStatus.FAILED, said="")
+
+    monkeypatch.setattr(import_module("certreg.relaxation.shor"), "solve", lost)
+    found = certify(PROBLEM, simulation=False).solution
+
+    assert found.relaxation == Absent(RelaxationStatus.FAILED.value)
+    assert found.agreement.stated("relaxation") == found.relaxation
+
+
+def test_phases_take_their_own_seconds(monkeypatch: pytest.MonkeyPatch):
+    ticks = iter(range(0, 1000, 7))
+    monkeypatch.setattr(time, "perf_counter", lambda: float(next(ticks)))
+
+    found = certify(PROBLEM, relaxation=False, simulation=False)
+
+    assert found.timings == {"compute": 7.0, "check": 7.0, "fit": 7.0}
+
+
+def test_the_pose_is_the_optimum_each_number_rounded_once():
+    source = np.array(AXES) + np.array([1.0, 2.0, 3.0])
+    found = certify(
+        RegistrationProblem(source, source @ TURN.T + [5.0, 6.0, 7.0]),
+        relaxation=False,
+        simulation=False,
+    )
+
+    assert found.pose.rotation.tolist() == TURN.tolist()
+    assert found.pose.translation.tolist() == [5.0, 6.0, 7.0]
+    assert found.pose.quaternion_wxyz == pytest.approx([math.sqrt(0.5), 0, 0, math.sqrt(0.5)])
+    assert found.objective == found.rmse == 0.0
