@@ -239,7 +239,7 @@ def numbers(words: str, before: str) -> list[float]:
 @pytest.mark.parametrize("degrees", [0.0, 1e-4, 0.5, 3.0, 30.0, 89.0, 91.0, 150.0, 180.0])
 @pytest.mark.parametrize("offset", [0.0, 1e9])
 def test_every_angle_in_words_is_the_one_in_the_numbers(degrees: float, offset: float):
-    """About x, the longest axis: the half turn is the index-1 equilibrium, the nearest beyond 90."""
+    """About x, the longest axis: the half turn is the index-1 equilibrium, nearest beyond 90."""
     problem = RegistrationProblem(AXIAL + offset, AXIAL + offset)
     c = np.full(3, offset)
     R = about_x(degrees)
