@@ -14,6 +14,7 @@ import strategies
 import sympy
 from flint import arb, ctx
 from hypothesis import given
+from hypothesis import strategies as st
 
 import certreg
 from certreg.equilibrium.batch import solve_many
@@ -58,6 +59,24 @@ def test_form_value_energy_and_best_translation_say_the_same(problem):
     assert energy == isotropic.energy(Q)
     assert energy == energy_at(problem, Q, objective.best_translation(Q))
     assert objective.free_translations == ()
+
+
+@given(strategies.problems(), st.tuples(*[st.integers(-9, 9)] * 4).filter(any))
+def test_a_loss_is_the_share_of_the_range_of_energies_above_the_least(problem, q):
+    objective = Isotropic(exact_moments(problem))
+    best, worst = (objective.energy(objective.quaternions[k]) for k in (0, -1))
+    share = (objective.energy(q) - best) / (worst - best) if worst > best else 0
+
+    assert objective.relative_loss(q) == pytest.approx(float(share), rel=1e-9, abs=1e-12)
+
+
+@given(strategies.problems())
+def test_the_size_is_the_largest_entry_or_the_spread_or_a_unit(problem):
+    objective = Isotropic(exact_moments(problem))
+    moments = objective.moments
+    largest = moments.cross_unit * max(abs(e) for row in objective.davenport for e in row)
+
+    assert objective.size == (largest or moments.spread or moments.cross_unit) > 0
 
 
 @pytest.mark.parametrize("specimen", strategies.ZOO, ids=lambda s: s.name)

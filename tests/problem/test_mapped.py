@@ -10,6 +10,7 @@ import strategies
 
 from certreg import RegistrationProblem
 from certreg.errors import InvalidProblemError
+from certreg.problem import problem as stating
 from certreg.problem.exact_sums import SumMethod, sums_by
 from certreg.problem.problem import BLOCK_POINTS, mapped_file
 
@@ -122,6 +123,22 @@ def test_a_file_that_is_spoilt_meanwhile_is_noticed(tmp_path, cloud, name, value
     for method in SumMethod:
         with pytest.raises(InvalidProblemError, match="was changed"):
             sums_by(method, mapped)
+
+
+@pytest.mark.parametrize("block", [1, 5, 1 << 16])
+@pytest.mark.parametrize(
+    ("name", "value"), [("source", np.nan), ("target", np.inf), ("weights", -1.0)]
+)
+def test_the_row_that_was_spoilt_meanwhile_is_named(tmp_path, monkeypatch, name, value, block):
+    problem = strategies.random_problem(np.random.default_rng(5), n=12)
+    mapped = mapped_problem(tmp_path, problem)
+    writable = np.load(tmp_path / f"{name}.npy", mmap_mode="r+")
+    writable[7] = value
+    monkeypatch.setattr(stating, "BLOCK_POINTS", block)
+
+    with pytest.raises(InvalidProblemError, match="was changed") as refusal:
+        sums_by(SumMethod.LIMBS, mapped)
+    assert (refusal.value.array, refusal.value.row) == (name, 7)
 
 
 def test_equal_weights_take_the_place_of_one():

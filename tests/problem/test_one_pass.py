@@ -251,6 +251,20 @@ def test_an_origin_far_from_the_mean_of_one_cloud_costs_no_digits(far):
     assert distance_to_exact(problem, found)[0] <= 2e-15 * size
 
 
+@pytest.mark.parametrize("wide", ["source", "target"])
+def test_points_further_apart_than_the_doubles_keep_their_digits(wide):
+    rng = np.random.default_rng(7)
+    x, y = rng.normal(size=(2, 40, 3))
+    points = x if wide == "source" else y
+    points[:] = 1e307 * points - 1.2e308
+    points[::3] *= -1.0
+    problem = certreg.RegistrationProblem(x, y)
+    found = floating_moments(problem)
+    error, bound = distance_to_exact(problem, found)
+
+    assert error <= bound < 1e-11 * np.abs(found.cross_covariance).max()
+
+
 @given(st.integers(0, 2**32), st.sampled_from([-150, 0, 150]), st.integers(1, 40))
 def test_scaling_and_order_and_shift_change_nothing_but_rounding(seed, decades, n):
     rng = np.random.default_rng(seed)
@@ -389,8 +403,9 @@ def test_the_row_is_counted_over_all_chunks(which, bad, monkeypatch):
     small_chunks(monkeypatch)
     arrays = pair(5000)
     arrays[which][4321] = bad
-    with pytest.raises(InvalidProblemError, match=r"^(source|weights) row 4321 "):
+    with pytest.raises(InvalidProblemError, match=r"^(source|weights) row 4321 ") as refusal:
         certreg.register(*arrays)
+    assert refusal.value.row == 4321
 
 
 @pytest.mark.parametrize(

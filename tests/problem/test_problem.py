@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from certreg.errors import InvalidProblemError
+from certreg.problem import problem as stating
 from certreg.problem.problem import DIGEST_PREFIX, RegistrationProblem, lift, weight_of_sigma
 
 CLOUD = [[0.0, 0, 0], [1, 0, 0], [0, 2, 0]]
@@ -83,8 +84,12 @@ def test_clouds_of_other_libraries_are_taken_by_their_points_or_vertices():
     class Mesh:
         vertices = CLOUD
 
+    class Sampled(PointCloud):
+        vertices = CLOUD[:2]
+
     expected = RegistrationProblem(CLOUD, CLOUD).digest()
     assert RegistrationProblem(PointCloud(), Mesh()).digest() == expected
+    assert RegistrationProblem(Sampled(), Mesh()).digest() == expected
 
 
 def test_sigma_per_point_gives_a_weight_per_point():
@@ -137,3 +142,35 @@ def test_bad_input_is_refused_with_what_where_and_remedy(arguments, words):
     with pytest.raises(InvalidProblemError, match=words) as refusal:
         RegistrationProblem(**({"source": CLOUD, "target": CLOUD} | arguments))
     assert "\n" not in str(refusal.value)
+
+
+LONG = np.arange(36.0).reshape(12, 3)
+FAULT = 7  # the row
+
+
+def spoilt(array: np.ndarray, value: float) -> np.ndarray:
+    array = array.copy()
+    array[FAULT] = value
+    return array
+
+
+@pytest.mark.parametrize("block", [1, 5, 1 << 16])
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("source", spoilt(LONG, np.nan)),
+        ("target", spoilt(LONG, -np.inf)),
+        ("source", spoilt(LONG.astype(np.int64), 2**60 + 1)),
+        ("weights", spoilt(np.ones(12), -1.0)),
+        ("weights", spoilt(np.ones(12), np.inf)),
+        ("sigma", spoilt(np.ones(12), 0.0)),
+    ],
+)
+def test_the_row_at_fault_is_named_wherever_blocks_begin(name, values, block, monkeypatch):
+    monkeypatch.setattr(stating, "BLOCK_POINTS", block)
+    with pytest.raises(InvalidProblemError) as refusal:
+        RegistrationProblem(**({"source": LONG, "target": LONG} | {name: values}))
+
+    error = refusal.value
+    assert (error.array, error.row) == (name, FAULT)
+    assert np.array_equal(error.value, values[FAULT], equal_nan=True)
