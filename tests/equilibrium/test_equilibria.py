@@ -11,6 +11,8 @@ from rotations import turned
 
 import certreg
 from certreg import RegistrationProblem
+from certreg.equilibrium import presentation
+from certreg.equilibrium.spectral import by_eigenspaces
 from certreg.equilibrium.stability import Curvature, spring_ratios
 from certreg.exact.eigenbasis import integer_eigenbasis
 from certreg.geometry.so3 import angle_between, davenport_matrix, dot, quaternion_from_matrix
@@ -190,11 +192,41 @@ def test_the_twelve_eigenvalues_are_those_of_the_point_wise_dynamics(damping):
 
 @pytest.mark.parametrize("specimen", strategies.ZOO, ids=lambda s: s.name)
 def test_unstable_eigenvalues_are_as_many_as_the_index_in_every_row(specimen):
-    for component in certreg.equilibria(specimen.problem).components:
+    found = certreg.equilibria(specimen.problem)
+    for component in found.components:
+        assert (component.eigenvalues is None) != found.classification.inertia_definite
         if component.eigenvalues is not None:
             zeros = (component.eigenvalues == 0).sum()
             assert (component.eigenvalues.real > 0).sum() == component.unstable_eigenvalues
             assert zeros == component.kind.dimension
+
+
+@pytest.mark.parametrize("specimen", strategies.ZOO, ids=lambda s: s.name)
+def test_the_curvature_is_the_hessian_of_the_energy_at_every_component(specimen):
+    """G = 2 tr(R^T C) I - R^T C - C^T R, in orthonormal directions."""
+    w, x, y = centred(specimen.problem)
+    C = (w * y).T @ x
+    objective = Isotropic(exact_moments(specimen.problem))
+    critical = by_eigenspaces(objective)
+    unit = float(objective.moments.cross_unit) * 2.0**objective.shift
+    frame = presentation._Frame.of(critical, objective)
+    for k, part in enumerate(critical.components):
+        aligned = presentation.rotation_double(part.quaternion).T @ C
+        hessian = 2 * np.trace(aligned) * np.eye(3) - aligned - aligned.T
+        found = presentation._curvature(frame, k)
+
+        assert np.abs(unit * found.matrix - hessian).max() <= 1e-13 * max(1.0, np.abs(C).max())
+        assert np.abs(found.directions.T @ found.directions - np.eye(3)).max() < 1e-14
+
+
+def test_gaps_below_the_doubles_keep_their_signs():
+    """C = diag(1, 10^-400, 9 10^-400): the relative margin is below the least double."""
+    cloud = np.diag([1.0, 1e-200, 3e-200])
+    cloud = np.vstack([cloud, -cloud])
+    found = certreg.equilibria(RegistrationProblem(cloud, cloud))
+
+    assert 0.0 < found.margin.relative < 1e-300
+    assert [c.witness is None for c in found.components] == [True, False, False, False]
 
 
 @given(strategies.problems())

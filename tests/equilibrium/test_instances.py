@@ -21,7 +21,7 @@ from certreg.geometry.so3 import davenport_matrix, rotation_matrix
 from certreg.native import stationary
 from certreg.native.engine import current_engine
 from certreg.native.evaluator import evaluator
-from certreg.native.layout import plain
+from certreg.native.layout import plain, symmetric
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
@@ -375,6 +375,47 @@ def test_eigenvalues_are_as_near_as_the_bound_says(machine):
             scale = exact.moments.total_weight * Fraction(2) ** int(exponents)
             for value, expected in zip(found.values[k].tolist(), exact.eigenvalues, strict=True):
                 assert abs(Fraction(value) - expected / scale) <= Fraction(float(bound[k]))
+
+
+@pytest.mark.parametrize("points", [4, 1000])
+@pytest.mark.parametrize("thin", [1.0, 1e-3])
+def test_the_bounds_are_what_their_proof_adds_up(points, thin):
+    """Line by line of the module's proof; errors seen are far smaller, and show no constant."""
+    rng = np.random.default_rng(points)
+    turn = np.array(rotation_matrix((0.5, -0.1, 0.7, 0.5)))
+    sources = rng.normal(size=(3, points, 3)) * [1.0, thin, thin] @ turn.T
+    found = instances.stationary_poses(
+        instances.clouds(sources, sources + 0.1 * rng.normal(size=sources.shape), None)
+    )
+    bounds, u = instances.Bounds.of(found, points), 2.0**-53
+    g = (points + 8) * u / (1 - (points + 8) * u)
+    for k in range(3):
+        square, other = (float(found.spreads[name][k]) for name in ("source", "target"))
+        entries: Any = found.cross[k].reshape(3, 3)
+        size = np.linalg.norm(davenport_matrix(entries))
+        formed = np.sqrt(3) * 5 * g * np.sqrt(square * other)
+        own = 40 * u * (size + np.linalg.norm(found.values[k]))
+        B = formed + found.residual[k] + own
+        minors = np.linalg.eigvalsh(symmetric(found.scatter[k]))
+        e = minors[0] * minors[1] + minors[0] * minors[2] + minors[1] * minors[2]
+        j = e / square - 2 * 5 * g * square
+        off = (2 * B + 2**8 * u * size * (1 + np.sqrt(2 * square / j))) / j
+
+        assert B <= bounds.eigenvalue[k] <= 1.002 * B
+        assert off * (1 - 1e-6) <= bounds.ratio[k] <= 1.01 * off
+
+
+def test_the_bounds_are_those_of_as_many_points_as_there_are(monkeypatch):
+    seen, proved = [], instances.Bounds.of
+
+    def watched(found: StationaryPoses, points: int) -> instances.Bounds:
+        seen.append(points)
+        return proved(found, points)
+
+    monkeypatch.setattr(instances.Bounds, "of", watched)
+    solve_many(**some(2, n=7))
+    solve_many(np.eye(5, 3), np.eye(5, 3))
+    assert seen == [7, 5]
 
 
 @pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: specimen.name)

@@ -11,6 +11,7 @@ import strategies
 from commands import certreg, checked, write_csv
 
 import certreg as package
+from certreg.equilibrium import methods
 from certreg.equilibrium.critical_set import Completeness
 from certreg.equilibrium.groebner import eliminate, fibres
 from certreg.equilibrium.homotopy import EigenBalls, HomotopyStatus, continuation
@@ -19,7 +20,7 @@ from certreg.equilibrium.methods import METHODS, compare, search
 from certreg.equilibrium.presentation import unit_double
 from certreg.errors import ContradictionError, UndecidedError
 from certreg.exact.balls import exact_matrix
-from certreg.geometry.so3 import davenport_matrix
+from certreg.geometry.so3 import davenport_matrix, dot
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
@@ -193,6 +194,59 @@ def test_a_list_in_doubt_may_only_take_neighbours_together():
     assert compare([first, doubtful]).angle == 0.0
     with pytest.raises(ContradictionError, match="disagree"):
         compare([other, dataclasses.replace(first, completeness=None, doubt="in doubt")])
+
+
+def test_a_value_that_differs_is_seen_where_there_is_only_one():
+    first, *_ = critical_sets(strategies.ZOO[-1].problem)  # every rotation is optimal
+    assert first.pattern == (4,)
+    with pytest.raises(ContradictionError, match="disagree"):
+        compare([first, changed(first, value=lambda _, part: part.value + 1)])
+
+
+@pytest.mark.parametrize(
+    ("coarse", "fine", "merged"),
+    [
+        ((2, 2), (1, 1, 1, 1), True),
+        ((1, 3), (1, 2, 1), True),
+        ((4,), (1, 3), True),
+        ((1, 2, 1), (1, 2, 1), True),
+        ((2, 2), (1, 2, 1), False),
+        ((1, 3), (3, 1), False),
+        ((2, 1, 1), (1, 1, 2), False),
+        ((1, 1, 2), (2, 2), False),
+    ],
+)
+def test_a_pattern_is_merged_from_another_where_its_borders_are_borders_there(coarse, fine, merged):
+    assert methods._merges(coarse, fine) == merged
+
+
+def unit_spans(found):
+    """The largest difference of a span's entries from an orthonormal one's, in its last places."""
+    unit, off = 1 << 2 * found.bits, 0
+    for part in found.components:
+        for i, v in enumerate(part.span):
+            for j, u in enumerate(part.span):
+                off = max(off, abs(dot(v, u) - unit * (i == j)))
+    return off >> found.bits
+
+
+@pytest.mark.parametrize("specimen", strategies.ZOO[::3], ids=lambda s: s.name)
+def test_spans_are_orthonormal_in_the_bits_that_they_state(specimen):
+    for found in critical_sets(specimen.problem):
+        assert unit_spans(found) < 1 << (12 if found.complete else found.bits - 45)
+
+
+@pytest.mark.parametrize("cut", [1, 40, 60])
+@pytest.mark.parametrize("order", [1, -1])
+def test_lists_of_different_precision_are_compared_in_the_coarser_one(cut, order):
+    first, second, _ = critical_sets(strategies.ZOO[4].problem)
+    coarse = dataclasses.replace(
+        changed(second, span=lambda _, part: tuple(tuple(e >> cut for e in v) for v in part.span)),
+        bits=second.bits - cut,
+    )
+    last_place = 2.0 ** -min(first.bits, coarse.bits)
+
+    assert compare([first, coarse][::order]).angle <= 100 * last_place
 
 
 def test_a_list_is_as_sure_as_its_least_sure_component():

@@ -3,6 +3,7 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 
+from flint import arb, ctx
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -48,6 +49,7 @@ def test_doubles_above_and_below_enclose_the_value(value):
 def test_the_nearest_double_is_none_only_outside_the_doubles(value):
     nearest = nearest_double(value)
 
+    assert nearest != 0.0
     if nearest is None:
         assert value > Fraction(1.7e308) or value < Fraction(5e-324)
     else:
@@ -86,6 +88,15 @@ def test_the_angle_bound_is_an_upper_bound_and_close(sin2):
 
     assert math.sin(min(bound, math.pi) / 2) ** 2 >= float(sin2) * (1 - 1e-11)
     assert bound <= 2 * math.asin(math.sqrt(float(sin2))) * (1 + 1e-11) + 1e-300
+
+
+def test_the_angle_bound_is_above_the_angle_to_the_last_bit():
+    """sin^2 of doubles and of numbers between them, by ball arithmetic."""
+    with ctx.workprec(200):
+        for k in range(1, 400):
+            sin2 = Fraction(k, 401) ** (1 + k % 7)
+            exact = 2 * (arb(sin2.numerator) / sin2.denominator).sqrt().asin()
+            assert arb(half_angle_bound(sin2)) > exact
 
 
 def test_the_angle_bound_never_exceeds_half_a_turn():

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from math import isqrt
+
 import pytest
 
-from certreg.exact.spaces import MAX_BITS, START_BITS, Space, resolved
+from certreg.exact.spaces import MAX_BITS, START_BITS, Resolution, Space, resolved
 from certreg.verify import DIGITS_MAX
 
 SPARE = 32  # bits: the rounding of all the rotations of a run takes 20
@@ -29,6 +31,28 @@ def test_a_pose_keeps_bits_to_spare_below_what_narrow_gaps_lose(gap: int):
     assert found.bits >= found.pose_bits + gap + SPARE - 1
     assert found.pose_bits >= gap
     assert found.bits <= MAX_BITS
+
+
+@pytest.mark.parametrize("noise", [0, 1, -3])
+def test_a_representative_is_a_half_turn_where_only_rounding_reaches_the_identity(noise: int):
+    """The span of x + y and z, with a few last places of w."""
+    bits, root = START_BITS, isqrt(1 << 2 * START_BITS - 1)
+    space = Space(values=(0, 0), vectors=((noise, root, root, 0), (-noise, 0, 0, 1 << bits)))
+    found = Resolution(spaces=(space,), bits=bits, pose_bits=64)
+    expected = (0, 0, 0, 1 << 64)
+
+    assert all(abs(a - b) <= 8 for a, b in zip(found.quaternions[0], expected, strict=True))
+
+
+def test_a_representative_is_nearest_to_the_identity_where_a_member_reaches_it():
+    """The span of w + x and y: of all unit members (w + x) / sqrt 2 has the largest w."""
+    bits, root = START_BITS, isqrt(1 << 2 * START_BITS - 1)
+    space = Space(values=(0, 0), vectors=((-root, -root, 0, 0), (0, 0, 1 << bits, 0)))
+    (found,) = Resolution(spaces=(space,), bits=bits, pose_bits=64).quaternions
+
+    assert found[0] == found[1]
+    assert abs(found[0] - isqrt(1 << 127)) <= 1
+    assert found[2:] == (0, 0)
 
 
 @pytest.mark.parametrize("gap", [0, 7000, 12000])
