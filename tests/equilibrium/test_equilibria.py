@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -57,6 +58,17 @@ def test_the_margin_is_that_of_the_eigenvalues():
     assert found.margin.eigenvalue_gap == pytest.approx(20.0)
     assert found.margin.relative == pytest.approx(20.0 / 52.0)
     assert [c.energy for c in found.components] == pytest.approx([0.0, 40.0, 80.0, 104.0], abs=1e-9)
+
+
+@pytest.mark.parametrize(("margin", "near"), [(0.999e-3, True), (1e-3, False), (0.0, True)])
+def test_an_optimum_is_nearly_ambiguous_below_a_thousandth_of_the_range(margin, near):
+    found = certreg.equilibria(strategies.ZOO[0].problem)
+    narrow = replace(found, margin=replace(found.margin, relative=margin))
+    several = certreg.equilibria(strategies.ZOO[-1].problem)
+
+    assert narrow.nearly_ambiguous == near
+    assert several.margin.relative == several.margin.eigenvalue_gap == 0.0
+    assert not several.nearly_ambiguous
 
 
 def test_rates_that_rounding_would_drown_are_not_given():

@@ -1,0 +1,182 @@
+"""Steps, units and notes of a run: beside what they are defined by, on both sides of each limit."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from rotations import saddle_start
+from strategies import ZOO, random_problem
+
+from certreg.dynamics import simulation
+from certreg.dynamics.basin import SMALLEST_BARRIER, basins_of, certified_basin
+from certreg.dynamics.batch import bodies_of
+from certreg.dynamics.body import body_of, start_at_rest, state_at_rest
+from certreg.dynamics.integrators import (
+    EULER_STEP,
+    SimulationSettings,
+    spring_ratios,
+    step_parameters,
+)
+from certreg.dynamics.simulation import optimal_damping, simulate
+from certreg.errors import DegenerateProblemError
+from certreg.geometry.so3 import rotation_matrix
+from certreg.native.layout import BODY
+from certreg.native.loops import Integrator
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
+
+ANY_STEP = SimulationSettings(least_step=0.0)
+
+
+def objective_of(problem: RegistrationProblem) -> Isotropic:
+    return Isotropic(exact_moments(problem))
+
+
+def steps_of(objective, damping, integrator, settings=ANY_STEP):
+    moving = body_of(objective.moments, damping)
+    basin = certified_basin(objective, moving.length_exponent)
+    records = moving.record[None], basin.record[None]
+    return step_parameters(integrator, *records, settings)[0]
+
+
+@pytest.mark.parametrize("damping", [0.05, 0.5, 2.8, 10.0, 1e3])
+@pytest.mark.parametrize("noise", [0.01, 1.0])
+def test_an_euler_step_is_at_most_a_quarter_of_the_largest_stable_one(damping, noise):
+    """I + h A contracts a mode s where h < -2 Re(s) / |s|^2; at the optimum, all of them."""
+    objective = objective_of(random_problem(np.random.default_rng(3), noise=noise))
+    moving = body_of(objective.moments, damping)
+    basin = certified_basin(objective, moving.length_exponent)
+    turn = np.array(rotation_matrix(basin.optimum.tolist()))
+    modes = np.linalg.eigvals(moving.intrinsic_jacobian(state_at_rest(turn)))
+    largest = (-2.0 * modes.real / np.abs(modes) ** 2).min()
+    h = steps_of(objective, damping, Integrator.EULER)["h"]
+
+    assert 0.0 < h <= min(EULER_STEP, largest / 4)
+    assert h == EULER_STEP or h > largest / 200
+
+
+@pytest.mark.parametrize(
+    ("integrator", "most"), [(Integrator.MIDPOINT, 1000.0), (Integrator.SPLITTING, 1.0)]
+)
+@pytest.mark.parametrize("share", [0.3, 0.99, 3.0, 999.0, 5000.0])
+def test_a_step_that_is_given_is_taken_up_to_so_many_of_the_integrators_own(
+    integrator, most, share
+):
+    objective = objective_of(random_problem(np.random.default_rng(3), noise=0.3))
+    own = steps_of(objective, 2.0, integrator)["h"]
+    given = SimulationSettings(step=float(share * own))
+
+    assert steps_of(objective, 2.0, integrator, given)["h"] == pytest.approx(min(share, most) * own)
+
+
+@pytest.mark.parametrize("damping", [1e-3, 2.0, 50.0])
+def test_a_splitting_step_has_the_decay_and_the_impulse_of_its_length(damping):
+    objective = objective_of(random_problem(np.random.default_rng(3), noise=0.3))
+    step = steps_of(objective, damping, Integrator.SPLITTING)
+    h = float(step["h"])
+    moving = body_of(objective.moments, damping)
+    basin = certified_basin(objective, moving.length_exponent)
+    stiffest = spring_ratios(moving.record[None], basin.record[None]).max()
+
+    assert h == pytest.approx(0.8 * math.sqrt(2.0 / max(2.0, stiffest)))
+    assert step["decay"] == pytest.approx(math.exp(-damping * h))
+    assert step["impulse"] == pytest.approx((1.0 - math.exp(-damping * h)) / damping)
+
+
+@pytest.mark.parametrize("power", [-401, -40, -3, 5, 60, 399])
+def test_the_unit_of_length_changes_nothing_that_moves(power):
+    """Clouds times a power of two: body, basin, start and ways are the same doubles."""
+    plain = random_problem(np.random.default_rng(5), offset=3.0, noise=0.2)
+    scaled = RegistrationProblem(
+        np.ldexp(plain.source, power), np.ldexp(plain.target, power), weights=plain.weights
+    )
+    one, other = objective_of(plain), objective_of(scaled)
+    body, large = body_of(one.moments, 2.0), body_of(other.moments, 2.0)
+    basin = certified_basin(one, body.length_exponent)
+    grown = certified_basin(other, large.length_exponent)
+
+    assert large.length_exponent == body.length_exponent + power
+    assert 0.25 <= body.spread < 4.0
+    for name in BODY.names or ():
+        assert (large.record[name] == body.record[name]).all(), name
+    assert (grown.gaps == basin.gaps).all()
+    starts = [start_at_rest(o.moments, b.length_exponent) for o, b in ((one, body), (other, large))]
+    assert (starts[0] == starts[1]).all()
+    assert optimal_damping(other) == optimal_damping(one)
+
+
+@pytest.mark.parametrize("power", [-300, 0, 300])
+def test_the_bodies_of_a_batch_are_in_a_unit_near_their_size(power):
+    problem = random_problem(np.random.default_rng(5), offset=3.0, noise=0.2)
+    bodies = bodies_of(np.ldexp(problem.source, power), np.ldexp(problem.target, power))
+    (spread,) = bodies.records["spread"]
+
+    assert 0.25 <= spread <= 4.0
+    assert abs(int(bodies.length_exponents[0]) - power) <= 3
+
+
+def test_basins_are_given_down_to_the_smallest_barrier():
+    values = np.array([[1.0, 0.0, -0.5, -0.5]])
+    unit = np.full((1, 1), SMALLEST_BARRIER)
+
+    assert (basins_of(np.eye(4)[None], values, 1.001 * unit)["gaps"][:, 1:] > 0.0).all()
+    with pytest.raises(DegenerateProblemError, match="instance 0 differ"):
+        basins_of(np.eye(4)[None], values, 0.999 * unit)
+    assert SMALLEST_BARRIER * 1e-3**2 * 1e-12 > 2.0**-1022  # squares of angles, and their rounding
+
+
+@pytest.mark.parametrize(("kick", "told"), [(0.49, False), (0.51, True)])
+def test_kicks_are_told_of_from_half_a_radian_on(kick, told):
+    objective = objective_of(random_problem(np.random.default_rng(5)))
+    start = saddle_start(objective, 1, 0.0, [1.0, 0.0, 0.0])
+    settings = SimulationSettings(first_perturbation=kick)
+    run = simulate(objective, 2.8, Integrator.SPLITTING, start=start, settings=settings)
+
+    assert run.escapes == 1
+    assert any(f"up to {math.degrees(kick):.0f} degrees" in note for note in run.notes) == told
+    assert any("1 kicks" in note for note in run.notes) == told
+
+
+def test_kicks_add_up_to_what_each_of_them_turned():
+    """0.03 and then ten times that, 0.3, and then one radian, the largest: 1.33 radians."""
+    objective = objective_of(random_problem(np.random.default_rng(5)))
+    start = saddle_start(objective, 1, 0.0, [1.0, 0.0, 0.0])
+    slow = SimulationSettings(first_perturbation=0.03, max_steps=2, speed_tolerance=1e3)
+    run = simulate(objective, 1e4, Integrator.SPLITTING, start=start, settings=slow)
+    total = sum([0.03, 0.3, 1.0][: run.escapes])
+
+    assert run.escapes >= 2
+    assert (total > 0.5) == any(f"{math.degrees(total):.0f} degrees" in n for n in run.notes)
+
+
+@pytest.mark.parametrize("specimen", ZOO[::2], ids=lambda s: s.name)
+def test_a_rate_is_given_where_the_optimum_is_unique(specimen):
+    objective = objective_of(specimen.problem)
+    if not objective.classification.inertia_definite:
+        return
+    run = simulate(objective, 2.0, Integrator.SPLITTING)
+
+    assert (run.predicted_rate is not None) == objective.classification.unique
+    if run.predicted_rate is None:
+        assert run.decay_rate is None
+        assert run.stated("decay_rate") is run.stated("predicted_rate") is simulation.NO_RATE
+
+
+@pytest.mark.parametrize("rate", [0.2, 1.5])
+def test_the_measured_rate_is_half_the_slope_of_the_energy_in_its_tail(rate):
+    """Of an energy that falls twice as fast before a thousandth is left, and rests at rounding."""
+    objective = objective_of(random_problem(np.random.default_rng(5), noise=0.0))
+    body = body_of(objective.moments, 2.0)
+    basin = certified_basin(objective, body.length_exponent)
+    turn = np.array(rotation_matrix(basin.optimum.tolist()))
+    least = body.energies(state_at_rest(turn)).potential
+    times = np.arange(400.0) * 0.05 / rate
+    knee = math.log(1000.0) / (4.0 * rate)
+    above = np.exp(-4.0 * rate * np.minimum(times, knee) - 2.0 * rate * np.maximum(0, times - knee))
+    energy = least + body.spread * np.maximum(above, 0.9e-13)
+
+    assert simulation._decay_rate(times, energy, body, basin) == pytest.approx(rate, rel=1e-3)
+    assert simulation._decay_rate(times[:38], energy[:38], body, basin) is None
