@@ -30,7 +30,7 @@ from certreg.io.poses import parse_pose
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-ALL = 1_080_000
+ALL = 1_600_000
 PATIENCE = 2.0  # seconds of processor time for one input; most have a few hundred bytes
 MEMORY = 200 << 20  # bytes by which the peak may grow
 LONGEST = 4096  # bytes of an input
@@ -50,16 +50,31 @@ MESH = [
 ]
 KINDS = ("ascii", "binary_little_endian", "binary_big_endian")
 DATA = ("ascii", "binary", "binary_compressed")
+OTHERS = Path(__file__).parent / "io" / "data"  # that other programs wrote
+NAMED = ("vertex", [("int", "label"), *(("float", a) for a in ("x", "y", "z", "sigma"))])
 CSV = [b"x,y,z\n1,2,3\n4,5,6\n", b'label,x,y,z,r\n"a, b",1,2,3,0\nc,4e1,-5,.6,1\n', b"1,2,3\r\n"]
+CSV += [b"Point;N;E;H;weight\na;1,5;2;3;0\nb;4;5,25;6;1\n", b"P1,1,2,3\n", b"1;2;3\n"]
 TXT = [b"# by hand\n1 2 3\n4\t5 6e-1\n", b"1, 2, 3, 9\n4,5,6,8\n"]
+TXT += [b"//X Y Z R\n1 2 3 9\n", b"P1 1 2 3\nP2 4 5 6 \n", b"label n e h sigma\n1 2 3 4 5\n"]
+PTS = [b"2\n1 2 3 -100 255 0 0\n4 5 6 -90 1 2 3\n", *TXT]
+OBJ = [b"# o\nv 1 2 3\nv 4 5 6 1\nv 7 8 9 1 0 0\nvn 0 0 1\nf 1//1 2/1/1 -1\nl 1 2\n"]
 XYZ = [b"2\nwater, cut\nO 0 0 0\nH 1 0.5 -1e-1 7\n", *TXT]
 PLY = [files.ply(MESH, kind) for kind in KINDS] + [files.xyz_ply(POINTS, kind) for kind in KINDS]
+PLY += [files.ply([(*NAMED, [[3, 1, 2, 3, 0.5], [4, 5, 6, 7, 2]])], kind) for kind in KINDS]
 PCD = [files.pcd(f, r, d) for f, r in ((FLOATS, POINTS), (MORE, ROWS)) for d in DATA]
 NPY = [files.npy(np.array(POINTS).astype(t)) for t in ("<f8", ">f4", "<i8", "u1", "f2")]
 NPZ = [
     files.npz({"points": POINTS, "w": [1.0, 2.0]}, method)
     for method in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 ]
+OBJ += [file.read_bytes() for file in sorted(OTHERS.glob("*.obj"))]
+STL = [file.read_bytes() for file in sorted(OTHERS.glob("*.stl"))]
+STL += [b"solid a\n" + STL[-1].partition(b"\n")[2]]
+LAS = [(OTHERS / "laspy.las").read_bytes()]  # of .laz, each takes a process: fewer, elsewhere
+ATOM = b"ATOM      1  CA  LEU A  17A    -16.594  -4.293  -3.408  1.00 20.00           C  \n"
+PDB = [ATOM + b"END\n", b"MODEL        1\n" + ATOM + b"ENDMDL\nEND\n"]
+PDB += [(OTHERS / "gemmi.pdb").read_bytes()]
+CIF = [(OTHERS / "gemmi.cif").read_bytes()]
 POSE = [
     b"1 0 0 5\n0 1 0 6\n0 0 1 7\n0 0 0 1\n",
     b"1 0 0 0 5 6 7\n",
@@ -120,7 +135,9 @@ def pairs(suffix: str) -> Callable[[io.BytesIO], None]:
     def parse(stream: io.BytesIO) -> None:
         found = parse_pairs(stream, Path(f"fuzz{suffix}"), (3, 2))
         assert found.dtype == np.int64
-        assert found.shape in {(1, 2), (2, 2)}
+        assert found.ndim == 2
+        assert found.shape[1] == 2
+        assert len(found) > 0
         assert (found >= 0).all()
         assert (found < [3, 2]).all()
 
@@ -133,6 +150,12 @@ READERS = {
     "xyz": cloud(".xyz", XYZ),
     "ply": cloud(".ply", PLY),
     "pcd": cloud(".pcd", PCD),
+    "pts": cloud(".pts", PTS),
+    "obj": cloud(".obj", OBJ),
+    "pdb": cloud(".pdb", PDB),
+    "stl": cloud(".stl", STL),
+    "las": cloud(".las", LAS),
+    "cif": cloud(".cif", CIF),
     "npy": cloud(".npy", NPY),
     "npz": cloud(".npz", NPZ),
     "pose": Reader(pose, POSE, "fuzz.pose"),

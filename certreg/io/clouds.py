@@ -12,19 +12,25 @@ import numpy as np
 
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import write_atomically
+from certreg.io.cif import parse_cif
 from certreg.io.labels import (
     Match,
+    classes_note,
     csv_field,
     require_same_order,
     rows_by_label,
     unused_labels_note,
 )
 from certreg.io.noise import noise_of_columns
-from certreg.io.npy import parse_array, read_array, write_array
+from certreg.io.npy import doubles, parse_array, read_array, write_array
 from certreg.io.npz import parse_npz
+from certreg.io.optional import unknown_format
 from certreg.io.pairs import read_pairs, repeated_rows_note
 from certreg.io.pcd import parse_pcd
 from certreg.io.ply import parse_ply, write_ply
+from certreg.io.scans import parse_e57, parse_las
+from certreg.io.standard_input import is_standard_input, standard_input
+from certreg.io.stl import parse_stl
 from certreg.io.streams import reading
 from certreg.io.text import TEXT_FORMATS, notes_on, parse_points, read_numbers
 from certreg.problem import (
@@ -42,10 +48,21 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from certreg.io.parsed import Parsed
+
     Motion = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
-PARSERS = {".ply": parse_ply, ".pcd": parse_pcd, ".npz": parse_npz}
-FORMATS = (*TEXT_FORMATS, ".ply", ".pcd", ".npy", ".npz")
+PARSERS = {
+    ".ply": parse_ply,
+    ".pcd": parse_pcd,
+    ".npz": parse_npz,
+    ".stl": parse_stl,
+    ".cif": parse_cif,
+    ".las": parse_las,
+    ".laz": parse_las,
+    ".e57": parse_e57,
+}
+FORMATS = (*TEXT_FORMATS, ".npy", *PARSERS)
 WRITTEN_FORMATS = (".csv", ".txt", ".ply", ".npy")
 LABEL_NODES = 20_000  # labels and the commas in them; the checker takes 50,000 in all
 LABEL_CHARACTERS = 1_000_000  # twelve megabytes of escapes at worst; its limit is 100
@@ -129,15 +146,15 @@ class Pair(Brief):
 
 
 def read_cloud(path: str | os.PathLike[str], *, noise: bool = True) -> Cloud:
-    """A cloud from a file of any of FORMATS. Raises InvalidFileError: file, place, remedy.
+    """A cloud from a file of any of FORMATS, or `-`. Raises InvalidFileError: file, place, remedy.
 
     noise: whether columns `sigma` and `weight` are read, too.
     """
+    if is_standard_input(path):
+        return parse_cloud(*standard_input(), noise=noise)
     file = Path(path)
     if file.suffix.lower() not in FORMATS:
-        what = f"the format {shown(file.suffix) or '(none)'} is not known"
-        message = f"{shown(file)}: {what}: use one of {' '.join(FORMATS)}"
-        raise InvalidFileError(message, path=file, value=file.suffix, limit=FORMATS)
+        raise unknown_format(file, FORMATS)
     with reading(file) as stream:
         return parse_cloud(stream, file, noise=noise)
 
@@ -158,14 +175,42 @@ def parse_cloud(stream: BinaryIO, file: Path, *, noise: bool = True) -> Cloud:
             notes=text.notes,
         )
     if suffix in PARSERS:
-        points, ignored = PARSERS[suffix](stream, file)
-        return Cloud(path=file, points=points, labels=None, ignored=ignored)
+        return _of_parsed(PARSERS[suffix](stream, file), file, noise=noise)
     points = parse_array(stream, file)
     if points.ndim != 2 or points.shape[1] != 3 or len(points) == 0:
         what = f"holds an array of shape {points.shape}"
         message = f"{shown(file)}: {what}: expected (N, 3) with N >= 1"
         raise InvalidFileError(message, path=file, value=points.shape)
     return Cloud(path=file, points=points, labels=None, ignored=())
+
+
+def _of_parsed(read: Parsed, file: Path, *, noise: bool) -> Cloud:
+    """A cloud with its noise checked, or named among what is not used."""
+    columns = {"sigma": read.sigma, "weight": read.weights}
+    given = {name: values for name, values in columns.items() if values is not None}
+    kept = {name: _checked_noise(file, name, given[name]) for name in given if noise}
+    return Cloud(
+        path=file,
+        points=read.points,
+        labels=read.labels,
+        ignored=read.ignored if noise else (*read.ignored, *given),
+        identifiers=read.identifiers,
+        sigma=kept.get("sigma"),
+        weights=kept.get("weight"),
+        notes=read.notes,
+    )
+
+
+def _checked_noise(file: Path, name: str, values: NDArray[Any]) -> NDArray[np.float64]:
+    """Noise in doubles: finite, of sigma > 0, of weights >= 0."""
+    numbers = doubles(file, values)
+    row = first_row(numbers, lambda block: block <= 0 if name == "sigma" else block < 0)
+    if row is not None:
+        what = f"{name} {row} (counting from 0) is {numbers[row]}: "
+        what += "give a standard deviation > 0" if name == "sigma" else "weights must be >= 0"
+        message = f"{shown(file)}: {what}"
+        raise InvalidFileError(message, path=file, row=row, column=name, value=float(numbers[row]))
+    return numbers
 
 
 def read_pair(
@@ -179,14 +224,20 @@ def read_pair(
 
     noise: whether columns `sigma` and `weight` are read, unless the pairing ignores them.
     """
+    if is_standard_input(source) and is_standard_input(target):
+        message = "standard input holds one cloud: give a file for the other"
+        raise InvalidFileError(message, path=Path(source))
     noise = noise and not pairing.ignore_weights
     first, second = read_cloud(source, noise=noise), read_cloud(target, noise=noise)
     sizes = len(first.points), len(second.points)
+    further = classes_note((first.path, second.path), first.labels, second.labels)
+    if further:
+        first, second = replace(first, labels=None), replace(second, labels=None)
     rows: tuple[Sequence[int] | NDArray[np.int64], ...]
-    further: tuple[str, ...] = ()
     if pairing.pairs is not None:
         pairs = read_pairs(pairing.pairs, sizes, one_to_one=pairing.one_to_one)
-        rows, further = tuple(pairs.T), repeated_rows_note(pairing.pairs, pairs)
+        rows = tuple(pairs.T)
+        further += repeated_rows_note(pairing.pairs, pairs)
     elif first.labels is not None and second.labels is not None:
         files = (first.path, second.path)
         rows = rows_by_label(first.labels, second.labels, pairing.match, files=files)
@@ -202,7 +253,7 @@ def read_pair(
         raise InvalidFileError(message, path=second.path, value=sizes[1], limit=sizes[0])
     else:
         require_same_order(first.identifiers, second.identifiers, (first.path, second.path))
-        return Pair(source=first, target=second, source_rows=None, sizes=sizes)
+        return Pair(source=first, target=second, source_rows=None, sizes=sizes, further=further)
     here, there = (np.asarray(side, dtype=np.int64) for side in rows)
     return Pair(
         source=_taken(first, here),

@@ -101,6 +101,22 @@ def require_same_order(
     raise InvalidFileError(message, path=files[1], row=row, value=target[row], limit=source[row])
 
 
+def classes_note(
+    files: tuple[Path, Path], source: tuple[str, ...] | None, target: tuple[str, ...] | None
+) -> tuple[str, ...]:
+    """What the user should know where `label` is a number for many points of two .ply files.
+
+    Then it is what segmentation calls a label, a class, and pairs nothing.
+    """
+    meshes = all(file.suffix.lower() == ".ply" for file in files)
+    if not meshes or source is None or target is None:
+        return ()
+    if len(set(source)) == len(source) or len(set(target)) == len(target):
+        return ()
+    names = " and ".join(map(shown, files))
+    return (f"{names}: labels repeat in both: classes, not names: they pair no rows",)
+
+
 def unused_labels_note(labelled: tuple[bool, bool], files: tuple[Path, Path]) -> list[str]:
     """What the user should know where rows pair in order though one file has labels."""
     if labelled[0] == labelled[1]:

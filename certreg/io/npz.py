@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, BinaryIO
 
 from certreg.errors import InvalidFileError
 from certreg.io.npy import NOT_NPY, parse_array, read_header
+from certreg.io.parsed import Parsed
 from certreg.io.streams import MAX_HEADER_BYTES, MAX_UNPACKED_BYTES, held_bytes
 from certreg.verify import shown
 
@@ -24,8 +25,6 @@ if TYPE_CHECKING:
     from collections.abc import Generator
     from pathlib import Path
 
-    import numpy as np
-    from numpy.typing import NDArray
 
 END = struct.Struct("<4s4H2IH")  # end of central directory: signature, .., size, offset, comment
 ZIP64_LOCATOR = b"PK\x06\x07"
@@ -57,13 +56,13 @@ class Member:
         return self.info.filename.removesuffix(".npy")
 
 
-def parse_npz(stream: BinaryIO, file: Path) -> tuple[NDArray[np.float64], tuple[str, ...]]:
+def parse_npz(stream: BinaryIO, file: Path) -> Parsed:
     """The points of an archive, and the names of what else is in it."""
     with _opened(stream, file) as (archive, members):
         chosen = _chosen(members, file)
         content = _unpacked(archive, chosen, file)
     others = tuple(member.name for member in members if member is not chosen)
-    return parse_array(io.BytesIO(content), file), others
+    return Parsed(points=parse_array(io.BytesIO(content), file), ignored=others)
 
 
 @contextmanager

@@ -16,6 +16,7 @@ import numpy as np
 
 from certreg.errors import InvalidFileError
 from certreg.io.npy import points_of_columns
+from certreg.io.parsed import Parsed
 from certreg.io.streams import (
     MAX_UNPACKED_BYTES,
     NUMBER,
@@ -68,7 +69,7 @@ class Header:
         return self.points * sum(field.size for field in self.fields)
 
 
-def parse_pcd(stream: BinaryIO, file: Path) -> tuple[NDArray[np.float64], tuple[str, ...]]:
+def parse_pcd(stream: BinaryIO, file: Path) -> Parsed:
     """The points of a .pcd file, and the names of the fields beside x, y, z."""
     top = header(stream, file, "DATA")
     declared = _declared(file, top)
@@ -80,7 +81,7 @@ def parse_pcd(stream: BinaryIO, file: Path) -> tuple[NDArray[np.float64], tuple[
     else:
         columns = _of_blocks(_unpacked(stream, file, declared), declared)
     others = (f.name for f in declared.fields if f.name not in {"x", "y", "z", "_"})
-    return points_of_columns(file, columns), tuple(others)
+    return Parsed(points=points_of_columns(file, columns), ignored=tuple(others))
 
 
 def _declared(file: Path, top: list[HeaderLine]) -> Header:

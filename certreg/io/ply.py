@@ -1,5 +1,6 @@
 """Clouds in .ply files: x, y, z of the element `vertex`, whatever else is declared around them.
 
+A property `label` names the points, as in a table; `sigma` and `weight` say how sure they are.
 Every declared row must be there, and nothing behind the last. In ascii files the number that is
 written counts, also where its type is `float`: it is read as the nearest double.
 """
@@ -17,7 +18,10 @@ import numpy as np
 
 from certreg.errors import InvalidFileError
 from certreg.io.atomic import write_atomically
+from certreg.io.columns import LABEL, NOISE
+from certreg.io.labels import IDENTIFIERS
 from certreg.io.npy import points_of_columns, side_by_side
+from certreg.io.parsed import Parsed
 from certreg.io.streams import (
     COUNT,
     MAX_BINARY_BYTES,
@@ -51,6 +55,7 @@ NAMES = {  # of types, by those of NumPy: as in the first files, and as later wr
     "f8": ("double", "float64"),
 }
 CODES = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I", "f4": "f", "f8": "d"}
+KEPT = {*"xyz", *NOISE, LABEL, *IDENTIFIERS}
 TYPES = {name: code for code, names in NAMES.items() for name in names}
 
 
@@ -65,7 +70,7 @@ class Property:
     @property
     def kept(self) -> bool:
         """Whether its values are asked for."""
-        return self.count is None and self.name in {"x", "y", "z"}
+        return self.count is None and self.name in KEPT
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,12 +90,13 @@ class Header:
     elements: list[Element]
 
 
-def parse_ply(stream: BinaryIO, file: Path) -> tuple[NDArray[np.float64], tuple[str, ...]]:
-    """The vertices of a .ply file, and the names of what else is in it."""
+def parse_ply(stream: BinaryIO, file: Path) -> Parsed:
+    """The vertices of a .ply file, their labels and noise, the names of what else is in it."""
     top = header(stream, file, "end_header")
     declared = _declared(file, top)
     vertex = _vertex(file, declared.elements)
-    columns: list[NDArray[Any]] = []
+    columns: dict[str, NDArray[Any]] = {}
+    mapped = None
     if declared.order is None:
         rows = rows_of_words(stream, file, len(top) + 1)
         for element in declared.elements:
@@ -114,15 +120,36 @@ def parse_ply(stream: BinaryIO, file: Path) -> tuple[NDArray[np.float64], tuple[
             )
             raise InvalidFileError(message, path=file, value=held, limit=size)
         too_large = mapped is not None and len(mapped) > MAX_BINARY_BYTES
-        if too_large and side_by_side(columns) is None:
+        if too_large and side_by_side([columns[axis] for axis in "xyz"]) is None:
             message = (
                 f"{shown(file)}: {len(data)} bytes are too many: save x, y, z of one type, double "
                 "or float, one behind the other"
             )
             raise InvalidFileError(message, path=file, value=len(data), limit=MAX_BINARY_BYTES)
-    others = [p.name for p in vertex.properties if p.name not in {"x", "y", "z"}]
+    names = {} if mapped is not None else _names(columns)  # a text each is more than the file
+    read = {*"xyz", *NOISE, *({LABEL} & names.keys())}
+    others = [p.name for p in vertex.properties if p.name not in read or p.count is not None]
     others += [e.name for e in declared.elements if e is not vertex]
-    return points_of_columns(file, columns), tuple(others)
+    return Parsed(
+        points=points_of_columns(file, [columns[axis] for axis in "xyz"]),
+        ignored=tuple(others),
+        labels=names.get(LABEL),
+        identifiers=next((names[name] for name in (LABEL, *IDENTIFIERS) if name in names), None),
+        sigma=columns.get("sigma"),
+        weights=columns.get("weight"),
+    )
+
+
+def _names(columns: dict[str, NDArray[Any]]) -> dict[str, tuple[str, ...]]:
+    """What columns other than numbers call the points; 7.0 is 7."""
+    kept = (name for name in (LABEL, *IDENTIFIERS) if name in columns)
+    return {
+        name: tuple(
+            str(int(value)) if float(value).is_integer() else repr(value)
+            for value in columns[name].tolist()
+        )
+        for name in kept
+    }
 
 
 def write_ply(file: Path, pieces: Iterable[NDArray[np.float64]], n: int) -> None:
@@ -196,8 +223,8 @@ def _vertex(file: Path, elements: list[Element]) -> Element:
 
 def _ascii_columns(
     rows: Iterator[tuple[Place, list[str]]], element: Element, file: Path
-) -> list[NDArray[Any]]:
-    """Columns x, y, z, where the element has them, of as many rows as it declares."""
+) -> dict[str, NDArray[Any]]:
+    """The columns that are kept, where the element has them, of as many rows as it declares."""
     columns = {p.name: array("d") for p in element.properties if p.kept}
     plain = all(p.count is None for p in element.properties)
     slots = [(k, p.type, columns[p.name]) for k, p in enumerate(element.properties) if p.kept]
@@ -213,15 +240,15 @@ def _ascii_columns(
             )
         for slot, kind, column in slots:
             column.append(typed_number(place, numbers[slot], kind))
-    return [np.array(columns[axis]) for axis in "xyz" if axis in columns]
+    return {name: np.array(column) for name, column in columns.items()}
 
 
 def _binary_columns(
     data: Bytes, offset: int, element: Element, order: str, file: Path
-) -> tuple[list[NDArray[Any]], int]:
-    """Columns x, y, z, where the element has them, and where the data behind its rows begin."""
+) -> tuple[dict[str, NDArray[Any]], int]:
+    """The columns that are kept, by name, and where the data behind the element's rows begin."""
     if not element.count:
-        return [], offset
+        return {}, offset
     steps = [_step(order, p) for p in element.properties]
     lengths: list[int] = []
     if any(p.count is not None for p in element.properties):
@@ -232,7 +259,7 @@ def _binary_columns(
     rows = _uniform(data, offset, element, order, lengths)
     if rows is not None:
         slots = {p.name: str(k) for k, p in enumerate(element.properties) if p.kept}
-        return [rows[slots[axis]] for axis in "xyz" if axis in slots], offset + rows.nbytes
+        return {name: rows[slot] for name, slot in slots.items()}, offset + rows.nbytes
     if not lengths:
         row = _row_type(element, order, lengths).itemsize
         raise _truncated(file, element, (len(data) - offset) // row)
@@ -302,7 +329,7 @@ def _walked(
     element: Element,
     steps: list[tuple[struct.Struct, int, bool]],
     file: Path,
-) -> tuple[list[NDArray[Any]], int]:
+) -> tuple[dict[str, NDArray[Any]], int]:
     """As `_binary_columns`, row by row: lists may be of any lengths."""
     numbers = array("d")
     for k in range(element.count):
@@ -313,7 +340,7 @@ def _walked(
         numbers.extend(values)
     names = [p.name for p in element.properties if p.kept]
     columns = np.array(numbers).reshape(element.count, len(names))
-    return [columns[:, names.index(axis)] for axis in "xyz" if axis in names], offset
+    return {name: columns[:, k] for k, name in enumerate(names)}, offset
 
 
 def _without_lists(place: Place, words: list[str], element: Element) -> list[str]:

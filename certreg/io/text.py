@@ -31,6 +31,7 @@ from certreg.io.labels import (
 )
 from certreg.io.noise import noise_of_columns
 from certreg.io.obj import parse_obj
+from certreg.io.pdb import parse_pdb
 from certreg.io.semicolons import DecimalCommas, separated_by_semicolons
 from certreg.io.streams import COUNT, NUMBER, Place, lines, number, reading
 from certreg.io.xyz import chemical, chemical_points
@@ -41,7 +42,7 @@ if TYPE_CHECKING:
     from typing import BinaryIO
 
 TABLE_FORMATS = (".csv", ".txt")  # of numbers, too: weights, pairs
-TEXT_FORMATS = (*TABLE_FORMATS, ".xyz", ".asc", ".pts", ".obj")
+TEXT_FORMATS = (*TABLE_FORMATS, ".xyz", ".asc", ".pts", ".obj", ".pdb")
 BLANKS = re.compile(r"[ \t]+")
 COMMENTS = ("#", "//")
 TOO_FEW = (
@@ -83,6 +84,9 @@ def parse_points(stream: BinaryIO, file: Path, *, noise: bool = True) -> Points:
     suffix, content = file.suffix.lower(), lines(stream, file)
     if suffix == ".obj":
         return Points(*parse_obj(content, file))
+    if suffix == ".pdb":
+        atoms = parse_pdb(content, file)
+        return Points(atoms.coordinates, atoms.labels, (), atoms.labels, notes=atoms.notes)
     if suffix == ".xyz":
         declared, content = chemical(content)
         if declared is not None:

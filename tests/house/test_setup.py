@@ -53,8 +53,14 @@ def pins_of_pip() -> Pins:
     return pins
 
 
+LARGE = {"pye57", "pyquaternion"}  # of the extra `files`, 60 MB: not in the test environment
+
+
 def test_both_lock_files_name_the_same_versions_with_the_same_hashes():
-    assert pins_of_pip() == pins_of_uv()
+    installed = {pin: hashes for pin, hashes in pins_of_uv().items() if pin[0] not in LARGE}
+
+    assert pins_of_pip() == installed
+    assert {name for name, _ in pins_of_uv()} >= LARGE
 
 
 def test_every_pin_has_a_hash():

@@ -720,7 +720,7 @@ def test_pairs_tell_which_row_is_which(tmp_path: Path, clouds, kind: str):
     assert pose(run)["digest"] == expected(rows, weights)
     assert f"5 pairs; left out: 1 of {source}, 1 of {target}" in run.err
     assert certreg("verify", certificate, source, target, *options).code == 0
-    assert "give the weights" in certreg("verify", certificate, source, target, *told).out
+    assert "give --weights FILE" in certreg("verify", certificate, source, target, *told).out
     assert certreg("verify", certificate, source, target, *options[2:]).code == 1
     assert certreg("verify", certificate, source, target).code == 1
     (tmp_path / name).write_bytes(encode([(row, order[row]) for row in sorted(rows)]))
@@ -815,7 +815,7 @@ def test_match_common_keeps_the_labels_of_both_in_the_order_of_the_source(tmp_pa
     assert run.err == (f"note: 5 pairs; left out: 3 of {labelled[0]}, 3 of {labelled[1]}\n")
     accepted = certreg("verify", certificate, *labelled, *options)
     assert (accepted.code, accepted.err) == (0, run.err)
-    assert "give the weights" in certreg("verify", certificate, *labelled, *options[:2]).out
+    assert "give --weights FILE" in certreg("verify", certificate, *labelled, *options[:2]).out
     for bad in (("--match", "all"), ()):
         refused = certreg("verify", certificate, *labelled, *bad)
         assert (refused.code, refused.out) == (2, "")

@@ -170,7 +170,7 @@ def test_a_txt_file_in_error_names_the_line_and_the_remedy(tmp_path, text, words
 def test_unreadable_clouds_are_input_errors(tmp_path, monkeypatch):
     (tmp_path / "folder.csv").mkdir()
     for name, words in (
-        ("cloud.ply", "give a .csv, .txt, .xyz, .asc, .pts or .obj file"),
+        ("cloud.ply", "give a .csv, .txt, .xyz, .asc, .pts, .obj or .pdb file"),
         ("missing.csv", "No such file"),
         ("folder.csv", "directory"),
         ("nul\0.csv", "zero byte"),

@@ -1,0 +1,80 @@
+"""Cα atoms of proteins, whatever file they stood in, with labels chain:residue:atom.
+
+Of several models the first is taken, of several places of an atom the most occupied one, each with
+a note. An insertion code is part of the residue: A:52A:CA is not A:52:CA.
+"""
+
+from __future__ import annotations
+
+from array import array
+from typing import TYPE_CHECKING, NamedTuple
+
+from certreg.errors import InvalidFileError
+from certreg.io.streams import number
+from certreg.verify import shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from pathlib import Path
+
+    from certreg.io.streams import Place
+
+
+class Atom(NamedTuple):
+    """A row of a file of atoms; texts as they stand there, without blanks at their ends."""
+
+    place: Place
+    model: str
+    chain: str
+    residue: str  # its number and insertion code
+    name: str
+    element: str
+    alternative: str  # of several places of an atom, which
+    occupancy: str  # may be empty: 1
+    position: tuple[str, str, str]
+
+    @property
+    def label(self) -> str:
+        """What pairs it."""
+        return f"{self.chain}:{self.residue}:{self.name}"
+
+
+class CarbonAlphas(NamedTuple):
+    """Coordinates, labels and what the user should know."""
+
+    coordinates: array[float]
+    labels: tuple[str, ...]
+    notes: tuple[str, ...]
+
+
+def carbon_alphas(atoms: Iterable[Atom], file: Path) -> CarbonAlphas:
+    """The Cα atoms of the first model, in their order; every number of it is read and checked."""
+    kept: dict[str, tuple[float, str, list[float]]] = {}
+    models, several, others = dict[str, None](), set[str](), 0
+    for atom in atoms:
+        models[atom.model] = None
+        position = [number(atom.place, text) for text in atom.position]
+        if len(models) > 1:
+            continue
+        if atom.name != "CA" or atom.element != "C":
+            others += 1
+            continue
+        occupancy = number(atom.place, atom.occupancy) if atom.occupancy else 1.0
+        before = kept.get(atom.label)
+        if before is not None:
+            if before[1] == atom.alternative:
+                words = f"atom {shown(atom.label)} comes again: is it the file of one molecule?"
+                raise atom.place.refusal(words, column="atom", value=atom.label)
+            several.add(atom.label)
+        if before is None or occupancy > before[0]:
+            kept[atom.label] = occupancy, atom.alternative, position
+    if not kept:
+        message = f"{shown(file)}: no Cα atoms: give a protein, or save the points as .csv"
+        raise InvalidFileError(message, path=file, value=0, limit=1)
+    notes = [f"{len(kept)} Cα atoms, {others} other atoms not used"]
+    if len(models) > 1:
+        notes.append(f"the first of {len(models)} models (save another one alone to read it)")
+    if several:
+        notes.append(f"of {len(several)} with alternative places, the most occupied one")
+    coordinates = array("d", (x for _, _, position in kept.values() for x in position))
+    return CarbonAlphas(coordinates, tuple(kept), tuple(notes))

@@ -1,0 +1,63 @@
+"""Libraries of the extra `files`, which read what certreg itself does not; converters for the rest.
+
+What is missing is one line: the library, how to install it, and a command that does without.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from certreg.errors import InvalidFileError, MissingToolError
+from certreg.verify import shown
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+CLOUDCOMPARE = "CloudCompare -SILENT -O {file} -C_EXPORT_FMT PLY -SAVE_CLOUDS"
+MESH = """python -c 'import trimesh; trimesh.load("{file}", force="mesh").export("{stem}.ply")'"""
+PDAL = "pdal translate {file} {stem}.ply"
+WORDS = {  # of formats that are not read: what makes one of them that is
+    **dict.fromkeys((".off", ".gltf", ".glb", ".dae", ".3mf"), MESH),
+    **dict.fromkeys((".ptx", ".bin", ".fls", ".pcv", ".sbf", ".fbx", ".dxf", ".dp"), CLOUDCOMPARE),
+    ".shp": CLOUDCOMPARE,
+    ".bpf": PDAL,
+    ".gpkg": PDAL,
+    ".copc": PDAL,
+    ".xlsx": "libreoffice --headless --convert-to csv {file}",
+    ".xls": "libreoffice --headless --convert-to csv {file}",
+    ".ods": "libreoffice --headless --convert-to csv {file}",
+    ".ent": "cp {file} {stem}.pdb",
+    ".mmcif": "cp {file} {stem}.cif",
+    ".gz": "gunzip {file}",
+    ".zip": "unzip {file}",
+}
+
+
+def converter(file: Path, line: str) -> str:
+    """The command line that converts a file."""
+    return line.format(file=shown(file), stem=shown(file.with_suffix("")))
+
+
+def unknown_format(file: Path, formats: tuple[str, ...]) -> InvalidFileError:
+    """The refusal of a format that is not read."""
+    suffix = file.suffix.lower()
+    what = f"the format {shown(file.suffix) or '(none)'} is not known"
+    remedy = f"use one of {' '.join(formats)}"
+    if suffix in WORDS:
+        remedy = f"convert it: {converter(file, WORDS[suffix])}"
+    message = f"{shown(file)}: {what}: {remedy}"
+    return InvalidFileError(message, path=file, value=file.suffix, limit=formats)
+
+
+def optional_library(name: str, file: Path, line: str, *, package: str | None = None) -> Any:
+    """A library of the extra `files`, loaded now. Raises MissingToolError.
+
+    line: of a converter. package: as pip knows it, if not by this name.
+    """
+    try:
+        return import_module(name)
+    except ImportError as error:
+        install = f"pip install {package or name} (extra `files`)"
+        message = f"{shown(file)}: needs {name}: {install}, or convert it: {converter(file, line)}"
+        raise MissingToolError(message, tool=name) from error

@@ -1,0 +1,23 @@
+"""What a reader that is no reader of text makes of a file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Parsed:
+    """Points (N, 3) and what is told of them, as in a cloud."""
+
+    points: NDArray[np.float64]
+    ignored: tuple[str, ...] = ()
+    labels: tuple[str, ...] | None = None
+    identifiers: tuple[str, ...] | None = None
+    sigma: NDArray[np.float64] | None = None
+    weights: NDArray[np.float64] | None = None
+    notes: tuple[str, ...] = ()
