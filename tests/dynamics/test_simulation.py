@@ -478,7 +478,7 @@ def test_the_derivative_is_the_sum_of_the_forces_on_the_points(seed):
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_the_potential_is_the_sum_over_the_springs(seed):
+def test_the_energies_are_the_sums_over_points_and_springs(seed):
     rng = np.random.default_rng(seed)
     problem = random_problem(rng, n=9, noise=0.3, scale=7.0)
     moving = body_of(exact_moments(problem), 1.0)
@@ -488,8 +488,14 @@ def test_the_potential_is_the_sum_over_the_springs(seed):
     rest = problem.target - w @ problem.target / w.sum() - arm @ R.T - c * unit
 
     expected = w @ (rest**2).sum(axis=1) / w.sum() / unit**2
-    found = moving.energies(np.array([*c, *R.ravel(), *[0.0] * 6]))
+    v, omega = rng.normal(size=(2, 3))
+    found = moving.energies(np.array([*c, *R.ravel(), *v, *omega]))
+    turning = w @ (np.cross(omega, arm) ** 2).sum(axis=1) / w.sum() / unit**2 / 2
     assert found.potential == pytest.approx(expected)
+    assert found.translation == pytest.approx(v @ v / 2)
+    assert found.rotation == pytest.approx(turning)
+    assert found.kinetic == pytest.approx(v @ v / 2 + turning)
+    assert found.alignment == pytest.approx((moving.spread + c @ c - expected) / 2)
 
 
 @pytest.mark.parametrize("step", [1e-4, 0.01, 1.0, 30.0])
