@@ -1,6 +1,6 @@
 """`{command}` runs a command line while the page is built and shows what it printed.
 
-All commands of a page share a scratch folder that begins with the packaged clouds. An exit code
+All commands of a page share a scratch folder that begins with the packaged files. An exit code
 that is not the expected one stops the build. `{scratch} NAME` writes a file there and shows it.
 """
 
@@ -116,11 +116,12 @@ _folders: dict[str, Path] = {}
 
 
 def scratch_of(page: str) -> Path:
-    """The scratch folder of a page, with the packaged clouds in it."""
+    """The scratch folder of a page, with the packaged files in it."""
     if page not in _folders:
         folder = Path(tempfile.mkdtemp(prefix="certreg-docs-"))
-        for cloud in sorted((ROOT / "certreg" / "data").glob("*.csv")):
-            shutil.copy(cloud, folder)
+        data = ROOT / "certreg" / "data"
+        for packaged in sorted((*data.glob("*.csv"), *data.glob("*.txt"))):
+            shutil.copy(packaged, folder)
         _folders[page] = folder
     return _folders[page]
 

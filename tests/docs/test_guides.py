@@ -18,7 +18,14 @@ from certreg.native.compiler import CompilationError, find_compiler
 from certreg.native.evaluator import evaluator
 
 ROOT = Path(__file__).parents[2]
-NAMES = ("embed-the-c-code", "simulate", "many-problems", "cluster")
+NAMES = (
+    "embed-the-c-code",
+    "simulate",
+    "many-problems",
+    "cluster",
+    "coming-from",
+    "another-problem",
+)
 DOCS = ROOT / "docs"
 GUIDES = [DOCS / "howto" / f"{name}.md" for name in NAMES]
 FENCE = re.compile(r"^```(?:\{code-cell\} )?(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
@@ -84,6 +91,15 @@ def test_the_python_of_a_guide_runs(guide):
 
     assert len(written) == guide.read_text().count("```python")  # none is passed over
     assert bool(written) == bool(namespace)
+
+
+def test_open3d_is_judged_as_the_guide_says():
+    """Where it is installed: its block goes on from that of SciPy."""
+    pytest.importorskip("open3d", reason="no peer is installed: `make peers`")
+    page = DOCS / "howto" / "coming-from.md"
+    namespace: dict[str, object] = {}
+    for block in (*blocks(page, "python"), *blocks(page, "py")):
+        exec(compile(block, page.name, "exec"), namespace)  # noqa: S102 - our own page
 
 
 def free_port() -> int:
