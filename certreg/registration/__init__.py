@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from certreg.registration.closed_form import horn as horn
     from certreg.registration.closed_form import register as register
     from certreg.registration.covariance import PoseCovariance as PoseCovariance
+    from certreg.registration.covariance import residual_distances as residual_distances
     from certreg.registration.covariance import worst_residuals as worst_residuals
     from certreg.registration.enumeration import Enumeration as Enumeration
     from certreg.registration.enumeration import ListedEquilibria as ListedEquilibria
@@ -62,6 +63,7 @@ if TYPE_CHECKING:
     from certreg.registration.misfits import ChiSquared as ChiSquared
     from certreg.registration.misfits import FitCode as FitCode
     from certreg.registration.misfits import FitWarning as FitWarning
+    from certreg.registration.misfits import RowNames as RowNames
     from certreg.registration.result import ProblemTrajectory as ProblemTrajectory
     from certreg.registration.result import Registration as Registration
     from certreg.registration.result import SimulatedRegistration as SimulatedRegistration
@@ -95,6 +97,7 @@ __getattr__ = lazy_face(
         ),
         "covariance": (
             "PoseCovariance",
+            "residual_distances",
             "worst_residuals",
         ),
         "enumeration": (
@@ -144,6 +147,7 @@ __getattr__ = lazy_face(
             "ChiSquared",
             "FitCode",
             "FitWarning",
+            "RowNames",
         ),
         "result": (
             "ProblemTrajectory",

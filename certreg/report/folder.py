@@ -10,7 +10,9 @@ from certreg.errors import InvalidFileError
 from certreg.io import write_together
 from certreg.report.document import dumps, pose_document, result_document
 from certreg.report.page import Report, html_page
+from certreg.report.residual_table import residual_table
 from certreg.results import Absent
+from certreg.verify import INLINE_MAX
 
 if TYPE_CHECKING:
     import os
@@ -20,7 +22,7 @@ if TYPE_CHECKING:
 
 CERTIFICATE, RESULT, POSE = "certificate.json", "result.json", "pose.txt"
 SURE_POSE = "pose.json"  # with its uncertainty: in the matrix other programs read no words
-TRAJECTORY, REPORT = "trajectory.npz", "report.html"
+TRAJECTORY, REPORT, FIT = "trajectory.npz", "report.html", "fit.csv"
 
 
 def write_folder(registration: Registration, folder: str | os.PathLike[str]) -> Path | None:
@@ -46,10 +48,12 @@ def write_folder(registration: Registration, folder: str | os.PathLike[str]) -> 
     trajectory = registration.solution.trajectory
     if not isinstance(trajectory, Absent):
         contents[TRAJECTORY] = Record.of(registration.problem, trajectory).to_bytes()
+    if registration.problem.n <= INLINE_MAX:  # as many as a certificate holds itself
+        contents[FIT] = residual_table(registration)
     if registration.certificate is not None:
         contents[CERTIFICATE] = registration.certificate.to_json()
         contents[REPORT] = html_page(Report.of(registration))
-    names = (CERTIFICATE, RESULT, POSE, SURE_POSE, TRAJECTORY, REPORT)
+    names = (CERTIFICATE, RESULT, POSE, SURE_POSE, FIT, TRAJECTORY, REPORT)
     try:
         write_together(
             {place / name: contents[name] for name in names if name in contents},

@@ -49,6 +49,7 @@ COMMANDS = (
 )
 FILES = [
     "certificate.json",
+    "fit.csv",
     "pose.json",
     "pose.txt",
     "report.html",
@@ -436,7 +437,7 @@ def test_a_pose_without_a_certificate_ends_with_code_4(data: Path, tmp_path: Pat
     assert run.document["optimality"]["status"] == "not-certified"
     assert "without --out" not in run.document["reasons"]["certificate"]
     written = sorted(path.name for path in tmp_path.iterdir())
-    assert written == ["pose.json", "pose.txt", "result.json", "trajectory.npz"]
+    assert written == ["fit.csv", "pose.json", "pose.txt", "result.json", "trajectory.npz"]
 
 
 def test_two_methods_that_disagree_end_with_code_1(data: Path, monkeypatch):
