@@ -106,6 +106,8 @@ class EquilibriumSet(Explained, Presented):
 
     `guarantee` speaks of the classification: that the list is complete, the kinds, the indices.
     `doubt` says in words why the list may not be complete; None where it is.
+    `next_ruled_out`: whether the noise was found to rule out the next equilibrium; False: not
+    ruled out, or not asked.
     """
 
     classification: Classification
@@ -114,6 +116,12 @@ class EquilibriumSet(Explained, Presented):
     guarantee: Guarantee
     complete: bool
     doubt: str | None = None
+    next_ruled_out: bool = False
+
+    @property
+    def narrow(self) -> bool:
+        """Whether the optimum is unique, but the next equilibrium costs little of the range."""
+        return self.classification.unique and self.margin.relative < WEAK_MARGIN
 
     def __repr__(self) -> str:
         count = "infinitely many" if self.count is None else self.count
@@ -124,7 +132,7 @@ class EquilibriumSet(Explained, Presented):
     @property
     def nearly_ambiguous(self) -> bool:
         """Whether the optimum is unique, but so narrowly that the noise may turn it over."""
-        return self.classification.unique and self.margin.relative < WEAK_MARGIN
+        return self.narrow and not self.next_ruled_out
 
     @property
     def count(self) -> int | None:

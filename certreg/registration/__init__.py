@@ -8,6 +8,8 @@ from certreg._faces import lazy_face
 
 if TYPE_CHECKING:
     from certreg.registration.agreement import Agreement as Agreement
+    from certreg.registration.ambiguity import NEARLY_AMBIGUOUS as NEARLY_AMBIGUOUS
+    from certreg.registration.ambiguity import narrow_words as narrow_words
     from certreg.registration.assessment import GOOD as GOOD
     from certreg.registration.assessment import Assessment as Assessment
     from certreg.registration.assessment import AssessmentSettings as AssessmentSettings
@@ -73,6 +75,10 @@ __getattr__ = lazy_face(
     __name__,
     {
         "agreement": ("Agreement",),
+        "ambiguity": (
+            "NEARLY_AMBIGUOUS",
+            "narrow_words",
+        ),
         "assessment": (
             "GOOD",
             "Assessment",

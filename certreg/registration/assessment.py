@@ -15,6 +15,7 @@ from certreg.exact import double_above, integer_eigenbasis, nearest_double, near
 from certreg.geometry import davenport_matrix, rotation_matrix, squared_norm
 from certreg.io import ROTATION_TOLERANCE
 from certreg.problem import lift
+from certreg.registration.ambiguity import NEARLY_AMBIGUOUS, narrow_words
 from certreg.registration.certification import certify
 from certreg.registration.headlines import (
     NEAR_OPTIMAL,
@@ -415,7 +416,9 @@ def _good_words(facts: _Findings, verdict: PoseVerdict) -> str:
     if ambiguity is not None:
         words += f" The optimum is not the only one: {ambiguity.value}."
     elif facts.registration.equilibria.nearly_ambiguous:
-        words += " A very different pose fits almost as well: do not rely on the rotation."
+        words += f" {NEARLY_AMBIGUOUS}"
+    elif (narrow := narrow_words(facts.registration.equilibria)) is not None:
+        words += f" {narrow[0].upper()}{narrow[1:]}."
     return words
 
 

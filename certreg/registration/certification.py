@@ -21,7 +21,6 @@ from certreg.dynamics import SimulationSettings, optimal_damping
 from certreg.dynamics import simulate as run
 from certreg.equilibrium import (
     by_eigenspaces,
-    equilibrium_set,
     rotation_double,
     unit_double,
 )
@@ -40,6 +39,7 @@ from certreg.native import Integrator
 from certreg.objective import Isotropic
 from certreg.problem import exact_moments, lift
 from certreg.registration.agreement import agreement, require_sound_trajectory
+from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.covariance import pose_covariance
 from certreg.registration.fit import fit_of
 from certreg.registration.misfits import RowNames
@@ -216,7 +216,7 @@ def solve(
     return Solution(
         problem=problem,
         objective=objective,
-        equilibria=equilibrium_set(by_eigenspaces(objective), objective, problem.damping),
+        equilibria=equilibria_at(by_eigenspaces(objective), objective, problem),
         pose=_optimal_pose(objective),
         covariance=present(covariance),
         relaxation=relaxed,

@@ -118,7 +118,7 @@ def pose_covariance(problem: RegistrationProblem, objective: Isotropic) -> PoseC
         return NOT_UNIQUE
     reason = OUT_OF_RANGE if problem.noise_given else NO_VARIANCE
     moments, q = objective.moments, objective.quaternions[0]
-    degrees = 3 * _present(problem) - PARAMETERS
+    degrees = 3 * rows_with_weight(problem) - PARAMETERS
     factor = None
     if degrees > 0:
         factor = nearest_double(objective.energy(q) / degrees)
@@ -183,7 +183,7 @@ def worst_residuals(problem: RegistrationProblem, pose: Pose, count: int) -> lis
     return worst
 
 
-def _present(problem: RegistrationProblem) -> int:
+def rows_with_weight(problem: RegistrationProblem) -> int:
     """How many points have a weight other than zero."""
     blocks = (contiguous(problem.weights, rows) for rows in row_blocks(problem.n))
     return sum(int(np.count_nonzero(block)) for block in blocks)

@@ -6,10 +6,11 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 from certreg.certificate import check_own, count_certificate, require_accepted
-from certreg.equilibrium import METHODS, EquilibriumSet, compare, equilibrium_set, search
+from certreg.equilibrium import METHODS, EquilibriumSet, compare, search
 from certreg.errors import UndecidedError
 from certreg.objective import Isotropic
 from certreg.problem import exact_moments
+from certreg.registration.ambiguity import equilibria_at
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -78,7 +79,7 @@ def enumerated(problem: RegistrationProblem, method: str = "spectral") -> Enumer
     return Enumeration(
         objective=objective,
         searches=searches,
-        equilibria=equilibrium_set(sets[0], objective, problem.damping),
+        equilibria=equilibria_at(sets[0], objective, problem),
         comparison=compare(sets) if method == ALL else None,
     )
 

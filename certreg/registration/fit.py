@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 COINCIDENT = Absent("all points with weight of a cloud coincide: there is nothing to explain")
 NO_SOURCE = Absent("all source points with weight coincide: no scale changes anything")
-TOO_FEW = Absent("fewer than three points with weight leave no degree of freedom")
+TOO_FEW = Absent("fewer than three points carry the weight: no degree of freedom is left")
 ZERO_MEDIAN = Absent("at least half of the residuals are zero")
 ROUNDED = Absent("the residuals are at rounding: there is nothing to test")
 NO_NOISE = Absent("no noise was given: the residuals are compared with nothing")
@@ -56,7 +56,8 @@ class Fit(Explained):
 
     explained: R^2 = (tr R^T C)^2 / (Sxx Syy), of the best scale; from 0 to 1.
     best_scale: s that minimises sum w |y - s R x - t|^2, target over source.
-    scale_p: of a scale other than one, by Student's test with 3 n - 7 degrees of freedom.
+    scale_p: of a scale other than one, by Student's test with 3 n - 7 degrees of freedom; for n see
+        `certreg.registration.misfits`.
     largest_over_median_residual: of the rows with weight; the median of a sample of 4,096 of them
         where there are more.
     worst: the largest residuals, at most ten, largest first.
@@ -134,7 +135,7 @@ def _scale_p(sums: FitSums, rows: RowFit | None) -> float | Absent:
         return math.exp(log_p)
     if sums.explained is None:
         return COINCIDENT
-    return TOO_FEW if rows.rows < 3 else ROUNDED
+    return ROUNDED if sums.rounded else TOO_FEW
 
 
 def _chi2(problem: RegistrationProblem, sums: FitSums, rows: RowFit | None) -> ChiSquared | Absent:

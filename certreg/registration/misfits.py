@@ -2,8 +2,10 @@
 
 An optimum is proved whatever the data are; whether they are pairs of one rigid shape is a question
 of statistics, answered here. Throughout: n rows with weight, residuals y - R x - t of variance
-sigma^2 / w, Gaussian, and small beside the clouds, so that the fit is linear in the pose. The
-least objective E is then sigma^2 times a chi-squared variable of 3 n - 6 degrees of freedom. Each
+sigma^2 / w, Gaussian, and small beside the clouds, so that the fit is linear in the pose. Weights
+without a sigma may be relative, the noise of all rows alike: n is then (sum w)^2 / sum w^2, which
+is as many rows where all have one weight, and fewer where few rows carry the sums. The least
+objective E is then sigma^2 times a chi-squared variable of 3 n - 6 degrees of freedom. Each
 warning needs two things: a probability below LEVEL if the pairs are right, and a size that
 matters, since a test alone finds every millionth of a scale in a million points.
 
@@ -157,11 +159,15 @@ class FitSums:
     @cached_property
     def rounded(self) -> bool:
         """Whether the residuals are at the rounding of the clouds, or of their offsets."""
+        return self.energy <= self.rounding
+
+    @cached_property
+    def rounding(self) -> Fraction:
+        """The objective of residuals at rounding."""
         moments = self.objective.moments
         means = (*moments.source_centroid, *moments.target_centroid)
         offset = sum((m * m for m in means), start=Fraction(0)) * moments.total_weight
-        limit = Fraction(ROUNDING) ** 2 * moments.spread + power_of_two(-102) * offset
-        return self.energy <= limit
+        return Fraction(ROUNDING) ** 2 * moments.spread + power_of_two(-102) * offset
 
     def _explained(self, alignment: Fraction) -> Fraction | None:
         return alignment**2 / (self.source * self.target) if self.source and self.target else None
@@ -251,7 +257,7 @@ def _scale_words(sums: FitSums, rows: RowFit) -> str | None:
 
 def log_scale_p(sums: FitSums, rows: RowFit) -> float | None:
     """The log of the p-value of a scale other than one; None where nothing is left to test."""
-    degrees = 3 * rows.rows - 7
+    degrees = 3 * rows.independent_rows - 7
     if sums.explained is None or degrees <= 0 or sums.rounded:
         return None
     return log_beta_below(float(sums.scaled_share), degrees / 2, 0.5)
@@ -273,7 +279,7 @@ def _outlier_words(rows: RowFit, names: RowNames) -> str | None:
 
 
 def _mirrored_words(sums: FitSums, rows: RowFit) -> str | None:
-    degrees = 3 * rows.rows - 6
+    degrees = 3 * rows.independent_rows - 6
     explained, left = sums.mirrored_explained, sums.mirrored_share
     if degrees <= 0 or explained is None or explained < MIRROR_EXPLAINED or left > MOST_LEFT:
         return None

@@ -14,8 +14,8 @@ import numpy as np
 
 from certreg.equilibrium import rotation_double
 from certreg.exact import nearest_or_zero, power_of_two
-from certreg.problem import Block, row_blocks
-from certreg.registration.covariance import Residual, residual_distances
+from certreg.problem import Block, contiguous, row_blocks
+from certreg.registration.covariance import Residual, residual_distances, rows_with_weight
 
 if TYPE_CHECKING:
     from fractions import Fraction
@@ -51,7 +51,8 @@ class OtherPairing:
 class RowFit:
     """What the rows with weight say of a fit.
 
-    rows: how many have weight. effective_rows: (sum w)^2 / sum w^2.
+    rows: how many have weight. effective_rows: (sum w)^2 / sum w^2; independent_rows: those that
+        carry the objective, `rows` where their noise was given, else `effective_rows`.
     worst: the largest residuals at the optimum, largest first.
     largest_over_median: of the residuals at the optimum; None where the median is zero.
     far: rows more than FAR medians away from a pose that most rows agree on, the worst first, at
@@ -63,6 +64,7 @@ class RowFit:
 
     rows: int
     effective_rows: float
+    independent_rows: float
     worst: tuple[Residual, ...]
     largest_over_median: float | None
     far: tuple[int, ...]
@@ -81,6 +83,32 @@ def row_fit(problem: RegistrationProblem, objective: Isotropic, pose: Pose) -> R
         return None
 
 
+def independent_rows(problem: RegistrationProblem) -> float:
+    """How many rows carry the objective: those with weight where the noise of each was given.
+
+    Else weights may be relative, and the noise of all rows alike: the effective number.
+    """
+    if problem.noise_given:
+        return float(rows_with_weight(problem))
+    return effective_rows(problem)
+
+
+def effective_rows(problem: RegistrationProblem) -> float:
+    """(sum w)^2 / sum w^2: as many rows as there are if all have one weight.
+
+    By Satterthwaite a sum of squares whose variances are w is like a chi-squared variable of so
+    many degrees.
+    """
+    blocks = list(row_blocks(problem.n))
+    largest = max(float(contiguous(problem.weights, rows).max()) for rows in blocks)
+    total = squares = 0.0
+    for rows in blocks:
+        shares = contiguous(problem.weights, rows) / largest
+        total += float(shares.sum())
+        squares += float(shares @ shares)
+    return total**2 / squares
+
+
 def _row_fit(problem: RegistrationProblem, objective: Isotropic, pose: Pose) -> RowFit | None:
     frame = _Frame.of(objective)
     picked = _picked(problem)
@@ -94,7 +122,8 @@ def _row_fit(problem: RegistrationProblem, objective: Isotropic, pose: Pose) -> 
     median = float(np.median(sample.distances(frame.optimum)))
     return RowFit(
         rows=count.rows,
-        effective_rows=count.weight**2 / count.squares,
+        effective_rows=effective_rows(problem),
+        independent_rows=independent_rows(problem),
         worst=_residuals(problem, pose, count.worst),
         largest_over_median=count.worst[0].distance / median if median > 0.0 else None,
         far=tuple(one.row for one in count.far),
@@ -274,8 +303,6 @@ class _Count:
     """Sums over all rows with weight, block by block."""
 
     rows: int = 0
-    weight: float = 0.0
-    squares: float = 0.0
     left: float = 0.0
     far_rows: int = 0
     far: list[Residual] = field(default_factory=list[Residual])
@@ -290,8 +317,6 @@ class _Count:
             return
         pairs = frame.pairs(points)
         self.rows += len(present)
-        self.weight += float(pairs.weights.sum())
-        self.squares += float(pairs.weights @ pairs.weights)
         numbers = first + present
         self.worst = _largest(self.worst, numbers, pairs.distances(frame.optimum))
         distances = pairs.distances(limits.motion)

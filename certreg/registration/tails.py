@@ -36,7 +36,7 @@ def log_beta_below(x: float, a: float, b: float) -> float:
     return _complement(other)
 
 
-def log_chi2_above(value: float, degrees: int) -> float:
+def log_chi2_above(value: float, degrees: float) -> float:
     """Log of the probability that a chi-squared variable is at least `value`.
 
     >>> round(math.exp(log_chi2_above(2.0, 2)), 12) == round(math.exp(-1.0), 12)
@@ -48,7 +48,7 @@ def log_chi2_above(value: float, degrees: int) -> float:
     return _log_upper(x, a) if x >= a + 1.0 else _complement(_log_lower(x, a))
 
 
-def log_chi2_below(value: float, degrees: int) -> float:
+def log_chi2_below(value: float, degrees: float) -> float:
     """Log of the probability that a chi-squared variable is at most `value`."""
     x, a = value / 2.0, degrees / 2.0
     if x <= 0.0:
@@ -56,7 +56,7 @@ def log_chi2_below(value: float, degrees: int) -> float:
     return _log_lower(x, a) if x < a + 1.0 else _complement(_log_upper(x, a))
 
 
-def log_ratio_below(ratio: float, degrees: int) -> float:
+def log_ratio_below(ratio: float, degrees: float) -> float:
     """Log of a bound on the probability that one chi-squared variable is at most ratio of another.
 
     Both of these degrees of freedom, and dependent in any way: for every c, one is at most c or the

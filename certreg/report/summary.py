@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING
 
 from certreg.registration import (
     DEGREE_SLACK,
+    NEARLY_AMBIGUOUS,
     NOT_ASKED,
     at_least,
     at_most,
     headline_words,
+    narrow_words,
     proved_degrees,
     share_words,
 )
@@ -102,6 +104,11 @@ def equilibria_summary(equilibria: EquilibriumSet) -> str:
 def equilibria_words(equilibria: EquilibriumSet) -> str:
     """The equilibrium set with its margin, and what is in doubt or not unique."""
     lines = [equilibria_summary(equilibria), f"Ambiguity margin: {margin_words(equilibria)}."]
+    narrow = narrow_words(equilibria)
+    if equilibria.nearly_ambiguous:
+        lines.append(NEARLY_AMBIGUOUS)
+    elif narrow is not None:
+        lines.append(f"{narrow[0].upper()}{narrow[1:]}.")
     if equilibria.classification.ambiguity is not None:
         lines.append(f"Not unique: {equilibria.classification.ambiguity.value}.")
     if equilibria.doubt is not None:
@@ -196,7 +203,7 @@ def verdict_words(registration: Registration) -> list[str]:
             "The pose below is one of them that turns the source least, up to rounding.",
         ]
     elif registration.equilibria.nearly_ambiguous:
-        lines.append("A very different pose fits almost as well: do not rely on the rotation.")
+        lines.append(NEARLY_AMBIGUOUS)
     if status is Optimality.BOUNDED or registration.limits != Limits():
         lines.append(_limit_words(registration))
     return lines
@@ -279,7 +286,9 @@ def _away(angle: float, *, unique: bool = True) -> str:
 def warnings(registration: Registration, headline: str) -> list[str]:
     """What is true of the data and should not be overlooked, and is not in the headline."""
     equilibria, bounds = registration.equilibria, registration.bounds
-    notes = [one.text for one in registration.fit.warnings if one.text not in headline]
+    narrow = narrow_words(equilibria)
+    notes = [] if narrow is None else [narrow]
+    notes += [one.text for one in registration.fit.warnings if one.text not in headline]
     gap, minimum = equilibria.margin.eigenvalue_gap, equilibria.components[0].energy
     unique = equilibria.classification.unique
     noisy = unique and registration.problem.noise_given and gap is not None

@@ -141,9 +141,10 @@ def test_the_exit_code_is_the_worst_of_the_contract(folder):
 def test_near_ambiguity_is_told_to_machines_and_leaves_the_exit_code(folder):
     rod = [[0, 0, 0], [1000, 0.001, 0], [2000, 0, 0.002], [3000, 0, 0]]
     line = [[0, 0, 0], [1, 0, 0], [2, 0, 0]]
-    for name, points in (("rod", rod), ("line", line)):
+    seen = [[10, 5, 3], [10.003, 1005, 3], [10, 2005, 3.001], [10, 3005, 3.002]]
+    for name, points in (("rod", rod), ("seen", seen), ("line", line)):
         write_csv(folder / f"{name}.csv", points)
-    pairs = ("rod.csv,rod.csv", "line.csv,line.csv", "a0.csv,b0.csv", "a0.csv,none.csv")
+    pairs = ("rod.csv,seen.csv", "line.csv,line.csv", "a0.csv,b0.csv", "a0.csv,none.csv")
     out = folder / "out"
     certreg("batch", listing(folder, *pairs), "--out", out)
     entries = lines((out / "results.jsonl").read_bytes())
@@ -154,7 +155,7 @@ def test_near_ambiguity_is_told_to_machines_and_leaves_the_exit_code(folder):
     assert [row["nearly_ambiguous"] for row in table] == ["1", "0", "0", ""]
     assert [e["margin"]["nearly_ambiguous"] for e in entries[:3]] == [True, False, False]
     assert all(map(valid, entries))
-    alone = certreg("equilibria", folder / "rod.csv", folder / "rod.csv", "--json").document
+    alone = certreg("equilibria", folder / "rod.csv", folder / "seen.csv", "--json").document
     assert alone["margin"] == entries[0]["margin"]
 
 

@@ -45,11 +45,12 @@ def test_the_numbers_are_those_of_plain_sums():
     target = 1.3 * NOISY @ TURN.T + [5.0, 6.0, 7.0]
     result = said(CLOUD, target, weights=weights)
     explained, scale, energy, scaled = by_hand(CLOUD, target, weights)
-    t = math.sqrt(29 * (energy - scaled) / scaled)
+    degrees = 3 * weights.sum() ** 2 / (weights @ weights) - 7
+    t = math.sqrt(degrees * (energy - scaled) / scaled)
 
     assert result.explained == pytest.approx(explained, rel=1e-9)
     assert result.best_scale == pytest.approx(scale, rel=1e-9)
-    assert result.scale_p == pytest.approx(2 * stats.t.sf(t, 29), rel=1e-6, abs=0.0)
+    assert result.scale_p == pytest.approx(2 * stats.t.sf(t, degrees), rel=1e-6, abs=0.0)
 
 
 def test_chi_squared_is_the_objective_under_the_given_noise():
@@ -96,6 +97,19 @@ def test_misfits_have_the_right_code(misfit):
 
 def test_good_problems_raise_no_alarm():
     assert list(rates.alarms(40)) == []
+
+
+def test_good_problems_raise_no_alarm_where_few_rows_weigh_more():
+    assert list(rates.weighted_alarms(40)) == []
+
+
+def test_a_scale_is_seen_where_weights_differ():
+    weights = np.array([1.0] * 4 + [0.3] * 8)
+
+    assert said(CLOUD, 1.3 * NOISY, weights=weights).codes == (FitCode.SCALE,)
+    few = np.array([1.0] * 3 + [1e-9] * 9)
+    assert said(CLOUD, 1.3 * NOISY, weights=few).codes == ()  # three rows fit anything
+    assert said(CLOUD, 1.3 * NOISY, sigma=1.0 / np.sqrt(few)).codes == (FitCode.SCALE,)
 
 
 @pytest.mark.slow

@@ -1,0 +1,69 @@
+"""Whether the noise rules out the next equilibrium, where little separates it from the optimum.
+
+If the next pose were right, E1, its objective, would be noise alone: sigma^2 times a chi-squared
+variable of 3 n - 6 degrees of freedom; and E0, the least, is that of a wrong pose, which is no
+smaller in distribution than noise alone. So E0 <= b E1 has at most the probability of one such
+variable being at most b times another, whatever links the two. Where sigma is given, E1 - E0 in
+units of sigma^2 is twice the log-likelihood ratio; a fit worse than sigma says has a larger unit.
+Statistics, as of the fit: nothing of it is proved.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from certreg.equilibrium import equilibrium_set
+from certreg.registration.covariance import PARAMETERS
+from certreg.registration.misfits import LEVEL, FitSums
+from certreg.registration.outlying import independent_rows
+from certreg.registration.tails import log_ratio_below
+
+if TYPE_CHECKING:
+    from certreg.equilibrium import CriticalSet, EquilibriumSet
+    from certreg.objective import Isotropic
+    from certreg.problem import RegistrationProblem
+
+DISTINGUISHABLE = 25  # twice the log-likelihood ratio of five standard deviations
+NEARLY_AMBIGUOUS = "A very different pose fits almost as well: do not rely on the rotation."
+
+
+def equilibria_at(
+    critical: CriticalSet, objective: Isotropic, problem: RegistrationProblem
+) -> EquilibriumSet:
+    """The equilibria at the critical rotations; where the margin is small, what the noise says."""
+    found = equilibrium_set(critical, objective, problem.damping)
+    if not found.narrow:
+        return found
+    return replace(found, next_ruled_out=_rules_out_next(problem, objective))
+
+
+def narrow_words(equilibria: EquilibriumSet) -> str | None:
+    """What a small margin means though the noise does not turn the answer over; None if it may."""
+    if not equilibria.narrow or equilibria.nearly_ambiguous:
+        return None
+    best, following = equilibria.components[:2]
+    away = math.degrees(following.angle_to_optimum)
+    fits = ""
+    if None not in (best.rmse, following.rmse):
+        fits = f" (RMSE {following.rmse:.3g} instead of {best.rmse:.3g})"
+    return (
+        f"the margin is small: the next equilibrium, {away:.4g} degrees away, costs only "
+        f"{100 * equilibria.margin.relative:.3g} % of the range of energies{fits}; the noise rules "
+        "it out, but a few wrong pairs may turn the answer over"
+    )
+
+
+def _rules_out_next(problem: RegistrationProblem, objective: Isotropic) -> bool:
+    """Whether the noise rules out that the second best equilibrium is the right pose.
+
+    The noise is the given sigma, or what the residuals are; False means not ruled out.
+    """
+    sums, degrees = FitSums(objective), 3 * independent_rows(problem) - PARAMETERS
+    least, more = sums.energy, 2 * objective.eigenvalue_difference(0, 1)
+    if degrees <= 0 or least + more <= sums.rounding:
+        return False
+    if problem.noise_given:
+        return more >= DISTINGUISHABLE * max(1, least / round(degrees))
+    return log_ratio_below(float(least / (least + more)), degrees) <= math.log(LEVEL)
