@@ -18,7 +18,8 @@ from certreg.errors import ContradictionError
 from certreg.objective import Isotropic
 from certreg.problem import RegistrationProblem, exact_moments
 from certreg.registration import certify
-from certreg.registration.certification import _final_state, simulated
+from certreg.registration.certification import simulated
+from certreg.registration.result import final_state
 from certreg.relaxation.conic import ConicSolution, RelaxationStatus
 from certreg.results import Absent, Optimality, Ruling, Verdict
 
@@ -64,7 +65,7 @@ def test_what_is_not_asked_for_is_not_computed(bare: Registration, monkeypatch: 
 def test_without_a_simulation_energies_are_per_weight_and_nothing_ended_anywhere(
     bare: Registration, whole: Registration
 ):
-    state = _final_state(unfinished(whole))
+    state = final_state(unfinished(whole))
 
     assert bare.solution.energy_unit == bare.solution.moments.total_weight
     assert not bare.solution.ended_in(state)
