@@ -9,6 +9,7 @@ from certreg._faces import lazy_face
 if TYPE_CHECKING:
     from certreg.certificate.bounds import ExactPose as ExactPose
     from certreg.certificate.bounds import PoseBounds as PoseBounds
+    from certreg.certificate.bounds import flat_energy as flat_energy
     from certreg.certificate.bounds import pose_bounds as pose_bounds
     from certreg.certificate.bounds import pose_energy as pose_energy
     from certreg.certificate.bounds import sin2_half_angle_between as sin2_half_angle_between
@@ -32,6 +33,7 @@ __getattr__ = lazy_face(
         "bounds": (
             "ExactPose",
             "PoseBounds",
+            "flat_energy",
             "pose_bounds",
             "pose_energy",
             "sin2_half_angle_between",

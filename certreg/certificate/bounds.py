@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from certreg.certificate.isotropic import IsotropicBody
     from certreg.objective import Isotropic
+    from certreg.problem import ExactMoments
     from certreg.results import Limits
 
 NO_ANGLE = Absent("the optimum is not unique: no angle to 'the' optimum exists")
@@ -39,12 +40,16 @@ class PoseBounds(Explained):
     least_gap, greatest_gap: exact bounds on objective - minimum, in objective units.
     angle_upper: radians, to every optimum; None where the certificate bounds no angle.
     least_range_squared: of a number that the range of energies over all rotations is not below.
+    flat_energy: what the gap is held against where that range is zero: the clouds' spread, which is
+        the least objective then. Two clouds that are a point each have none: there is no length but
+        their distance from the origin, whose squares are weighted and summed instead.
     """
 
     least_gap: Fraction
     greatest_gap: Fraction
     angle_upper: float | None
     least_range_squared: Fraction
+    flat_energy: Fraction = Fraction(0)
 
     @property
     def share_upper(self) -> float | None:
@@ -56,10 +61,10 @@ class PoseBounds(Explained):
     def meet(self, limits: Limits, *, unique: bool) -> bool:
         """Whether the proved bounds are within limits; unique: whether an angle is asked for, too.
 
-        Where the range is zero every rotation is optimal, and only the translation costs: yes.
+        Where the range is zero every rotation is optimal, and only the translation costs.
         """
         if not self.least_range_squared:
-            return True
+            return self.greatest_gap <= Fraction(limits.max_gap) * self.flat_energy
         if self.greatest_gap**2 > Fraction(limits.max_gap) ** 2 * self.least_range_squared:
             return False
         return not unique or (self.angle_upper is not None and self.angle_upper <= limits.max_angle)
@@ -109,11 +114,19 @@ def pose_bounds(objective: Isotropic, body: IsotropicBody, pose: ExactPose) -> P
         greatest_gap=max(Fraction(0), above if flat else above + body.gap),
         angle_upper=_angle_upper(body, pose.quaternion),
         least_range_squared=objective.least_range_squared,
+        flat_energy=flat_energy(objective.moments),
         absent={
             "angle_upper": NOT_CLAIMED if objective.classification.unique else NO_ANGLE,
             "share_upper": NO_RANGE,
         },
     )
+
+
+def flat_energy(moments: ExactMoments) -> Fraction:
+    """The energy that says which are small where all rotations fit equally; see `PoseBounds`."""
+    centroids = (*moments.source_centroid, *moments.target_centroid)
+    distance = sum((entry * entry for entry in centroids), start=Fraction(0))
+    return moments.spread or moments.total_weight * distance
 
 
 def pose_energy(objective: Isotropic, pose: ExactPose) -> Fraction:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.certificate import ExactPose, pose_bounds, pose_energy
+from certreg.certificate import ExactPose, flat_energy, pose_bounds, pose_energy
 from certreg.errors import InvalidProblemError, UndecidedError
 from certreg.exact import double_above, integer_eigenbasis, nearest_double, nearest_root
 from certreg.geometry import davenport_matrix, rotation_matrix, squared_norm
@@ -305,9 +305,7 @@ def _energy_range(solution: Solution) -> Fraction:
     spaces = len(objective.classification.pattern)
     if spaces > 1:
         return 2 * objective.eigenvalue_difference(0, spaces - 1)
-    centroids = (*moments.source_centroid, *moments.target_centroid)
-    distance = sum((entry * entry for entry in centroids), start=Fraction(0))
-    return moments.spread or moments.total_weight * distance or Fraction(1)
+    return flat_energy(moments) or Fraction(1)
 
 
 def _verdict(facts: _Findings, settings: AssessmentSettings) -> PoseVerdict:

@@ -89,6 +89,17 @@ BOUNDED_NOT_UNIQUE = Headline(
     rests_on=(*_GAP, "classification"),
     code=4,
 )
+BOUNDED_FLAT = Headline(
+    stamp="BOUNDED",
+    words="within {gap} of the minimum; every rotation fits equally, the translation does not:",
+    rests_on=(
+        "optimality_certificate",
+        "translation_gap",
+        "optimality.gap_bound",
+        "classification",
+    ),
+    code=4,
+)
 NOT_CERTIFIED = Headline(
     stamp="NOT CERTIFIED",
     words="the pose is computed, but its optimality was not proved.",
@@ -150,7 +161,7 @@ NO_ROTATION = Headline(
 
 HEADLINES = (
     *(CERTIFIED, NEARLY_AMBIGUOUS, POOR_FIT, NOT_UNIQUE),
-    *(BOUNDED, BOUNDED_WITHOUT_ANGLE, BOUNDED_NOT_UNIQUE, NOT_CERTIFIED, WEAK),
+    *(BOUNDED, BOUNDED_WITHOUT_ANGLE, BOUNDED_NOT_UNIQUE, BOUNDED_FLAT, NOT_CERTIFIED, WEAK),
     *(OPTIMAL, OPTIMAL_NOT_UNIQUE, NEAR_OPTIMAL, NEAR_OPTIMAL_NOT_UNIQUE),
     *(SPURIOUS, NO_EQUILIBRIUM, NO_ROTATION),
 )
@@ -167,7 +178,14 @@ def headline_of(registration: Registration) -> Headline:
         if equilibria.nearly_ambiguous:
             return NEARLY_AMBIGUOUS
         return POOR_FIT if registration.fit.warnings else CERTIFIED
-    if not equilibria.classification.unique:
+    return _bounded(registration)
+
+
+def _bounded(registration: Registration) -> Headline:
+    bounds = registration.bounds
+    if bounds is not None and not bounds.least_range_squared:
+        return BOUNDED_FLAT
+    if not registration.equilibria.classification.unique:
         return BOUNDED_NOT_UNIQUE
     return BOUNDED_WITHOUT_ANGLE if proved_degrees(registration) is None else BOUNDED
 

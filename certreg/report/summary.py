@@ -216,7 +216,11 @@ def _limit_words(registration: Registration) -> str:
     if registration.equilibria.classification.unique:
         angle = f" and {limits.max_angle:g} radians of the optimum"
     verb = "would be" if registration.status is Optimality.BOUNDED else "means here"
-    return f"Certified {verb} within {limits.max_gap:g} of the range of energies{angle}."
+    of = "the range of energies"
+    if registration.bounds is not None and not registration.bounds.least_range_squared:
+        spread = registration.solution.moments.spread
+        of = "the clouds' own spread" if spread else "their distance from the origin, squared"
+    return f"Certified {verb} within {limits.max_gap:g} of {of}{angle}."
 
 
 def _status_lines(registration: Registration) -> list[str]:

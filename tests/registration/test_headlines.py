@@ -25,6 +25,7 @@ from certreg.objective import Isotropic
 from certreg.problem import RegistrationProblem, exact_moments
 from certreg.registration import (
     HEADLINES,
+    assess,
     certify,
     code_of_registration,
     headline_of,
@@ -151,6 +152,37 @@ def test_a_unique_optimum_without_a_proved_angle_is_bounded():
     assert headline_of(weak) is listed.BOUNDED_WITHOUT_ANGLE
     vacuous = replace(registration, bounds=replace(bounds, angle_upper=math.pi))
     assert headline_of(vacuous) is listed.BOUNDED_WITHOUT_ANGLE
+
+
+def test_where_every_rotation_fits_the_translation_is_held_against_the_spread():
+    """A point of the target at 1e16 / 3 is far from every double; the source is 1 wide."""
+    source = np.random.default_rng(1).normal(size=(20, 3))
+    registration = proof_of(RegistrationProblem(source, np.ones((20, 3)) * 1e16 / 3))
+    bounds = checked(registration.bounds)
+    judged = assess(registration.problem, registration.pose.rotation, registration.pose.translation)
+
+    assert bounds.flat_energy == registration.solution.moments.spread
+    assert (registration.status, code_of_registration(registration)) == (Optimality.BOUNDED, 4)
+    assert headline_words(registration).startswith("BOUNDED: within 0.")
+    assert "every rotation fits equally, the translation does not" in headline_words(registration)
+    assert "within 1e-06 of the clouds' own spread." in registration_summary(registration)
+    assert not judged.headline.startswith("OPTIMAL")
+    assert checked(judged.gap_upper) == bounds.gap_upper
+
+    share = bounds.greatest_gap / bounds.flat_energy
+    below, above = (math.nextafter(float(share), end) for end in (0.0, 1.0))
+    assert not bounds.meet(Limits(max_gap=below), unique=False)
+    assert bounds.meet(Limits(max_gap=above), unique=False)
+
+
+@pytest.mark.parametrize("unit", [1.0, 2.0**54])
+def test_a_single_pair_is_certified_in_any_unit(unit: float):
+    registration = proof_of(RegistrationProblem([[0.1 * unit] * 3], [[0.7 * unit] * 3]))
+
+    assert registration.status is Optimality.CERTIFIED_NOT_UNIQUE
+    tight = replace(registration, limits=Limits(max_gap=0.0))
+    assert headline_of(tight) is listed.BOUNDED_FLAT
+    assert "of their distance from the origin, squared" in registration_summary(tight)
 
 
 def test_a_vacuous_gap_is_no_certificate():
