@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from certreg.problem import RegistrationProblem
 from certreg.problem import problem as problems
-from certreg.registration import certify, misfits
+from certreg.registration import certify, misfits, outlying
 from certreg.registration.misfits import FitCode, RowNames
 from certreg.registration.outlying import LISTED, OtherPairing, RowFit, row_fit
 
@@ -162,3 +162,26 @@ def test_shares_are_said_in_per_cent_and_all_is_said_of_all_alone(
     share: Fraction | float | None, said: str
 ):
     assert misfits._percent(share) == said
+
+
+def test_a_row_is_far_in_length_and_in_standard_deviations_beyond_six_medians():
+    """Distances 1, ..., 1 and one: medians are 1 in length, 2 where weights are 4."""
+    x = np.random.default_rng(2).standard_normal((3, 9))
+    still = outlying._Motion(rotation=np.eye(3), translation=np.zeros(3))
+
+    def sample(last: float, weight: float) -> outlying._Pairs:
+        distances, weights = np.append(np.ones(8), last), np.append(np.full(8, 4.0), weight)
+        return outlying._Pairs(
+            source=x, target=x + [[1.0], [0.0], [0.0]] * distances, weights=weights
+        )
+
+    for last, weight, far in (
+        (5.9, 4.0, False),
+        (6.1, 4.0, True),
+        (6.1, 3.8, False),
+        (5.9, 9.0, False),
+    ):
+        pairs = sample(last, weight)
+        limits = outlying._limits_at(pairs, still)
+        assert (limits.distance, limits.weighted) == pytest.approx((6.0, 12.0), rel=1e-9)
+        assert limits.far(pairs, pairs.distances(still)).tolist() == [*[False] * 8, far]
