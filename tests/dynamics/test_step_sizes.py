@@ -9,9 +9,9 @@ import pytest
 from rotations import saddle_start
 from strategies import ZOO, random_problem
 
-from certreg.dynamics import simulation
+from certreg.dynamics import integrators, simulation
 from certreg.dynamics.basin import SMALLEST_BARRIER, basins_of, certified_basin
-from certreg.dynamics.batch import bodies_of
+from certreg.dynamics.batch import bodies_of, simulate_many
 from certreg.dynamics.body import body_of, start_at_rest, state_at_rest
 from certreg.dynamics.integrators import (
     EULER_STEP,
@@ -70,6 +70,70 @@ def test_a_step_that_is_given_is_taken_up_to_so_many_of_the_integrators_own(
     given = SimulationSettings(step=float(share * own))
 
     assert steps_of(objective, 2.0, integrator, given)["h"] == pytest.approx(min(share, most) * own)
+
+
+@pytest.mark.parametrize("integrator", Integrator)
+@pytest.mark.parametrize(("share", "shorter"), [(0.99, False), (2500.0, True)])
+def test_a_step_that_is_not_taken_as_given_is_told(integrator, share, shorter):
+    objective = objective_of(random_problem(np.random.default_rng(3), noise=0.3))
+    given = float(share * steps_of(objective, 2.0, integrator)["h"])
+    run = simulate(objective, 2.0, integrator, settings=SimulationSettings(step=given))
+    told = f"The step {given:.6g} is longer than {integrator.value} takes here: {run.step:.6g} was"
+
+    assert (run.step < 0.9 * given) == shorter
+    assert any(note.startswith(told) for note in run.notes) == shorter
+    assert repr(run) == f"<Trajectory: CONVERGED after {run.steps} steps of {integrator.value}>"
+
+
+LARGEST_SHARE = 1e-5 / 0.25  # of 1 / mu and mu / stiffness: a quarter of that is the least step
+
+
+@pytest.mark.parametrize(
+    ("damping", "widths", "size", "words"),
+    [
+        (1.001 / LARGEST_SHARE, (1.0, 1.0), 1.0, r"the damping 2.5e\+04 is so large"),
+        (0.999 * 2 * LARGEST_SHARE, (1.0, 1.0), 1.0, "the damping 7.99e-05 is so small"),
+        (2.8, (1e-4, 1e-4), 1.0, r"nearly collinear .* about its line is 2e-08 of that across it"),
+        (2.8, (1.0, 1.0), 1e5, "the target is so much larger than the source"),
+    ],
+)
+def test_what_makes_explicit_euler_too_slow_is_named(damping, widths, size, words):
+    cloud = np.vstack([np.diag([1.0, *widths]), -np.diag([1.0, *widths])])
+    target = size * np.vstack([np.eye(3), -np.eye(3)]) if widths[0] < 1.0 else size * cloud
+    objective = objective_of(RegistrationProblem(cloud, target))
+    with pytest.raises(DegenerateProblemError, match=words):
+        simulate(objective, damping)
+
+
+def test_a_damping_is_taken_just_inside_what_explicit_euler_bears():
+    cloud = np.vstack([np.eye(3), -np.eye(3)])
+    objective = objective_of(RegistrationProblem(cloud, cloud))
+    for damping in (0.999 / LARGEST_SHARE, 1.001 * 2 * LARGEST_SHARE):
+        few = SimulationSettings(max_steps=1)
+        assert simulate(objective, damping, settings=few).step == pytest.approx(1e-5, rel=2e-3)
+
+
+def test_a_lost_state_is_tried_with_a_256th_of_the_step_and_no_less(monkeypatch):
+    steps = []
+
+    class Losing:
+        def run(self, batch, rules, log=None):
+            steps.append(float(batch.steps["h"][0]))
+
+    monkeypatch.setattr(integrators, "current_engine", Losing)
+    bodies = bodies_of(np.diag([1.0, 2.0, 3.0]), np.diag([1.0, 2.0, 3.0]))
+    simulate_many(bodies)
+
+    assert steps == [steps[0] / 2**k for k in range(9)]
+
+
+def test_what_the_documentation_says_of_defaults_is_so():
+    settings = SimulationSettings()
+
+    assert (EULER_STEP, settings.speed_tolerance) == (0.01, 1e-4)  # [Yang2020]
+    assert (settings.rest_angle, settings.first_perturbation) == (1e-3, 1e-3)
+    assert (settings.max_steps, settings.least_step, settings.threads) == (1_000_000, 1e-5, 1)
+    assert state_at_rest(np.eye(3)).tolist() == [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, *[0] * 6]
 
 
 @pytest.mark.parametrize("damping", [1e-3, 2.0, 50.0])
@@ -179,4 +243,6 @@ def test_the_measured_rate_is_half_the_slope_of_the_energy_in_its_tail(rate):
     energy = least + body.spread * np.maximum(above, 0.9e-13)
 
     assert simulation._decay_rate(times, energy, body, basin) == pytest.approx(rate, rel=1e-3)
-    assert simulation._decay_rate(times[:38], energy[:38], body, basin) is None
+    first = int(np.argmax(above < 1e-3))  # four samples make a line
+    assert simulation._decay_rate(times[: first + 3], energy[: first + 3], body, basin) is None
+    assert simulation._decay_rate(times[: first + 4], energy[: first + 4], body, basin) is not None

@@ -171,6 +171,21 @@ def test_the_matrix_of_the_count_has_full_rank_exactly_where_the_values_are_dist
     assert len(macaulay_matrix(C, (1, 0, 0, 0))) == 10
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("order", [(0, 1, 2), (1, 2, 0), (2, 0, 1)])
+@pytest.mark.parametrize("kind", ["axes", "turns"])
+def test_the_count_is_proved_where_an_equilibrium_lies_in_the_planes_of_few_charts(
+    kind, order, sign
+):
+    """Eigenvectors e_i + e_j and e_i - e_j for two imaginary units, or for 1 and one of them."""
+    plane = ((1, 0, 2 * sign), (0, 5, 0), (2 * sign, 0, 1))
+    about = ((2, 0, 0), (0, 2, -3 * sign), (0, 3 * sign, -2))
+    C = plane if kind == "axes" else about
+    turned = [[C[i][j] for j in order] for i in order]
+
+    assert at_most_four(turned) is not None
+
+
 def test_balls_keep_exact_integers_exact():
     big = 3**500
     matrix = exact_matrix([[big, 1], [1, -big]], 10)

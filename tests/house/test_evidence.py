@@ -29,9 +29,9 @@ if TYPE_CHECKING:
 
 POINTS = np.array(AXES)  # six
 MANY = np.stack([POINTS] * 4)
-FLAT = np.stack([POINTS, POINTS, np.linspace(-1, 1, 6)[:, None] * [1.0, 2.0, 3.0], POINTS])
+FLAT = np.stack([POINTS, POINTS, *[np.linspace(-1, 1, 6)[:, None] * [1.0, 2.0, 3.0]] * 2])
 WEAK = (1e150 * POINTS, 1e-290 * POINTS @ np.diag([1.0, -1.0, -1.0]))
-STIFF = np.array([1.0, 1.0, 1e6, 1.0])[:, None, None] * POINTS
+STIFF = np.array([1.0, 1.0, 1e6, 2e6])[:, None, None] * POINTS
 
 
 def changed(array: np.ndarray, place: Any, value: float) -> np.ndarray:
@@ -163,7 +163,7 @@ def test_the_least_of_the_gaps_is_carried():
 
 def test_an_instance_whose_springs_are_too_weak_is_carried():
     values = np.array([[1.0, 0.0, -0.5, -0.5]] * 3)
-    unit = np.array([[1.0], [0.5 * SMALLEST_BARRIER], [1.0]])
+    unit = np.array([1.0, 0.5, 0.4])[:, None] * [[1.0], *[[SMALLEST_BARRIER]] * 2]
     with pytest.raises(DegenerateProblemError) as refusal:
         basins_of(np.array([np.eye(4)] * 3), values, unit)
     error = refusal.value
