@@ -67,6 +67,7 @@ from certreg.problem import (
     checked_damping,
     checked_threads,
     exact_moments,
+    require_same_labels,
 )
 from certreg.results import Brief
 
@@ -181,6 +182,7 @@ def exactly(
 
 def clouds(sources: ArrayLike, targets: ArrayLike, weights: ArrayLike | None) -> ManyClouds:
     """The arrays as the engines take them. Raises InvalidProblemError for other shapes."""
+    require_same_labels(sources, target=targets)  # of data frames, the same in every instance
     x, y = _points(sources, "sources"), _points(targets, "targets")
     if x.shape[1] != y.shape[1]:
         message = f"sources have {x.shape[1]} points and targets {y.shape[1]}: they correspond"

@@ -7,6 +7,13 @@ from typing import TYPE_CHECKING
 from certreg._faces import lazy_face
 
 if TYPE_CHECKING:
+    from certreg.problem.arrays import as_doubles as as_doubles
+    from certreg.problem.arrays import cloud_array as cloud_array
+    from certreg.problem.arrays import data_frame as data_frame
+    from certreg.problem.arrays import finite_doubles as finite_doubles
+    from certreg.problem.arrays import mapped_file as mapped_file
+    from certreg.problem.arrays import real_numbers as real_numbers
+    from certreg.problem.arrays import row_blocks as row_blocks
     from certreg.problem.exact_sums import FACTORS as FACTORS
     from certreg.problem.exact_sums import UPPER as UPPER
     from certreg.problem.exact_sums import second_method as second_method
@@ -22,26 +29,33 @@ if TYPE_CHECKING:
     from certreg.problem.problem import MIN_DAMPING as MIN_DAMPING
     from certreg.problem.problem import Block as Block
     from certreg.problem.problem import RegistrationProblem as RegistrationProblem
-    from certreg.problem.problem import as_doubles as as_doubles
     from certreg.problem.problem import checked_damping as checked_damping
     from certreg.problem.problem import checked_threads as checked_threads
-    from certreg.problem.problem import cloud_array as cloud_array
     from certreg.problem.problem import contiguous as contiguous
-    from certreg.problem.problem import finite_doubles as finite_doubles
     from certreg.problem.problem import first_row as first_row
     from certreg.problem.problem import lift as lift
-    from certreg.problem.problem import mapped_file as mapped_file
-    from certreg.problem.problem import real_numbers as real_numbers
-    from certreg.problem.problem import row_blocks as row_blocks
     from certreg.problem.random_instances import PAPER_DAMPING as PAPER_DAMPING
     from certreg.problem.random_instances import PAPER_POINTS as PAPER_POINTS
     from certreg.problem.random_instances import PAPER_SIGMA as PAPER_SIGMA
     from certreg.problem.random_instances import Instances as Instances
     from certreg.problem.random_instances import gaussian_instances as gaussian_instances
+    from certreg.problem.row_labels import LABEL as LABEL
+    from certreg.problem.row_labels import RowLabels as RowLabels
+    from certreg.problem.row_labels import labels_of as labels_of
+    from certreg.problem.row_labels import require_same_labels as require_same_labels
 
 __getattr__ = lazy_face(
     __name__,
     {
+        "arrays": (
+            "as_doubles",
+            "cloud_array",
+            "data_frame",
+            "finite_doubles",
+            "mapped_file",
+            "real_numbers",
+            "row_blocks",
+        ),
         "exact_sums": (
             "FACTORS",
             "UPPER",
@@ -62,17 +76,11 @@ __getattr__ = lazy_face(
             "MAX_DAMPING",
             "MIN_DAMPING",
             "RegistrationProblem",
-            "as_doubles",
             "checked_damping",
             "checked_threads",
-            "cloud_array",
             "contiguous",
-            "finite_doubles",
             "first_row",
             "lift",
-            "mapped_file",
-            "real_numbers",
-            "row_blocks",
         ),
         "random_instances": (
             "Instances",
@@ -80,6 +88,12 @@ __getattr__ = lazy_face(
             "PAPER_POINTS",
             "PAPER_SIGMA",
             "gaussian_instances",
+        ),
+        "row_labels": (
+            "LABEL",
+            "RowLabels",
+            "labels_of",
+            "require_same_labels",
         ),
     },
 )

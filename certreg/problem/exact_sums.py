@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.native import CompilationError, loaded_library
-from certreg.problem.problem import lift, row_blocks
+from certreg.problem.arrays import row_blocks
+from certreg.problem.problem import lift
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence

@@ -10,7 +10,6 @@ import copy
 import hashlib
 import io
 import math
-import mmap
 import operator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -19,6 +18,14 @@ import numpy as np
 
 from certreg.errors import InvalidProblemError
 from certreg.exact import weight_of_sigma
+from certreg.problem.arrays import (
+    cloud_array,
+    finite_doubles,
+    mapped_file,
+    real_numbers,
+    row_blocks,
+)
+from certreg.problem.row_labels import require_same_labels
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -29,7 +36,6 @@ if TYPE_CHECKING:
 CHANGED = "the file of a mapped array was changed while it was read: state the problem anew"
 DIGEST_PREFIX = b"certreg-problem/1\0"
 MANTISSA_BITS = 53
-BLOCK_POINTS = 1 << 16  # read at a time: 3.5 MB; a share of a second, for Ctrl-C
 DEFAULT_DAMPING = math.sqrt(8.0)  # critical damping of every mode of noise-free data: 2 sqrt(2)
 MIN_DAMPING, MAX_DAMPING = 1e-150, 1e150  # their squares, in the spectrum, are doubles
 
@@ -38,8 +44,10 @@ MIN_DAMPING, MAX_DAMPING = 1e-150, 1e150  # their squares, in the spectrum, are 
 class RegistrationProblem(Brief):
     """Find the rigid motion that takes `source` to `target`, row i to row i.
 
-    source, target: (N, 3) arrays of numbers, N >= 1, in one unit of length; or any object with
-        `.points` (Open3D) or `.vertices` (trimesh).
+    source, target: (N, 3) arrays of numbers, N >= 1, in one unit of length, of any library that
+        NumPy reads; or any object with `.points` (Open3D), `.vertices` (trimesh) or `.xyz` (laspy);
+        or data frames. Those with labels must have the same in the same order: `certreg.pair`
+        brings them into one.
     sigma: standard deviation of the noise per coordinate, a scalar or (N,), > 0, same unit; the
         weight is the double nearest to 1/sigma^2.
     weights: instead of sigma, (N,) or a scalar, >= 0, not all zero.
@@ -84,6 +92,7 @@ class RegistrationProblem(Brief):
                 "row i with row i, so both need the same number"
             )
             raise InvalidProblemError(message, array="target", value=len(target_points), limit=n)
+        require_same_labels(source, target=target, sigma=sigma, weights=weights)
         masses = _weights_from_sigma(sigma, n) if sigma is not None else _given_weights(weights, n)
         for name, value in (
             ("source", source_points),
@@ -178,12 +187,6 @@ class Block(Brief):
         return Block(source=self.source[rows], target=self.target[rows], weights=self.weights[rows])
 
 
-def row_blocks(n: int) -> Iterator[slice]:
-    """The rows 0 to n in blocks of a size that is read at a time."""
-    starts = range(0, n, BLOCK_POINTS)
-    return (slice(first, min(first + BLOCK_POINTS, n)) for first in starts)
-
-
 def contiguous(
     array: NDArray[np.float64], rows: slice, name: str | None = None
 ) -> NDArray[np.float64]:
@@ -203,18 +206,6 @@ def contiguous(
             CHANGED, array=name, row=row, value=copied[row - rows.start].tolist()
         )
     return copied
-
-
-def mapped_file(array: NDArray[Any]) -> mmap.mmap | None:
-    """The file of an array that was mapped for reading only; None for any other array.
-
-    Through a map for reading only this process cannot change the array. The pages of the file that
-    were read are the system's: it takes them back when memory is scarce.
-    """
-    owner: Any = array
-    while owner is not None and not isinstance(owner, mmap.mmap):
-        owner = owner.obj if isinstance(owner, memoryview) else getattr(owner, "base", None)
-    return owner if owner is not None and memoryview(owner).readonly else None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -245,71 +236,6 @@ def lift(values: NDArray[np.float64]) -> Lifted:
     return Lifted(integers=[m << s for m, s in pairs], exponent=common)
 
 
-def cloud_array(cloud: Any, name: str) -> NDArray[Any]:
-    """An array (N, 3), N >= 1, of real numbers of any type, not copied if it is one."""
-    for attribute in ("points", "vertices"):
-        if not isinstance(cloud, np.ndarray) and hasattr(cloud, attribute):
-            cloud = getattr(cloud, attribute)
-            break
-    array = real_numbers(cloud, name)
-    if array.ndim != 2 or array.shape[1] != 3:
-        hint = "; transpose it" if array.ndim == 2 and array.shape[0] == 3 else ""
-        message = f"{name} has shape {array.shape}: expected (N, 3), one point per row{hint}"
-        raise InvalidProblemError(message, array=name, value=array.shape)
-    if len(array) == 0:
-        message = f"{name} has no points: at least one correspondence is needed"
-        raise InvalidProblemError(message, array=name, value=0, limit=1)
-    return array
-
-
-def real_numbers(values: Any, name: str) -> NDArray[Any]:
-    """The values as an array of real numbers of any type, not copied if they are one."""
-    if np.ma.isMaskedArray(values):
-        message = f"{name} is a masked array: drop the masked rows from both clouds first"
-        raise InvalidProblemError(message, array=name)
-    try:
-        array = np.asarray(values)
-    except (ValueError, TypeError) as error:
-        message = f"{name} is not an array of numbers: {error}"
-        raise InvalidProblemError(message, array=name) from error
-    if array.dtype.kind not in "fiu":
-        message = f"{name} has entries of type {array.dtype}: expected real numbers"
-        raise InvalidProblemError(message, array=name, value=array.dtype)
-    return array
-
-
-def finite_doubles(array: NDArray[Any], name: str) -> NDArray[np.float64]:
-    """The finite values of an array as doubles, -0.0 as 0.0: fresh, or mapped from a file as it is.
-
-    Refused where a conversion would lose or invent something. In blocks: no second copy is made.
-    """
-    mapped = mapped_file(array) is not None
-    kept = array if mapped else np.empty(array.shape)
-    for rows in row_blocks(len(array)):
-        doubles, same = as_doubles(array[rows])
-        if not same.all():
-            message = (
-                f"{name} has entries of type {array.dtype} that no double holds exactly: "
-                "round them yourself with .astype(float) if that is what you mean"
-            )
-            row = rows.start + int(np.argwhere(~same)[0][0])
-            value = array[row].tolist()
-            raise InvalidProblemError(message, array=name, row=row, value=value)
-        finite = np.isfinite(doubles)
-        if not finite.all():
-            row = int(np.argwhere(~finite)[0][0])
-            message = (
-                f"{name} row {rows.start + row} (counting from 0) is {doubles[row].tolist()}: "
-                "every value must be finite; remove the correspondence from both clouds"
-            )
-            raise InvalidProblemError(
-                message, array=name, row=rows.start + row, value=doubles[row].tolist()
-            )
-        if not mapped:
-            np.add(doubles, 0.0, out=kept[rows])  # -0.0 + 0.0 is 0.0: one point, one digest
-    return kept
-
-
 def checked_damping(damping: Any) -> float:
     """A damping mu > 0 as a double; raises InvalidProblemError for anything else."""
     try:
@@ -333,20 +259,6 @@ def checked_threads(threads: Any) -> int:
         message = f"threads is {threads!r}: it must be a whole number, 1 or more"
         raise InvalidProblemError(message, array="threads", value=threads, limit=1)
     return count
-
-
-def as_doubles(array: NDArray[Any]) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """A copy of real numbers as doubles, and where it holds the same value (or the same NaN)."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        doubles = array.astype(np.float64, order="C")  # astype always copies
-        if array.dtype.kind == "f" and array.dtype.itemsize <= doubles.itemsize:
-            return doubles, np.ones(doubles.shape, dtype=bool)
-        back = doubles.astype(array.dtype)
-    kept = (back == array) | (np.isnan(doubles) & np.isnan(array))
-    if array.dtype.kind in "iu":  # beyond these bounds the cast back is undefined
-        info = np.iinfo(array.dtype)
-        kept &= doubles < 2.0 ** (info.bits - (info.min < 0))
-    return doubles, kept
 
 
 def _per_point(values: ArrayLike, name: str, n: int) -> NDArray[np.float64]:

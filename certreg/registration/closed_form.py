@@ -25,6 +25,7 @@ from certreg.problem import (
     finite_doubles,
     moments_of_clouds,
     real_numbers,
+    require_same_labels,
 )
 
 if TYPE_CHECKING:
@@ -66,6 +67,7 @@ def register(
             "row i, so both need the same number"
         )
         raise InvalidProblemError(message, array="target", value=len(y), limit=len(x))
+    require_same_labels(source, target=target, weights=weights)
     w = None if weights is None else _readable(real_numbers(weights, "weights"), "weights")
     if w is not None and w.shape != (len(x),):
         message = f"weights has shape {w.shape}: expected ({len(x)},), one per point"

@@ -156,7 +156,7 @@ def test_a_file_changed_anywhere_is_read_or_refused_as_if_it_were_small(place, d
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize("suffix", ["npy", "ply"])
 def test_a_row_that_is_no_number_is_named(tmp_path, suffix, bad, all_large, monkeypatch):
-    monkeypatch.setattr("certreg.problem.problem.BLOCK_POINTS", 100)
+    monkeypatch.setattr("certreg.problem.arrays.BLOCK_POINTS", 100)
     points = POINTS.copy()
     points[417, 1] = bad
     path = tmp_path / f"a.{suffix}"
@@ -200,7 +200,7 @@ def test_a_large_cloud_is_moved_block_by_block_to_the_same_bytes(tmp_path, suffi
     (tmp_path / "pose.txt").write_text("0.5 0.5 0.5 0.5 1 2 3\n")
     words = ("apply", tmp_path / "pose.txt", tmp_path / "a.npy", "--out")
     first = certreg(*words, tmp_path / f"small.{suffix}")
-    monkeypatch.setattr("certreg.problem.problem.BLOCK_POINTS", 100)
+    monkeypatch.setattr("certreg.problem.arrays.BLOCK_POINTS", 100)
     monkeypatch.setattr(streams, "MAPPED_BYTES", 1)
     second = certreg(*words, tmp_path / f"large.{suffix}")
     contents = [(tmp_path / f"{size}.{suffix}").read_bytes() for size in ("small", "large")]
@@ -217,7 +217,7 @@ def test_a_moved_row_beyond_the_doubles_is_named_and_nothing_is_written(tmp_path
     points[417] = 1.7e308
     np.save(tmp_path / "a.npy", points)
     (tmp_path / "pose.txt").write_text("1 0 0 0 1.7e308 0 0\n")
-    monkeypatch.setattr("certreg.problem.problem.BLOCK_POINTS", 100)
+    monkeypatch.setattr("certreg.problem.arrays.BLOCK_POINTS", 100)
     run = certreg("apply", tmp_path / "pose.txt", tmp_path / "a.npy", "--out", tmp_path / "b.npy")
 
     assert run.code == 2

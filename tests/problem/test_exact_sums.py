@@ -124,7 +124,7 @@ def test_many_points_of_many_scales_on_threads_sum_up_to_the_same_integers(monke
     rng = np.random.default_rng(8)
     problem = strategies.random_problem(rng, n=20_011, offset=1e6, decades=9.0)
     expected = sums_by(SumMethod.INTEGERS, problem)
-    monkeypatch.setattr("certreg.problem.problem.BLOCK_POINTS", 1000)
+    monkeypatch.setattr("certreg.problem.arrays.BLOCK_POINTS", 1000)
     monkeypatch.setattr(exact_sums, "LIMB_POINTS", 777)
 
     assert [sums_by(method, problem, threads=3) for method in SumMethod] == [expected] * 3

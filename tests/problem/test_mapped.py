@@ -12,7 +12,7 @@ from certreg import RegistrationProblem
 from certreg.errors import InvalidProblemError
 from certreg.problem import problem as stating
 from certreg.problem.exact_sums import SumMethod, sums_by
-from certreg.problem.problem import BLOCK_POINTS, mapped_file
+from certreg.problem.arrays import BLOCK_POINTS, mapped_file
 
 if TYPE_CHECKING:
     from pathlib import Path

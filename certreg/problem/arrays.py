@@ -1,0 +1,165 @@
+"""Arrays in, of whatever library: points by duck typing, and their exact doubles.
+
+No library is imported to recognise its objects. What is ambiguous is refused, with what to type.
+"""
+
+from __future__ import annotations
+
+import mmap
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from certreg.errors import InvalidProblemError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+BLOCK_POINTS = 1 << 16  # read at a time: 3.5 MB; a share of a second, for Ctrl-C
+ATTRIBUTES = ("xyz", "points", "vertices")  # in this order: `points` of laspy are raw records
+AXES = ("x", "y", "z")
+WORDS = 160  # of another library's error: its first line, and not all of a long one
+
+
+def cloud_array(cloud: Any, name: str) -> NDArray[Any]:
+    """An array (N, 3), N >= 1, of real numbers of any type, not copied if it is one."""
+    array = _frame_points(cloud, name) if data_frame(cloud) else real_numbers(_held(cloud), name)
+    if array.ndim != 2 or array.shape[1] != 3:
+        hint = f"; transpose it: {name}.T" if array.ndim == 2 and array.shape[0] == 3 else ""
+        if array.ndim == 2 and array.shape[1] == 4:
+            hint = f"; of homogeneous coordinates give {name}[:, :3] / {name}[:, 3:]"
+        message = f"{name} has shape {array.shape}: expected (N, 3), one point per row{hint}"
+        raise InvalidProblemError(message, array=name, value=array.shape)
+    if len(array) == 0:
+        message = f"{name} has no points: at least one correspondence is needed"
+        raise InvalidProblemError(message, array=name, value=0, limit=1)
+    return array
+
+
+def data_frame(given: Any) -> bool:
+    """Whether this is a table with named columns, of pandas, polars or their like."""
+    return hasattr(given, "columns") and hasattr(given, "to_numpy")
+
+
+def _held(cloud: Any) -> Any:
+    """What an object holds as its points; the object itself where it is an array of its own."""
+    array: Any = cloud
+    if isinstance(cloud, np.ndarray) or hasattr(cloud, "dims"):  # of xarray: names are coordinates
+        return array
+    for attribute in ATTRIBUTES:
+        held = getattr(cloud, attribute, None)
+        if held is not None and not callable(held):
+            return held
+    tensors = getattr(cloud, "point", None)  # a point cloud of tensors, of Open3D
+    return getattr(tensors, "positions", cloud)
+
+
+def _frame_points(frame: Any, name: str) -> NDArray[Any]:
+    """The columns x, y, z of a data frame, or its three columns where they have no names."""
+    names: list[Any] = list(frame.columns)
+    plain = [one.strip().lower() if isinstance(one, str) else one for one in names]
+    if all(plain.count(axis) == 1 for axis in AXES):
+        chosen = [names[plain.index(axis)] for axis in AXES]
+        return np.column_stack([real_numbers(frame[column], name) for column in chosen])
+    if len(names) == 3 and not any(isinstance(one, str) for one in names):
+        return real_numbers(frame.to_numpy(), name)
+    stated = ", ".join(map(str, names))[:WORDS]
+    message = (
+        f"{name} is a data frame with the columns {stated}: which are x, y, z? Rename them so, or "
+        "let certreg.pair(source, target) read them"
+    )
+    raise InvalidProblemError(message, array=name, value=names)
+
+
+def real_numbers(values: Any, name: str) -> NDArray[Any]:
+    """The values as an array of real numbers of any type, not copied if they are one."""
+    if np.ma.isMaskedArray(values):
+        message = f"{name} is a masked array: drop the masked rows from both clouds first"
+        raise InvalidProblemError(message, array=name)
+    try:
+        plain = hasattr(values, "__array__") or not callable(getattr(values, "numpy", None))
+        array = np.asarray(values if plain else values.numpy())
+    except (ValueError, TypeError, RuntimeError) as error:
+        words = (str(error).splitlines() or [type(error).__name__])[0][:WORDS]
+        message = f"{name} is not an array of numbers: {words}{_remedy(values, name)}"
+        raise InvalidProblemError(message, array=name) from error
+    if array.dtype.kind not in "fiu":
+        hint = f"; convert it first, as by {name}.astype(float)" if array.dtype.kind in "OV" else ""
+        message = f"{name} has entries of type {array.dtype}: expected real numbers{hint}"
+        raise InvalidProblemError(message, array=name, value=array.dtype)
+    return array
+
+
+def _remedy(values: Any, name: str) -> str:
+    """What to type for an array that does not let NumPy read it: on a GPU, or with gradients."""
+    if hasattr(values, "detach"):  # of PyTorch; .double(), for NumPy has no bfloat16
+        return f"; give {name}.detach().cpu().double().numpy()"
+    if callable(getattr(values, "get", None)) and hasattr(values, "shape"):  # of CuPy
+        return f"; give {name}.get()"
+    return ""
+
+
+def finite_doubles(array: NDArray[Any], name: str) -> NDArray[np.float64]:
+    """The finite values of an array as doubles, -0.0 as 0.0: fresh, or mapped from a file as it is.
+
+    Refused where a conversion would lose or invent something. In blocks: no second copy is made.
+    """
+    mapped = mapped_file(array) is not None
+    kept = array if mapped else np.empty(array.shape)
+    for rows in row_blocks(len(array)):
+        doubles, same = as_doubles(array[rows])
+        if not same.all():
+            message = (
+                f"{name} has entries of type {array.dtype} that no double holds exactly: "
+                "round them yourself with .astype(float) if that is what you mean"
+            )
+            row = rows.start + int(np.argwhere(~same)[0][0])
+            value = array[row].tolist()
+            raise InvalidProblemError(message, array=name, row=row, value=value)
+        finite = np.isfinite(doubles)
+        if not finite.all():
+            row = int(np.argwhere(~finite)[0][0])
+            message = (
+                f"{name} row {rows.start + row} (counting from 0) is {doubles[row].tolist()}: "
+                "every value must be finite; remove the correspondence from both clouds"
+            )
+            raise InvalidProblemError(
+                message, array=name, row=rows.start + row, value=doubles[row].tolist()
+            )
+        if not mapped:
+            np.add(doubles, 0.0, out=kept[rows])  # -0.0 + 0.0 is 0.0: one point, one digest
+    return kept
+
+
+def as_doubles(array: NDArray[Any]) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """A copy of real numbers as doubles, and where it holds the same value (or the same NaN)."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        doubles = array.astype(np.float64, order="C")  # astype always copies
+        if array.dtype.kind == "f" and array.dtype.itemsize <= doubles.itemsize:
+            return doubles, np.ones(doubles.shape, dtype=bool)
+        back = doubles.astype(array.dtype)
+    kept = (back == array) | (np.isnan(doubles) & np.isnan(array))
+    if array.dtype.kind in "iu":  # beyond these bounds the cast back is undefined
+        info = np.iinfo(array.dtype)
+        kept &= doubles < 2.0 ** (info.bits - (info.min < 0))
+    return doubles, kept
+
+
+def mapped_file(array: NDArray[Any]) -> mmap.mmap | None:
+    """The file of an array that was mapped for reading only; None for any other array.
+
+    Through a map for reading only this process cannot change the array. The pages of the file that
+    were read are the system's: it takes them back when memory is scarce.
+    """
+    owner: Any = array
+    while owner is not None and not isinstance(owner, mmap.mmap):
+        owner = owner.obj if isinstance(owner, memoryview) else getattr(owner, "base", None)
+    return owner if owner is not None and memoryview(owner).readonly else None
+
+
+def row_blocks(n: int) -> Iterator[slice]:
+    """The rows 0 to n in blocks of a size that is read at a time."""
+    starts = range(0, n, BLOCK_POINTS)
+    return (slice(first, min(first + BLOCK_POINTS, n)) for first in starts)
