@@ -6,6 +6,7 @@ optimality that a one-file checker accepts or refuses in exact arithmetic.
 
 from __future__ import annotations
 
+import logging
 from typing import TYPE_CHECKING
 
 from certreg import results as _results
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from certreg.equilibrium import solve_many as solve_many
     from certreg.errors import CertregError as CertregError
     from certreg.geometry import Pose as Pose
+    from certreg.io import load as load
+    from certreg.io import pair as pair
     from certreg.io import read_cloud as read_cloud
     from certreg.io import read_problem as read_problem
     from certreg.problem import RegistrationProblem as RegistrationProblem
@@ -32,6 +35,7 @@ if TYPE_CHECKING:
     from certreg.registration import Registration as Registration
     from certreg.registration import assess as assess
     from certreg.registration import certify as certify
+    from certreg.registration import certify_many as certify_many
     from certreg.registration import equilibria as equilibria
     from certreg.registration import register as register
     from certreg.registration import simulate as simulate
@@ -54,7 +58,10 @@ __all__ = [
     "assess",
     "bodies_of",
     "certify",
+    "certify_many",
     "equilibria",
+    "load",
+    "pair",
     "read_cloud",
     "read_problem",
     "register",
@@ -78,6 +85,8 @@ __getattr__ = lazy_face(
         "errors": ("CertregError",),
         "geometry": ("Pose",),
         "io": (
+            "load",
+            "pair",
             "read_cloud",
             "read_problem",
         ),
@@ -88,6 +97,7 @@ __getattr__ = lazy_face(
             "Registration",
             "assess",
             "certify",
+            "certify_many",
             "equilibria",
             "register",
             "simulate",
@@ -100,6 +110,9 @@ __getattr__ = lazy_face(
 def __dir__() -> list[str]:
     return __all__
 
+
+# Whoever wants to hear what was chosen (compiled C, the damping, the pairs) listens to `certreg`.
+logging.getLogger(__name__).addHandler(logging.NullHandler())
 
 # Results are shown by a wing below those that make them: it is named here, above all of them.
 _results.present_by(found_late("certreg.report", "PRESENTER"))

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from certreg.io.clouds import read_problem as read_problem
     from certreg.io.clouds import write_cloud as write_cloud
     from certreg.io.labels import csv_field as csv_field
+    from certreg.io.objects import load as load
+    from certreg.io.objects import pair as pair
+    from certreg.io.objects import stated_problem as stated_problem
     from certreg.io.poses import MAX_POSE_BYTES as MAX_POSE_BYTES
     from certreg.io.poses import ROTATION_TOLERANCE as ROTATION_TOLERANCE
     from certreg.io.poses import read_result_pose as read_result_pose
@@ -50,6 +53,11 @@ __getattr__ = lazy_face(
             "write_cloud",
         ),
         "labels": ("csv_field",),
+        "objects": (
+            "load",
+            "pair",
+            "stated_problem",
+        ),
         "poses": (
             "MAX_POSE_BYTES",
             "ROTATION_TOLERANCE",

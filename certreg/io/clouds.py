@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from certreg.io.parsed import Parsed
 
@@ -113,6 +113,10 @@ class Pair(Brief):
     sizes: tuple[int, int]  # of the files
     left_out: tuple[int, int] = (0, 0)  # how many rows of them are in no pair
     further: tuple[str, ...] = ()  # notes: rows in several pairs, a column of weights
+
+    def __iter__(self) -> Iterator[Cloud]:
+        """Source and target, to be unpacked."""
+        return iter((self.source, self.target))
 
     @property
     def weighed(self) -> bool:
@@ -228,7 +232,11 @@ def read_pair(
         message = "standard input holds one cloud: give a file for the other"
         raise InvalidFileError(message, path=Path(source))
     noise = noise and not pairing.ignore_weights
-    first, second = read_cloud(source, noise=noise), read_cloud(target, noise=noise)
+    return pair_of(read_cloud(source, noise=noise), read_cloud(target, noise=noise), pairing)
+
+
+def pair_of(first: Cloud, second: Cloud, pairing: Pairing = BY_LABEL) -> Pair:
+    """Two clouds in correspondence, as `read_pair`."""
     sizes = len(first.points), len(second.points)
     further = classes_note((first.path, second.path), first.labels, second.labels)
     if further:
@@ -281,17 +289,27 @@ def read_problem(
     """
     bare = sigma is None and weights is None
     pair = read_pair(source, target, pairing, noise=bare)
-    noise = noise_of_columns(pair.source, pair.target, (pair.source.path, pair.target.path))
-    pair = replace(pair, further=(*pair.further, *noise.notes))
     numbers = None if weights is None else _paired_weights(weights, source, pair)
-    problem = RegistrationProblem(
-        pair.source.points,
-        pair.target.points,
-        sigma=noise.sigma if sigma is None else sigma,
-        weights=noise.weights if numbers is None else numbers,
-        damping=damping,
-    )
-    return problem, pair
+    return problem_of(pair, sigma=sigma, weights=numbers, damping=damping)
+
+
+def problem_of(
+    pair: Pair,
+    *,
+    sigma: ArrayLike | None = None,
+    weights: ArrayLike | None = None,
+    damping: float | None = None,
+) -> tuple[RegistrationProblem, Pair]:
+    """The problem of a pair, and the pair with a note on its noise, where a column says it.
+
+    sigma, weights: one number, or one for each pair.
+    """
+    if sigma is None and weights is None:
+        noise = noise_of_columns(pair.source, pair.target, (pair.source.path, pair.target.path))
+        pair = replace(pair, further=(*pair.further, *noise.notes))
+        sigma, weights = noise.sigma, noise.weights
+    points = pair.source.points, pair.target.points
+    return RegistrationProblem(*points, sigma=sigma, weights=weights, damping=damping), pair
 
 
 def _paired_weights(

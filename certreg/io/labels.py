@@ -65,12 +65,13 @@ def rows_by_label(
         if times == [1, 1] or (match is Match.COMMON and 0 in times):
             continue
         k = int(times[0] == 1)
-        where = f"label '{shown(label)}' occurs {times[k]} times in the {SIDES[k]} {names[k]}"
+        place = SIDES[k] if names[k] == SIDES[k] else f"{SIDES[k]} {names[k]}"  # no file: an array
+        where = f"label '{shown(label)}' occurs {times[k]} times in the {place}"
         remedy = "rename it"
         if times[k] == 0:
             missing, others = len(counters[1 - k].keys() - counters[k].keys()), len(counters[1 - k])
             where += f", which lacks {missing} of the {others} labels of {names[1 - k]}"
-            remedy = "take --match common"
+            remedy = "take --match common (in Python match='common')"
         message = f"{where}: each must occur once in both; drop it, or {remedy}"
         raise InvalidFileError(message, path=files[k], column="label", value=label, limit=1)
     rows = {label: row for row, label in enumerate(target)}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import warnings
 from functools import cache
 from typing import TYPE_CHECKING
@@ -14,13 +15,18 @@ from certreg.native.library import loaded_library
 if TYPE_CHECKING:
     from certreg.native.loops import Engine
 
+LOG = logging.getLogger(__name__)
+
 
 @cache
 def current_engine() -> Engine:
     """The engine of this process; warns once where it is the slow one."""
     try:
-        return loaded_library()
+        library = loaded_library()
     except CompilationError as error:
+        LOG.info("CasADi's evaluator: %s", error)
         message = f"{error}: simulating with CasADi's evaluator, same results but much slower"
         warnings.warn(message, SlowSimulationWarning, stacklevel=2)
         return evaluator()
+    LOG.info("%s", library.words)
+    return library

@@ -28,7 +28,7 @@ def cloud_array(cloud: Any, name: str) -> NDArray[Any]:
     array = _frame_points(cloud, name) if data_frame(cloud) else real_numbers(_held(cloud), name)
     if array.ndim != 2 or array.shape[1] != 3:
         hint = f"; transpose it: {name}.T" if array.ndim == 2 and array.shape[0] == 3 else ""
-        if array.ndim == 2 and array.shape[1] == 4:
+        if array.ndim == 2 and array.shape[1] == 4 and not hint:
             hint = f"; of homogeneous coordinates give {name}[:, :3] / {name}[:, 3:]"
         message = f"{name} has shape {array.shape}: expected (N, 3), one point per row{hint}"
         raise InvalidProblemError(message, array=name, value=array.shape)

@@ -62,6 +62,7 @@ if TYPE_CHECKING:
     from certreg.registration.headlines import headline_words as headline_words
     from certreg.registration.headlines import proved_degrees as proved_degrees
     from certreg.registration.headlines import share_words as share_words
+    from certreg.registration.many import certify_many as certify_many
     from certreg.registration.misfits import ChiSquared as ChiSquared
     from certreg.registration.misfits import FitCode as FitCode
     from certreg.registration.misfits import FitWarning as FitWarning
@@ -149,6 +150,7 @@ __getattr__ = lazy_face(
             "proved_degrees",
             "share_words",
         ),
+        "many": ("certify_many",),
         "misfits": (
             "ChiSquared",
             "FitCode",

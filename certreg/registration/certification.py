@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
 
 import numpy as np
 
@@ -35,9 +36,10 @@ from certreg.exact import (
     nearest_root,
 )
 from certreg.geometry import Pose
+from certreg.io import stated_problem
 from certreg.native import Integrator
 from certreg.objective import Isotropic
-from certreg.problem import exact_moments, lift
+from certreg.problem import RegistrationProblem, exact_moments, lift
 from certreg.registration.agreement import agreement, require_sound_trajectory
 from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.covariance import pose_covariance
@@ -64,28 +66,43 @@ from certreg.results import (
 if TYPE_CHECKING:
     from collections.abc import Generator
 
+    from numpy.typing import ArrayLike
+
     from certreg.dynamics import Trajectory
-    from certreg.problem import RegistrationProblem
     from certreg.registration.fit import Fit
     from certreg.relaxation import Relaxation
     from certreg.results import Verdict
 
+LOG = logging.getLogger(__name__)
 NOT_ASKED = Absent("not asked for")
 NOT_CERTIFIED = Absent("not certified")
 CROSS_CHECK = Integrator.SPLITTING  # a few large steps, however stiff the springs
 
 
-def certify(
-    problem: RegistrationProblem,
+class Statement(TypedDict, total=False):
+    """What states a problem beside its clouds, as in `RegistrationProblem`."""
+
+    sigma: ArrayLike | None
+    weights: ArrayLike | None
+    damping: float | None
+
+
+def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
+    problem: Any,
+    target: Any = None,
     *,
     relaxation: bool = True,
     simulation: bool | str | SimulationSettings = True,
     about: dict[str, Any] | None = None,
     max_gap: float = MAX_GAP,
     max_angle: float = MAX_ANGLE,
+    **statement: Unpack[Statement],
 ) -> Registration:
     """Register, enumerate all equilibria, cross-check, certify, and run the checker.
 
+    problem: a `RegistrationProblem`; or source and target, as `certreg.pair` takes them: files,
+        arrays, data frames, paired by label where both have labels. Beside these sigma, weights
+        and damping may be given, as for a problem; what is noted of the pairs goes to the logger.
     relaxation, simulation: whether to take these two methods, too; all else is the same. Instead of
         True, settings of the simulation, or the name of its integrator. Where the problem names no
         damping, that of the fastest decay is taken.
@@ -94,14 +111,37 @@ def certify(
     Raises ContradictionError or RefusedCertificateError where certreg contradicts itself, and
     OutOfRangeError where no double can hold the pose.
     """
+    stated, named = _stated(problem, target, statement)
     return certified(
-        problem,
+        stated,
         relaxation=relaxation,
         integrator=_integrator(simulation) if simulation else None,
         settings=simulation if isinstance(simulation, SimulationSettings) else None,
-        about=about,
+        about={**named, **(about or {})},
         limits=Limits(max_gap=max_gap, max_angle=max_angle),
     )
+
+
+def _stated(
+    problem: Any, target: Any, statement: Statement
+) -> tuple[RegistrationProblem, dict[str, Any]]:
+    """The problem, and what its certificate may say of the clouds that it was made of."""
+    if isinstance(problem, RegistrationProblem):
+        if target is not None or statement:
+            given = ", ".join(["target"] * (target is not None) + list(statement))
+            message = f"{given} beside a problem, which states it itself: give one of the two"
+            raise InvalidProblemError(message, array="target" if target is not None else "problem")
+        return problem, {}
+    if target is None:
+        message = (
+            f"certify takes a RegistrationProblem, or source and target: a "
+            f"{type(problem).__name__} alone is neither"
+        )
+        raise InvalidProblemError(message, array="target")
+    stated, pair = stated_problem(problem, target, **statement)
+    for note in pair.notes:
+        LOG.warning("%s", note)
+    return stated, pair.about
 
 
 def _integrator(simulation: str | SimulationSettings | Literal[True]) -> str:
@@ -235,14 +275,18 @@ def _best_damped(problem: RegistrationProblem, objective: Isotropic) -> Registra
     if problem.damping_given:
         return problem
     try:
-        return problem.damped(optimal_damping(objective))
-    except (DegenerateProblemError, InvalidProblemError):
+        damped = problem.damped(optimal_damping(objective))
+    except (DegenerateProblemError, InvalidProblemError) as error:
+        LOG.info("damping %g: there is no best one: %s", problem.damping, error)
         return problem
+    LOG.info("damping %g, of the fastest decay", damped.damping)
+    return damped
 
 
 def _relaxation(objective: Isotropic) -> Relaxation | Absent:
     """The relaxation, or why there is none."""
     relaxed = relax(objective)
+    LOG.info("relaxation %s by %s: %s", relaxed.form.value, relaxed.solver, relaxed.status.name)
     if relaxed.value is None:
         return Absent(relaxed.status.value)
     return relaxed

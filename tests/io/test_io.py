@@ -24,7 +24,7 @@ from certreg.io.clouds import Pairing, read_cloud, read_pair, read_weights, writ
 from certreg.io.labels import Match, csv_field, text_of_field
 from certreg.io.poses import read_pose
 from certreg.io.streams import NUMBER
-from certreg.problem import problem as problems
+from certreg.problem import arrays as problems
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -19,7 +19,7 @@ from strategies import TETRAHEDRON, ZOO, random_rotation
 
 from certreg.geometry.pose import Pose
 from certreg.objective.isotropic import Isotropic
-from certreg.problem import problem as problems
+from certreg.problem import arrays as problems
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.certification import certify

@@ -12,7 +12,7 @@ from fit_rates import MEASURED, fit
 from scipy import stats
 
 from certreg.problem import RegistrationProblem
-from certreg.problem import problem as problems
+from certreg.problem import arrays as problems
 from certreg.registration import STORIES, misfits, outlying, stated
 from certreg.registration import fit as fit_module
 from certreg.registration.misfits import FitCode

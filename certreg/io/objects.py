@@ -1,0 +1,163 @@
+"""Clouds that are already in memory: arrays, data frames, objects of other libraries."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from certreg.errors import InvalidProblemError
+from certreg.io.clouds import Cloud, Pair, Pairing, pair_of, problem_of, read_cloud
+from certreg.io.columns import NOISE, axes_of
+from certreg.io.labels import Match
+from certreg.problem import (
+    LABEL,
+    RegistrationProblem,
+    cloud_array,
+    data_frame,
+    finite_doubles,
+    labels_of,
+    real_numbers,
+    require_same_labels,
+)
+
+if TYPE_CHECKING:
+    import os
+
+    from numpy.typing import NDArray
+
+
+def load(path: str | os.PathLike[str]) -> Cloud:
+    """A cloud from a file: points, labels, sigma or weights where the file has them.
+
+    The formats are those of the command line. Raises InvalidFileError: file, place, remedy.
+
+    >>> from importlib.resources import files
+    >>> cloud = load(files("certreg") / "data" / "survey_source.csv")
+    >>> cloud.points.shape, len(cloud.labels)
+    ((4, 3), 4)
+    """
+    return read_cloud(path)
+
+
+def pair(source: Any, target: Any, *, match: str = "all") -> Pair:
+    """Two clouds in correspondence: by label where both have labels, else row i with row i.
+
+    source, target: files, clouds of `certreg.load`, arrays (N, 3) of any library, or data frames,
+        whose labels are a column `label`, else an index that is not 0, 1, 2, ...
+    match: "all", or "common" to leave out labels that are in one cloud only.
+
+    Gives both clouds when unpacked, and what the user should know in `notes`. Raises
+    InvalidFileError and InvalidProblemError, as the commands do.
+
+    >>> first, second = pair([[0, 0, 0], [1, 0, 0]], [[5, 0, 0], [5, 1, 0]])
+    >>> first.points.shape
+    (2, 3)
+    """
+    try:
+        pairing = Pairing(match=Match(match))
+    except ValueError as error:
+        message = f"match is {match!r}: give 'all' or 'common'"
+        raise InvalidProblemError(message, array="match", value=match) from error
+    first, second = cloud_of(source, "source"), cloud_of(target, "target")
+    return pair_of(*_named_alike(source, target, first, second), pairing)
+
+
+def stated_problem(
+    source: Any,
+    target: Any,
+    *,
+    sigma: Any = None,
+    weights: Any = None,
+    damping: float | None = None,
+) -> tuple[RegistrationProblem, Pair]:
+    """The problem of two clouds as `pair` takes them, and how they were paired.
+
+    sigma, weights: a number, or one for each row of the source; they go with their rows.
+    """
+    require_same_labels(source, sigma=sigma, weights=weights)
+    paired = pair(source, target)
+    return problem_of(
+        paired,
+        sigma=_of_pairs(sigma, paired, "sigma"),
+        weights=_of_pairs(weights, paired, "weights"),
+        damping=damping,
+    )
+
+
+def _of_pairs(values: Any, paired: Pair, name: str) -> Any:
+    """One number for each pair, of those for each row of the source; a single number as it is."""
+    if values is None or paired.source_rows is None:
+        return values
+    array, n = real_numbers(values, name), paired.sizes[0]
+    if array.shape not in {(), (n,)}:
+        message = f"{name} has shape {array.shape}: expected one number, or ({n},), one per point"
+        raise InvalidProblemError(message, array=name, value=array.shape, limit=(n,))
+    return array if array.ndim == 0 else array[paired.source_rows]
+
+
+def cloud_of(given: Any, name: str) -> Cloud:
+    """A cloud of whatever a user holds; name: of the argument, for errors."""
+    if isinstance(given, Cloud):
+        return given
+    if isinstance(given, str) or hasattr(given, "__fspath__"):
+        return read_cloud(given)
+    if data_frame(given):
+        return _of_frame(given, name)
+    labels = labels_of(given)
+    texts = None if labels is None else tuple(map(str, labels.values))
+    return Cloud(
+        path=Path(name),
+        points=finite_doubles(cloud_array(given, name), name),
+        labels=texts if labels is not None and labels.certain else None,
+        ignored=(),
+        identifiers=texts,
+    )
+
+
+def _of_frame(frame: Any, name: str) -> Cloud:
+    """A cloud of a data frame, its columns named as those of a .csv file."""
+    columns: list[Any] = list(frame.columns)
+    plain = [one.strip().lower() if isinstance(one, str) else "" for one in columns]
+    axes = axes_of(plain)
+    points = (
+        cloud_array(frame, name)
+        if axes is None
+        else np.column_stack([real_numbers(frame[columns[axis]], name) for axis in axes])
+    )
+    labels = labels_of(frame)
+    texts = None if labels is None else tuple(str(one).strip() for one in labels.values)
+    noise = {key: _column(frame, columns[plain.index(key)], key) for key in NOISE if key in plain}
+    read = {*(axes or ()), *(plain.index(key) for key in (*NOISE, LABEL) if key in plain)}
+    ignored = () if axes is None else (str(c) for k, c in enumerate(columns) if k not in read)
+    return Cloud(
+        path=Path(name),
+        points=finite_doubles(points, name),
+        labels=texts if labels is not None and labels.certain else None,
+        ignored=tuple(ignored),
+        identifiers=texts,
+        sigma=noise.get("sigma"),
+        weights=noise.get("weight"),
+    )
+
+
+def _column(frame: Any, column: str, name: str) -> NDArray[np.float64]:
+    return finite_doubles(real_numbers(frame[column], name), name)
+
+
+def _named_alike(source: Any, target: Any, first: Cloud, second: Cloud) -> tuple[Cloud, Cloud]:
+    """Both clouds; labels dropped that one of two objects has by accident, as `RowLabels` says.
+
+    An index that nobody chose names rows only where the other has the same in another order.
+    """
+    here, there = labels_of(source), labels_of(target)
+    if here is None or there is None or here.certain == there.certain:
+        return first, second
+    if here.first_other(there) is None:
+        return first, second
+    return (
+        replace(first, labels=first.identifiers),
+        replace(second, labels=second.identifiers),
+    )
