@@ -10,16 +10,15 @@ from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from certreg import __version__
-from certreg.registration import WEAK, at_most, headline_of, share_words
+from certreg.registration import WEAK, headline_of
 from certreg.report.markup import asset, inert, inert_json, printable, rendered
-from certreg.report.summary import margin_words, number, verdict_words, warnings
-from certreg.report.uncertainty import uncertainty_rows
+from certreg.report.overview import Overview
+from certreg.report.summary import verdict_words, warnings
 from certreg.report.viewer import Names, packed, sample_of, scene_document, viewer_words
 from certreg.report.words import (
     NOT_CLAIMED,
     THEOREMS,
     MethodAngles,
-    motion_words,
     sentences,
     trap_words,
     weak_words,
@@ -27,8 +26,6 @@ from certreg.report.words import (
 from certreg.results import Limits, Optimality
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from certreg.certificate import Certificate, IsotropicBody
     from certreg.registration import Headline, Registration
     from certreg.results import Verdict
@@ -135,7 +132,7 @@ def _blocks(report: Report, names: Names) -> dict[str, Any]:
 
 
 def _head(report: Report) -> dict[str, Any]:
-    """What is said first: the verdict, warnings, the pose, the figures that one asks for."""
+    """What is said first: the verdict, warnings, the pose, the fit."""
     registration = report.registration
     headline, *further = report.verdict_words
     stamp, _, said = headline.partition(": ")
@@ -144,12 +141,10 @@ def _head(report: Report) -> dict[str, Any]:
         "pairs": f"{n} pair{'s' * (n != 1)}",
         "stamp": stamp,
         "good": report.headline.good and _within_usual(registration),
-        "headline": _begun(said),
+        "headline": _sentence(said),
         "further": [_begun(words) for words in further],
-        "warnings": [_begun(words) for words in warnings(registration, headline)],
-        "motion": motion_words(registration),
-        "trap": trap_words(registration.equilibria),
-        "facts": list(_facts(registration)),
+        "warnings": [_sentence(words) for words in warnings(registration, headline)],
+        "overview": Overview.of(registration),
     }
 
 
@@ -163,37 +158,20 @@ def _begun(words: str) -> str:
     return words[:1].upper() + words[1:]
 
 
-def _facts(registration: Registration) -> Iterator[dict[str, str]]:
-    """The figures that one asks for first."""
-    equilibria, bounds = registration.equilibria, registration.bounds
-    others = equilibria.classification.spurious
-    counted = "infinitely many" if others is None else str(others)
-    facts = [("RMSE", number(registration.rmse), "of the pairs, in the unit of the clouds")]
-    if bounds is not None:
-        gap = at_most(bounds.greatest_gap)
-        words = f"of the objective above the global minimum: {share_words(bounds)}"
-        facts.append(("Proved gap", f"≤ {gap}", words))
-    facts += [
-        ("Wrong poses at rest", counted, "where the springs balance and the fit is not the best"),
-        ("Ambiguity margin", *_split(margin_words(equilibria))),
-    ]
-    for name, value, words in facts:
-        yield {"name": name, "value": value, "words": words}
-
-
-def _split(words: str) -> tuple[str, str]:
-    value, _, rest = words.partition(": ")
-    figure, percent, unit = value.partition(" % ")
-    return (f"{figure}{' %' if percent else ''}", f"{unit}{': ' if unit else ''}{rest}")
+def _sentence(words: str) -> str:
+    """Words as a sentence that ends by itself."""
+    ended = words.removesuffix(":").removesuffix(".")
+    whole = _begun(ended if ended.endswith("?") else f"{ended}.")
+    return whole.replace(" %", "\u00a0%")  # on one line
 
 
 def _body(report: Report) -> dict[str, Any]:
     """The sections below: scene, charts, what is proved, how to check it, the pose."""
-    registration, pose = report.registration, report.registration.pose
+    registration = report.registration
     angles = MethodAngles.of(registration.solution.agreement)
-    rows = [" ".join(map(repr, row)) for row in pose.T_target_source.tolist()]
     return {
         "viewer": viewer_words(registration),
+        "trap": trap_words(registration.equilibria),
         "guarantee_words": GUARANTEE_WORDS,
         "known": sentences(registration, report.certificate.body, angles),
         "theorems": THEOREMS,
@@ -201,9 +179,6 @@ def _body(report: Report) -> dict[str, Any]:
         "file": _file(report),
         "digest": registration.problem.digest(),
         "checked": report.verdict.theorems,
-        "matrix": "\n".join(rows),
-        "quaternion": " ".join(map(repr, pose.quaternion_wxyz.tolist())),
-        "uncertainty": uncertainty_rows(registration),
     }
 
 

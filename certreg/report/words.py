@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from certreg.certificate import Claims, IsotropicBody
     from certreg.equilibrium import Component, EquilibriumSet
+    from certreg.geometry import Pose
     from certreg.registration import Agreement, Registration
 
 THEOREMS = {  # claims of `certreg derive`, by the titles of their pages
@@ -281,15 +282,23 @@ def motion_words(registration: Registration) -> str:
     pose, unique = registration.pose, registration.equilibria.classification.unique
     which = "The pose below" if registration.status is Optimality.BOUNDED else "The best motion"
     which = which if unique else "That pose"
-    w, *axial = pose.quaternion_wxyz.tolist()
-    length = math.hypot(*axial)
     shift = ", ".join(f"{entry:.6g}" for entry in pose.translation.tolist())
-    if length == 0.0:
+    degrees, direction = turn_of(pose)
+    if direction is None:
         return f"{which} turns nothing and shifts the source by ({shift})."
-    degrees = math.degrees(2.0 * math.atan2(length, w))
-    axis = ", ".join(f"{entry / length:.3f}" for entry in axial)
+    axis = ", ".join(f"{entry:.3f}" for entry in direction)
     turn = f"turns the source by {degrees:.4g}° about the axis ({axis})"
     return f"{which} {turn} and shifts it by ({shift})."
+
+
+def turn_of(pose: Pose) -> tuple[float, tuple[float, ...] | None]:
+    """Degrees from 0 to 360, and the unit axis; None where nothing is turned."""
+    w, *axial = pose.quaternion_wxyz.tolist()
+    length = math.hypot(*axial)
+    if length == 0.0:
+        return 0.0, None
+    degrees = math.degrees(2.0 * math.atan2(length, w))
+    return degrees, tuple(entry / length for entry in axial)
 
 
 def trap_words(equilibria: EquilibriumSet) -> str | None:

@@ -20,7 +20,8 @@ from certreg.registration.covariance import worst_residuals
 from certreg.report import registration_summary, result_document
 from certreg.report.document import dumps, simulation_document
 from certreg.report.methods import methods_fields, methods_summary, methods_table
-from certreg.report.page import EMBEDDED_BYTES, Report, _split, html_page
+from certreg.report.overview import split
+from certreg.report.page import EMBEDDED_BYTES, Report, html_page
 from certreg.results import OUT_OF_RANGE, Absent, Limits, Optimality
 
 if TYPE_CHECKING:
@@ -299,11 +300,15 @@ def parts(registration: Registration) -> Parts:
 
 def test_every_section_of_the_page_is_labelled_by_its_heading(parts: Parts):
     titles = {
-        "see": "See it",
+        "pose": "The pose Copy 4×4",
+        "fit": "The fit no warning",
+        "see": "The scene",
+        "proved": "Proved of this pose",
+        "rests": "Every pose at which it can rest",
         "charts": "In numbers",
         "proof": "What is proved, and how we know",
         "check": "Check it yourself",
-        "pose": "The pose",
+        "digits": "The pose, with all digits",
     }
     sections = [attrs for tag, attrs, _ in parts.found if tag == "section" and "id" in attrs]
 
@@ -312,9 +317,9 @@ def test_every_section_of_the_page_is_labelled_by_its_heading(parts: Parts):
         assert one["aria-labelledby"] == f"{one['id']}-title"
         assert parts.all("h2", id=one["aria-labelledby"]) == [titles[one["id"]]]
     charts = [attrs["id"] for tag, attrs, _ in parts.found if tag == "figure"]
-    assert charts == ["energy", "spectrum", "residuals", "margin"]
-    captions = ["Energy along", "Eigenvalues at", "Distances of", "Ambiguity margin"]
-    for name, caption in zip(charts, captions, strict=True):
+    assert charts == ["histogram", "energy", "residuals", "margin", "spectrum"]
+    captions = ["Energy along", "Distances of", "Ambiguity margin", "Eigenvalues at"]
+    for name, caption in zip(charts[1:], captions, strict=True):
         assert parts.all("figure", id=name)[0].startswith(caption)
 
 
@@ -384,4 +389,4 @@ def test_a_weak_certificate_gives_the_weak_headline_unless_it_is_only_bounded(
     ],
 )
 def test_a_margin_is_split_into_its_figure_and_its_words(words: str, parts: tuple[str, str]):
-    assert _split(words) == parts
+    assert split(words) == parts

@@ -1,128 +1,11 @@
-// The four charts beside the scene.
+// The charts below the scene; that of the energies has a file of its own.
 
-import { drawing, figure, label, path, steps, svg } from "./svg.js";
+import { drawing, figure, frame, label, path, svg } from "./svg.js";
 
-const HEIGHT = 260;
-const LETTER = 7; // pixels, of a name; most are narrower
-const APART = 17; // pixels from a level to the next that has a name of its own
+const SPECTRUM_HEIGHT = 150;
 const SAME = 1e-6; // of the largest: eigenvalues that are drawn as one
 const DOT = 5; // pixels, the radius of an eigenvalue
 const CLUSTER = 26; // pixels between dots that have no room for a number each
-const KINDS = [
-  ["total", "V, all of it"],
-  ["potential", "V_p, in the springs"],
-  ["kinetic", "V_k, in the motion"],
-];
-
-/** Where a chart is drawn: as wide as its place, so that its letters are as large as the page's. */
-function frame(place, height = HEIGHT) {
-  const width = Math.max(240, Math.min(560, place.clientWidth || 460));
-  return { width, height, left: 54, right: width - 12, top: 14, bottom: height - 38 };
-}
-
-/** Energies of a run against time, the levels of the equilibria, and a cursor that follows. */
-export class EnergyChart {
-  constructor(place, { levels, unit, scrub }) {
-    Object.assign(this, { place, levels, unit, scrub });
-  }
-
-  draw(run) {
-    this.run = run;
-    this.area = frame(this.place);
-    const { left, right, top, bottom, width, height } = this.area;
-    const values = {
-      potential: run.potential,
-      kinetic: run.kinetic,
-      total: run.potential.map((value, i) => value + run.kinetic[i]),
-    };
-    const most = Math.max(...values.total) || 1;
-    const x = (time) => left + ((right - left) * time) / (run.end || 1);
-    const y = (value) => bottom - ((bottom - top) * value) / (1.06 * most);
-    this.x = x;
-    const parts = [...axes(this.area, run.end, most * this.unit, x, (v) => y(v / this.unit))];
-    const levels = this.#levels(y, 1.06 * most);
-    for (const { height: at } of levels.flat()) {
-      parts.push(path([[left, at], [right, at]], { class: "level" }));
-    }
-    for (const [kind] of KINDS) {
-      const points = Array.from(run.times, (time, i) => [x(time), y(values[kind][i])]);
-      parts.push(path(points, { class: `line ${kind}` }));
-    }
-    for (const group of levels) {
-      const end = { class: "tick halo level-name", "text-anchor": "end" };
-      parts.push(label(right, group[0].height - 4, levelWords(group, right - left), end));
-    }
-    this.cursor = svg("line", { y1: top, y2: bottom, class: "cursor" });
-    const [first, last] = [values.total[0], values.total.at(-1)].map((v) => figure(this.unit * v));
-    const words = `Energies against time; all of it falls from ${first} to ${last}`;
-    this.box = drawing(width, height, words, ...parts, this.cursor);
-    this.box.addEventListener("pointerdown", (event) => this.#scrub(event));
-    this.box.addEventListener("pointermove", (event) => event.buttons && this.#scrub(event));
-    this.key = document.createElement("p");
-    this.key.className = "key";
-    this.place.replaceChildren(this.box, this.key);
-  }
-
-  /** The energies of the equilibria from the top, those without room for two names together. */
-  #levels(y, most) {
-    const shown = this.levels.filter(({ level }) => level !== null && level <= most);
-    const placed = shown.map((one) => ({ ...one, height: y(one.level) }));
-    const groups = [];
-    for (const one of placed.sort((a, b) => a.height - b.height || b.index - a.index)) {
-      const group = groups.at(-1);
-      if (group && one.height - group.at(-1).height < APART) group.push(one);
-      else groups.push([one]);
-    }
-    return groups;
-  }
-
-  #scrub(event) {
-    const box = this.box.getBoundingClientRect();
-    const { width, left, right } = this.area;
-    const place = ((event.clientX - box.left) / box.width) * width;
-    this.scrub(Math.min(1, Math.max(0, (place - left) / (right - left))) * this.run.end);
-  }
-
-  /** Moves the cursor; without a time there is none. */
-  follow(time) {
-    this.cursor.setAttribute("visibility", time === null ? "hidden" : "visible");
-    const at = this.run.at(time ?? this.run.end);
-    if (time !== null) {
-      this.cursor.setAttribute("x1", this.x(time));
-      this.cursor.setAttribute("x2", this.x(time));
-    }
-    const now = { ...at, total: at.potential + at.kinetic };
-    this.key.replaceChildren(
-      ...KINDS.map(([kind, name]) => {
-        const entry = document.createElement("span");
-        entry.className = `entry ${kind}`;
-        entry.textContent = time === null ? name : `${name}: ${figure(this.unit * now[kind])}`;
-        return entry;
-      }),
-    );
-  }
-}
-
-/** The names of levels that are next to one another, from the top; where room is scarce, indices. */
-function levelWords(group, width) {
-  const words = group.map(({ name, index }) => `${name} (${index})`).join(" · ");
-  if (group.length === 1 || words.length * LETTER <= width) return words;
-  return `index ${group.map(({ index }) => index).join(" · ")}`;
-}
-
-function* axes({ left, right, bottom }, end, most, x, y) {
-  yield path([[left, bottom], [right, bottom]], { class: "axis" });
-  for (const time of steps(end)) {
-    yield label(x(time), bottom + 16, figure(time), { class: "tick", "text-anchor": "middle" });
-  }
-  const words = "time, in units of the springs";
-  yield label(right, bottom + 32, words, { class: "tick", "text-anchor": "end" });
-  for (const value of steps(most)) {
-    if (value) yield path([[left, y(value)], [right, y(value)]], { class: "grid" });
-    yield label(left - 6, y(value) + 4, figure(value), { class: "tick", "text-anchor": "end" });
-  }
-}
-
 /** The twelve eigenvalues at an equilibrium in the complex plane. */
 export function drawSpectrum(place, component) {
   const values = component.eigenvalues;
@@ -130,7 +13,7 @@ export function drawSpectrum(place, component) {
     note(place, "Double precision does not give them here, or the dynamics is not defined.");
     return;
   }
-  const { width, height, top, bottom } = frame(place, HEIGHT - 14);
+  const { width, height, top, bottom } = frame(place, SPECTRUM_HEIGHT);
   const most = Math.max(...values.flat().map(Math.abs)) || 1;
   const [middle, centre] = [width / 2, (top + bottom) / 2];
   const x = (re) => middle + (re / (1.15 * most)) * (width / 2 - 14);
@@ -162,7 +45,7 @@ export function drawSpectrum(place, component) {
   const key = document.createElement("p");
   key.className = "key";
   key.textContent = `${component.name}, index ${component.index}: ${words}.`;
-  place.replaceChildren(drawing(width, height - 24, words, ...parts), key);
+  place.replaceChildren(drawing(width, bottom + 2, words, ...parts), key);
 }
 
 /** Eigenvalues that are drawn at one place, and how many they are. */
@@ -228,7 +111,7 @@ const LEAST = -5; // of the logarithm of a margin that has a place of its own
 
 /** The margin on a logarithmic gauge from "not unique" to "clear". */
 export function drawMargin(place, { relative, words }) {
-  const { width, right } = frame(place);
+  const { width, right } = frame(place, 0);
   const [start, zero, y] = [64, 14, 40];
   const x = (share) => start + (1 - Math.max(LEAST, Math.log10(share)) / LEAST) * (right - 16 - start);
   const zones = [[10 ** LEAST, 1e-3, "weak"], [1e-3, 1e-2, "fair"], [1e-2, 1, "clear"]];

@@ -49,6 +49,11 @@ export class Clouds {
     return length * Math.sqrt(sum / this.mass);
   }
 
+  /** The largest distance last measured. */
+  get largest() {
+    return largest(this.distances);
+  }
+
   /** The rows of the largest distances last measured, largest first. */
   worst(count) {
     const rows = [];

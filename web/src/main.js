@@ -1,11 +1,15 @@
 // The report's page: what was written into it is drawn, and follows the controls.
 
-import { drawMargin, drawResiduals, drawSpectrum, EnergyChart, note } from "./charts.js";
+import { drawMargin, drawResiduals, drawSpectrum, note } from "./charts.js";
 import { Clouds } from "./clouds.js";
 import { certificateBytes, pointBytes, sceneDocument } from "./contents.js";
+import { copying } from "./copying.js";
+import { EnergyChart } from "./energy.js";
+import { drawHistogram } from "./histogram.js";
 import { Orbit } from "./orbit.js";
 import { Player } from "./player.js";
 import { matrix } from "./rotation.js";
+import { Rulers } from "./rulers.js";
 import { Run } from "./runs.js";
 import { Stage } from "./stage.js";
 import { figure } from "./svg.js";
@@ -97,7 +101,7 @@ function wire(player, scene) {
   });
   if (!player.runs.length) part("view-note").textContent = scene.still;
   part("play").disabled = part("time").disabled = !player.runs.length;
-  part("watch").hidden = !player.runs.some((run) => run.start === null);
+  part("released").hidden = !player.runs.some((run) => run.start === null);
 }
 
 /** Buttons, slider and words as they belong to what is shown. */
@@ -140,6 +144,7 @@ function saving(bytes) {
 }
 
 async function main() {
+  copying();
   const scene = sceneDocument();
   const certificate = await certificateBytes();
   if (certificate) saving(certificate);
@@ -154,15 +159,19 @@ async function main() {
     requestAnimationFrame(() => {
       wanted = false;
       stage?.draw();
+      rulers?.draw(stage);
       retag();
       document.documentElement.dataset.ready ??= String(Math.round(performance.now()));
     });
   };
   const stage = openStage(clouds, scene.axes, redraw);
+  const rulers = stage && new Rulers(clouds.length);
   stage?.hold(scene.components.map((component) => component.quaternion));
   const retag = tags(stage, clouds, sampled ? null : scene.labels);
   const energy = energyChart(player, scene);
   let frames = 0;
+  let most = 0; // the distance at the end of the colours: the largest of a pose, or as a run begins
+  let begun = null; // the run to which it belongs
   const show = (moved) => {
     const { quaternion, offset } = player.pose;
     stage?.show(quaternion, offset);
@@ -175,8 +184,18 @@ async function main() {
     energy?.follow(player.run ? player.time : null);
     frames += 1;
     if (moved && clouds.n > MANY && frames % 4) return;
+    if (player.run && player.run !== begun) {
+      const start = player.run.at(0);
+      clouds.measure(matrix(start.quaternion), start.offset);
+      most = clouds.largest;
+    }
+    begun = player.run;
     const rmse = clouds.measure(matrix(quaternion), offset);
+    if (!player.run) most = clouds.largest;
+    stage?.tint(most);
+    part("most").textContent = figure(most, 3);
     clock(player, rmse, sampled);
+    drawHistogram(chart("histogram"), clouds, { rmse, most });
     drawResiduals(chart("residuals"), clouds, { labels: scene.labels, rmse, sampled });
   };
   player.listen(show);
@@ -193,6 +212,7 @@ async function main() {
     for (const media of ["(prefers-color-scheme: dark)", "print"]) {
       matchMedia(media).addEventListener("change", () => {
         stage.recolour();
+        show(false);
         stage.draw(); // at once: a printer waits for no frame
       });
     }
@@ -212,17 +232,23 @@ function energyChart(player, scene) {
 }
 
 function legend(stage, clouds, scene, sampled) {
-  const entries = [["target", "target"], ["source", "source, moved"], ["spring", "springs"]];
+  const entries = [[stage?.frames.length === 0 ? "target many" : "target", "target"], ["source", "source, moved"], ["thread", "springs"]];
   if (stage?.frames.length) entries.push(["frame", "bodies, from their centres"]);
-  for (const [kind, words] of entries) {
+  const made = entries.map(([kind, words]) => {
     const entry = document.createElement("span");
     entry.className = `entry ${kind}`;
     entry.textContent = words;
-    part("legend").append(entry);
-  }
+    return entry;
+  });
+  const scale = document.createElement("span");
+  scale.className = "ramp";
+  const [bar, most] = [document.createElement("i"), document.createElement("output")];
+  most.id = "most";
+  scale.append("distance of a pair: 0", bar, most);
+  part("legend").append(...made.slice(0, 2), scale, ...made.slice(2));
   const words = [];
   if (sampled) words.push(`This page does not hold all ${scene.n} points: an even sample is shown.`);
-  if (stage && stage.shown < clouds.n) words.push(`${stage.shown} of ${scene.n} points are drawn.`);
+  if (stage && stage.rows.length < clouds.n) words.push(`${stage.rows.length} of ${scene.n} points are drawn.`);
   if (stage && stage.ends.length < clouds.n) {
     words.push(`${stage.ends.length} of ${clouds.n} springs are drawn; all of them count.`);
   }

@@ -19,11 +19,14 @@ import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 
-import { discs } from "./discs.js";
+import { discs, paint } from "./discs.js";
+import { ramp } from "./ramp.js";
 import { matrix } from "./rotation.js";
 
 const SHOWN_POINTS = 100_000; // of each cloud; a graphics card draws ten times as many
-const SHOWN_SPRINGS = 2_000; // more hide the clouds
+const SHOWN_SPRINGS = 300; // more hide the clouds
+const HELD_POINTS = 2_000; // for which there is to be room
+const FAINT = 0.35; // springs between which the points are to be seen
 const BODY_POINTS = 60; // bodies of few points are drawn with lines from their centre
 const FIELD = 35; // degrees
 const FARTHEST = 4; // how far off the body is followed, in radii
@@ -50,13 +53,14 @@ export class Stage {
     this.scene.add(this.body);
     this.#fill();
     this.away = 0;
-    this.room = orbit.extents(chosen(clouds.target, this.ends));
+    this.held = clouds.rows(HELD_POINTS);
+    this.room = orbit.extents(chosen(clouds.target, this.held));
     this.recolour();
   }
 
   /** Makes room for the body at the poses where it may rest. */
   hold(quaternions) {
-    const source = chosen(this.clouds.source, this.ends);
+    const source = chosen(this.clouds.source, this.held);
     for (const q of quaternions) {
       const found = this.orbit.extents(turned(source, matrix(q)));
       this.room = this.room.map((most, k) => Math.max(most, found[k]));
@@ -66,13 +70,15 @@ export class Stage {
   #fill() {
     const { clouds } = this;
     const rows = clouds.rows(SHOWN_POINTS);
-    const pixels = Math.max(2, 13 - 2.4 * Math.log10(rows.length)) * ratio();
-    this.shown = rows.length;
+    const pixels = Math.max(2, 14 - 2.4 * Math.log10(rows.length)) * ratio();
+    this.rows = rows;
     this.fixed = discs(chosen(clouds.target, rows), pixels * (pixels > 5 ? 1.35 : 1), pixels > 5 ? 0.62 : 0);
     this.moving = discs(chosen(clouds.source, rows), pixels);
     this.ends = clouds.rows(SHOWN_SPRINGS);
     const springs = new Float32Array(6 * this.ends.length);
     this.springs = clouds.n <= BODY_POINTS ? lines(springs, 2) : hairlines(springs);
+    this.springs.renderOrder = -1; // behind the points, wherever they are
+    this.moving.renderOrder = 1; // their colours are to be seen
     this.scene.add(this.springs, this.fixed);
     this.body.add(this.moving);
     this.frames = [];
@@ -87,9 +93,10 @@ export class Stage {
   recolour() {
     const colour = (name) =>
       new Color(getComputedStyle(this.canvas).getPropertyValue(name).trim());
-    this.fixed.material.uniforms.color.value = colour("--target");
-    this.moving.material.uniforms.color.value = colour("--source");
-    this.springs.material.color = colour("--spring");
+    const target = colour(this.frames.length ? "--target" : "--ring").toArray();
+    paint(this.fixed, [target, target, target]);
+    paint(this.moving, ramp(this.canvas));
+    this.springs.material.color = colour("--thread");
     this.frames.forEach((frame, i) => {
       frame.material.color = colour(i ? "--source" : "--target");
       frame.material.opacity = 0.45;
@@ -106,6 +113,18 @@ export class Stage {
     this.body.matrixWorldNeedsUpdate = true;
     this.away = Math.min(Math.hypot(a, b, c), FARTHEST);
     this.#stretch(R, offset);
+  }
+
+  /** Colours the source by the distances last measured; most: that at the end of the ramp. */
+  tint(most) {
+    const { distance_ } = this.moving.geometry.attributes;
+    const { distances } = this.clouds;
+    const unit = most || 1; // of floats, which hold less than doubles
+    this.rows.forEach((row, k) => {
+      distance_.array[k] = distances[row] / unit;
+    });
+    distance_.needsUpdate = true;
+    this.moving.material.uniforms.most.value = most > 0 ? 1 : 0;
   }
 
   #stretch(R, [a, b, c]) {
@@ -131,9 +150,21 @@ export class Stage {
     camera.aspect = width / height;
     const [side, up] = this.room.map((most) => most + this.away);
     const size = Math.max(side / camera.aspect, up, 0.1);
-    this.orbit.place(camera, (1.18 * size) / Math.tan((FIELD * Math.PI) / 360) + NEARER);
+    this.orbit.place(camera, (1.15 * size) / Math.tan((FIELD * Math.PI) / 360) + NEARER);
     camera.updateProjectionMatrix();
     renderer.render(this.scene, camera);
+  }
+
+  /** Pixels of a unit of length at the centre of the scene. */
+  get pixels() {
+    const { canvas, camera } = this;
+    return canvas.clientHeight / 2 / Math.tan((FIELD * Math.PI) / 360) / camera.position.length();
+  }
+
+  /** Where the axes of the target's frame point on the screen: to the right, and down. */
+  get directions() {
+    const turned = this.camera.matrixWorldInverse.elements;
+    return [0, 1, 2].map((k) => [turned[4 * k], -turned[4 * k + 1], turned[4 * k + 2]]);
   }
 
   /** Where a point of a cloud is seen, in pixels of the canvas. */
@@ -176,7 +207,7 @@ function spokes(points) {
 function hairlines(ends) {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(ends, 3));
-  const material = new LineBasicMaterial({ transparent: true, opacity: 0.8 });
+  const material = new LineBasicMaterial({ transparent: true, opacity: FAINT, depthWrite: false });
   const segments = new LineSegments(geometry, material);
   segments.frustumCulled = false;
   return segments;

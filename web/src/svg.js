@@ -48,3 +48,9 @@ export function steps(limit, count = 4) {
   for (let k = 0; k * step <= limit * (1 + 1e-9); k += 1) found.push(k * step);
   return found;
 }
+
+/** Where a chart is drawn: as wide as its place, so that its letters are as large as the page's. */
+export function frame(place, height) {
+  const width = Math.max(240, Math.min(560, place.clientWidth || 460));
+  return { width, height, left: 54, right: width - 12, top: 14, bottom: height - 38 };
+}

@@ -1,0 +1,201 @@
+"""The first screen of the page: which pose, how sure, how good the fit is, and what is proved."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from certreg.registration import at_most, proved_degrees, share_words
+from certreg.report.summary import explained_words, margin_words, number
+from certreg.report.uncertainty import chi2_words, uncertainty_rows
+from certreg.report.words import motion_words, turn_of
+from certreg.results import Absent
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from certreg.geometry import Pose
+    from certreg.registration import Fit, PoseCovariance, Registration
+
+MOST_DECIMALS = 12  # behind the point: more are not read
+PLAIN_BELOW = 1e12  # larger numbers are written with an exponent
+BASIS = "± is"  # the row that says where the deviations come from
+NO_PROOF = "A statistic: nothing of it is proved."
+QUIET = (
+    "The tests for a wrong scale, outlying rows, shuffled rows and a mirror image raise no warning."
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fact:
+    """A figure with its name, and what it is a figure of."""
+
+    name: str
+    value: str
+    words: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mark:
+    """A word in a colour. kind: good, open or plain, a class of the style."""
+
+    kind: str
+    words: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PoseFacts:
+    """A pose for readers. rows: the 4×4, rounded; matrix, quaternion: all digits, to be copied.
+
+    uncertainty: how the deviations in `facts` are known, or why there are none.
+    """
+
+    rows: tuple[str, ...]
+    facts: tuple[Fact, ...]
+    uncertainty: str
+    matrix: str
+    quaternion: str
+    motion: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Overview:
+    """What a reader asks for first. mark: whether the fit is warned of; tests: what was tested."""
+
+    pose: PoseFacts
+    fit: tuple[Fact, ...]
+    mark: Mark
+    tests: str
+    proved: tuple[Fact, ...]
+
+    @classmethod
+    def of(cls, registration: Registration) -> Overview:
+        """Of a registration with a certificate."""
+        mark, tests = _judged(registration.fit)
+        return cls(
+            pose=_pose(registration),
+            fit=tuple(_fit(registration)),
+            mark=mark,
+            tests=tests,
+            proved=tuple(_proved(registration)),
+        )
+
+
+def _pose(registration: Registration) -> PoseFacts:
+    pose, covariance = registration.pose, registration.solution.covariance
+    exact, sure = pose.T_target_source.tolist(), dict(uncertainty_rows(registration))
+    known = covariance if BASIS in sure else None
+    facts = [
+        _rotation(pose, known),
+        Fact(name="±", value="", words=sure.get("rotation ±", "")),
+        _translation(pose, known),
+        Fact(name="±", value="", words=sure.get("translation ±", "")),
+    ]
+    basis = f"± is {sure[BASIS]}. " if BASIS in sure else f"Uncertainty {sure['uncertainty']}. "
+    return PoseFacts(
+        rows=_aligned(exact),
+        facts=tuple(fact for fact in facts if fact.value or fact.words),
+        uncertainty=f"{basis}{NO_PROOF if BASIS in sure else ''}".strip(),
+        matrix="\n".join(" ".join(map(repr, row)) for row in exact),
+        quaternion=" ".join(map(repr, pose.quaternion_wxyz.tolist())),
+        motion=motion_words(registration),
+    )
+
+
+def _aligned(matrix: list[list[float]]) -> tuple[str, ...]:
+    """The rows in few digits, in columns."""
+    cells = [[*(f"{entry:.6f}" for entry in row[:3]), f"{row[3]:.9g}"] for row in matrix[:3]]
+    cells.append(["0", "0", "0", "1"])
+    widths = [max(len(row[k]) for row in cells) for k in range(4)]
+    return tuple(
+        "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True))
+        for row in cells
+    )
+
+
+def _rotation(pose: Pose, covariance: PoseCovariance | None) -> Fact:
+    degrees, axis = turn_of(pose)
+    sigma = 0.0 if covariance is None else math.degrees(covariance.loosest_turn[0])
+    about = "" if axis is None else f"about ({', '.join(f'{entry:.4f}' for entry in axis)})"
+    return Fact(name="Rotation", value=f"{told_to(degrees, sigma)}°", words=about)
+
+
+def _translation(pose: Pose, covariance: PoseCovariance | None) -> Fact:
+    sigmas = [0.0] * 3 if covariance is None else covariance.translation_sigma.tolist()
+    shift = pose.translation.tolist()
+    values = ", ".join(told_to(t, s) for t, s in zip(shift, sigmas, strict=True))
+    return Fact(name="Translation", value=f"({values})")
+
+
+def told_to(value: float, sigma: float) -> str:
+    """A value with the decimals that its standard deviation leaves.
+
+    >>> told_to(999.80268, 0.1934), told_to(-1e-9, 0.02), told_to(1234.5, 0.0)
+    ('999.80', '0.000', '1234.5')
+    """
+    if not 0.0 < sigma < math.inf or abs(value) >= PLAIN_BELOW:
+        return f"{value:.6g}"
+    decimals = min(MOST_DECIMALS, max(0, 1 - math.floor(math.log10(sigma))))
+    return f"{round(value, decimals) + 0.0:.{decimals}f}"
+
+
+def _fit(registration: Registration) -> Iterator[Fact]:
+    fit = registration.fit
+    yield Fact(
+        name="RMSE",
+        value=number(registration.rmse),
+        words="in the unit of the clouds",
+    )
+    value, words = split(explained_words(fit))
+    yield Fact(name="Explained", value=value, words=words)
+    if fit.largest_over_median_residual is not None:
+        ratio = f"{fit.largest_over_median_residual:.3g}"
+        yield Fact(name="Worst pair", value=f"{ratio} ×", words="the median distance")
+    chi2 = chi2_words(registration)
+    if chi2 is not None:
+        yield Fact(name="Chi-squared", value="", words=chi2)
+
+
+def _judged(fit: Fit) -> tuple[Mark, str]:
+    """Whether a fit is warned of, and by which tests."""
+    count = len(fit.warnings)
+    if count:
+        words = f"{count} warning{'s' * (count > 1)}, above"
+        return Mark(kind="open", words=words), "Statistics: what is proved holds nevertheless."
+    tested = fit.stated("scale_p")
+    if isinstance(tested, Absent):
+        return Mark(kind="plain", words="not tested"), f"Not tested: {tested.reason}."
+    return Mark(kind="good", words="no warning"), QUIET
+
+
+def _proved(registration: Registration) -> Iterator[Fact]:
+    equilibria, bounds = registration.equilibria, registration.bounds
+    if bounds is not None:
+        yield Fact(
+            name="Gap",
+            value=f"≤ {at_most(bounds.greatest_gap)}",
+            words=f"of the objective above the global minimum: {share_words(bounds)}",
+        )
+    degrees = proved_degrees(registration)
+    if degrees is not None:
+        yield Fact(name="Rotation", value=f"within {degrees} degrees", words="of the optimum")
+    others = equilibria.classification.spurious
+    yield Fact(
+        name="Wrong poses at rest",
+        value="infinitely many" if others is None else str(others),
+        words="where the springs balance and the fit is not the best",
+    )
+    value, words = split(margin_words(equilibria))
+    yield Fact(name="Ambiguity margin", value=value, words=f"{words} (computed)")
+
+
+def split(words: str) -> tuple[str, str]:
+    """The figure that words begin with, and the rest.
+
+    >>> split("12 % of the range: far")
+    ('12 %', 'of the range: far')
+    """
+    value, _, rest = words.partition(": ")
+    figure, percent, unit = value.partition(" % ")
+    return f"{figure}{' %' if percent else ''}", f"{unit}{': ' if unit and rest else ''}{rest}"

@@ -1,0 +1,143 @@
+"""The first screen: which pose, how sure, how good the fit is, and no more than is known."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from commands import checked
+from strategies import ZOO, random_rotation
+
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration.certification import certify
+from certreg.report.overview import QUIET, Overview, told_to
+from certreg.report.page import Report, html_page
+from certreg.report.uncertainty import TO_ROUNDING, chi2_words, uncertainty_rows
+from certreg.results import Limits
+
+if TYPE_CHECKING:
+    from certreg.registration import Registration
+
+NUMBER = r"[-\d.e+]+"
+
+
+def registered(*, n: int = 40, noise: float = 0.01, sigma: float | None = None) -> Registration:
+    rng = np.random.default_rng(n)
+    source = rng.normal(size=(n, 3)) * [3.0, 2.0, 1.0]
+    target = source @ random_rotation(rng).T + [100.0, -20.0, 3.0]
+    problem = RegistrationProblem(source, target + noise * rng.normal(size=(n, 3)), sigma=sigma)
+    return certify(problem, relaxation=False, simulation=False)
+
+
+def numbers(words: str) -> list[float]:
+    return [float(number) for number in re.findall(NUMBER, words)]
+
+
+def visible(registration: Registration) -> str:
+    """The words of a page without its data and what the checker said, to the letter."""
+    page = html_page(Report.of(registration)).decode().split("<body>")[1]
+    return re.sub(r"<(script|pre)\b.*?</\1>", "", page, flags=re.DOTALL)
+
+
+def test_the_deviations_are_those_of_the_terminal_and_no_proof():
+    registration = registered()
+    rotation, turn, translation, shift = Overview.of(registration).pose.facts
+    told = dict(uncertainty_rows(registration))
+
+    assert (turn.words, shift.words) == (told["rotation ±"], told["translation ±"])
+    assert (rotation.name, translation.name) == ("Rotation", "Translation")
+    assert Overview.of(registration).pose.uncertainty == (
+        f"± is {told['± is']}. A statistic: nothing of it is proved."
+    )
+
+
+def test_the_pose_is_told_to_the_digits_that_its_deviation_leaves():
+    registration = registered()
+    rotation, _, translation, _ = Overview.of(registration).pose.facts
+    sigmas = np.sqrt(np.diag(checked(registration.solution.covariance).matrix)[:3])
+    w, *axial = registration.pose.quaternion_wxyz.tolist()
+
+    assert abs(numbers(translation.value) - registration.pose.translation).max() < sigmas.min() / 9
+    assert 4 <= len(translation.value.split(",")[0]) < 10
+    assert numbers(rotation.value)[0] == pytest.approx(math.degrees(2 * math.acos(w)), abs=0.01)
+    assert re.fullmatch(r"\d+\.\d{2,4}°", rotation.value)
+    assert numbers(rotation.words) == pytest.approx(
+        np.array(axial) / np.linalg.norm(axial), abs=1e-4
+    )
+
+
+@pytest.mark.parametrize("sigma", [None, 0.01])
+def test_chi_squared_is_told_where_sigma_is_given(sigma: float | None):
+    facts = {fact.name: fact.words for fact in Overview.of(registered(sigma=sigma)).fit}
+
+    assert facts.get("Chi-squared") == chi2_words(registered(sigma=sigma))
+    assert ("Chi-squared" in facts) == (sigma is not None)
+
+
+def test_residuals_of_zero_tell_no_uncertainty():
+    eye = np.vstack([np.eye(3), -2.0 * np.eye(3)])
+    registration = certify(RegistrationProblem(eye, eye), relaxation=False, simulation=False)
+    pose = Overview.of(registration).pose
+
+    assert [fact.name for fact in pose.facts] == ["Rotation", "Translation"]
+    assert pose.uncertainty == f"Uncertainty not known: {TO_ROUNDING}."
+
+
+def test_a_warned_fit_is_marked_and_its_deviations_doubted():
+    good = registered()
+    target = good.problem.target.copy()
+    target[5] += 50.0
+    problem = RegistrationProblem(good.problem.source, target)
+    poor = certify(problem, relaxation=False, simulation=False)
+    quiet, warned = Overview.of(good), Overview.of(poor)
+
+    assert (quiet.mark.kind, quiet.mark.words, quiet.tests) == ("good", "no warning", QUIET)
+    assert (warned.mark.kind, warned.mark.words) == ("open", "1 warning, above")
+    assert "see the warning" in warned.pose.uncertainty
+    assert "warning" not in quiet.pose.uncertainty
+
+
+def test_of_too_few_points_nothing_is_said_to_be_tested():
+    points = np.array([[0.0, 0, 0], [1, 0, 0]])
+    few_ = certify(RegistrationProblem(points, 2.0 * points), relaxation=False, simulation=False)
+    overview = Overview.of(few_)
+
+    assert (overview.mark.kind, overview.mark.words) == ("plain", "not tested")
+    assert overview.tests.startswith("Not tested: ")
+
+
+@pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: specimen.name)
+def test_no_headline_ends_in_a_colon_and_no_backtick_is_seen(specimen):
+    page = visible(certify(specimen.problem, relaxation=False, simulation=False))
+    (headline,) = re.findall(r"<h1>(.*?)</h1>", page)
+
+    assert re.search(r"[\w)][.?]$", headline)
+    assert "`" not in page
+
+
+def test_a_bounded_pose_is_not_called_the_best_on_the_first_screen():
+    bounded = replace(registered(), limits=Limits(max_gap=0.0))
+    first = visible(bounded).split('id="rests"')[0]
+
+    assert "BOUNDED" in first
+    assert not re.search(r"best (?:pose|motion|rotation)|[Tt]he global optimum, and", first)
+
+
+@pytest.mark.parametrize(
+    ("value", "sigma", "words"),
+    [
+        (999.80268, 0.1934, "999.80"),
+        (999.80268, 19.0, "1000"),
+        (-1e-9, 0.02, "0.000"),
+        (1.0, 1e-30, "1.000000000000"),
+        (1e300, 1.0, "1e+300"),
+        (1.0, math.inf, "1"),
+        (2.5, 0.0, "2.5"),
+    ],
+)
+def test_a_value_has_the_decimals_of_its_deviation(value: float, sigma: float, words: str):
+    assert told_to(value, sigma) == words
