@@ -10,7 +10,7 @@ import strategies
 
 from certreg import RegistrationProblem
 from certreg.errors import InvalidProblemError
-from certreg.problem import problem as stating
+from certreg.problem import arrays as stating
 from certreg.problem.exact_sums import SumMethod, sums_by
 from certreg.problem.arrays import BLOCK_POINTS, mapped_file
 

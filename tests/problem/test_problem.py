@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from certreg.errors import InvalidProblemError
-from certreg.problem import problem as stating
+from certreg.problem import arrays as stating
 from certreg.problem.problem import DIGEST_PREFIX, RegistrationProblem, lift, weight_of_sigma
 
 CLOUD = [[0.0, 0, 0], [1, 0, 0], [0, 2, 0]]

@@ -13,7 +13,7 @@ from fit_rates import fit
 from scipy.spatial.transform import Rotation
 
 from certreg.problem import RegistrationProblem
-from certreg.problem import problem as problems
+from certreg.problem import arrays as problems
 from certreg.registration import certify, misfits, outlying
 from certreg.registration.misfits import FitCode, RowNames
 from certreg.registration.outlying import LISTED, OtherPairing, RowFit, row_fit
