@@ -20,7 +20,7 @@ from test_formats import REFUSED
 from certreg.errors import InvalidFileError
 from certreg.io import streams
 from certreg.io.clouds import read_cloud, read_problem, read_weights
-from certreg.problem.problem import mapped_file
+from certreg.problem.arrays import mapped_file
 
 POINTS = np.random.default_rng(5).normal(size=(500, 3)).astype(np.float32)
 

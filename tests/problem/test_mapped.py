@@ -11,8 +11,8 @@ import strategies
 from certreg import RegistrationProblem
 from certreg.errors import InvalidProblemError
 from certreg.problem import arrays as stating
-from certreg.problem.exact_sums import SumMethod, sums_by
 from certreg.problem.arrays import BLOCK_POINTS, mapped_file
+from certreg.problem.exact_sums import SumMethod, sums_by
 
 if TYPE_CHECKING:
     from pathlib import Path
