@@ -12,13 +12,17 @@ from decimal import MAX_EMAX, MIN_EMIN, ROUND_CEILING, ROUND_FLOOR, Context, Dec
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from certreg.registration.misfits import FitCode
 from certreg.results import Optimality
 
 if TYPE_CHECKING:
     from certreg.certificate import PoseBounds
+    from certreg.registration.fit import Fit
     from certreg.registration.result import Registration
 
 LEAST_PLAIN = 1e-4  # smaller numbers are written with an exponent
+SMALL_SCALE = 0.1  # off one: what the pose leaves without it is a hundredth of the cloud's spread
+GOOD_EXPLAINED = 0.99  # with the scale; so the pose alone explains about 0.98
 DEGREE_SLACK = 1.0 + 1e-15  # radians to degrees rounds twice
 
 
@@ -69,6 +73,12 @@ POOR_FIT = Headline(
     stamp="CERTIFIED OPTIMUM, BUT THE FIT IS POOR",
     words="{warning}.",
     rests_on=(*_GAP, _ANGLE, "classification", "fit.warnings"),
+    code=0,
+)
+SCALE_FITS = Headline(
+    stamp="CERTIFIED OPTIMUM, BUT A SCALE FITS BETTER",
+    words="{warning}.",
+    rests_on=(*_GAP, _ANGLE, "classification", "fit.best_scale", "fit.warnings"),
     code=0,
 )
 BOUNDED = Headline(
@@ -160,7 +170,7 @@ NO_ROTATION = Headline(
 )
 
 HEADLINES = (
-    *(CERTIFIED, NEARLY_AMBIGUOUS, POOR_FIT, NOT_UNIQUE),
+    *(CERTIFIED, NEARLY_AMBIGUOUS, POOR_FIT, SCALE_FITS, NOT_UNIQUE),
     *(BOUNDED, BOUNDED_WITHOUT_ANGLE, BOUNDED_NOT_UNIQUE, BOUNDED_FLAT, NOT_CERTIFIED, WEAK),
     *(OPTIMAL, OPTIMAL_NOT_UNIQUE, NEAR_OPTIMAL, NEAR_OPTIMAL_NOT_UNIQUE),
     *(SPURIOUS, NO_EQUILIBRIUM, NO_ROTATION),
@@ -177,8 +187,17 @@ def headline_of(registration: Registration) -> Headline:
     if status is Optimality.CERTIFIED:
         if equilibria.nearly_ambiguous:
             return NEARLY_AMBIGUOUS
-        return POOR_FIT if registration.fit.warnings else CERTIFIED
+        return _of_fit(registration.fit)
     return _bounded(registration)
+
+
+def _of_fit(fit: Fit) -> Headline:
+    if not fit.warnings:
+        return CERTIFIED
+    off = abs((fit.best_scale or 0.0) - 1.0)
+    alone = fit.codes == (FitCode.SCALE,)
+    good = off <= SMALL_SCALE and (fit.explained or 0.0) >= GOOD_EXPLAINED
+    return SCALE_FITS if alone and good else POOR_FIT
 
 
 def _bounded(registration: Registration) -> Headline:

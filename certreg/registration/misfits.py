@@ -62,6 +62,7 @@ MIRROR_EXPLAINED = Fraction(9, 10)  # by a reflection
 ALIKE = 0.1  # of the trace: second moments of two clouds of one shape
 CHANCE = 1e-3  # random pairings that may be as good as a shuffled one
 RANDOM_PAIRINGS = 4096
+SMALL = 1e-3  # off one: a scale whose digits are in what it is off
 FEWER = 2.0  # a part of the rows fits better than all rows: by this much, to be the cause
 UNITS = {
     10.0: "angstrom against nanometres",
@@ -247,12 +248,21 @@ def _scale_words(sums: FitSums, rows: RowFit) -> str | None:
     log_p = log_scale_p(sums, rows)
     if log_p is None or log_p > math.log(LEVEL) or sums.scaled_share > MOST_LEFT:
         return None
-    scale = nearest_or_zero(sums.scale)
-    units = next((f" ({words}?)" for k, words in UNITS.items() if _is_ratio(scale, k)), "")
     return (
-        f"the target is {scale:.6g} times as large as the source{units}: with this scale "
+        f"the target is {_times_words(sums.scale)}: with this scale "
         f"{_percent(1 - sums.scaled_share)} of the squared residuals are gone"
     )
+
+
+def _times_words(scale: Fraction) -> str:
+    """How large the target is beside the source; by how much where that is little."""
+    off = float(abs(scale - 1)) if abs(scale - 1) < SMALL else math.inf
+    if off < SMALL:
+        which = "larger" if scale > 1 else "smaller"
+        return f"{which} than the source by {off:.3g} of its size ({1e6 * off:.3g} ppm)"
+    times = nearest_or_zero(scale)
+    units = next((f" ({words}?)" for k, words in UNITS.items() if _is_ratio(times, k)), "")
+    return f"{times:.6g} times as large as the source{units}"
 
 
 def log_scale_p(sums: FitSums, rows: RowFit) -> float | None:
@@ -355,4 +365,4 @@ def _is_ratio(scale: float, ratio: float) -> bool:
 def _percent(share: Fraction | float | None) -> str:
     """A share in per cent, never rounded up to 100."""
     percent = 100.0 * float(share or 0)
-    return "over 99.9 %" if 99.95 <= percent < 100.0 else f"{percent:.3g} %"
+    return "over 99.9 %" if percent >= 99.95 and share != 1 else f"{percent:.3g} %"

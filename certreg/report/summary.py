@@ -280,7 +280,10 @@ def explained_words(fit: Fit) -> str:
         return f"unknown: {fit.stated('explained').reason}"
     percent = 100.0 * fit.explained
     digits = max(0, min(9, 2 - math.floor(math.log10(max(100.0 - percent, 1e-9)))))
-    return f"{percent:.{digits}f} % of the target's spread (R squared, with the best scale)"
+    share = f"{percent:.{digits}f}"
+    if float(share) >= 100.0:
+        share = "over 99.9999999"  # nothing is rounded up to all of it
+    return f"{share} % of the target's spread (R squared, with the best scale)"
 
 
 def _away(angle: float, *, unique: bool = True) -> str:

@@ -59,6 +59,37 @@ def test_the_first_line_says_that_the_fit_is_poor_and_why(poor, good):
     assert "warning" not in registration_summary(good)
 
 
+@pytest.mark.parametrize(
+    ("scale", "words"),
+    [
+        (1.0 + 1e-8, "larger than the source by 1e-08 of its size (0.01 ppm)"),
+        (1.0 + 2e-5, "larger than the source by 2e-05 of its size (20 ppm)"),
+        (0.9998, "smaller than the source by 0.0002 of its size (200 ppm)"),
+        (1.05, "1.05 times as large as the source"),
+    ],
+)
+def test_a_good_fit_that_a_scale_makes_better_is_not_called_poor(scale: float, words: str):
+    noise = 0.001 * abs(scale - 1.0) * np.random.default_rng(2).standard_normal((12, 3))
+    registration = proof_of(scale * CLOUD + noise)
+    first = registration_summary(registration).splitlines()[0]
+
+    assert headline_of(registration) is listed.SCALE_FITS
+    assert first.startswith(f"CERTIFIED OPTIMUM, BUT A SCALE FITS BETTER: the target is {words}: ")
+    assert "100.00" not in registration_summary(registration)
+
+
+@pytest.mark.parametrize("scale", [0.8, 1.2, 1000.0])
+def test_another_size_is_a_poor_fit(scale: float):
+    assert headline_of(proof_of(scale * NOISY)) is listed.POOR_FIT
+
+
+def test_a_scale_beside_another_warning_is_a_poor_fit():
+    both = proof_of(1.001 * MISTYPED, sigma=1e-5)
+
+    assert len(both.fit.warnings) > 1
+    assert headline_of(both) is listed.POOR_FIT
+
+
 def test_what_is_proved_comes_before_what_is_likely(poor):
     bounded = replace(poor, limits=Limits(max_gap=0.0))
 
