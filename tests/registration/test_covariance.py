@@ -30,6 +30,7 @@ from certreg.registration.covariance import (
     worst_residuals,
 )
 from certreg.registration.tails import log_chi2_above
+from certreg.report.uncertainty import FIRST_ORDER
 
 REPETITIONS = 10_000
 SIGMA = 1e-3
@@ -164,6 +165,23 @@ def test_chi_squared_of_a_fit_is_its_objective(experiment):
     assert chi2 is not None
     assert (chi2.dof, chi2.value) == (degrees, pytest.approx(objective, rel=1e-6))
     assert chi2.p == pytest.approx(math.exp(log_chi2_above(objective, degrees)), rel=1e-4)
+
+
+def test_the_first_order_is_right_to_a_twentieth_up_to_where_it_is_told():
+    """The turn of a thin cloud about its axis, of 0.2 radians; 5 / sqrt(2 n) of it is chance."""
+    rng = np.random.default_rng(5)
+    source = rng.normal(size=(12, 3)) * [10.0, 0.3, 0.2]
+    source -= source.mean(axis=0)
+    unit = covariance_of(RegistrationProblem(source, source, sigma=1.0))
+    sigma = FIRST_ORDER / unit.loosest_turn[0]
+    count = 4000
+    noisy = source + sigma * rng.normal(size=(count, 12, 3))
+    left, _, right = np.linalg.svd(np.einsum("rnj,nk->rjk", noisy, source))
+    left[:, :, 2] *= np.linalg.det(left @ right)[:, None]
+    phi = Rotation.from_matrix((left @ right).transpose(0, 2, 1)).as_rotvec()
+
+    ratio = np.sqrt(np.mean(phi**2, axis=0)) / (sigma * unit.rotation_sigma)
+    assert np.allclose(ratio, 1.0, rtol=0.05 + 5.0 / math.sqrt(2.0 * count))
 
 
 def test_a_sigma_from_the_residuals_is_as_sure_as_is_said():
