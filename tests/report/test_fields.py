@@ -63,6 +63,12 @@ def test_every_field_of_a_result_is_the_number_of_its_name(registration: Registr
             "covariance": covariance.matrix.tolist(),
             "covariance_scale": "estimated",
             "variance_factor": covariance.variance_factor,
+            "uncertainty": {
+                "translation": covariance.translation_sigma.tolist(),
+                "rotation_deg": np.degrees(covariance.rotation_sigma).tolist(),
+                "centre": covariance.centre_sigma,
+                "degrees_of_freedom": 30,
+            },
         },
         "objective": registration.objective,
         "rmse": registration.rmse,
