@@ -136,12 +136,16 @@ def assessment_document(assessment: Assessment) -> Document:
 
 
 def _equilibria(equilibria: EquilibriumSet) -> Document:
-    complete, doubt = equilibria.complete, equilibria.doubt
+    complete, doubt, known = equilibria.complete, equilibria.doubt, equilibria.classification
+    pattern, finite = known.pattern, known.finite
+    count, spurious = equilibria.stated("count"), equilibria.stated("spurious")
+    if doubt is not None:
+        count = spurious = Absent(doubt)
     return {
-        "pattern": equilibria.classification.pattern,
-        "finite": equilibria.classification.finite,
-        "count": equilibria.stated("count"),
-        "spurious": equilibria.stated("spurious"),
+        "pattern": pattern if doubt is None else Noted(pattern, doubt),
+        "finite": finite if doubt is None else Noted(finite, doubt),
+        "count": count,
+        "spurious": spurious,
         "guarantee": equilibria.guarantee.label,
         "complete": complete if doubt is None else Noted(complete, doubt),
         "components": [_component(component) for component in equilibria.components],
@@ -295,10 +299,10 @@ def _residuals(registration: Registration) -> list[Document]:
 
 
 def _margin(equilibria: EquilibriumSet) -> Document:
-    margin = equilibria.margin
+    margin, doubt = equilibria.margin, equilibria.doubt
     return {
-        "eigenvalue_gap": margin.stated("eigenvalue_gap"),
-        "relative": margin.relative,
+        "eigenvalue_gap": margin.stated("eigenvalue_gap") if doubt is None else Absent(doubt),
+        "relative": margin.relative if doubt is None else Absent(doubt),
         "nearly_ambiguous": equilibria.nearly_ambiguous,
     }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -92,7 +93,8 @@ def simulation_summary(simulated: SimulatedRegistration) -> str:
 def equilibria_summary(equilibria: EquilibriumSet) -> str:
     """The equilibrium set as a sentence and a table."""
     rows = [("index", "kind", "RMSE", "energy", "to optimum", "unstable", "")]
-    rows += [_row(component) for component in equilibria.components]
+    sure = equilibria.doubt is None
+    rows += [_row(component, sure=sure) for component in equilibria.components]
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
     table = [
         ("  " + "  ".join(cell.rjust(w) for cell, w in zip(row, widths, strict=True))).rstrip()
@@ -109,37 +111,55 @@ def equilibria_words(equilibria: EquilibriumSet) -> str:
         lines.append(NEARLY_AMBIGUOUS)
     elif narrow is not None:
         lines.append(f"{narrow[0].upper()}{narrow[1:]}.")
-    if equilibria.classification.ambiguity is not None:
-        lines.append(f"Not unique: {equilibria.classification.ambiguity.value}.")
     if equilibria.doubt is not None:
         lines.append(f"Not proved: {equilibria.doubt}")
+    elif equilibria.classification.ambiguity is not None:
+        lines.append(f"Not unique: {equilibria.classification.ambiguity.value}.")
     return "\n".join(lines)
 
 
 def count_words(equilibria: EquilibriumSet) -> str:
     """How many equilibria there are and how that is known, in one sentence."""
+    known = f"{equilibria.guarantee.label}, {'' if equilibria.complete else 'not proved '}complete"
+    return f"Equilibria ({known}): {_counted(equilibria)}."
+
+
+def _counted(equilibria: EquilibriumSet) -> str:
     classification = equilibria.classification
     spurious = classification.spurious
+    if equilibria.doubt is not None:
+        return f"the search told no more apart than {_kinds_words(equilibria)}"
     exactly = "" if equilibria.guarantee is Guarantee.NUMERICAL else "exactly "
     if classification.finite:
         what = f"{exactly}four equilibria: the optimum and three spurious ones"
     elif spurious == 0:
         what = "every rotation is an equilibrium, and every one is optimal"
     elif spurious is None:
-        what = "infinitely many spurious equilibria"
+        optima = "one optimum" if classification.unique else "infinitely many optima"
+        what = f"{optima} and infinitely many spurious equilibria"
     else:
         what = f"infinitely many optima and {exactly}{COUNTS[spurious]} spurious equilibri" + (
             "um" if spurious == 1 else "a"
         )
-    if not classification.unique and spurious is None:
-        what = "infinitely many optima and " + what
-    listed = "complete" if equilibria.complete else "not proved complete"
-    return f"Equilibria ({equilibria.guarantee.label}, {listed}): {what}."
+    return what
+
+
+def _kinds_words(equilibria: EquilibriumSet) -> str:
+    """For example: two points and one circle."""
+    kinds = Counter(component.kind for component in equilibria.components)
+    return " and ".join(
+        KINDS[kind]
+        if kind is ComponentKind.ROTATION_GROUP
+        else f"{COUNTS[count]} {KINDS[kind]}{'s' * (count > 1)}"
+        for kind, count in kinds.items()
+    )
 
 
 def margin_words(equilibria: EquilibriumSet) -> str:
     """How far the optimum is from being ambiguous, in words."""
     margin = equilibria.margin
+    if equilibria.doubt is not None:
+        return "not known: the list of equilibria is not proved complete"
     if not equilibria.classification.unique:
         return "0: the optimum is not unique"
     percent = f"{100 * margin.relative:.3g} % of the range of energies"
@@ -314,15 +334,16 @@ def warnings(registration: Registration, headline: str) -> list[str]:
     return notes
 
 
-def _row(component: Component) -> tuple[str, ...]:
+def _row(component: Component, *, sure: bool) -> tuple[str, ...]:
+    """A line of the table; what follows from the list being complete, where that is sure."""
     unstable = component.unstable_eigenvalues
     return (
-        str(component.morse_index),
+        str(component.morse_index) if sure else "-",
         KINDS[component.kind],
         number(component.rmse),
         number(component.energy),
         f"{math.degrees(component.angle_to_optimum):.6g} deg",
-        "undefined" if unstable is None else str(unstable),
+        ("undefined" if unstable is None else str(unstable)) if sure else "-",
         "optimal" if component.optimal else "",
     )
 

@@ -8,11 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from strategies import ZOO
 
 from certreg import RegistrationProblem
-from certreg.registration import Registration, assess, certify
+from certreg.registration import Registration, assess, certify, equilibria
 from certreg.report import equilibria_words, html_page, registration_summary
 from certreg.report.page import Report
+from certreg.report.summary import count_words
 from certreg.results import Limits
 
 RNG = np.random.default_rng(5)
@@ -140,3 +142,22 @@ def test_why_a_reflection_came_back_is_asked_and_not_asserted():
         RegistrationProblem(TETRAHEDRON, TETRAHEDRON), np.diag([1.0, -1, -1]), [0, 0, 0]
     )
     assert "degrees from a projective plane of index-1 equilibria" in turned.headline
+
+
+OCTAHEDRON = np.vstack([np.eye(3), -np.eye(3)])
+
+
+@pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: specimen.name)
+def test_the_optimum_is_not_counted_as_spurious(specimen):
+    found = equilibria(specimen.problem)
+    words, unique = count_words(found), specimen.pattern[0] == 1
+
+    assert ("optimum and " in words) == unique
+    assert ("infinitely many optima and " in words or "every one is optimal" in words) != unique
+    assert ("infinitely many spurious" in words) == (found.spurious is None)
+
+
+def test_the_page_of_a_unique_optimum_among_a_continuum_counts_them_apart():
+    words = page(proof(OCTAHEDRON, OCTAHEDRON))
+
+    assert "There are one optimum and infinitely many spurious equilibria: one pose of" in words
