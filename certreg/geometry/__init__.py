@@ -12,7 +12,14 @@ if TYPE_CHECKING:
     from certreg.geometry.constraints import homogeneous as homogeneous
     from certreg.geometry.constraints import rotation_quadratics as rotation_quadratics
     from certreg.geometry.constraints import symmetric as symmetric
+    from certreg.geometry.given import GivenPose as GivenPose
+    from certreg.geometry.given import given_pose as given_pose
+    from certreg.geometry.orthogonality import ROTATION_TOLERANCE as ROTATION_TOLERANCE
+    from certreg.geometry.orthogonality import UNNOTED_DEFECT as UNNOTED_DEFECT
+    from certreg.geometry.orthogonality import rotation_defect as rotation_defect
+    from certreg.geometry.orthogonality import why_no_rotation as why_no_rotation
     from certreg.geometry.pose import Pose as Pose
+    from certreg.geometry.pose_matrix import last_row_fault as last_row_fault
     from certreg.geometry.so3 import Matrix3 as Matrix3
     from certreg.geometry.so3 import Matrix4 as Matrix4
     from certreg.geometry.so3 import T as T
@@ -38,7 +45,18 @@ __getattr__ = lazy_face(
             "rotation_quadratics",
             "symmetric",
         ),
+        "given": (
+            "GivenPose",
+            "given_pose",
+        ),
+        "orthogonality": (
+            "ROTATION_TOLERANCE",
+            "UNNOTED_DEFECT",
+            "rotation_defect",
+            "why_no_rotation",
+        ),
         "pose": ("Pose",),
+        "pose_matrix": ("last_row_fault",),
         "so3": (
             "Matrix3",
             "Matrix4",

@@ -1,0 +1,131 @@
+"""A pose as any other tool returned it: read here without importing the tool, judged elsewhere."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from certreg.errors import InvalidProblemError
+from certreg.geometry.pose import Pose
+from certreg.geometry.pose_matrix import doubles_of, split_matrix
+from certreg.geometry.so3 import rotation_matrix
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+ATTRIBUTES = (  # a method or an array, in this order
+    "T_target_source",
+    "transformation",  # Open3D's result
+    "as_matrix",  # SciPy, jaxlie
+    "matrix",  # Sophus, GTSAM, pycolmap
+)
+ROTATIONS = {(3, 3), (4,)}
+VECTORS = {(3,), (3, 1), (1, 3)}  # a column, as OpenCV has it
+FORMS = (
+    "give a matrix (4, 4) or (3, 4), (R, t), a rotation (3, 3), a quaternion (4,) with the scalar "
+    "first, or an object with .as_matrix()"
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class GivenPose:
+    """A pose as some tool wrote it, unchecked.
+
+    turn: the rotation as it was written: a matrix (3, 3), or a quaternion (4,), scalar first.
+    translation: (3,); None where only a rotation was given.
+    """
+
+    turn: NDArray[np.float64]
+    translation: NDArray[np.float64] | None
+
+    @property
+    def is_matrix(self) -> bool:
+        """Whether the rotation was written as a matrix."""
+        return self.turn.shape == (3, 3)
+
+    @property
+    def rotation(self) -> NDArray[np.float64]:
+        """The matrix (3, 3), as it was written or of the quaternion, normalised."""
+        if self.is_matrix:
+            return self.turn
+        q = self.turn / math.hypot(*self.turn.tolist())
+        return np.array(rotation_matrix(q.tolist()))
+
+    def apply(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The moved points (N, 3); infinite or NaN where they leave the doubles."""
+        shift = np.zeros(3) if self.translation is None else self.translation
+        with np.errstate(over="ignore", invalid="ignore"):
+            return points @ self.rotation.T + shift
+
+
+def given_pose(pose: Any, translation: Any = None) -> GivenPose:
+    """What a tool returned, as arrays; its rotation need not be one.
+
+    pose: a matrix (4, 4) or (3, 4); a rotation, as a matrix (3, 3) or a quaternion (4,) with the
+        scalar first; a pair (R, t); a `Pose` or what has one as `.pose`; anything with
+        `.T_target_source`, `.transformation`, `.as_matrix` or `.matrix`, a method or an array.
+    translation: (3,), a column or a row, beside a rotation alone.
+    Raises InvalidProblemError for anything else, and for values that are not finite.
+    """
+    own = pose if isinstance(pose, Pose) else getattr(pose, "pose", None)
+    if isinstance(own, Pose):
+        given = GivenPose(turn=own.quaternion_wxyz, translation=own.translation)
+    elif isinstance(pose, tuple | list) and len(cast("Sequence[Any]", pose)) == 2:
+        first, second = cast("Sequence[Any]", pose)
+        given = given_pose(first, second)
+    else:
+        given = _from_array(pose)
+    if translation is None:
+        return given
+    if given.translation is not None:
+        message = "the pose has a translation of its own: give no other beside it"
+        raise InvalidProblemError(message, array="translation")
+    return GivenPose(turn=given.turn, translation=_vector(translation))
+
+
+def _from_array(pose: Any) -> GivenPose:
+    name, values = _values(pose)
+    array = doubles_of(values, name)
+    if array.shape in ROTATIONS:
+        return GivenPose(turn=_finite(array, "rotation"), translation=None)
+    if array.ndim == 2 and array.shape[1] == 4 and len(array) in {3, 4}:
+        rotation, shift = split_matrix(array, name)
+        return GivenPose(turn=rotation, translation=shift)
+    stack = array.ndim == 3 and array.shape[1:] in {(4, 4), (3, 4), (3, 3)}
+    remedy = f"a stack of {len(array)} poses: give one of them" if stack else FORMS
+    message = f"{name} has shape {array.shape}: {remedy}"
+    raise InvalidProblemError(message, array=name, value=array.shape)
+
+
+def _values(pose: Any) -> tuple[str, Any]:
+    """The numbers of a pose, and what to call them in an error."""
+    for name in () if _is_plain(pose) else ATTRIBUTES:
+        value = getattr(pose, name, None)
+        if value is not None:
+            return f"pose.{name}", value() if callable(value) else value
+    return "pose", pose
+
+
+def _is_plain(pose: object) -> bool:
+    """Whether its attributes say nothing: an array, or a class in place of a pose."""
+    return isinstance(pose, np.ndarray | type)
+
+
+def _vector(values: Any) -> NDArray[np.float64]:
+    array = doubles_of(values, "translation")
+    if array.shape not in VECTORS:
+        message = f"translation must be (3,) finite numbers, found shape {array.shape}"
+        raise InvalidProblemError(message, array="translation", value=array.shape, limit=(3,))
+    return _finite(array.ravel(), "translation")
+
+
+def _finite(array: NDArray[np.float64], name: str) -> NDArray[np.float64]:
+    if not np.isfinite(array).all():
+        message = f"{name} must be finite numbers, found {array.tolist()}"
+        raise InvalidProblemError(message, array=name, value=array.tolist())
+    return array

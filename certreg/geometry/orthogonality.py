@@ -1,0 +1,55 @@
+"""How far a matrix or a quaternion is from a rotation, and why it is none, in words."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+ROTATION_TOLERANCE = 1e-4  # |R^T R - I|: admits 4x4 matrices printed with five decimals
+UNNOTED_DEFECT = 1e-12  # |R^T R - I| of a matrix of doubles: its own rounding
+
+
+def rotation_defect(matrix: NDArray[np.float64]) -> float:
+    """The largest entry of |R^T R - I| of a matrix (3, 3); infinite or NaN beyond the doubles."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return float(np.abs(matrix.T @ matrix - np.eye(3)).max())
+
+
+def why_no_rotation(
+    matrix: NDArray[np.float64], tolerance: float = ROTATION_TOLERANCE
+) -> str | None:
+    """Why a matrix (3, 3) or quaternion (4,) is no rotation, in words; None if it is one.
+
+    tolerance: what the digits that are not printed may make of a rotation.
+    """
+    if matrix.shape == (4,):
+        norm = math.hypot(*matrix.tolist())
+        if abs(norm - 1.0) <= tolerance:
+            return None
+        return f"The quaternion has norm {norm:.6g}, not 1: it is not a rotation."
+    defect = rotation_defect(matrix)
+    stretch = np.linalg.svd(matrix, compute_uv=False)
+    reflected = bool(np.linalg.slogdet(matrix)[0] < 0)
+    if defect <= tolerance and not reflected:
+        return None
+    if defect <= tolerance:
+        return (
+            "The matrix is a reflection (determinant -1), not a rotation: no rigid motion does "
+            "that. "
+            "Does the tool that returned it lack the determinant rule, or is the target mirrored?"
+        )
+    if stretch[-1] > 0 and stretch[0] / stretch[-1] - 1 <= tolerance:
+        return (
+            f"The matrix scales by {stretch.mean():.6g}{' and reflects' * reflected}: it is "
+            "not a rotation. Divide the scale out if a similarity was meant, and try again."
+        )
+    return (
+        f"The matrix is not orthogonal (R^T R is off by {defect:.2g}, singular values "
+        f"{stretch[0]:.6g} to {stretch[-1]:.6g}): it is not a rotation. Give more digits, or the "
+        "quaternion."
+    )

@@ -1,0 +1,161 @@
+"""Poses are a group that acts on points, and SciPy's rigid motions are the same group."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.spatial.transform as scipy_transform
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from strategies import random_rotation
+
+from certreg import Pose
+from certreg.errors import InvalidProblemError, OutOfRangeError
+
+FEW = settings(max_examples=30, deadline=None)
+LAST = [[0.0, 0.0, 0.0, 1.0]]
+SEEDS = st.integers(0, 2**32 - 1)
+
+
+def random_pose(rng: np.random.Generator) -> Pose:
+    return Pose.from_matrix(np.column_stack([random_rotation(rng), rng.normal(size=3)]))
+
+
+def is_close(a: Pose, b: Pose, within: float = 1e-14) -> bool:
+    """Both representations of the rotation, and the translation."""
+    same = np.abs(a.as_matrix() - b.as_matrix()).max() <= within
+    q = min(np.abs(a.quaternion_wxyz - s * b.quaternion_wxyz).max() for s in (1, -1))
+    return bool(same and q <= within)
+
+
+def is_whole(pose: Pose) -> bool:
+    """Unit quaternion of canonical sign, and the rotation is that of the quaternion."""
+    q = pose.quaternion_wxyz
+    R = scipy_transform.Rotation.from_quat(q, scalar_first=True).as_matrix()
+    first = q[np.flatnonzero(q)[0]]
+    unit = abs(np.linalg.norm(q) - 1.0) < 1e-15
+    return bool(unit and first > 0.0 and np.abs(pose.rotation - R).max() < 1e-15 * 8)
+
+
+@FEW
+@given(SEEDS)
+def test_poses_obey_the_laws_of_a_group(seed: int):
+    rng = np.random.default_rng(seed)
+    a, b, c = (random_pose(rng) for _ in range(3))
+    identity = Pose.from_matrix(np.eye(4))
+
+    assert is_close((a @ b) @ c, a @ (b @ c))
+    assert is_close(a @ identity, a)
+    assert is_close(identity @ a, a)
+    assert is_close(a @ a.inverse(), identity)
+    assert is_close(a.inverse() @ a, identity)
+    assert is_close((a @ b).inverse(), b.inverse() @ a.inverse())
+    assert is_close(a.inverse().inverse(), a)
+    assert all(map(is_whole, (a, a @ b, a.inverse())))
+
+
+@FEW
+@given(SEEDS)
+def test_composing_is_multiplying_matrices_and_moving_twice(seed: int):
+    rng = np.random.default_rng(seed)
+    a, b, points = random_pose(rng), random_pose(rng), rng.normal(size=(5, 3))
+
+    assert np.allclose((a @ b).as_matrix(), a.as_matrix() @ b.as_matrix(), atol=1e-14)
+    assert np.allclose((a @ b) @ points, a @ (b @ points), atol=1e-13)
+    assert np.allclose(a.inverse() @ (a @ points), points, atol=1e-13)
+    assert np.array_equal(a @ points, a.apply(points))
+    assert np.allclose(a @ points[0], (a @ points)[0], rtol=1e-14)
+    rows = np.column_stack([points, np.ones(5)]) @ a.as_matrix().T
+    assert np.allclose(rows[:, :3], a @ points, atol=1e-14)
+
+
+@pytest.mark.skipif(
+    not hasattr(scipy_transform, "RigidTransform"), reason="SciPy before 1.16 has none"
+)
+@FEW
+@given(SEEDS)
+def test_scipys_rigid_transforms_are_the_same_group(seed: int):
+    rng = np.random.default_rng(seed)
+    a, b, points = random_pose(rng), random_pose(rng), rng.normal(size=(5, 3))
+    A, B = (scipy_transform.RigidTransform.from_matrix(p.as_matrix()) for p in (a, b))
+
+    assert np.allclose((a @ b).as_matrix(), (A * B).as_matrix(), atol=1e-14)
+    assert np.allclose(a.inverse().as_matrix(), A.inv().as_matrix(), atol=1e-14)
+    assert np.allclose(a @ points, A.apply(points), atol=1e-14)
+    assert np.allclose(a.as_scipy().as_matrix(), a.rotation, atol=1e-15)
+
+
+def test_a_long_product_does_not_drift_from_the_rotations():
+    rng = np.random.default_rng(5)
+    step, product = random_pose(rng), Pose.from_matrix(np.eye(4))
+    for _ in range(3000):
+        product = step @ product
+
+    assert is_whole(product)
+    assert np.abs(product.rotation.T @ product.rotation - np.eye(3)).max() < 1e-15
+
+
+def test_a_matrix_goes_in_and_out_unchanged():
+    pose = random_pose(np.random.default_rng(6))
+
+    for matrix in (pose.as_matrix(), pose.as_matrix()[:3], pose.as_matrix().tolist()):
+        assert np.array_equal(Pose.from_matrix(matrix).as_matrix(), pose.as_matrix())
+    assert np.array_equal(pose.T_target_source, pose.as_matrix())
+    assert np.array_equal(pose.inverse().rotation, pose.rotation.T)
+
+
+def test_five_decimals_are_a_rotation_and_four_are_not():
+    matrix = random_pose(np.random.default_rng(7)).as_matrix()
+    printed = Pose.from_matrix(np.round(matrix, 5))
+
+    assert is_whole(printed)
+    assert 1e-7 < np.abs(printed.rotation - matrix[:3, :3]).max() < 1e-5
+    matrix[0, 0] += 1.01e-3
+    with pytest.raises(InvalidProblemError, match=r"matrix: .*\(R\^T R is off by 0\.00"):
+        Pose.from_matrix(matrix)
+
+
+I4 = np.eye(4)
+WRONG_MATRICES = {
+    "a rotation alone": (np.eye(3), r"found shape \(3, 3\): give \[R \| t\]"),
+    "a stack": (np.stack([I4, I4]), r"found shape \(2, 4, 4\): a stack of 2: give one of them"),
+    "a column of vectors": (np.vstack([I4[:3], [[1.0, 2, 3, 1]]]).round(), "transpose it"),
+    "its last row": (np.diag([1.0, 1, 1, 2]), r"must be 0 0 0 1, found 0 0 0 2: give the 3x4"),
+    "a reflection": (np.diag([1.0, 1, -1, 1]), r"a reflection \(determinant -1\)"),
+    "a scale": (np.diag([2.0, 2, 2, 1]), "scales by 2"),
+    "a shear": (np.eye(4) + np.eye(4, k=1) * [[1], [0], [0], [0]], "not orthogonal"),
+    "a gap": (np.where(np.eye(4, k=3), np.nan, I4), r"matrix, row 0 \(counting from 0\) is .*nan"),
+    "complex numbers": (I4 * 1j, "entries of type complex128: give real numbers"),
+    "words": ("pose.txt", "entries of type <U8: give real numbers"),
+    "ragged rows": ([[1.0], [1.0, 2.0]], "matrix is not an array of real numbers"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG_MATRICES)
+def test_what_is_no_pose_is_refused_with_the_reason(name: str):
+    matrix, words = WRONG_MATRICES[name]
+    with pytest.raises(InvalidProblemError, match=words) as caught:
+        Pose.from_matrix(matrix)  # type: ignore[arg-type]
+
+    assert caught.value.array == "matrix"
+    assert str(caught.value).isprintable()
+
+
+def test_points_of_another_shape_are_refused():
+    pose = random_pose(np.random.default_rng(8))
+    for points in (np.zeros((3, 4)), np.zeros(4), np.zeros((1, 2, 3)), 1.0, np.zeros((4, 4))):
+        with pytest.raises(InvalidProblemError, match=r"points must be \(N, 3\)"):
+            pose @ points  # type: ignore[operator]
+    with pytest.raises(TypeError):
+        np.zeros((5, 3)) @ pose  # type: ignore[operator]
+
+
+def test_a_translation_beyond_the_doubles_is_said():
+    matrix = np.eye(4)
+    matrix[:3, :3] = random_rotation(np.random.default_rng(9))
+    matrix[:3, 3] = 1.7e308
+    pose = Pose.from_matrix(matrix)
+
+    for beyond in (lambda: pose @ pose, lambda: Pose.from_matrix(matrix).inverse()):
+        with pytest.raises(OutOfRangeError, match="change the unit"):
+            beyond()
