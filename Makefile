@@ -23,7 +23,7 @@ NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_E
 unexport PYTHONDONTWRITEBYTECODE
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test test-long chromium test-browser test-huge test-oracles golden proofs fuzz fit-rates brackets hard compare-checkers kills generate report-asset check-report-asset lint bench peers lock clean
+.PHONY: help demo docs test test-long chromium test-browser test-huge test-oracles golden proofs fuzz fit-rates slips brackets hard compare-checkers kills generate report-asset check-report-asset lint bench peers lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -77,6 +77,9 @@ fuzz: $(READY)  ## a million broken files for the readers (two minutes)
 
 fit-rates: $(READY)  ## warnings of a fit: ten misfits, 2,000 good problems (half a minute)
 	@$(RUN) tests/fit_rates.py
+
+slips: $(READY)  ## the slip that explains a pose: six on 200 random problems each, none of random rotations (two minutes)
+	@$(RUN) tests/slips.py
 
 brackets: $(READY)  ## every printed bound beside an exact oracle, on 5,000 random problems (ten minutes)
 	@$(RUN) tests/brackets.py

@@ -25,12 +25,14 @@ import numpy as np
 from certreg.errors import InvalidFileError
 from certreg.io.clouds import parse_cloud
 from certreg.io.pairs import parse_pairs
-from certreg.io.poses import parse_pose
+from certreg.io.poses import parse_line, parse_pose
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-ALL = 1_600_000
+    from certreg.geometry import GivenPose
+
+ALL = 1_700_000
 PATIENCE = 2.0  # seconds of processor time for one input; most have a few hundred bytes
 MEMORY = 200 << 20  # bytes by which the peak may grow
 LONGEST = 4096  # bytes of an input
@@ -75,11 +77,26 @@ ATOM = b"ATOM      1  CA  LEU A  17A    -16.594  -4.293  -3.408  1.00 20.00     
 PDB = [ATOM + b"END\n", b"MODEL        1\n" + ATOM + b"ENDMDL\nEND\n"]
 PDB += [(OTHERS / "gemmi.pdb").read_bytes()]
 CIF = [(OTHERS / "gemmi.cif").read_bytes()]
+CERTIFICATE = (
+    b'{"about": {}, "basin": null, "claims": {"basin": null, "gap": [1, -9], "pattern": [1, 3], '
+    b'"sdp_gap": null, "sin2_half_angle": null, "unique": true, "unstable": null}, "format": '
+    b'"certreg-certificate/1", "kind": "isotropic", "optimality": {"delta": [1, -9], "mu": [1, 0]},'
+    b'"pose": [1, 0, 2, 0], "problem": {"data": null, "digest": "0", "n": 3}, "sdp": null}'
+)
 POSE = [
     b"1 0 0 5\n0 1 0 6\n0 0 1 7\n0 0 0 1\n",
     b"1 0 0 0 5 6 7\n",
     b'{"rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "translation": [1, 2, 3]}',
     b'{"pose": {"quaternion_wxyz": [1, 0, 0, 0], "translation": [1, 2, 3]}}',
+    b"1 0 0 5 0 1 0 6 0 0 1 7\n",
+    b"1305031102.1753 5 6 7 0 0 0 1\n",
+    files.npy(np.eye(4)[:3]),
+    files.npy(np.eye(4)),
+    CERTIFICATE,
+]
+POSE_LINES = [
+    b"# time tx ty tz qx qy qz qw\n1 5 6 7 0 0 0 1\n2 5 6 7 0 1 0 0\n",
+    b"1 0 0 5 0 1 0 6 0 0 1 7\n0,1,0,5,1,0,0,6,0,0,-1,7\n",
 ]
 PAIRS = [b"source,target\n0,1\n1,0\n", b"2,1\n", files.npy(np.array([[0, 1], [2, 0]]))]
 WORDS = (
@@ -125,10 +142,19 @@ def cloud(suffix: str, seeds: list[bytes]) -> Reader:
 
 
 def pose(stream: io.BytesIO) -> None:
-    given = parse_pose(stream, Path("fuzz.pose"))
+    _is_pose(parse_pose(stream, Path("fuzz.pose")))
+
+
+def pose_line(stream: io.BytesIO) -> None:
+    _is_pose(parse_line(stream, Path("fuzz.tum"), 2))
+
+
+def _is_pose(given: GivenPose) -> None:
+    shift = np.zeros(3) if given.translation is None else given.translation
+    assert given.turn.shape in {(3, 3), (4,)}
     assert given.rotation.shape == (3, 3)
-    assert given.translation.shape == (3,)
-    assert np.isfinite([*given.rotation.ravel(), *given.translation]).all()
+    assert shift.shape == (3,)
+    assert np.isfinite([*given.rotation.ravel(), *shift]).all()
 
 
 def pairs(suffix: str) -> Callable[[io.BytesIO], None]:
@@ -159,6 +185,7 @@ READERS = {
     "npy": cloud(".npy", NPY),
     "npz": cloud(".npz", NPZ),
     "pose": Reader(pose, POSE, "fuzz.pose"),
+    "line": Reader(pose_line, POSE_LINES, "fuzz.tum"),
     "pairs": Reader(pairs(".csv"), PAIRS[:2], "fuzz.csv"),
 }
 

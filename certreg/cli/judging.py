@@ -10,15 +10,14 @@ import click
 from certreg.cli.options import CLOUD, bound_clouds, cloud_options
 from certreg.cli.progress import note
 from certreg.errors import InvalidFileError
+from certreg.geometry import why_no_rotation
 from certreg.io import (
-    ROTATION_TOLERANCE,
     read_cloud,
     read_result_pose,
     write_atomically,
     write_cloud,
 )
-from certreg.registration import DONE, GOOD, NO_ROTATION, REFUSED, why_no_rotation
-from certreg.registration import assess as assessed
+from certreg.registration import DONE, GOOD, NO_ROTATION, REFUSED, certify, judged
 from certreg.report import (
     REPORT,
     assessment_document,
@@ -36,6 +35,14 @@ if TYPE_CHECKING:
     from certreg.verify import Clouds
 
 
+line_option = click.option(
+    "--line",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="Of a TUM or KITTI file: the line with the pose, counted from 1.",
+)
+
+
 @click.command()
 @cloud_options
 @click.option(
@@ -43,14 +50,18 @@ if TYPE_CHECKING:
     "pose_file",
     required=True,
     type=click.Path(path_type=Path),
-    help="4x4 text matrix, JSON, 'w x y z tx ty tz', or a folder that certify wrote.",
+    help="4x4 or 3x4 matrix (text, .npy), JSON, a line 'w x y z tx ty tz', TUM or KITTI, a "
+    "certificate, or a folder that certify wrote.",
 )
+@line_option
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
-def assess(problem: RegistrationProblem, pair: Pair, *, pose_file: Path, as_json: bool) -> int:
+def assess(
+    problem: RegistrationProblem, pair: Pair, *, pose_file: Path, line: int | None, as_json: bool
+) -> int:
     """Judge a pose that any other tool returned. Exit code 0 if (near) optimal, else 1."""
-    del pair
-    pose = read_result_pose(pose_file)
-    assessment = assessed(problem, pose.turn, pose.translation)
+    pose = read_result_pose(pose_file, line)
+    registration = certify(problem, relaxation=False, simulation=False, about=pair.about)
+    assessment = judged(registration, pose)
     click.echo(
         dumps(assessment_document(assessment)) if as_json else assessment_summary(assessment)
     )
@@ -61,13 +72,20 @@ def assess(problem: RegistrationProblem, pair: Pair, *, pose_file: Path, as_json
 @click.argument("result", type=click.Path(path_type=Path))
 @click.argument("cloud", type=CLOUD)
 @click.option("--out", required=True, type=CLOUD, help="File to write: .csv, .txt, .ply or .npy.")
-def apply(result: Path, cloud: Path, *, out: Path) -> int:
+@line_option
+def apply(result: Path, cloud: Path, *, out: Path, line: int | None) -> int:
     """Move CLOUD by the pose in RESULT: a result file or folder, or any pose file.
 
     What is no rotation (a reflection, a scaling) is refused.
     """
-    pose = read_result_pose(result)
-    fault = why_no_rotation(pose.turn, ROTATION_TOLERANCE)
+    pose = read_result_pose(result, line)
+    if pose.translation is None:
+        message = (
+            f"{shown(result)}: holds a rotation alone: give the result or the pose file that "
+            "certify --out wrote beside it"
+        )
+        raise InvalidFileError(message, path=result)
+    fault = why_no_rotation(pose.turn)
     if fault is not None:
         message = f"{shown(result)}: {NO_ROTATION.said(fault=fault)}"
         raise InvalidFileError(message, path=result)

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from certreg.io.objects import pair as pair
     from certreg.io.objects import stated_problem as stated_problem
     from certreg.io.poses import MAX_POSE_BYTES as MAX_POSE_BYTES
-    from certreg.io.poses import ROTATION_TOLERANCE as ROTATION_TOLERANCE
     from certreg.io.poses import read_result_pose as read_result_pose
     from certreg.io.streams import Place as Place
     from certreg.io.streams import number as number
@@ -60,7 +59,6 @@ __getattr__ = lazy_face(
         ),
         "poses": (
             "MAX_POSE_BYTES",
-            "ROTATION_TOLERANCE",
             "read_result_pose",
         ),
         "streams": (

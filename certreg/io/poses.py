@@ -1,164 +1,125 @@
-"""Poses from files, as other tools write them. They are read here and judged elsewhere."""
+"""Poses from files, as tools write them: text, .npy, JSON. They are read here, judged elsewhere."""
 
 from __future__ import annotations
 
-import json
-import math
-from dataclasses import dataclass
+import io
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, cast
-
-import numpy as np
+from typing import TYPE_CHECKING, BinaryIO
 
 from certreg.errors import InvalidFileError
-from certreg.geometry import rotation_matrix
-from certreg.io.streams import reading
-from certreg.verify import shown
+from certreg.io.npy import parse_array
+from certreg.io.pose_documents import pose_of_certificate, pose_of_json
+from certreg.io.pose_values import PoseSource, of_array, of_matrix, of_quaternion
+from certreg.io.streams import lines, reading
+from certreg.verify import FILE_MAX, shown
 
 if TYPE_CHECKING:
     import os
 
-    from numpy.typing import NDArray
+    from certreg.geometry import GivenPose
 
 MAX_POSE_BYTES = 1 << 20  # a result without its points is a few kilobytes
-ROTATION_TOLERANCE = 1e-4  # |R^T R - I|: admits 4x4 matrices printed with five decimals
+NPY = b"\x93NUMPY"
+FORMS = {  # by how many numbers there are in a line
+    7: "w x y z tx ty tz",
+    8: "TUM: time tx ty tz x y z w",
+    12: "KITTI: the rows of [R | t]",
+}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class GivenPose:
-    """A pose as some tool wrote it: rotation (3, 3), unchecked, and translation (3,).
-
-    quaternion: (4,), where the file has one; then `rotation` is made from it.
-    """
-
-    rotation: NDArray[np.float64]
-    translation: NDArray[np.float64]
-    quaternion: NDArray[np.float64] | None = None
-
-    @property
-    def turn(self) -> NDArray[np.float64]:
-        """What to judge: the quaternion where there is one, as no digit of it is lost, else R."""
-        return self.rotation if self.quaternion is None else self.quaternion
-
-    def apply(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The moved points (N, 3); infinite or NaN where they leave the doubles."""
-        with np.errstate(over="ignore", invalid="ignore"):
-            return points @ self.rotation.T + self.translation
+def read_result_pose(path: str | os.PathLike[str], line: int | None = None) -> GivenPose:
+    """The pose in a result of certreg (the file or its folder), or in a pose file."""
+    file = Path(path)
+    return read_pose(file / "result.json" if file.is_dir() else file, line)
 
 
-def read_pose(path: str | os.PathLike[str]) -> GivenPose:
-    """A pose from text (4x4 or 3x4 matrix, or w x y z tx ty tz) or JSON.
+def read_pose(path: str | os.PathLike[str], line: int | None = None) -> GivenPose:
+    """The pose in a file.
 
-    JSON: a result of certreg, {"rotation": 3x3, "translation": 3}, {"quaternion_wxyz": 4,
-    "translation": 3}, {"T_target_source": 4x4} or a 4x4 list. Raises InvalidFileError.
+    Text: a matrix 4x4 or 3x4, or a line `w x y z tx ty tz`, TUM or KITTI; numbers with spaces or
+    commas between them. .npy: 4x4 or 3x4. JSON: a result of certreg, {"rotation": 3x3,
+    "translation": 3}, {"quaternion_wxyz": 4, "translation": 3}, {"T_target_source": 4x4}, a 4x4
+    list; or a certificate, which holds a rotation alone.
+    line: of a text file with a pose on each line, the one to read, counted from 1.
+    Raises InvalidFileError.
     """
     file = Path(path)
     with reading(file) as stream:
-        return parse_pose(stream, file)
+        return parse_pose(stream, file) if line is None else parse_line(stream, file, line)
 
 
 def parse_pose(stream: BinaryIO, file: Path) -> GivenPose:
-    """As `read_pose`, from a stream; `file` is the name in errors."""
-    text = _bounded(stream, file).decode("utf-8-sig", errors="replace").strip()
-    if text.startswith(("{", "[")):
-        return _pose_from_json(file, text)
-    lines = [line for line in text.splitlines() if not line.lstrip().startswith("#")]
-    rows = [line.replace(",", " ").split() for line in lines]
-    try:
-        numbers = [[float(entry) for entry in row] for row in rows if row]
-    except ValueError as error:
-        message = f"{file}: {shown(error)}: write a 4x4 matrix, or w x y z tx ty tz"
-        raise InvalidFileError(message, path=file) from error
-    if [len(row) for row in numbers] == [3, 3, 3]:
-        message = f"{file}: holds a 3x3 matrix: give 3x4 or 4x4, with the translation"
-        raise InvalidFileError(message, path=file, value=(3, 3), limit=(4, 4))
-    if [len(row) for row in numbers] == [7]:
-        return _from_quaternion(file, np.array(numbers[0][:4]), np.array(numbers[0][4:]))
-    return _from_matrix(file, numbers)
-
-
-def read_result_pose(path: str | os.PathLike[str]) -> GivenPose:
-    """The pose in a result of certreg (the file or its folder), or in a pose file."""
-    file = Path(path)
-    return read_pose(file / "result.json" if file.is_dir() else file)
-
-
-def _bounded(stream: BinaryIO, file: Path) -> bytes:
+    """As `read_result_pose`, from a stream; `file` is the name in errors."""
     content = stream.read(MAX_POSE_BYTES + 1)
+    source = PoseSource(file)
     if len(content) > MAX_POSE_BYTES:
-        message = f"{file}: larger than {MAX_POSE_BYTES} bytes: this is not a pose file"
-        raise InvalidFileError(message, path=file, limit=MAX_POSE_BYTES)
-    return content
-
-
-def _pose_from_json(file: Path, text: str) -> GivenPose:
-    try:
-        document: Any = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        message = f"{file}: is not JSON ({shown(error)}): give a pose file or a certreg result"
-        raise InvalidFileError(message, path=file) from error
-    if isinstance(document, list):
-        return _from_matrix(file, document)
-    fields = cast("dict[str, Any]", document)
-    if isinstance(fields.get("pose"), dict):
-        fields = fields["pose"]
-    if "T_target_source" in fields:
-        return _from_matrix(file, fields["T_target_source"])
-    if not {"rotation", "quaternion_wxyz"} & set(fields) or "translation" not in fields:
-        message = f"{file}: holds no pose (T_target_source, or rotation and translation)"
-        raise InvalidFileError(message, path=file)
-    translation = _array(file, fields["translation"], (3,), "translation")
-    given = None
-    if "rotation" in fields:
-        rotation = _array(file, fields["rotation"], (3, 3), "rotation")
-        given = GivenPose(rotation=rotation, translation=translation)
-    if "quaternion_wxyz" not in fields:
-        return cast("GivenPose", given)
-    quaternion = _array(file, fields["quaternion_wxyz"], (4,), "quaternion_wxyz")
-    pose = _from_quaternion(file, quaternion, translation)
-    apart = 0.0 if given is None else float(np.abs(given.rotation - pose.rotation).max())
-    if apart > ROTATION_TOLERANCE:
-        message = f"{file}: rotation and quaternion_wxyz are two different rotations: keep one"
-        raise InvalidFileError(
-            message, path=file, column="quaternion_wxyz", value=apart, limit=ROTATION_TOLERANCE
+        if content.lstrip().startswith(b"{"):  # a certificate carries its points
+            return pose_of_certificate(source, content + stream.read(FILE_MAX + 1 - len(content)))
+        raise source.refusal(
+            f"larger than {MAX_POSE_BYTES} bytes: this is not a pose file; of a trajectory, "
+            "choose a line with --line N",
+            limit=MAX_POSE_BYTES,
         )
-    return pose
+    if content.startswith(NPY):
+        return of_array(source, parse_array(io.BytesIO(content), file))
+    text = content.decode("utf-8-sig", errors="replace")
+    if text.lstrip().startswith(("{", "[")):
+        return pose_of_json(source, content, text)
+    return _pose_of_text(source, text)
 
 
-def _array(file: Path, values: Any, shape: tuple[int, ...], name: str) -> NDArray[np.float64]:
-    try:
-        array = np.asarray(values, dtype=np.float64)
-    except (ValueError, TypeError, OverflowError) as error:
-        message = f"{file}: {name} is not an array of numbers"
-        raise InvalidFileError(message, path=file, column=name) from error
-    if array.shape != shape or not np.isfinite(array).all():
-        message = f"{file}: {name} must be {shape} finite numbers, found shape {array.shape}"
-        raise InvalidFileError(message, path=file, column=name, value=array.shape, limit=shape)
-    return array
+def parse_line(stream: BinaryIO, file: Path, line: int) -> GivenPose:
+    """The pose on one line of a text file, counted from 1; what follows it is not read."""
+    last = 0
+    for last, text in enumerate(lines(stream, file), 1):
+        if last == line:
+            return _pose_of_line(PoseSource(file, line), _words(text))
+    message = f"{shown(file)} has {last} lines: --line {line} is none of them"
+    raise InvalidFileError(message, path=file, line=line, limit=last)
 
 
-def _from_quaternion(
-    file: Path, quaternion: NDArray[np.float64], translation: NDArray[np.float64]
-) -> GivenPose:
-    norm = math.hypot(*quaternion.tolist())  # infinite beyond the doubles, without a warning
-    if not abs(norm - 1.0) <= ROTATION_TOLERANCE:
-        message = (
-            f"{file}: the quaternion has norm {norm:.6g}, not 1: write unit w x y z, scalar first"
+def _pose_of_text(source: PoseSource, text: str) -> GivenPose:
+    places = {n: row for n, line in enumerate(text.splitlines(), 1) if (row := _words(line))}
+    rows, sizes = list(places.values()), {len(row) for row in places.values()}
+    if len(rows) == 1 and sizes <= set(FORMS):
+        return _pose_of_line(source, rows[0])
+    if len(sizes) == 1 and sizes <= set(FORMS):
+        first, last = min(places), max(places)
+        raise source.refusal(
+            f"holds {len(rows)} poses, one a line ({FORMS[sizes.pop()]}): choose one with "
+            f"--line N, from {first} to {last}",
+            value=len(rows),
+            limit=1,
         )
-        raise InvalidFileError(message, path=file, column="quaternion_wxyz", value=norm, limit=1.0)
-    rotation = np.array(rotation_matrix((quaternion / norm).tolist()))
-    shift = _array(file, translation, (3,), "translation")
-    return GivenPose(rotation=rotation, translation=shift, quaternion=quaternion)
+    numbers = [_numbers(source, row) for row in rows]
+    if [len(row) for row in numbers] == [3, 3, 3]:
+        message = "holds a 3x3 matrix: give 3x4 or 4x4, with the translation"
+        raise source.refusal(message, value=(3, 3), limit=(4, 4))
+    return of_matrix(source, numbers)
 
 
-def _from_matrix(file: Path, rows: Any) -> GivenPose:
-    if isinstance(rows, list) and len(cast("list[Any]", rows)) == 3:
-        rows = [*rows, [0.0, 0.0, 0.0, 1.0]]
-    matrix = _array(file, rows, (4, 4), "the pose matrix")
-    if not np.array_equal(matrix[3], [0.0, 0.0, 0.0, 1.0]):
-        row = " ".join(f"{entry:.6g}" for entry in matrix[3].tolist())
-        transposed = np.array_equal(matrix[:, 3], [0.0, 0.0, 0.0, 1.0])
-        remedy = "transpose it" if transposed else "give the 3x4 matrix [R | t], or mend that row"
-        message = f"{file}: the last row of the pose matrix must be 0 0 0 1, found {row}: {remedy}"
-        raise InvalidFileError(message, path=file, row=3, value=matrix[3].tolist())
-    return GivenPose(rotation=matrix[:3, :3], translation=matrix[:3, 3])
+def _pose_of_line(source: PoseSource, words: list[str]) -> GivenPose:
+    numbers = _numbers(source, words)
+    if len(numbers) == 7:
+        return of_quaternion(source, numbers[:4], numbers[4:])
+    if len(numbers) == 8:
+        _, *shift, x, y, z, w = numbers
+        return of_quaternion(source, [w, x, y, z], shift)
+    if len(numbers) == 12:
+        return of_matrix(source, [numbers[:4], numbers[4:8], numbers[8:]])
+    forms = ", ".join(f"{size} ({form})" for size, form in FORMS.items())
+    message = f"holds {len(numbers)} numbers: a line that is a pose holds {forms}"
+    raise source.refusal(message, value=len(numbers), limit=tuple(FORMS))
+
+
+def _words(line: str) -> list[str]:
+    """The words of a line, commas apart; none of a comment."""
+    return [] if line.lstrip().startswith("#") else line.replace(",", " ").split()
+
+
+def _numbers(source: PoseSource, words: list[str]) -> list[float]:
+    try:
+        return [float(word) for word in words]
+    except ValueError as error:
+        message = f"{shown(error)}: write a 4x4 matrix, or w x y z tx ty tz"
+        raise source.refusal(message) from error

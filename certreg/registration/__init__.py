@@ -10,11 +10,9 @@ if TYPE_CHECKING:
     from certreg.registration.agreement import Agreement as Agreement
     from certreg.registration.ambiguity import NEARLY_AMBIGUOUS as NEARLY_AMBIGUOUS
     from certreg.registration.ambiguity import narrow_words as narrow_words
-    from certreg.registration.assessment import GOOD as GOOD
     from certreg.registration.assessment import Assessment as Assessment
-    from certreg.registration.assessment import AssessmentSettings as AssessmentSettings
     from certreg.registration.assessment import assess as assess
-    from certreg.registration.assessment import why_no_rotation as why_no_rotation
+    from certreg.registration.assessment import judged as judged
     from certreg.registration.c_sources import write_sources as write_sources
     from certreg.registration.certification import CROSS_CHECK as CROSS_CHECK
     from certreg.registration.certification import NOT_ASKED as NOT_ASKED
@@ -48,6 +46,9 @@ if TYPE_CHECKING:
     from certreg.registration.exit_codes import code_of_error as code_of_error
     from certreg.registration.exit_codes import code_of_registration as code_of_registration
     from certreg.registration.exit_codes import worst as worst
+    from certreg.registration.findings import GOOD as GOOD
+    from certreg.registration.findings import AssessmentSettings as AssessmentSettings
+    from certreg.registration.findings import SigmaDistance as SigmaDistance
     from certreg.registration.fit import Fit as Fit
     from certreg.registration.fit import FitRow as FitRow
     from certreg.registration.fit import fit_of as fit_of
@@ -71,6 +72,8 @@ if TYPE_CHECKING:
     from certreg.registration.result import Registration as Registration
     from certreg.registration.result import SimulatedRegistration as SimulatedRegistration
     from certreg.registration.result import Solution as Solution
+    from certreg.registration.slips import Slip as Slip
+    from certreg.registration.slips import SlipCode as SlipCode
 
 __getattr__ = lazy_face(
     __name__,
@@ -81,11 +84,9 @@ __getattr__ = lazy_face(
             "narrow_words",
         ),
         "assessment": (
-            "GOOD",
             "Assessment",
-            "AssessmentSettings",
             "assess",
-            "why_no_rotation",
+            "judged",
         ),
         "c_sources": ("write_sources",),
         "certification": (
@@ -132,6 +133,11 @@ __getattr__ = lazy_face(
             "code_of_registration",
             "worst",
         ),
+        "findings": (
+            "AssessmentSettings",
+            "GOOD",
+            "SigmaDistance",
+        ),
         "fit": (
             "Fit",
             "FitRow",
@@ -162,6 +168,10 @@ __getattr__ = lazy_face(
             "Registration",
             "SimulatedRegistration",
             "Solution",
+        ),
+        "slips": (
+            "Slip",
+            "SlipCode",
         ),
     },
 )

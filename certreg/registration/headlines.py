@@ -7,7 +7,7 @@ A headline is no stronger than the numbers in it, each rounded so that it stays 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import MAX_EMAX, MIN_EMIN, ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -138,11 +138,35 @@ OPTIMAL_NOT_UNIQUE = Headline(
     rests_on=(*_PROVED, "rounding_cost", "classification"),
     code=0,
 )
+OPTIMAL_POOR_FIT = Headline(
+    stamp="OPTIMAL TO ROUNDING, BUT THE FIT IS POOR",
+    words="within {degrees} degrees (proved); {warning}.",
+    rests_on=(*_PROVED, "rounding_cost", "angle_upper_deg", "fit.warnings"),
+    code=0,
+)
+OPTIMAL_SCALE_FITS = replace(
+    OPTIMAL_POOR_FIT,
+    stamp="OPTIMAL TO ROUNDING, BUT A SCALE FITS BETTER",
+    rests_on=(*OPTIMAL_POOR_FIT.rests_on, "fit.best_scale"),
+)
 NEAR_OPTIMAL = Headline(
     stamp="NEAR-OPTIMAL",
     words="within {degrees} degrees, at most {gap} ({share}) above the minimum (proved).",
     rests_on=(*_PROVED, "energy_range", "gap_share", "angle_upper_deg"),
     code=0,
+)
+NEAR_OPTIMAL_POOR_FIT = Headline(
+    stamp="NEAR-OPTIMAL, BUT THE FIT IS POOR",
+    words=(
+        "within {degrees} degrees, at most {gap} ({share}) above the minimum (proved); {warning}."
+    ),
+    rests_on=(*_PROVED, "energy_range", "gap_share", "angle_upper_deg", "fit.warnings"),
+    code=0,
+)
+NEAR_OPTIMAL_SCALE_FITS = replace(
+    NEAR_OPTIMAL_POOR_FIT,
+    stamp="NEAR-OPTIMAL, BUT A SCALE FITS BETTER",
+    rests_on=(*NEAR_OPTIMAL_POOR_FIT.rests_on, "fit.best_scale"),
 )
 NEAR_OPTIMAL_NOT_UNIQUE = Headline(
     stamp="NEAR-OPTIMAL",
@@ -172,7 +196,8 @@ NO_ROTATION = Headline(
 HEADLINES = (
     *(CERTIFIED, NEARLY_AMBIGUOUS, POOR_FIT, SCALE_FITS, NOT_UNIQUE),
     *(BOUNDED, BOUNDED_WITHOUT_ANGLE, BOUNDED_NOT_UNIQUE, BOUNDED_FLAT, NOT_CERTIFIED, WEAK),
-    *(OPTIMAL, OPTIMAL_NOT_UNIQUE, NEAR_OPTIMAL, NEAR_OPTIMAL_NOT_UNIQUE),
+    *(OPTIMAL, OPTIMAL_POOR_FIT, OPTIMAL_SCALE_FITS, OPTIMAL_NOT_UNIQUE),
+    *(NEAR_OPTIMAL, NEAR_OPTIMAL_POOR_FIT, NEAR_OPTIMAL_SCALE_FITS, NEAR_OPTIMAL_NOT_UNIQUE),
     *(SPURIOUS, NO_EQUILIBRIUM, NO_ROTATION),
 )
 
@@ -187,11 +212,12 @@ def headline_of(registration: Registration) -> Headline:
     if status is Optimality.CERTIFIED:
         if equilibria.nearly_ambiguous:
             return NEARLY_AMBIGUOUS
-        return _of_fit(registration.fit)
+        return headline_of_fit(registration.fit)
     return _bounded(registration)
 
 
-def _of_fit(fit: Fit) -> Headline:
+def headline_of_fit(fit: Fit) -> Headline:
+    """Of a certified and unique optimum far from a tie: what its fit makes of the first line."""
     if not fit.warnings:
         return CERTIFIED
     off = abs((fit.best_scale or 0.0) - 1.0)

@@ -28,16 +28,21 @@ MATRIX = (3, 3)
 
 
 def rounding_cost(
-    objective: Isotropic, turn: NDArray[np.float64], shift: NDArray[np.float64]
+    objective: Isotropic,
+    turn: NDArray[np.float64],
+    shift: NDArray[np.float64] | None,
+    centre: Sequence[Fraction] | None = None,
 ) -> Fraction:
     """A bound on objective - minimum of the optimal pose, each of its numbers rounded once.
 
     turn: the rotation as it was written, (3, 3) or a quaternion (4,), near the optimal one; shift:
-    the translation (3,). Lengths of both in the clouds' unit.
+    the translation (3,); None where it is not written, but the best one. In the clouds' unit.
+    centre: of the cloud that the pose moves, where it is written as the inverse, for the target.
     """
     halves = [_half(entry) for entry in turn.ravel().tolist()]
-    moved = [_half(entry) for entry in shift.tolist()]
-    off, centre = _squares(halves), objective.moments.source_centroid
+    moved = [_half(entry) for entry in ([0.0] * 3 if shift is None else shift.tolist())]
+    centre = objective.moments.source_centroid if centre is None else centre
+    off = _squares(halves)
     if turn.shape == MATRIX:
         sine = off / 2
         rows = (halves[:3], halves[3:6], halves[6:])
@@ -45,12 +50,14 @@ def rounding_cost(
     else:
         sine = off / _squares([Fraction(entry) for entry in turn.tolist()])
         away = 2 * (_squares(moved) + 4 * sine * _squares(list(centre)))
+    if shift is None:
+        away = Fraction(0)
     most = rational_root_above(2 * objective.least_range_squared)  # of the range of energies
     return most * sine + objective.moments.total_weight * away
 
 
 def _lever(row: Sequence[Fraction], centre: Sequence[Fraction]) -> Fraction:
-    """How far the rounding of a row of the matrix moves the source's centroid."""
+    """How far the rounding of a row of the matrix moves a centroid."""
     return sum((h * abs(x) for h, x in zip(row, centre, strict=True)), start=Fraction(0))
 
 

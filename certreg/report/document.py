@@ -127,12 +127,36 @@ def assessment_document(assessment: Assessment) -> Document:
             "angle_upper_deg": _degrees_above(assessment.stated("angle_upper")),
             "angle_to_optimum_deg": _degrees(assessment.stated("angle_to_optimum")),
             "nearest": nearest,
+            "sigma_distance": _sigma_distance(assessment),
             "verdict": assessment.verdict.value,
             "headline": assessment.headline,
             "words": assessment.words,
-            "hint": assessment.stated("hint"),
+            "hint": assessment.stated("slip") if assessment.slip is None else assessment.hint,
+            "slip": _slip(assessment),
+            "optimum": {
+                "rotation": assessment.optimum.rotation,
+                "translation": assessment.optimum.translation,
+                "quaternion_wxyz": assessment.optimum.quaternion_wxyz,
+                "objective": assessment.stated("optimum_objective"),
+                "rmse": assessment.stated("optimum_rmse"),
+            },
+            "fit": _fit(assessment.fit),
         }
     )
+
+
+def _sigma_distance(assessment: Assessment) -> Document | Absent:
+    distance = assessment.stated("sigma_distance")
+    if isinstance(distance, Absent):
+        return distance
+    return {"value": distance.value, "dof": distance.dof, "p": distance.p}
+
+
+def _slip(assessment: Assessment) -> Document | Absent:
+    slip = assessment.stated("slip")
+    if isinstance(slip, Absent):
+        return slip
+    return {"code": slip.code.value, "verdict": slip.verdict.value, "words": slip.words}
 
 
 def _equilibria(equilibria: EquilibriumSet) -> Document:

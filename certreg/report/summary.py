@@ -24,7 +24,13 @@ from certreg.results import Absent, ComponentKind, Guarantee, Limits, Optimality
 if TYPE_CHECKING:
     from certreg.dynamics import Trajectory
     from certreg.equilibrium import Component, EquilibriumSet
-    from certreg.registration import Assessment, Fit, Registration, SimulatedRegistration
+    from certreg.registration import (
+        Assessment,
+        Fit,
+        Registration,
+        SigmaDistance,
+        SimulatedRegistration,
+    )
 
 COUNTS = {1: "one", 2: "two", 3: "three", 4: "four"}
 KINDS = {
@@ -170,21 +176,45 @@ def margin_words(equilibria: EquilibriumSet) -> str:
 
 def assessment_summary(assessment: Assessment) -> str:
     """The result of `assess`, readable."""
-    if assessment.nearest_index is None:
-        return assessment.headline
-    lines = [assessment.headline, assessment.words]
+    lines = [assessment.headline]
+    if assessment.nearest_index is not None:
+        lines.append(assessment.words)
     if assessment.hint is not None:
         lines.append(assessment.hint)
-    away = math.degrees(assessment.angle_to_optimum or 0.0)
-    lines += [
-        "",
-        f"  RMSE               {number(assessment.rmse)}  (weighted, unit of the clouds)",
-        f"  objective          {number(assessment.objective)}",
+    if assessment.nearest_index is not None:
+        lines += ["", *_judged_lines(assessment)]
+    told = [one.text for one in assessment.fit.warnings if one.text not in assessment.headline]
+    return "\n".join((*lines, *(f"  warning            {words}" for words in told)))
+
+
+def _judged_lines(assessment: Assessment) -> list[str]:
+    """Numbers of a pose that is a rotation, beside those of the optimum."""
+    away, optimum = math.degrees(assessment.angle_to_optimum or 0.0), assessment.optimum
+    rmse, objective = number(assessment.rmse), number(assessment.objective)
+    return [
+        f"  RMSE               {rmse}  (weighted, unit of the clouds)",
+        f"  of the optimum     {number(assessment.optimum_rmse)}",
+        f"  objective          {objective}",
+        f"  of the optimum     {number(assessment.optimum_objective)}",
         f"  above the minimum  {_interval(assessment.gap_lower, assessment.gap_upper)}",
         f"  angle to optimum   {away:.4g} degrees{_proved_angle(assessment)}",
+        *_sigma_lines(assessment.sigma_distance),
         f"  rounding can cost  {_cost(assessment)}",
+        f"  the optimum: wxyz  {' '.join(map(repr, optimum.quaternion_wxyz.tolist()))}",
+        f"    its translation  {' '.join(map(repr, optimum.translation.tolist()))}",
     ]
-    return "\n".join(lines)
+
+
+def _sigma_lines(distance: SigmaDistance | None) -> list[str]:
+    """The distance by the covariance, where it is known: plainly, and that it is no proof."""
+    if distance is None:
+        return []
+    jointly = "rotation and translation jointly" if distance.dof == 6 else "of the rotation"
+    p = f"{distance.p:.2g}" if distance.p else "below 1e-300"
+    return [
+        f"  sigma distance     {distance.value:.4g} standard deviations, {jointly}",
+        f"                     (to first order; the true pose is as far with probability {p})",
+    ]
 
 
 def _proved_angle(assessment: Assessment) -> str:

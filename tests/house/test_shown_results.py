@@ -147,7 +147,7 @@ def same_command(
         "certify": (result, ("certify", *FILES, *given)),
         "equilibria": (certreg.equilibria(problem), ("equilibria", *FILES, *given)),
         "assess": (
-            certreg.assess(problem, matrix[:3, :3], matrix[:3, 3]),
+            certreg.assess(result, matrix[:3, :3], matrix[:3, 3]),
             ("assess", *FILES, *given, "--pose", pose),
         ),
         "simulate": (

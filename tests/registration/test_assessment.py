@@ -162,7 +162,7 @@ def test_what_is_no_rotation_is_told_why(matrix, words):
     [(np.eye(2), np.zeros(3)), (np.eye(3), np.zeros(2)), (np.full((3, 3), np.nan), np.zeros(3))],
 )
 def test_arrays_of_other_shapes_are_refused(rotation, translation):
-    with pytest.raises(InvalidProblemError, match="finite numbers"):
+    with pytest.raises(InvalidProblemError, match=r"finite numbers|pose has shape \(2, 2\): give"):
         assess(RegistrationProblem(ROD, ROD), rotation, translation)
 
 

@@ -1,0 +1,74 @@
+"""Poses in JSON: results and pose files of certreg, bare lists, and certificates."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from certreg.geometry import ROTATION_TOLERANCE, GivenPose
+from certreg.io.pose_values import finite_array, of_matrix, of_quaternion
+from certreg.verify import FORMAT, IsotropicStatement, RefusalError, parse, shown
+
+if TYPE_CHECKING:
+    from certreg.io.pose_values import PoseSource
+SCALE = 64  # bits: the root of the norm is then right beyond a double
+
+
+def pose_of_json(source: PoseSource, content: bytes, text: str) -> GivenPose:
+    """The pose in a document; content: the bytes of the text, of which certificates are parsed."""
+    try:
+        document: Any = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        message = f"is not JSON ({shown(error)}): give a pose file or a certreg result"
+        raise source.refusal(message) from error
+    if isinstance(document, list):
+        return of_matrix(source, document)
+    fields = cast("dict[str, Any]", document)
+    if fields.get("format") == FORMAT:
+        return pose_of_certificate(source, content)
+    if isinstance(fields.get("pose"), dict):
+        fields = fields["pose"]
+    if "T_target_source" in fields:
+        return of_matrix(source, fields["T_target_source"])
+    if not {"rotation", "quaternion_wxyz"} & set(fields) or "translation" not in fields:
+        raise source.refusal("holds no pose (T_target_source, or rotation and translation)")
+    return _pose_of_fields(source, fields)
+
+
+def pose_of_certificate(source: PoseSource, content: bytes) -> GivenPose:
+    """The rotation that a certificate is about, rounded to doubles; nothing in it is believed.
+
+    The file holds no translation: it is the best one for the points that it is about.
+    """
+    try:
+        statement = parse(content)
+    except RefusalError as error:
+        message = f"is neither a pose file nor a well-formed certificate ({shown(error)})"
+        raise source.refusal(message) from error
+    q = statement.pose if isinstance(statement, IsotropicStatement) else (0,)
+    if not any(q):
+        raise source.refusal("is a certificate that holds no pose: give a pose or a result")
+    norm = math.isqrt(sum(entry * entry for entry in q) << 2 * SCALE)
+    return GivenPose(turn=np.array([(entry << SCALE) / norm for entry in q]), translation=None)
+
+
+def _pose_of_fields(source: PoseSource, fields: dict[str, Any]) -> GivenPose:
+    """Rotation, quaternion or both, which must agree, and a translation."""
+    translation = finite_array(source, fields["translation"], (3,), "translation")
+    matrix = None
+    if "rotation" in fields:
+        matrix = finite_array(source, fields["rotation"], (3, 3), "rotation")
+    if "quaternion_wxyz" not in fields:
+        return GivenPose(turn=cast("Any", matrix), translation=translation)
+    quaternion = finite_array(source, fields["quaternion_wxyz"], (4,), "quaternion_wxyz")
+    pose = of_quaternion(source, quaternion, translation)
+    apart = 0.0 if matrix is None else float(np.abs(matrix - pose.rotation).max())
+    if apart > ROTATION_TOLERANCE:
+        message = "rotation and quaternion_wxyz are two different rotations: keep one"
+        raise source.refusal(
+            message, column="quaternion_wxyz", value=apart, limit=ROTATION_TOLERANCE
+        )
+    return pose

@@ -1,0 +1,158 @@
+"""What is said of a pose that was judged: the first line, and what else there is to say."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from certreg.exact import nearest_root
+from certreg.geometry import UNNOTED_DEFECT, rotation_defect
+from certreg.registration.ambiguity import NEARLY_AMBIGUOUS, narrow_words
+from certreg.registration.findings import GOOD
+from certreg.registration.headlines import (
+    CERTIFIED,
+    NEAR_OPTIMAL,
+    NEAR_OPTIMAL_NOT_UNIQUE,
+    NEAR_OPTIMAL_POOR_FIT,
+    NEAR_OPTIMAL_SCALE_FITS,
+    NO_EQUILIBRIUM,
+    OPTIMAL,
+    OPTIMAL_NOT_UNIQUE,
+    OPTIMAL_POOR_FIT,
+    OPTIMAL_SCALE_FITS,
+    POOR_FIT,
+    SCALE_FITS,
+    SPURIOUS,
+    at_most,
+    degrees_words,
+    headline_of_fit,
+    interval_words,
+    share_words,
+)
+from certreg.results import ComponentKind, PoseVerdict
+
+if TYPE_CHECKING:
+    from certreg.geometry import GivenPose
+    from certreg.registration.findings import Findings
+
+OF_FIT = {
+    CERTIFIED: (OPTIMAL, NEAR_OPTIMAL),
+    POOR_FIT: (OPTIMAL_POOR_FIT, NEAR_OPTIMAL_POOR_FIT),
+    SCALE_FITS: (OPTIMAL_SCALE_FITS, NEAR_OPTIMAL_SCALE_FITS),
+}
+UNNOTED_SHIFT = Fraction(1, 10**9)  # of the clouds' size
+ROTATION_ALONE = " Only a rotation was given: it was judged with the best translation for it."
+
+
+def headline_of_pose(facts: Findings, verdict: PoseVerdict) -> str:
+    """The verdict with what is proved, and the first warning of the fit where the pose is good."""
+    bounds, degrees = facts.bounds, degrees_words(facts.bounds) if facts.unique else None
+    warning = next((one.text for one in facts.registration.fit.warnings), None)
+    gap, share = at_most(bounds.greatest_gap), share_words(bounds)
+    if verdict is PoseVerdict.SPURIOUS_EQUILIBRIUM:
+        return _spurious_headline(facts)
+    if verdict not in GOOD:
+        return NO_EQUILIBRIUM.said(interval=interval_words(bounds))
+    optimal, near = OF_FIT[headline_of_fit(facts.registration.fit)]
+    if verdict is PoseVerdict.OPTIMAL:
+        chosen = OPTIMAL_NOT_UNIQUE if degrees is None else optimal
+    else:
+        chosen = near if facts.unique else NEAR_OPTIMAL_NOT_UNIQUE
+    said = chosen.said(degrees=degrees or "180", gap=gap, share=share, warning=warning or "")
+    return said[:-1] if said.endswith("?.") else said
+
+
+def _spurious_headline(facts: Findings) -> str:
+    components = facts.registration.equilibria.components
+    component = components[facts.nearest]
+    name = f"the index-{component.morse_index} equilibrium"
+    if component.kind is not ComponentKind.POINT:
+        kind = component.kind.value.replace("-", " ")
+        name = f"a {kind} of index-{component.morse_index} equilibria"
+    last = facts.nearest == len(components) - 1
+    end = ": the worst rotation there is" if last else ""
+    near = f"{math.degrees(facts.angles[facts.nearest]):.2g}"
+    return SPURIOUS.said(near=near, name=name, end=end)
+
+
+def words_of_pose(facts: Findings, verdict: PoseVerdict) -> str:
+    """What else is to be said of it, in a sentence or two."""
+    equilibria = facts.registration.equilibria
+    away = math.degrees(facts.away)
+    if verdict in GOOD:
+        return _good_words(facts, verdict)
+    if verdict is PoseVerdict.SPURIOUS_EQUILIBRIUM:
+        return _spurious_words(facts)
+    nearest = equilibria.components[facts.nearest]
+    words = "This is no equilibrium: a body released here would move. "
+    if facts.nearest > 0:
+        degrees = math.degrees(facts.angles[facts.nearest])
+        words += f"The nearest one has index {nearest.morse_index}, {degrees:.4g} degrees away; "
+    else:
+        words += "The nearest one is the optimum; "
+    words = f"{words}the global optimum is {away:.4g} degrees away{_shift_words(facts)}."
+    if facts.bounds.greatest_gap <= facts.rounding_cost:
+        words += (
+            " The rounding of its numbers to doubles can cost that much: move the origin to the "
+            "clouds."
+        )
+    return words
+
+
+def _good_words(facts: Findings, verdict: PoseVerdict) -> str:
+    """What the gap is beside the rounding of the pose, and whether others are as good."""
+    gap, cost = at_most(facts.bounds.greatest_gap), at_most(facts.rounding_cost)
+    if verdict is PoseVerdict.OPTIMAL:
+        words = (
+            f"Its objective is at most {gap} above the minimum: rounding the numbers of the "
+            f"optimal pose to doubles can cost up to {cost}."
+        )
+    else:
+        away = math.degrees(facts.away)
+        nearest = "the optimum" if facts.unique else "the nearest optimum"
+        words = (
+            f"It is {away:.4g} degrees from {nearest}{_shift_words(facts)}. Rounding the numbers "
+            f"of the optimal pose to doubles costs at most {cost}."
+        )
+    ambiguity = facts.registration.equilibria.classification.ambiguity
+    if ambiguity is not None:
+        words += f" The optimum is not the only one: {ambiguity.value}."
+    elif facts.registration.equilibria.nearly_ambiguous:
+        words += f" {NEARLY_AMBIGUOUS}"
+    elif (narrow := narrow_words(facts.registration.equilibria)) is not None:
+        words += f" {narrow[0].upper()}{narrow[1:]}."
+    return words
+
+
+def _spurious_words(facts: Findings) -> str:
+    component = facts.registration.equilibria.components[facts.nearest]
+    many = f"{component.morse_index} direction{'s' * (component.morse_index > 1)}"
+    how = f"it is unstable in {many}"
+    if component.unstable_eigenvalues is None:
+        how = f"the energy falls in {many}"
+    return (
+        f"Forces and torques balance there, but {how}, and the pose is "
+        f"{math.degrees(facts.away):.6g} degrees from the global optimum."
+    )
+
+
+def _shift_words(facts: Findings) -> str:
+    """How far the centroids are apart, where that is more than rounding."""
+    moments = facts.registration.solution.moments
+    if facts.translation_energy <= UNNOTED_SHIFT**2 * facts.energy_range:
+        return ""
+    shift = nearest_root(facts.translation_energy / moments.total_weight)
+    return "" if shift is None else f" and the centroids {shift:.6g} apart"
+
+
+def note_on(given: GivenPose) -> str:
+    """What was judged, where that is not just the pose as it was given."""
+    note = "" if given.translation is not None else ROTATION_ALONE
+    defect = rotation_defect(given.turn) if given.is_matrix else 0.0
+    if defect > UNNOTED_DEFECT:
+        note += (
+            f" (The matrix is off a rotation by {defect:.1e} and was judged as the nearest one "
+            "about the source's centroid.)"
+        )
+    return note

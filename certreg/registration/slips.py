@@ -1,0 +1,329 @@
+"""The usual slips between a tool and a bad verdict: which of them makes of the pose an optimal one.
+
+Each slip is undone exactly, and the pose that this gives is assessed as any other. So what is named
+is proved: that pose is (nearly) optimal. That the slip led there is the plainest explanation, no
+more, as two of them can give the same pose: the inverse is also what swapped clouds give.
+"""
+
+from __future__ import annotations
+
+import enum
+import math
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import chain
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from certreg.certificate import ExactPose
+from certreg.geometry import (
+    ROTATION_TOLERANCE,
+    GivenPose,
+    quaternion_from_matrix,
+    rotation_matrix,
+    why_no_rotation,
+)
+from certreg.registration.findings import (
+    GOOD,
+    added,
+    cost_of_rounding,
+    findings,
+    nearest_quaternion,
+    pose_through,
+    rotated,
+    turned,
+    verdict_of,
+)
+from certreg.results import Brief, PoseVerdict
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from numpy.typing import NDArray
+
+    from certreg.registration.findings import AssessmentSettings, Findings
+    from certreg.registration.result import Registration
+
+UNITS = {  # of the translation against the clouds
+    "1000": "millimetres against metres",
+    "100": "centimetres against metres",
+    "10": "millimetres against centimetres, or angstrom against nanometres",
+    "25.4": "millimetres against inches",
+    "0.3048": "feet against metres",
+}
+BEST = ", and with the best translation then,"
+SETTLED = Fraction(1, 10**6)  # of the range of energies: a thousandth of the clouds' size
+
+
+class SlipCode(enum.Enum):
+    """A slip; the value is the word used in files."""
+
+    INVERSE = "inverse"  # or the clouds are swapped
+    TRANSPOSED = "transposed"
+    QUATERNION_ORDER = "quaternion-order"
+    CENTRED = "centred"
+    SCALED = "scaled"
+    TRANSLATION = "translation"  # of the rotation nothing is wrong
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Slip(Brief):
+    """A slip that explains a bad verdict, and what is proved of the pose without it.
+
+    verdict: optimal or near-optimal. words: what the slip is, in a sentence.
+    """
+
+    code: SlipCode
+    verdict: PoseVerdict
+    words: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mended:
+    """A pose with one slip undone; subject, why: of a sentence, subject 'is optimal:' why.
+
+    cost: of rounding the optimal pose, written as the given one is.
+    """
+
+    code: SlipCode
+    pose: ExactPose
+    cost: Fraction
+    subject: str
+    why: str
+
+
+def slip_of(
+    registration: Registration, given: GivenPose, settings: AssessmentSettings
+) -> Slip | None:
+    """The slip without which a pose is optimal, or else near-optimal; None if there is none.
+
+    given: a pose with a bad verdict, or one whose rotation is none. Raises UndecidedError where the
+    optimum could not be certified.
+    """
+    if why_no_rotation(given.turn, settings.rotation_tolerance) is None:
+        slipped = Slipped.of(registration, given)
+        tries = chain.from_iterable(undo(slipped) for undo in UNDOING)
+        return _named(slipped, tries, settings) or _named(slipped, _moved(slipped), settings)
+    scale = _scale(given.turn)
+    if scale is None:
+        return None
+    slipped = Slipped.of(registration, given)
+    return _named(slipped, _unscaled(slipped, scale), settings)
+
+
+def _named(slipped: Slipped, tries: Iterator[Mended], settings: AssessmentSettings) -> Slip | None:
+    """The first pose that is optimal; else the first that is near-optimal."""
+    near: Slip | None = None
+    for mended in tries:
+        facts = findings(slipped.registration, mended.pose, mended.cost)
+        verdict = verdict_of(facts, settings)
+        if verdict in GOOD and _is_close(facts, settings):
+            words = f"{mended.subject} is {verdict.value}: {mended.why}"
+            slip = Slip(code=mended.code, verdict=verdict, words=words)
+            if verdict is PoseVerdict.OPTIMAL:
+                return slip
+            near = near or slip
+    return near
+
+
+def _is_close(facts: Findings, settings: AssessmentSettings) -> bool:
+    """Whether a pose is as near as rounding and few printed digits leave one.
+
+    More can be chance: of a turn about an axis the quaternion is one about an axis in any order.
+    """
+    limit = Fraction(settings.equilibrium_shift) ** 2 * facts.energy_range
+    return facts.away <= settings.equilibrium_angle and facts.bounds.greatest_gap <= limit
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Slipped:
+    """What the slips are undone with.
+
+    q: the integer quaternion of the rotation, the nearest one; cost: of rounding the optimal pose.
+    x, y: the centroids. shift: the translation; image: where the pose takes x. Both None where only
+    a rotation was given.
+    """
+
+    registration: Registration
+    given: GivenPose
+    cost: Fraction
+    q: tuple[int, ...]
+    x: list[Fraction]
+    y: list[Fraction]
+    shift: list[Fraction] | None
+    image: list[Fraction] | None
+
+    @classmethod
+    def of(cls, registration: Registration, given: GivenPose) -> Slipped:
+        """Of a pose as it was given."""
+        moments, shift = registration.solution.moments, None
+        if given.translation is not None:
+            shift = [Fraction(entry) for entry in given.translation.tolist()]
+        x = list(moments.source_centroid)
+        return cls(
+            registration=registration,
+            given=given,
+            cost=cost_of_rounding(registration, _normalised(given)),
+            q=nearest_quaternion(given.turn),
+            x=x,
+            y=list(moments.target_centroid),
+            shift=shift,
+            image=None if shift is None else added(turned(given.turn, x), shift),
+        )
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether the translation is the best one for the rotation, as it was given."""
+        if self.image is None:
+            return True
+        objective = self.registration.solution.objective
+        pose = pose_through(self.q, self.x, self.image)
+        energy = objective.translation_energy(self.q, pose.translation)
+        return energy**2 <= SETTLED**2 * objective.least_range_squared
+
+    def mended(self, code: SlipCode, pose: ExactPose, subject: str, why: str) -> Mended:
+        """A pose that is written as the optimal one."""
+        return Mended(code=code, pose=pose, cost=self.cost, subject=subject, why=why)
+
+    def at_best(self, q: Sequence[int]) -> ExactPose:
+        """A rotation with its best translation: it takes one centroid to the other."""
+        return pose_through(q, self.x, self.y)
+
+
+def _inverse(slipped: Slipped) -> Iterator[Mended]:
+    """The pose x = R^T (y - t)."""
+    back = _conjugate(slipped.q)
+    why = "does it take the target to the source, or are the clouds swapped?"
+    if slipped.shift is None:
+        pose = slipped.at_best(back)
+    else:
+        start = added(turned(slipped.given.turn, slipped.y), slipped.shift)
+        pose = pose_through(back, start, slipped.y)
+    cost = cost_of_rounding(slipped.registration, slipped.given, inverse=True)
+    yield Mended(code=SlipCode.INVERSE, pose=pose, cost=cost, subject="Its inverse", why=why)
+
+
+def _transposed(slipped: Slipped) -> Iterator[Mended]:
+    if slipped.shift is None:  # that is the inverse
+        return
+    back, turn = _conjugate(slipped.q), slipped.given.turn
+    moved = turned(turn.T, slipped.x) if slipped.given.is_matrix else rotated(back, slipped.x)
+    poses = [("", pose_through(back, slipped.x, added(moved, slipped.shift)))]
+    if slipped.is_settled:
+        poses.append((BEST, slipped.at_best(back)))
+    for more, pose in poses:
+        yield slipped.mended(
+            SlipCode.TRANSPOSED,
+            pose,
+            f"The pose with its rotation transposed{more}",
+            "is its matrix written by columns, or for row vectors?",
+        )
+
+
+def _reordered(slipped: Slipped) -> Iterator[Mended]:
+    a, b, c, d = slipped.q
+    orders = (
+        ((d, a, b, c), "x y z w", "was it written with the scalar last, and read as w x y z?"),
+        ((b, c, d, a), "w x y z", "was it written with the scalar first, and read as x y z w?"),
+    )
+    for q, order, why in orders:
+        poses = list[tuple[str, ExactPose]]()
+        if slipped.shift is not None:
+            poses.append(("", ExactPose(quaternion=q, translation=tuple(slipped.shift))))
+        if slipped.is_settled:
+            poses.append((BEST if poses else "", slipped.at_best(q)))
+        for more, pose in poses:
+            subject = f"The pose with its quaternion read as {order}{more}"
+            yield slipped.mended(SlipCode.QUATERNION_ORDER, pose, subject, why)
+
+
+def _centred(slipped: Slipped) -> Iterator[Mended]:
+    if slipped.shift is None or slipped.image is None:
+        return
+    images = (
+        (added(slipped.shift, slipped.y), "both centroids", "clouds moved to their centroids"),
+        (slipped.shift, "the source's centroid", "a source moved to its centroid"),
+        (
+            added(slipped.image, slipped.y),
+            "the target's centroid",
+            "a target moved to its centroid",
+        ),
+    )
+    for image, what, where in images:
+        yield slipped.mended(
+            SlipCode.CENTRED,
+            pose_through(slipped.q, slipped.x, image),
+            f"The pose with {what} put back",
+            f"is its translation for {where}?",
+        )
+
+
+def _in_other_units(slipped: Slipped) -> Iterator[Mended]:
+    if slipped.shift is None or slipped.image is None or not any(slipped.shift):
+        return
+    start = [a - b for a, b in zip(slipped.image, slipped.shift, strict=True)]
+    for number, units in UNITS.items():
+        unit = Fraction(number)
+        for factor, times in ((unit, "times"), (1 / unit, "divided by")):
+            image = added(start, [factor * entry for entry in slipped.shift])
+            yield slipped.mended(
+                SlipCode.SCALED,
+                pose_through(slipped.q, slipped.x, image),
+                f"The pose with its translation {times} {number}",
+                f"{units}?",
+            )
+
+
+def _unscaled(slipped: Slipped, scale: float) -> Iterator[Mended]:
+    """The rotation in a multiple of one: with the scale and the translation of a similarity."""
+    subject = f"Its rotation without the scale {scale:.6g}"
+    images = [slipped.y]
+    if slipped.shift is not None and slipped.image is not None:
+        start = rotated(slipped.q, slipped.x)
+        divided = [entry / Fraction(scale) for entry in slipped.shift]
+        images = [slipped.image, added(start, slipped.shift), added(start, divided)]
+    for image in images:
+        yield slipped.mended(
+            SlipCode.SCALED,
+            pose_through(slipped.q, slipped.x, image),
+            subject,
+            "a pose has none.",
+        )
+
+
+def _moved(slipped: Slipped) -> Iterator[Mended]:
+    if slipped.shift is not None:
+        yield slipped.mended(
+            SlipCode.TRANSLATION,
+            slipped.at_best(slipped.q),
+            "The pose with the best translation for its rotation",
+            "nothing is wrong with its rotation.",
+        )
+
+
+UNDOING = (_inverse, _transposed, _reordered, _centred, _in_other_units)
+
+
+def _conjugate(q: Sequence[int]) -> tuple[int, ...]:
+    w, *axial = q
+    return (w, *(-entry for entry in axial))
+
+
+def _scale(turn: NDArray[np.float64]) -> float | None:
+    """What a multiple of a rotation is multiplied by; None of what is none."""
+    if turn.shape == (4,):
+        norm = math.hypot(*turn.tolist())
+        return norm if 0.0 < norm < np.inf else None
+    scale = float(np.linalg.svd(turn, compute_uv=False).mean())
+    if not 0.0 < scale < np.inf or why_no_rotation(turn / scale, ROTATION_TOLERANCE):
+        return None
+    return scale
+
+
+def _normalised(given: GivenPose) -> GivenPose:
+    """The pose as it would be written without its scale."""
+    if not given.is_matrix:
+        return replace(given, turn=given.turn / math.hypot(*given.turn.tolist()))
+    q = quaternion_from_matrix(given.turn)
+    return replace(given, turn=np.array(rotation_matrix(q.tolist())))

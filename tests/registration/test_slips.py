@@ -1,0 +1,262 @@
+"""The slip that is named makes the pose optimal, provedly; where none does, none is named."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+import slips
+from commands import certreg, checked, write_csv
+from strategies import MIRROR, ZOO, random_problem, random_rotation
+
+import certreg as package
+from certreg import Pose, RegistrationProblem, assess
+from certreg.registration import GOOD, SlipCode
+from certreg.report import assessment_document, assessment_summary
+from certreg.results import PoseVerdict
+
+SAMPLE = 2
+PROBLEM = random_problem(np.random.default_rng(21), n=10)
+OPTIMUM = package.certify(PROBLEM, relaxation=False, simulation=False).pose
+R, T = OPTIMUM.rotation, OPTIMUM.translation
+
+
+@pytest.mark.parametrize("case", slips.SLIPS, ids=lambda case: case.name)
+def test_a_slip_is_named_right(case: slips.SlipCase):
+    for said in slips.judged(case, SAMPLE):
+        assert slips.is_right(case, said), said.hint
+
+
+@pytest.mark.slow
+def test_of_random_rotations_and_of_tilted_poses_no_slip_is_named():
+    assert not list(slips.named_of_random(SAMPLE))
+
+
+WRONG = {
+    "inverse": OPTIMUM.inverse(),
+    "transposed": (R.T, T),
+    "quaternion-order": (OPTIMUM.quaternion_wxyz[[1, 2, 3, 0]], T),
+    "centred": (R, np.zeros(3)),
+    "scaled": (1000.0 * R, T),
+    "translation": (R, T + np.array([0.0, 5.0, 0.0])),
+}
+
+
+@pytest.mark.parametrize("code", WRONG)
+def test_a_slip_is_told_in_text_and_json(code: str):
+    found = assess(PROBLEM, WRONG[code])
+    slip, document, text = (
+        checked(found.slip),
+        assessment_document(found),
+        assessment_summary(found),
+    )
+
+    assert slip.code is SlipCode(code)
+    assert found.hint == slip.words
+    assert text.splitlines()[2 if found.nearest_index is not None else 1] == slip.words
+    verdict = slip.verdict.value
+    assert document["slip"] == {"code": code, "verdict": verdict, "words": slip.words}
+    assert document["hint"] == slip.words
+    assert f" is {verdict}: " in slip.words
+
+
+def test_every_code_of_a_slip_is_tried():
+    assert set(WRONG) == {code.value for code in SlipCode}
+
+
+@pytest.mark.parametrize("code", [code for code in WRONG if code != "translation"])
+def test_what_is_named_is_proved_by_assessing_that_pose(code: str):
+    """Nothing is named of the same slip at a pose that is not optimal."""
+    tilt = Pose.from_matrix(
+        np.column_stack([random_rotation(np.random.default_rng(3)), [1.0, 2.0, 3.0]])
+    )
+    wrong = tilt @ OPTIMUM
+    spoilt = {
+        "inverse": wrong.inverse(),
+        "transposed": (wrong.rotation.T, T),
+        "quaternion-order": (wrong.quaternion_wxyz[[1, 2, 3, 0]], T),
+        "centred": (wrong.rotation, np.zeros(3)),
+        "scaled": (1000.0 * wrong.rotation, T),
+    }
+    found = assess(PROBLEM, spoilt[code])
+
+    assert found.verdict not in GOOD
+    assert found.slip is None
+    assert "no usual slip" in assessment_document(found)["reasons"]["slip"]
+
+
+@pytest.mark.parametrize("degrees", [0.057, 0.058, 3.0])  # 1e-3 radians are 0.0573
+def test_a_slip_is_named_of_a_pose_off_by_what_few_digits_lose_and_not_of_one_farther_off(
+    degrees: float,
+):
+    off = Pose.from_matrix(np.eye(4)[:3])
+    half = math.radians(degrees) / 2
+    c, s = math.cos(2 * half), math.sin(2 * half)
+    turn = np.array([[c, -s, 0, 0], [s, c, 0, 0], [0, 0, 1, 0]])
+    x, y = PROBLEM.source.mean(axis=0), PROBLEM.target.mean(axis=0)
+    tilted = (Pose.from_matrix(turn) @ off).rotation @ R
+    found = assess(PROBLEM, Pose.from_matrix(np.column_stack([tilted, y - tilted @ x])).inverse())
+
+    assert (found.slip is not None) == (degrees == 0.057)
+    if found.slip is not None:
+        assert found.slip.verdict is PoseVerdict.NEAR_OPTIMAL
+
+
+def test_a_good_pose_has_no_slip_even_where_its_inverse_is_as_good():
+    cloud = np.vstack([np.diag([3.0, 2, 1]), -np.diag([3.0, 2, 1])])
+    found = assess(RegistrationProblem(cloud, cloud), np.eye(3), np.zeros(3))
+
+    assert found.slip is None
+    assert "there is no slip to name" in assessment_document(found)["reasons"]["slip"]
+
+
+@pytest.mark.parametrize("matrix", [np.diag([1.0, 1, -1]), -2.0 * R, R + np.eye(3), 0.0 * R])
+def test_of_what_is_no_multiple_of_a_rotation_no_slip_is_named(matrix: np.ndarray):
+    found = assess(PROBLEM, matrix, T)
+
+    assert found.verdict is PoseVerdict.NOT_A_ROTATION
+    assert found.slip is None
+    assert found.optimum_rmse is not None
+    assert found.optimum.quaternion_wxyz.tolist() == OPTIMUM.quaternion_wxyz.tolist()
+
+
+@pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: specimen.name)
+def test_slips_of_every_kind_of_problem_are_tried_without_a_fault(specimen):
+    """Where every rotation is optimal, or many are, what is named is optimal all the same."""
+    rng = np.random.default_rng(5)
+    found = assess(specimen.problem, random_rotation(rng), rng.normal(size=3) + 7.0)
+
+    assert found.verdict not in GOOD
+    assert found.slip is None or found.slip.verdict in GOOD
+    if specimen.pattern == (4,):
+        assert checked(found.slip).code is SlipCode.TRANSLATION
+
+
+@pytest.mark.parametrize("q", [[0.5, 0, 0, 0], [0.0, 0, 0, 0], [1e300, 1e300, 0, 0]])
+def test_a_quaternion_that_is_not_normalised_is_a_scale(q: list[float]):
+    cloud = np.diag([3.0, 2, 1])
+    found = assess(RegistrationProblem(cloud, cloud), q)
+
+    assert found.verdict is PoseVerdict.NOT_A_ROTATION
+    assert (found.slip is not None) == (q[0] == 0.5)
+
+
+@pytest.mark.parametrize("offset", [0.0, 30.0])
+def test_the_distance_in_sigma_is_that_of_the_joint_covariance(offset: float):
+    """e^T P^-1 e with the covariance (dt, phi) that `certify` reports; at offsets to first order.
+
+    A rotation moves a centroid at the origin not at all, so that there e is exact.
+    """
+    rng = np.random.default_rng(6)
+    source = rng.normal(size=(15, 3))
+    source += offset - source.mean(axis=0)
+    target = source @ random_rotation(rng).T + 0.01 * rng.normal(size=(15, 3))
+    problem = RegistrationProblem(source, target, sigma=0.01)
+    solution = package.certify(problem, relaxation=False, simulation=False).solution
+    matrix, pose = checked(solution.covariance).matrix, solution.pose
+    for angle, within in ((1e-6, 1e-4), *((a, 1e-7) for a in (1e-3, 0.5, 3.0) if not offset)):
+        phi = rng.normal(size=3)
+        phi *= angle / np.linalg.norm(phi)
+        half = phi / angle * math.sin(angle / 2)
+        turned = pose.rotation @ slips.of_quaternion([math.cos(angle / 2), *half])
+        shift = pose.translation + angle * rng.normal(size=3)
+        error = np.concatenate([shift - pose.translation, phi])
+        expected = math.sqrt(error @ np.linalg.solve(matrix, error))
+        only = math.sqrt(phi @ np.linalg.solve(matrix[3:, 3:], phi))
+        distance = checked(assess(problem, turned, shift).sigma_distance)
+        alone = checked(assess(problem, turned).sigma_distance)
+
+        assert distance.value == pytest.approx(expected, rel=within)
+        assert alone.value == pytest.approx(only, rel=within)
+        assert (distance.dof, alone.dof) == (6, 3)
+
+
+@pytest.mark.slow
+def test_the_probability_of_a_distance_is_the_tail_of_chi_squared():
+    """Drawn noise: the true pose is beyond a distance as often as p says."""
+    rng = np.random.default_rng(7)
+    source, tails = 3.0 * rng.normal(size=(12, 3)), list[float]()
+    for _ in range(30):
+        turn = random_rotation(rng)
+        target = source @ turn.T + 0.01 * rng.normal(size=source.shape)
+        found = assess(RegistrationProblem(source, target, sigma=0.01), turn, np.zeros(3))
+        tails.append(checked(found.sigma_distance).p)
+
+    edges = np.sort(tails)
+    ranks = (np.arange(30) + 0.5) / 30
+    assert np.abs(edges - ranks).max() < 1.95 / math.sqrt(30)  # Kolmogorov and Smirnov: 0.1 %
+
+
+def test_without_a_sigma_there_is_no_distance_and_it_is_said():
+    document = assessment_document(assess(PROBLEM, OPTIMUM))
+    line = [[-1.0, 0, 0], [0, 0, 0], [1, 0, 0]]
+    many = assessment_document(assess(RegistrationProblem(line, line, sigma=1.0), np.eye(4)))
+
+    assert document["sigma_distance"] is None
+    assert document["reasons"]["sigma_distance"] == "no noise was given: give sigma"
+    assert many["reasons"]["sigma_distance"] == "the optimum is not unique"
+    assert "standard deviations" not in assessment_summary(assess(PROBLEM, OPTIMUM))
+
+
+def test_a_distance_is_told_plainly():
+    noisy = RegistrationProblem(PROBLEM.source, PROBLEM.target, sigma=0.01)
+    text = assessment_summary(assess(noisy, R, T + np.array([0.3, 0.0, 0.0])))
+
+    assert "standard deviations, rotation and translation jointly" in text
+    assert "to first order; the true pose is as far with probability" in text
+    assert "standard deviations, of the rotation" in assessment_summary(assess(noisy, R))
+
+
+def test_an_optimal_pose_with_a_poor_fit_is_not_told_as_plainly_optimal():
+    cloud = np.random.default_rng(8).normal(size=(40, 3))
+    problem = RegistrationProblem(cloud, cloud @ np.array(MIRROR))
+    result = package.certify(problem, relaxation=False, simulation=False)
+    found = assess(result, result)
+
+    assert found.verdict is PoseVerdict.OPTIMAL
+    assert found.headline.startswith("OPTIMAL TO ROUNDING, BUT THE FIT IS POOR: within")
+    assert "the target is a mirror image of the source" in found.headline
+    assert assessment_document(found)["fit"]["warnings"][0]["code"] == "mirrored"
+    assert "  warning  " not in assessment_summary(found)
+    near = assess(result, np.round(result.pose.rotation, 5))
+    assert near.headline.startswith("NEAR-OPTIMAL, BUT THE FIT IS POOR: within")
+    wrong = assessment_summary(assess(result, random_rotation(np.random.default_rng(9))))
+    assert "\n  warning            the target is a mirror image" in wrong
+    no_rotation = assessment_summary(assess(result, np.ones((3, 3))))
+    assert "\n  warning            the target is a mirror image" in no_rotation
+
+
+def test_the_optimum_stands_beside_the_pose(tmp_path):
+    document = assessment_document(assess(PROBLEM, np.eye(4)))
+    text = assessment_summary(assess(PROBLEM, np.eye(4)))
+    certified = package.certify(PROBLEM, relaxation=False, simulation=False)
+
+    assert document["optimum"]["translation"] == T.tolist()
+    assert document["optimum"]["rotation"] == R.tolist()
+    assert document["optimum"]["rmse"] == certified.rmse
+    assert document["rmse"] > 10 * document["optimum"]["rmse"]
+    assert f"  of the optimum     {certified.rmse:.6f}" in text
+    assert " ".join(map(repr, T.tolist())) in text
+    json.dumps(document, allow_nan=False)
+
+
+def test_a_certificate_and_a_line_of_a_trajectory_are_judged(tmp_path):
+    files = [
+        write_csv(tmp_path / f"{n}.csv", getattr(PROBLEM, n).tolist()) for n in ("source", "target")
+    ]
+    certreg("certify", *files, "--out", tmp_path, "--no-simulation", "--no-relaxation")
+    certificate = certreg("assess", *files, "--pose", tmp_path / "certificate.json")
+    kitti = tmp_path / "poses.txt"
+    np.savetxt(kitti, [np.eye(4)[:3].ravel(), OPTIMUM.as_matrix()[:3].ravel()], fmt="%.17g")
+    chosen = certreg("assess", *files, "--pose", kitti, "--line", 2)
+    moved = certreg("apply", kitti, files[0], "--out", tmp_path / "moved.csv", "--line", 2)
+
+    assert (certificate.code, chosen.code, moved.code) == (0, 0, 0)
+    assert "Only a rotation was given" in certificate.out
+    assert "Only a rotation" not in chosen.out
+    assert certreg("assess", *files, "--pose", kitti).code == 2
+    refused = certreg("apply", tmp_path / "certificate.json", files[0], "--out", tmp_path / "a.csv")
+    assert refused.code == 2
+    assert "holds a rotation alone: give the result or the pose file" in refused.err
