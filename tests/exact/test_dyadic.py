@@ -79,7 +79,7 @@ def test_zero_stays_zero():
     zero = Fraction(0)
 
     assert (nearest_double(zero), nearest_root(zero), double_above(zero)) == (0.0, 0.0, 0.0)
-    assert dyadic_above(zero, 8).mantissa == dyadic_below(zero, 8).mantissa == 0
+    assert dyadic_above(zero, 8).pair == dyadic_below(zero, 8).pair == [0, 0]
 
 
 @given(st.fractions(0, 1))
