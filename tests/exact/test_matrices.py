@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 import sympy
@@ -70,7 +72,8 @@ def test_a_matrix_is_definite_where_all_its_values_are_positive():
             matrix = symmetric(rng, 3, n)
             for k in range(n):
                 matrix[k][k] += int(rng.integers(0, 6))
-            minors = [sympy.Matrix(matrix)[:k, :k].det() for k in range(1, n + 1)]
+            whole: Any = sympy.Matrix(matrix)
+            minors = [whole[:k, :k].det() for k in range(1, n + 1)]
             definite = all(minor > 0 for minor in minors)
             seen.add(definite)
 
@@ -84,4 +87,4 @@ def test_an_orthonormal_basis_is_taken_from_the_longest_that_remain():
 
     assert abs(float(one[1].mid()) - 1.0) < 1e-11
     assert abs(float(other[0].mid())) == pytest.approx(1.0)
-    assert abs(float(sum(a * b for a, b in zip(one, other, strict=True)).mid())) < 1e-11
+    assert abs(float(dot(one, other).mid())) < 1e-11

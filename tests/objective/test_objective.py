@@ -94,6 +94,46 @@ def test_the_value_is_the_same_in_every_ring(specimen):
         assert objective.value(tuple(map(arb, Q))) == exact
 
 
+def derivative(function, q, k: int) -> Fraction:
+    """Of a polynomial of degree four at most in the k-th number: exact by five points."""
+    at = [function([e + (i == k) * step for i, e in enumerate(q)]) for step in (-2, -1, 1, 2)]
+    return Fraction(at[0] - 8 * at[1] + 8 * at[2] - at[3], 12)
+
+
+@pytest.mark.parametrize("specimen", strategies.ZOO, ids=lambda s: s.name)
+def test_gradient_and_hessian_are_the_derivatives_at_a_point(specimen):
+    objective = objective_of(specimen.problem)
+    gradient, hessian = objective.gradient(Q), objective.hessian(Q)
+
+    assert [derivative(objective.value, Q, k) for k in range(4)] == list(gradient)
+    for i, row in enumerate(hessian):
+        of_row = [derivative(lambda q, i=i: objective.gradient(q)[i], Q, k) for k in range(4)]
+        assert of_row == list(row)
+
+
+@given(strategies.problems())
+def test_the_form_is_a_symmetric_matrix_of_ten(problem):
+    form = objective_of(problem).form()
+
+    assert [len(row) for row in form] == [10] * 10
+    assert [tuple(column) for column in zip(*form, strict=True)] == list(form)
+
+
+@given(strategies.problems())
+def test_residuals_and_energies_of_eigenvectors_are_those_of_their_definitions(problem):
+    objective = Isotropic(exact_moments(problem))
+    unit, norm = objective.moments.cross_unit, squared_norm(Q)
+    image = [unit * sum(a * b for a, b in zip(row, Q, strict=True)) for row in objective.davenport]
+    value = sum(a * b for a, b in zip(image, Q, strict=True)) / norm
+    square = sum((a - value * b) ** 2 for a, b in zip(image, Q, strict=True)) / norm
+    found = objective.eigenspaces
+
+    assert objective.squared_residual(Q) == square
+    for q, space in zip(objective.quaternions, found.spaces, strict=True):
+        energy = objective.energy_of_eigenvalue(space.value, found.bits)
+        assert abs(energy - objective.energy(q)) <= objective.size / 10**20
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("specimen", strategies.ZOO, ids=lambda s: s.name)
 def test_gradient_and_hessian_are_the_derivatives(specimen):
