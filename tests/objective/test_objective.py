@@ -13,7 +13,7 @@ import pytest
 import strategies
 import sympy
 from flint import arb, ctx
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import certreg
@@ -61,6 +61,7 @@ def test_form_value_energy_and_best_translation_say_the_same(problem):
     assert objective.free_translations == ()
 
 
+@settings(max_examples=25)
 @given(strategies.problems(), st.tuples(*[st.integers(-9, 9)] * 4).filter(any))
 def test_a_loss_is_the_share_of_the_range_of_energies_above_the_least(problem, q):
     objective = Isotropic(exact_moments(problem))
@@ -70,6 +71,7 @@ def test_a_loss_is_the_share_of_the_range_of_energies_above_the_least(problem, q
     assert objective.relative_loss(q) == pytest.approx(float(share), rel=1e-9, abs=1e-12)
 
 
+@settings(max_examples=25)
 @given(strategies.problems())
 def test_the_size_is_the_largest_entry_or_the_spread_or_a_unit(problem):
     objective = Isotropic(exact_moments(problem))
@@ -111,6 +113,7 @@ def test_gradient_and_hessian_are_the_derivatives_at_a_point(specimen):
         assert of_row == list(row)
 
 
+@settings(max_examples=25)
 @given(strategies.problems())
 def test_the_form_is_a_symmetric_matrix_of_ten(problem):
     form = objective_of(problem).form()
@@ -119,6 +122,7 @@ def test_the_form_is_a_symmetric_matrix_of_ten(problem):
     assert [tuple(column) for column in zip(*form, strict=True)] == list(form)
 
 
+@settings(max_examples=25)
 @given(strategies.problems())
 def test_residuals_and_energies_of_eigenvectors_are_those_of_their_definitions(problem):
     objective = Isotropic(exact_moments(problem))
