@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from certreg.registration import Registration
 
 WIDTH, HEIGHT, MARGIN = 240, 160, 10  # pixels
+BODY = 30  # points: fewer are hardly seen without lines between them
 SHOWN = 200  # points: a card is 20 kB at most
 SOURCE, SPRING = "#0a84c6", "#d9690f"  # blue and orange, told apart by all eyes on any ground
 
@@ -44,13 +45,14 @@ class Picture(Brief):
     """What `templates/card.html` draws, in pixels: as text, for it computes nothing.
 
     words: what is to be seen. springs: lines x1, y1, x2, y2. rings, dots: of target and moved
-    source. curve: the points of a line.
+    source. spokes: from the target's centre, for few points. curve: the points of a line.
     """
 
     words: str
     springs: tuple[tuple[str, ...], ...] = ()
     rings: tuple[tuple[str, ...], ...] = ()
     dots: tuple[tuple[str, ...], ...] = ()
+    spokes: tuple[tuple[str, ...], ...] = ()
     curve: str | None = None
     width: int = WIDTH
     height: int = HEIGHT
@@ -69,11 +71,15 @@ def registration_picture(registration: Registration) -> Picture | None:
     if flat is None:
         return None
     target, moved = flat
+    centre = target.mean(axis=0)
     return Picture(
         words="the target as rings, the source at the pose as dots",
         springs=_pixels(np.hstack([target, moved])),
         rings=_pixels(target),
         dots=_pixels(moved),
+        spokes=_pixels(np.hstack([np.broadcast_to(centre, target.shape), target]))
+        if len(target) <= BODY
+        else (),
     )
 
 

@@ -1,5 +1,7 @@
 """`{reports}` writes certreg's own reports while the page is built, and a table that leads to them.
 
+Beside each link stands a small picture of the registration.
+
 Each line of its content names an example and says what to look at; every example must be named. The
 reports lie in `gallery/` beside the pages, so that their theorems lead to the pages of the proofs.
 """
@@ -16,7 +18,9 @@ from sphinx.util.docutils import SphinxDirective
 
 from certreg.problem import RegistrationProblem
 from certreg.registration import STORIES, certify, tell
+from certreg.report import rendered
 from certreg.report.page import Report, html_page
+from certreg.report.picture import registration_picture
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -26,6 +30,7 @@ if TYPE_CHECKING:
 
     from certreg.registration import Registration
 
+PICTURE = "report/templates/picture.html"
 FOLDER = "gallery"  # beside the page, in the built documentation
 
 
@@ -72,7 +77,7 @@ EXAMPLES = {
 
 
 class Reports(SphinxDirective):
-    """Reports and a table of them: kind of equilibrium set, the report, what to look at in it."""
+    """Reports and a table of them: the report with a picture, what to look at, multiplicities."""
 
     has_content = True
 
@@ -93,11 +98,14 @@ class Reports(SphinxDirective):
             pattern = ", ".join(map(str, registration.equilibria.classification.pattern))
             link = nodes.reference("", name.replace("-", " "), refuri=f"{FOLDER}/{name}.html")
             inlines, _ = self.state.inline_text(words, self.lineno)
-            body += row([nodes.Text(pattern)], [link], inlines)
-        titles = ("multiplicities", "report", "what to look at")
+            picture = rendered(PICTURE, picture=registration_picture(registration))
+            small = nodes.raw("", picture, format="html")
+            body += row([link, small], [*inlines, nodes.Text(f" Multiplicities {pattern}.")])
+        titles = ("report", "what to look at")
         head = nodes.thead("", row(*([nodes.Text(words)] for words in titles)))
-        widths = [nodes.colspec(colwidth=width) for width in (20, 25, 55)]
-        return [nodes.table("", nodes.tgroup("", *widths, head, body, cols=3))]
+        widths = [nodes.colspec(colwidth=width) for width in (30, 70)]
+        table = nodes.tgroup("", *widths, head, body, cols=2)
+        return [nodes.table("", table, classes=["gallery"])]
 
     def write(self, name: str, registration: Registration) -> None:
         """Write a report whose theorems lead to the pages of the proofs."""

@@ -14,8 +14,10 @@ from strategies import ZOO, random_rotation
 
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.certification import certify
+from certreg.report.markup import rendered
 from certreg.report.overview import QUIET, Overview, told_to
 from certreg.report.page import Report, html_page
+from certreg.report.picture import BODY, registration_picture
 from certreg.report.uncertainty import TO_ROUNDING, chi2_words, uncertainty_rows
 from certreg.results import Limits
 
@@ -141,3 +143,15 @@ def test_a_bounded_pose_is_not_called_the_best_on_the_first_screen():
 )
 def test_a_value_has_the_decimals_of_its_deviation(value: float, sigma: float, words: str):
     assert told_to(value, sigma) == words
+
+
+@pytest.mark.parametrize("n", [BODY, BODY + 1])
+def test_the_picture_of_few_points_has_lines_to_them(n: int):
+    picture = checked(registration_picture(registered(n=n)))
+    drawn = rendered("report/templates/picture.html", picture=picture)
+    inside = all(-1 <= float(x) <= picture.width + 1 for line in picture.spokes for x in line[::2])
+
+    assert (len(picture.rings), len(picture.spokes)) == (n, n if n == BODY else 0)
+    assert [line[2:] for line in picture.spokes] == list(picture.rings[: len(picture.spokes)])
+    assert drawn.count("<line") == n + len(picture.spokes)
+    assert inside
