@@ -122,7 +122,7 @@ def test_labels_in_a_certificate_are_those_of_either_cloud_if_they_are_short(
     ],
 )
 def test_a_field_that_is_wrong_is_named_with_what_it_says(
-    tmp_path: Path, changed: dict[str, str], line: int, evidence: tuple[Any, ...]
+    tmp_path: Path, changed: dict[str, Any], line: int, evidence: tuple[Any, ...]
 ):
     path = tmp_path / "cloud.pcd"
     path.write_bytes(files.pcd(FLOATS, SIX, "ascii", **changed))

@@ -21,7 +21,6 @@ from certreg.certificate import RotationState
 from certreg.errors import CertregError
 from certreg.problem import RegistrationProblem
 from certreg.registration import assess, certify
-from certreg.registration.agreement import Agreement
 from certreg.report import assessment_summary, registration_summary, summary, words
 from certreg.report.reload import report_of
 from certreg.report.thinning import Run, _packed
