@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from evidence import wrong_evidence
+from refusals import wrong_evidence
 
 from certreg.errors import InvalidFileError
 

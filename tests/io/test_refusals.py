@@ -11,7 +11,7 @@ import cloud_files as files
 import numpy as np
 import pytest
 from commands import write_csv
-from evidence import wrong_evidence
+from refusals import wrong_evidence
 
 from certreg.errors import InvalidFileError, InvalidProblemError
 from certreg.io import atomic, clouds, npz, pairs
