@@ -148,6 +148,20 @@ def test_one_run_that_is_otherwise_is_enough_to_disagree(number: str, fault, see
     assert evidence(number, fault(seen)).agrees is False
 
 
+TOLD = {"1": 1e-9, "2": 1e-9, "3": 1e-9, "5": 1e-9, "6b": 1e-6, "8b": 1e-6}
+
+
+@pytest.mark.parametrize(
+    ("number", "fault"), [*FAULTS.items(), *MORE_FAULTS.items()], ids=lambda value: str(value)[:4]
+)
+def test_the_words_tell_of_the_run_that_is_otherwise(number: str, fault, seen):
+    words = evidence(number, fault(seen)).words
+
+    assert words != evidence(number, seen).words
+    if number in TOLD:
+        assert rough(TOLD[number]) in words
+
+
 @pytest.mark.parametrize("number", [n for n, row in ROWS.items() if row.counterexample])
 def test_other_clouds_than_the_counterexamples_do_not_refute_the_claim(number: str, seen):
     """In their place a generic cloud onto itself; rows that use no cloud have a fault above."""

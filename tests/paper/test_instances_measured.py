@@ -1,0 +1,54 @@
+"""What a Monte-Carlo campaign keeps of each instance: beside what the numbers are called."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from certreg.equilibrium.batch import solve_many
+from certreg.paper import monte_carlo
+from certreg.problem.random_instances import gaussian_instances
+
+
+@pytest.fixture(scope="module")
+def made():
+    return gaussian_instances(np.random.default_rng(3), points=9, sigma=0.4, count=20)
+
+
+def test_errors_are_those_of_the_best_pose_beside_the_true_one(made):
+    solutions = solve_many(made.sources, made.targets)
+    found = monte_carlo._measured(solutions, made, 700)
+    best = Rotation.from_quat(solutions.quaternions[:, 0], scalar_first=True)
+    off = (best.inv() * Rotation.from_matrix(made.rotations)).magnitude()
+    shifts = solutions.translations[:, 0] - made.translations
+
+    assert off.max() > 0.1
+    assert found["rotation_error_rad"] == pytest.approx(off)
+    assert found["translation_error"] == pytest.approx(np.linalg.norm(shifts, axis=1))
+    assert found["instance"].tolist() == list(range(700, 720))
+    assert (found["margin"] == solutions.margins).all()
+    assert (found["rmse"] == solutions.rmse).all()
+    assert (found["unstable"] == [0, 1, 2, 3]).all()
+
+
+@pytest.mark.parametrize("row", [1, 2, 3])
+def test_the_half_turn_error_is_that_of_the_worst_spurious_pose(made, row):
+    """A spurious quaternion turned by a in its plane with the best is 2 a off half a turn."""
+    solutions = solve_many(made.sources, made.targets)
+    turned = solutions.quaternions.copy()
+    turned[:, row] = np.cos(0.1) * turned[:, row] - np.sin(0.1) * turned[:, 0]
+    found = monte_carlo._measured(replace(solutions, quaternions=turned), made, 0)
+
+    assert found["half_turn_error_rad"] == pytest.approx(0.2)
+
+
+def test_no_count_is_kept_where_doubles_do_not_decide(made):
+    solutions = solve_many(made.sources, made.targets)
+    decided = np.arange(20) % 3 == 0
+    found = monte_carlo._measured(replace(solutions, decided=decided), made, 0)
+
+    assert (found["unstable"][decided] == [0, 1, 2, 3]).all()
+    assert (found["unstable"][~decided] == -1).all()
