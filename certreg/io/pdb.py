@@ -1,8 +1,8 @@
 """Cα atoms of .pdb files. Standard library only: the columns of the format are fixed.
 
 Numbers are read from their columns and from nowhere else; where a row was moved by a character, no
-number is left in them, and it is refused. The last model must be closed, and the file ended: what
-was cut shows.
+number is left in them, and it is refused. The last model must be closed, and END or ENDMDL stand
+behind the last atom: what was cut shows.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 RECORDS = ("ATOM  ", "HETATM")
+ENDS = {"END", "ENDMDL"}
 COORDINATE = re.compile(r" *-?[0-9]{1,6}\.[0-9]+ *")
 RESIDUE = re.compile(r"-?[0-9]+[A-Za-z]?")
 
@@ -34,6 +35,7 @@ def _atoms(lines: Iterator[str], file: Path) -> Iterator[Atom]:
     for k, raw in enumerate(lines, 1):
         line, place = raw.rstrip("\r\n"), Place(file, k)
         record = line[:6].ljust(6)
+        ended = record.rstrip() in ENDS or (ended and record not in RECORDS)
         if record == "MODEL ":
             model = line[10:14].strip() or f"in line {k}"
             opened = place
@@ -41,11 +43,10 @@ def _atoms(lines: Iterator[str], file: Path) -> Iterator[Atom]:
             opened = None
         elif record in RECORDS:
             yield _atom(place, line, model)
-        ended = record.rstrip() == "END" or (ended and not line.strip())
     if opened is not None:
         raise opened.refusal("the model is not closed by ENDMDL: is the file truncated?")
     if not ended:
-        raise Place(file, max(1, k)).refusal("the last line is not END: is the file truncated?")
+        raise Place(file, max(1, k)).refusal("no END behind the atoms: is the file truncated?")
 
 
 def _atom(place: Place, line: str, model: str) -> Atom:

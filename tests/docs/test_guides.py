@@ -25,10 +25,12 @@ NAMES = (
     "cluster",
     "coming-from",
     "another-problem",
+    "icp",
 )
 DOCS = ROOT / "docs"
 GUIDES = [DOCS / "howto" / f"{name}.md" for name in NAMES]
 FENCE = re.compile(r"^```(?:\{code-cell\} )?(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+SCRATCH = re.compile(r"^```\{scratch\} (\S+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 each_guide = pytest.mark.parametrize("guide", GUIDES, ids=lambda path: path.stem)
 
 
@@ -100,6 +102,31 @@ def test_open3d_is_judged_as_the_guide_says():
     namespace: dict[str, object] = {}
     for block in (*blocks(page, "python"), *blocks(page, "py")):
         exec(compile(block, page.name, "exec"), namespace)  # noqa: S102 - our own page
+
+
+def scratch(page: Path) -> dict[str, str]:
+    """The files that a page writes before its commands."""
+    return dict(SCRATCH.findall(page.read_text()))
+
+
+def test_open3d_finds_the_pairs_that_the_guide_shows(tmp_path, monkeypatch):
+    """Many to one; the pose to the last digits, in which processors may differ."""
+    page = DOCS / "howto" / "icp.md"
+    files = scratch(page)
+    assert set(files) == {"source.xyz", "target.xyz", "pairs.txt", "pose.txt"}
+    pytest.importorskip("open3d", reason="no peer is installed: `make peers`")
+    for name in ("source.xyz", "target.xyz"):
+        (tmp_path / name).write_text(files[name])
+    monkeypatch.chdir(tmp_path)
+    (block,) = blocks(page, "py")
+    exec(compile(block, page.name, "exec"), {})  # noqa: S102 - our own page
+
+    assert (tmp_path / "pairs.txt").read_text() == files["pairs.txt"]
+    shown, made = (
+        np.loadtxt(text.splitlines())
+        for text in (files["pose.txt"], (tmp_path / "pose.txt").read_text())
+    )
+    assert made == pytest.approx(shown, abs=1e-12)
 
 
 def free_port() -> int:
