@@ -388,7 +388,7 @@ def _entry(row: PairRow, folder: Path, limits: Limits) -> tuple[dict[str, Any], 
     except Exception as error:  # noqa: BLE001 - a defect met by one pair must not cost the others
         words = CertregError(f"a defect of certreg ({type(error).__name__}: {shown(error)})")
         return _error(row, words, REFUSED), None
-    document = result_document(registration)
+    document = result_document(registration, notes=pair.notes)
     document["timings_ms"] = {}  # a run that was interrupted gives the same bytes
     head = {
         "schema": document["schema"],
@@ -396,7 +396,7 @@ def _entry(row: PairRow, folder: Path, limits: Limits) -> tuple[dict[str, Any], 
         "place": str(row.place),
         "exit_code": code_of_registration(registration),
     }
-    head |= {"notes": pair.notes, "inputs": inputs}
+    head |= {"inputs": inputs}
     certificate = registration.certificate
     return head | document, None if certificate is None else certificate.to_json()
 

@@ -80,9 +80,10 @@ def certify(
         max_gap=max_gap,
         max_angle=max_angle,
     )
-    path = None if out is None else write_folder(registration, out)
+    path = None if out is None else write_folder(registration, out, notes=pair.notes)
     if as_json:
-        document = result_document(registration, None if path is None else str(path))
+        place = None if path is None else str(path)
+        document = result_document(registration, place, notes=pair.notes)
         click.echo(dumps(document))
     else:
         click.echo(registration_summary(registration))

@@ -17,6 +17,8 @@ from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import OUT_OF_RANGE, Absent
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from certreg.equilibrium import Component, EquilibriumSet
     from certreg.registration import Assessment, Enumeration, Fit, FitRow, Registration
 
@@ -36,8 +38,13 @@ def dumps(document: Document) -> str:
     return json.dumps(document, indent=1, allow_nan=False)
 
 
-def result_document(registration: Registration, certificate_path: str | None = None) -> Document:
-    """A registration as `certreg-result/1`; the path is where the certificate was saved."""
+def result_document(
+    registration: Registration, certificate_path: str | None = None, *, notes: Sequence[str] = ()
+) -> Document:
+    """A registration as `certreg-result/1`; the path is where the certificate was saved.
+
+    notes: on how the clouds were read.
+    """
     agreement = registration.solution.agreement
     written: str | Absent | None = certificate_path
     if written is None:
@@ -66,6 +73,7 @@ def result_document(registration: Registration, certificate_path: str | None = N
             "certificate": written,
             "digest": registration.problem.digest(),
             "theorems": () if registration.verdict is None else registration.verdict.theorems,
+            "notes": tuple(notes),
             "bounds_hold_for": "the rotation of quaternion_wxyz (normalised) and the translation",
             "timings_ms": {name: 1e3 * value for name, value in registration.timings.items()},
         }

@@ -16,7 +16,7 @@ from certreg.verify import INLINE_MAX
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from certreg.registration import Registration
 
@@ -25,8 +25,12 @@ SURE_POSE = "pose.json"  # with its uncertainty: in the matrix other programs re
 TRAJECTORY, REPORT, FIT = "trajectory.npz", "report.html", "fit.csv"
 
 
-def write_folder(registration: Registration, folder: str | os.PathLike[str]) -> Path | None:
+def write_folder(
+    registration: Registration, folder: str | os.PathLike[str], *, notes: Sequence[str] = ()
+) -> Path | None:
     """Write the files of a registration; the path of the certificate, None if there is none.
+
+    notes: on how the clouds were read.
 
     All are written under temporary names first. So a failure leaves the files of an earlier run as
     they were, or none of them: files of two problems never stand together. Raises InvalidFileError.
@@ -38,7 +42,7 @@ def write_folder(registration: Registration, folder: str | os.PathLike[str]) -> 
         message = f"{place}: cannot be made a folder ({error.strerror}): choose another place"
         raise InvalidFileError(message, path=place) from error
     path = place / CERTIFICATE if registration.certificate is not None else None
-    document = result_document(registration, None if path is None else str(path))
+    document = result_document(registration, None if path is None else str(path), notes=notes)
     rows = registration.pose.T_target_source.tolist()
     contents: dict[str, bytes | Iterator[bytes]] = {
         RESULT: (dumps(document) + "\n").encode(),

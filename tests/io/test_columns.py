@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -208,3 +209,18 @@ def test_noise_goes_with_its_rows_by_label_and_by_pairs(tmp_path: Path):
     assert by_pairs[0].digest() == expected
     certreg("certify", source, target, *quick)
     assert certreg("verify", tmp_path / "out" / "certificate.json", source, target).code == 0
+
+
+def test_the_json_says_how_the_clouds_were_read(tmp_path: Path):
+    source = table(tmp_path, "a.csv", HERE, sigma=SIGMA, code=[1, 2, 3, 4, 5])
+    target = table(tmp_path, "b.csv", THERE)
+    quick = ("--no-relaxation", "--no-simulation", "--json")
+    run = certreg("certify", source, target, *quick, "--out", tmp_path / "out")
+    plain = certreg("certify", target, target, *quick)
+
+    notes = [line.removeprefix("note: ") for line in run.err.splitlines()]
+    assert run.document["notes"] == notes
+    assert ["not used: code" in notes[0], "column sigma is used" in notes[1]] == [True, True]
+    written = json.loads((tmp_path / "out" / "result.json").read_text("utf-8"))
+    assert written["notes"] == notes
+    assert plain.document["notes"] == []

@@ -51,7 +51,7 @@ def test_every_field_of_a_result_is_the_number_of_its_name(registration: Registr
     bounds, claims = checked(registration.bounds), checked(registration.certificate).body.claims
     covariance, equilibria = checked(solution.covariance), registration.equilibria
     ends = [Fraction(float(e)) for e in (run.potential + run.kinetic)[[0, -1]]]
-    told = result_document(registration, "a path")
+    told = result_document(registration, "a path", notes=["as read"])
     expected: dict[str, Any] = {
         "schema": "certreg-result/1",
         "n": 12,
@@ -132,6 +132,7 @@ def test_every_field_of_a_result_is_the_number_of_its_name(registration: Registr
         ],
         "certificate": "a path",
         "digest": PROBLEM.digest(),
+        "notes": ["as read"],
         "theorems": list(checked(registration.verdict).theorems),
         "timings_ms": {name: 1000 * value for name, value in registration.timings.items()},
     }
