@@ -632,6 +632,9 @@ def test_it_prints_in_bright_colours_whatever_the_screen_has(shown, survey):
     dark, bright = shown(survey, color_scheme="dark"), shown(survey)
     for report in (dark, bright):
         report.emulate_media(media="print")
+    for _ in range(50):  # until both have drawn at the size of the paper
+        if dark.sight() == bright.sight():
+            break
 
     assert dark.sight() == bright.sight()
 
