@@ -438,7 +438,7 @@ class IsotropicStatement(Statement):
         require(good, f"claims.unstable is wrong or unproved: proved is {unstable}")
 
     def _words(self, w: Worth, pattern: list[int], *, solid: bool, equal: bool) -> Iterator[str]:
-        yield f"Data: n = {self.n} pairs, {'' if equal else 'NOT '}all of one weight."
+        yield f"Data: n = {self.n} pair{'s'[self.n < 2 :]}, {'NOT '[4 * equal :]}all of one weight."
         yield f"SHA-256 of their doubles is {self.digest}."
         length = isqrt(sum(c * c for c in self.pose) << 128)
         unit = ", ".join(f"{(c << 64) / length:.12f}" for c in self.pose)
@@ -455,11 +455,11 @@ class IsotropicStatement(Statement):
         else:
             part = f"This gap is less than {share} of the range of energies, over all rotations."
             yield part if w.share else "The range of energies is 0: every rotation is optimal."
-        if w.angle is None:
-            yield "No angle is bounded: nothing is proved of how far R is from an optimum."
-        else:
+        if w.angle is not None:
             degrees = rounded(w.angle * DEGREES, 2)
             yield f"Every global optimum is within {degrees:.1e} degrees of R."
+        elif w.share:  # else R is an optimum, as every rotation
+            yield "No angle is bounded: nothing is proved of how far R is from an optimum."
         unique = "unique: every other rotation has a larger objective"
         several = f"NOT unique: the optima form {SETS[pattern[0]]}"
         yield f"The global optimum is {unique if pattern[0] == 1 else several}."

@@ -89,7 +89,7 @@ PAIR_COLUMNS = (
     Column("warnings", str, "", "codes of what is wrong with the fit: empty for a good one"),
     *(Column(f"q{axis}", float, "1", f"rotation: {axis} of the quaternion") for axis in "wxyz"),
     *(Column(f"t{axis}", float, "unit of the clouds", f"translation: {axis}") for axis in "xyz"),
-    Column("gap_bound", float, "objective", "proved: the objective exceeds the minimum by less"),
+    Column("gap_bound", float, "objective", "proved: objective - minimum is at most this"),
     Column("gap_share", float, "1", "proved: gap over the range of energies; empty if that is 0"),
     Column("angle_bound_rad", float, "rad", "proved: the optimum is nearer; empty if not unique"),
     Column("margin", float, "1", "gap of the two best eigenvalues over their range"),

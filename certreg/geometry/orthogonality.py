@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 ROTATION_TOLERANCE = 1e-4  # |R^T R - I|: admits 4x4 matrices printed with five decimals
+ROUNDED_DEFECT = 0.1  # of a matrix printed with one decimal: entries off by 0.05
 UNNOTED_DEFECT = 1e-12  # |R^T R - I| of a matrix of doubles: its own rounding
 
 
@@ -48,8 +49,16 @@ def why_no_rotation(
             f"The matrix scales by {stretch.mean():.6g}{' and reflects' * reflected}: it is "
             "not a rotation. Divide the scale out if a similarity was meant, and try again."
         )
+    return _why_not_orthogonal(defect, stretch)
+
+
+def _why_not_orthogonal(defect: float, stretch: NDArray[np.float64]) -> str:
+    if stretch[0] == 0.0:
+        return "The matrix is not orthogonal: every entry of it is 0. It is not a rotation."
+    remedy = "Give more digits, or the quaternion."
+    if not defect <= ROUNDED_DEFECT:
+        remedy = "No rounding of a rotation does that: is it another matrix, or are rows missing?"
     return (
         f"The matrix is not orthogonal (R^T R is off by {defect:.2g}, singular values "
-        f"{stretch[0]:.6g} to {stretch[-1]:.6g}): it is not a rotation. Give more digits, or the "
-        "quaternion."
+        f"{stretch[0]:.6g} to {stretch[-1]:.6g}): it is not a rotation. {remedy}"
     )

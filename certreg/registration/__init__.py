@@ -72,6 +72,7 @@ if TYPE_CHECKING:
     from certreg.registration.result import Registration as Registration
     from certreg.registration.result import SimulatedRegistration as SimulatedRegistration
     from certreg.registration.result import Solution as Solution
+    from certreg.registration.rounding import rounding_remedy as rounding_remedy
     from certreg.registration.slips import Slip as Slip
     from certreg.registration.slips import SlipCode as SlipCode
 
@@ -169,6 +170,7 @@ __getattr__ = lazy_face(
             "SimulatedRegistration",
             "Solution",
         ),
+        "rounding": ("rounding_remedy",),
         "slips": (
             "Slip",
             "SlipCode",

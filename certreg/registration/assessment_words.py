@@ -30,6 +30,7 @@ from certreg.registration.headlines import (
     interval_words,
     share_words,
 )
+from certreg.registration.rounding import rounding_remedy
 from certreg.results import ComponentKind, PoseVerdict
 
 if TYPE_CHECKING:
@@ -71,7 +72,9 @@ def _spurious_headline(facts: Findings) -> str:
         kind = component.kind.value.replace("-", " ")
         name = f"a {kind} of index-{component.morse_index} equilibria"
     last = facts.nearest == len(components) - 1
-    end = ": the worst rotation there is" if last else ""
+    single = component.kind is ComponentKind.POINT
+    worst = "the worst rotation there is" if single else "the worst rotations there are"
+    end = f": {worst}" if last else ""
     near = f"{math.degrees(facts.angles[facts.nearest]):.2g}"
     return SPURIOUS.said(near=near, name=name, end=end)
 
@@ -90,14 +93,16 @@ def words_of_pose(facts: Findings, verdict: PoseVerdict) -> str:
         degrees = math.degrees(facts.angles[facts.nearest])
         words += f"The nearest one has index {nearest.morse_index}, {degrees:.4g} degrees away; "
     else:
-        words += "The nearest one is the optimum; "
-    words = f"{words}the global optimum is {away:.4g} degrees away{_shift_words(facts)}."
+        words += f"The nearest one is {'the' if facts.unique else 'an'} optimum; "
+    words = f"{words}{_the_optimum(facts)} is {away:.4g} degrees away{_shift_words(facts)}."
     if facts.bounds.greatest_gap <= facts.rounding_cost:
-        words += (
-            " The rounding of its numbers to doubles can cost that much: move the origin to the "
-            "clouds."
-        )
+        remedy = rounding_remedy(facts.registration.solution.moments, facts.energy_range)
+        words += f" The rounding of its numbers to doubles can cost that much: {remedy}."
     return words
+
+
+def _the_optimum(facts: Findings) -> str:
+    return "the global optimum" if facts.unique else "the nearest optimum"
 
 
 def _good_words(facts: Findings, verdict: PoseVerdict) -> str:
@@ -133,7 +138,7 @@ def _spurious_words(facts: Findings) -> str:
         how = f"the energy falls in {many}"
     return (
         f"Forces and torques balance there, but {how}, and the pose is "
-        f"{math.degrees(facts.away):.6g} degrees from the global optimum."
+        f"{math.degrees(facts.away):.6g} degrees from {_the_optimum(facts)}."
     )
 
 

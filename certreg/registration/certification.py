@@ -226,6 +226,7 @@ def proved_end(
         energy_unit=exact_energy_unit(objective.moments, trajectory),
         angle_to_optimum=objective.angle_to_optimum(lift(trajectory.quaternion).integers),
         in_certified_basin=certificate is not None and bool(certificate.body.claims.basin),
+        unique=objective.classification.unique,
     )
 
 

@@ -238,7 +238,8 @@ def _poor_words(sums: FitSums) -> str | None:
         return None
     return (
         f"the best rotation, translation and scale explain {_percent(sums.explained)} of the "
-        "target: most pairs are wrong, or the clouds are not one rigid shape"
+        "target: most pairs are wrong, the clouds are not one rigid shape, or the noise is as "
+        "large as they are"
     )
 
 
@@ -354,7 +355,7 @@ def _chi2_words(chi2: ChiSquared | None) -> str | None:
     return (
         f"the residuals are {math.sqrt(chi2.value / chi2.dof):.3g} times what sigma says "
         f"(chi-squared {chi2.value:.6g} with {chi2.dof} degrees of freedom): the noise is larger, "
-        "or the clouds are not one rigid shape"
+        "pairs are wrong, or the clouds are not one rigid shape"
     )
 
 

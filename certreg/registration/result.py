@@ -93,12 +93,14 @@ class SimulatedRegistration(Brief):
     angle_to_optimum: radians, from the last rotation to the nearest optimum.
     in_certified_basin: the checker accepted that the exact flow from the last state ends at the
         optimum; False means not proved, not disproved.
+    unique: whether there is one optimum.
     """
 
     trajectory: Trajectory
     energy_unit: Fraction
     angle_to_optimum: float
     in_certified_basin: bool
+    unique: bool
 
     @property
     def energies(self) -> tuple[float | Absent, ...]:

@@ -14,7 +14,8 @@ import math
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.exact import rational_root_above
+from certreg.exact import nearest_root, power_of_two, rational_root_above
+from certreg.problem import trace
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,8 +24,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.objective import Isotropic
+    from certreg.problem import ExactMoments
 
 MATRIX = (3, 3)
+LEAST_COST = Fraction(1, 2**200)  # two roundings of 2^-53, squared, and 2^12 for many points
 
 
 def rounding_cost(
@@ -54,6 +57,25 @@ def rounding_cost(
         away = Fraction(0)
     most = rational_root_above(2 * objective.least_range_squared)  # of the range of energies
     return most * sine + objective.moments.total_weight * away
+
+
+def rounding_remedy(moments: ExactMoments, matters: Fraction) -> str:
+    """What to do where the rounding of the translation costs too much beside an energy.
+
+    About the clouds' means a translation is as small as the rounding of the points, so that its own
+    rounding costs LEAST_COST of the spread, or little more.
+    """
+    if LEAST_COST * moments.spread <= matters:
+        return "move the origin to the clouds"
+    source = trace(moments.source_scatter) * power_of_two(2 * moments.source_exponent)
+    source *= power_of_two(moments.weight_exponent) / moments.mass
+    target = moments.spread - source
+    names = ("target", "source") if target > source else ("source", "target")
+    times = nearest_root(max(source, target) / min(source, target)) if source and target else None
+    much = (
+        "" if times is None else f"the {names[0]} is {times:.3g} times as large as the {names[1]}: "
+    )
+    return f"{much}no translation in doubles is closer"
 
 
 def _lever(row: Sequence[Fraction], centre: Sequence[Fraction]) -> Fraction:

@@ -279,6 +279,7 @@ def _simulation(registration: Registration) -> Document | Absent:
         energy_unit=solution.energy_unit,
         angle_to_optimum=solution.agreement.simulation or 0.0,
         in_certified_basin=certificate is not None and bool(certificate.body.claims.basin),
+        unique=registration.equilibria.classification.unique,
     )
     return _simulation_fields(end)
 

@@ -16,6 +16,7 @@ from certreg.registration import (
     headline_words,
     narrow_words,
     proved_degrees,
+    rounding_remedy,
     share_words,
 )
 from certreg.report.uncertainty import uncertainty_rows
@@ -79,6 +80,7 @@ def simulation_summary(simulated: SimulatedRegistration) -> str:
     trajectory = simulated.trajectory
     initial, final = (present(energy) for energy in simulated.energies)
     proved = "Proved" if simulated.in_certified_basin else "Not proved"
+    which = "the" if simulated.unique else "an"
     return "\n".join(
         (
             trajectory.status.value,
@@ -90,8 +92,8 @@ def simulation_summary(simulated: SimulatedRegistration) -> str:
             f"  final energy      {number(final)}",
             f"  residual          {trajectory.speed:.3g}  (norm of the 18 rates of change)",
             f"  decay rate        {_rate_words(trajectory)}",
-            f"  end               {_away(simulated.angle_to_optimum)}",
-            f"{proved}: from its last state the exact motion ends at the optimum.",
+            f"  end               {_away(simulated.angle_to_optimum, unique=simulated.unique)}",
+            f"{proved}: from its last state the exact motion ends at {which} optimum.",
         )
     )
 
@@ -235,6 +237,8 @@ def _interval(lower: float | None, upper: float | None) -> str:
     """Proved bounds, rounded outwards: one number where nine digits of them agree."""
     if lower is None or upper is None:
         return "(not certified)"
+    if math.isinf(upper):
+        return "beyond the doubles, as said above (proved)"
     if lower == 0.0:
         return f"at most {at_most(upper)} (proved)"
     return f"between {at_least(lower, 9)} and {at_most(upper, 9)} (proved)"
@@ -299,7 +303,7 @@ def _method_lines(registration: Registration) -> list[str]:
     relaxation, trajectory, agreement = solution.relaxation, solution.trajectory, solution.agreement
     if not isinstance(relaxation, Absent) and agreement.relaxation is not None:
         gap = None if solution.certificate is None else solution.certificate.body.claims.sdp_gap
-        bound = "" if gap is None else f", proved gap {at_most(gap.value)}"
+        bound = "" if gap is None else f", proved gap of the rotation alone {at_most(gap.value)}"
         if gap is not None and bounds_nothing(registration, gap.value):
             bound += ", which bounds nothing"
         away = _away(agreement.relaxation, unique=unique)
@@ -308,7 +312,8 @@ def _method_lines(registration: Registration) -> list[str]:
         basin = solution.certificate is not None and solution.certificate.body.claims.basin
         where = ", proved in the basin of the optimum" if basin else ""
         away = _away(agreement.simulation, unique=unique)
-        lines.append(f"  simulation        {trajectory.steps} steps, {away}{where}")
+        kicked = _kicked_words(trajectory.escapes)
+        lines.append(f"  simulation        {trajectory.steps} steps{kicked}, {away}{where}")
         if not trajectory.converged:
             words = " ".join((trajectory.status.value, *trajectory.notes))
             lines.append(f"                    NOT CONVERGED: {words}")
@@ -324,6 +329,13 @@ def _method_lines(registration: Registration) -> list[str]:
     return lines
 
 
+def _kicked_words(escapes: int) -> str:
+    """That a body did not find its way alone."""
+    if not escapes:
+        return ""
+    return f" (kicked off a saddle {'once' if escapes == 1 else f'{escapes} times'})"
+
+
 def explained_words(fit: Fit) -> str:
     """How much of the target a fit explains."""
     if fit.explained is None:
@@ -337,7 +349,9 @@ def explained_words(fit: Fit) -> str:
 
 
 def _away(angle: float, *, unique: bool = True) -> str:
-    return f"{math.degrees(angle):.1g} degrees from the {'' if unique else 'nearest '}optimum"
+    degrees = math.degrees(angle)
+    digits = 3 if degrees >= 1.0 else 1  # a small one is rounding, or where a run was stopped
+    return f"{degrees:.{digits}g} degrees from the {'' if unique else 'nearest '}optimum"
 
 
 def warnings(registration: Registration, headline: str) -> list[str]:
@@ -357,9 +371,11 @@ def warnings(registration: Registration, headline: str) -> list[str]:
     unnoted = Fraction(UNNOTED_COST) * registration.solution.moments.spread
     noted = bounds is not None and bounds.greatest_gap > unnoted
     if noted and minimum is not None and costs > max(minimum, gap or 0.0):
+        matters = max(unnoted, Fraction(max(minimum, gap or 0.0)) / Fraction(ROUNDING_SHARE))
+        remedy = rounding_remedy(registration.solution.moments, matters)
         notes.append(
             "the rounding of the translation to doubles costs more than a millionth of the fit: "
-            "move the origin to the clouds"
+            f"{remedy}"
         )
     return notes
 

@@ -18,7 +18,7 @@ from certreg.exact import nearest_double
 from certreg.report.markup import printable
 from certreg.report.summary import margin_words, number
 from certreg.report.thinning import shown_motion, simulated_escapes
-from certreg.report.words import component_name, component_words, factor_words
+from certreg.report.words import component_name, component_words, factor_words, lie_words
 from certreg.results import Absent
 
 if TYPE_CHECKING:
@@ -32,18 +32,24 @@ SPRINGS_WORDS = (
     "Each pair is joined by a spring, and the source moves as one rigid body, with friction, until "
     "it rests. Where it can rest is known completely."
 )
+RESTING_WORDS = (
+    "Each pair is joined by a spring. Where the springs balance is known completely; how the "
+    "source would move is not defined."
+)
 INDEX_WORDS = "The index counts the independent turns that lower the energy: 0 only at the best."
 GZIP = 31  # of zlib's window bits: with a header of gzip, which browsers unpack
 NO_MOTION = "Nothing moves here: "
-COLLINEAR = "the source points are on one line, so the dynamics of the body is not defined."
+UNDEFINED = "the source points {lie}, so the dynamics of the body is not defined."
+WATCH = " Push it, and watch."
 NOT_SIMULATED = "the motion was not simulated."
 SAMPLE = 100_000  # points shown where the page holds no certificate with them
 
 
 def viewer_words(registration: Registration) -> dict[str, Any]:
     """The words of the viewer, as its template shows them: a button for each stationary pose."""
+    moves = registration.equilibria.classification.inertia_definite
     return {
-        "springs_words": SPRINGS_WORDS,
+        "springs_words": SPRINGS_WORDS if moves else RESTING_WORDS,
         "index_words": INDEX_WORDS,
         "rests": [
             _rest(registration.equilibria, i)
@@ -110,13 +116,15 @@ def scene_document(registration: Registration, names: Names) -> dict[str, Any]:
     if exponent < 0:
         unit /= 4**-exponent
     defined = equilibria.classification.inertia_definite
+    pushed = {run.start for run in runs}
+    undefined = UNDEFINED.format(lie=lie_words(registration))
     return {
         "n": problem.n,
         "labels": names.labels,
         "components": [
             {
                 "name": component_name(equilibria, i),
-                "words": component_words(equilibria, i),
+                "words": component_words(equilibria, i) + (WATCH if i in pushed else ""),
                 "dimension": component.kind.dimension,
                 "basis": component.basis.T.tolist(),
                 "quaternion": component.quaternion_wxyz.tolist(),
@@ -130,7 +138,7 @@ def scene_document(registration: Registration, names: Names) -> dict[str, Any]:
             )
         ],
         "runs": [run.fields for run in runs],
-        "still": None if runs else NO_MOTION + (NOT_SIMULATED if defined else COLLINEAR),
+        "still": None if runs else NO_MOTION + (NOT_SIMULATED if defined else undefined),
         "energy_unit": nearest_double(unit),
         "margin": {"relative": equilibria.margin.relative, "words": margin_words(equilibria)},
         "axes": _axes(problem.target).tolist(),

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from certreg.certificate import sin2_half_angle_between
 from certreg.exact import half_angle_bound, rational_root_above
+from certreg.problem import trace
 from certreg.registration import DEGREE_SLACK, at_most, proved_degrees
 from certreg.report.summary import bounds_nothing, count_words, margin_words, number
 from certreg.results import Absent, ComponentKind, Guarantee, Optimality
@@ -101,7 +102,9 @@ def weak_words(registration: Registration) -> str:
     """What a certificate proves that proves less than could be proved."""
     bounds, degrees = registration.bounds, proved_degrees(registration)
     gap = "an unknown amount" if bounds is None else at_most(bounds.greatest_gap)
-    angle = "of its angle to the best one, it claims nothing"
+    angle = (
+        "of its angle to the best one they say nothing (the checker's words below may prove more)"
+    )
     if degrees is not None:
         angle = f"its rotation is within {degrees} degrees of the best one"
     return (
@@ -154,7 +157,8 @@ def _equilibria(registration: Registration, claims: Claims) -> Iterator[Sentence
     equilibria = registration.equilibria
     counted = count_words(equilibria).split(": ", 1)[1][:-1]
     every = equilibria.components[0].kind is ComponentKind.ROTATION_GROUP
-    begun = counted.capitalize() if every else f"There are {counted}"
+    begun = f"There {'is' if counted.startswith('one ') else 'are'} {counted}"
+    begun = counted.capitalize() if every else begun
     listed = ", ".join(f"{NAMES[c.kind]} of index {c.morse_index}" for c in equilibria.components)
     yield Sentence(
         words=f"{begun}: {listed}. The list is complete.",
@@ -165,7 +169,8 @@ def _equilibria(registration: Registration, claims: Claims) -> Iterator[Sentence
     if unstable is None:
         yield Sentence(
             words=(
-                "The source points are on one line, so the dynamics of the body is not defined. "
+                f"The source points {lie_words(registration)}, so the dynamics of the body is not "
+                "defined. "
                 "The energy falls in as many directions as the index says."
             ),
             guarantee=equilibria.guarantee,
@@ -277,6 +282,12 @@ def _methods_words(registration: Registration, methods: MethodAngles) -> str:
     return " ".join(words)
 
 
+def lie_words(registration: Registration) -> str:
+    """How source points lie for which no dynamics is defined."""
+    one = not trace(registration.solution.moments.source_scatter)
+    return "coincide" if one else "are on one line"
+
+
 def motion_words(registration: Registration) -> str:
     """The pose as a turn about an axis and a shift."""
     pose, unique = registration.pose, registration.equilibria.classification.unique
@@ -311,8 +322,10 @@ def trap_words(equilibria: EquilibriumSet) -> str | None:
     if number(worst.rmse) == best:
         fit = f"though its RMSE is {best}, as the optimum's is, in these digits"
     unstable = worst.unstable_eigenvalues is not None
+    single = worst.kind is ComponentKind.POINT
     return (
-        f"The worst rotation, {math.degrees(worst.angle_to_optimum):.4g}° off, balances the "
+        f"{'The worst rotation' if single else 'One of the worst rotations'}, "
+        f"{math.degrees(worst.angle_to_optimum):.4g}° off, balances the "
         f"springs, too. It is wrong, {fit}{f' ({factor})' if factor else ''}"
         f"{', and unstable: a push, however small, can end it' if unstable else ''}."
     )
@@ -344,7 +357,9 @@ def component_words(equilibria: EquilibriumSet, index: int) -> str:
     factor = factor_words(equilibria, index)
     wrong = f"RMSE {number(component.rmse)}{f', {factor}' if factor else ''}"
     last = index == len(equilibria.components) - 1
-    worst = " It is the worst rotation there is." if last else ""
+    single = component.kind is ComponentKind.POINT
+    worst = "It is the worst rotation there is" if single else "No rotation is worse than these"
+    worst = f" {worst}." if last else ""
     axes = NUMERALS[component.morse_index]
     return (
         f"All forces and torques balance here, and yet it is wrong: {wrong}.{worst} Turning about "
@@ -360,7 +375,7 @@ def _growth_words(component: Component) -> str:
     modes = "1 of the 12 eigenvalues has" if count == 1 else f"{count} of the 12 eigenvalues have"
     return (
         f"and so {modes} a positive real part: along {which} a push grows, however small, "
-        "and the body leaves. Push it, and watch."
+        "and the body leaves."
     )
 
 

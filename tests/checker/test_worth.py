@@ -75,7 +75,7 @@ def assert_true(certificate, source, target, weights) -> dict[str, Fraction]:
     if spread:
         assert worth.gap <= worth.share * (spread + error) <= Fraction(142, 100) * worth.gap
     assert ("degrees" in told) == (worth.angle is not None)
-    assert ("No angle is bounded" in words) == (worth.angle is None)
+    assert ("No angle is bounded" in words) == (worth.angle is None and worth.share > 0)
     if worth.angle is not None:
         (d, e), (m, f) = (certificate["optimality"][name] for name in ("delta", "mu"))
         half, sin2 = float(worth.angle) / 2, float(Fraction(d, m) * Fraction(2) ** (e - f))

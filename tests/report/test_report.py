@@ -372,7 +372,7 @@ def weak_proof(document: dict[str, Any]) -> None:
     ("weaken", "angle"),
     [
         (weak_claims, "its rotation is within 60.1 degrees of the best one"),
-        (weak_proof, "of its angle to the best one, it claims nothing"),
+        (weak_proof, "of its angle to the best one they say nothing"),
     ],
 )
 def test_no_more_is_said_to_be_proved_than_the_certificate_in_the_page_proves(

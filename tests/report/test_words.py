@@ -160,4 +160,4 @@ def test_the_optimum_is_not_counted_as_spurious(specimen):
 def test_the_page_of_a_unique_optimum_among_a_continuum_counts_them_apart():
     words = page(proof(OCTAHEDRON, OCTAHEDRON))
 
-    assert "There are one optimum and infinitely many spurious equilibria: one pose of" in words
+    assert "There is one optimum and infinitely many spurious equilibria: one pose of" in words

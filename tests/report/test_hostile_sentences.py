@@ -1,0 +1,152 @@
+"""Sentences beside numbers that a hostile reader found to say too much, or something else."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from commands import checked
+from strategies import random_rotation
+
+from certreg.campaign.pairs import PAIR_COLUMNS
+from certreg.geometry import why_no_rotation
+from certreg.problem import RegistrationProblem
+from certreg.registration import assess, certify, simulated
+from certreg.report import (
+    assessment_summary,
+    registration_summary,
+    simulation_summary,
+    summary,
+)
+from certreg.report.viewer import WATCH, Names, scene_document, viewer_words
+from certreg.report.words import component_words, lie_words, trap_words
+from certreg.verify import check
+
+if TYPE_CHECKING:
+    from certreg.registration import Registration
+
+RNG = np.random.default_rng(11)
+CLOUD = RNG.standard_normal((12, 3))
+NOISY = CLOUD + 0.01 * RNG.standard_normal((12, 3))
+OCTAHEDRON = np.vstack([np.eye(3), -np.eye(3)])
+NAMES = Names.of({}, 0)
+BOX = np.array([[1.0, 2, 0], [1, -2, 0], [-1, 2, 0], [-1, -2, 0], [0, 0, 3], [0, 0, -3]])
+
+
+def proof(source: Any, target: Any, **options: Any) -> Registration:
+    options = {"relaxation": False, "simulation": False, **options}
+    return certify(RegistrationProblem(source, target), **options)
+
+
+@pytest.fixture(scope="module")
+def saddle() -> Registration:
+    """The body begins at a saddle: the target is the source after a half turn."""
+    return proof(BOX, BOX * [1.0, -1.0, -1.0], simulation=True)
+
+
+def test_a_run_that_was_kicked_says_so(saddle: Registration):
+    trajectory: Any = saddle.solution.trajectory
+    usual = registration_summary(proof(CLOUD, NOISY, simulation=True))
+
+    assert trajectory.escapes == 1
+    assert f"{trajectory.steps} steps (kicked off a saddle once), " in registration_summary(saddle)
+    assert "kicked" not in usual
+
+
+@pytest.mark.parametrize("target", [-OCTAHEDRON, np.ones((6, 3))])
+def test_of_several_optima_none_is_called_the_optimum(target: Any):
+    problem = RegistrationProblem(OCTAHEDRON, target)
+    ended = simulated(problem)
+    spoilt = assess(problem, np.eye(3), [5.0, 0.0, 0.0])
+
+    assert not ended.unique
+    words = simulation_summary(ended)
+    assert "from the nearest optimum" in words
+    assert "the exact motion ends at an optimum." in words
+    assert "the global optimum" not in spoilt.words
+    assert "the nearest optimum is " in spoilt.words
+
+
+def test_far_angles_have_three_digits():
+    assert summary._away(math.radians(154.3)) == "154 degrees from the optimum"
+    assert summary._away(math.radians(2.34e-7)) == "2e-07 degrees from the optimum"
+
+
+def test_what_moving_the_origin_does_not_mend_is_not_advised():
+    moved = proof(CLOUD + 1e16, CLOUD @ random_rotation(RNG).T + 1e16)
+    apart = proof(CLOUD * 1e-100, NOISY * 1e100)
+    words = [
+        assess(one.problem, one.pose.rotation, one.pose.translation).words for one in (moved, apart)
+    ]
+
+    assert words[0].endswith("move the origin to the clouds.")
+    assert words[1].endswith("times as large as the source: no translation in doubles is closer.")
+    assert "move the origin" not in words[1]
+
+
+def test_a_gap_beyond_doubles_is_one_thing_in_both_places():
+    judged = assess(RegistrationProblem(CLOUD, NOISY), np.eye(3), [1e308, 1e308, 0.0])
+
+    assert judged.headline.startswith("NOT-AN-EQUILIBRIUM: between ")
+    assert "above the minimum  beyond the doubles, as said above (proved)" in assessment_summary(
+        judged
+    )
+
+
+def test_a_plane_has_no_worst_rotation_but_several():
+    worst = proof(OCTAHEDRON, OCTAHEDRON)
+    plane = worst.equilibria.components[-1]
+    judged = assess(worst.problem, plane.rotation, np.zeros(3))
+
+    assert "the worst rotations there are" in judged.headline
+    assert "No rotation is worse than these." in component_words(worst.equilibria, 1)
+    assert checked(trap_words(worst.equilibria)).startswith("One of the worst rotations, ")
+    single = proof(CLOUD, NOISY).equilibria
+    assert "It is the worst rotation there is." in component_words(single, 3)
+    assert checked(trap_words(single)).startswith("The worst rotation, ")
+
+
+def test_points_at_one_place_are_not_on_a_line():
+    point, line = proof(np.ones((4, 3)), CLOUD[:4]), proof(np.outer(range(4), [1, 2, 3]), CLOUD[:4])
+
+    assert (lie_words(point), lie_words(line)) == ("coincide", "are on one line")
+    for one in (point, line):
+        assert f"the source points {lie_words(one)}, so" in scene_document(one, NAMES)["still"]
+        assert "moves" not in viewer_words(one)["springs_words"]
+    assert "moves" in viewer_words(proof(CLOUD, NOISY))["springs_words"]
+
+
+def test_a_push_is_offered_where_there_is_a_run(saddle: Registration, monkeypatch: Any):
+    def offered() -> list[bool]:
+        return [one["words"].endswith(WATCH) for one in scene_document(saddle, NAMES)["components"]]
+
+    assert offered() == [False, True, True, True]
+    monkeypatch.setattr("certreg.report.viewer.simulated_escapes", lambda *_: [])
+    assert offered() == [False] * 4
+
+
+def test_a_matrix_of_zeros_is_not_short_of_digits():
+    rounded = np.eye(3) + 0.03 * np.ones((3, 3))
+
+    assert "every entry of it is 0" in checked(why_no_rotation(np.zeros((3, 3))))
+    assert "Give more digits" in checked(why_no_rotation(rounded))
+    assert "No rounding of a rotation" in checked(why_no_rotation(np.diag([1.0, 2.0, 3.0])))
+
+
+def test_a_table_of_bounds_says_at_most():
+    (gap,) = [one for one in PAIR_COLUMNS if one.name == "gap_bound"]
+
+    assert gap.meaning == "proved: objective - minimum is at most this"
+
+
+def test_the_checker_counts_one_pair_and_bounds_no_angle_where_all_are_optimal():
+    single = checked(proof([[1.0, 2, 3]], [[4.0, 5, 6]]).certificate).to_json()
+    words = " ".join(check(single).theorems)
+
+    assert json.loads(single)["problem"]["n"] == 1
+    assert "n = 1 pair, all of one weight" in words
+    assert "every rotation is optimal" in words
+    assert "No angle is bounded" not in words
