@@ -129,7 +129,7 @@ def test_a_push_is_offered_where_there_is_a_run(saddle: Registration, monkeypatc
 
 
 def test_a_matrix_of_zeros_is_not_short_of_digits():
-    rounded = np.eye(3) + 0.03 * np.ones((3, 3))
+    rounded = np.asarray(np.eye(3) + 0.03, dtype=np.float64)
 
     assert "every entry of it is 0" in checked(why_no_rotation(np.zeros((3, 3))))
     assert "Give more digits" in checked(why_no_rotation(rounded))
