@@ -71,7 +71,7 @@ def rows_by_label(
         if times[k] == 0:
             missing, others = len(counters[1 - k].keys() - counters[k].keys()), len(counters[1 - k])
             where += f", which lacks {missing} of the {others} labels of {names[1 - k]}"
-            remedy = "take --match common (in Python match='common')"
+            remedy = "take --match common"
         message = f"{where}: each must occur once in both; drop it, or {remedy}"
         raise InvalidFileError(message, path=files[k], column="label", value=label, limit=1)
     rows = {label: row for row, label in enumerate(target)}
