@@ -26,7 +26,8 @@ import { matrix } from "./rotation.js";
 const SHOWN_POINTS = 100_000; // of each cloud; a graphics card draws ten times as many
 const SHOWN_SPRINGS = 300; // more hide the clouds
 const HELD_POINTS = 2_000; // for which there is to be room
-const FAINT = 0.35; // springs between which the points are to be seen
+const [FAINT, PLAIN] = [0.35, 0.75]; // opacity of springs: through many the points are to be seen
+const SPARSE = 120; // springs that hide nothing
 const BODY_POINTS = 60; // bodies of few points are drawn with lines from their centre
 const FIELD = 35; // degrees
 const FARTHEST = 4; // how far off the body is followed, in radii
@@ -207,7 +208,8 @@ function spokes(points) {
 function hairlines(ends) {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(ends, 3));
-  const material = new LineBasicMaterial({ transparent: true, opacity: FAINT, depthWrite: false });
+  const opacity = Math.max(FAINT, Math.min(PLAIN, (PLAIN * 6 * SPARSE) / ends.length));
+  const material = new LineBasicMaterial({ transparent: true, opacity, depthWrite: false });
   const segments = new LineSegments(geometry, material);
   segments.frustumCulled = false;
   return segments;
