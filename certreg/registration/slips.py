@@ -113,18 +113,18 @@ def slip_of(
 
 
 def _named(slipped: Slipped, tries: Iterator[Mended], settings: AssessmentSettings) -> Slip | None:
-    """The first pose that is optimal; else the first that is near-optimal."""
-    near: Slip | None = None
+    """The first pose that is optimal; else, of those that are near it, the one of the least gap."""
+    near: tuple[Fraction, Slip] | None = None
     for mended in tries:
         facts = findings(slipped.registration, mended.pose, mended.cost)
-        verdict = verdict_of(facts, settings)
+        verdict, gap = verdict_of(facts, settings), facts.bounds.greatest_gap
         if verdict in GOOD and _is_close(facts, settings):
             words = f"{mended.subject} is {verdict.value}: {mended.why}"
             slip = Slip(code=mended.code, verdict=verdict, words=words)
             if verdict is PoseVerdict.OPTIMAL:
                 return slip
-            near = near or slip
-    return near
+            near = (gap, slip) if near is None or gap < near[0] else near
+    return None if near is None else near[1]
 
 
 def _is_close(facts: Findings, settings: AssessmentSettings) -> bool:

@@ -147,3 +147,15 @@ def test_far_from_the_origin_rounding_excuses_nothing(offset: float):
     assert found.verdict is PoseVerdict.NOT_AN_EQUILIBRIUM
     assert "move the origin to the clouds" in found.words
     assert "above the minimum (proved)" in found.headline
+
+
+def test_a_translation_that_is_not_written_costs_nothing():
+    problem = random_problem(np.random.default_rng(12), n=8, offset=1e6)
+    pose, objective = (
+        certify(problem, relaxation=False, simulation=False).pose,
+        Isotropic(exact_moments(problem)),
+    )
+    alone = rounding_cost(objective, pose.rotation, None)
+
+    assert 0 < alone < rounding_cost(objective, pose.rotation, pose.translation) / 10**6
+    assert alone == rounding_cost(objective, pose.rotation, None, (Fraction(7),) * 3)

@@ -104,6 +104,26 @@ def test_a_slip_is_named_of_a_pose_off_by_what_few_digits_lose_and_not_of_one_fa
         assert found.slip.verdict is PoseVerdict.NEAR_OPTIMAL
 
 
+@pytest.mark.parametrize("unit", [1000.0, 100.0, 10.0, 25.4, 0.3048])
+def test_a_translation_in_another_unit_is_named_with_its_factor(unit: float):
+    result = package.certify(PROBLEM, relaxation=False, simulation=False)
+    for factor, times in ((unit, "divided by"), (1.0 / unit, "times")):
+        found = assess(result, R, T * factor)
+
+        assert checked(found.slip).code is SlipCode.SCALED
+        assert f"its translation {times} {unit:g} is" in checked(found.hint)
+
+
+@pytest.mark.parametrize("seed", [41, 90])
+def test_of_two_slips_that_explain_it_the_one_that_leaves_less_is_named(seed: int):
+    """A translation a thousandth as long is all but none, as of clouds moved to their centroids."""
+    case = slips.SLIPS[5]
+    rng = np.random.default_rng([seed, 5])
+    stated = slips.problem(rng)
+
+    assert slips.is_right(case, assess(stated, case.spoil(stated, rng)))
+
+
 def test_a_good_pose_has_no_slip_even_where_its_inverse_is_as_good():
     cloud = np.vstack([np.diag([3.0, 2, 1]), -np.diag([3.0, 2, 1])])
     found = assess(RegistrationProblem(cloud, cloud), np.eye(3), np.zeros(3))
@@ -226,6 +246,19 @@ def test_an_optimal_pose_with_a_poor_fit_is_not_told_as_plainly_optimal():
     assert "\n  warning            the target is a mirror image" in wrong
     no_rotation = assessment_summary(assess(result, np.ones((3, 3))))
     assert "\n  warning            the target is a mirror image" in no_rotation
+
+
+def test_a_good_fit_that_a_scale_makes_better_is_not_called_poor():
+    rng = np.random.default_rng(10)
+    cloud = rng.normal(size=(60, 3))
+    target = 1.02 * cloud + 0.001 * rng.normal(size=cloud.shape)
+    result = package.certify(RegistrationProblem(cloud, target), relaxation=False, simulation=False)
+    pose = result.pose.as_matrix()
+    better = "BUT A SCALE FITS BETTER: within"
+
+    assert assess(result, result).headline.startswith(f"OPTIMAL TO ROUNDING, {better}")
+    assert assess(result, np.round(pose, 7)).headline.startswith(f"NEAR-OPTIMAL, {better}")
+    assert "the target is 1.01994 times as large" in assess(result, pose).headline
 
 
 def test_the_optimum_stands_beside_the_pose(tmp_path):
