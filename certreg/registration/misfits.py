@@ -47,6 +47,7 @@ from certreg.registration.tails import (
     log_choices,
     log_ratio_below,
 )
+from certreg.results import Brief
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -84,7 +85,7 @@ class FitCode(enum.Enum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FitWarning:
+class FitWarning(Brief):
     """Something about the data that a pose cannot mend, in a sentence without a full stop."""
 
     code: FitCode
