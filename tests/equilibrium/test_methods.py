@@ -236,6 +236,26 @@ def test_spans_are_orthonormal_in_the_bits_that_they_state(specimen):
         assert unit_spans(found) < 1 << (12 if found.complete else found.bits - 45)
 
 
+def test_the_angle_of_a_comparison_is_that_of_the_rotations():
+    """A quaternion turned by a turns its rotation by 2 a."""
+    first, second, _ = critical_sets(strategies.random_problem(np.random.default_rng(4), noise=0.1))
+    spans = [part.span[0] for part in second.components]
+
+    def beside(k, _):
+        return (tuple(a + b // 10**12 for a, b in zip(spans[k], spans[k - 1], strict=True)),)
+
+    found = compare([first, changed(second, span=beside)])
+    assert found.angle == pytest.approx(2e-12, rel=1e-3, abs=0.0)
+
+
+def test_a_list_in_doubt_has_the_energies_of_the_continuum():
+    for specimen in strategies.ZOO[4:8]:
+        known, _, doubtful = critical_sets(specimen.problem)
+        values = [part.value for part in known.components]
+        for a, b in zip(values, [part.value for part in doubtful.components], strict=True):
+            assert abs(a - b) <= (values[-1] - values[0]) / 10**8
+
+
 @pytest.mark.parametrize("cut", [1, 40, 60])
 @pytest.mark.parametrize("order", [1, -1])
 def test_lists_of_different_precision_are_compared_in_the_coarser_one(cut, order):

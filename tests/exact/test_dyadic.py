@@ -14,6 +14,7 @@ from certreg.exact.dyadic import (
     dyadic_below,
     half_angle_bound,
     nearest_double,
+    nearest_or_zero,
     nearest_root,
     rational_root_above,
     root_above,
@@ -73,6 +74,20 @@ def test_a_root_above_is_above_and_close_at_every_size(value):
 
     assert value <= root**2 <= value * (1 + Fraction(1, 2**61))
     assert root_above(value) >= root
+
+
+@given(st.floats(0.0, allow_infinity=False, allow_nan=False))
+def test_a_double_is_its_own_bound(value):
+    exact = Fraction(value)
+
+    assert double_above(exact) == double_below(exact) == nearest_or_zero(exact) == value
+
+
+def test_coordinates_beyond_the_doubles_keep_their_side():
+    far = Fraction(10) ** 400
+
+    assert (nearest_or_zero(far), nearest_or_zero(-far)) == (math.inf, -math.inf)
+    assert nearest_or_zero(1 / far) == 0.0
 
 
 def test_zero_stays_zero():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from fractions import Fraction
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import casadi
 import numpy as np
@@ -18,13 +18,17 @@ from hypothesis import strategies as st
 
 import certreg
 from certreg.equilibrium.batch import solve_many
+from certreg.equilibrium.presentation import unit_double
 from certreg.geometry.constraints import homogeneous
-from certreg.geometry.so3 import davenport_matrix, quadratic_form, rotation_matrix, squared_norm
+from certreg.geometry.so3 import (
+    angle_between,
+    davenport_matrix,
+    quadratic_form,
+    rotation_matrix,
+    squared_norm,
+)
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
-
-if TYPE_CHECKING:
-    from certreg.objective.objective import Objective
 
 checker_module = import_module("certreg.verify")  # the name of the function, too
 Q = (2, -1, 3, 5)
@@ -32,7 +36,7 @@ CHART = (1, 2, 3, 4)
 TOP_CALLS = 3  # of Davenport's matrix in one run: of the objective, of Horn, of the checker
 
 
-def objective_of(problem) -> Objective:
+def objective_of(problem) -> Isotropic:
     return Isotropic(exact_moments(problem))
 
 
@@ -69,6 +73,14 @@ def test_a_loss_is_the_share_of_the_range_of_energies_above_the_least(problem, q
     share = (objective.energy(q) - best) / (worst - best) if worst > best else 0
 
     assert objective.relative_loss(q) == pytest.approx(float(share), rel=1e-9, abs=1e-12)
+
+
+def test_the_angle_to_an_equilibrium_is_that_between_rotations():
+    objective = objective_of(strategies.random_problem(np.random.default_rng(2), noise=0.5))
+    here = unit_double(Q)
+    for k, q in enumerate(objective.quaternions):
+        assert objective.angle_to(k, Q) == pytest.approx(angle_between(here, unit_double(q)))
+    assert objective.angle_to_optimum(Q) == objective.angle_to(0, Q)
 
 
 @settings(max_examples=25)

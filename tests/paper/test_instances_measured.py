@@ -45,6 +45,21 @@ def test_the_half_turn_error_is_that_of_the_worst_spurious_pose(made, row):
     assert found["half_turn_error_rad"] == pytest.approx(0.2)
 
 
+def test_an_exception_is_listed_with_its_counts_and_its_certificate():
+    arrays = {
+        "instance": np.arange(5, 8),
+        "unstable": np.array([[0, 1, 2, 3], [0, 2, -1, -1], [-1, -1, -1, -1]]),
+        "exception": np.array([6, 7]),
+        "exception_pattern": np.array([[2, 2, 0, 0], [4, 0, 0, 0]]),
+        "exception_sha256": np.array([[1] * 32, [0] * 32], dtype=np.uint8),
+    }
+
+    assert list(monte_carlo._listed(arrays)) == [
+        [6, "2 2", "0 2", "certificates/instance-000000006.json"],
+        [7, "4", "", None],
+    ]
+
+
 def test_no_count_is_kept_where_doubles_do_not_decide(made):
     solutions = solve_many(made.sources, made.targets)
     decided = np.arange(20) % 3 == 0

@@ -429,6 +429,16 @@ def test_what_is_no_pair_of_clouds_is_refused(change, words):
         certreg.register(*change(*pair()))
 
 
+@pytest.mark.parametrize("dtype", ["<i8", "<i4", "<u2", "<f2", ">f8"])
+def test_many_points_of_any_type_are_those_of_their_values(dtype):
+    values = np.random.default_rng(2).integers(0, 100, size=(2, 5000, 3)).astype(dtype)
+    x, y = values.astype(float)
+    found, plain = moments_of_clouds(*values), moments_of_clouds(x, y)
+
+    assert (found.cross_covariance == plain.cross_covariance).all()
+    assert (found.source_centroid == plain.source_centroid).all()
+
+
 @pytest.mark.parametrize("points", [5, 5000])
 @pytest.mark.parametrize("threads", [0, -1, "2", 1.0, None, True])
 def test_a_number_of_threads_that_is_none_is_refused(threads, points):
