@@ -198,8 +198,12 @@ def _require_fitting(
 
 
 def _of_any_weight(clouds: RegistrationProblem | Clouds) -> Clouds:
-    if not isinstance(clouds, Clouds):  # its digest is of the weights, too
+    bare = isinstance(clouds, Clouds)
+    if not bare and clouds.n > INLINE_MAX:  # its digest is of the weights, too
         message = f"--any-weight is for {INLINE_MAX} points at most: give --sigma"
+        raise click.UsageError(message)
+    if not bare or clouds.weights is not None:
+        message = "--any-weight: a column of the clouds tells the weights: add --ignore-weights"
         raise click.UsageError(message)
     return replace(clouds, any_weight=True)
 

@@ -171,6 +171,10 @@ def test_a_certificate_of_weights_in_columns_is_verified_beside_them_alone(tmp_p
     assert certreg("verify", certificate, source, target, *told).code == 0
     for options in (("--ignore-weights",), ("--sigma", "1"), (*told, "--ignore-weights")):
         assert certreg("verify", certificate, source, target, *options).code == 1
+    for command in ("verify", "report"):
+        usage = certreg(command, certificate, source, target, "--any-weight")
+        assert (usage.code, usage.out) == (2, "")
+        assert "a column of the clouds tells the weights: add --ignore-weights" in usage.err
     weights = ("--weights", tmp_path / "w.txt")
     assert certreg("verify", certificate, source, target, *weights).code == 0
 
@@ -189,7 +193,8 @@ def test_columns_of_both_clouds_or_both_kinds_are_refused_and_may_be_ignored(tmp
         assert certreg("equilibria", *clouds, "--sigma", "1").code == 0
 
 
-def test_noise_goes_with_its_rows_by_label_and_by_pairs(tmp_path: Path):
+@pytest.mark.parametrize("column", ["sigma", "weight"])
+def test_noise_goes_with_its_rows_by_label_and_by_pairs(tmp_path: Path, column: str):
     names = list("abcde")
     source = table(tmp_path, "a.csv", HERE, label=names)
     order = [3, 1, 4, 0, 2]
@@ -198,9 +203,10 @@ def test_noise_goes_with_its_rows_by_label_and_by_pairs(tmp_path: Path):
         "b.csv",
         THERE[order],
         label=[names[k] for k in order],
-        weight=[SIGMA[k] for k in order],
+        **{column: [SIGMA[k] for k in order]},
     )
-    expected = RegistrationProblem(HERE, THERE, weights=SIGMA).digest()
+    noise = {"sigma" if column == "sigma" else "weights": SIGMA}
+    expected = RegistrationProblem(HERE, THERE, **noise).digest()
     (tmp_path / "p.csv").write_text("".join(f"{k},{order.index(k)}\n" for k in range(5)))
     quick = ("--no-relaxation", "--no-simulation", "--out", tmp_path / "out")
 

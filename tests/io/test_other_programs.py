@@ -181,6 +181,28 @@ def test_a_broken_file_of_another_program_is_refused_with_the_place(name: str):
     assert str(caught.value).isprintable()
 
 
+def test_vertices_of_triangles_come_in_the_order_of_the_file():
+    corners = ["9 0 0", "1 2 3", "5 5 5", "9 0 0", "5 5 5", "0 0 1"]
+    facets = [
+        "facet normal 0 0 1\nouter loop\n"
+        + "".join(f"vertex {corner}\n" for corner in corners[k : k + 3])
+        + "endloop\nendfacet\n"
+        for k in (0, 3)
+    ]
+    text = "solid a\n" + "".join(facets) + "endsolid a\n"
+    read = parse_cloud(io.BytesIO(text.encode()), Path("a.stl"))
+
+    assert read.points.tolist() == [[9, 0, 0], [1, 2, 3], [5, 5, 5], [0, 0, 1]]
+    assert read.notes == ("4 vertices of 2 triangles",)
+
+
+def test_no_more_points_are_asked_for_than_a_file_of_las_can_hold():
+    content = bytearray((DATA / "laspy.las").read_bytes())
+    content[107:111] = b"\xff\xff\xff\xff"
+    with pytest.raises(InvalidFileError, match=r"declares 4294967295 points, \d+ bytes of at most"):
+        parse_cloud(io.BytesIO(content), Path("a.las"))
+
+
 LAS_FIELDS = {  # offset and bytes in the header: what is there may not be more than the file holds
     "records": (100, b"\xff\xff\xff\xff"),
     "begin of the points": (96, b"\xff\xff\xff\x7f"),
