@@ -21,7 +21,7 @@ from certreg.report import registration_summary, result_document
 from certreg.report.document import dumps, simulation_document
 from certreg.report.methods import methods_fields, methods_summary, methods_table
 from certreg.report.overview import split
-from certreg.report.page import EMBEDDED_BYTES, Report, html_page
+from certreg.report.page import EMBEDDED_BYTES, Report, _within_usual, html_page
 from certreg.results import OUT_OF_RANGE, Absent, Limits, Optimality
 
 if TYPE_CHECKING:
@@ -252,6 +252,16 @@ def test_the_fields_of_methods_are_those_of_the_searches(enumeration: Enumeratio
             assert field["guarantee"] == one.critical.guarantee.label
 
 
+def test_what_a_method_leaves_in_doubt_is_said_beside_it(enumeration: Enumeration):
+    one = next(each for each in enumeration.searches if each.critical is not None)
+    critical = replace(checked(one.critical), completeness=None, doubt="a path was lost")
+    doubtful = replace(enumeration, searches=(replace(one, critical=critical),))
+    (field,) = methods_fields(doubtful)["roads"]
+
+    assert methods_table(doubtful).splitlines()[1].endswith(f"{critical.guarantee.label}, in doubt")
+    assert (field["complete"].value, field["complete"].reason) == (False, "a path was lost")
+
+
 def test_a_simulation_alone_has_the_fields_of_one_in_a_result(registration: Registration):
     solution = registration.solution
     run: Any = solution.trajectory
@@ -367,6 +377,9 @@ def test_a_page_carries_a_certificate_up_to_the_limit_and_names_a_larger_one(
 ):
     report = Report.of(registration)
 
+    assert EMBEDDED_BYTES == 8 * 1024**2
+    assert _within_usual(registration)
+    assert not _within_usual(replace(registration, bounds=None))
     for size, carried in ((EMBEDDED_BYTES, True), (EMBEDDED_BYTES + 1, False)):
         assert replace(report, content=b" " * size).embedded == carried
 

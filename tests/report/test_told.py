@@ -8,8 +8,10 @@ from __future__ import annotations
 import base64
 import gzip
 import math
+import re
 from dataclasses import replace
 from fractions import Fraction
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,8 +30,6 @@ from certreg.report.viewer import _pairs, packed, sample_of, viewer_words
 from certreg.results import Absent, Guarantee
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from certreg.registration import Registration
 
 NOISY = random_problem(np.random.default_rng(7), n=9, noise=0.2)
@@ -184,8 +184,8 @@ def test_the_sentences_of_a_page_hold_the_numbers_of_the_certificate(axes: Regis
 
 
 def test_where_all_poses_are_optimal_no_mode_is_said_to_grow():
-    point = plainly([[1.0, 2, 3]] * 4, [[0.0, 0, 0]] * 4)
-    line = plainly(LINE, LINE)
+    point, line = plainly(AXES, [[0.0, 0, 0]] * 6), plainly(LINE, LINE)
+    assert point.equilibria.classification.unstable == (0,)
     angles = words.MethodAngles(closed_form=0.0, relaxation=None, simulation=None)
     for found in (point, line):
         told = [
@@ -294,3 +294,6 @@ def test_what_is_no_certificate_is_named_with_its_file(tmp_path: Path):
     path.write_text("{}")
     with pytest.raises(CertregError, match=r"wrong\.json"):
         report_of(path)
+    count = next((Path(__file__).parents[2] / "vectors").glob("accept-*count*.json"))
+    with pytest.raises(CertregError, match=rf"^{re.escape(str(count))}: .*: give the certificate"):
+        report_of(count)
