@@ -36,7 +36,8 @@ class Run:
     start: the component that it was pushed off; None: released where the source was given.
     times (F,), in the time unit of the springs; quaternions (F, 4); offsets (F, 3), of the source's
     centroid from the target's, over 2^length_exponent; potential, kinetic (F,), per unit of mass,
-    over 4^length_exponent. last: when the simulation ended, seen or not.
+    over 4^length_exponent. last: when the simulation ended, seen or not; end: its last quaternion.
+    converged: whether it came to rest; escapes: how often it was kicked off a saddle.
     """
 
     start: int | None
@@ -47,6 +48,9 @@ class Run:
     kinetic: NDArray[np.float64]
     length_exponent: int
     last: float
+    end: NDArray[np.float64]
+    converged: bool
+    escapes: int
 
     @property
     def fields(self) -> dict[str, Any]:
@@ -79,6 +83,9 @@ def thinned(trajectory: Trajectory, start: int | None = None) -> Run:
         kinetic=trajectory.kinetic[rows],
         length_exponent=trajectory.length_exponent,
         last=float(times[-1]),
+        end=trajectory.quaternion,
+        converged=trajectory.converged,
+        escapes=trajectory.escapes,
     )
 
 

@@ -15,9 +15,10 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from certreg.exact import nearest_double
+from certreg.problem import lift
 from certreg.report.markup import printable
 from certreg.report.summary import margin_words, number
-from certreg.report.thinning import shown_motion, simulated_escapes
+from certreg.report.thinning import Run, shown_motion, simulated_escapes
 from certreg.report.words import component_name, component_words, factor_words, lie_words
 from certreg.results import Absent
 
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
     from certreg.equilibrium import EquilibriumSet
     from certreg.problem import RegistrationProblem
-    from certreg.registration import Registration
+    from certreg.registration import Registration, Solution
 
 SPRINGS_WORDS = (
     "Each pair is joined by a spring, and the source moves as one rigid body, with friction, until "
@@ -137,12 +138,23 @@ def scene_document(registration: Registration, names: Names) -> dict[str, Any]:
                 zip(equilibria.components, solution.objective.quaternions, strict=True)
             )
         ],
-        "runs": [run.fields for run in runs],
+        "runs": [{**run.fields, "ended": ended_words(solution, run)} for run in runs],
         "still": None if runs else NO_MOTION + (NOT_SIMULATED if defined else undefined),
         "energy_unit": nearest_double(unit),
         "margin": {"relative": equilibria.margin.relative, "words": margin_words(equilibria)},
         "axes": _axes(problem.target).tolist(),
     }
+
+
+def ended_words(solution: Solution, run: Run) -> str:
+    """Where a run ended, and how."""
+    unique = solution.equilibria.classification.unique
+    kicked = "It stood at a saddle and was kicked off. " if run.escapes else ""
+    if run.converged:
+        return f"{kicked}It comes to rest at {'the optimum' if unique else 'one of the optima'}."
+    away = math.degrees(solution.objective.angle_to_optimum(lift(run.end).integers))
+    where = "the optimum" if unique else "the nearest optimum"
+    return f"{kicked}The steps ran out before it was at rest, {away:.3g}° from {where}."
 
 
 def sample_of(problem: RegistrationProblem) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,7 +22,9 @@ from certreg.report import (
     simulation_summary,
     summary,
 )
-from certreg.report.viewer import WATCH, Names, scene_document, viewer_words
+from certreg.report.page import ASSETS
+from certreg.report.thinning import thinned
+from certreg.report.viewer import WATCH, Names, ended_words, scene_document, viewer_words
 from certreg.report.words import component_words, lie_words, trap_words
 from certreg.verify import check
 
@@ -126,6 +129,19 @@ def test_a_push_is_offered_where_there_is_a_run(saddle: Registration, monkeypatc
     assert offered() == [False, True, True, True]
     monkeypatch.setattr("certreg.report.viewer.simulated_escapes", lambda *_: [])
     assert offered() == [False] * 4
+
+
+def test_each_run_says_how_it_ended(saddle: Registration):
+    told = [run["ended"] for run in scene_document(saddle, NAMES)["runs"]]
+    kicked = "It stood at a saddle and was kicked off. "
+
+    assert told[0] == f"{kicked}It comes to rest at the optimum."
+    assert told[1:] == ["It comes to rest at the optimum."] * 3
+    trajectory: Any = saddle.solution.trajectory
+    short = replace(thinned(trajectory), converged=False, escapes=0, end=np.array([1.0, 0, 0, 0]))
+    words = "The steps ran out before it was at rest, 180° from the optimum."
+    assert ended_words(saddle.solution, short) == words
+    assert "and nowhere else" not in (ASSETS / "report.js").read_text("utf-8")
 
 
 def test_a_matrix_of_zeros_is_not_short_of_digits():

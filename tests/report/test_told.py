@@ -265,6 +265,9 @@ def test_what_the_script_reads_is_what_was_computed():
         kinetic=np.array([0.0, 0.5]),
         length_exponent=-2,
         last=9.0,
+        end=np.eye(4)[0],
+        converged=True,
+        escapes=0,
     )
     most = float(np.finfo(np.float32).max)
 

@@ -120,10 +120,10 @@ function mark(player) {
 }
 
 function motionWords({ run, components }) {
-  const end = "It comes to rest at the optimum, and nowhere else.";
+  const end = run.ended;
   if (run.start === null) return `The source moves as a rigid body, drawn by the springs. ${end}`;
-  const name = components[run.start].name.toLowerCase();
-  return `Pushed off the ${name} (index ${components[run.start].index}) by a turn of 1°, it leaves. ${end}`;
+  const { name, index } = components[run.start];
+  return `Pushed off the ${name.toLowerCase()} (index ${index}) by a turn of 1°. ${end}`;
 }
 
 function clock({ run, time }, rmse, sampled) {

@@ -8,6 +8,7 @@ export class Run {
   constructor(fields, length) {
     this.start = fields.start; // the component it was pushed off, or null
     this.last = fields.last;
+    this.ended = fields.ended; // where and how, in words
     for (const name of ["times", "quaternions", "offsets", "potential", "kinetic"]) {
       this[name] = floats(fields[name]);
     }
