@@ -66,6 +66,7 @@ def test_chi_squared_is_the_objective_under_the_given_noise():
 def test_the_noise_beyond_sigma_is_told_as_a_length():
     result = said(CLOUD, NOISY, sigma=1e-3)
     (text,) = [one.text for one in result.warnings if one.code is FitCode.CHI2]
+    assert "the noise is larger, pairs are wrong, or the clouds are not one rigid shape" in text
     times = float(text.removeprefix("the residuals are ").split(" times ")[0])
 
     assert times**2 * checked(result.chi2).dof == pytest.approx(
@@ -145,7 +146,9 @@ def test_noise_as_large_as_the_cloud_is_a_poor_fit():
     target = CLOUD + 1.5 * np.random.default_rng(3).standard_normal((12, 3))
     target[:, 0] *= 3.0  # of another shape: nobody shuffled it
 
-    assert said(CLOUD, target).codes == (FitCode.POOR_FIT,)
+    result = said(CLOUD, target)
+    assert result.codes == (FitCode.POOR_FIT,)
+    assert "or the noise is as large as they are" in result.warnings[0].text
 
 
 def test_a_fit_without_a_pairing_is_not_told_to_be_scaled():
