@@ -18,7 +18,8 @@ def wrong_evidence(message: str, evidence: dict[str, Any]) -> str | None:
     path = evidence.get("path")
     if not (path is None or isinstance(path, Path)):
         return f"path is {path!r}"
-    if path is not None and shown(path.name) not in message and not OF_BOTH.match(message):
+    named = path is None or shown(path.name) in message or message.startswith("standard input")
+    if not named and not OF_BOTH.match(message):
         return "the file is not named"
     for name, least in (("line", 1), ("row", 0)):
         place = evidence.get(name)
