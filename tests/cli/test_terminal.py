@@ -224,3 +224,24 @@ def test_what_a_command_cannot_do_without_is_asked_for(command: tuple[str, ...],
     assert run.code == 2
     assert run.err.startswith("Usage: ")
     assert f"Missing option '{missing}'" in run.err
+
+
+def test_what_ends_a_command_is_told_on_stderr(monkeypatch: pytest.MonkeyPatch):
+    def short(*_: object, **__: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(cli, "main", short)
+    run = certreg("info")
+
+    assert (run.code, run.out) == (2, "")
+    assert run.err == "certreg: not enough memory for this input: use fewer points\n"
+
+
+def test_a_bar_is_as_long_as_what_is_left(terminal: Terminal, clock: list[float]):
+    with redirect_stderr(terminal), Progress(5) as bar:
+        bar.begin_with(1)
+        clock[0] += 2.0
+        bar.advance(1)
+        assert " 25%" in terminal.getvalue()
+        bar.advance(3)
+        assert "100%" in terminal.getvalue()

@@ -191,8 +191,10 @@ def test_vertices_of_triangles_come_in_the_order_of_the_file():
     ]
     text = "solid a\n" + "".join(facets) + "endsolid a\n"
     read = parse_cloud(io.BytesIO(text.encode()), Path("a.stl"))
+    upper = parse_cloud(io.BytesIO(text.upper().encode()), Path("a.STL"))
 
     assert read.points.tolist() == [[9, 0, 0], [1, 2, 3], [5, 5, 5], [0, 0, 1]]
+    assert upper.points.tolist() == read.points.tolist()
     assert read.notes == ("4 vertices of 2 triangles",)
 
 

@@ -293,3 +293,10 @@ def test_a_certificate_and_a_line_of_a_trajectory_are_judged(tmp_path):
     refused = certreg("apply", tmp_path / "certificate.json", files[0], "--out", tmp_path / "a.csv")
     assert refused.code == 2
     assert "holds a rotation alone: give the result or the pose file" in refused.err
+
+
+def test_a_similarity_is_told_whether_its_translation_is_scaled_too_or_not():
+    for shift in (T, 1000.0 * T):
+        found = assess(PROBLEM, (1000.0 * R, shift))
+
+        assert checked(found.slip).code is SlipCode.SCALED

@@ -260,6 +260,14 @@ def test_what_a_method_leaves_in_doubt_is_said_beside_it(enumeration: Enumeratio
 
     assert methods_table(doubtful).splitlines()[1].endswith(f"{critical.guarantee.label}, in doubt")
     assert (field["complete"].value, field["complete"].reason) == (False, "a path was lost")
+    for doubt, reason in (("a path was lost", "a path was lost"), (None, "the balls are too wide")):
+        parts = tuple(replace(part, index=None) for part in critical.components)
+        known = critical.completeness if doubt else checked(one.critical).completeness
+        given = replace(critical, components=parts, completeness=known, doubt=doubt)
+        (field,) = methods_fields(replace(doubtful, searches=(replace(one, critical=given),)))[
+            "roads"
+        ]
+        assert field["indices"].reason.startswith(reason)
 
 
 def test_a_simulation_alone_has_the_fields_of_one_in_a_result(registration: Registration):

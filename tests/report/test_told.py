@@ -17,13 +17,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 from commands import checked
-from strategies import AXES, LINE, SQUARE, TETRAHEDRON, random_problem
+from strategies import AXES, LINE, SQUARE, TALL, TETRAHEDRON, random_problem
 
 from certreg.certificate import RotationState
 from certreg.errors import CertregError
 from certreg.problem import RegistrationProblem
 from certreg.registration import assess, certify
 from certreg.report import assessment_summary, registration_summary, summary, words
+from certreg.report.overview import _aligned
 from certreg.report.reload import report_of
 from certreg.report.thinning import Run, _packed
 from certreg.report.viewer import _pairs, packed, sample_of, viewer_words
@@ -32,6 +33,7 @@ from certreg.results import Absent, Guarantee
 if TYPE_CHECKING:
     from certreg.registration import Registration
 
+MIRRORED = (TALL, [[2.0 * x for x in row] for row in TETRAHEDRON])  # patterns 2 1 1 and 3 1
 NOISY = random_problem(np.random.default_rng(7), n=9, noise=0.2)
 
 
@@ -99,10 +101,13 @@ def test_a_method_that_was_left_out_says_why_and_one_not_asked_for_says_nothing(
         (TETRAHEDRON, "one optimum and infinitely many spurious equilibria"),
         (LINE, "infinitely many optima and infinitely many spurious equilibria"),
         ([[1.0, 2, 3]] * 4, "every rotation is an equilibrium, and every one is optimal"),
+        (MIRRORED[0], "infinitely many optima and exactly two spurious equilibria"),
+        (MIRRORED[1], "infinitely many optima and exactly one spurious equilibrium"),
     ],
 )
 def test_equilibria_are_counted_and_exactly_is_said_of_what_is_exact(cloud: Any, said: str):
-    equilibria = plainly(cloud, cloud).equilibria
+    target = -np.array(cloud) if cloud in MIRRORED else cloud
+    equilibria = plainly(cloud, target).equilibria
     computed = replace(equilibria, guarantee=Guarantee.NUMERICAL)
 
     assert summary.count_words(equilibria) == f"Equilibria (exact, complete): {said}."
@@ -300,3 +305,15 @@ def test_what_is_no_certificate_is_named_with_its_file(tmp_path: Path):
     count = next((Path(__file__).parents[2] / "vectors").glob("accept-*count*.json"))
     with pytest.raises(CertregError, match=rf"^{re.escape(str(count))}: .*: give the certificate"):
         report_of(count)
+
+
+def test_the_rows_of_a_matrix_stand_in_columns():
+    rows = _aligned([[1.0, -0.5, 0.0, 12345.5], [0.0, 1.0, -1.0, -2.0], [0.5, 0.5, 0.5, 0.0]])
+
+    assert len({len(row) for row in rows}) == 1
+    assert [row.split() for row in rows] == [
+        ["1.000000", "-0.500000", "0.000000", "12345.5"],
+        ["0.000000", "1.000000", "-1.000000", "-2"],
+        ["0.500000", "0.500000", "0.500000", "0"],
+        ["0", "0", "0", "1"],
+    ]
