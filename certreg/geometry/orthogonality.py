@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -52,7 +52,7 @@ def why_no_rotation(
     return _why_not_orthogonal(defect, stretch)
 
 
-def _why_not_orthogonal(defect: float, stretch: NDArray[np.float64]) -> str:
+def _why_not_orthogonal(defect: float, stretch: NDArray[np.floating[Any]]) -> str:
     if stretch[0] == 0.0:
         return "The matrix is not orthogonal: every entry of it is 0. It is not a rotation."
     remedy = "Give more digits, or the quaternion."

@@ -56,8 +56,8 @@ class Assessment(Explained, Presented):
     nearest_index, nearest_angle: Morse index of the nearest component of equilibria; radians.
     sigma_distance: how far the pose is from the optimum in standard deviations; None without sigma.
     slip: the usual slip that explains a bad verdict, if any does: without it the pose is optimal.
-    optimum, optimum_objective, optimum_rmse: the certified pose beside the judged one; where the
-        optimum is not unique, the one nearest the identity.
+    optimum, optimum_objective, optimum_rmse: the certified pose beside the judged one, and what the
+        optimum costs itself, not rounded; where it is not unique, the one nearest the identity.
     fit: what the optimum is worth as a fit: a pose can be optimal and the fit poor.
     headline: the verdict, with what is proved; words: what else is to be said of it, in a sentence
         or two.
@@ -202,11 +202,12 @@ def _assessment(
 
 
 def _beside(registration: Registration) -> dict[str, Any]:
-    """The optimum, to be held beside the pose that is judged."""
+    """The optimum, to be held beside the pose that is judged: what it costs itself, not rounded."""
+    best = registration.equilibria.components[0]
     return {
         "optimum": registration.pose,
-        "optimum_objective": registration.objective,
-        "optimum_rmse": registration.rmse,
+        "optimum_objective": best.energy,
+        "optimum_rmse": best.rmse,
         "fit": registration.fit,
     }
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -144,7 +144,7 @@ def test_noise_of_a_column_is_that_of_the_option(tmp_path: Path, column: str, si
         for k, points in enumerate((HERE, THERE))
     ]
     problem, pair = read_problem(*clouds)
-    noise = {"sigma" if column == "sigma" else "weights": SIGMA}
+    noise: dict[str, Any] = {"sigma" if column == "sigma" else "weights": SIGMA}
 
     assert problem.digest() == RegistrationProblem(HERE, THERE, **noise).digest()
     assert problem.noise_given == (column == "sigma")
@@ -205,7 +205,7 @@ def test_noise_goes_with_its_rows_by_label_and_by_pairs(tmp_path: Path, column: 
         label=[names[k] for k in order],
         **{column: [SIGMA[k] for k in order]},
     )
-    noise = {"sigma" if column == "sigma" else "weights": SIGMA}
+    noise: dict[str, Any] = {"sigma" if column == "sigma" else "weights": SIGMA}
     expected = RegistrationProblem(HERE, THERE, **noise).digest()
     (tmp_path / "p.csv").write_text("".join(f"{k},{order.index(k)}\n" for k in range(5)))
     quick = ("--no-relaxation", "--no-simulation", "--out", tmp_path / "out")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import sys
 from types import SimpleNamespace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import cloud_files as files
 import numpy as np
@@ -25,7 +25,7 @@ THERE = HERE[:, [1, 2, 0]] + [0.25, -0.5, 0.0]
 KINDS = ("ascii", "binary_little_endian", "binary_big_endian")
 
 
-def ply(path: Path, points, kind: str = KINDS[0], **columns) -> Path:
+def ply(path: Path, points, kind: str = KINDS[0], **columns: Any) -> Path:
     """Doubles x, y, z, and columns of any type, as PLY names it, before them."""
     names = [(kinds, name) for name, (kinds, _) in columns.items()]
     rows = [
@@ -53,9 +53,9 @@ def test_labels_of_ply_files_pair_their_points(tmp_path: Path, kind: str):
 
 @pytest.mark.parametrize("name", ["id", "index", "point_id"])
 def test_points_of_ply_files_that_are_named_in_another_order_are_refused(tmp_path: Path, name):
-    source = ply(tmp_path / "a.ply", HERE, **{name: ("uchar", [1, 2, 3, 4, 5])})
-    same = ply(tmp_path / "b.ply", THERE, **{name: ("int", [1, 2, 3, 4, 5])})
-    other = ply(tmp_path / "c.ply", THERE, **{name: ("int", [5, 4, 3, 2, 1])})
+    source = ply(tmp_path / "a.ply", HERE, KINDS[0], **{name: ("uchar", [1, 2, 3, 4, 5])})
+    same = ply(tmp_path / "b.ply", THERE, KINDS[0], **{name: ("int", [1, 2, 3, 4, 5])})
+    other = ply(tmp_path / "c.ply", THERE, KINDS[0], **{name: ("int", [5, 4, 3, 2, 1])})
 
     assert read_problem(source, same)[1].notes[-1].endswith(f"not used: {name}")
     with pytest.raises(InvalidFileError, match="name the same points in another order"):
@@ -83,7 +83,7 @@ def test_noise_of_a_ply_file_is_used_or_ignored(tmp_path: Path, column: str, kin
     numbers = [0.5, 1.0, 2.0, 4.0, 0.25]
     source = ply(tmp_path / "a.ply", HERE, kind, **{column: ("float", numbers)})
     target = ply(tmp_path / "b.ply", THERE, kind)
-    noise = {"sigma" if column == "sigma" else "weights": numbers}
+    noise: dict[str, Any] = {"sigma" if column == "sigma" else "weights": numbers}
     problem, pair = read_problem(source, target)
 
     assert problem.digest() == RegistrationProblem(HERE, THERE, **noise).digest()

@@ -313,3 +313,14 @@ def test_of_many_optima_the_headline_names_no_angle():
     assert "degrees" not in good.headline + near.headline
     assert "It is 0.1 degrees from the nearest optimum" in near.words
     assert all("The optimum is not the only one: " in one.words for one in (good, near))
+
+
+def test_the_optimum_costs_no_more_than_a_pose_however_far_away_the_clouds_are():
+    """In doubles the certified pose itself is rounded, by more than the residuals there."""
+    problem = strategies.random_problem(np.random.default_rng(3), n=6, noise=0.1)
+    problem = RegistrationProblem(problem.source, problem.target + 1e15)
+    registration = certreg.certify(problem, relaxation=False, simulation=False)
+    found = assess(registration, registration.pose)
+
+    assert found.optimum_rmse is not None
+    assert found.optimum_rmse < 0.99 * checked(found.rmse)
