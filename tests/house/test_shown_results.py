@@ -5,6 +5,7 @@ from __future__ import annotations
 import enum
 import json
 import types
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -342,3 +343,11 @@ def test_every_shape_is_of_a_result_that_is_shown_and_the_other_way_round(made):
     for kind, shape in presenting.SHAPES.items():
         assert issubclass(kind, results.Shown)
         assert (shape.document is None) == (not issubclass(kind, results.Presented))
+
+
+def test_a_doubt_about_the_equilibria_stands_on_their_card(made):
+    found = made["equilibria"]
+    doubted = replace(found, doubt="a path < was lost")._repr_html_()
+
+    assert "Not proved: a path &lt; was lost" in doubted
+    assert "Not proved" not in replace(found, doubt=None)._repr_html_()

@@ -139,6 +139,14 @@ def test_products_of_the_largest_limbs_do_not_round():
     assert sums_by(SumMethod.LIMBS, problem) == sums_by(SumMethod.INTEGERS, problem)
 
 
+@pytest.mark.parametrize("n", [1, 7, 8, 9, 15, 16, 17])
+def test_every_point_counts_wherever_a_part_of_limbs_ends(n, monkeypatch):
+    problem = strategies.random_problem(np.random.default_rng(n), n=n)
+    monkeypatch.setattr(exact_sums, "LIMB_POINTS", 8)
+
+    assert sums_by(SumMethod.LIMBS, problem) == sums_by(SumMethod.INTEGERS, problem)
+
+
 def test_limbs_are_used_where_they_are_said_to_be(monkeypatch):
     """Otherwise that method could be the one of integers, and agreement would say nothing."""
     rng = np.random.default_rng(1)

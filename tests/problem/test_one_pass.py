@@ -238,6 +238,22 @@ def test_an_origin_far_from_the_mean_costs_no_digits(seed, far):
     assert found.rounding <= 4e-13 * size
 
 
+@pytest.mark.parametrize("far", [1e20, 1e40])
+def test_each_pass_takes_fifteen_digits_from_the_distance_of_the_origin(far):
+    """An origin 1e40 away is 1e25 away in the next pass, 1e10 in the third, near in the last."""
+    rng = np.random.default_rng(6)
+    x = rng.normal(size=(640, 3))
+    x[::20] += far * rng.uniform(0.5, 2.0, (32, 3))
+    weights = rng.uniform(0.5, 2.0, 640)
+    weights[::20] = 1e-200
+    y = rng.normal(size=(640, 3))
+    problem = certreg.RegistrationProblem(x, y, weights=weights)
+    found = floating_moments(problem)
+    size = np.sqrt(np.trace(found.source_scatter) * found.target_spread)
+
+    assert distance_to_exact(problem, found)[0] <= 2e-15 * size
+
+
 @pytest.mark.parametrize("far", ["source", "target"])
 def test_an_origin_far_from_the_mean_of_one_cloud_costs_no_digits(far):
     rng = np.random.default_rng(4)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 from commands import checked
-from strategies import ZOO, random_problem
+from strategies import ZOO, random_problem, random_rotation
 
 from certreg import RegistrationProblem, assess, certify
 from certreg.certificate.bounds import ExactPose, pose_bounds, pose_energy
@@ -159,3 +159,19 @@ def test_a_translation_that_is_not_written_costs_nothing():
 
     assert 0 < alone < rounding_cost(objective, pose.rotation, pose.translation) / 10**6
     assert alone == rounding_cost(objective, pose.rotation, None, (Fraction(7),) * 3)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_centroid_far_away_is_moved_by_the_rounding_of_every_entry_of_a_row(seed: int):
+    """Entries off by half a unit each, all to the side where a row moves the centroid most."""
+    rng = np.random.default_rng(seed)
+    objective = Isotropic(exact_moments(random_problem(rng, n=8)))
+    turn = random_rotation(rng)
+    centre = (1e9 * rng.uniform(0.5, 2.0, 3) * rng.choice([-1.0, 1.0], 3)).tolist()
+    halves = (np.spacing(np.abs(turn)) / 2).tolist()
+    moved = [sum(Fraction(h) * abs(Fraction(c)) for h, c in zip(row, centre, strict=True))
+             for row in halves]  # fmt: skip
+    least = objective.moments.total_weight * sum(m * m for m in moved)
+    cost = rounding_cost(objective, turn, np.zeros(3), [Fraction(c) for c in centre])
+
+    assert least <= cost <= least * Fraction(1001, 1000)

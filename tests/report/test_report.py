@@ -11,6 +11,8 @@ import json
 import os
 import re
 import shutil
+from array import array
+from dataclasses import replace
 from html.parser import HTMLParser
 from importlib.resources import files
 from pathlib import Path
@@ -31,11 +33,12 @@ from certreg.registration.certification import certified, certify
 from certreg.registration.examples import STORIES, stated, tell
 from certreg.report.markup import asset, coded, environment_of, inert, inert_json
 from certreg.report.page import EMBEDDED_BYTES, Report, html_page
-from certreg.report.reload import Motion, report_of
+from certreg.report.reload import Motion, _problem, report_of
 from certreg.report.thinning import simulated_escapes, thinned
 from certreg.report.viewer import Names
 from certreg.report.words import THEOREMS, MethodAngles, sentences
 from certreg.results import Absent
+from certreg.verify import Clouds
 
 if TYPE_CHECKING:
     from certreg.registration.result import Registration
@@ -352,6 +355,21 @@ def test_the_report_of_a_certificate_without_points_asks_for_them(folder: Path, 
     again = Outline((folder / "report.html").read_bytes())
     assert again.scene == first.scene
     assert "sample" in again.blocks
+
+
+def test_the_points_of_a_page_are_those_of_the_problem_wherever_they_come_from():
+    """From the certificate's own data, or from the clouds beside one without."""
+    rng = np.random.default_rng(9)
+    x, y = rng.normal(size=(2, 5, 3))
+    for weights in (None, rng.uniform(0.5, 2.0, 5)):
+        problem = RegistrationProblem(x, y, weights=weights)
+        certificate = certify(problem, relaxation=False, simulation=False).certificate
+        given_weights = None if weights is None else array("d", weights)
+        clouds = Clouds(array("d", x.ravel()), array("d", y.ravel()), given_weights)
+
+        assert certificate.data is not None
+        assert _problem(certificate, None).digest() == problem.digest()
+        assert _problem(replace(certificate, data=None), clouds).digest() == problem.digest()
 
 
 def weak_claims(document: dict[str, Any]) -> None:
