@@ -7,7 +7,9 @@ import dataclasses
 import json
 import sys
 from concurrent.futures import ThreadPoolExecutor, wait
+from contextlib import nullcontext
 from pathlib import Path
+from types import SimpleNamespace
 from unittest import mock
 
 import numpy as np
@@ -35,6 +37,8 @@ from certreg.campaign.runner import Task, completed, in_order, perform
 from certreg.campaign.store import CERTIFICATES, MANIFEST, SHARDS, Manifest, Shards, occupied
 from certreg.campaign.table import Column, write_table
 from certreg.campaign.workers import LocalWorkers, workers_at
+from certreg.cli import reproducing
+from certreg.cli.reproducing import LARGEST_RUNS
 from certreg.equilibrium.batch import solve_many
 from certreg.errors import (
     CampaignError,
@@ -46,8 +50,10 @@ from certreg.errors import (
     RefusedCertificateError,
 )
 from certreg.paper.monte_carlo import (
+    EXTREMES,
     INSTANCE_COLUMNS,
     MonteCarlo,
+    Totals,
     pieces,
     unpacked,
     write_instance_results,
@@ -466,6 +472,39 @@ def test_many_runs_of_reproduce_are_a_campaign_that_goes_on(tmp_path, monkeypatc
     assert {settings[name] for name in ("points", "sigma", "seed", "damping")} == {5, 0.1, 4, 2.0}
     table = (tmp_path / "campaign" / "summary.csv").read_text()
     assert table.count("\n") == 1501
+
+
+@pytest.mark.parametrize(("runs", "apart"), [(LARGEST_RUNS, False), (LARGEST_RUNS + 1, True)])
+def test_a_campaign_begins_beyond_the_largest_number_of_runs(tmp_path, monkeypatch, runs, apart):
+    drawn, in_process = [], []
+
+    def figures(setup, *_, **__):
+        in_process.append(setup.runs)
+        raise CertregError("the figures are tested elsewhere")
+
+    monkeypatch.setattr(reproducing, "_run_campaign", lambda kind, *_, **__: drawn.append(kind))
+    monkeypatch.setattr(reproducing, "reproduced", figures)
+    run_command("reproduce", "--runs", runs, "--out", tmp_path)
+
+    assert [kind.count for kind in drawn] == ([runs] if apart else [])
+    assert in_process == [None if apart else runs]
+
+
+def test_the_rates_of_a_campaign_are_instances_over_seconds(tmp_path, monkeypatch, capsys):
+    """1200 in 4 s are 300 a second; solved within 3 s of either of two workers, 800."""
+    watch = SimpleNamespace(made=1200, seconds=4.0, observer=lambda: None)
+    none = dict.fromkeys(EXTREMES, 0.0)
+    totals = Totals(count=1200, regular=1199, exceptions=1, largest=none, smallest=none)
+    monkeypatch.setattr(reproducing, "workers_at", lambda _: nullcontext(InProcess(2)))
+    monkeypatch.setattr(reproducing, "Progress", lambda _: nullcontext(watch))
+    monkeypatch.setattr(reproducing, "run", lambda *_: {"solving": 3.0, "all": 5.0})
+    monkeypatch.setattr(reproducing, "write_instance_results", lambda *_, **__: totals)
+    reproducing._run_campaign(FEW, tmp_path, None, parquet=False)
+    first, second, third, _ = capsys.readouterr().out.splitlines()
+
+    assert first.startswith("1,199 of 1,200 random instances have four equilibria")
+    assert second.startswith("1 were decided in exact arithmetic")
+    assert third == "1,200 in 4.0 s: 300 a second; without making them 800, with 2 at work"
 
 
 def test_a_shard_that_is_there_twice_is_made_one(tmp_path):

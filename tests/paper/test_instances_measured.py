@@ -67,3 +67,35 @@ def test_no_count_is_kept_where_doubles_do_not_decide(made):
 
     assert (found["unstable"][decided] == [0, 1, 2, 3]).all()
     assert (found["unstable"][~decided] == -1).all()
+
+
+def block(rng: np.random.Generator, unstable: list[list[int]]) -> dict[str, np.ndarray]:
+    """The arrays of a shard of as many instances as counts, no exception among them."""
+    n = len(unstable)
+    return {
+        "instance": np.arange(n),
+        "rmse": rng.random((n, 4)),
+        "unstable": np.array(unstable),
+        **{name: rng.normal(size=n) for name in monte_carlo.EXTREMES},
+        "exception": np.zeros(0, dtype=int),
+        "exception_pattern": np.zeros((0, 4), dtype=int),
+        "exception_sha256": np.zeros((0, 32), dtype=np.uint8),
+    }
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_totals_are_those_of_all_instances_in_whatever_shards(tmp_path, monkeypatch, seed):
+    rng = np.random.default_rng(seed)
+    blocks = [
+        block(rng, [[0, 1, 2, 3], [0, 1, 2, 2], [0, 1, 2, 3], [0, -1, -1, -1]]),
+        block(rng, [[-1, -1, -1, -1], [0, 1, 2, 3]]),
+        block(rng, [[3, 2, 1, 0]]),
+    ]
+    shards = [monte_carlo.packed(arrays) for arrays in blocks]
+    monkeypatch.setattr(monte_carlo, "contents", lambda *_: iter(shards))
+    totals = monte_carlo.write_instance_results(monte_carlo.MonteCarlo(count=7, points=4), tmp_path)
+
+    assert (totals.count, totals.regular, totals.exceptions) == (7, 3, 0)
+    for name in monte_carlo.EXTREMES:
+        whole = np.concatenate([arrays[name] for arrays in blocks])
+        assert (totals.smallest[name], totals.largest[name]) == (whole.min(), whole.max())

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from commands import certreg, strict_json
 from jsonschema import Draft202012Validator
+from matplotlib.figure import Figure
 
 from certreg.cli.progress import Stages
 from certreg.native.engine import current_engine
@@ -23,7 +24,14 @@ from certreg.paper.counterexamples import in_doubles
 from certreg.paper.derivation import proving
 from certreg.paper.documents import claim_text, closing_text, markdown, reproduction_document
 from certreg.paper.evidence import listed, rough
-from certreg.paper.figures import angle_errors, paper_drawings, simulation_drawing, typical
+from certreg.paper.figures import (
+    _boxes,
+    _error_words,
+    angle_errors,
+    paper_drawings,
+    simulation_drawing,
+    typical,
+)
 from certreg.paper.observations import Observations, Setup, observe
 from certreg.paper.page import html_page
 from certreg.paper.particles import Particles
@@ -446,6 +454,40 @@ def test_captions_say_how_many_runs_they_show(drawn):
         assert f"{RUNS} random instances" in by_name(drawn, name).caption
 
 
+def test_the_errors_of_a_simulation_stand_under_their_names(seen):
+    """The closed form's below 1 degree, the simulation's below 3, between them below 9."""
+    runs = tuple(
+        replace(run, closed_form_error=0.5 + k / 10, error=2.5 + k / 10, distance=8.5 + k / 10)
+        for k, run in enumerate(seen.simulations)
+    )
+    panel = Figure().add_subplot()
+    _boxes(panel, runs)
+    named = {
+        label.get_text().replace("-\n", "").replace("\n", " "): position
+        for position, label in zip(panel.get_xticks(), panel.get_xticklabels(), strict=True)
+    }
+    medians = {
+        round(float(np.mean(line.get_xdata()))): float(line.get_ydata()[0])
+        for line in panel.get_lines()
+        if line.get_linewidth() == 1.4
+    }
+
+    assert {name: medians[round(at)] for name, at in named.items()} == pytest.approx(
+        {"closed form": 0.7, "simulation": 2.7, "between them": 8.7}
+    )
+    words = _error_words(runs)
+    assert "the closed form is 0.700° from the true rotation" in words
+    assert "the simulation 2.700°" in words
+    assert "8.700° lie between the two" in words
+
+
+def test_the_stiffness_in_the_figure_is_twice_the_weight(drawn):
+    """V = sum of |x - y|^2 / sigma^2 is the energy k/2 |x - y|^2 of springs of k = 2 / sigma^2."""
+    (legend,) = by_name(drawn, "construction").figure.legends
+
+    assert r"springs, $k_i = 2/\sigma_i^2$" in [text.get_text() for text in legend.get_texts()]
+
+
 def test_the_users_own_matplotlib_settings_do_not_enter(drawn, seen):
     import matplotlib as mpl
 
@@ -469,6 +511,19 @@ def test_the_document_is_valid_and_its_counts_are_measured(made, drawn):
     assert document["confirmed"] is True
     assert [claim["proved"] for claim in document["claims"]] == [None] * len(ROWS)
     assert document["reasons"]
+
+
+@pytest.mark.parametrize("lost", [0, 1, RUNS - 1, RUNS])
+def test_simulations_are_said_to_be_missing_only_where_every_one_diverged(made, drawn, lost):
+    runs = tuple(
+        replace(run, descent=replace(run.descent, diverged=k < lost))
+        for k, run in enumerate(made.observations.simulations)
+    )
+    observed = replace(made.observations, simulations=runs)
+    document = reproduction_document(replace(made, observations=observed), drawn)
+
+    assert document["simulations"]["diverged"] == lost
+    assert ("simulations" in document["reasons"]) == (lost == RUNS)
 
 
 def test_a_run_of_another_pattern_is_listed(made, drawn):
