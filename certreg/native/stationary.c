@@ -168,13 +168,15 @@ static inline void davenport(const lanes c[9], lanes k[16])
     k[11] = k[14] = s[0], k[7] = k[13] = s[1], k[6] = k[9] = s[2];
 }
 
-/* Descending, with unit vectors whose first nonzero entry is positive. */
+/* Descending, with unit vectors whose first nonzero entry is positive; NaN for a matrix that is not finite. */
 static void eigenbasis(const lanes matrix[16], lanes values[4], lanes vectors[16])
 {
     static const int pairs[5][2] = {{0, 1}, {2, 3}, {0, 2}, {1, 3}, {1, 2}};
-    lanes a[16];
+    lanes a[16], nothing = {0};
     for (int i = 0; i < 16; i++)
-        a[i] = matrix[i], vectors[i] = all(i % 5 == 0);
+        nothing += 0 * matrix[i]; /* NaN where an entry is not finite */
+    for (int i = 0; i < 16; i++)
+        a[i] = matrix[i], vectors[i] = nothing + all(i % 5 == 0);
     diagonalise(a, vectors, 4);
     for (int i = 0; i < 4; i++)
         values[i] = a[5 * i];

@@ -255,6 +255,21 @@ def test_both_engines_say_the_same_of_stationary_poses(offset, size):
 
 
 @each_machine
+@pytest.mark.parametrize("bad", [math.nan, math.inf])
+def test_of_a_problem_that_is_not_finite_nothing_is_a_number_and_the_others_stay(machine, bad):
+    rng = np.random.default_rng(5)
+    sources, targets = rng.normal(size=(2, 3, 6, 3))
+    sound = engine(machine).stationary_poses(instances.clouds(sources, targets, None))
+    sources[1, 2, 0] = bad
+    found = engine(machine).stationary_poses(instances.clouds(sources, targets, None))
+
+    for name in ("values", "vectors", "residual", "ratios", "translations", "rmse"):
+        assert np.isnan(getattr(found, name)[1]).all(), name
+        for k in (0, 2):
+            assert (getattr(found, name)[k] == getattr(sound, name)[k]).all(), name
+
+
+@each_machine
 @pytest.mark.parametrize("axis", range(3))
 def test_a_source_on_an_axis_has_no_ratios(machine, axis):
     sources = np.zeros((1, 5, 3))

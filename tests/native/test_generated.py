@@ -212,3 +212,16 @@ def test_the_jacobians_are_the_derivatives_of_the_rates(seed):
 
     found = moving.ambient_jacobian(state)
     assert np.abs(numeric - found).max() < 1e-7 * max(1.0, np.abs(found).max())
+
+
+@pytest.mark.parametrize("twice", [-6, -5, -3, -2, -1, 1, 2, 3, 5, 6])
+def test_whole_and_half_powers_are_those_of_the_number(twice):
+    x = sympy.Symbol("x")
+    expression = x ** sympy.Rational(twice, 2)
+    power = casadi_function(
+        Definition(
+            name="f", says="", arguments=(port("x", [x]),), results=(port("y", [expression]),)
+        )
+    )
+
+    assert float(power(1.7)) == pytest.approx(1.7 ** (twice / 2), rel=1e-14)
