@@ -493,7 +493,7 @@ def test_a_campaign_begins_beyond_the_largest_number_of_runs(tmp_path, monkeypat
 def test_the_rates_of_a_campaign_are_instances_over_seconds(tmp_path, monkeypatch, capsys):
     """1200 in 4 s are 300 a second; solved within 3 s of either of two workers, 800."""
     watch = SimpleNamespace(made=1200, seconds=4.0, observer=lambda: None)
-    none = dict.fromkeys(EXTREMES, 0.0)
+    none: dict[str, float] = dict.fromkeys(EXTREMES, 0.0)
     totals = Totals(count=1200, regular=1199, exceptions=1, largest=none, smallest=none)
     monkeypatch.setattr(reproducing, "workers_at", lambda _: nullcontext(InProcess(2)))
     monkeypatch.setattr(reproducing, "Progress", lambda _: nullcontext(watch))

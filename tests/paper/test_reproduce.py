@@ -466,11 +466,9 @@ def test_the_errors_of_a_simulation_stand_under_their_names(seen):
         label.get_text().replace("-\n", "").replace("\n", " "): position
         for position, label in zip(panel.get_xticks(), panel.get_xticklabels(), strict=True)
     }
-    medians = {
-        round(float(np.mean(line.get_xdata()))): float(line.get_ydata()[0])
-        for line in panel.get_lines()
-        if line.get_linewidth() == 1.4
-    }
+    lines = [line for line in panel.get_lines() if line.get_linewidth() == 1.4]
+    ends = [np.asarray(line.get_xydata(), dtype=float) for line in lines]
+    medians = {round(float(x.mean())): float(y[0]) for x, y in (each.T for each in ends)}
 
     assert {name: medians[round(at)] for name, at in named.items()} == pytest.approx(
         {"closed form": 0.7, "simulation": 2.7, "between them": 8.7}

@@ -363,7 +363,7 @@ def test_the_points_of_a_page_are_those_of_the_problem_wherever_they_come_from()
     x, y = rng.normal(size=(2, 5, 3))
     for weights in (None, rng.uniform(0.5, 2.0, 5)):
         problem = RegistrationProblem(x, y, weights=weights)
-        certificate = certify(problem, relaxation=False, simulation=False).certificate
+        certificate = checked(certify(problem, relaxation=False, simulation=False).certificate)
         given_weights = None if weights is None else array("d", weights)
         clouds = Clouds(array("d", x.ravel()), array("d", y.ravel()), given_weights)
 
