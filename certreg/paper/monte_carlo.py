@@ -196,7 +196,7 @@ def certificate_name(instance: int) -> str:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Totals:
-    """What a campaign solutions.
+    """What the instances of a campaign amount to.
 
     regular: instances with exactly four equilibria, of 0, 1, 2 and 3 unstable eigenvalues.
     exceptions: instances decided in exact arithmetic, regular or not, each with its certificate.

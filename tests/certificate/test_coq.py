@@ -221,17 +221,6 @@ def test_the_exported_integers_are_the_doubles_and_the_claims():
         assert m * Fraction(2) ** e == pair[0] * Fraction(2) ** pair[1]
 
 
-def test_decisions_for_one_file_share_no_name():
-    problem = export(oracle.dump(oracle.produce(*oracle.random_problem(seed=3, n=4))))
-    one, other, alone = (
-        set(re.findall(r"(?:Definition|Print) (\w+)", problem.decision(tag)))
-        for tag in ("_1", "_2", "")
-    )
-
-    assert one == {f"{name}_1" for name in alone}
-    assert one.isdisjoint(other)
-
-
 def number(word: str) -> int:
     """An integer in Coq's words."""
     return int(word.strip("()"), 16)
