@@ -85,6 +85,11 @@ class Cloud(Brief):
     weights: NDArray[np.float64] | None = None  # of the column `weight`
     notes: tuple[str, ...] = ()  # on how the file was read
 
+    def __array__(self, dtype: Any = None, *, copy: bool | None = None) -> NDArray[Any]:
+        """The points, where NumPy asks for an array."""
+        points = np.asarray(self.points, dtype=dtype)
+        return points.copy() if copy else points
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pairing:

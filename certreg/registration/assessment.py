@@ -6,8 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from certreg.errors import InvalidProblemError
 from certreg.exact import double_above, nearest_double, nearest_root
 from certreg.geometry import given_pose, why_no_rotation
+from certreg.problem import RegistrationProblem
 from certreg.registration.assessment_words import headline_of_pose, note_on, words_of_pose
 from certreg.registration.certification import certify
 from certreg.registration.findings import (
@@ -29,7 +31,6 @@ if TYPE_CHECKING:
 
     from certreg.certificate import PoseBounds
     from certreg.geometry import GivenPose, Pose
-    from certreg.problem import RegistrationProblem
     from certreg.registration.findings import Findings, SigmaDistance
     from certreg.registration.fit import Fit
     from certreg.registration.slips import Slip
@@ -130,6 +131,12 @@ def assess(
     >>> judged.verdict.value
     'optimal'
     """
+    if not isinstance(problem, RegistrationProblem | Registration):
+        message = (
+            "assess takes a RegistrationProblem, or what certify returned, and then the pose: "
+            f"assess(RegistrationProblem(source, target), pose); found a {type(problem).__name__}"
+        )
+        raise InvalidProblemError(message, array="problem")
     given = given_pose(pose, translation)
     if not isinstance(problem, Registration):
         problem = certify(problem, relaxation=False, simulation=False)

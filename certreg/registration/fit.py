@@ -144,7 +144,7 @@ def _chi2(problem: RegistrationProblem, sums: FitSums, rows: RowFit | None) -> C
     value = nearest_double(sums.energy)
     if rows is None or value is None:
         return OUT_OF_RANGE
-    dof = 3 * rows.rows - 6
+    dof = 3 * rows.rows - sums.parameters
     if dof <= 0:
         return TOO_FEW
     return ChiSquared(value=value, dof=dof, p=math.exp(log_chi2_above(value, dof)))

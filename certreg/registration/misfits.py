@@ -39,7 +39,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from certreg.exact import nearest_or_zero, power_of_two
+from certreg.exact import nearest_or_zero, power_of_two, rank
 from certreg.problem import trace
 from certreg.registration.outlying import PAIRINGS, ROUNDING
 from certreg.registration.tails import (
@@ -116,6 +116,11 @@ class FitSums:
         moments = self.objective.moments
         unit = power_of_two(moments.weight_exponent + 2 * moments.source_exponent)
         return trace(moments.source_scatter) * unit / moments.mass
+
+    @cached_property
+    def parameters(self) -> int:
+        """How many numbers of a pose move the source: about a line of points no turn does."""
+        return 3 + (0, 2, 3, 3)[rank(self.objective.moments.source_scatter)]
 
     @cached_property
     def target(self) -> Fraction:

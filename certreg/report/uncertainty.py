@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 FINE = math.radians(0.01)  # below it arc seconds: 36 of them
 FIRST_ORDER = 0.2  # radians, 11 degrees: turns scatter 2 % more there, 4 to 8 % at 0.3, measured
 SURE_SIGMA = 1e-6  # of chi-squared: so seldom is it so small, as large ones are warned of
+NO_NOISE_ALONE = "the fit holds more than noise (see the warning), and +/- would be of noise alone"
 TO_ROUNDING = "the residuals are at rounding and hold no noise: give sigma"
 
 
@@ -35,14 +36,17 @@ def uncertainty_rows(registration: Registration) -> list[tuple[str, str]]:
         return [("uncertainty", f"not known: {covariance.reason}")]
     if covariance.estimated and registration.fit.rounded:
         return [("uncertainty", f"not known: {TO_ROUNDING}")]
+    chi2 = chi2_words(registration)
+    tested = [] if chi2 is None else [("chi-squared", chi2)]
+    if registration.fit.warnings:
+        return [("uncertainty", f"not known: {NO_NOISE_ALONE}"), *tested]
     where = f"along the target's axes; {_two_digits(covariance.centre_sigma)} at the cloud's centre"
-    rows = [
+    return [
         ("translation ±", f"{two_digits(covariance.translation_sigma)}  ({where})"),
         ("rotation ±", rotation_words(covariance)),
         ("± is", _basis_words(registration, covariance)),
+        *tested,
     ]
-    chi2 = chi2_words(registration)
-    return rows if chi2 is None else [*rows, ("chi-squared", chi2)]
 
 
 def rotation_words(covariance: PoseCovariance) -> str:
@@ -88,13 +92,10 @@ def _two_digits(value: float) -> str:
 def _basis_words(registration: Registration, covariance: PoseCovariance) -> str:
     """What one standard deviation is of: the sigma that is given, or what the residuals say."""
     told = "one standard deviation, to first order, "
-    warned = bool(registration.fit.warnings)
     if not covariance.estimated:
-        noise = " and for noise alone: see the warning" if warned else ""
-        return f"{told}of the sigma given{noise}"
+        return f"{told}of the sigma given"
     degrees = covariance.degrees_of_freedom
     sigma = _two_digits(covariance.centre_sigma * math.sqrt((degrees + 6) / 3))  # of N points
     mean = "" if registration.problem.equally_weighted else " at the mean weight"
-    noise = ", which hold more than noise, see the warning" if warned else ""
     sure = f"± {100.0 / math.sqrt(2.0 * degrees):.0f} %, {degrees} degrees of freedom"
-    return f"{told}from the residuals{noise}: sigma {sigma}{mean} {sure}"
+    return f"{told}from the residuals: sigma {sigma}{mean} {sure}"

@@ -392,3 +392,13 @@ def test_the_logger_says_what_was_chosen_and_is_silent_unless_asked(caplog, caps
         isinstance(one, logging.NullHandler) for one in logging.getLogger("certreg").handlers
     )
     assert capsys.readouterr().err == ""
+
+
+def test_a_cloud_is_an_array_of_its_points(tmp_path):
+    (tmp_path / "a.csv").write_text("x,y,z\n1,2,3\n4,5,6\n")
+    cloud = certreg.load(tmp_path / "a.csv")
+
+    assert np.asarray(cloud).tolist() == [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]
+    assert np.shares_memory(np.asarray(cloud), cloud.points)
+    assert not np.shares_memory(np.array(cloud), cloud.points)
+    assert np.asarray(cloud, dtype=np.float32).dtype == np.float32

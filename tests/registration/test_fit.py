@@ -11,11 +11,12 @@ from commands import checked
 from fit_rates import MEASURED, fit
 from scipy import stats
 
-from certreg.problem import RegistrationProblem
+from certreg.objective import Isotropic
+from certreg.problem import RegistrationProblem, exact_moments
 from certreg.problem import arrays as problems
 from certreg.registration import STORIES, misfits, outlying, stated
 from certreg.registration import fit as fit_module
-from certreg.registration.misfits import FitCode
+from certreg.registration.misfits import FitCode, FitSums
 from certreg.results import Absent
 
 RNG = np.random.default_rng(17)
@@ -174,9 +175,18 @@ def test_residuals_above_rounding_are_told_apart_from_it():
     assert said(CLOUD, CLOUD * (1.0 + 1e-9)).codes == (FitCode.SCALE,)
 
 
-@pytest.mark.parametrize("n", [1, 2])
-def test_a_point_or_two_explain_nothing_that_could_be_tested(n):
-    result = said(CLOUD[:n], NOISY[:n], sigma=0.01)
+def test_of_two_points_chi_squared_tests_the_distance():
+    lengths = [np.linalg.norm(cloud[1] - cloud[0]) for cloud in (CLOUD, NOISY)]
+    result = said(CLOUD[:2], NOISY[:2], sigma=0.1)
+    value = (lengths[1] - lengths[0]) ** 2 / 2 / 0.1**2
+
+    assert checked(result.chi2).dof == 1
+    assert checked(result.chi2).value == pytest.approx(value)
+    assert result.scale_p is None
+
+
+def test_one_point_explains_nothing_that_could_be_tested():
+    result = said(CLOUD[:1], NOISY[:1], sigma=0.01)
 
     assert (result.scale_p, result.chi2, result.warnings) == (None, None, ())
     assert result.absent["chi2"] == fit_module.TOO_FEW
@@ -291,3 +301,25 @@ def test_p_values_of_the_scale_are_uniform_where_it_is_one():
         found.append(said(source, source + 0.01 * rng.standard_normal((5, 3))).scale_p)
 
     assert stats.kstest(found, "uniform").pvalue > 1e-3
+
+
+@pytest.mark.parametrize(("moved", "parameters"), [([1, 1, 1], 6), ([1, 0, 0], 5), ([0, 0, 0], 3)])
+def test_chi_squared_has_a_degree_less_for_each_number_that_moves_the_source(
+    moved: list[int], parameters: int
+):
+    """The mean of 400 sums is within four of its deviations, sqrt(2 dof / 400), of the degrees."""
+    rng, source = np.random.default_rng(11), np.array(CLOUD)[:4] * moved
+    degrees, values = 12 - parameters, list[float]()
+    for _ in range(400):
+        problem = RegistrationProblem(source, source + rng.normal(size=(4, 3)) / 1e4)
+        sums = FitSums(Isotropic(exact_moments(problem)))
+        assert sums.parameters == parameters
+        values.append(float(sums.energy) * 1e8)
+
+    assert abs(np.mean(values) - degrees) < 4 * math.sqrt(2 * degrees / 400)
+
+
+def test_points_on_a_line_have_five_parameters():
+    line = np.array(CLOUD)[:4] * [1, 0, 0]
+
+    assert checked(said(line, line + 1e-4, sigma=1e-4).chi2).dof == 7
