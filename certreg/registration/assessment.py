@@ -131,10 +131,11 @@ def assess(
     >>> judged.verdict.value
     'optimal'
     """
-    if not isinstance(problem, RegistrationProblem | Registration):
+    stated: Any = problem  # whatever the caller gave
+    if not isinstance(stated, RegistrationProblem | Registration):
         message = (
             "assess takes a RegistrationProblem, or what certify returned, and then the pose: "
-            f"assess(RegistrationProblem(source, target), pose); found a {type(problem).__name__}"
+            f"assess(RegistrationProblem(source, target), pose); found a {type(stated).__name__}"
         )
         raise InvalidProblemError(message, array="problem")
     given = given_pose(pose, translation)
