@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 ROTATION_TOLERANCE = 1e-4  # |R^T R - I|: admits 4x4 matrices printed with five decimals
-ROUNDED_DEFECT = 0.1  # of a matrix printed with one decimal: entries off by 0.05
+ROUNDED_DEFECT = 0.1  # two decimals give 2 * 0.015 + 0.015^2 at most
 UNNOTED_DEFECT = 1e-12  # |R^T R - I| of a matrix of doubles: its own rounding
 
 
@@ -57,7 +57,9 @@ def _why_not_orthogonal(defect: float, stretch: NDArray[np.floating[Any]]) -> st
         return "The matrix is not orthogonal: every entry of it is 0. It is not a rotation."
     remedy = "Give more digits, or the quaternion."
     if not defect <= ROUNDED_DEFECT:
-        remedy = "No rounding of a rotation does that: is it another matrix, or are rows missing?"
+        remedy = (
+            "Rounding to two decimals does not do that: is it another matrix, or are rows missing?"
+        )
     return (
         f"The matrix is not orthogonal (R^T R is off by {defect:.2g}, singular values "
         f"{stretch[0]:.6g} to {stretch[-1]:.6g}): it is not a rotation. {remedy}"

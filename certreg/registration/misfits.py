@@ -288,10 +288,10 @@ def _outlier_words(rows: RowFit, names: RowNames) -> str | None:
     log_p = log_beta_below(rows.left, degrees / 2, 3 * k / 2)
     if log_p + log_choices(n, k) + math.log(k * (k + 1)) > math.log(LEVEL):
         return None
-    fit, them = ("fits", "it") if k == 1 else ("fit", "them")
+    does, them = ("does", "it") if k == 1 else ("do", "them")
     return (
-        f"{names.words(rows.far, k)} (counting from 0) {fit} far worse than the others: without "
-        f"{them} {_percent(1.0 - rows.left)} of the squared residuals are gone"
+        f"{names.words(rows.far, k)} (counting from 0) {does} not fit the pose that the others "
+        f"agree on: without {them} {_gone(rows.left)}"
     )
 
 
@@ -303,9 +303,9 @@ def _mirrored_words(sums: FitSums, rows: RowFit) -> str | None:
     if log_ratio_below(float(left), degrees) > math.log(LEVEL):
         return None
     return (
-        f"the target is a mirror image of the source: a reflection explains {_percent(explained)} "
-        f"of it, the best rotation {_percent(sums.explained)}: is an axis flipped, or are two "
-        "swapped?"
+        "the target fits a mirror image of the source better: a reflection explains "
+        f"{_percent(explained)} of it, the best rotation {_percent(sums.explained)}: "
+        "is an axis flipped, or are two swapped?"
     )
 
 
@@ -313,18 +313,16 @@ def _slip_words(rows: RowFit) -> str | None:
     other = rows.other_pairing
     if other is None or not _fits_better(other):
         return None
-    return (
-        f"the rows are out of step: with the target {other.words} {_percent(1.0 - other.left)} of "
-        "the squared residuals are gone"
-    )
+    return f"the rows are out of step: with the target {other.words} {_gone(other.left)}"
 
 
 def _shuffled_words(sums: FitSums, rows: RowFit) -> str | None:
     if sums.explained is None or sums.explained >= LEAST_EXPLAINED or not _as_random(sums, rows):
         return None
     return (
-        f"the rows are paired no better than at random: they explain {_percent(sums.explained)} "
-        "of the target, though the clouds are as long and wide: is one of them in another order?"
+        "the rows are paired hardly better than at random: they explain "
+        f"{_percent(sums.explained)} of the target, though the clouds "
+        "are as long and wide: is one of them in another order?"
     )
 
 
@@ -367,6 +365,11 @@ def _chi2_words(chi2: ChiSquared | None) -> str | None:
 
 def _is_ratio(scale: float, ratio: float) -> bool:
     return any(abs(scale / k - 1.0) < 0.01 for k in (ratio, 1.0 / ratio))
+
+
+def _gone(left: float) -> str:
+    """What share of the squared residuals goes if this one stays."""
+    return f"{_percent(1 - Fraction(left))} of the squared residuals are gone"
 
 
 def _percent(share: Fraction | float | None) -> str:

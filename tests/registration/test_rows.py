@@ -130,9 +130,11 @@ def test_outliers_are_fewer_than_half_of_the_rows(rows: RowFit):
         return misfits._outlier_words(given, RowNames(None))
 
     assert words(0, 8) is None
-    assert "rows 0, 1, 2 (counting from 0) fit far worse" in checked(words(3, 8))
+    several, one = checked(words(3, 8)), checked(words(1, 8))
+    agreed = "not fit the pose that the others agree on: without"
+    assert f"rows 0, 1, 2 (counting from 0) do {agreed} them over 99.9 % of" in several
+    assert f"row 0 (counting from 0) does {agreed} it over 99.9 % of" in one
     assert words(4, 8) is None
-    assert "row 0 (counting from 0) fits far worse" in checked(words(1, 8))
 
 
 def test_a_noisy_pairing_that_beats_random_ones_is_not_called_shuffled():
@@ -144,7 +146,7 @@ def test_a_noisy_pairing_that_beats_random_ones_is_not_called_shuffled():
     assert fit(RegistrationProblem(x, y)).codes == (FitCode.POOR_FIT,)
     (warning,) = fit(RegistrationProblem(x, rng.permutation(y))).warnings
     assert warning.code is FitCode.SHUFFLED
-    assert "no better than at random" in warning.text
+    assert "hardly better than at random" in warning.text
 
 
 @pytest.mark.parametrize(

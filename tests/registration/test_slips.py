@@ -237,15 +237,15 @@ def test_an_optimal_pose_with_a_poor_fit_is_not_told_as_plainly_optimal():
 
     assert found.verdict is PoseVerdict.OPTIMAL
     assert found.headline.startswith("OPTIMAL TO ROUNDING, BUT THE FIT IS POOR: within")
-    assert "the target is a mirror image of the source" in found.headline
+    assert "the target fits a mirror image of the source better" in found.headline
     assert assessment_document(found)["fit"]["warnings"][0]["code"] == "mirrored"
     assert "  warning  " not in assessment_summary(found)
     near = assess(result, np.round(result.pose.rotation, 5))
     assert near.headline.startswith("NEAR-OPTIMAL, BUT THE FIT IS POOR: within")
     wrong = assessment_summary(assess(result, random_rotation(np.random.default_rng(9))))
-    assert "\n  warning            the target is a mirror image" in wrong
+    assert "\n  warning            the target fits a mirror image" in wrong
     no_rotation = assessment_summary(assess(result, np.ones((3, 3))))
-    assert "\n  warning            the target is a mirror image" in no_rotation
+    assert "\n  warning            the target fits a mirror image" in no_rotation
 
 
 def test_a_good_fit_that_a_scale_makes_better_is_not_called_poor():

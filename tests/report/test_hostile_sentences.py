@@ -149,7 +149,9 @@ def test_a_matrix_of_zeros_is_not_short_of_digits():
 
     assert "every entry of it is 0" in checked(why_no_rotation(np.zeros((3, 3))))
     assert "Give more digits" in checked(why_no_rotation(rounded))
-    assert "No rounding of a rotation" in checked(why_no_rotation(np.diag([1.0, 2.0, 3.0])))
+    assert "Rounding to two decimals does not do that" in checked(
+        why_no_rotation(np.diag([1.0, 2.0, 3.0]))
+    )
 
 
 def test_a_table_of_bounds_says_at_most():
