@@ -403,7 +403,8 @@ def test_a_pushed_saddle_is_left(shown, survey):
     report.click("#play")  # pause
     scrub(report, 1000)
 
-    assert "it leaves" in report.inner_text("#caption")
+    assert report.inner_text("#caption").startswith("Pushed off the worst rotation (index 3)")
+    assert "It comes to rest at the optimum." in report.inner_text("#caption")
     assert report.rmse == pytest.approx(survey.rmse, rel=0.01)
     assert report.faults == []
 
