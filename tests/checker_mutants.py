@@ -222,7 +222,7 @@ WORTH = mutants(
     ),
     ("if w.share >= 1", "if w.share >= 2", "if False"),
     ("yield part if w.share else", "yield part if True else"),
-    ("if w.angle is None", "if w.angle is None or w.angle > 2"),
+    ("if w.angle is not None:", "if w.angle is not None and w.angle <= 2:"),
     ("self.sdp_gap * w.share >= w.gap", "self.sdp_gap >= w.gap", "False"),
     (
         "bound is not None and bound <= limit",

@@ -25,6 +25,13 @@ def test_the_limits_of_size_are_those_of_files_of_a_hundred_megabytes():
         assert case.passes(checker), case.name
 
 
+def test_every_mutant_is_one_of_the_checker_as_it_is():
+    """Of all, as only a part of them is asked in every run of the tests."""
+    text = FILE.read_text(encoding="utf-8")
+
+    assert [mutant.says for mutant in MUTANTS if text.count(mutant.old) != 1] == []
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("every", [8, pytest.param(1, marks=pytest.mark.long)])
 def test_no_mutant_of_the_checker_answers_as_it_should(every: int):
