@@ -59,11 +59,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Shape:
-    """How results of a type are shown; a verdict has no document, and writes its own text."""
+    """How results of a type are shown."""
 
     card: Callable[[Any], str]
-    words: Callable[[Any], str] = str
-    document: Callable[[Any], Document] | None = None
+    words: Callable[[Any], str]
+    document: Callable[[Any], Document]
 
 
 def _simulated(trajectory: ProblemTrajectory) -> SimulatedRegistration:
@@ -99,8 +99,9 @@ SHAPES: dict[type, Shape] = {
     ProblemTrajectory: Shape(
         words=_trajectory_words, document=_trajectory_document, card=trajectory_card
     ),
-    CertificateVerdict: Shape(card=verdict_card),
 }
+# A verdict writes its own text and has no document.
+CARDS = {CertificateVerdict: verdict_card, **{kind: shape.card for kind, shape in SHAPES.items()}}
 
 
 class ReportPresenter:
@@ -112,14 +113,11 @@ class ReportPresenter:
 
     def document(self, result: Any) -> Document:
         """What `--json` prints."""
-        document = SHAPES[type(result)].document
-        if document is None:
-            raise NotImplementedError(type(result).__name__)
-        return document(result)
+        return SHAPES[type(result)].document(result)
 
     def card(self, result: Any) -> str:
         """HTML for a notebook."""
-        return SHAPES[type(result)].card(result)
+        return CARDS[type(result)](result)
 
     def report(self, result: Registration, path: str | os.PathLike[str]) -> Path:
         """Write the page of a registration; where it was written."""

@@ -16,6 +16,7 @@ import pytest
 import certreg
 from certreg.native.compiler import CompilationError, find_compiler
 from certreg.native.evaluator import evaluator
+from certreg.results import PoseVerdict
 
 ROOT = Path(__file__).parents[2]
 NAMES = (
@@ -102,6 +103,9 @@ def test_open3d_is_judged_as_the_guide_says():
     namespace: dict[str, object] = {}
     for block in (*blocks(page, "python"), *blocks(page, "py")):
         exec(compile(block, page.name, "exec"), namespace)  # noqa: S102 - our own page
+
+    judged = certreg.assess(namespace["problem"], namespace["T"])  # pyright: ignore[reportArgumentType]
+    assert judged.verdict in {PoseVerdict.OPTIMAL, PoseVerdict.NEAR_OPTIMAL}
 
 
 def scratch(page: Path) -> dict[str, str]:

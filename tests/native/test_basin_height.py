@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from engines import engine
 from scipy.spatial.transform import Rotation
 from strategies import random_problem
 
@@ -19,26 +20,13 @@ from certreg.dynamics import simulation
 from certreg.dynamics.basin import certified_basin
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.native import loops
-from certreg.native.compiler import CompilationError, find_compiler
-from certreg.native.evaluator import evaluator
 from certreg.native.layout import named, width
-from certreg.native.library import loaded_library
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 
 SHARE = 0.3  # of the barrier, for these tests: below BASIN_SHARE
 MARGIN = 1e-9  # of the height: on which side a state is
 RULES = replace(SimulationSettings(max_steps=0).rules, speed_tolerance=1e6, rest_share=SHARE)
-
-
-def engine(name: str) -> loops.Engine:
-    if name == "evaluator":
-        return evaluator()
-    try:
-        find_compiler()
-    except CompilationError as error:
-        pytest.skip(str(error))
-    return loaded_library()  # C that does not compile is a failure
 
 
 def davenport(C: np.ndarray) -> np.ndarray:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from engines import engine
 from strategies import ZOO, random_rotation
 
 from certreg.dynamics.basin import certified_basin
@@ -17,10 +18,8 @@ from certreg.dynamics.integrators import SimulationSettings, step_parameters
 from certreg.equilibrium import batch as instances
 from certreg.geometry.so3 import body_frame, rotation_matrix
 from certreg.native import loops
-from certreg.native.compiler import CompilationError, find_compiler
 from certreg.native.evaluator import evaluator
 from certreg.native.layout import plain
-from certreg.native.library import loaded_library
 from certreg.native.stationary import SHAPES
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
@@ -32,16 +31,6 @@ KICK = 0.3  # radians
 SLOW = replace(SimulationSettings(first_perturbation=KICK, max_steps=0).rules, speed_tolerance=1e6)
 each_machine = pytest.mark.parametrize("machine", ["compiled", "evaluator"])
 each_integrator = pytest.mark.parametrize("integrator", loops.Integrator)
-
-
-def engine(name: str) -> loops.Engine:
-    if name == "evaluator":
-        return evaluator()
-    try:
-        find_compiler()
-    except CompilationError as error:
-        pytest.skip(str(error))
-    return loaded_library()
 
 
 @pytest.fixture(scope="module")

@@ -16,27 +16,9 @@ from strategies import ZOO
 if TYPE_CHECKING:
     from pathlib import Path
 
-KINDS = (
-    "result",
-    "pose",
-    "assessment",
-    "certificate",
-    "equilibria",
-    "simulation",
-    "roads",
-    "count",
-)
-SCHEMAS = (
-    "result",
-    "pose",
-    "assessment",
-    "certificate",
-    "equilibria",
-    "simulation",
-    "count",
-    "error",
-    "reproduction",
-)
+SHOWN = ("result", "pose", "assessment", "certificate", "equilibria", "simulation", "count")
+KINDS = (*SHOWN, "roads")
+SCHEMAS = (*SHOWN, "error", "reproduction")
 each_specimen = pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: specimen.name)
 
 
