@@ -1,6 +1,7 @@
 """Who shows results: what the classes further up ask, see `certreg.results.Shown`.
 
-`certreg/__init__.py` tells them. A result that is to be shown has its line in SHAPES.
+`certreg/__init__.py` tells them. A result that is to be shown has its line in SHAPES;
+one of which there is only a card, in CARDS.
 """
 
 from __future__ import annotations
