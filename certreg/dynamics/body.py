@@ -10,7 +10,7 @@ and lengths are over a power of two (|s'| mixes lengths and angles); time has it
 
 A state is 18 numbers, the parts of the record MATRIX_STATE: c, R row by row, v, omega, the order of
 [Yang2020]. Nothing is evaluated here: the functions are generated from the derivation
-(certreg/native/generated), and run compiled or in CasADi's evaluator (certreg/native).
+(certreg/native/generated), and run compiled or in Python (certreg/native).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The engine of this process: compiled code where it can be had, CasADi's evaluator elsewhere."""
+"""The engine of this process: compiled code where it can be had, generated Python elsewhere."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ def current_engine() -> Engine:
     try:
         library = loaded_library()
     except CompilationError as error:
-        LOG.info("CasADi's evaluator: %s", error)
-        message = f"{error}: simulating with CasADi's evaluator, same results but much slower"
+        LOG.info("generated Python: %s", error)
+        message = f"{error}: simulating in Python, same results but much slower"
         warnings.warn(message, SlowSimulationWarning, stacklevel=2)
         return evaluator()
     LOG.info("%s", library.words)

@@ -1,6 +1,6 @@
 """Stationary poses of many small problems: the arrays, and how they are found without a compiler.
 
-NumPy, and CasADi for the generated Hessian, do what native/stationary.c does; sums are taken in
+NumPy and the generated Hessian in Python do what native/stationary.c does; sums are taken in
 another order.
 """
 

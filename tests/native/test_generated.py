@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import math
+import re
 import subprocess
 from typing import TYPE_CHECKING, Any
 
@@ -31,11 +33,12 @@ if TYPE_CHECKING:
 FILES = (
     "dynamics.c",
     "dynamics.h",
-    "dynamics.json",
+    "dynamics.py",
     "layout.h",
     "layout.json",
     "signatures.json",
 )
+PYTHON = (GENERATED / "dynamics.py").read_text()
 
 
 def c_compiler():
@@ -50,9 +53,14 @@ def library_or_skip():
     return loaded_library()
 
 
+@pytest.fixture(scope="module")
+def definitions() -> tuple[Definition, ...]:
+    return chain.definitions()
+
+
 @pytest.mark.slow
-def test_generating_anew_gives_the_committed_bytes(tmp_path):
-    write_files(tmp_path, generated_files(chain.definitions(), chain.records()))
+def test_generating_anew_gives_the_committed_bytes(tmp_path, definitions):
+    write_files(tmp_path, generated_files(definitions, chain.records()))
 
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(FILES)
     for name in FILES:
@@ -66,8 +74,46 @@ def test_a_mutated_derivation_changes_the_code(tmp_path, monkeypatch):
 
     write_files(tmp_path, generated_files(chain.definitions(), chain.records()))
 
-    for name in ("dynamics.c", "dynamics.json"):
+    for name in ("dynamics.c", "dynamics.py"):
         assert (tmp_path / name).read_bytes() != (GENERATED / name).read_bytes()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["certreg_rate", "certreg_euler_step"])
+def test_the_generated_python_gives_the_bits_of_casadi(name, definitions):
+    definition = next(each for each in definitions if each.name == name)
+    function, call = casadi_function(definition), evaluator().calls[name]
+    rng = np.random.default_rng(6)
+    many = [rng.normal(size=(len(port.entries), 5)) for port in definition.arguments]
+    together = call.of_arrays(many)
+    for k in range(5):
+        numbers = [argument[:, k] for argument in many]
+        expected = [value.elements() for value in function.call([n.tolist() for n in numbers])]
+        for one, other, wanted in zip(call(*numbers), together, expected, strict=True):
+            assert one.tobytes() == other[:, k].tobytes() == np.array(wanted).tobytes()
+
+
+def test_the_python_has_the_statements_of_the_c():
+    c = re.sub(r"CERTREG_CONSTANT\((.*?)\)", r"\1", (GENERATED / "dynamics.c").read_text())
+    c = c.replace("CERTREG_SQRT", "sqrt")
+    statements = [re.findall(r"^ +(\S+=.*?);?$", text, re.MULTILINE) for text in (c, PYTHON)]
+
+    assert statements[0] == statements[1]
+    assert len(statements[0]) > 3000
+
+
+def test_where_c_has_infinity_or_no_number_the_evaluator_has_the_same():
+    compiled, beyond = library_or_skip(), 0
+    for name, shape in compiled.shapes.items():
+        for value in (0.0, -1.0, math.nan):  # of zeros, the splitting step divides by zero
+            arguments = [np.full(size, value) for size in shape.arguments]
+            one, other = (each.evaluate(name, *arguments) for each in (compiled, evaluator()))
+            beyond += value == 0.0 and any(np.isnan(mine).any() for mine in one)
+            for mine, theirs in zip(one, other, strict=True):
+                assert (np.isnan(mine) == np.isnan(theirs)).all(), name
+                assert (np.isposinf(mine) == np.isposinf(theirs)).all(), name
+
+    assert beyond
 
 
 @pytest.mark.parametrize("name", sorted(json.loads((GENERATED / "signatures.json").read_text())))

@@ -145,7 +145,7 @@ def test_without_a_compiler_the_user_is_told_once_in_one_line(tmp_path):
     assert json.loads(run.stdout)["simulation"]["converged"] is True
     assert run.stderr.count("\n") == 1
     assert run.stderr.startswith("note: no C compiler found (cc, gcc, clang): ")
-    assert "CasADi's evaluator" in run.stderr
+    assert "simulating in Python" in run.stderr
 
 
 @pytest.mark.slow
@@ -658,7 +658,7 @@ def test_a_disk_that_is_full_everywhere_leaves_the_evaluator(folder):
     run = python(limit + SIMULATED)
 
     assert run.returncode == 0
-    assert run.stdout == "CasADi's evaluator (no compiled code)\n"
+    assert run.stdout == "generated Python (no compiled code)\n"
     assert "failed" in run.stderr
     assert list(folder.iterdir()) == []
 

@@ -1,8 +1,9 @@
-"""Writing the generated code: C99, its header, and CasADi's serialised functions.
+"""Writing the generated code: C99, its header, and the same statements in Python.
 
 CasADi's own C takes arrays of pointers and tests each; here it gets plain signatures, its banner
 and its unused parts are left out, and the number type and the square root become macros, so that
-the same text compiles for doubles and for vectors of doubles.
+the same text compiles for doubles and for vectors of doubles. Python gets the same operations in
+the same order, for numbers and for arrays.
 """
 
 from __future__ import annotations
@@ -20,13 +21,13 @@ if TYPE_CHECKING:
     from certreg.native.codegen.records import RecordLayout
     from certreg.native.codegen.translate import Definition, Port
 
-C_FILE, HEADER_FILE, SERIALISED_FILE = "dynamics.c", "dynamics.h", "dynamics.json"
+C_FILE, HEADER_FILE, PYTHON_FILE = "dynamics.c", "dynamics.h", "dynamics.py"
 SIGNATURES_FILE = "signatures.json"
-FORMAT = "certreg-functions/1"
 
 _BODY = re.compile(r"static int casadi_f0\(.*?\) \{\n(.*?)  return 0;\n\}", re.DOTALL)
 _LOAD = re.compile(r"arg\[(\d+)\]\? arg\[\1\]\[(\d+)\] : 0;")
 _STORE = re.compile(r"if \(res\[(\d+)\]!=0\) res\[\1\]\[(\d+)\]=")
+_DECLARED = re.compile(r"^  casadi_real [^;]*;\n", re.MULTILINE)
 _NUMBER = re.compile(r"(?<![\w.\]])(-?\d+(?:\.\d*)?(?:e[-+]?\d+)?)(?=;|\)|[-+*/])")
 
 _HEADER = """\
@@ -69,20 +70,29 @@ _FOOTER = """\
 #endif
 #endif
 """
+_PYTHON = '''\
+"""The functions of dynamics.c in Python, for where nothing compiles it: do not edit.
+
+Generated from the same derived expressions: the same operations in the same order. `sqrt` comes
+first; then the arguments, sequences of numbers or of arrays; then the sequences for the results.
+"""
+
+from typing import Any
+'''
 
 
 def generated_files(
     definitions: Sequence[Definition], records: Sequence[RecordLayout]
 ) -> dict[str, bytes]:
-    """The contents of dynamics.h, .c and .json, of signatures.json and of the layout, by name.
+    """The contents of dynamics.h, .c and .py, of signatures.json and of the layout, by name.
 
     The same definitions and records and the same version of CasADi give the same bytes.
     """
-    functions = [casadi_function(definition) for definition in definitions]
+    bodies = [_body(definition, casadi_function(definition)) for definition in definitions]
     return {
         HEADER_FILE: header(definitions).encode(),
-        C_FILE: source(definitions, functions).encode(),
-        SERIALISED_FILE: serialised(definitions, functions).encode(),
+        C_FILE: source(definitions, bodies).encode(),
+        PYTHON_FILE: python(definitions, bodies).encode(),
         SIGNATURES_FILE: signatures(definitions).encode(),
         **layout_files(records),
     }
@@ -97,26 +107,24 @@ def header(definitions: Sequence[Definition]) -> str:
     return _HEADER + "\n".join(prototypes) + _FOOTER
 
 
-def source(definitions: Sequence[Definition], functions: Sequence[Any]) -> str:
+def source(definitions: Sequence[Definition], bodies: Sequence[str]) -> str:
     """The C file: straight-line code, one function for each definition."""
     top = f'#include "{HEADER_FILE}"\n\n#include <math.h>\n'
-    bodies = [
-        f"\nCERTREG_LINKAGE {_signature(definition)}\n{{\n{_statements(definition, function)}}}\n"
-        for definition, function in zip(definitions, functions, strict=True)
+    functions = [
+        f"\nCERTREG_LINKAGE {_signature(definition)}\n{{\n{_in_macros(body)}}}\n"
+        for definition, body in zip(definitions, bodies, strict=True)
     ]
-    return top + "".join(bodies)
+    return top + "".join(functions)
 
 
-def serialised(definitions: Sequence[Definition], functions: Sequence[Any]) -> str:
-    """CasADi's serialised functions, for evaluation where there is no compiler."""
-    document = {
-        "format": FORMAT,
-        "functions": {
-            definition.name: function.serialize()
-            for definition, function in zip(definitions, functions, strict=True)
-        },
-    }
-    return json.dumps(document, indent=1, sort_keys=True) + "\n"
+def python(definitions: Sequence[Definition], bodies: Sequence[str]) -> str:
+    """The module of Python: the same straight-line code, results stored in the last arguments."""
+    functions = [
+        f"\n\ndef {definition.name}(\n{_parameters(definition)}) -> None:\n"
+        f'    """{definition.says}"""\n{_in_python(body)}'
+        for definition, body in zip(definitions, bodies, strict=True)
+    ]
+    return _PYTHON + "".join(functions)
 
 
 def signatures(definitions: Sequence[Definition]) -> str:
@@ -141,7 +149,7 @@ def _array(port: Port) -> str:
     return f"{port.name}[{len(port.entries)}]"
 
 
-def _statements(definition: Definition, function: Any) -> str:
+def _body(definition: Definition, function: Any) -> str:
     """CasADi's straight-line code with named arrays instead of numbered pointers."""
     from casadi import CodeGenerator
 
@@ -152,7 +160,22 @@ def _statements(definition: Definition, function: Any) -> str:
         raise ValueError(f"CasADi wrote C of another shape for {definition.name}")
     given = [port.name for port in definition.arguments]
     returned = [port.name for port in definition.results]
-    lines = body[1].replace("casadi_real ", "CERTREG_REAL ").replace("sqrt(", "CERTREG_SQRT(")
-    lines = _LOAD.sub(lambda m: f"{given[int(m[1])]}[{m[2]}];", lines)
-    lines = _STORE.sub(lambda m: f"{returned[int(m[1])]}[{m[2]}]=", lines)
+    lines = _LOAD.sub(lambda m: f"{given[int(m[1])]}[{m[2]}];", body[1])
+    return _STORE.sub(lambda m: f"{returned[int(m[1])]}[{m[2]}]=", lines)
+
+
+def _in_macros(body: str) -> str:
+    """The statements in C, for any type of number."""
+    lines = body.replace("casadi_real ", "CERTREG_REAL ").replace("sqrt(", "CERTREG_SQRT(")
     return _NUMBER.sub(r"CERTREG_CONSTANT(\1)", lines)
+
+
+def _parameters(definition: Definition) -> str:
+    names = ["sqrt", *(port.name for port in (*definition.arguments, *definition.results))]
+    return "".join(f"    {name}: Any,\n" for name in names)
+
+
+def _in_python(body: str) -> str:
+    """The statements in Python, which declares no variables and ends no line with a semicolon."""
+    lines = _DECLARED.sub("", body).replace(";\n", "\n")
+    return "".join(f"  {line}\n" for line in lines.splitlines())
