@@ -43,6 +43,7 @@ NO_MOTION = "Nothing moves here: "
 UNDEFINED = "the source points {lie}, so the dynamics of the body is not defined."
 WATCH = " Push it, and watch."
 NOT_SIMULATED = "the motion was not simulated."
+NAMED = 12  # points with their names in the scene; more would hide it
 SAMPLE = 100_000  # points shown where the page holds no certificate with them
 
 
@@ -143,6 +144,7 @@ def scene_document(registration: Registration, names: Names) -> dict[str, Any]:
         "energy_unit": nearest_double(unit),
         "margin": {"relative": equilibria.margin.relative, "words": margin_words(equilibria)},
         "axes": _axes(problem.target).tolist(),
+        "named": _named(registration, names.labels),
     }
 
 
@@ -181,11 +183,26 @@ def _pairs(values: NDArray[np.complex128] | None) -> list[list[float]] | None:
     return [[value.real, value.imag] for value in values.tolist()]
 
 
+def _named(registration: Registration, labels: tuple[str, ...] | None) -> list[tuple[int, str]]:
+    """Rows that have their names in the scene: all of few with labels, else the outliers."""
+    if labels is not None and len(labels) <= NAMED:
+        return list(enumerate(labels))
+    rows = registration.fit.outlier_rows
+    return [(row, f"row {row}" if labels is None else labels[row]) for row in rows]
+
+
 def _axes(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The principal axes of a cloud as rows, the longest first, right-handed."""
+    """Rows: across, away and up, as the cloud is first seen. Right-handed.
+
+    Up is z. Across is the longest horizontal direction, and to the back the cloud rises: a slope
+    is seen from where it faces, not along its surface.
+    """
     unit = float(np.abs(points).max()) or 1.0
     scaled = points / unit
     centred = scaled - scaled.mean(axis=0)
-    spread = float(np.abs(centred).max()) or 1.0
-    rows = np.linalg.eigh((centred / spread).T @ (centred / spread))[1].T[::-1]
-    return rows * np.sign(np.linalg.det(rows))
+    flat = centred[:, :2] / (float(np.abs(centred).max()) or 1.0)
+    x, y = np.linalg.eigh(flat.T @ flat)[1].T[0]  # the shortest
+    rises = float(centred[:, 2] @ (flat @ [x, y])) >= 0.0
+    away = np.array([x, y, 0.0]) * (1.0 if rises else -1.0)
+    up = np.array([0.0, 0.0, 1.0])
+    return np.stack([np.cross(away, up), away, up])

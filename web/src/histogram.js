@@ -3,15 +3,16 @@
 import { drawing, figure, frame, label, path, svg } from "./svg.js";
 import { mixed, ramp } from "./ramp.js";
 
-const HEIGHT = 96;
+const HEIGHT = 104;
 const BINS = 24;
 const LEAST = 2; // pixels, of a bin that is not empty
 const LETTER = 6.5; // pixels
+const MARKED = 16; // pixels above the bars, for the mark of the RMSE and its words
 
 /** The distances last measured, from 0 to the largest of them; most: the end of the colours. */
 export function drawHistogram(place, clouds, { rmse, most }) {
   const { width } = frame(place, HEIGHT);
-  const [left, right, top, bottom] = [4, width - 4, 14, HEIGHT - 18];
+  const [left, right, top, bottom] = [4, width - 4, MARKED, HEIGHT - 18];
   const largest = clouds.largest;
   const counts = new Array(BINS).fill(0);
   for (const distance of clouds.distances) {
@@ -30,8 +31,9 @@ export function drawHistogram(place, clouds, { rmse, most }) {
   const ends = at + 4 + LETTER * words.length > right;
   parts.push(
     path([[left, bottom], [right, bottom]], { class: "axis" }),
-    path([[at, top - 4], [at, bottom]], { class: "cursor" }),
-    label(ends ? at - 4 : at + 4, top, words, { class: "tick halo", "text-anchor": ends ? "end" : "start" }),
+    path([[at, 3], [at, bottom]], { class: "cursor under" }),
+    path([[at, 3], [at, bottom]], { class: "cursor" }),
+    label(ends ? at - 4 : at + 4, top - 4, words, { class: "tick", "text-anchor": ends ? "end" : "start" }),
     label(left, bottom + 14, "0", { class: "tick" }),
     label(right, bottom + 14, figure(largest, 4), { class: "tick", "text-anchor": "end" }),
     label((left + right) / 2, bottom + 14, "distance of a pair", { class: "tick", "text-anchor": "middle" }),

@@ -13,8 +13,8 @@ import { Rulers } from "./rulers.js";
 import { Run } from "./runs.js";
 import { Stage } from "./stage.js";
 import { figure } from "./svg.js";
+import { Tags } from "./tags.js";
 
-const TAGGED = 12; // points with their labels in the scene; more would hide it
 const MANY = 20_000; // pairs, whose distances are measured in every fourth frame only
 
 const part = (id) => document.getElementById(id);
@@ -36,28 +36,6 @@ function openStage(clouds, axes, redraw) {
       "This browser has no WebGL, which the scene needs. All else on this page works.";
     return null;
   }
-}
-
-/** Labels at the points of small clouds. */
-function tags(stage, clouds, labels) {
-  if (!stage || !labels || clouds.n > TAGGED) return () => {};
-  const made = ["target", "source"].map((cloud) =>
-    labels.map((words) => {
-      const tag = document.createElement("bdi");
-      tag.className = `tag ${cloud}`;
-      tag.textContent = words.length > 12 ? `${words.slice(0, 11)}…` : words;
-      part("tags").append(tag);
-      return tag;
-    }),
-  );
-  return () => {
-    made.forEach((tags_, moved) => {
-      tags_.forEach((tag, row) => {
-        const [x, y] = stage.seen(moved ? clouds.source : clouds.target, row, Boolean(moved));
-        tag.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
-      });
-    });
-  };
 }
 
 /** Sliders along the component that was chosen, if it is more than one pose. */
@@ -99,8 +77,9 @@ function wire(player, scene) {
     event.preventDefault();
     player.toggle();
   });
-  if (!player.runs.length) part("view-note").textContent = scene.still;
-  part("play").disabled = part("time").disabled = !player.runs.length;
+  part("still").textContent = scene.still;
+  part("still").hidden = Boolean(player.runs.length);
+  part("play").hidden = part("time").hidden = !player.runs.length;
   part("released").hidden = !player.runs.some((run) => run.start === null);
 }
 
@@ -143,8 +122,17 @@ function saving(bytes) {
   });
 }
 
+/** How high the words above the scene are, so that the scene ends where the screen does. */
+function fitted() {
+  const { style } = document.documentElement;
+  const told = () => style.setProperty("--head", `${part("see").offsetTop}px`);
+  told();
+  new ResizeObserver(told).observe(document.querySelector("header"));
+}
+
 async function main() {
   copying();
+  fitted();
   const scene = sceneDocument();
   const certificate = await certificateBytes();
   if (certificate) saving(certificate);
@@ -160,14 +148,14 @@ async function main() {
       wanted = false;
       stage?.draw();
       rulers?.draw(stage);
-      retag();
+      tags?.draw();
       document.documentElement.dataset.ready ??= String(Math.round(performance.now()));
     });
   };
   const stage = openStage(clouds, scene.axes, redraw);
   const rulers = stage && new Rulers(clouds.length);
   stage?.hold(scene.components.map((component) => component.quaternion));
-  const retag = tags(stage, clouds, sampled ? null : scene.labels);
+  const tags = stage && new Tags(stage, clouds, sampled ? [] : scene.named);
   const energy = energyChart(player, scene);
   let frames = 0;
   let most = 0; // the distance at the end of the colours: the largest of a pose, or as a run begins
@@ -252,7 +240,7 @@ function legend(stage, clouds, scene, sampled) {
   if (stage && stage.ends.length < clouds.n) {
     words.push(`${stage.ends.length} of ${clouds.n} springs are drawn; all of them count.`);
   }
-  if (words.length) part("view-note").textContent = [part("view-note").textContent, ...words].join(" ");
+  if (words.length) part("view-note").textContent = words.join(" ");
 }
 
 main();

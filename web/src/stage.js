@@ -79,7 +79,8 @@ export class Stage {
     const springs = new Float32Array(6 * this.ends.length);
     this.springs = clouds.n <= BODY_POINTS ? lines(springs, 2) : hairlines(springs);
     this.springs.renderOrder = -1; // behind the points, wherever they are
-    this.moving.renderOrder = 1; // their colours are to be seen
+    this.moving.renderOrder = 1; // their colours are to be seen: rings and lines hide no disc
+    this.fixed.material.depthWrite = false;
     this.scene.add(this.springs, this.fixed);
     this.body.add(this.moving);
     this.frames = [];
@@ -218,7 +219,7 @@ function hairlines(ends) {
 function lines(ends, width) {
   const geometry = new LineSegmentsGeometry();
   geometry.setPositions(ends);
-  const material = new LineMaterial({ linewidth: width, transparent: true, opacity: 0.8 });
+  const material = new LineMaterial({ linewidth: width, transparent: true, opacity: 0.8, depthWrite: false });
   const segments = new LineSegments2(geometry, material);
   segments.frustumCulled = false;
   return segments;
