@@ -6,9 +6,17 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from certreg.registration import at_most, proved_degrees, share_words
+from certreg.registration import at_most, headline_of, proved_degrees, share_words
 from certreg.report.summary import explained_words, margin_words, number
-from certreg.report.uncertainty import chi2_words, uncertainty_rows
+from certreg.report.uncertainty import (
+    centre_words,
+    chi2_words,
+    rotation_words,
+    sigma_words,
+    told_to,
+    two_digits,
+    uncertainty_rows,
+)
 from certreg.report.words import motion_words, turn_of
 from certreg.results import Absent
 
@@ -18,8 +26,6 @@ if TYPE_CHECKING:
     from certreg.geometry import Pose
     from certreg.registration import Fit, PoseCovariance, Registration
 
-MOST_DECIMALS = 12  # behind the point: more are not read
-PLAIN_BELOW = 1e12  # larger numbers are written with an exponent
 BASIS = "± is"  # the row that says where the deviations come from
 NO_PROOF = "A statistic: nothing of it is proved."
 QUIET = (
@@ -72,7 +78,7 @@ class Overview:
     @classmethod
     def of(cls, registration: Registration) -> Overview:
         """Of a registration with a certificate."""
-        mark, tests = _judged(registration.fit)
+        mark, tests = _judged(registration.fit, good=headline_of(registration).good)
         return cls(
             pose=_pose(registration),
             fit=tuple(_fit(registration)),
@@ -83,24 +89,34 @@ class Overview:
 
 
 def _pose(registration: Registration) -> PoseFacts:
-    pose, covariance = registration.pose, registration.solution.covariance
+    pose, covariance = registration.pose, registration.solution.stated("covariance")
     exact, sure = pose.T_target_source.tolist(), dict(uncertainty_rows(registration))
-    known = covariance if BASIS in sure else None
-    facts = [
-        _rotation(pose, known),
-        Fact(name="±", value="", words=sure.get("rotation ±", "")),
-        _translation(pose, known),
-        Fact(name="±", value="", words=sure.get("translation ±", "")),
-    ]
+    facts = [_rotation(pose, None), _translation(pose, None)]
+    if BASIS in sure and not isinstance(covariance, Absent):
+        facts = _sure(registration, covariance)
     basis = f"± is {sure[BASIS]}. " if BASIS in sure else f"Uncertainty {sure['uncertainty']}. "
     return PoseFacts(
         rows=_aligned(exact),
-        facts=tuple(fact for fact in facts if fact.value or fact.words),
+        facts=tuple(facts),
         uncertainty=f"{basis}{NO_PROOF if BASIS in sure else ''}".strip(),
         matrix="\n".join(" ".join(map(repr, row)) for row in exact),
         quaternion=" ".join(map(repr, pose.quaternion_wxyz.tolist())),
         motion=motion_words(registration),
     )
+
+
+def _sure(registration: Registration, covariance: PoseCovariance) -> list[Fact]:
+    """Rotation, centre and translation, each with its deviation in the next line."""
+    pose, shift = registration.pose, two_digits(covariance.translation_sigma)
+    centre = ", ".join(centre_words(registration, covariance))
+    return [
+        _rotation(pose, covariance),
+        Fact(name="±", value="", words=rotation_words(covariance, " (source's axes)")),
+        Fact(name="Centre", value=f"({centre})", words="of the moved source"),
+        Fact(name="±", value="", words=sigma_words(covariance)),
+        _translation(pose, covariance),
+        Fact(name="±", value="", words=f"{shift} (source's origin)"),
+    ]
 
 
 def _aligned(matrix: list[list[float]]) -> tuple[str, ...]:
@@ -128,18 +144,6 @@ def _translation(pose: Pose, covariance: PoseCovariance | None) -> Fact:
     return Fact(name="Translation", value=f"({values})")
 
 
-def told_to(value: float, sigma: float) -> str:
-    """A value with the decimals that its standard deviation leaves.
-
-    >>> told_to(999.80268, 0.1934), told_to(-1e-9, 0.02), told_to(1234.5, 0.0)
-    ('999.80', '0.000', '1234.5')
-    """
-    if not 0.0 < sigma < math.inf or abs(value) >= PLAIN_BELOW:
-        return f"{value:.6g}"
-    decimals = min(MOST_DECIMALS, max(0, 1 - math.floor(math.log10(sigma))))
-    return f"{round(value, decimals) + 0.0:.{decimals}f}"
-
-
 def _fit(registration: Registration) -> Iterator[Fact]:
     fit = registration.fit
     yield Fact(
@@ -157,8 +161,8 @@ def _fit(registration: Registration) -> Iterator[Fact]:
         yield Fact(name="Chi-squared", value="", words=chi2)
 
 
-def _judged(fit: Fit) -> tuple[Mark, str]:
-    """Whether a fit is warned of, and by which tests."""
+def _judged(fit: Fit, *, good: bool) -> tuple[Mark, str]:
+    """Whether a fit is warned of, and by which tests; good: whether the verdict is."""
     count = len(fit.warnings)
     if count:
         words = f"{count} warning{'s' * (count > 1)}, above"
@@ -166,7 +170,7 @@ def _judged(fit: Fit) -> tuple[Mark, str]:
     tested = fit.stated("scale_p")
     if isinstance(tested, Absent):
         return Mark(kind="plain", words="not tested"), f"Not tested: {tested.reason}."
-    return Mark(kind="good", words="no warning"), QUIET
+    return Mark(kind="good" if good else "plain", words="no warning"), QUIET
 
 
 def _proved(registration: Registration) -> Iterator[Fact]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from certreg.exact import nearest_or_zero
 from certreg.registration import FitCode
 from certreg.results import Absent
 
@@ -22,14 +23,19 @@ if TYPE_CHECKING:
 FINE = math.radians(0.01)  # below it arc seconds: 36 of them
 FIRST_ORDER = 0.2  # radians, 11 degrees: turns scatter 2 % more there, 4 to 8 % at 0.3, measured
 SURE_SIGMA = 1e-6  # of chi-squared: so seldom is it so small, as large ones are warned of
+MOST_DECIMALS = 12  # behind the point: more are not read
+PLAIN_BELOW = 1e12  # larger numbers are written with an exponent
+OF_ORIGIN = "of the source's origin, along the target's axes"
 NO_NOISE_ALONE = "the fit holds more than noise (see the warning), and +/- would be of noise alone"
 TO_ROUNDING = "the residuals are at rounding and hold no noise: give sigma"
 
 
 def uncertainty_rows(registration: Registration) -> list[tuple[str, str]]:
-    """Names and words: translation, rotation, what ± is, and the test of a sigma that is given.
+    """Names and words: the centre, rotation, translation, what ± is, and the test of a given sigma.
 
-    Where there is no uncertainty to tell: one row that says why.
+    The centre first: its deviation is that of the points, while the translation is where the
+    source's origin goes, which in map coordinates lies far from them. Where there is no uncertainty
+    to tell: one row that says why.
     """
     covariance = registration.solution.stated("covariance")
     if isinstance(covariance, Absent):
@@ -37,26 +43,48 @@ def uncertainty_rows(registration: Registration) -> list[tuple[str, str]]:
     if covariance.estimated and registration.fit.rounded:
         return [("uncertainty", f"not known: {TO_ROUNDING}")]
     chi2 = chi2_words(registration)
+    centre = " ".join(centre_words(registration, covariance))
     tested = [] if chi2 is None else [("chi-squared", chi2)]
     if registration.fit.warnings:
         return [("uncertainty", f"not known: {NO_NOISE_ALONE}"), *tested]
-    where = f"along the target's axes; {_two_digits(covariance.centre_sigma)} at the cloud's centre"
     return [
-        ("translation ±", f"{two_digits(covariance.translation_sigma)}  ({where})"),
-        ("rotation ±", rotation_words(covariance)),
+        ("centre ±", f"{sigma_words(covariance)}  (the centre of the source lands at {centre})"),
+        ("rotation ±", rotation_words(covariance, "  (a small turn about the source's axes)")),
+        ("translation ±", f"{two_digits(covariance.translation_sigma)}  ({OF_ORIGIN})"),
         ("± is", _basis_words(registration, covariance)),
         *tested,
     ]
 
 
-def rotation_words(covariance: PoseCovariance) -> str:
-    """Three standard deviations of a small turn, and a word where the turn is not small."""
+def sigma_words(covariance: PoseCovariance) -> str:
+    """The deviation of the centre."""
+    return f"{_two_digits(covariance.centre_sigma)} along every axis"
+
+
+def centre_words(registration: Registration, covariance: PoseCovariance) -> list[str]:
+    """Where the weighted mean of the source goes, that of the target, as its deviation allows."""
+    centre = map(nearest_or_zero, registration.solution.moments.target_centroid)
+    return [told_to(entry, covariance.centre_sigma) for entry in centre]
+
+
+def told_to(value: float, sigma: float) -> str:
+    """A value with the decimals that its standard deviation leaves.
+
+    >>> told_to(999.80268, 0.1934), told_to(-1e-9, 0.02), told_to(1234.5, 0.0)
+    ('999.80', '0.000', '1234.5')
+    """
+    if not 0.0 < sigma < math.inf or abs(value) >= PLAIN_BELOW:
+        return f"{value:.6g}"
+    decimals = min(MOST_DECIMALS, max(0, 1 - math.floor(math.log10(sigma))))
+    return f"{round(value, decimals) + 0.0:.{decimals}f}"
+
+
+def rotation_words(covariance: PoseCovariance, axes: str) -> str:
+    """Three standard deviations of a small turn, its axes, and a word where it is not small."""
     sigma = covariance.rotation_sigma
     fine = float(sigma.max()) < FINE
     unit, factor = ("arc seconds", 3600.0) if fine else ("degrees", 1.0)
-    told = (
-        f"{two_digits(np.degrees(sigma) * factor)} {unit}  (a small turn about the source's axes)"
-    )
+    told = f"{two_digits(np.degrees(sigma) * factor)} {unit}{axes}"
     loosest, axis = covariance.loosest_turn
     if loosest < FIRST_ORDER:
         return told

@@ -15,10 +15,10 @@ from strategies import ZOO, random_rotation
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.certification import certify
 from certreg.report.markup import rendered
-from certreg.report.overview import QUIET, Overview, told_to
+from certreg.report.overview import QUIET, Overview
 from certreg.report.page import Report, html_page
 from certreg.report.picture import BODY, registration_picture
-from certreg.report.uncertainty import TO_ROUNDING, chi2_words, uncertainty_rows
+from certreg.report.uncertainty import TO_ROUNDING, chi2_words, told_to, uncertainty_rows
 from certreg.results import Limits
 
 if TYPE_CHECKING:
@@ -47,11 +47,12 @@ def visible(registration: Registration) -> str:
 
 def test_the_deviations_are_those_of_the_terminal_and_no_proof():
     registration = registered()
-    rotation, turn, translation, shift = Overview.of(registration).pose.facts
+    facts = Overview.of(registration).pose.facts
     told = dict(uncertainty_rows(registration))
 
-    assert (turn.words, shift.words) == (told["rotation ±"], told["translation ±"])
-    assert (rotation.name, translation.name) == ("Rotation", "Translation")
+    assert [fact.name for fact in facts] == ["Rotation", "±", "Centre", "±", "Translation", "±"]
+    for fact, row in zip(facts[1::2], ("rotation ±", "centre ±", "translation ±"), strict=True):
+        assert fact.words.partition(" (")[0] == told[row].partition("  (")[0]
     assert Overview.of(registration).pose.uncertainty == (
         f"± is {told['± is']}. A statistic: nothing of it is proved."
     )
@@ -59,7 +60,7 @@ def test_the_deviations_are_those_of_the_terminal_and_no_proof():
 
 def test_the_pose_is_told_to_the_digits_that_its_deviation_leaves():
     registration = registered()
-    rotation, _, translation, _ = Overview.of(registration).pose.facts
+    rotation, _, _, _, translation, _ = Overview.of(registration).pose.facts
     sigmas = np.sqrt(np.diag(checked(registration.solution.covariance).matrix)[:3])
     w, *axial = registration.pose.quaternion_wxyz.tolist()
 
@@ -70,6 +71,22 @@ def test_the_pose_is_told_to_the_digits_that_its_deviation_leaves():
     assert numbers(rotation.words) == pytest.approx(
         np.array(axial) / np.linalg.norm(axial), abs=1e-4
     )
+
+
+def test_of_map_coordinates_the_centre_is_told_which_is_as_sure_as_the_points():
+    far = np.array([352000.0, 5410000.0, 410.0])
+    near = registered().problem
+    map_ = RegistrationProblem(near.source + far, near.target + far)
+    registration = certify(map_, relaxation=False, simulation=False)
+    sure = checked(registration.solution.covariance)
+    _, _, centre, deviation, _, shift = Overview.of(registration).pose.facts
+    told = numbers(centre.value)
+
+    assert abs(told - map_.target.mean(axis=0)).max() < sure.centre_sigma / 9
+    assert float(deviation.words.split()[0]) == pytest.approx(sure.centre_sigma, rel=0.05)
+    assert float(shift.words.split()[0]) > 1e4 * sure.centre_sigma
+    row = dict(uncertainty_rows(registration))["centre ±"]
+    assert row.endswith(f" lands at {centre.value[1:-1].replace(',', '')})")
 
 
 @pytest.mark.parametrize("sigma", [None, 0.01])
@@ -101,6 +118,12 @@ def test_a_warned_fit_is_marked_and_its_deviations_doubted():
     assert (warned.mark.kind, warned.mark.words) == ("open", "1 warning, above")
     assert "see the warning" in warned.pose.uncertainty
     assert "warning" not in quiet.pose.uncertainty
+
+
+def test_beside_a_verdict_that_is_not_good_no_warning_is_not_green():
+    bounded = Overview.of(replace(registered(), limits=Limits(max_gap=0.0)))
+
+    assert (bounded.mark.kind, bounded.mark.words) == ("plain", "no warning")
 
 
 def test_of_too_few_points_nothing_is_said_to_be_tested():
