@@ -11,6 +11,7 @@ from certreg.report.markup import printable, rendered
 from certreg.report.picture import energy_picture, registration_picture
 from certreg.report.summary import (
     KINDS,
+    OF_SPREAD,
     count_words,
     explained_words,
     margin_words,
@@ -18,10 +19,11 @@ from certreg.report.summary import (
     verdict_words,
     warnings,
 )
+from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from certreg.certificate import CertificateVerdict
     from certreg.equilibrium import EquilibriumSet
@@ -63,7 +65,7 @@ class Card(Brief):
 
 
 def registration_card(registration: Registration) -> str:
-    """Verdict, pose and fit of a registration, and a picture of it."""
+    """Verdict, pose with its deviations and fit of a registration, and a picture of it."""
     first, *further = verdict_words(registration)
     pose = registration.pose
     return Card(
@@ -74,8 +76,9 @@ def registration_card(registration: Registration) -> str:
             ("correspondences", f"{registration.problem.n:,}"),
             ("rotation (wxyz)", _numbers(pose.quaternion_wxyz.tolist())),
             ("translation", _numbers(pose.translation.tolist())),
+            *_deviations(registration),
             ("RMSE", number(registration.rmse)),
-            ("explained", explained_words(registration.fit)),
+            ("explained", explained_words(registration.fit).removesuffix(OF_SPREAD)),
             ("ambiguity margin", margin_words(registration.equilibria)),
         ],
         picture=registration_picture(registration),
@@ -137,6 +140,16 @@ def verdict_card(verdict: CertificateVerdict) -> str:
     """The checker's answer."""
     first = "VERIFIED" if verdict.proved else f"REFUSED: {verdict.words}"
     return Card(headline=first, notes=verdict.theorems, good=verdict.proved).html()
+
+
+def _deviations(registration: Registration) -> Iterator[tuple[str, str]]:
+    """One standard deviation of each part of the pose, in few words; or why there is none."""
+    for name, words in uncertainty_rows(registration):
+        if name == "uncertainty":
+            yield name, words
+        elif name.endswith("±"):
+            figures, _, rest = words.partition("  (")
+            yield f"{name} 1σ", f"{figures}{rest.partition(')')[2]}"
 
 
 def _numbers(values: Sequence[float]) -> str:

@@ -40,6 +40,7 @@ KINDS = {
     ComponentKind.PROJECTIVE_PLANE: "projective plane",
     ComponentKind.ROTATION_GROUP: "every rotation",
 }
+OF_SPREAD = " of the target's spread (R squared, with the best scale)"
 DISTINGUISHABLE = 25.0  # twice the log-likelihood ratio of five standard deviations
 ROUNDING_SHARE = 1e6  # a gap above a millionth of the minimum is worth a word
 UNNOTED_COST = 1e-24  # of the spread: a shift of 1e-12, finer than any data
@@ -345,7 +346,7 @@ def explained_words(fit: Fit) -> str:
     share = f"{percent:.{digits}f}"
     if float(share) >= 100.0:
         share = "over 99.9999999"  # nothing is rounded up to all of it
-    return f"{share} % of the target's spread (R squared, with the best scale)"
+    return f"{share} %{OF_SPREAD}"
 
 
 def _away(angle: float, *, unique: bool = True) -> str:

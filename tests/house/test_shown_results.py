@@ -19,6 +19,7 @@ import certreg
 from certreg import results
 from certreg.cli.main import COMMANDS
 from certreg.report import presenting
+from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import REPR_LENGTH
 
 if TYPE_CHECKING:
@@ -302,6 +303,20 @@ def test_a_card_says_what_the_first_line_says(made):
     for name in ("Registration", "Assessment", "assess"):
         first = str(made[name]).splitlines()[0]
         assert first in made[name]._repr_html_()
+
+
+def test_a_card_says_how_sure_the_pose_is_or_why_it_does_not(registration):
+    bare = certreg.RegistrationProblem([[0.0, 0, 0], [1, 0, 0]], [[0.0, 0, 0], [0, 1, 0]])
+    loose = certreg.certify(bare, relaxation=False, simulation=False)
+    problem = certreg.RegistrationProblem(registration.problem.source, registration.problem.target)
+    sure = certreg.certify(problem, relaxation=False, simulation=False)
+    told, card = dict(uncertainty_rows(sure)), sure._repr_html_()
+
+    for name in ("centre ±", "rotation ±", "translation ±"):
+        assert f">{name} 1σ</th>" in card
+        assert f">{told[name].partition('  (')[0]}</td>" in card
+    assert ">uncertainty</th>" in loose._repr_html_()
+    assert ">not known: the optimum is not unique</td>" in loose._repr_html_()
 
 
 def test_words_of_a_file_are_escaped_in_a_card():
