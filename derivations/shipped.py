@@ -18,7 +18,6 @@ import sympy
 from certreg.verify import (
     coefficients,
     davenport,
-    positive_definite,
     proves_basin,
     proves_level,
 )
@@ -28,6 +27,7 @@ from .rings import flat, ring_of
 
 UNIT_INVERSE = scalar("unit_inverse")  # of the unit over which the checker holds K and J
 NORM_INVERSE = scalar("norm_inverse")  # of |q|^2
+COMMON = scalar("common")  # the common denominator of the checker's fractions
 TWO_POWER = scalar("two_power")  # the power of two of the angular velocity's exponent
 
 
@@ -60,14 +60,34 @@ class Exponent:
 
 
 class Divisor:
-    """A number that is only divided by: a quotient by it is a product with its inverse."""
+    """A number that is only divided by, and what a quotient by it is."""
 
-    def __init__(self, inverse: Any) -> None:
-        self.inverse = inverse
+    def __init__(self, ring: Any, quotient: Callable[[Any], Any]) -> None:
+        self.ring, self.quotient = ring, quotient
 
     def __rtruediv__(self, dividend: Any) -> Any:
-        modelled(_is_element(self.inverse.ring, dividend), f"{dividend!r} is no polynomial")
-        return dividend * self.inverse
+        modelled(_is_element(self.ring, dividend), f"{dividend!r} is no polynomial")
+        return self.quotient(dividend)
+
+
+class Cleared:
+    """A fraction that is only multiplied with a multiple of its denominator, `COMMON`.
+
+    met: those whose denominators this is a multiple of.
+    """
+
+    def __init__(self, value: Any, met: set[Cleared]) -> None:
+        self.value, self.met = value, met
+
+    @property
+    def denominator(self) -> Cleared:
+        """Itself, in the place of a number."""
+        return self
+
+    def __mul__(self, common: Any) -> Any:
+        good = self in self.met and common == self.value.ring.from_expr(COMMON)
+        modelled(good, "a fraction times what is no multiple of its denominator")
+        return self.value * common
 
 
 class Bound:
@@ -116,14 +136,30 @@ def checked_coefficients(C: Any, chart: Any) -> Any:
 def checked_matrix(K: Any, q: Any, level: Any, mu: Any) -> Any:
     """The 4x4 matrix whose definiteness `certreg.verify.proves_level` decides.
 
-    K is given over a unit, of inverse `UNIT_INVERSE`; the inverse of |q|^2 is `NORM_INVERSE`.
+    K is given over a unit, of inverse `UNIT_INVERSE`; the inverse of |q|^2 is `NORM_INVERSE`. The
+    common denominator that fractions are cleared of is `COMMON`.
     """
-    ring = ring_of([*flat(K), *q, level, mu, UNIT_INVERSE, NORM_INVERSE])
+    ring = ring_of([*flat(K), *q, level, mu, UNIT_INVERSE, NORM_INVERSE, COMMON])
     row, seen = _row(ring, q), []
+    cleared: set[Cleared] = set()
+
+    def common(*denominators: Any) -> Any:
+        modelled(all(isinstance(one, Cleared) for one in denominators), "another denominator")
+        cleared.update(denominators)
+        return ring.from_expr(COMMON)
+
+    def whole(value: Any) -> Any:
+        modelled(_is_element(ring, value), f"{value!r} made an integer")
+        return value
+
     decide = rerouted(
-        proves_level, Fraction=fraction_over(_norm(row)), positive_definite=seen.append
+        proves_level,
+        Fraction=fraction_over(_norm(row)),
+        lcm=common,
+        int=whole,
+        positive_definite=seen.append,
     )
-    unit = Divisor(ring.from_expr(UNIT_INVERSE))
+    unit = Divisor(ring, lambda over: Cleared(over * ring.from_expr(UNIT_INVERSE), cleared))
     decided = decide(_elements(ring, K), unit, row, ring.from_expr(level), ring.from_expr(mu))
     modelled(len(seen) == 1 and decided is None, "more than one definiteness decides")
     return _expressions(seen[0])
@@ -155,8 +191,6 @@ class Pivoted:
     Whoever asks for its sign is told that it is positive, and is remembered.
     """
 
-    denominator = 1
-
     def __init__(self, value: Any, met: list[Any]) -> None:
         self.value, self.met = value, met
 
@@ -186,20 +220,6 @@ def pivots_of(elimination: Callable[[Any], bool], matrix: Any) -> list[Any]:
     met: list[Any] = []
     elimination([[Pivoted(e, met) for e in row] for row in _elements(ring, matrix)])
     return met
-
-
-def checked_elimination(rows: Sequence[Sequence[Any]]) -> bool:
-    """`certreg.verify.positive_definite` of integers, which has no denominators to clear."""
-
-    def whole(entry: Any) -> Any:
-        modelled(isinstance(entry, Pivoted), f"{entry!r} made an integer")
-        return entry
-
-    def common(*denominators: Any) -> int:
-        modelled(set(denominators) == {1}, "a denominator other than 1")
-        return 1
-
-    return rerouted(positive_definite, int=whole, lcm=common)(rows)
 
 
 def _norm(row: Sequence[Any]) -> Any:

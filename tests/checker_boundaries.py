@@ -686,6 +686,7 @@ def block_cases() -> Iterator[Case]:
     random = np.random.default_rng(9)
     for n in (1, 8192, 8193):
         source, target = random.integers(-99, 99, (2, n, 3)) * 2.0 ** -np.arange(n // 8192 + 1)[-1]
+        source[8192:] /= 16.0  # over another power of two than the first block
         weights = random.integers(1, 9, n)
         weights[-1] = 99
         content = oracle.problem_bytes(source, target, weights)[26:]

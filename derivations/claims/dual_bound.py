@@ -14,7 +14,7 @@ from ..hypotheses import semidefinite
 from ..hypothesis import Hypothesis, Standing, invertible, nonnegative_by
 from ..kernel import Claim, Mutation, Proof
 from ..notation import Matrix, matrix, quaternion, scalar, square
-from ..shipped import UNIT_INVERSE, checked_matrix
+from ..shipped import COMMON, UNIT_INVERSE, checked_matrix
 
 NU, UNIT = scalar("nu"), scalar("unit")
 DIAGONAL = ((1, 0, 0), (0, 2, 0), (0, 0, 3))  # its K is diagonal, with the eigenvalues 6, 0, -2, -4
@@ -69,9 +69,10 @@ def proof(
     yield combination(
         r"With $\mu = 0$ the checker's `proves_level`, run on polynomials, decides "
         r"$\nu\,\mathrm{unit}^{-1} I - K_M$, where it holds $K = \mathrm{unit}\, K_M$: times the "
-        r"unit it is $\nu I - K$. The pose does not enter.",
-        UNIT * (p.T * shipped(K) * p)[0] - NU * square(p) + UNIT * v_p,
-        [(NU * square(p), UNIT_LEFT[0])],
+        r"unit it is $\nu I - K$, times the common denominator of which it clears the fractions. "
+        r"The pose does not enter.",
+        UNIT * (p.T * shipped(K) * p)[0] - COMMON * (NU * square(p) - UNIT * v_p),
+        [(COMMON * NU * square(p), UNIT_LEFT[0])],
     )
     yield from _either_side(nudge * Fraction(1, 2**80))
 

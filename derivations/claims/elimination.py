@@ -11,12 +11,13 @@ from typing import Any
 import sympy
 
 from certreg.exact.elimination import is_positive_definite
+from certreg.verify import positive_definite
 
 from ..algebra import Square, identity, positive
 from ..hypothesis import Standing, invertible, positive_by
 from ..kernel import Claim, Mutation, Proof, Step
 from ..notation import Matrix, scalar
-from ..shipped import checked_elimination, pivots_of
+from ..shipped import pivots_of
 
 SIZE = 4
 Elimination = Callable[[Any], bool]
@@ -62,7 +63,7 @@ LAST = tuple(
 
 def proof(
     elimination: Elimination = is_positive_definite,
-    checker: Elimination = checked_elimination,
+    checker: Elimination = positive_definite,
     minors: Callable[[Any, int], Any] = leading_minor,
 ) -> Proof:
     """The pivots, the sum of squares, and the converse, for a symmetric 4x4 matrix of symbols."""

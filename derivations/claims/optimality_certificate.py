@@ -28,7 +28,7 @@ from ..notation import (
     scalar,
     square,
 )
-from ..shipped import NORM_INVERSE, UNIT_INVERSE, checked_davenport, checked_matrix
+from ..shipped import COMMON, NORM_INVERSE, UNIT_INVERSE, checked_davenport, checked_matrix
 
 MU, DELTA = scalar("mu"), scalar("delta")
 UNIT, LEVEL = scalar("unit"), scalar("level")
@@ -221,17 +221,18 @@ def _decided(found: Any, frame: tuple[Any, Any, Any]) -> Step:
     return combination(
         r"`certreg.verify.proves_level`, run on polynomials, hands to the elimination a symmetric "
         r"matrix; here is its quadratic form in $p$. The checker holds $K$ as integers $K_M$ over "
-        r"a unit (it works with $M K$). Times the unit and times $|q|^2$, with "
+        r"a unit (it works with $M K$), and has multiplied all by a common denominator "
+        r"$\mathrm{common} > 0$. Times the unit and times $|q|^2$, with "
         r"$\mathrm{unit}\cdot\mathrm{unit}^{-1} = 1$ and $|q|^2 \cdot |q|^{-2} = 1$, it is $\ell\, "
-        r"|q|^2 I - |q|^2\, \mathrm{unit}\, K_M + \mu\, q q^{\mathsf T}$, which is $|q|^2 A$ at "
+        r"|q|^2 I - |q|^2\, \mathrm{unit}\, K_M + \mu\, q q^{\mathsf T}$ as often: $|q|^2 A$ at "
         r"the level $\ell = v + \delta - \mu$, without denominators. The two are positive "
         r"multiples of each other, and the elimination decides exactly whether they are positive "
         r"definite.",
         UNIT * n * (p.T * found * p)[0]
-        - (LEVEL * n * m - n * UNIT * quadratic_form(K.tolist(), tuple(p)) + rank_one),
+        - COMMON * (LEVEL * n * m - n * UNIT * quadratic_form(K.tolist(), tuple(p)) + rank_one),
         [
-            (UNIT * UNIT_INVERSE * rank_one, NORM_LEFT[0]),
-            (LEVEL * n * m + rank_one, UNIT_LEFT[0]),
+            (COMMON * UNIT * UNIT_INVERSE * rank_one, NORM_LEFT[0]),
+            (COMMON * (LEVEL * n * m + rank_one), UNIT_LEFT[0]),
         ],
     )
 

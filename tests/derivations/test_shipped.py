@@ -12,7 +12,7 @@ import sympy
 
 from certreg.exact.elimination import is_positive_definite
 from certreg.geometry.so3 import davenport_matrix
-from certreg.verify import positive_definite, proves_basin
+from certreg.verify import positive_definite, proves_basin, proves_level
 from derivations import shipped
 from derivations.notation import matrix, quaternion, scalar, symmetric, vector
 
@@ -39,10 +39,11 @@ def test_the_matrix_that_is_decided_is_the_one_of_the_definition():
         (scalar("mu"), mu),
         (shipped.UNIT_INVERSE, 1 / unit),
         (shipped.NORM_INVERSE, 1 / norm),
+        (shipped.COMMON, 6),
     ]
     K = davenport_matrix(C)
     wanted = [
-        [(level * (i == j) + mu * Q[i] * Q[j] / norm) / unit - K[i][j] for j in range(4)]
+        [6 * ((level * (i == j) + mu * Q[i] * Q[j] / norm) / unit - K[i][j]) for j in range(4)]
         for i in range(4)
     ]
 
@@ -72,7 +73,7 @@ def test_what_the_basin_compares_is_alignment_less_a_quarter_of_twice_the_kineti
     assert values(expression, pairs) == value - Fraction(spin, 4) / 16
 
 
-@pytest.mark.parametrize("elimination", [is_positive_definite, shipped.checked_elimination])
+@pytest.mark.parametrize("elimination", [is_positive_definite, positive_definite])
 def test_the_pivots_of_an_integer_matrix_are_its_minors(elimination):
     A = sympy.Matrix([[2, 1, 0], [1, 3, -1], [0, -1, 4]])
 
@@ -92,21 +93,21 @@ def test_rerouting_leaves_the_shipped_function_as_it_was():
         raise AssertionError("asked")
 
     with pytest.raises(AssertionError, match="asked"):
-        shipped.rerouted(positive_definite, lcm=refuse)([[1]])
+        shipped.rerouted(positive_definite, enumerate=refuse)([[1]])
     assert positive_definite([[1]])
 
 
 # What a replacement does not stand for ------------------------------------------------------------
 
 
-def careless_basin(change):
-    """The checker's function with its text changed."""
-    text = inspect.getsource(proves_basin)
+def careless(function, change):
+    """A function of the checker with its text changed."""
+    text = inspect.getsource(function)
     assert text.count(change[0]) == 1
     names = dict(vars(checker))
     code = compile("from __future__ import annotations\n" + text.replace(*change), "-", "exec")
     exec(code, names)  # noqa: S102  (the shipped text, changed in one place)
-    return names["proves_basin"]
+    return names[function.__name__]
 
 
 @pytest.mark.parametrize(
@@ -123,7 +124,7 @@ def careless_basin(change):
     ],
 )
 def test_a_basin_decided_otherwise_than_is_modelled_is_an_error(monkeypatch, change, words):
-    monkeypatch.setattr(shipped, "proves_basin", careless_basin(change))
+    monkeypatch.setattr(shipped, "proves_basin", careless(proves_basin, change))
     K = davenport_matrix(matrix("C").tolist())
 
     with pytest.raises((shipped.UnmodelledError, TypeError), match=words):
@@ -146,7 +147,7 @@ def test_a_quotient_by_anything_but_the_norm_or_an_integer_is_an_error():
         with pytest.raises(shipped.UnmodelledError):
             quotient(number, divisor)
     with pytest.raises(shipped.UnmodelledError, match="no polynomial"):
-        operator.truediv(1, shipped.Divisor(ring.from_expr(shipped.NORM_INVERSE)))
+        operator.truediv(1, shipped.Divisor(ring, lambda dividend: dividend))
 
 
 @pytest.mark.parametrize("other", [1, -1, 0.0])
@@ -155,8 +156,25 @@ def test_a_pivot_compared_with_anything_but_zero_is_an_error(other):
         shipped.pivots_of(lambda rows: rows[0][0] <= other, symmetric("A"))
 
 
-def test_the_elimination_takes_no_denominators_and_makes_no_other_integers():
-    with pytest.raises(shipped.UnmodelledError, match="denominator"):
-        shipped.checked_elimination([[Fraction(1, 2)]])
-    with pytest.raises(shipped.UnmodelledError, match="made an integer"):
-        shipped.checked_elimination([[3]])
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (("c * c for c in q", "2 * c * c for c in q"), "a division by"),
+        (("along = level / unit", "along = 1 / unit"), "no polynomial"),
+        (("diagonal.denominator, ", ""), "no multiple of its denominator"),
+        (("along.denominator", "1"), "another denominator"),
+        (("int(along * common)", "int(along * (common + common))"), "no multiple"),
+        (("int(along * common)", "int(along)"), "made an integer"),
+        (("- common * K[i][j]", "- K[i][j]"), None),
+    ],
+)
+def test_a_level_decided_otherwise_than_is_modelled_is_noticed(monkeypatch, change, words):
+    K, q = davenport_matrix(matrix("C").tolist()), quaternion()
+    shipped_one = shipped.checked_matrix(K, q, scalar("level"), scalar("mu"))
+    monkeypatch.setattr(shipped, "proves_level", careless(proves_level, change))
+
+    if words is None:
+        assert shipped.checked_matrix(K, q, scalar("level"), scalar("mu")) != shipped_one
+        return
+    with pytest.raises(shipped.UnmodelledError, match=words):
+        shipped.checked_matrix(K, q, scalar("level"), scalar("mu"))
