@@ -7,12 +7,13 @@ UV ?= $(shell command -v uv 2>/dev/null)
 VENV ?= .venv
 
 RUN := $(VENV)/bin/python
+RUNS := $(VENV)/.runs
 READY := $(VENV)/.ready
 ORACLES := build/oracles
 PEERS := build/peers
 # With the peers where `make peers` put them; another Python that has them can be named.
 BENCH ?= $(or $(wildcard $(PEERS)/bin/python),$(RUN))
-LOCKS := uv.lock requirements.lock
+LOCKS := uv.lock requirements.lock requirements-run.lock
 # uv finds a Python by itself, unless the user names one.
 UV_PYTHON_OPTION = $(if $(filter environment command,$(origin PYTHON)),--python '$(PYTHON)')
 # The locks speak of the standard index only, whatever this machine is set up to use.
@@ -28,7 +29,7 @@ unexport PYTHONDONTWRITEBYTECODE
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
 
-demo: $(READY)  ## register the packaged real data and prove the answers
+demo: $(RUNS)  ## register the packaged real data and prove the answers
 	@$(VENV)/bin/certreg demo
 
 test: $(READY)  ## run the tests and the examples in the docstrings
@@ -122,38 +123,57 @@ peers:  ## the libraries that `make bench` measures beside, into build/peers
 	@$(PEERS)/bin/pip --disable-pip-version-check install --quiet -r benchmarks/peers.txt
 	@$(PEERS)/bin/python -m benchmarks --peers
 
-lock:  ## make both lock files anew from pyproject.toml (needs uv; LOCK_OPTIONS=--upgrade for newer versions)
+exported = { echo "\# Exported from uv.lock by 'make lock': edit pyproject.toml instead." && \
+  $(NO_INDEX_SETTINGS) $(UV) export --no-config --locked --quiet --no-header \
+    --no-emit-project --format requirements.txt $(1); }
+
+lock:  ## make the lock files anew from pyproject.toml (needs uv; LOCK_OPTIONS=--upgrade for newer versions)
 	@test -n '$(UV)' || { echo "make lock needs uv: https://docs.astral.sh/uv/ or 'pip install uv'" >&2; exit 1; }
 	@$(NO_INDEX_SETTINGS) $(UV) lock --no-config $(LOCK_OPTIONS)
-	@{ echo "# Exported from uv.lock by 'make lock': edit pyproject.toml instead." && \
-	   $(NO_INDEX_SETTINGS) $(UV) export --no-config --locked --quiet --no-header \
-	     --no-emit-project --all-groups --format requirements.txt; } > requirements.lock.new
+	@$(call exported,--all-groups) > requirements.lock.new
+	@$(call exported,--no-default-groups --group build) > requirements-run.lock.new
 	@mv requirements.lock.new requirements.lock
+	@mv requirements-run.lock.new requirements-run.lock
 
 clean:  ## remove the environment, caches, builds and the folders of demo and reproduce
 	rm -rf $(VENV) build dist certreg-demo certreg-reproduce docs/_build docs/reference/modules .hypothesis .pytest_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
-# The stamp goes first and comes back last: a set-up that was cut short is done again.
+# What runs comes first, and is enough for the demo; what tests, documents and measures is added to it.
+# A stamp goes first and comes back last: a set-up that was cut short is done again.
 ifneq ($(strip $(UV)),)
 
-$(READY): pyproject.toml $(LOCKS)
+$(RUNS): pyproject.toml $(LOCKS)
+	@rm -f $(RUNS) $(READY)
+	@echo "Setting up $(VENV) with uv: what certreg needs to run ..."
+	@UV_PROJECT_ENVIRONMENT='$(VENV)' $(UV) sync --locked --no-default-groups --inexact --quiet $(UV_PYTHON_OPTION)
+	@touch $(RUNS)
+
+$(READY): $(RUNS)
 	@rm -f $(READY)
-	@echo "Setting up $(VENV) with uv ..."
+	@echo "Adding to $(VENV) what tests, checks and documents it ..."
 	@UV_PROJECT_ENVIRONMENT='$(VENV)' $(UV) sync --locked --all-groups --quiet $(UV_PYTHON_OPTION)
 	@touch $(READY)
 
 else
 
-$(READY): pyproject.toml $(LOCKS)
-	@rm -f $(READY)
+PIP := $(RUN) -m pip --disable-pip-version-check install --quiet
+
+$(RUNS): pyproject.toml $(LOCKS)
+	@rm -f $(RUNS) $(READY)
 	@command -v '$(PYTHON)' >/dev/null || { echo "certreg needs Python 3.11 or newer, and '$(PYTHON)' was not found: install it (Debian, Ubuntu: apt-get install python3 python3-venv) or name one (PYTHON=python3.12 make ...)." >&2; exit 1; }
 	@'$(PYTHON)' -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "certreg needs Python 3.11 or newer, and '$(PYTHON)' is older: name a newer one (PYTHON=python3.12 make ...) or install uv, which fetches one ('pip install uv')." >&2; exit 1; }
 	@'$(PYTHON)' -c 'import ensurepip, venv' 2>/dev/null || { echo "'$(PYTHON)' lacks the venv module: install it (Debian, Ubuntu: apt-get install python3-venv) or install uv, which does without." >&2; exit 1; }
-	@echo "Setting up $(VENV) with venv and pip (about a minute) ..."
+	@echo "Setting up $(VENV) with venv and pip: what certreg needs to run (half a minute) ..."
 	@'$(PYTHON)' -m venv --clear '$(VENV)'
-	@$(RUN) -m pip --disable-pip-version-check install --quiet --require-hashes -r requirements.lock
-	@$(RUN) -m pip --disable-pip-version-check install --quiet --no-deps --no-build-isolation -e .
+	@$(PIP) --require-hashes -r requirements-run.lock
+	@$(PIP) --no-deps --no-build-isolation -e .
+	@touch $(RUNS)
+
+$(READY): $(RUNS)
+	@rm -f $(READY)
+	@echo "Adding to $(VENV) what tests, checks and documents it (about a minute) ..."
+	@$(PIP) --require-hashes -r requirements.lock
 	@touch $(READY)
 
 endif

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from importlib import import_module
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
-from certreg.errors import MissingToolError
 from certreg.io import csv_field, write_atomically, written_atomically
+from certreg.libraries import library
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterable, Sequence
@@ -51,11 +50,7 @@ def write_table(
 
 def require_parquet() -> None:
     """That Parquet can be written. Raises MissingToolError."""
-    try:
-        import_module("pyarrow.parquet")
-    except ImportError as error:
-        message = "--parquet needs pyarrow: pip install 'certreg[parquet]'"
-        raise MissingToolError(message, tool="pyarrow") from error
+    library("pyarrow.parquet", "--parquet")
 
 
 def csv_bytes(rows: Iterable[Iterable[Any]]) -> bytes:
@@ -72,11 +67,8 @@ def _field(value: Any) -> str:
 @contextmanager
 def _parquet(path: Path, columns: Sequence[Column]) -> Generator[Callable[[Block], None]]:
     """Keeps blocks in a file of Parquet, whose fields carry unit and meaning."""
-    # optional: the extra `parquet`
-    import pyarrow as pa  # pyright: ignore[reportMissingTypeStubs]
-    from pyarrow import parquet as pq  # pyright: ignore[reportMissingTypeStubs]
-
-    arrow, writers = cast("Any", pa), cast("Any", pq)
+    writers = library("pyarrow.parquet", "--parquet")
+    arrow = library("pyarrow", "--parquet")
     types: dict[type, Any] = {int: arrow.int64(), float: arrow.float64(), str: arrow.string()}
     fields = [
         arrow.field(c.name, types[c.kind], metadata={"unit": c.unit, "meaning": c.meaning})

@@ -17,7 +17,8 @@ from contextlib import suppress
 from multiprocessing.connection import wait
 from typing import TYPE_CHECKING, Any, Protocol
 
-from certreg.errors import CampaignError, MissingToolError
+from certreg.errors import CampaignError
+from certreg.libraries import library
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -172,14 +173,10 @@ def workers_at(scheduler: str | None) -> Workers:
 
 
 def _connected(address: str, timeout: float) -> Any:
-    try:
-        from distributed import Client  # optional: the extra `campaign`
-    except ImportError as error:
-        message = "--scheduler needs dask: pip install 'certreg[campaign]'"
-        raise MissingToolError(message, tool="dask") from error
+    distributed = library("distributed", "--scheduler")
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what it logs is raised, too
     try:
-        return Client(address, timeout=timeout, set_as_default=False)
+        return distributed.Client(address, timeout=timeout, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         message = (
             f"no dask scheduler answers at {shown(address)}: start one with `dask scheduler` and "
@@ -189,9 +186,8 @@ def _connected(address: str, timeout: float) -> Any:
 
 
 def _killed_worker() -> type[BaseException]:
-    from distributed import KilledWorker  # optional, as above
-
-    return KilledWorker
+    killed: type[BaseException] = library("distributed", "--scheduler").KilledWorker
+    return killed
 
 
 def _processors() -> int:

@@ -3,30 +3,24 @@
 from __future__ import annotations
 
 import platform
-from importlib.metadata import version
 from typing import TYPE_CHECKING
 
 import click
 
-from certreg import __version__
+from certreg import __version__, native, registration
 from certreg.cli.options import FOLDER
-from certreg.native import current_engine
-from certreg.registration import DONE, write_sources
+from certreg.libraries import ORIGINS, stated_version
+from certreg.registration import DONE
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-PACKAGES = (
-    *("numpy", "scipy", "sympy", "casadi", "python-flint"),
-    *("click", "cvxpy-base", "clarabel"),
-)
 
 
 @click.command()
 @click.option("--out", type=FOLDER, required=True, help="Folder to write to.")
 def codegen(out: Path) -> int:
     """Write the generated C of the dynamics with its header and a test program, to embed."""
-    for path in write_sources(out):
+    for path in registration.write_sources(out):
         click.echo(path)
     return DONE
 
@@ -37,8 +31,15 @@ def info() -> int:
     click.echo(f"certreg      {__version__}")
     click.echo(f"Python       {platform.python_version()} ({platform.python_implementation()})")
     click.echo(f"system       {platform.system()} {platform.machine()}")
-    for package in PACKAGES:
-        click.echo(f"{package:12} {version(package)}")
-    click.echo(f"simulation   {current_engine().words}")
+    for name, origin in ORIGINS.items():
+        click.echo(f"{origin.name:12} {stated_version(name)}")
+    click.echo(f"simulation   {_engine()}")
     click.echo("checker      exact integers of Python itself")
     return DONE
+
+
+def _engine() -> str:
+    try:
+        return native.current_engine().words  # asked for here: it loads NumPy
+    except ImportError as error:
+        return f"none: {error}"

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from certreg.cli.options import FOLDER
+from certreg.libraries import require
 from certreg.paper import (
     all_hold,
     audit,
@@ -42,6 +43,8 @@ def derive(names: tuple[str, ...], out: Path | None, *, listing: bool) -> int:
             raise click.UsageError(message)
         click.echo(chapters_text(chapters()))
         return DONE
+    if out is not None:
+        require("casadi", purpose="derive --out")
     proofs: list[Any] = []
     for outcome in outcomes(names):
         click.echo(claim_line(outcome))

@@ -17,6 +17,7 @@ from certreg import __version__
 from certreg.cli.memory import LOADING, LOADING_ALL, require_loadable
 from certreg.cli.options import EXIT_CODES, warnings_as_notes
 from certreg.errors import CertregError
+from certreg.libraries import belongs, refusal
 from certreg.registration import DONE, INTERRUPTED, MISUSED, code_of_error
 from certreg.report import printable
 
@@ -147,6 +148,12 @@ def main() -> NoReturn:
         sys.exit(code_of_error(error))
     except BrokenPipeError:
         sys.exit(DONE)
+    except ImportError as error:
+        name = belongs(error)
+        if name is None:
+            raise  # a defect of certreg's own
+        click.echo(f"certreg: {printable(refusal(name, error, 'this command'))}", err=True)
+        sys.exit(MISUSED)
     except OSError as error:
         click.echo(f"certreg: the output cannot be written ({error.strerror})", err=True)
         sys.exit(MISUSED)

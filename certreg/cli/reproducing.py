@@ -16,6 +16,7 @@ from certreg.campaign import (
 from certreg.cli.campaigns import resumable
 from certreg.cli.options import FOLDER
 from certreg.cli.progress import Progress, Stages
+from certreg.libraries import require
 from certreg.paper import (
     EXCEPTIONS,
     MonteCarlo,
@@ -104,6 +105,7 @@ def reproduce(
     The claims are proved and measured anew; figures, and the verdicts as HTML, Markdown and JSON,
     go to the folder. A campaign is kept in the folder `campaign` there: begun again, it goes on.
     """
+    require("matplotlib", "sympy", purpose="reproduce")
     apart = scheduler is not None or parquet or (runs or 0) > LARGEST_RUNS
     setup = Setup(
         points=points, noise=noise, damping=damping, seed=seed, runs=None if apart else runs

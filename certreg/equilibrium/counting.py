@@ -13,9 +13,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from flint import nmod_mat
-
 from certreg.equilibrium.torques import COLUMNS, torque_table
+from certreg.libraries import library
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -48,10 +47,11 @@ def at_most_four(C: Sequence[Sequence[int]]) -> RankProof | None:
 
     None means not proved, not disproved; it would be wrong once in 10^17 problems.
     """
+    flint = library("flint", "the proof that there are at most four equilibria")
     for t in range(CHARTS):
         chart = (1, t, t * t, t**3)
         entries = [entry for row in macaulay_matrix(C, chart) for entry in row]
         for prime in PRIMES:
-            if nmod_mat(10, 10, [entry % prime for entry in entries], prime).rank() == 10:
+            if flint.nmod_mat(10, 10, [entry % prime for entry in entries], prime).rank() == 10:
                 return RankProof(chart=chart, prime=prime)
     return None

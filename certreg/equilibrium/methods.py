@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 from certreg.equilibrium.critical_set import CriticalSet
 from certreg.errors import ContradictionError, UndecidedError
 from certreg.geometry import dot
+from certreg.libraries import library
 from certreg.objective import Isotropic
 from certreg.results import Brief
 
@@ -63,6 +64,8 @@ class Comparison:
 def method_named(name: str) -> Method:
     """The method of a name in `METHODS`, its libraries loaded."""
     module, function = METHODS[name]
+    if name != "spectral":
+        library("flint", f"the method {name}")
     return getattr(import_module(module), function)
 
 

@@ -11,6 +11,7 @@ from certreg.errors import InvalidProblemError, OutOfRangeError
 from certreg.geometry.orthogonality import UNNOTED_DEFECT, rotation_defect, why_no_rotation
 from certreg.geometry.pose_matrix import doubles_of, split_matrix
 from certreg.geometry.so3 import body_frame, canonical, quaternion_from_matrix, rotation_matrix
+from certreg.libraries import library
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -116,8 +117,8 @@ class Pose(Brief):
         return _posed(product / np.linalg.norm(product), _finite(shift))
 
     def as_scipy(self) -> Any:
-        """The rotation as `scipy.spatial.transform.Rotation` (SciPy must be installed)."""
-        from scipy.spatial.transform import Rotation  # pyright: ignore[reportMissingTypeStubs]
+        """The rotation as `scipy.spatial.transform.Rotation` Raises MissingToolError."""
+        Rotation = library("scipy.spatial.transform", "as_scipy").Rotation
 
         return Rotation.from_quat(self.quaternion_wxyz, scalar_first=True)
 

@@ -5,10 +5,10 @@ What is missing is one line: the library, how to install it, and a command that 
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from certreg.errors import InvalidFileError, MissingToolError
+from certreg.errors import InvalidFileError
+from certreg.libraries import library
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -50,14 +50,9 @@ def unknown_format(file: Path, formats: tuple[str, ...]) -> InvalidFileError:
     return InvalidFileError(message, path=file, value=file.suffix, limit=formats)
 
 
-def optional_library(name: str, file: Path, line: str, *, package: str | None = None) -> Any:
+def optional_library(name: str, file: Path, line: str) -> Any:
     """A library of the extra `files`, loaded now. Raises MissingToolError.
 
-    line: of a converter. package: as pip knows it, if not by this name.
+    line: of a converter.
     """
-    try:
-        return import_module(name)
-    except ImportError as error:
-        install = f"pip install {package or name} (extra `files`)"
-        message = f"{shown(file)}: needs {name}: {install}, or convert it: {converter(file, line)}"
-        raise MissingToolError(message, tool=name) from error
+    return library(name, f"{shown(file)}:", f", or convert it: {converter(file, line)}")

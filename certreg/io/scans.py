@@ -40,7 +40,7 @@ WORKING_BYTES = 1 << 28  # for what unpacking needs beside the points
 
 def parse_las(stream: BinaryIO, file: Path) -> Parsed:
     """The points of a .las or .laz file, scaled and shifted as its header says."""
-    laspy = optional_library("laspy", file, PDAL, package="laspy[lazrs]")
+    laspy = optional_library("laspy", file, PDAL)
     held = held_bytes(stream, file)
     top = stream.read(LEAST_HEADER)
     stream.seek(0)

@@ -19,6 +19,7 @@ from certreg import native  # asked for its generator where that is needed: it l
 from certreg.campaign import LocalWorkers
 from certreg.errors import CertregError
 from certreg.io import write_atomically, write_files
+from certreg.libraries import library
 
 if TYPE_CHECKING:
     from collections.abc import Generator, Iterator, Mapping, Sequence
@@ -105,6 +106,7 @@ def write_latex(proved: Sequence[Any], folder: Path) -> None:
 
 def write_code(folder: Path) -> None:
     """Write the C that the derived expressions become, generated anew."""
+    library("casadi", "the generated C")
     emit = _module("emit")
     files = native.generated_files(emit.definitions(), emit.records())
     write_files(folder / CODE_FOLDER, files)
@@ -112,6 +114,7 @@ def write_code(folder: Path) -> None:
 
 def _module(name: str) -> Any:
     """A module of the derivations, from the checkout if the package stands in one."""
+    library("sympy", "a derivation")
     if NAME not in sys.modules and (CHECKOUT / "book.py").is_file():
         spec = importlib.util.spec_from_file_location(
             NAME, CHECKOUT / "__init__.py", submodule_search_locations=[str(CHECKOUT)]

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from certreg.dynamics import body_of
+from certreg.libraries import library
 from certreg.paper.equilibria import signs
 from certreg.paper.particles import Particles, at_rest
 from certreg.paper.scheme import RAW_UNIT
@@ -88,7 +88,7 @@ def exact_sums(polygon: Polygon) -> tuple[Any, ...]:
     the denominator these are the two sums of the turned corners, the sum of the torques, and the
     sum of the products x . y, on which V_p depends. An equilibrium for every theta: all zero.
     """
-    sympy: Any = import_module("sympy")
+    sympy = library("sympy", "the counterexample of the polygons")
     u, v = sympy.symbols("u v", real=True)
     target = polygon.points(sympy.sqrt(3))
     source = flipped(polygon, target, u**2 - v**2, 2 * u * v)

@@ -10,8 +10,9 @@ from __future__ import annotations
 import io
 from contextlib import contextmanager
 from dataclasses import dataclass
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
+
+from certreg.libraries import library
 
 if TYPE_CHECKING:
     from collections.abc import Generator
@@ -66,7 +67,7 @@ class Drawing:
 @contextmanager
 def house_style() -> Generator[None]:
     """The style, for what is drawn and written inside."""
-    mpl: Any = import_module("matplotlib")
+    mpl = library("matplotlib", "a figure")
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(SETTINGS)
@@ -75,7 +76,7 @@ def house_style() -> Generator[None]:
 
 def blank(height: float) -> Any:
     """An empty figure (matplotlib.figure.Figure) of the page's width, `height` in inches."""
-    figures: Any = import_module("matplotlib.figure")
+    figures = library("matplotlib.figure", "a figure")
     return figures.Figure(figsize=(WIDTH, height), layout="constrained")
 
 

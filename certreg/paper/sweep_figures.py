@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from certreg.dynamics import SimulationSettings
+from certreg.libraries import library
 from certreg.paper.evidence import rough
 from certreg.paper.parameter_sweeps import QUANTITIES, Curves
 from certreg.paper.style import (
@@ -106,7 +106,7 @@ def _apart(sweep: Sweep, curves: Curves) -> tuple[NDArray[np.float64], Curves]:
 
 def _decades_labelled(panel: Any) -> None:
     """Labels at powers of ten, and at 2 and 5 times these where there are few."""
-    ticker: Any = import_module("matplotlib.ticker")
+    ticker = library("matplotlib.ticker", "a figure")
     low, high = panel.get_ylim()
     subs = (1.0, 2.0, 5.0) if math.log10(high / low) < 2.2 else (1.0,)
     panel.yaxis.set_major_locator(ticker.LogLocator(subs=subs, numticks=8))

@@ -289,7 +289,7 @@ def _relaxation(objective: Isotropic) -> Relaxation | Absent:
     relaxed = relax(objective)
     LOG.info("relaxation %s by %s: %s", relaxed.form.value, relaxed.solver, relaxed.status.name)
     if relaxed.value is None:
-        return Absent(relaxed.status.value)
+        return Absent(relaxed.reason)
     return relaxed
 
 

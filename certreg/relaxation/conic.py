@@ -18,6 +18,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg.errors import MissingToolError
+from certreg.libraries import library
 from certreg.relaxation.qcqp import Form, quadratic_program
 
 if TYPE_CHECKING:
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
     from certreg.geometry import SquareMatrix
 
 SOLVER = "Clarabel"
+NEED = "the relaxation"
 # How far the solver goes. Data are scaled so that the largest entry is near 1.
 GAP_TOLERANCE = 1e-8  # Clarabel's own default
 FEASIBILITY_TOLERANCE = 1e-8  # as above
@@ -46,7 +49,7 @@ class RelaxationStatus(enum.Enum):
         "The solver stopped short of its tolerance: the numbers of the relaxation are rough."
     )
     FAILED = "The solver did not solve the relaxation: there are no numbers to report."
-    UNAVAILABLE = "The relaxation needs the packages clarabel and scipy, which cannot be imported."
+    UNAVAILABLE = "A library that the relaxation needs could not be loaded."
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -97,9 +100,7 @@ def statement(form: Form) -> Statement:
     With Z = v v^T this is the quadratic program; what is relaxed is that Z has rank one. For
     comparison: no command loads CVXPY.
     """
-    import cvxpy as cp  # pyright: ignore[reportMissingTypeStubs]
-
-    modelling: Any = cp
+    modelling = library("cvxpy", NEED)
     C = modelling.Parameter((3, 3))
     program = quadratic_program(form, [[C[i, j] for j in range(3)] for i in range(3)])
     Z = modelling.Variable((program.size, program.size), symmetric=True)
@@ -125,7 +126,7 @@ def solve(form: Form, C: NDArray[np.float64]) -> ConicSolution:
     try:
         compiled = _compiled(form)
         answer = _call(compiled, compiled.cost @ C.ravel())
-    except ImportError as error:
+    except MissingToolError as error:
         return ConicSolution(status=RelaxationStatus.UNAVAILABLE, said=str(error))
     said = str(answer.status)
     status = {
@@ -161,8 +162,7 @@ def _compiled(form: Form) -> _Compiled:
 
     There, entries off the diagonal are times sqrt(2): so Clarabel keeps the inner product.
     """
-    from scipy.sparse import csc_matrix  # pyright: ignore[reportMissingTypeStubs]
-
+    csc_matrix = library("scipy.sparse", NEED).csc_matrix
     units = np.eye(9, dtype=int).reshape(9, 3, 3).tolist()
     programs = [quadratic_program(form, unit) for unit in units]
     program = programs[0]
@@ -188,9 +188,7 @@ def _compiled(form: Form) -> _Compiled:
 
 
 def _call(compiled: _Compiled, cost: NDArray[np.float64]) -> Any:
-    import clarabel  # pyright: ignore[reportMissingTypeStubs, reportMissingModuleSource]
-
-    solver: Any = clarabel
+    solver = library("clarabel", NEED)
     options = solver.DefaultSettings()
     options.verbose = False
     options.max_iter = MAX_ITERATIONS

@@ -32,7 +32,7 @@ RANK_THRESHOLD = 1e-4  # of the largest eigenvalue of Z; the solver's tolerance 
 class Relaxation(Brief):
     """A solved relaxation. The numbers are None where the status says that there are none.
 
-    solver: name and version. solver_word: its own status.
+    solver: name and version. solver_word: its own status; where it is missing, what to install.
     unit: what 1 is worth, in units of tr(R^T C): exact, so that no scale is out of range. Where C
         is zero, the spread of the clouds: the solver's rounding must be small beside something.
     value: of the relaxation, times unit; not a bound.
@@ -54,6 +54,12 @@ class Relaxation(Brief):
     multiplier: float | None
     rank: int | None
     quaternion_wxyz: NDArray[np.float64] | None
+
+    @property
+    def reason(self) -> str:
+        """Why there are no numbers, where there are none; else what became of the solver."""
+        unavailable = self.status is RelaxationStatus.UNAVAILABLE
+        return self.solver_word if unavailable else self.status.value
 
     @property
     def proposal(self) -> Fraction | None:

@@ -10,6 +10,8 @@ from functools import cache
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
+from certreg.libraries import library
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -34,14 +36,13 @@ def _environment() -> Environment:
 
 def environment_of(source: Callable[[str], str]) -> Environment:
     """What makes pages of templates; source: the text of one, by its name."""
-    from jinja2 import Environment, FunctionLoader, StrictUndefined
-
-    environment = Environment(
+    jinja = library("jinja2", "a page")
+    environment: Environment = jinja.Environment(
         autoescape=True,
-        loader=FunctionLoader(source),
+        loader=jinja.FunctionLoader(source),
         lstrip_blocks=True,
         trim_blocks=True,
-        undefined=StrictUndefined,
+        undefined=jinja.StrictUndefined,
     )
     environment.filters["coded"] = coded  # pyright: ignore[reportUnknownMemberType]  (untyped there)
     return environment

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from certreg.errors import MissingToolError
+from certreg.libraries import library
 from certreg.registration import headline_of
 from certreg.report.picture import SOURCE, SPRING, Sample
 
@@ -22,11 +21,7 @@ def plotted(registration: Registration, axes: Any = None) -> Any:
     axes: of the projection "3d", None for a new figure. Raises MissingToolError.
     """
     if axes is None:
-        try:
-            pyplot: Any = import_module("matplotlib.pyplot")
-        except ImportError as error:
-            message = "plot draws with Matplotlib, which is not installed: pip install matplotlib"
-            raise MissingToolError(message, tool="matplotlib") from error
+        pyplot = library("matplotlib.pyplot", "plot")
         axes = pyplot.figure().add_subplot(projection="3d")
     if getattr(axes, "name", "") != "3d":
         message = "axes is not of three dimensions: make it by figure.add_subplot(projection='3d')"

@@ -10,11 +10,13 @@ from typing import Any
 import pytest
 
 import certreg
+from certreg.libraries import ORIGINS
 
 ROOT = Path(__file__).parents[2]
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
 UV_LOCK = (ROOT / "uv.lock").read_text("utf-8")
 REQUIREMENTS = (ROOT / "requirements.lock").read_text("utf-8")
+TO_RUN = (ROOT / "requirements-run.lock").read_text("utf-8")
 RESOLVED: list[dict[str, Any]] = [
     package for package in tomllib.loads(UV_LOCK)["package"] if package["name"] != "certreg"
 ]
@@ -40,9 +42,9 @@ def pins_of_uv() -> Pins:
     }
 
 
-def pins_of_pip() -> Pins:
-    """Hashes of every (name, version) in requirements.lock."""
-    logical_lines = REQUIREMENTS.replace("\\\n", " ").splitlines()
+def pins_of_pip(lock: str = REQUIREMENTS) -> Pins:
+    """Hashes of every (name, version) in requirements.lock, or in what is given."""
+    logical_lines = lock.replace("\\\n", " ").splitlines()
     pins: Pins = {}
     for line in logical_lines:
         if not line.strip() or line.lstrip().startswith("#"):
@@ -63,6 +65,30 @@ def test_both_lock_files_name_the_same_versions_with_the_same_hashes():
     assert {name for name, _ in pins_of_uv()} >= LARGE
 
 
+def test_what_runs_is_pinned_as_in_the_whole_and_brings_no_extra():
+    runs = pins_of_pip(TO_RUN)
+    brought = {name for name, _ in runs}
+    extras = {origin.name for origin in ORIGINS.values() if origin.extra is not None}
+
+    assert runs.items() <= pins_of_pip().items()
+    assert {normalized(each) for each in PYPROJECT["project"]["dependencies"]} <= brought
+    assert not extras & brought
+
+
+def test_where_a_library_comes_from_is_what_the_metadata_says():
+    declared = {
+        normalized(each): extra
+        for extra, group in PYPROJECT["project"]["optional-dependencies"].items()
+        for each in group
+        if extra != "all"
+    }
+    declared.update({normalized(each): None for each in PYPROJECT["project"]["dependencies"]})
+    (every,) = PYPROJECT["project"]["optional-dependencies"]["all"]
+
+    assert {origin.name: origin.extra for origin in ORIGINS.values()} == declared
+    assert set(re.findall(r"[a-z]+", every)) == {"certreg", *filter(None, declared.values())}
+
+
 def test_every_pin_has_a_hash():
     assert RESOLVED
     assert all(pins_of_uv().values())
@@ -77,7 +103,9 @@ def test_a_version_that_depends_on_the_python_is_chosen_by_a_marker():
             assert "python_full_version" in line, line
 
 
-@pytest.mark.parametrize("lock", [UV_LOCK, REQUIREMENTS], ids=["uv.lock", "requirements.lock"])
+@pytest.mark.parametrize(
+    "lock", [UV_LOCK, REQUIREMENTS, TO_RUN], ids=["uv.lock", "requirements.lock", "run"]
+)
 def test_a_lock_file_knows_no_place_but_the_standard_index(lock: str):
     hosts = {match.lower() for match in re.findall(r"[a-z+]+://([^/\s\"]*)", lock)}
 
@@ -94,7 +122,7 @@ def test_every_locked_package_comes_from_the_standard_index():
 
 def test_every_declared_requirement_is_pinned():
     groups = [PYPROJECT["project"]["dependencies"], *PYPROJECT["dependency-groups"].values()]
-    declared = [requirement for group in groups for requirement in group]
+    declared = [named for group in groups for named in group if isinstance(named, str)]
     pinned = {name for name, _ in pins_of_pip()}
 
     assert {normalized(requirement) for requirement in declared} <= pinned
@@ -102,7 +130,7 @@ def test_every_declared_requirement_is_pinned():
 
 def test_what_builds_the_package_is_pinned_for_the_pip_way():
     build_tools = PYPROJECT["build-system"]["requires"]
-    pinned = {name for name, _ in pins_of_pip()}
+    pinned = {name for name, _ in pins_of_pip(TO_RUN)}
 
     # pip builds without isolation; hatchling needs `editables` for an editable wheel.
     assert {normalized(tool) for tool in [*build_tools, "editables"]} <= pinned
@@ -128,9 +156,9 @@ def make(*arguments: str, path: str | None = None) -> subprocess.CompletedProces
     )
 
 
-def dry_run(folder: Path, *arguments: str, path: str | None = None) -> str:
+def dry_run(folder: Path, *arguments: str, path: str | None = None, target: str = "test") -> str:
     """What `make test` would do where nothing is set up, whatever the checkout's .venv is."""
-    done = make("-n", "test", f"VENV={folder / 'absent'}", *arguments, path=path)
+    done = make("-n", target, f"VENV={folder / 'absent'}", *arguments, path=path)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -139,6 +167,7 @@ def test_make_sets_up_with_venv_and_pip_where_uv_is_unwanted(tmp_path: Path):
     plan = dry_run(tmp_path, "UV=")
 
     assert "-m venv" in plan
+    assert "--require-hashes -r requirements-run.lock" in plan
     assert "--require-hashes -r requirements.lock" in plan
     assert "--no-deps --no-build-isolation -e ." in plan
     assert "uv sync" not in plan
@@ -151,6 +180,7 @@ def test_make_sets_up_with_uv_where_it_is_on_path(tmp_path: Path):
 
     plan = dry_run(tmp_path, path=f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
 
+    assert f"{uv} sync --locked --no-default-groups" in plan
     assert f"{uv} sync --locked --all-groups" in plan
     assert "-m pip" not in plan
 
@@ -158,10 +188,24 @@ def test_make_sets_up_with_uv_where_it_is_on_path(tmp_path: Path):
 @pytest.mark.parametrize("arguments", [["UV="], ["UV=uv"]], ids=["pip", "uv"])
 def test_a_set_up_that_was_cut_short_leaves_no_stamp(tmp_path: Path, arguments: list[str]):
     steps = dry_run(tmp_path, *arguments).splitlines()
-    stamp = tmp_path / "absent" / ".ready"
+    runs, stamp = tmp_path / "absent" / ".runs", tmp_path / "absent" / ".ready"
 
-    assert steps[0] == f"rm -f {stamp}"
+    assert steps[0] == f"rm -f {runs} {stamp}"
+    assert steps.index(f"touch {runs}") < steps.index(f"rm -f {stamp}")
     assert steps[-2:] == [f"touch {stamp}", f"{tmp_path / 'absent'}/bin/python -m pytest"]
+
+
+@pytest.mark.parametrize("arguments", [["UV="], ["UV=uv"]], ids=["pip", "uv"])
+def test_the_demo_sets_up_what_it_runs_on_and_says_so(tmp_path: Path, arguments: list[str]):
+    plan = dry_run(tmp_path, *arguments, target="demo")
+    said = re.findall(r'echo "(Setting .*|Adding .*)"', plan)
+
+    assert "requirements.lock" not in plan
+    assert "--all-groups" not in plan
+    assert [words.split(":")[1].split("(")[0].strip(" .") for words in said] == [
+        "what certreg needs to run"
+    ]
+    assert len(re.findall(r'echo "(?:Setting|Adding) ', dry_run(tmp_path, *arguments))) == 2
 
 
 def test_a_set_up_that_cannot_start_says_what_to_install(tmp_path: Path):

@@ -1,0 +1,110 @@
+"""The libraries of others: each loaded when it is needed, and one line where it is not there.
+
+A library that is not installed is told from one that is and does not load: the remedies differ.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+from certreg.errors import MissingToolError
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """Where a library comes from.
+
+    package: its name in the package index. extra: of certreg, that brings it; None: certreg itself.
+    """
+
+    package: str
+    extra: str | None = None
+
+    @property
+    def name(self) -> str:
+        """The package without what it may bring beside itself."""
+        return self.package.partition("[")[0]
+
+    @property
+    def remedy(self) -> str:
+        """What to type where it is not installed."""
+        if self.extra is None:
+            return f"pip install {self.package}"
+        if self.extra == "files":  # each reads one format, and one of them is large
+            return f"pip install {self.package} (extra `files`)"
+        return f"pip install 'certreg[{self.extra}]'"
+
+
+ORIGINS = {  # by the name under which Python knows it; as pyproject.toml has them
+    "numpy": Origin("numpy"),
+    "click": Origin("click"),
+    "jinja2": Origin("jinja2"),
+    "scipy": Origin("scipy"),
+    "clarabel": Origin("clarabel"),
+    "flint": Origin("python-flint"),
+    "sympy": Origin("sympy", "derive"),
+    "casadi": Origin("casadi", "derive"),
+    "cvxpy": Origin("cvxpy-base", "derive"),
+    "matplotlib": Origin("matplotlib", "figures"),
+    "distributed": Origin("distributed", "campaign"),
+    "pyarrow": Origin("pyarrow", "parquet"),
+    "gemmi": Origin("gemmi", "files"),
+    "laspy": Origin("laspy[lazrs]", "files"),
+    "pye57": Origin("pye57", "files"),
+}
+
+
+def library(module: str, purpose: str, otherwise: str = "") -> Any:
+    """A module of a library in `ORIGINS`, loaded now. Raises MissingToolError.
+
+    purpose: what needs it, the subject of the message. otherwise: what else helps, its end.
+    """
+    try:
+        return import_module(module)
+    except Exception as error:
+        # Whatever stops a library while it loads, a wrong NumPy or a lost file: it is broken.
+        raise refusal(module, error, purpose, otherwise) from error
+
+
+def require(*modules: str, purpose: str) -> None:
+    """That libraries load, before anything is computed for which they are needed."""
+    for module in modules:
+        library(module, purpose)
+
+
+def refusal(module: str, error: Exception, purpose: str, otherwise: str = "") -> MissingToolError:
+    """What is said where a module of a library in `ORIGINS` could not be loaded."""
+    name = _root(module)
+    origin = ORIGINS[name]
+    if isinstance(error, ModuleNotFoundError) and _root(error.name or "") == name:
+        fault = f"is not installed: {origin.remedy}"
+    else:
+        words = " ".join(str(error).split()) or "no reason given"
+        fault = (
+            f"is installed but does not load ({type(error).__name__}: {words}): "
+            f"pip install --force-reinstall {origin.name}"
+        )
+    return MissingToolError(f"{purpose} needs {origin.name}, which {fault}{otherwise}", tool=name)
+
+
+def belongs(error: ImportError) -> str | None:
+    """The library in `ORIGINS` that an import missed, None if it is another one."""
+    name = _root(error.name or "")
+    return name if name in ORIGINS else None
+
+
+def stated_version(name: str) -> str:
+    """The version of a library in `ORIGINS` that is installed, or what it comes with."""
+    origin = ORIGINS[name]
+    try:
+        return version(origin.name)
+    except PackageNotFoundError:
+        brought = "" if origin.extra is None else f" (extra `{origin.extra}`)"
+        return f"not installed{brought}"
+
+
+def _root(module: str) -> str:
+    return module.partition(".")[0]

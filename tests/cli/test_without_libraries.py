@@ -1,0 +1,194 @@
+"""Each command works or names what is missing in one line, whatever library is left out."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from commands import certreg
+
+from certreg import libraries
+from certreg.errors import MissingToolError
+from certreg.libraries import ORIGINS
+from certreg.relaxation import conic
+from certreg.report import markup
+
+DATA = Path(libraries.__file__).parent / "data"
+CLOUDS = (DATA / "survey_source.csv", DATA / "survey_target.csv")
+
+
+@pytest.fixture
+def without(monkeypatch: pytest.MonkeyPatch):
+    """As if some libraries were not installed, for all that loads them from now on."""
+
+    def leave_out(*names: str) -> None:
+        for module in [*sys.modules]:
+            if module.partition(".")[0] in names:
+                monkeypatch.setitem(sys.modules, module, None)
+        for name in names:
+            monkeypatch.setitem(sys.modules, name, None)
+        conic._compiled.cache_clear()
+        markup._environment.cache_clear()
+
+    return leave_out
+
+
+COMMANDS = {  # what is left out, and a command that needs it: the one line
+    "casadi": (("derive", "--out", "OUT"), "pip install 'certreg[derive]'"),
+    "sympy": (("derive", "davenport"), "pip install 'certreg[derive]'"),
+    "matplotlib": (("reproduce", "--out", "OUT"), "pip install 'certreg[figures]'"),
+    "distributed": (("batch", "PAIRS", "--scheduler", "tcp://127.0.0.1:9"), "[campaign]'"),
+    "pyarrow": (("batch", "PAIRS", "--parquet", "--out", "OUT"), "pip install 'certreg[parquet]'"),
+    "flint": (("equilibria", "A", "B", "--method", "all"), "pip install python-flint"),
+    "jinja2": (("report", "CERTIFICATE"), "pip install jinja2"),
+}
+
+
+@pytest.fixture(scope="module")
+def certificate(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("without")
+    certreg("certify", *CLOUDS, "--no-simulation", "--out", folder)
+    return folder / "certificate.json"
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_a_command_that_needs_a_library_names_it_in_one_line(
+    name: str, without, tmp_path: Path, certificate: Path
+):
+    arguments, remedy = COMMANDS[name]
+    (tmp_path / "pairs.csv").write_text("source,target\n" + ",".join(map(str, CLOUDS)) + "\n")
+    places = {
+        "A": CLOUDS[0],
+        "B": CLOUDS[1],
+        "OUT": tmp_path / "out",
+        "PAIRS": tmp_path / "pairs.csv",
+        "CERTIFICATE": certificate,
+    }
+    without(name)
+    run = certreg(*(places.get(each, each) for each in arguments))
+
+    *notes, line = run.err.splitlines()
+    assert run.code == 2
+    assert all(note.startswith("note: ") for note in notes)
+    assert f"needs {ORIGINS[name].name}, which is not installed: " in line
+    assert remedy in line
+
+
+@pytest.mark.parametrize("name", ["clarabel", "scipy"])
+def test_without_the_solver_the_relaxation_is_null_and_says_why(name: str, without):
+    without(name)
+    run = certreg("certify", *CLOUDS, "--no-simulation", "--json")
+    words = certreg("certify", *CLOUDS, "--no-simulation")
+
+    assert (run.code, words.code, run.err + words.err) == (0, 0, "")
+    assert run.document["relaxation"] is None
+    reason = f"the relaxation needs {name}, which is not installed: pip install {name}"
+    assert reason in json.dumps(run.document)
+    assert reason in " ".join(words.out.split())
+
+
+def test_info_lists_every_library_and_what_brings_it(without):
+    without(*(name for name in ORIGINS if name not in {"numpy", "click"}))
+    known = certreg("info").out
+    left_out = pytest.MonkeyPatch()
+    left_out.setattr(libraries, "version", _nothing_installed)
+    run = certreg("info")
+    left_out.undo()
+
+    for origin in ORIGINS.values():
+        assert f"\n{origin.name:12} " in known
+        extra = f" (extra `{origin.extra}`)" if origin.extra else ""
+        assert f"\n{origin.name:12} not installed{extra}\n" in run.out
+    assert run.code == 0
+
+
+def _nothing_installed(name: str) -> str:
+    raise libraries.PackageNotFoundError(name)
+
+
+@pytest.mark.parametrize(
+    ("fault", "told"),
+    [
+        (AttributeError("numpy has no\n`in1d`"), "AttributeError: numpy has no `in1d`"),
+        (ModuleNotFoundError("No module named 'osqp'", name="osqp"), "No module named 'osqp'"),
+        (OSError("libfoo.so: cannot open"), "OSError: libfoo.so: cannot open"),
+    ],
+)
+def test_a_library_that_does_not_load_is_told_from_one_that_is_not_there(
+    monkeypatch: pytest.MonkeyPatch, fault: Exception, told: str
+):
+    def load(_module: str):
+        raise fault
+
+    monkeypatch.setattr(libraries, "import_module", load)
+    with pytest.raises(MissingToolError) as caught:
+        libraries.library("cvxpy", "this")
+
+    assert "is installed but does not load (" in str(caught.value)
+    assert told in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert str(caught.value).endswith("pip install --force-reinstall cvxpy-base")
+
+
+CORE = """
+import sys
+ALLOWED = {allowed!r}
+class Blocked:
+    def find_spec(self, name, path=None, target=None):
+        root = name.partition(".")[0]
+        if root in {every!r} and root not in ALLOWED:
+            raise ModuleNotFoundError(f"No module named {{root!r}}", name=root)
+sys.meta_path.insert(0, Blocked())
+from certreg.cli.main import main
+for line in {lines!r}:
+    sys.argv = ["certreg", *line]
+    try:
+        main()
+    except SystemExit as stop:
+        print("CODE", stop.code, flush=True)
+"""
+
+
+def blocked(allowed: tuple[str, ...], *lines: tuple[str, ...]) -> tuple[list[str], str]:
+    """Codes and stderr of commands, where only these of the libraries are installed."""
+    every = (*ORIGINS, "markupsafe", "mpmath") if "jinja2" not in allowed else (*ORIGINS,)
+    code = CORE.format(allowed=allowed, every=every, lines=[[*map(str, line)] for line in lines])
+    run = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=False
+    )
+    return [line.split()[1] for line in run.stdout.splitlines() if line[:5] == "CODE "], run.stderr
+
+
+@pytest.mark.slow
+def test_the_main_job_needs_numpy_click_and_jinja_alone(tmp_path: Path):
+    out, found = tmp_path / "out", tmp_path / "out" / "certificate.json"
+    codes, err = blocked(
+        ("numpy", "click", "jinja2"),
+        ("certify", *CLOUDS, "--sigma", "4", "--out", out),
+        ("assess", *CLOUDS, "--pose", DATA / "flipped.txt"),
+        ("verify", found),
+        ("report", found, "--out", tmp_path / "report.html"),
+        ("equilibria", *CLOUDS),
+        ("simulate", *CLOUDS),
+        ("info",),
+        ("equilibria", *CLOUDS, "--method", "homotopy"),
+    )
+
+    assert codes == ["0", "1", "0", "0", "0", "0", "0", "2"]
+    assert err.count("\n") == 2  # the first is the report's note on the motion
+    assert err.endswith(
+        "\ncertreg: the method homotopy needs python-flint, which is not installed: "
+        "pip install python-flint\n"
+    )
+    assert (tmp_path / "report.html").stat().st_size > 10_000
+
+
+@pytest.mark.slow
+def test_without_numpy_the_checker_checks_and_others_say_what_they_need(certificate: Path):
+    codes, err = blocked(("click",), ("verify", certificate), ("certify", *CLOUDS), ("info",))
+
+    assert codes == ["0", "2", "0"]
+    assert err == ("certreg: this command needs numpy, which is not installed: pip install numpy\n")
