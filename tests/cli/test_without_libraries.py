@@ -152,7 +152,7 @@ for line in {lines!r}:
 """
 
 
-def blocked(allowed: tuple[str, ...], *lines: tuple[str, ...]) -> tuple[list[str], str]:
+def blocked(allowed: tuple[str, ...], *lines: tuple[object, ...]) -> tuple[list[str], str]:
     """Codes and stderr of commands, where only these of the libraries are installed."""
     every = (*ORIGINS, "markupsafe", "mpmath") if "jinja2" not in allowed else (*ORIGINS,)
     code = CORE.format(allowed=allowed, every=every, lines=[[*map(str, line)] for line in lines])
