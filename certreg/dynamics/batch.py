@@ -40,11 +40,14 @@ from certreg.problem import DEFAULT_DAMPING, checked_damping
 from certreg.results import Brief
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import ArrayLike, NDArray
 
     from certreg.native import Records, StationaryPoses
 
 DIAGONAL = [0, 3, 5]  # of an upper triangle
+PORTION = 8192  # bodies, after which somebody is told: a tenth of a second, and full lanes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -135,10 +138,13 @@ def simulate_many(
     integrator: Integrator | str = Integrator.SPLITTING,
     *,
     settings: SimulationSettings | None = None,
+    progress: Callable[[int, int], object] | None = None,
 ) -> Ends:
     """Every body simulated to its end, on `settings.threads` threads.
 
-    integrator: also by name, as in `certreg.simulate`. The interpreter's lock is free meanwhile.
+    integrator: also by name, as in `certreg.simulate`. progress: called with the number of bodies
+        that are done and that of all; the ends are the same. The interpreter's lock is free
+        meanwhile.
     Raises DegenerateProblemError where a body is too stiff for explicit Euler.
     """
     integrator, settings = Integrator(integrator), settings or SimulationSettings()
@@ -149,7 +155,12 @@ def simulate_many(
         steps=step_parameters(integrator, bodies.records, bodies.basins, settings),
         states=_stepped(bodies.starts, integrator),
     )
-    integrate(batch, settings)
+    count = len(batch.states)
+    portion = count if progress is None else PORTION
+    for start in range(0, count, portion or 1):
+        integrate(batch.part(slice(start, start + portion)), settings)
+        if progress is not None:
+            progress(min(start + portion, count), count)
     return Ends(
         integrator=integrator,
         status=batch.status,

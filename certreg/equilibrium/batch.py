@@ -50,6 +50,7 @@ given where the instance is decided and every |g| is larger than its error:
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
@@ -72,6 +73,8 @@ from certreg.problem import (
 from certreg.results import Brief
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import ArrayLike, NDArray
 
     from certreg.equilibrium.presentation import EquilibriumSet
@@ -131,7 +134,7 @@ class Solutions(Brief):
         return Solutions(**parts)
 
 
-def solve_many(
+def solve_many(  # noqa: PLR0913 - each is one question, and has its usual answer
     sources: ArrayLike,
     targets: ArrayLike,
     *,
@@ -139,31 +142,32 @@ def solve_many(
     damping: float = DEFAULT_DAMPING,
     threads: int = 2,
     spectrum: bool = False,
+    progress: Callable[[int, int], object] | None = None,
 ) -> Solutions:
     """The equilibria of many problems, on so many threads; the same numbers on any.
 
     sources, targets: (count, N, 3), or (N, 3) for the same in all; weights: (count, N) or (N,), not
-    negative. spectrum: the eigenvalues, too. The interpreter's lock is free most of the time.
+    negative. spectrum: the eigenvalues, too. progress: called with the number of problems that are
+    done and that of all. The interpreter's lock is free most of the time.
     Raises InvalidProblemError, which names the instance, for other shapes and values.
     """
     given = clouds(sources, targets, weights)
     damping, threads = checked_damping(damping), checked_threads(threads)
     solutions = Solutions.empty(given.count, spectrum=spectrum)
 
-    def solve(start: int) -> None:
+    def solve(start: int) -> int:
         chosen = slice(start, start + PORTION)
         some = given.part(chosen)
         found = stationary_poses(some, start)
         _write(solutions.part(chosen), found, some, damping)
+        return min(chosen.stop, given.count)
 
     starts = range(0, given.count, PORTION)
-    if threads == 1 or len(starts) == 1:
-        for start in starts:
-            solve(start)
-        return solutions
-    with ThreadPoolExecutor(threads) as pool:
-        for done in [pool.submit(solve, start) for start in starts]:
-            done.result()
+    alone = threads == 1 or len(starts) == 1
+    with ThreadPoolExecutor(threads) if not alone else nullcontext() as pool:
+        for done in map(solve, starts) if pool is None else pool.map(solve, starts):
+            if progress is not None:
+                progress(done, given.count)
     return solutions
 
 

@@ -45,6 +45,7 @@ from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.covariance import pose_covariance
 from certreg.registration.fit import fit_of
 from certreg.registration.misfits import RowNames
+from certreg.registration.parts import counted, logged
 from certreg.registration.result import (
     ProblemTrajectory,
     Registration,
@@ -64,16 +65,18 @@ from certreg.results import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Generator
+    from collections.abc import Callable, Generator
 
     from numpy.typing import ArrayLike
 
     from certreg.dynamics import Trajectory
     from certreg.registration.fit import Fit
+    from certreg.registration.parts import Progress
     from certreg.relaxation import Relaxation
     from certreg.results import Verdict
 
 LOG = logging.getLogger(__name__)
+PARTS = 4  # of certify, besides relaxation and simulation: sums, certificate, checker, fit
 NOT_ASKED = Absent("not asked for")
 NOT_CERTIFIED = Absent("not certified")
 CROSS_CHECK = Integrator.SPLITTING  # a few large steps, however stiff the springs
@@ -96,6 +99,7 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
     about: dict[str, Any] | None = None,
     max_gap: float = MAX_GAP,
     max_angle: float = MAX_ANGLE,
+    progress: Progress | None = None,
     **statement: Unpack[Statement],
 ) -> Registration:
     """Register, enumerate all equilibria, cross-check, certify, and run the checker.
@@ -108,18 +112,22 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
         damping, that of the fastest decay is taken.
     about: what else the certificate is to hold, unproved, besides damping and integrator.
     max_gap, max_angle: what must be proved of the pose to call it certified, see `Limits`.
+    progress: called with the number of parts that are done and that of all: exact sums, relaxation,
+        simulation, certificate, checker and fit.
     Raises ContradictionError or RefusedCertificateError where certreg contradicts itself, and
     OutOfRangeError where no double can hold the pose.
     """
     stated, named = _stated(problem, target, statement)
-    return certified(
+    limits = Limits(max_gap=max_gap, max_angle=max_angle)
+    registration = certified(
         stated,
         relaxation=relaxation,
         integrator=_integrator(simulation) if simulation else None,
         settings=simulation if isinstance(simulation, SimulationSettings) else None,
         about={**named, **(about or {})},
-        limits=Limits(max_gap=max_gap, max_angle=max_angle),
+        done=counted(progress, PARTS + bool(relaxation) + bool(simulation)),
     )
+    return replace(registration, limits=limits)
 
 
 def _stated(
@@ -155,13 +163,21 @@ def certified(
     integrator: str | None,
     settings: SimulationSettings | None = None,
     about: dict[str, Any] | None = None,
-    limits: Limits | None = None,
+    done: Callable[[str], None] = logged,
 ) -> Registration:
-    """As `certify`, the simulation by an integrator of `simulate`; None for no simulation."""
+    """As `certify`, the simulation by an integrator of `simulate`; None for no simulation.
+
+    done: called with the name of each part.
+    """
     timings: dict[str, float] = {}
     with _timed(timings, "compute"):
         solution = solve(
-            problem, relaxation=relaxation, integrator=integrator, settings=settings, about=about
+            problem,
+            relaxation=relaxation,
+            integrator=integrator,
+            settings=settings,
+            about=about,
+            done=done,
         )
     certificate = solution.certificate
     verdict = None
@@ -171,10 +187,11 @@ def certified(
         require_accepted(verdict)
         if not isinstance(solution.trajectory, Absent):
             require_sound_trajectory(solution.objective, certificate.body, solution.trajectory)
+    done("checker")
     with _timed(timings, "fit"):
         fit = _fit(solution)
-    registration = _registration(solution, verdict, fit, timings)
-    return registration if limits is None else replace(registration, limits=limits)
+    done("fit")
+    return _registration(solution, verdict, fit, timings)
 
 
 def simulate(
@@ -237,15 +254,20 @@ def solve(
     integrator: str | None = None,
     settings: SimulationSettings | None = None,
     about: dict[str, Any] | None = None,
+    done: Callable[[str], None] = logged,
 ) -> Solution:
     """Everything that is computed, nothing yet checked. integrator: None for no simulation."""
     objective = Isotropic(exact_moments(problem))
+    done("exact sums")
     problem = _best_damped(problem, objective)
-    relaxed = _relaxation(objective) if relaxation else NOT_ASKED
-    trajectory = NOT_ASKED
+    relaxed = trajectory = NOT_ASKED
+    if relaxation:
+        relaxed = _relaxation(objective)
+        done("relaxation")
     if integrator is not None:
         settings = settings or SimulationSettings()
         trajectory = _simulation(objective, problem, integrator, settings)
+        done("simulation")
     covariance = pose_covariance(problem, objective)
     certificate = produce(
         problem,
@@ -254,6 +276,7 @@ def solve(
         state=None if isinstance(trajectory, Absent) else final_state(trajectory),
         about={**(about or {}), "damping": problem.damping, "integrator": integrator},
     )
+    done("certificate")
     return Solution(
         problem=problem,
         objective=objective,

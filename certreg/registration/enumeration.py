@@ -11,12 +11,16 @@ from certreg.errors import UndecidedError
 from certreg.objective import Isotropic
 from certreg.problem import exact_moments
 from certreg.registration.ambiguity import equilibria_at
+from certreg.registration.parts import counted
 from certreg.results import Brief
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from certreg.certificate import Certificate, CountBody
     from certreg.equilibrium import Comparison, Search
     from certreg.problem import RegistrationProblem
+    from certreg.registration.parts import Progress
 
 ALL = "all"  # methods
 
@@ -51,19 +55,24 @@ class ListedEquilibria(EquilibriumSet):
         return cls(**kept, enumeration=enumeration)
 
 
-def equilibria(problem: RegistrationProblem, method: str = "spectral") -> EquilibriumSet:
+def equilibria(
+    problem: RegistrationProblem, method: str = "spectral", *, progress: Progress | None = None
+) -> EquilibriumSet:
     """All equilibria of the registration dynamics of a problem.
 
     method: "spectral", the eigenspaces of the Davenport matrix; "groebner", exact elimination of
         the torque quadratics; "homotopy", continuation in floating point, each root proved in ball
         arithmetic; "all", every one of them, held against each other. Raises ValueError for others.
+    progress: called with the number of searches that are done and that of all.
     Raises UndecidedError where the homotopy comes to no list, and ContradictionError where two
     methods disagree.
     """
-    return ListedEquilibria.of(enumerated(problem, method))
+    return ListedEquilibria.of(enumerated(problem, method, progress=progress))
 
 
-def enumerated(problem: RegistrationProblem, method: str = "spectral") -> Enumeration:
+def enumerated(
+    problem: RegistrationProblem, method: str = "spectral", *, progress: Progress | None = None
+) -> Enumeration:
     """All equilibria, with every search that was made; arguments and errors as `equilibria`."""
     if method not in (*METHODS, ALL):
         message = (
@@ -71,7 +80,9 @@ def enumerated(problem: RegistrationProblem, method: str = "spectral") -> Enumer
         )
         raise ValueError(message)
     objective = Isotropic(exact_moments(problem))
-    searches = tuple(search(objective, name) for name in (METHODS if method == ALL else [method]))
+    names = tuple(METHODS) if method == ALL else (method,)
+    done = counted(progress, len(names))
+    searches = tuple(_searched(objective, name, done) for name in names)
     sets = [each.critical for each in searches if each.critical is not None]
     if not sets:
         (reason,) = (each.reason for each in searches)
@@ -82,6 +93,12 @@ def enumerated(problem: RegistrationProblem, method: str = "spectral") -> Enumer
         equilibria=equilibria_at(sets[0], objective, problem),
         comparison=compare(sets) if method == ALL else None,
     )
+
+
+def _searched(objective: Isotropic, name: str, done: Callable[[str], None]) -> Search:
+    made = search(objective, name)
+    done(name)
+    return made
 
 
 def certified_count(problem: RegistrationProblem) -> Certificate[CountBody] | None:
