@@ -17,7 +17,6 @@ from certreg.io.labels import (
     Match,
     classes_note,
     csv_field,
-    require_same_order,
     rows_by_label,
     unused_labels_note,
 )
@@ -28,6 +27,7 @@ from certreg.io.optional import unknown_format
 from certreg.io.pairs import read_pairs, repeated_rows_note
 from certreg.io.pcd import parse_pcd
 from certreg.io.ply import parse_ply, write_ply
+from certreg.io.row_numbers import RowNumbers, require_same_rows
 from certreg.io.scans import parse_e57, parse_las
 from certreg.io.standard_input import is_standard_input, standard_input
 from certreg.io.stl import parse_stl
@@ -58,8 +58,7 @@ PARSERS = {
     ".npz": parse_npz,
     ".stl": parse_stl,
     ".cif": parse_cif,
-    ".las": parse_las,
-    ".laz": parse_las,
+    **dict.fromkeys((".las", ".laz"), parse_las),
     ".e57": parse_e57,
 }
 FORMATS = (*TEXT_FORMATS, ".npy", *PARSERS)
@@ -81,6 +80,7 @@ class Cloud(Brief):
     labels: tuple[str, ...] | None
     ignored: tuple[str, ...]
     identifiers: tuple[str, ...] | None = None  # labels, or what a column not read calls the points
+    numbers: RowNumbers | None = None  # what names the rows of a large file, in their place
     sigma: NDArray[np.float64] | None = None  # of the column of this name: one for each point
     weights: NDArray[np.float64] | None = None  # of the column `weight`
     notes: tuple[str, ...] = ()  # on how the file was read
@@ -204,6 +204,7 @@ def _of_parsed(read: Parsed, file: Path, *, noise: bool) -> Cloud:
         labels=read.labels,
         ignored=read.ignored if noise else (*read.ignored, *given),
         identifiers=read.identifiers,
+        numbers=read.numbers,
         sigma=kept.get("sigma"),
         weights=kept.get("weight"),
         notes=read.notes,
@@ -265,7 +266,7 @@ def pair_of(first: Cloud, second: Cloud, pairing: Pairing = BY_LABEL) -> Pair:
         )
         raise InvalidFileError(message, path=second.path, value=sizes[1], limit=sizes[0])
     else:
-        require_same_order(first.identifiers, second.identifiers, (first.path, second.path))
+        require_same_rows(first, second)
         return Pair(source=first, target=second, source_rows=None, sizes=sizes, further=further)
     here, there = (np.asarray(side, dtype=np.int64) for side in rows)
     return Pair(

@@ -9,6 +9,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from certreg.io.row_numbers import RowNumbers
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Parsed:
@@ -18,6 +20,7 @@ class Parsed:
     ignored: tuple[str, ...] = ()
     labels: tuple[str, ...] | None = None
     identifiers: tuple[str, ...] | None = None
+    numbers: RowNumbers | None = None
     sigma: NDArray[np.float64] | None = None
     weights: NDArray[np.float64] | None = None
     notes: tuple[str, ...] = ()

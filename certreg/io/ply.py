@@ -22,6 +22,7 @@ from certreg.io.columns import LABEL, NOISE
 from certreg.io.labels import IDENTIFIERS
 from certreg.io.npy import points_of_columns, side_by_side
 from certreg.io.parsed import Parsed
+from certreg.io.row_numbers import RowNumbers
 from certreg.io.streams import (
     COUNT,
     MAX_BINARY_BYTES,
@@ -135,9 +136,16 @@ def parse_ply(stream: BinaryIO, file: Path) -> Parsed:
         ignored=tuple(others),
         labels=names.get(LABEL),
         identifiers=next((names[name] for name in (LABEL, *IDENTIFIERS) if name in names), None),
+        numbers=None if mapped is None else _numbers(columns),
         sigma=columns.get("sigma"),
         weights=columns.get("weight"),
     )
+
+
+def _numbers(columns: dict[str, NDArray[Any]]) -> RowNumbers | None:
+    """What names the rows of a large file, left where it is."""
+    named = [columns[name] for name in (LABEL, *IDENTIFIERS) if name in columns]
+    return RowNumbers(column=named[0]) if named else None
 
 
 def _names(columns: dict[str, NDArray[Any]]) -> dict[str, tuple[str, ...]]:

@@ -18,8 +18,9 @@ from hypothesis import strategies as st
 from test_formats import REFUSED
 
 from certreg.errors import InvalidFileError
-from certreg.io import streams
+from certreg.io import row_numbers, streams
 from certreg.io.clouds import read_cloud, read_problem, read_weights
+from certreg.io.row_numbers import RowNumbers
 from certreg.problem.arrays import mapped_file
 
 POINTS = np.random.default_rng(5).normal(size=(500, 3)).astype(np.float32)
@@ -56,6 +57,61 @@ def test_an_npy_file_stays_in_its_place(tmp_path, kind, order, all_large):
     assert np.array_equal(cloud.points, POINTS)
     with pytest.raises(ValueError, match="read-only"):
         cloud.points[0] = 0.0
+
+
+def labelled(path: Path, numbers: list[float], type_: str = "uint", name: str = "label") -> Path:
+    """A file whose points have numbers: text for a reader of the whole, mapped for a large one."""
+    rows = [[*map(float, POINTS[int(k) % 500]), k] for k in numbers]
+    names = [*(("float", axis) for axis in "xyz"), (type_, name)]
+    path.write_bytes(ply([("vertex", names, rows)], "binary_little_endian"))
+    return path
+
+
+@pytest.mark.parametrize("name", ["label", "id"])
+@pytest.mark.parametrize("bound", [1, 9000])  # both files are large, or the first
+def test_large_files_with_the_same_labels_in_another_order_are_refused(
+    tmp_path, monkeypatch, name, bound
+):
+    order = np.random.default_rng(3).permutation(500)
+    first = labelled(tmp_path / "a.ply", list(range(500)), "double", name)
+    second = labelled(tmp_path / "b.ply", order.tolist(), "uint" if bound < 2 else "ushort", name)
+    monkeypatch.setattr(streams, "MAPPED_BYTES", bound)
+    assert first.stat().st_size > 9000 > second.stat().st_size
+
+    with pytest.raises(InvalidFileError, match="number the same points in another order") as error:
+        read_problem(first, second)
+    row = error.value.row
+    assert order[: row or 0].tolist() == list(range(row or 0))
+    assert f"is {row} and {order[row or 0]}, and" in str(error.value)
+
+
+def test_large_files_with_the_labels_in_their_order_or_other_labels_pair_by_row(
+    tmp_path, all_large
+):
+    first = labelled(tmp_path / "a.ply", list(range(500)), "double")
+    others = labelled(tmp_path / "b.ply", [500 - k for k in range(500)], "double")
+    bare = tmp_path / "c.ply"
+    bare.write_bytes(xyz_ply(POINTS.tolist(), "binary_little_endian"))
+
+    for other in (first, others, bare):
+        assert read_problem(first, other)[0].n == 500
+
+
+def test_numbers_of_rows_are_compared_in_blocks_and_whatever_they_are(monkeypatch):
+    blocks = [slice(0, 300), slice(300, 500)]
+    monkeypatch.setattr(row_numbers, "row_blocks", lambda _: blocks)
+    numbers = np.arange(500.0)
+    numbers[7] = np.nan
+    rolled, other = np.roll(numbers, 1), numbers.copy()
+    other[499] += 1.0
+    one, same, late, moved = (
+        RowNumbers(column=each) for each in (numbers, numbers.copy(), other, rolled)
+    )
+
+    assert one.first_other(same) is None
+    assert (one.first_other(late), one.sum == late.sum) == (499, False)
+    assert (one.first_other(moved), one.sum == moved.sum) == (0, True)
+    assert RowNumbers.of(("7", "x")) is None
 
 
 def colours(kind: str, type_: str) -> bytes:
