@@ -24,7 +24,7 @@ NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_E
 unexport PYTHONDONTWRITEBYTECODE
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test test-long chromium test-browser test-huge test-oracles golden proofs fuzz fit-rates slips brackets hard compare-checkers kills generate report-asset check-report-asset lint bench peers lock clean
+.PHONY: help demo docs test test-long chromium test-browser test-huge test-oracles golden record proofs fuzz fit-rates slips brackets hard compare-checkers kills generate report-asset check-report-asset lint bench peers lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -72,6 +72,9 @@ test-huge: $(READY)  ## certify two mapped clouds of 8 GB each in 200 MB of memo
 
 golden: $(READY)  ## compare what users see now and at a commit: make golden BASE=<commit> (minutes)
 	@$(RUN) tests/golden/run.py $(BASE) $(ONLY)
+
+record: $(READY)  ## renew tests/golden/records, where what users see is meant to differ: make record, or ONLY=<case> (seconds)
+	@PYTHONPATH=tests $(RUN) tests/golden/net.py $(ONLY)
 
 fuzz: $(READY)  ## a million broken files for the readers (two minutes)
 	@$(RUN) tests/fuzz_readers.py

@@ -1,0 +1,419 @@
+"""The cases of the light net, in words of the command line; chosen by what they reach.
+
+Each headline, each warning of a fit, each slip, each refusal, each format that is written. `file`
+keeps what a step wrote, `python` what a function of `net_python.py` prints. To add a case, write it
+here and `make record`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+ALONE = "--no-relaxation --no-simulation"
+
+
+@dataclass(frozen=True)
+class NetCase:
+    name: str
+    steps: tuple[str, ...]
+
+
+def _certified(name: str, clouds: str, *more: str) -> NetCase:
+    return NetCase(f"certify-{name}", (f"certify {clouds} {ALONE}", *more))
+
+
+def _judged(name: str, clouds: str, *poses: str) -> NetCase:
+    return NetCase(f"assess-{name}", tuple(f"assess {clouds} --pose {pose}" for pose in poses))
+
+
+GOOD = "cloud.csv noisy.csv"
+
+CASES = (
+    NetCase(
+        "certify-all",
+        (
+            "certify axes.csv turned.csv --damping 3",
+            "certify axes.csv half.csv --integrator euler",
+            f"certify axes.csv turned.csv {ALONE}",
+        ),
+    ),
+    NetCase(
+        "certify-out",
+        (
+            "certify cloud.csv noisy.csv --sigma 0.02 --damping 2 --integrator midpoint --out o",
+            "file o o/certificate.json o/result.json o/pose.txt o/pose.json o/fit.csv",
+            "file o/trajectory.npz o/report.html",
+            "verify o/certificate.json",
+            "verify o/certificate.json cloud.csv noisy.csv",
+            "verify o/certificate.json cloud.csv noisy.csv --any-weight",
+            "verify o/certificate.json cloud.csv noisy.csv --sigma 0.02 --max-gap 1e-9",
+            "verify o/certificate.json cloud.csv noisy.csv --sigma 0.02 --ignore-weights",
+            "verify o/certificate.json noisy.csv cloud.csv --sigma 0.02",
+            "verify o/certificate.json cloud.npy noisy.csv --sigma 0.02",
+            "verify o/certificate.json cloud.npy noisy.csv",
+            "verify o/certificate.json cloud.npy noisy.csv --any-weight",
+            "verify o/certificate.json labelled.csv sigmas.csv",
+            "verify o/certificate.json labelled.csv sigmas.csv --any-weight",
+            "verify o/certificate.json cloud.csv noisy.csv --sigma 0.02 --weights weights.txt",
+            "verify o/certificate.json --sigma 0.02",
+            "verify o/certificate.json --max-angle 1e-99",
+            "report o/certificate.json --out o/again.html",
+            "assess cloud.csv noisy.csv --pose o --sigma 0.02",
+            "apply o cloud.csv --out o/m.csv",
+            "apply o labelled.csv --out o/m.txt",
+            "apply o cloud.csv --out o/m.ply",
+            "apply o cloud.csv --out o/m.npy",
+            "file o/m.csv o/m.txt o/m.ply o/m.npy",
+            f"certify cloud.csv noisy.csv {ALONE} --out o",
+            "file o",
+        ),
+    ),
+    _certified(
+        "noisy",
+        GOOD,
+        f"certify {GOOD} --sigma 0.02 {ALONE}",
+        f"certify {GOOD} --sigma 1 {ALONE}",
+        f"certify {GOOD} --weights weights.txt {ALONE}",
+    ),
+    _certified(
+        "noisier", "cloud.csv noisier.csv", f"certify cloud.csv noisier.csv --sigma 0.02 {ALONE}"
+    ),
+    _certified(
+        "narrow",
+        "short.csv narrow.csv",
+        f"certify short.csv narrow.csv --sigma 0.01 {ALONE} --out o",
+        "page o/report.html",
+        f"certify needle.csv needled.csv {ALONE} --out o",
+        "page o/report.html",
+    ),
+    _certified(
+        "scaled",
+        "cloud.csv scaled.csv",
+        f"certify cloud.csv scaled.csv {ALONE} --require-fit --max-rmse 0.01",
+        f"certify cloud.csv scaled.csv {ALONE} --out o",
+        "page o/report.html",
+    ),
+    _certified(
+        "units",
+        "cloud.csv inches.csv",
+        f"certify cloud.csv twice.csv {ALONE}",
+        f"certify axes.csv large.csv {ALONE}",
+        f"certify cloud.csv ppm.csv {ALONE}",
+        "certify axes.csv wide.csv",
+        f"certify axes.csv huger.csv {ALONE}",
+    ),
+    _certified(
+        "outliers",
+        "cloud.csv outlier.csv",
+        f"certify labelled.csv labelledwrong.csv {ALONE}",
+        f"certify cloud.csv exchanged.csv {ALONE}",
+    ),
+    _certified(
+        "pairing",
+        "cloud.csv shuffled.csv",
+        f"certify cloud.csv rolled.csv {ALONE}",
+        f"certify cloud.csv reflected.csv {ALONE}",
+        f"certify cloud.csv unlike.csv {ALONE}",
+    ),
+    _certified(
+        "far",
+        "cloud.csv far.csv",
+        f"certify cloud.csv farther.csv {ALONE}",
+        f"certify cloud.csv farther.csv {ALONE} --out o",
+        "page o/report.html",
+        f"certify cloud.csv farther.csv {ALONE} --damping 2 --json",
+    ),
+    _certified(
+        "limits",
+        f"{GOOD} --max-gap 1e-30",
+        f"certify {GOOD} {ALONE} --max-angle 1e-30 --max-gap 0.5",
+        f"certify line.csv bent.csv --max-gap 1e-40 {ALONE}",
+    ),
+    _certified(
+        "one",
+        "one.csv other.csv",
+        f"certify one.csv other.csv {ALONE} --max-gap 0 --out o",
+        "page o/report.html",
+    ),
+    *(
+        NetCase(
+            f"row-{name}",
+            (
+                f"certify {name}-source.csv {name}-target.csv --damping 2",
+                f"equilibria {name}-source.csv {name}-target.csv",
+                f"assess {name}-source.csv {name}-target.csv --pose identity.txt",
+            ),
+        )
+        for name in (
+            "1111-mirrored",
+            "121",
+            "112",
+            "13",
+            "211",
+            "31",
+            "22",
+            "22-two-points",
+            "4",
+            "4-cancelling",
+        )
+    ),
+    NetCase(
+        "page-of-a-circle",
+        (
+            "certify 22-source.csv 22-target.csv --out o",
+            "file o/report.html o/pose.json",
+            "certify 31-source.csv 31-target.csv --out o --json",
+        ),
+    ),
+    NetCase(
+        "equilibria",
+        (
+            "equilibria axes.csv turned.csv --method all",
+            "equilibria axes.csv turned.csv --method all --json",
+            "equilibria axes.csv turned.csv --method homotopy",
+            "equilibria axes.csv turned.csv --method groebner --out count.json",
+            "verify count.json",
+            "report count.json",
+            "file count.json",
+            "equilibria 13-source.csv 13-target.csv --out count.json",
+            "equilibria 13-source.csv 13-target.csv --method all",
+            "equilibria short.csv narrow.csv",
+            "equilibria needle.csv needled.csv",
+            "equilibria axes.csv turned.csv --method homotopy --json",
+            "equilibria 4-source.csv 4-target.csv --method all",
+        ),
+    ),
+    NetCase(
+        "simulate",
+        (
+            "simulate axes.csv turned.csv --out t.npz",
+            "file t.npz",
+            "simulate axes.csv turned.csv --json --integrator splitting --damping optimal",
+            "simulate axes.csv turned.csv --integrator midpoint --step 0.05",
+            "simulate axes.csv half.csv",
+            "simulate 22-source.csv 22-target.csv",
+            "simulate one.csv other.csv",
+        ),
+    ),
+    _judged(
+        "good",
+        GOOD,
+        "right.txt",
+        "near.txt",
+        "rotation.json",
+        "'tum.txt' --line 2",
+        "inexact.txt",
+        "kitti.txt",
+        "list.json",
+        "rows.json",
+        "matrix.json",
+        "pose.npy",
+        "right.txt --json --sigma 0.02",
+    ),
+    _judged(
+        "bad", GOOD, "off.txt", "shiftedoff.txt", "reflection.txt", "off.txt --sigma 0.02 --json"
+    ),
+    _judged(
+        "spurious",
+        "axes.csv turned.csv",
+        "axesright.txt",
+        "halfturn.txt",
+        "halfx.txt",
+        "halfx.txt --json",
+    ),
+    _judged(
+        "slips",
+        "cloud.csv moved.csv",
+        *(
+            f"{slip}.txt"
+            for slip in (
+                "inverse",
+                "transposed",
+                "transposedbest",
+                "scalarlast",
+                "scalarfirst",
+                "centred",
+                "centredsource",
+                "centredtarget",
+                "millimetres",
+                "similar",
+                "off",
+                "shiftedoff",
+                "near",
+            )
+        ),
+    ),
+    NetCase(
+        "assess-refused",
+        tuple(
+            f"apply {pose} cloud.csv --out a.csv"
+            for pose in (
+                "rotationalone.json",
+                "twopose.json",
+                "short.json",
+                "words.json",
+                "stack.npy",
+                "three.npy",
+                "three-by-three.txt",
+                "projective.txt",
+                "norm.txt",
+                "five.txt",
+                "word.txt",
+                "'tum.txt' --line 3",
+                "accept-count.json",
+                "accept-pattern-1111.json",
+                "similar.txt",
+            )
+        ),
+    ),
+    _judged("narrow", "short.csv narrow.csv", "identity.txt"),
+    _judged("needle", "needle.csv needled.csv", "scalarlast.txt", "axesturn.txt"),
+    NetCase("assess-slip", ("assess cloud.csv moved.csv --pose inverse.txt --json",)),
+    _judged("poor", "cloud.csv outlier.csv", "right.txt"),
+    NetCase(
+        "read",
+        (
+            f"certify labelled.csv labels.csv {ALONE}",
+            f"certify labelled.csv fewer.csv {ALONE} --match common",
+            f"certify labelled.csv fewer.csv {ALONE}",
+            f"certify cloud.csv noisy.csv --pairs pairs.txt {ALONE}",
+            f"certify cloud.csv noisy.csv --pairs again.txt --one-to-one {ALONE}",
+            f"certify labelled.csv sigmas.csv {ALONE}",
+            f"certify cloud.xyz noisy.csv {ALONE}",
+            f"certify cloud.ply noisy.csv {ALONE}",
+            f"certify cloud.npy noisy.csv {ALONE}",
+            f"certify cloud.csv noisy.csv --weights some.txt {ALONE}",
+            f"certify cloud.csv noisy.csv --pairs again.txt {ALONE}",
+            f"certify plain.csv semicolons.csv {ALONE}",
+            *(
+                f"certify cloud.csv noisy.csv --pairs {name}.txt"
+                for name in ("outside", "three", "whole", "nopairs")
+            ),
+            *(
+                f"certify {clouds}"
+                for clouds in (
+                    "labelled.csv others.csv --match common",
+                    "labelled.csv double.csv",
+                    "ids.csv ids2.csv",
+                )
+            ),
+            "certify cloud.csv noisy.csv --pairs nowhere.txt",
+            "certify cloud.csv noisy.csv --pairs cloud.ply",
+        ),
+    ),
+    NetCase(
+        "refused",
+        (
+            "certify nowhere.csv axes.csv",
+            "certify word.csv axes.csv",
+            "certify ragged.csv axes.csv",
+            "certify nan.csv axes.csv",
+            "certify cloud.csv axes.csv",
+            "certify axes.csv turned.csv --sigma 0",
+            "certify cloud.csv noisy.csv --weights zero.txt",
+            "certify axes.csv turned.csv --sigma 1 --weights weights.txt",
+            "certify axes.csv turned.csv --max-gap 2",
+            "certify axes.csv turned.csv --max-rmse nan",
+            "certify axes.csv turned.csv --damping 0",
+            "certify axes.csv huger.csv",
+            "certify axes.csv turned.csv --one-to-one",
+            "certify axes.csv turned.csv --pairs pairs.txt --match common",
+            "verify junk.json",
+            "verify nowhere.json",
+            "verify junk.json axes.csv",
+            "verify junk.json --any-weight",
+            "verify junk.json --out a.v",
+            "verify junk.json --coq --max-gap 1",
+            "report junk.json",
+            "report junk.json --out junk.json",
+            "assess axes.csv turned.csv --pose junk.json",
+            "assess axes.csv turned.csv --pose tum.txt",
+            "apply reflection.txt axes.csv --out a.csv",
+            "apply right.txt axes.csv --out a.stl",
+            "simulate axes.csv turned.csv --step 0",
+            "simulate axes.csv turned.csv --out a.csv",
+            "simulate one.csv other.csv --damping optimal",
+            "batch misspelt-list.csv",
+            "batch header-list.csv",
+            "batch nothing-list.csv",
+            "batch junk.json",
+            "batch empty-list.csv",
+            "batch list.csv --parquet",
+            "nonsense",
+            "codegen --out junk.json",
+        ),
+    ),
+    NetCase(
+        "vectors",
+        tuple(
+            f"verify {name}.json"
+            for name in (
+                "accept-count",
+                "accept-pattern-1111",
+                "accept-pattern-22-collinear",
+                "accept-pattern-4",
+                "refuse-gap-one-unit-too-small",
+                "refuse-unique-where-it-is-not",
+            )
+        ),
+    ),
+    NetCase(
+        "batch",
+        (
+            "batch short-list.csv",
+            "batch list.csv --out o --max-rmse 0.5",
+            "file o o/summary.csv o/columns.csv o/certificates",
+            "batch list.csv --out o --max-rmse 0.5",
+            "batch list.csv --out o",
+            "batch wrong-list.csv --out w --max-gap 1e-30",
+            "file w/summary.csv",
+            "batch list.csv --out p --require-fit --parquet",
+            "file p",
+        ),
+    ),
+    NetCase(
+        "weak",
+        (
+            f"certify {GOOD} --out o",
+            "python weaken o/certificate.json weak.json",
+            "report weak.json",
+            "page report.html",
+            "verify weak.json",
+            "python weaken o/certificate.json weaker.json none",
+            "verify weaker.json",
+            "report weaker.json --out weaker.html",
+            "page weaker.html",
+            "python renamed o/certificate.json other.json",
+            "report other.json",
+            "report o/certificate.json cloud.csv noisy.csv",
+            "report o/certificate.json cloud.csv moved.csv",
+            "python bared o/certificate.json bared.json",
+            "verify bared.json",
+            "report bared.json",
+            "report bared.json cloud.csv noisy.csv",
+            "report bared.json cloud.csv noisy.csv --any-weight",
+            f"certify {GOOD} {ALONE} --out p",
+            "report p/certificate.json --out p/again.html",
+            "page p/again.html",
+        ),
+    ),
+    *(
+        NetCase(f"python-{name}", (f"python {name}",))
+        for name in (
+            *("cards", "texts", "missing", "pages", "doubts", "poses", "calls", "stories"),
+            *("bad_files", "formats", "fits", "runs"),
+        )
+    ),
+    NetCase(
+        "about",
+        (
+            "info",
+            "codegen --out c",
+            "file c/example.c c/survey.txt",
+            "--help",
+            "--version",
+            "certify --help",
+            "demo --out d",
+        ),
+    ),
+)

@@ -1,0 +1,103 @@
+"""What users see of small cases is what it was: `make record` renews what is meant to differ.
+
+Laws say what is right; this says what has changed. A number beside the wrong unit, the second
+branch of a sentence, a label, a column: none of them breaks a law that is written down.
+"""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from net import RECORDS, SHOWN, canonical, difference, record_of, recorded
+from net_cases import CASES
+
+import certreg
+
+MEANT = (
+    "What users see has changed (- the record, + now). If that is meant, `make record`, look at "
+    "the difference of tests/golden/records, and commit it with the change."
+)
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_what_is_seen_is_what_is_recorded(case):
+    kept = record_of(case.name)
+    old = kept.read_text("utf-8") if kept.exists() else ""
+    lines = difference(old, recorded(case))
+
+    if lines:
+        pytest.fail("\n".join((f"{kept.name}: {MEANT}", *lines)), pytrace=False)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("RMSE  0.5  (unit)", "RMSE  0.5000004  (unit)"),
+        ("RMSE  0.5  (unit)", "RMSE   0.5  (unit)"),  # a wider number beside it
+        ("gap <= 3.2e-30", "gap <= 8e-31"),
+        ("-0.0 1e-17", "0.0 -3e-16"),
+        ("relaxation (SDP)  rank 1, gap 0.002", "relaxation (SDP)  rank 1, gap 0.003"),
+    ],
+)
+def test_rounding_is_no_difference(old: str, new: str):
+    assert difference(old, new) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("RMSE 0.5", "RMSE 0.500001"),
+        ("0.5 degrees", "0.5 radians"),
+        ("gap 3.2e-30", "gap 3.2e-3"),
+        ("at most 2", "at least 2"),
+        ("exit code 0", "exit code 1"),
+        ("  indented", "indented"),
+        ("a", "a\nb"),
+        ("a\nb", "b"),
+        ("index-3", "index-2"),
+        ("row 2", "row 2.5.1"),
+        ("0a1", "0a2"),
+        ("relaxation (SDP)  rank 1", "relaxation (SDP)  rank 2"),
+        ("[1, 2]", "[1, 2, 3]"),
+    ],
+)
+def test_whatever_else_changes_is_a_difference(old: str, new: str):
+    lines = difference(f"above\n{old}\nbelow", f"above\n{new}\nbelow")
+
+    assert {line[0] for line in lines} >= {"-", "+"} or old == "a" or new == "b"
+    assert any(line[0] in "-+" for line in lines)
+    assert all(line[1:] in f"above\n{old}\n{new}\nbelow".splitlines() for line in lines)
+
+
+def test_a_long_difference_is_cut():
+    lines = difference("", "\n".join(f"line {'x' * k}" for k in range(100)))
+
+    assert len(lines) == SHOWN + 1
+    assert lines[-1] == "... and 60 more lines"
+
+
+def test_every_record_is_of_a_case_and_none_is_long():
+    kept = {path.stem: path.stat().st_size for path in RECORDS.glob("*")}
+
+    assert set(kept) == {case.name for case in CASES}
+    assert sum(kept.values()) <= 400 * 1024
+    assert len(CASES) == len(kept)
+
+
+def test_nothing_of_this_machine_is_recorded():
+    for path in RECORDS.glob("*.txt"):
+        text = path.read_text("utf-8")
+        assert "/tmp" not in text, path.name  # noqa: S108 (what must not be there)
+        assert certreg.__version__ not in text, path.name
+
+
+def test_a_basis_of_many_equilibria_is_recorded_as_the_space_that_it_spans():
+    turned = [[0.6, -0.8], [0.8, 0.6], [0, 0], [0, 0]]
+    told = [
+        canonical(json.dumps({"dimension": 1, "basis": basis, "witness": [1.0]}, indent=1))
+        for basis in ([[1, 0], [0, 1], [0, 0], [0, 0]], turned, [[1, 0], [0, 0], [0, 1], [0, 0]])
+    ]
+
+    assert difference(told[0], told[1]) == []
+    assert difference(told[0], told[2]) != []
