@@ -39,7 +39,8 @@ NUMBERS = (
     *("objective", "rmse", "gap_lower", "gap_upper", "gap_share", "rounding_cost", "angle_upper"),
     *("angle_to_optimum", "nearest_index", "nearest_angle", "sigma_distance"),
 )
-NO_SLIP = Absent("no usual slip explains the verdict")
+NO_SLIP = Absent("no single slip of those that are tried explains it; two at once are not tried")
+NOT_TRIED = Absent("the optimum could not be certified, and no slip was tried")
 OF_OPTIMUM = dict.fromkeys(("optimum_objective", "optimum_rmse"), OUT_OF_RANGE)
 NOTHING_TO_EXPLAIN = Absent("the pose is (nearly) optimal: there is no slip to name")
 
@@ -94,6 +95,14 @@ class Assessment(Explained, Presented):
     def hint(self) -> str | None:
         """The slip in a sentence; None without one."""
         return None if self.slip is None else self.slip.words
+
+    @property
+    def unexplained(self) -> str | None:
+        """That no slip explains a bad verdict, in a sentence; None where one does."""
+        slip = self.stated("slip")
+        if self.verdict in GOOD or not isinstance(slip, Absent):
+            return None
+        return f"{slip.reason[0].upper()}{slip.reason[1:]}."
 
 
 def assess(
@@ -164,16 +173,20 @@ def judged(
 def _no_rotation(
     registration: Registration, given: GivenPose, fault: str, settings: AssessmentSettings
 ) -> Assessment:
-    slip = None
+    slip = NOT_TRIED
     if registration.certificate is not None:
-        slip = slip_of(registration, given, settings)
+        slip = slip_of(registration, given, settings) or NO_SLIP
     return Assessment(
         verdict=PoseVerdict.NOT_A_ROTATION,
         headline=NO_ROTATION.said(fault=fault),
         words=fault,
-        slip=slip,
+        slip=present(slip),
         **_beside(registration),
-        absent={**dict.fromkeys(NUMBERS, Absent(fault)), **OF_OPTIMUM, "slip": NO_SLIP},
+        absent={
+            **dict.fromkeys(NUMBERS, Absent(fault)),
+            **OF_OPTIMUM,
+            **({"slip": slip} if isinstance(slip, Absent) else {}),
+        },
     )
 
 

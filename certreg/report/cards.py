@@ -92,9 +92,10 @@ def assessment_card(assessment: Assessment) -> str:
         ("RMSE", number(assessment.rmse)),
         ("angle to the optimum", f"{math.degrees(away or 0.0):.4g} degrees"),
     ]
+    explained = assessment.hint or assessment.unexplained
     return Card(
         headline=assessment.headline,
-        notes=[assessment.words, *([] if assessment.hint is None else [assessment.hint])],
+        notes=[assessment.words, *([] if explained is None else [explained])],
         good=assessment.verdict in GOOD,
         facts=[] if away is None else facts,
     ).html()

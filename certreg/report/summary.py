@@ -182,8 +182,9 @@ def assessment_summary(assessment: Assessment) -> str:
     lines = [assessment.headline]
     if assessment.nearest_index is not None:
         lines.append(assessment.words)
-    if assessment.hint is not None:
-        lines.append(assessment.hint)
+    explained = assessment.hint or assessment.unexplained
+    if explained is not None:
+        lines.append(explained)
     if assessment.nearest_index is not None:
         lines += ["", *_judged_lines(assessment)]
     told = [one.text for one in assessment.fit.warnings if one.text not in assessment.headline]

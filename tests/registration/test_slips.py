@@ -62,6 +62,28 @@ def test_a_slip_is_told_in_text_and_json(code: str):
     assert f" is {verdict}: " in slip.words
 
 
+@pytest.mark.parametrize("pose", [OPTIMUM.inverse(), None], ids=["inverse", "translation"])
+def test_of_two_slips_at_once_it_is_said_that_no_single_one_explains_it(pose: Pose | None):
+    """The inverse in other units; and one wrong rotation that is not even near a rotation."""
+    wrong = (
+        (2.0 * R.T + 0.3, T) if pose is None else (pose.rotation, 1000.0 * pose.translation + 1.0)
+    )
+    found = assess(PROBLEM, *wrong)
+    said = "no single slip of those that are tried explains it; two at once are not tried"
+
+    assert found.slip is found.hint is None
+    assert f"\nN{said[1:]}.\n" in f"{assessment_summary(found)}\n"
+    assert f"N{said[1:]}.</div>" in found._repr_html_()
+    assert assessment_document(found)["reasons"]["slip"] == said
+
+
+def test_a_good_pose_needs_no_slip():
+    found = assess(PROBLEM, OPTIMUM)
+
+    assert found.unexplained is None
+    assert "slip" not in assessment_summary(found)
+
+
 def test_every_code_of_a_slip_is_tried():
     assert set(WRONG) == {code.value for code in SlipCode}
 
@@ -84,7 +106,7 @@ def test_what_is_named_is_proved_by_assessing_that_pose(code: str):
 
     assert found.verdict not in GOOD
     assert found.slip is None
-    assert "no usual slip" in assessment_document(found)["reasons"]["slip"]
+    assert "no single slip" in assessment_document(found)["reasons"]["slip"]
 
 
 @pytest.mark.parametrize("degrees", [0.057, 0.058, 3.0])  # 1e-3 radians are 0.0573
