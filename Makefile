@@ -24,7 +24,7 @@ NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_E
 unexport PYTHONDONTWRITEBYTECODE
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test test-long chromium test-browser test-huge test-oracles golden record proofs fuzz fit-rates slips brackets hard compare-checkers kills generate report-asset check-report-asset lint bench peers lock clean
+.PHONY: help demo docs test test-long chromium coq test-browser test-huge test-oracles golden record proofs fuzz fit-rates slips brackets hard compare-checkers kills generate report-asset check-report-asset lint bench peers lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -49,6 +49,9 @@ CHROMIUM ?= /usr/bin/chromium
 chromium:
 	@test -x '$(CHROMIUM)' || { test "$$(id -u)" = 0 || { echo "install it first: sudo apt-get install chromium" >&2; exit 1; }; \
 	   apt-get update -q && DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends chromium; }
+
+coq:
+	@'$(PYTHON)' derivations/coq/check.py --install
 
 test-browser: chromium docs  ## open every built page and the reports in chromium, without a network
 	@CERTREG_BROWSER=1 CHROMIUM='$(CHROMIUM)' $(RUN) -m pytest tests/browser
