@@ -163,7 +163,8 @@ $(READY): $(RUNS)
 
 else
 
-PIP := $(RUN) -m pip --disable-pip-version-check install --quiet
+# Only what is imported is compiled, and then: half of the time.
+PIP := $(RUN) -m pip --disable-pip-version-check install --quiet --no-compile
 
 $(RUNS): pyproject.toml $(LOCKS)
 	@rm -f $(RUNS) $(READY)
