@@ -24,7 +24,7 @@ NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_E
 unexport PYTHONDONTWRITEBYTECODE
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test test-long chromium coq test-browser test-huge test-oracles golden record proofs fuzz fit-rates slips brackets hard compare-checkers kills generate report-asset check-report-asset lint bench peers lock clean
+.PHONY: help demo docs test test-long chromium coq test-browser open-pages test-huge test-oracles golden record proofs fuzz fit-rates slips brackets hard compare-checkers kills generate report-asset check-report-asset lint bench peers lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -53,7 +53,10 @@ chromium:
 coq:
 	@'$(PYTHON)' derivations/coq/check.py --install
 
-test-browser: chromium docs  ## open every built page and the reports in chromium, without a network
+test-browser: docs  ## open every built page and the reports in chromium, without a network
+	@$(MAKE) --no-print-directory open-pages
+
+open-pages: chromium
 	@CERTREG_BROWSER=1 CHROMIUM='$(CHROMIUM)' $(RUN) -m pytest tests/browser
 
 # Singular and PHCpack are Debian packages; msolve comes as a wheel, into an environment of its own.
