@@ -105,9 +105,15 @@ class ExactPose:
         )
 
 
-def pose_bounds(objective: Isotropic, body: IsotropicBody, pose: ExactPose) -> PoseBounds:
-    """Bounds on a pose; they hold if the checker accepts the certificate for these data."""
-    above = pose_energy(objective, pose) - objective.energy(body.quaternion)
+def pose_bounds(
+    objective: Isotropic, body: IsotropicBody, pose: ExactPose, *, energy: Fraction | None = None
+) -> PoseBounds:
+    """Bounds on a pose; they hold if the checker accepts the certificate for these data.
+
+    energy: the pose's, `pose_energy`, where it is known already.
+    """
+    energy = pose_energy(objective, pose) if energy is None else energy
+    above = energy - objective.energy(body.quaternion)
     flat = not objective.least_range_squared  # then the certified rotation has the minimum itself
     return PoseBounds(
         least_gap=max(Fraction(0), above),
@@ -124,9 +130,10 @@ def pose_bounds(objective: Isotropic, body: IsotropicBody, pose: ExactPose) -> P
 
 def flat_energy(moments: ExactMoments) -> Fraction:
     """The energy that says which are small where all rotations fit equally; see `PoseBounds`."""
+    if moments.spread:
+        return moments.spread
     centroids = (*moments.source_centroid, *moments.target_centroid)
-    distance = sum((entry * entry for entry in centroids), start=Fraction(0))
-    return moments.spread or moments.total_weight * distance
+    return moments.total_weight * sum((c * c for c in centroids), start=Fraction(0))
 
 
 def pose_energy(objective: Isotropic, pose: ExactPose) -> Fraction:

@@ -12,6 +12,7 @@ lies on either side of the largest eigenvalue, so it is rounded outwards until t
 
 from __future__ import annotations
 
+import hashlib
 import math
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -115,10 +116,11 @@ def _enclosed(
     problem: RegistrationProblem, body: AnyBody_co, about: dict[str, Any] | None = None
 ) -> Certificate[AnyBody_co]:
     """The body in its envelope, with the points unless they are too many."""
+    data = problem.data_bytes() if problem.n <= INLINE_POINTS else None
     return Certificate(
         n=problem.n,
-        digest=problem.digest(),
-        data=problem.data_bytes() if problem.n <= INLINE_POINTS else None,
+        digest=problem.digest() if data is None else hashlib.sha256(data).hexdigest(),
+        data=data,
         body=body,
         about=about or {},
     )

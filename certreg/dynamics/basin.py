@@ -9,6 +9,7 @@ import numpy as np
 
 from certreg.equilibrium import unit_double
 from certreg.errors import DegenerateProblemError
+from certreg.exact import power_of_two
 from certreg.native import BASIN
 
 if TYPE_CHECKING:
@@ -58,15 +59,13 @@ def certified_basin(objective: Isotropic, length_exponent: int) -> Basin:
 
     Raises DegenerateProblemError where doubles do not tell the optima from the other poses.
     """
-    values = objective.eigenvalues
-    scale = objective.moments.total_weight * (4**length_exponent if length_exponent >= 0 else 1)
-    gaps = [(values[0] - value) / scale for value in values]
-    if length_exponent < 0:
-        gaps = [gap * 4**-length_exponent for gap in gaps]
+    scale = objective.moments.total_weight * power_of_two(2 * length_exponent)
+    unit = objective.eigenvalue_unit / scale
+    gaps = [drop * unit.numerator / unit.denominator for drop in objective.eigenvalue_drops]
     optima = objective.classification.pattern[0]
     record = np.zeros((), dtype=BASIN)
     record["quaternions"] = [unit_double(v) for v in objective.eigenvectors]
-    record["gaps"][optima:] = [float(gap) for gap in gaps[optima:]]
+    record["gaps"][optima:] = gaps[optima:]
     if (record["gaps"][optima:] < SMALLEST_BARRIER).any():
         message = (
             "not every pose is optimal, but by less than double precision can tell: the clouds "

@@ -25,11 +25,15 @@ from certreg.exact import power_of_two
 from certreg.native import BODY, ENERGIES, MATRIX_STATE, current_engine, named, plain, symmetric
 
 if TYPE_CHECKING:
+    from fractions import Fraction
+
     from numpy.typing import ArrayLike, NDArray
 
+    from certreg.geometry import Matrix3
     from certreg.native import Records
     from certreg.problem import ExactMoments
 
+UPPER = np.triu_indices(3)
 SMALLEST_INERTIA = 1e-14  # of the clouds' spread: below, rounding is larger than J itself
 
 
@@ -120,7 +124,7 @@ def body_of(moments: ExactMoments, damping: float, *, length_exponent: int | Non
     unit = power_of_two(-2 * exponent) / moments.total_weight
     cross_unit = moments.cross_unit * unit
     inertia_unit = power_of_two(c + 2 * a) / moments.mass * unit
-    inertia = np.array([[float(e * inertia_unit) for e in row] for row in moments.inertia])
+    inertia = _in_doubles(moments.inertia, inertia_unit)
     thinnest = float(np.linalg.eigvalsh(inertia)[0])
     if not thinnest > SMALLEST_INERTIA:
         message = (
@@ -128,12 +132,18 @@ def body_of(moments: ExactMoments, damping: float, *, length_exponent: int | Non
             "singular in double precision: the dynamics cannot be simulated"
         )
         raise DegenerateProblemError(message, value=thinnest, limit=SMALLEST_INERTIA)
-    upper, record = np.triu_indices(3), np.empty((), dtype=BODY)
-    record["cross"] = [[float(e * cross_unit) for e in row] for row in moments.cross]
-    record["inertia"] = inertia[upper]
-    record["inertia_inverse"] = np.linalg.inv(inertia)[upper]
+    record = np.empty((), dtype=BODY)
+    record["cross"] = _in_doubles(moments.cross, cross_unit)
+    record["inertia"] = inertia[UPPER]
+    record["inertia_inverse"] = np.linalg.inv(inertia)[UPPER]
     record["spread"], record["damping"] = float(moments.spread * unit), damping
     return Body(record=record, length_exponent=exponent)
+
+
+def _in_doubles(matrix: Matrix3[int], unit: Fraction) -> NDArray[np.float64]:
+    """The integers times the unit, each rounded once."""
+    n, d = unit.numerator, unit.denominator
+    return np.array([[entry * n / d for entry in row] for row in matrix])
 
 
 def start_at_rest(moments: ExactMoments, length_exponent: int) -> NDArray[np.float64]:

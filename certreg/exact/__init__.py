@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from certreg.exact.dyadic import half_angle_bound as half_angle_bound
     from certreg.exact.dyadic import nearest_double as nearest_double
     from certreg.exact.dyadic import nearest_or_zero as nearest_or_zero
+    from certreg.exact.dyadic import nearest_quotient as nearest_quotient
     from certreg.exact.dyadic import nearest_root as nearest_root
     from certreg.exact.dyadic import power_of_two as power_of_two
     from certreg.exact.dyadic import rational_root_above as rational_root_above
@@ -53,6 +54,7 @@ __getattr__ = lazy_face(
             "half_angle_bound",
             "nearest_double",
             "nearest_or_zero",
+            "nearest_quotient",
             "nearest_root",
             "power_of_two",
             "rational_root_above",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
 ASIN_SLACK = 1.0 + 1e-12  # asin and sqrt of the C library err by an ulp or two: 1e-15
 
 
+@lru_cache(maxsize=1024)  # the exponents of one problem's units come again and again
 def power_of_two(exponent: int) -> Fraction:
     """2**exponent, exactly."""
     return Fraction(1 << exponent) if exponent >= 0 else Fraction(1, 1 << -exponent)
@@ -80,11 +82,19 @@ def _exponent(value: Fraction, bits: int) -> int:
 
 def nearest_double(value: Fraction) -> float | None:
     """The double nearest to the value; None where it overflows, or vanishes without being 0."""
+    return nearest_quotient(value.numerator, value.denominator)
+
+
+def nearest_quotient(numerator: int, denominator: int) -> float | None:
+    """The double nearest to the quotient of integers, in lowest terms or not; as above.
+
+    Python's division of integers rounds once, and no common factor has to be found for it.
+    """
     try:
-        nearest = value.numerator / value.denominator
+        nearest = numerator / denominator
     except OverflowError:
         return None
-    return None if nearest == 0.0 and value != 0 else nearest
+    return None if nearest == 0.0 and numerator != 0 else nearest
 
 
 def nearest_or_zero(value: Fraction) -> float:
@@ -123,7 +133,7 @@ def nearest_root(value: Fraction) -> float | None:
     n, d = value.numerator, value.denominator
     places = 64 - (n.bit_length() - d.bit_length()) // 2
     root = math.isqrt((n << 2 * places) // d if places >= 0 else n // (d << -2 * places))
-    return nearest_double(root * power_of_two(-places))
+    return nearest_quotient(root << max(-places, 0), 1 << max(places, 0))
 
 
 def root_above(value: Fraction) -> float:

@@ -179,10 +179,21 @@ class Isotropic(Brief):
 
     def alignment(self, q: Sequence[int]) -> Fraction:
         """q^T K q / |q|^2 = tr(R(q)^T C), for an integer quaternion q other than zero."""
+        known = self._alignments.get(tuple(q))
+        if known is not None:
+            return known
         unit = self.moments.cross_unit
-        return Fraction(
+        alignment = Fraction(
             quadratic_form(self.davenport, q) * unit.numerator, squared_norm(q) * unit.denominator
         )
+        if q in self.quaternions:  # asked for by every method, proof and page
+            self._alignments[tuple(q)] = alignment
+        return alignment
+
+    @cached_property
+    def _alignments(self) -> dict[tuple[int, ...], Fraction]:
+        """Of the quaternions of the eigenspaces, once they are known."""
+        return {}
 
     def energy(self, q: Sequence[int]) -> Fraction:
         """V at R(q) and the best translation: the least sum of w |y - R x - t|^2 over t."""
@@ -227,8 +238,19 @@ class Isotropic(Brief):
     @cached_property
     def eigenvalues(self) -> tuple[Fraction, ...]:
         """Of each eigenvector, in units of tr(R^T C)."""
-        unit = self._eigenvalue_unit(self.eigenspaces.bits)
+        unit = self.eigenvalue_unit
         return tuple(v * unit for space in self.eigenspaces.spaces for v in space.values)
+
+    @cached_property
+    def eigenvalue_drops(self) -> tuple[int, ...]:
+        """The largest eigenvalue minus that of each eigenvector, over `eigenvalue_unit`."""
+        values = [v for space in self.eigenspaces.spaces for v in space.values]
+        return tuple(values[0] - value for value in values)
+
+    @cached_property
+    def eigenvalue_unit(self) -> Fraction:
+        """What one unit of the eigenspaces' values is worth, in units of tr(R^T C)."""
+        return self._eigenvalue_unit(self.eigenspaces.bits)
 
     def eigenvalue_difference(self, upper: int, lower: int) -> Fraction:
         """The eigenvalue of one space minus that of another: half the difference in energy."""

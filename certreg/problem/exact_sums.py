@@ -133,6 +133,8 @@ def _on_threads(
             total += summed(problem.block(rows))
         return total
 
+    if len(blocks) == 1:
+        return summed(problem.block(blocks[0]))
     if count == 1:
         return share(0)
     with ThreadPoolExecutor(count) as pool:

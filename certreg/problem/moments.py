@@ -94,12 +94,12 @@ class ExactMoments(Brief):
         """M, the sum of the weights, exactly."""
         return self.mass * power_of_two(self.weight_exponent)
 
-    @property
+    @cached_property
     def source_centroid(self) -> tuple[Fraction, Fraction, Fraction]:
         """The weighted mean of the source, exactly."""
         return _centroid(self.source_sum, self.mass, self.source_exponent)
 
-    @property
+    @cached_property
     def target_centroid(self) -> tuple[Fraction, Fraction, Fraction]:
         """The weighted mean of the target, exactly."""
         return _centroid(self.target_sum, self.mass, self.target_exponent)

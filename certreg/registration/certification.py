@@ -360,7 +360,7 @@ def _registration(
         bounds=(
             None
             if certificate is None
-            else pose_bounds(solution.objective, certificate.body, place)
+            else pose_bounds(solution.objective, certificate.body, place, energy=energy)
         ),
         limits=Limits(),
         verdict=verdict,

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.equilibrium import rotation_double, unit_double
-from certreg.exact import nearest_double
+from certreg.exact import nearest_double, nearest_quotient
 from certreg.geometry import body_frame
 from certreg.problem import contiguous, row_blocks
 from certreg.results import OUT_OF_RANGE, Absent, Explained
@@ -191,12 +191,16 @@ def rows_with_weight(problem: RegistrationProblem) -> int:
 
 def _inverse_hessian(objective: Isotropic) -> NDArray[np.float64] | None:
     """G^-1 from the eigenvectors: sum of u u^T / (l1 - lk), u = L(q)^T q_k; no cancellation."""
-    values, vectors = objective.eigenvalues, objective.eigenvectors
+    unit, drops, vectors = (
+        objective.eigenvalue_unit,
+        objective.eigenvalue_drops,
+        objective.eigenvectors,
+    )
     frame = np.array(body_frame(tuple(unit_double(objective.quaternions[0]).tolist())))
     total = np.zeros((3, 3))
     for k in (1, 2, 3):
-        gap = values[0] - values[k]
-        inverse = nearest_double(1 / gap) if gap > 0 else None
+        gap = drops[k] * unit.numerator
+        inverse = nearest_quotient(unit.denominator, gap) if gap > 0 else None
         if inverse is None:
             return None
         u = frame.T @ unit_double(vectors[k])

@@ -40,6 +40,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from certreg.exact import nearest_or_zero, power_of_two, rank
+from certreg.geometry import squared_norm
 from certreg.problem import trace
 from certreg.registration.outlying import PAIRINGS, ROUNDING
 from certreg.registration.tails import (
@@ -172,8 +173,10 @@ class FitSums:
     def rounding(self) -> Fraction:
         """The objective of residuals at rounding."""
         moments = self.objective.moments
-        means = (*moments.source_centroid, *moments.target_centroid)
-        offset = sum((m * m for m in means), start=Fraction(0)) * moments.total_weight
+        here, there = squared_norm(moments.source_sum), squared_norm(moments.target_sum)
+        offset = here * power_of_two(2 * moments.source_exponent)
+        offset += there * power_of_two(2 * moments.target_exponent)
+        offset *= power_of_two(moments.weight_exponent) / moments.mass
         return Fraction(ROUNDING) ** 2 * moments.spread + power_of_two(-102) * offset
 
     def _explained(self, alignment: Fraction) -> Fraction | None:

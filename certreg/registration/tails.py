@@ -7,6 +7,7 @@ most registrations do. Source: [Olver2010], 8.17.22 and 8.9.2.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -19,6 +20,7 @@ CUTS = 32  # of which the best gives a bound: half a per cent of the exponent is
 MOST_TERMS = 1_000_000  # about sqrt(max(a, b)) are needed: more than any cloud in memory asks for
 
 
+@lru_cache(maxsize=16)  # the p-value of a scale is asked for its warning, and as a number
 def log_beta_below(x: float, a: float, b: float) -> float:
     """Log of the probability that a beta variable with parameters a, b > 0 is at most x.
 
