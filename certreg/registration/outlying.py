@@ -31,6 +31,7 @@ LISTED = 10  # rows named one by one
 FAR = 6.0  # medians: 1e-17 of Gaussian residuals; those of packaged and LiDAR pairs stay below 3.2
 ROUNDING = 1e-12  # of the clouds' size: smaller residuals are not told from zero
 PAIRINGS = 3  # that are compared: one row on, one row back, the other way round
+FACTORS = 1000  # exponents of powers of two that are doubles: products round as `ldexp` does
 STEPS = 10  # of each search: both settle within a few
 
 
@@ -119,7 +120,7 @@ def _row_fit(problem: RegistrationProblem, objective: Isotropic, pose: Pose) -> 
     for rows in row_blocks(problem.n):
         count.add(rows.start, problem.block(rows), frame, limits)
     least = frame.energy(objective.energy(objective.quaternions[0]))
-    median = float(np.median(sample.distances(frame.optimum)))
+    median = _median(sample.distances(frame.optimum))
     return RowFit(
         rows=count.rows,
         effective_rows=effective_rows(problem),
@@ -177,11 +178,13 @@ class _Pairs:
         """The best motion under these weights, by singular values."""
         shares = weights / weights.sum()
         here, there = self.source @ shares, self.target @ shares
-        cross = (self.target * shares) @ self.source.T - np.outer(there, here)
+        cross = (self.target * shares) @ self.source.T - there[:, np.newaxis] * here
         left, _, right = np.linalg.svd(cross)
-        if np.linalg.det(left @ right) < 0.0:
+        rotation = left @ right
+        if _determinant(rotation.tolist()) < 0.0:
             left[:, 2] = -left[:, 2]
-        return _Motion(rotation=left @ right, translation=there - left @ right @ here)
+            rotation = left @ right
+        return _Motion(rotation=rotation, translation=there - rotation @ here)
 
     def paired(self, here: slice, there: slice) -> _Pairs:
         """Other pairs: these rows of the source, and these of the target with their weights."""
@@ -190,10 +193,12 @@ class _Pairs:
 
     def second_moments(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """(3,) each, without weights, over the trace of the source's."""
-        here, there = (
-            np.linalg.svd(cloud - cloud.mean(axis=1, keepdims=True), compute_uv=False)[::-1] ** 2
+        count = self.source.shape[1]
+        centred = (
+            cloud - cloud.sum(axis=1, keepdims=True) / count
             for cloud in (self.source, self.target)
         )
+        here, there = np.linalg.eigvalsh([cloud @ cloud.T for cloud in centred]).clip(min=0.0)
         return here / here.sum(), there / here.sum()
 
     def least_energy(self) -> float:
@@ -239,7 +244,10 @@ class _Frame:
         )
 
     def _moved(self, cloud: NDArray[np.float64], mean: NDArray[np.float64]) -> NDArray[np.float64]:
-        moved = np.ldexp(cloud.T, -self.length, order="C")
+        if abs(self.length) < FACTORS:
+            moved = np.multiply(cloud.T, 2.0**-self.length, order="C")
+        else:
+            moved = np.ldexp(cloud.T, -self.length, order="C")
         moved -= mean[:, np.newaxis]
         return moved
 
@@ -293,9 +301,24 @@ def _limits_at(sample: _Pairs, motion: _Motion) -> _Limits:
     least = FAR * ROUNDING
     return _Limits(
         motion=motion,
-        distance=max(least, FAR * float(np.median(distances))),
-        weighted=max(least * float(np.median(roots)), FAR * float(np.median(roots * distances))),
+        distance=max(least, FAR * _median(distances)),
+        weighted=max(least * _median(roots), FAR * _median(roots * distances)),
     )
+
+
+def _median(values: NDArray[np.float64]) -> float:
+    """As `np.median`, of numbers that are none of them missing, without its ten calls."""
+    half = len(values) // 2
+    if len(values) % 2:
+        return float(np.partition(values, half)[half])
+    lower, upper = np.partition(values, (half - 1, half))[half - 1 : half + 1].tolist()
+    return (lower + upper) / 2.0
+
+
+def _determinant(rows: list[list[float]]) -> float:
+    """Of a 3x3 matrix that is a rotation or a reflection: its sign is beyond doubt."""
+    (a, b, c), (d, e, f), (g, h, i) = rows
+    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
 
 
 @dataclass(slots=True)
