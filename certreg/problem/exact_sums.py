@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 MANY_POINTS = 2048  # from here on compiled code or limbs: 25 ms of Python's own integers
 THREADS = 2  # so many blocks at once, by compiled code and by NumPy
 LIMB_BITS = 20  # products of two limbs are below 2^40, and 2^13 of them add up within 2^53
-LIMB_POINTS = 1 << 13  # as above
+LIMB_POINTS = 1 << 12  # half of that: so many fit into the cache, and take half the time
 PRODUCT_POINTS = 512  # of one product of matrices: for more, BLAS would start threads
 MOST_LIMBS = 12  # of a coordinate: beyond a range of 2^187, Python's integers are faster
 LEAST_EXPONENT = -1074  # every double is an integer times 2^-1074
@@ -193,7 +193,8 @@ def _by_limbs(block: Block) -> Sums:
 
 def _by_few_limbs(block: Block) -> Sums:
     """The sums of at most 2^13 points; by integers where they take too many limbs."""
-    sides = (block.source, block.target, block.weights[:, None])
+    weights = block.weights[:1] if (block.weights == block.weights[0]).all() else block.weights
+    sides = (block.source, block.target, weights[:, None])
     cut = [_limbs(side.T) for side in sides]
     if None in cut:
         return _by_integers(block)
@@ -238,11 +239,21 @@ def _limbs(rows: NDArray[np.float64]) -> _Limbs | None:
 
 
 def _products(x: _Limbs, y: _Limbs, w: _Limbs) -> tuple[int, ...]:
-    """The 28 sums, each over the units of its factors multiplied."""
-    wx, wy = _weighted(w, x), _weighted(w, y)
+    """The 28 sums, each over the units of its factors multiplied; one weight counts for all."""
+    count = x.limbs.shape[2]
+    if w.limbs.shape[2] == count:
+        return _products_of(_total(w.limbs), _weighted(w, x), _weighted(w, y), x, y)
+    (one,) = _total(w.limbs)
+    return tuple(one * k for k in _products_of([count], x.limbs, y.limbs, x, y))
+
+
+def _products_of(
+    mass: list[int], wx: NDArray[np.float64], wy: NDArray[np.float64], x: _Limbs, y: _Limbs
+) -> tuple[int, ...]:
+    """The same, of coordinates that are times their weights already."""
     xx, yx, yy = _table(wx, x), _table(wy, x), _table(wy, y)
     return (
-        *_total(w.limbs),
+        *mass,
         *_total(wx),
         *_total(wy),
         *(yx[i][j] for i in range(3) for j in range(3)),

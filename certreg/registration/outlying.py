@@ -195,8 +195,7 @@ class _Pairs:
         """(3,) each, without weights, over the trace of the source's."""
         count = self.source.shape[1]
         centred = (
-            cloud - cloud.sum(axis=1, keepdims=True) / count
-            for cloud in (self.source, self.target)
+            cloud - cloud.sum(axis=1, keepdims=True) / count for cloud in (self.source, self.target)
         )
         here, there = np.linalg.eigvalsh([cloud @ cloud.T for cloud in centred]).clip(min=0.0)
         return here / here.sum(), there / here.sum()

@@ -139,6 +139,15 @@ def test_products_of_the_largest_limbs_do_not_round():
     assert sums_by(SumMethod.LIMBS, problem) == sums_by(SumMethod.INTEGERS, problem)
 
 
+@pytest.mark.parametrize("weight", [1.0, 0.1, 3e-200])
+def test_one_weight_for_all_points_counts_for_each(weight, monkeypatch):
+    clouds = np.random.default_rng(3).normal(size=(2, 20, 3))
+    problem = RegistrationProblem(*clouds, weights=weight)
+    monkeypatch.setattr(exact_sums, "LIMB_POINTS", 8)
+
+    assert sums_by(SumMethod.LIMBS, problem) == sums_by(SumMethod.INTEGERS, problem)
+
+
 @pytest.mark.parametrize("n", [1, 7, 8, 9, 15, 16, 17])
 def test_every_point_counts_wherever_a_part_of_limbs_ends(n, monkeypatch):
     problem = strategies.random_problem(np.random.default_rng(n), n=n)
