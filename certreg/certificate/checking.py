@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from certreg.problem import RegistrationProblem
     from certreg.verify import Limits, Worth
 
-# Of own certificates: so few the checker adds up itself, in 20 ms. From `MANY_POINTS` on there are two
-# exact methods besides, and a certificate is made with one of them.
+# Of own certificates: so few the checker adds up itself, in 20 ms. From `MANY_POINTS` on there are
+# two exact methods besides, and a certificate is made with one of them.
 PYTHON_POINTS = 2048
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,7 +20,7 @@ from certreg.equilibrium.stability import (
     linearised_spectrum,
     spring_ratios,
 )
-from certreg.exact import nearest_double, nearest_root, power_of_two
+from certreg.exact import nearest_double, nearest_quotient, nearest_root, power_of_two
 from certreg.geometry import canonical, dot, rotation_matrix, squared_norm
 from certreg.problem import trace
 from certreg.results import OUT_OF_RANGE, Absent, Explained, Presented, present
@@ -167,48 +168,75 @@ def _margin(critical: CriticalSet, classification: Classification) -> Margin:
     """The ambiguity margin l1 - l2, exactly zero where the optimum is not unique."""
     if not classification.unique:
         return Margin(eigenvalue_gap=0.0, relative=0.0)
-    best, second, *_ = values = [part.value for part in critical.components]
+    values, over = _over_one([part.value for part in critical.components])
+    best, second, *_ = values
     return Margin(
-        eigenvalue_gap=nearest_double((second - best) / 2),
-        relative=_nonzero((second - best) / (values[-1] - best)),
+        eigenvalue_gap=nearest_quotient(second - best, 2 * over),
+        relative=_nonzero(second - best, values[-1] - best),
         absent={"eigenvalue_gap": OUT_OF_RANGE},
     )
 
 
-def _nonzero(value: Fraction) -> float:
-    """The nearest double, never 0 unless the value is: a sign is not left to underflow."""
-    sign = (value > 0) - (value < 0)
-    return float(value) or sign * LEAST
+def _nonzero(numerator: int, denominator: int) -> float:
+    """The nearest double, never 0 unless the value is: a sign is not left to underflow.
+
+    The denominator is positive.
+    """
+    sign = (numerator > 0) - (numerator < 0)
+    return numerator / denominator or sign * LEAST
+
+
+def _over_one(values: Sequence[Fraction]) -> tuple[list[int], int]:
+    """The numerators over one denominator, and this."""
+    over = math.lcm(*(value.denominator for value in values))
+    return [value.numerator * (over // value.denominator) for value in values], over
 
 
 def unit_double(q: Sequence[int]) -> NDArray[np.float64]:
     """An integer quaternion as a unit quaternion of doubles, every entry within an ulp."""
-    norm = math.isqrt(squared_norm(q) << (2 * DOUBLE_BITS))
-    return np.array([(entry << DOUBLE_BITS) / norm for entry in q])
+    return np.array(_unit_entries(tuple(q)))
 
 
 def rotation_double(q: Sequence[int]) -> NDArray[np.float64]:
     """R(q) of an integer quaternion, every entry rounded once."""
+    return np.array(_rotation_entries(tuple(q)))
+
+
+@lru_cache(maxsize=16)  # the quaternions of one problem are asked for by every part of its answer
+def _unit_entries(q: tuple[int, ...]) -> list[float]:
+    norm = math.isqrt(squared_norm(q) << (2 * DOUBLE_BITS))
+    return [(entry << DOUBLE_BITS) / norm for entry in q]
+
+
+@lru_cache(maxsize=16)
+def _rotation_entries(q: tuple[int, ...]) -> list[list[float]]:
     norm = squared_norm(q)
-    return np.array([[entry / norm for entry in row] for row in rotation_matrix(q)])
+    return [[entry / norm for entry in row] for row in rotation_matrix(q)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Frame:
     """The critical quaternions of an isotropic objective as an orthonormal frame of doubles.
 
-    vectors: (4, 4), unit rows. component: of each row.
+    vectors: (4, 4), unit rows. component: of each row. values: of each component, integers over
+    `over`, in units of 2 * 2^shift of `cross`.
     """
 
     critical: CriticalSet
     objective: Isotropic
     vectors: NDArray[np.float64]
     component: tuple[int, ...]
+    values: tuple[int, ...]
+    over: int
 
     @classmethod
     def of(cls, critical: CriticalSet, objective: Isotropic) -> _Frame:
         spans = [part.span for part in critical.components]
+        values, over = _over_one([part.value for part in critical.components])
+        unit = 2 * objective.moments.cross_unit * power_of_two(objective.shift)
         return cls(
+            values=tuple(value * unit.denominator for value in values),
+            over=over * unit.numerator,
             critical=critical,
             objective=objective,
             vectors=np.array([unit_double(v) for span in spans for v in span]),
@@ -263,14 +291,12 @@ def _angle_to_optimum(critical: CriticalSet, q: Sequence[int]) -> float:
 
 def _curvature(frame: _Frame, index: int) -> Curvature:
     """The curvature at a component, in units of 2^shift of `cross`."""
-    objective, components = frame.objective, frame.critical.components
-    own, at = frame.rows(index), components[index]
-    q = unit_double(at.quaternion)
+    own, here = frame.rows(index), frame.values[index]
+    q = unit_double(frame.critical.components[index].quaternion)
     partners = _completion(q, frame.vectors[own])
     others = [k for k in range(len(frame.vectors)) if k not in own]
-    unit = 2 * objective.moments.cross_unit * power_of_two(objective.shift)
-    values = [components[frame.component[k]].value for k in others]
-    gaps = [0.0] * len(partners) + [_nonzero((value - at.value) / unit) for value in values]
+    values = [frame.values[frame.component[k]] for k in others]
+    gaps = [0.0] * len(partners) + [_nonzero(value - here, frame.over) for value in values]
     return curvature(q, np.concatenate([partners, frame.vectors[others]]), gaps)
 
 
