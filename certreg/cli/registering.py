@@ -48,6 +48,12 @@ if TYPE_CHECKING:
 @limit_options
 @fit_options
 @click.option("--no-relaxation", is_flag=True, help="Leave the semidefinite relaxation out.")
+@click.option(
+    "--solver",
+    metavar="NAME",
+    help="Of the relaxation: one that CVXPY finds installed, SCS for example. Default: Clarabel, "
+    "without CVXPY.",
+)
 @click.option("--no-simulation", is_flag=True, help="Leave the simulation out.")
 @click.option(
     "--integrator",
@@ -63,6 +69,7 @@ def certify(
     pair: Pair,
     *,
     no_relaxation: bool,
+    solver: str | None,
     no_simulation: bool,
     integrator: str,
     max_gap: float,
@@ -72,9 +79,12 @@ def certify(
     as_json: bool,
 ) -> int:
     """Register SOURCE to TARGET and certify the result."""
+    if no_relaxation and solver is not None:
+        message = "--solver goes with the relaxation, which --no-relaxation leaves out"
+        raise click.UsageError(message)
     registration = certified(
         problem,
-        relaxation=not no_relaxation,
+        relaxation=solver or not no_relaxation,
         simulation=not no_simulation and integrator,
         about={"certreg": __version__, **pair.about},
         max_gap=max_gap,

@@ -94,7 +94,7 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
     problem: Any,
     target: Any = None,
     *,
-    relaxation: bool = True,
+    relaxation: bool | str = True,
     simulation: bool | str | SimulationSettings = True,
     about: dict[str, Any] | None = None,
     max_gap: float = MAX_GAP,
@@ -108,8 +108,9 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
         arrays, data frames, paired by label where both have labels. Beside these sigma, weights
         and damping may be given, as for a problem; what is noted of the pairs goes to the logger.
     relaxation, simulation: whether to take these two methods, too; all else is the same. Instead of
-        True, settings of the simulation, or the name of its integrator. Where the problem names no
-        damping, that of the fastest decay is taken.
+        True, the relaxation's solver by CVXPY's name for it; settings of the simulation, or the
+        name of its integrator. Where the problem names no damping, that of the fastest decay is
+        taken.
     about: what else the certificate is to hold, unproved, besides damping and integrator.
     max_gap, max_angle: what must be proved of the pose to call it certified, see `Limits`.
     progress: called with the number of parts that are done and that of all: exact sums, relaxation,
@@ -159,7 +160,7 @@ def _integrator(simulation: str | SimulationSettings | Literal[True]) -> str:
 def certified(
     problem: RegistrationProblem,
     *,
-    relaxation: bool,
+    relaxation: bool | str,
     integrator: str | None,
     settings: SimulationSettings | None = None,
     about: dict[str, Any] | None = None,
@@ -250,7 +251,7 @@ def proved_end(
 def solve(
     problem: RegistrationProblem,
     *,
-    relaxation: bool = False,
+    relaxation: bool | str = False,
     integrator: str | None = None,
     settings: SimulationSettings | None = None,
     about: dict[str, Any] | None = None,
@@ -262,7 +263,7 @@ def solve(
     problem = _best_damped(problem, objective)
     relaxed = trajectory = NOT_ASKED
     if relaxation:
-        relaxed = _relaxation(objective)
+        relaxed = _relaxation(objective, relaxation)
         done("relaxation")
     if integrator is not None:
         settings = settings or SimulationSettings()
@@ -307,9 +308,9 @@ def _best_damped(problem: RegistrationProblem, objective: Isotropic) -> Registra
     return damped
 
 
-def _relaxation(objective: Isotropic) -> Relaxation | Absent:
-    """The relaxation, or why there is none."""
-    relaxed = relax(objective)
+def _relaxation(objective: Isotropic, solver: str | Literal[True]) -> Relaxation | Absent:
+    """The relaxation, or why there is none; solver: by CVXPY's name, True for Clarabel."""
+    relaxed = relax(objective, solver=solver if isinstance(solver, str) else None)
     LOG.info("relaxation %s by %s: %s", relaxed.form.value, relaxed.solver, relaxed.status.name)
     if relaxed.value is None:
         return Absent(relaxed.reason)

@@ -2,10 +2,9 @@
 
 A module of its own: the only one that imports Clarabel, where it is used. A program depends on C
 through its cost alone, and linearly. So the cost is read off at the nine unit matrices, and a solve
-is a matrix product and one call of Clarabel, with no state from solve to solve. `statement` says
-the same in the words of CVXPY, whose import takes about a second: the tests find its cone data
-equal, number by number, and commands do without it. What the solver complains of becomes a status
-here and goes no further.
+is a matrix product and one call of Clarabel, with no state from solve to solve. `stated` says the
+same in the words of CVXPY, whose import takes about a second: the tests find its cone data equal,
+number by number. What the solver complains of becomes a status here and goes no further.
 """
 
 from __future__ import annotations
@@ -69,53 +68,18 @@ class ConicSolution:
     matrix: NDArray[np.float64] | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Statement:
-    """A program in CVXPY's words.
-
-    cross_covariance: the parameter C, (3, 3). solution: the variable Z, (n, n).
-    """
-
-    problem: Any
-    cross_covariance: Any
-    solution: Any
-
-
 def solver_name() -> str:
     """The solver with its version; the bare name where it is not installed."""
-    return _named(SOLVER)
+    return named(SOLVER)
 
 
 @cache
-def _named(solver: str) -> str:
+def named(solver: str) -> str:
+    """A package with its version; the bare name where it is not installed."""
     try:
         return f"{solver} {version(solver.lower())}"
     except ImportError:  # PackageNotFoundError is one
         return solver
-
-
-def statement(form: Form) -> Statement:
-    """Maximise <F, Z> / multiple, <N, Z> = 1, <A, Z> = 0 for every quadratic A, Z >= 0, over Z.
-
-    With Z = v v^T this is the quadratic program; what is relaxed is that Z has rank one. For
-    comparison: no command loads CVXPY.
-    """
-    modelling = library("cvxpy", NEED)
-    C = modelling.Parameter((3, 3))
-    program = quadratic_program(form, [[C[i, j] for j in range(3)] for i in range(3)])
-    Z = modelling.Variable((program.size, program.size), symmetric=True)
-
-    def product(matrix: Any) -> Any:
-        return modelling.trace(matrix @ Z)
-
-    objective = product(modelling.bmat([list(row) for row in program.objective]))
-    constraints = [
-        product(np.array(program.normalisation)) == 1,  # first: so is its multiplier
-        *(product(np.array(quadratic)) == 0 for quadratic in program.quadratics),
-        Z >> 0,
-    ]
-    problem = modelling.Problem(modelling.Maximize(objective / program.multiple), constraints)
-    return Statement(problem=problem, cross_covariance=C, solution=Z)
 
 
 def solve(form: Form, C: NDArray[np.float64]) -> ConicSolution:

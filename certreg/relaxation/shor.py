@@ -17,6 +17,7 @@ from certreg.exact import power_of_two
 from certreg.geometry import canonical, quaternion_from_matrix
 from certreg.relaxation.conic import ConicSolution, RelaxationStatus, solve, solver_name
 from certreg.relaxation.qcqp import Form
+from certreg.relaxation.stated import solve_stated, stated_name
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -67,22 +68,28 @@ class Relaxation(Brief):
         return None if self.multiplier is None else Fraction(self.multiplier) * self.unit
 
 
-def relax(objective: Isotropic, form: str = Form.QUATERNION) -> Relaxation:
+def relax(
+    objective: Isotropic, form: str = Form.QUATERNION, solver: str | None = None
+) -> Relaxation:
     """The relaxation of a problem, in one of the two forms of `Form`.
 
+    solver: one that CVXPY finds installed, by its name there; None for Clarabel, called directly.
+
     Solved for C over a power of two, each entry rounded once, so at any scale. Raises ValueError
-    for a form that does not exist; whatever befalls the solver is a status.
+    for a form that does not exist, MissingToolError for a solver that does not. Whatever befalls a
+    solver is a status.
     """
     form, moments = _known(form), objective.moments
     shift = max(abs(entry) for row in moments.cross for entry in row).bit_length()
-    solution = solve(form, _normalised(moments.cross, shift))
+    C = _normalised(moments.cross, shift)
+    solution = solve(form, C) if solver is None else solve_stated(form, C, solver)
     unit, status = power_of_two(shift) * moments.cross_unit, solution.status
     if shift == 0:
         unit = moments.spread or unit
         status = RelaxationStatus.DEGENERATE if status is RelaxationStatus.SOLVED else status
     return Relaxation(
         form=form,
-        solver=solver_name(),
+        solver=solver_name() if solver is None else stated_name(solver),
         solver_word=solution.said,
         status=status,
         unit=unit,

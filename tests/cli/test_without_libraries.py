@@ -42,6 +42,7 @@ COMMANDS = {  # what is left out, and a command that needs it: the one line
     "matplotlib": (("reproduce", "--out", "OUT"), "pip install 'certreg[figures]'"),
     "distributed": (("batch", "PAIRS", "--scheduler", "tcp://127.0.0.1:9"), "[campaign]'"),
     "pyarrow": (("batch", "PAIRS", "--parquet", "--out", "OUT"), "pip install 'certreg[parquet]'"),
+    "cvxpy": (("certify", "A", "B", "--solver", "SCS"), "pip install 'certreg[derive]'"),
     "flint": (("equilibria", "A", "B", "--method", "all"), "pip install python-flint"),
     "jinja2": (("report", "CERTIFICATE"), "pip install jinja2"),
 }

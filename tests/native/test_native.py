@@ -790,7 +790,7 @@ def test_the_engine_falls_back_and_says_why(folder, monkeypatch):
     monkeypatch.setenv("CC", str(folder / "nothing"))
     loaded_library.cache_clear()
     try:
-        with pytest.warns(SlowSimulationWarning, match="no C compiler found .*: simulating in Python"):
+        with pytest.warns(SlowSimulationWarning, match="no C compiler found .*simulating in Pyt"):
             found = engines.current_engine.__wrapped__()
         assert found is evaluator()
     finally:

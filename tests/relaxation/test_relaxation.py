@@ -12,6 +12,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import commands
 import numpy as np
 import pytest
 import strategies
@@ -33,7 +34,7 @@ from certreg.geometry.so3 import quadratic_form, rotation_matrix, squared_norm
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import lift
-from certreg.relaxation import conic, shor
+from certreg.relaxation import conic, shor, stated
 from certreg.relaxation.conic import ConicSolution, RelaxationStatus
 from certreg.relaxation.qcqp import (
     Form,
@@ -186,17 +187,17 @@ def scaled_matrix(rng):
 
 @functools.cache
 def statement(form):
-    return conic.statement(form)
+    return stated.statement(form)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("form", Form)
 def test_the_cones_are_those_that_cvxpy_makes_number_by_number(form):
     """Of the cost: at the nine unit matrices, as it is linear in C."""
-    compiled, stated = conic._compiled(form), statement(form)
+    compiled, said = conic._compiled(form), statement(form)
     for unit, cost in zip(np.eye(9), compiled.cost.T, strict=True):
-        stated.cross_covariance.value = unit.reshape(3, 3)
-        data = stated.problem.get_problem_data("CLARABEL")[0]
+        said.cross_covariance.value = unit.reshape(3, 3)
+        data = said.problem.get_problem_data("CLARABEL")[0]
         assert np.array_equal(data["c"], cost)
         assert np.array_equal(data["A"].toarray(), compiled.rows.toarray())
         assert np.array_equal(data["b"], compiled.right)
@@ -207,17 +208,54 @@ def test_the_cones_are_those_that_cvxpy_makes_number_by_number(form):
 @pytest.mark.parametrize("seed", range(8))
 def test_the_direct_call_gives_what_cvxpy_gives(form, seed):
     C = scaled_matrix(np.random.default_rng(seed))
-    stated = statement(form)
-    stated.cross_covariance.value = C
-    reference = stated.problem.solve(solver="CLARABEL")
+    said = statement(form)
+    said.cross_covariance.value = C
+    reference = said.problem.solve(solver="CLARABEL")
     found = solve(form, C)
 
-    assert stated.problem.is_dcp(dpp=True)
+    assert said.problem.is_dcp(dpp=True)
     assert found.status is RelaxationStatus.SOLVED
     assert found.value == pytest.approx(reference, abs=ACCURACY)
-    multiplier = float(stated.problem.constraints[0].dual_value)
+    multiplier = float(said.problem.constraints[0].dual_value)
     assert found.multiplier == pytest.approx(multiplier, abs=ACCURACY)
-    assert np.abs(found.matrix - stated.solution.value).max() < 1e-5
+    assert np.abs(found.matrix - said.solution.value).max() < 1e-5
+
+
+@pytest.mark.parametrize("form", Form)
+@pytest.mark.parametrize("solver", ["SCS", "clarabel"])
+def test_a_solver_that_is_named_gives_what_clarabel_gives_directly(form, solver):
+    """SCS splits, where Clarabel follows the central path: one is a witness of the other."""
+    C = scaled_matrix(np.random.default_rng(11))
+    direct, found = solve(form, C), stated.solve_stated(form, C, solver)
+
+    assert (found.status, found.said) == (RelaxationStatus.SOLVED, "optimal")
+    assert found.value == pytest.approx(direct.value, abs=ACCURACY)
+    assert found.multiplier == pytest.approx(direct.multiplier, abs=ACCURACY)
+    assert np.abs(found.matrix - direct.matrix).max() < 1e-5
+
+
+def test_the_named_solver_of_certify_stands_in_the_result(data):
+    clouds = (data / "survey_source.csv", data / "survey_target.csv")
+    run = commands.certreg("certify", *clouds, "--no-simulation", "--solver", "scs", "--json")
+    relaxation = run.document["relaxation"]
+
+    assert (run.code, relaxation["solver"], relaxation["status"]) == (0, "SCS", "optimal")
+    assert relaxation["rank"] == 1
+    assert relaxation["angle_to_pose_deg"] < 1e-3
+
+
+def test_a_solver_that_cannot_solve_it_leaves_the_relaxation_out_and_others_are_one_line(data):
+    clouds = (data / "survey_source.csv", data / "survey_target.csv")
+    unfit = commands.certreg("certify", *clouds, "--no-simulation", "--solver", "SCIPY", "--json")
+    unknown = commands.certreg("certify", *clouds, "--solver", "NONESUCH")
+    both = commands.certreg("certify", *clouds, "--solver", "SCS", "--no-relaxation")
+
+    assert (unfit.code, unfit.document["relaxation"]) == (0, None)
+    assert "The solver did not solve the relaxation" in unfit.out
+    assert (unknown.code, unknown.err.count("\n")) == (2, 1)
+    assert "CVXPY finds no solver 'NONESUCH': it finds " in unknown.err
+    assert both.code == 2
+    assert "--no-relaxation leaves out" in both.err
 
 
 @pytest.mark.parametrize("form", Form)
