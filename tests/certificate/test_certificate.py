@@ -424,3 +424,21 @@ def test_what_is_no_certificate_is_refused_in_one_line(tmp_path):
             assert "\n" not in str(caught.value)
     with pytest.raises(InvalidFileError, match=r"nowhere\.json"):
         certreg.Certificate.load(tmp_path / "nowhere.json")
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_level_of_the_basin_is_what_the_claims_prove_above_all_other_eigenvalues(
+    monkeypatch: pytest.MonkeyPatch, seed: int
+):
+    """v + delta - mu, in units of tr(R^T C), as the docstring of `producing` has it."""
+    levels = list[Fraction]()
+    monkeypatch.setattr(producing, "proves_basin", lambda *given: bool(levels.append(given[2])))
+    problem = strategies.random_problem(np.random.default_rng(seed), n=8)
+    objective = Isotropic(exact_moments(problem))
+    state = producing.RotationState(quaternion=(1, 0, 0, 0), angular_velocity=(0, 0, 0), exponent=0)
+    body = checked(produce(problem, objective, state=state)).body
+    (level,) = levels
+
+    assert level == objective.alignment(body.quaternion) + body.delta.value - body.mu.value
+    assert body.delta.value > 0
+    assert level > objective.eigenvalues[1]

@@ -16,6 +16,7 @@ from certreg.equilibrium.krawczyk import (
     proved_root,
     tightened,
 )
+from certreg.errors import ContradictionError
 from certreg.exact.balls import exact_matrix, radius_bits
 from certreg.geometry.so3 import davenport_matrix
 
@@ -192,3 +193,27 @@ def test_balls_keep_exact_integers_exact():
 
     assert matrix[0, 0].is_exact()
     assert matrix[0, 0] * 1024 - arb(big) in (0, arb(0)) or radius_bits(matrix[0, 0]) < -1000
+
+
+def test_a_proved_root_that_is_lost_is_told_with_the_bits_that_were_asked_for(monkeypatch):
+    systems, boxes = four(davenport_matrix(C))
+    asked = list[tuple[int, int]]()
+
+    def lost(*_: object, start_bits: int, max_bits: int) -> None:
+        asked.append((start_bits, max_bits))
+
+    monkeypatch.setattr(krawczyk, "proved_root", lost)
+    with pytest.raises(ContradictionError, match="smaller box") as caught:
+        tightened(systems[0], checked(boxes[0]), 600)
+
+    assert asked == [(1200, 4800)]
+    assert (caught.value.methods, caught.value.limit) == (("homotopy",), 600)
+
+
+def test_a_box_that_is_small_enough_is_kept_as_it_is():
+    systems, boxes = four(davenport_matrix(C))
+    box = checked(boxes[0])
+    widest = max(radius_bits(ball) for ball in box.coordinates)
+
+    assert tightened(systems[0], box, -widest - 1) is box
+    assert tightened(systems[0], box, -widest) is not box

@@ -906,3 +906,21 @@ def test_a_cloud_is_moved_into_a_ply_file(tmp_path: Path):
 
     assert run.code == 0
     assert read_cloud(tmp_path / "b.ply").points.tolist() == (ARRAY + SHIFT).tolist()
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "models"),
+    [("1234", "1235", 2), ("1234", "2234", 2), ("   1", "   2", 2), ("1234a", "1234b", 1)],
+)
+def test_the_number_of_a_pdb_model_is_that_of_columns_11_to_14(
+    first: str, second: str, models: int
+):
+    atom = "ATOM      1  CA  ALA A{:4}    {:8.3f}{:8.3f}{:8.3f}  1.00  0.00           C"
+    lines = [
+        *(f"MODEL     {first}", atom.format(1, 1.0, 2.0, 3.0), "ENDMDL"),
+        *(f"MODEL     {second}", atom.format(2, 4.0, 5.0, 6.0), "ENDMDL", "END", ""),
+    ]
+    cloud = parse_cloud(io.BytesIO("\n".join(lines).encode()), Path("a.pdb"))
+
+    assert cloud.points.tolist() == [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]][: 3 - models]
+    assert ("the first of 2 models" in " ".join(cloud.notes)) == (models == 2)

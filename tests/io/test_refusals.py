@@ -270,3 +270,19 @@ def test_in_a_table_alone_labels_are_said_to_pair_rows(name: str, *, hint: bool)
 )
 def test_what_every_refusal_of_these_tests_is_held_to(evidence: dict[str, Any], *, good: bool):
     assert (wrong_evidence("a.csv: mend it", evidence) is None) == good
+
+
+def test_columns_of_noise_are_read_where_no_other_noise_is_given(tmp_path: Path):
+    cloud, weights = tmp_path / "cloud.csv", tmp_path / "weights.txt"
+    cloud.write_text("x,y,z,sigma\n0,0,0,2\n1,0,0,2\n0,1,0,4\n")
+    weights.write_text("5\n6\n7\n")
+    plain = write_csv(tmp_path / "plain.csv", [[0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    given: tuple[dict[str, Any], ...] = ({}, {"sigma": 0.5}, {"weights": weights})
+    masses = [read_clouds(plain, cloud, **one)[0].weights for one in given]
+
+    assert [list(one or ()) for one in masses] == [[0.25, 0.25, 0.0625], [4.0] * 3, [5.0, 6.0, 7.0]]
+    cloud.write_text("x,y,z,sigma\n0,0,0,much\n1,0,0,2\n0,1,0,4\n")
+    for one in given[1:]:
+        assert read_clouds(plain, cloud, **one)[0].weights is not None
+    with pytest.raises(InvalidFileError, match="much"):
+        read_clouds(plain, cloud)

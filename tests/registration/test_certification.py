@@ -7,14 +7,14 @@ import time
 from dataclasses import replace
 from fractions import Fraction
 from importlib import import_module
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 import pytest
 from strategies import AXES, BENT, random_problem
 
 from certreg.dynamics import SimulationSettings, optimal_damping
-from certreg.errors import ContradictionError
+from certreg.errors import ContradictionError, InvalidProblemError
 from certreg.objective import Isotropic
 from certreg.problem import RegistrationProblem, exact_moments
 from certreg.registration import certify
@@ -161,3 +161,25 @@ def test_the_pose_is_the_optimum_each_number_rounded_once():
     assert found.pose.translation.tolist() == [5.0, 6.0, 7.0]
     assert found.pose.quaternion_wxyz == pytest.approx([math.sqrt(0.5), 0, 0, math.sqrt(0.5)])
     assert found.objective == found.rmse == 0.0
+
+
+@pytest.mark.parametrize(
+    "beside", [{"target": BENT}, {"sigma": 1.0}, {"target": BENT, "damping": 2.0}]
+)
+def test_whatever_stands_beside_a_problem_is_refused(beside: dict[str, Any]):
+    with pytest.raises(InvalidProblemError, match="beside a problem") as caught:
+        certify(RegistrationProblem(BENT, BENT), **beside)
+
+    assert str(caught.value).startswith(", ".join(beside))
+    assert caught.value.array == ("target" if "target" in beside else "problem")
+
+
+def test_without_a_certificate_the_rows_of_a_fit_have_no_names(bare: Registration):
+    labels = [f"P{k}" for k in range(bare.problem.n)]
+    named = certify(bare.problem, relaxation=False, simulation=False, about={"labels": labels})
+    alone = CERTIFICATION._fit(replace(named.solution, certificate=None))
+
+    assert [row.label for row in named.fit.worst] == [labels[row.row] for row in named.fit.worst]
+    assert {row.label for row in alone.worst} == {None}
+    assert [row.row for row in alone.worst] == [row.row for row in named.fit.worst]
+    assert alone.explained == named.fit.explained

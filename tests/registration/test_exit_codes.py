@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from commands import checked
@@ -68,3 +68,25 @@ def test_a_packaged_problem_that_comes_out_otherwise_is_told_number_by_number():
     ]
     (words,) = differences(story, replace(registration, limits=Limits(max_gap=0.0)))
     assert words == "status is bounded, told: certified"
+
+
+def test_each_way_in_which_a_story_differs_is_told_by_itself():
+    story = STORIES[0]
+    told = certify(stated(story), relaxation=False, simulation=False)
+
+    def with_second(**values: object) -> Any:
+        first, second, *others = told.equilibria.components
+        parts = (first, replace(second, **values), *others)
+        found = replace(told.equilibria, components=parts)
+        return replace(told, solution=replace(told.solution, equilibria=found))
+
+    assert list(differences(story, told)) == []
+    (status,) = differences(story, replace(told, verdict=None))
+    assert status == "status is not-certified, told: certified"
+    for wrong in ({"morse_index": 2}, {"unstable_eigenvalues": 2}, {"unstable_eigenvalues": None}):
+        (index,) = differences(story, with_second(**wrong))
+        assert index == f"equilibrium 1 has Morse index {wrong.get('morse_index', 1)}"
+    for rmse in (719.674351, None):
+        (sizes,) = differences(story, with_second(rmse=rmse))
+        assert f"(5.838987, {rmse or 0.0}, " in sizes
+    assert list(differences(story, with_second(rmse=719.6743504))) == []

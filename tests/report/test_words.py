@@ -15,6 +15,7 @@ from certreg.registration import Registration, assess, certify, equilibria
 from certreg.report import equilibria_words, html_page, registration_summary
 from certreg.report.page import Report
 from certreg.report.summary import count_words
+from certreg.report.words import component_words
 from certreg.results import Limits
 
 RNG = np.random.default_rng(5)
@@ -161,3 +162,13 @@ def test_the_page_of_a_unique_optimum_among_a_continuum_counts_them_apart():
     words = page(proof(OCTAHEDRON, OCTAHEDRON))
 
     assert "There is one optimum and infinitely many spurious equilibria: one pose of" in words
+
+
+def test_a_body_comes_back_to_the_optimum_where_its_motion_is_defined():
+    found = equilibria(RegistrationProblem(np.diag([3.0, 2, 1]), np.diag([3.0, 2, 1])))
+    first, *others = found.components
+    line = replace(found, components=(replace(first, unstable_eigenvalues=None), *others))
+    said = [component_words(one, 0) for one in (found, line)]
+
+    assert said[0].endswith("the energy rises, and the body comes back.")
+    assert said[1] == said[0].replace(", and the body comes back", "")
