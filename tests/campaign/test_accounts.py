@@ -145,10 +145,10 @@ def test_a_command_of_a_list_needs_a_folder_for_parquet_and_for_nothing_else(
 def test_without_parquet_a_table_needs_no_further_library(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    def gone(_: str) -> Any:
+    def gone(*_: str) -> Any:
         raise ImportError
 
-    monkeypatch.setattr(table, "import_module", gone)
+    monkeypatch.setattr(table, "library", gone)
     columns = (Column("a", int, "", "a count"),)
     write_table(tmp_path, columns, [[[1, 2]]], parquet=False)
 
