@@ -337,6 +337,22 @@ def test_frames_of_the_libraries_themselves(library):
         certreg.RegistrationProblem(source, target)
 
 
+@pytest.mark.parametrize("wide", [False, True])
+def test_arrays_of_jax_are_their_numbers(*, wide: bool):
+    jax = pytest.importorskip("jax")
+    with jax.enable_x64(wide):
+        source, target = map(jax.numpy.asarray, (SOURCE, TARGET))
+        given = certreg.RegistrationProblem(source, target)
+        pose = jax.numpy.asarray(certreg.register(source, target).as_matrix())
+    same = certreg.RegistrationProblem(np.asarray(source), np.asarray(target))
+
+    assert source.dtype == ("float64" if wide else "float32")
+    assert given.digest() == same.digest()
+    assert certreg.assess(given, pose).verdict.value.endswith("optimal")
+    with pytest.raises(InvalidProblemError, match="traced array"):
+        jax.jit(lambda cloud: certreg.RegistrationProblem(cloud, cloud).n)(source)
+
+
 # certify of two clouds, and of many ---------------------------------------------------------------
 
 
