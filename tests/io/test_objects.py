@@ -101,6 +101,19 @@ class Tensor:
     def detach(self) -> None: ...
 
 
+class OnDevice:
+    """As an array of CuPy, which is on a GPU."""
+
+    shape = (6, 3)
+
+    def get(self) -> Any:
+        return SOURCE
+
+    def __array__(self, *_: object, **__: object) -> Any:
+        message = "Implicit conversion to a NumPy array is not allowed"
+        raise TypeError(message)
+
+
 def frame(points: np.ndarray, names: list[Any] | None = None, **columns: Any) -> Frame:
     content = dict(zip("xyz", points.T, strict=True))
     return Frame({**columns, **content}, Index(range(len(points)) if names is None else names))
@@ -307,6 +320,7 @@ def test_points_are_found_where_a_library_holds_them(cloud):
             r"requires grad\.; give source\.detach\(\)\.cpu\(\)\.double\(\)\.numpy\(\)$",
         ),
         (Tensor("can't convert cuda:0 device", TypeError), r"cuda:0 device; give source\.detach"),
+        (OnDevice(), r"Implicit conversion .* is not allowed; give source\.get\(\)$"),
         (SOURCE.T[:, :5], r"shape \(3, 5\): .*; transpose it: source\.T$"),
         (np.ones((6, 4)), r"shape \(6, 4\): .*give source\[:, :3\] / source\[:, 3:\]$"),
         (SOURCE.astype(object), r"entries of type object: .*source\.astype\(float\)$"),
@@ -314,7 +328,7 @@ def test_points_are_found_where_a_library_holds_them(cloud):
         ("abc", "entries of type <U3"),
         (None, "entries of type object"),
     ],
-    ids=["gradient", "device", "rows", "homogeneous", "objects", "complex", "text", "none"],
+    ids=["gradient", "device", "cupy", "rows", "homogeneous", "objects", "complex", "text", "none"],
 )
 def test_what_is_no_cloud_is_refused_with_what_to_type(cloud, words):
     with pytest.raises(InvalidProblemError, match=words) as caught:
