@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from certreg.registration import Assessment, ProblemTrajectory, Registration
     from certreg.report.picture import Picture
 
-GREEN, AMBER = "#1a7f37", "#b35900"
+GREEN, AMBER = "#1f8d3e", "#bd5f00"  # 4.2 : 1 on white and on #131416, as a page is in the dark
 TEMPLATE = "report/templates/card.html"
 
 
