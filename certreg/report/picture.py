@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 WIDTH, HEIGHT, MARGIN = 240, 160, 10  # pixels
 BODY = 30  # points: fewer are hardly seen without lines between them
 SHOWN = 200  # points: a card is 20 kB at most
+VIEW = np.array([[1.0, 0.0], [0.0, 0.87], [0.0, 0.5]])  # from 30 degrees beside the thinnest
 SOURCE, SPRING = "#0a84c6", "#d9690f"  # blue and orange, told apart by all eyes on any ground
 
 
@@ -62,7 +63,7 @@ class Picture(Brief):
 
 
 def registration_picture(registration: Registration) -> Picture | None:
-    """Target and moved source, seen along the direction in which they are thinnest.
+    """Target and moved source, seen obliquely, so that no distance is hidden by the view.
 
     None where that leaves the doubles.
     """
@@ -105,7 +106,10 @@ def _pixels(rows: NDArray[np.float64]) -> tuple[tuple[str, ...], ...]:
 
 
 def _flattened(clouds: NDArray[np.float64]) -> Iterator[NDArray[np.float64]] | None:
-    """Clouds (2, k, 3) in pixels (k, 2) each, on the plane of the two widest directions of both."""
+    """Clouds (2, k, 3) in pixels (k, 2) each: the widest direction of both across the picture.
+
+    Up goes the second, and some of the thinnest: along it a mirrored cloud is off.
+    """
     points = clouds.reshape(-1, 3)
     with np.errstate(over="ignore", invalid="ignore"):
         centred = points - points[:1]
@@ -115,9 +119,9 @@ def _flattened(clouds: NDArray[np.float64]) -> Iterator[NDArray[np.float64]] | N
             return None
         centred /= size or 1.0
     _, _, axes = np.linalg.svd(centred, full_matrices=False)
-    flat = centred @ axes[:2].T
-    if flat.shape[1] < 2:  # a single correspondence has no second direction
-        flat = np.column_stack([flat, np.zeros(len(flat))])
+    along = np.zeros((len(points), 3))
+    along[:, : len(axes)] = centred @ axes.T  # a single correspondence has two directions
+    flat = along @ VIEW
     low, high = flat.min(axis=0), flat.max(axis=0)
     room = np.array([WIDTH - 2 * MARGIN, HEIGHT - 2 * MARGIN])
     spans = np.maximum(high - low, 1e-9)

@@ -178,3 +178,12 @@ def test_the_picture_of_few_points_has_lines_to_them(n: int):
     assert [line[2:] for line in picture.spokes] == list(picture.rings[: len(picture.spokes)])
     assert drawn.count("<line") == n + len(picture.spokes)
     assert inside
+
+
+def test_the_picture_shows_what_a_mirrored_cloud_is_off():
+    source = registered().problem.source * [1.0, 1.0, 0.3]
+    problem = RegistrationProblem(source, source * [1.0, 1.0, -1.0])
+    picture = checked(registration_picture(certify(problem, relaxation=False, simulation=False)))
+    x1, y1, x2, y2 = np.array(picture.springs, dtype=float).T
+
+    assert np.hypot(x2 - x1, y2 - y1).max() > 10.0
