@@ -652,6 +652,18 @@ def test_a_phone_shows_all_of_it(shown, survey, width):
     assert report.faults == []
 
 
+CUT = """() => [...document.querySelectorAll('figure svg text')].filter((text) => {
+  const [inner, outer] = [text, text.ownerSVGElement].map((one) => one.getBoundingClientRect());
+  return inner.left < outer.left - 1 || inner.right > outer.right + 1 || inner.top < outer.top - 1;
+}).map((text) => text.textContent)"""
+
+
+def test_no_word_of_a_chart_is_cut_on_a_phone(shown, survey):
+    report = shown(survey, viewport={"width": 390, "height": 844})
+
+    assert report.evaluate(CUT) == []
+
+
 def test_without_webgl_all_else_works(opened, written, survey):
     context = opened()
     context.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")

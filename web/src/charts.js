@@ -2,7 +2,8 @@
 
 import { drawing, figure, frame, label, path, svg } from "./svg.js";
 
-const SPECTRUM_HEIGHT = 150;
+const SPECTRUM_HEIGHT = 158;
+const NAMED = 6; // pixels above the plane, for what its sides mean
 const SAME = 1e-6; // of the largest: eigenvalues that are drawn as one
 const DOT = 5; // pixels, the radius of an eigenvalue
 const CLUSTER = 26; // pixels between dots that have no room for a number each
@@ -13,7 +14,8 @@ export function drawSpectrum(place, component) {
     note(place, "Double precision does not give them here, or the dynamics is not defined.");
     return;
   }
-  const { width, height, top, bottom } = frame(place, SPECTRUM_HEIGHT);
+  const { width, height, bottom, ...area } = frame(place, SPECTRUM_HEIGHT);
+  const top = area.top + NAMED;
   const most = Math.max(...values.flat().map(Math.abs)) || 1;
   const [middle, centre] = [width / 2, (top + bottom) / 2];
   const x = (re) => middle + (re / (1.15 * most)) * (width / 2 - 14);
@@ -25,8 +27,8 @@ export function drawSpectrum(place, component) {
     svg("rect", { ...half, class: "unstable" }),
     path([[2, centre], [width - 2, centre]], { class: "axis" }),
     path([[middle, top], [middle, bottom]], { class: "axis" }),
-    label(8, top + 15, "a push decays", { class: "tick" }),
-    label(width - 8, top + 15, "a push grows", end),
+    label(8, top - 5, "a push decays", { class: "tick" }),
+    label(width - 8, top - 5, "a push grows", end),
     label(width - 8, centre + 16, "real part", end),
     label(middle + 6, bottom - 6, "imaginary part", { class: "tick" }),
   ];

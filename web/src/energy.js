@@ -3,6 +3,7 @@
 import { drawing, figure, frame, label, path, steps, svg } from "./svg.js";
 
 const HEIGHT = 260;
+const NAMED = 4; // pixels, for what the axis is of
 const LETTER = 7; // pixels, of a name; most are narrower
 const APART = 17; // pixels from a level to the next that has a name of its own
 const FLOOR = 1e-9; // of the largest energy: less is drawn at the foot of a logarithmic axis
@@ -21,6 +22,7 @@ export class EnergyChart {
   draw(run) {
     this.run = run;
     this.area = frame(this.place, HEIGHT);
+    this.area.top += NAMED;
     const { left, right, top, bottom, width, height } = this.area;
     const values = {
       potential: run.potential,
@@ -114,8 +116,8 @@ function* axes({ left, right, bottom }, end, x, { y, ticks, floor }, unit) {
   for (const time of steps(end)) {
     yield label(x(time), bottom + 16, figure(time), { class: "tick", "text-anchor": "middle" });
   }
-  const meaning = `${floor ? "energy on a logarithmic axis; " : ""}time in units of the springs`;
-  yield label(right, bottom + 32, meaning, { class: "tick", "text-anchor": "end" });
+  yield label(2, 10, floor ? "energy on a logarithmic axis" : "energy", { class: "tick" });
+  yield label(right, bottom + 32, "time in units of the springs", { class: "tick", "text-anchor": "end" });
   for (const value of ticks(unit)) {
     const at = y(value / unit);
     if (at < bottom) yield path([[left, at], [right, at]], { class: "grid" });
