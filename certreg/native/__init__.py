@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from certreg.native.layout import width as width
     from certreg.native.library import Library as Library
     from certreg.native.library import loaded_library as loaded_library
+    from certreg.native.library import ready_library as ready_library
     from certreg.native.loops import BASIN_SHARE as BASIN_SHARE
     from certreg.native.loops import LARGEST_PERTURBATION as LARGEST_PERTURBATION
     from certreg.native.loops import PERTURBATION_GROWTH as PERTURBATION_GROWTH
@@ -88,6 +89,7 @@ __getattr__ = lazy_face(
         "library": (
             "Library",
             "loaded_library",
+            "ready_library",
         ),
         "loops": (
             "BASIN_SHARE",

@@ -16,6 +16,7 @@ import subprocess
 import sys
 import tempfile
 import warnings
+from functools import cache as kept
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -36,6 +37,7 @@ UNITS = (
     HERE / "single.c",
     HERE / "lanes.c",
     HERE / "exact.c",
+    HERE / "pose.c",
     HERE / "stationary.c",
     HERE / "sums.c",
 )
@@ -44,7 +46,10 @@ HEADERS = (
     GENERATED / "layout.h",
     *(
         HERE / name
-        for name in ("loops.h", "lanes.h", "loop.h", "exact.h", "stationary.h", "sums.h")
+        for name in (
+            *("loops.h", "lanes.h", "loop.h", "exact.h"),
+            *("eigen.h", "pose.h", "stationary.h", "sums.h"),
+        )
     ),
 )
 # No -ffast-math: a NaN must stay one. -fno-math-errno: sqrt as one instruction.
@@ -60,6 +65,7 @@ WRITTEN = (  # by hand, not generated
     "certreg_splitting_lanes",
     "certreg_midpoint_single",
     "certreg_exact_sums",
+    "certreg_pose",
     "certreg_stationary_poses",
     "certreg_sums",
 )
@@ -91,6 +97,15 @@ def compiled_library() -> Path:
         return cache.find(name) or _compiled(compiler, name)
     except OSError as error:
         raise CompilationError(f"the C code cannot be compiled ({error})") from error
+
+
+@kept
+def is_compiled() -> bool:
+    """Whether the library is kept from before, so that nothing has to be compiled."""
+    try:
+        return cache.find(f"certreg-{_key(find_compiler())}") is not None
+    except (OSError, CompilationError):
+        return False
 
 
 def find_compiler() -> tuple[str, ...]:

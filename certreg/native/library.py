@@ -11,7 +11,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.native.compiler import SIGNATURES, WRITTEN, CompilationError, compiled_library
+from certreg.native.compiler import (
+    SIGNATURES,
+    WRITTEN,
+    CompilationError,
+    compiled_library,
+    is_compiled,
+)
 from certreg.native.layout import EXACT_SUMS, plain, width
 from certreg.native.loops import (
     BASIN_SHARE,
@@ -257,3 +263,13 @@ def loaded_library() -> Library:
         function.argtypes = [_POINTER] * (len(shape.arguments) + len(shape.results))
         function.restype = None
     return Library(handle, str(path), shapes)
+
+
+def ready_library() -> Library | None:
+    """The compiled library if nothing has to be compiled for it: for what takes microseconds."""
+    if loaded_library.cache_info().currsize == 0 and not is_compiled():
+        return None
+    try:
+        return loaded_library()
+    except CompilationError:
+        return None

@@ -5,7 +5,6 @@
  * that of a sum of 256 terms, however many there are. All arithmetic is on lanes of doubles, the
  * same for every type and layout, to the bit. */
 #include "sums.h"
-#include <string.h>
 
 #define BLOCK 256
 #define INLINE static inline __attribute__((always_inline))
@@ -46,19 +45,6 @@ struct total {
     lanes rest[CERTREG_SUMS];
 };
 
-INLINE double entry(const struct certreg_columns *from, long row, long column)
-{
-    const char *place = from->data + row * from->row + column * from->column;
-    double value;
-    float single;
-    if (from->single) {
-        memcpy(&single, place, sizeof single);
-        return single;
-    }
-    memcpy(&value, place, sizeof value);
-    return value;
-}
-
 INLINE lanes doubles(const char *data)
 {
     lanes values;
@@ -95,7 +81,7 @@ INLINE void load(const struct certreg_columns *from, long first, int count, enum
     else
         for (int l = 0; l < LANES; l++)
             for (int k = 0; k < 3; k++)
-                out[k][l] = l < count ? entry(from, first + l, k) : origin[k];
+                out[k][l] = l < count ? certreg_entry(from, first + l, k) : origin[k];
     for (int k = 0; k < 3; k++)
         out[k] -= origin[k];
 }
@@ -107,7 +93,7 @@ INLINE lanes load_weights(const struct certreg_columns *from, long first, int co
     if (layout != ANY)
         return doubles(from->data + 8 * first);
     for (int l = 0; l < count; l++)
-        w[l] = entry(from, first + l, 0);
+        w[l] = certreg_entry(from, first + l, 0);
     return w;
 }
 

@@ -5,6 +5,7 @@
 /* The record `sums` of layout.h holds, with deviations x, y of source and target from their origins,
  * each times the weight and summed: 1; y.y; x, y; x x^T; y x^T. */
 #include "layout.h"
+#include <string.h>
 
 /* Columns of numbers anywhere in memory: entry (i, k) stands `i * row + k * column` bytes on. */
 struct certreg_columns {
@@ -13,6 +14,20 @@ struct certreg_columns {
     long column;
     int single; /* nonzero: of type float; otherwise double */
 };
+
+static inline __attribute__((always_inline, unused)) double certreg_entry(const struct certreg_columns *from,
+                                                                         long row, long column)
+{
+    const char *place = from->data + row * from->row + column * from->column;
+    double value;
+    float single;
+    if (from->single) {
+        memcpy(&single, place, sizeof single);
+        return single;
+    }
+    memcpy(&value, place, sizeof value);
+    return value;
+}
 
 struct certreg_points {
     long count;

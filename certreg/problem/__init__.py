@@ -20,10 +20,13 @@ if TYPE_CHECKING:
     from certreg.problem.exact_sums import sums_by as sums_by
     from certreg.problem.moments import ExactMoments as ExactMoments
     from certreg.problem.moments import Moments as Moments
+    from certreg.problem.moments import davenport_error as davenport_error
     from certreg.problem.moments import exact_moments as exact_moments
     from certreg.problem.moments import floating_moments as floating_moments
     from certreg.problem.moments import moments_of_clouds as moments_of_clouds
     from certreg.problem.moments import trace as trace
+    from certreg.problem.posing import FloatingPose as FloatingPose
+    from certreg.problem.posing import floating_pose as floating_pose
     from certreg.problem.problem import DEFAULT_DAMPING as DEFAULT_DAMPING
     from certreg.problem.problem import MAX_DAMPING as MAX_DAMPING
     from certreg.problem.problem import MIN_DAMPING as MIN_DAMPING
@@ -65,10 +68,15 @@ __getattr__ = lazy_face(
         "moments": (
             "ExactMoments",
             "Moments",
+            "davenport_error",
             "exact_moments",
             "floating_moments",
             "moments_of_clouds",
             "trace",
+        ),
+        "posing": (
+            "FloatingPose",
+            "floating_pose",
         ),
         "problem": (
             "Block",

@@ -104,7 +104,9 @@ _COLUMNS = (  # struct certreg_columns; three of them one behind the other are m
 )
 
 
-class _Points(ctypes.Structure):
+class CloudPoints(ctypes.Structure):
+    """struct certreg_points of native/sums.h."""
+
     _fields_ = (
         ("count", ctypes.c_long),
         *(
@@ -168,8 +170,8 @@ def compiled() -> Callable[[CloudPair], tuple[NDArray[np.float64], bool]] | None
     def one_pass(clouds: CloudPair) -> tuple[NDArray[np.float64], bool]:
         kept = [_readable(array) for array in (clouds.source, clouds.target, clouds.weights)]
         sums, negative = np.empty((width(SUMS), 2)), ctypes.c_int()
-        columns = chain.from_iterable(map(_columns, kept))
-        passed = _Points(clouds.n, *columns, tuple(clouds.origin.tolist()))
+        columns = chain.from_iterable(map(columns_of, kept))
+        passed = CloudPoints(clouds.n, *columns, tuple(clouds.origin.tolist()))
         function(ctypes.byref(passed), ctypes.c_void_p(sums.ctypes.data), ctypes.byref(negative))
         return sums, bool(negative.value)
 
@@ -180,7 +182,8 @@ def _readable(array: NDArray[Any] | None) -> NDArray[Any] | None:
     return array if array is None or array.dtype in TAKEN else array.astype(np.float64)
 
 
-def _columns(array: NDArray[Any] | None) -> tuple[int | None, int, int, bool]:
+def columns_of(array: NDArray[Any] | None) -> tuple[int | None, int, int, bool]:
+    """An array of a type in TAKEN as struct certreg_columns of native/sums.h."""
     if array is None:
         return None, 0, 0, False
     strides = array.strides

@@ -39,6 +39,7 @@ MOST_EXPONENT = 1025  # two doubles are less than 2^1025 apart
 SAMPLE_POINTS = 32  # whose mean is the first origin: near enough for almost every cloud
 LARGEST_LEVER = 1.0  # squared distance of origin and mean, over the mean squared radius
 PASSES = 4  # origins: each is the mean as the one before it sees it; two are rare
+EIGENVALUE_ROUNDING = 64.0 * 2.0**-53  # of the norm of a 4x4 matrix: more than LAPACK loses
 LEAST_SUM = 2.0**-400  # of squares: what underflows is below 2^-400 of it
 MOST_SUM = 2.0**400  # of squares: products of two sums do not overflow
 
@@ -293,8 +294,22 @@ def _about_means(
         cross_covariance=factor * (sums.cross - np.outer(y, x / mass)),
         source_scatter=factor * (sums.scatter - np.outer(x, x / mass)),
         target_spread=factor * max(0.0, sums.spread - float(y @ y) / mass),
-        rounding=800.0 * 2.0**-53 * factor * size,
+        rounding=factor * rounding_of(size),
     )
+
+
+def rounding_of(size: float) -> float:
+    """What rounding may move an entry of the cross-covariance by, as above; size: P."""
+    return 800.0 * 2.0**-53 * size
+
+
+def davenport_error(rounding: float, norm: float) -> float:
+    """What the eigenvalues of the Davenport matrix K of a rounded C may be off, once computed.
+
+    With every entry of C off by at most `rounding`, K is off by at most 3 sqrt(3) times that, since
+    K(E) has the eigenvalues s1 +- s2 +- s3 of the singular values of E. norm: of K.
+    """
+    return 3.0 * math.sqrt(3.0) * rounding + EIGENVALUE_ROUNDING * norm
 
 
 def _rescaled(clouds: CloudPair) -> CloudPair:

@@ -6,7 +6,6 @@ they propose, and are compared with what is proved.
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,7 +21,9 @@ from certreg.geometry import (
 from certreg.problem import (
     checked_threads,
     cloud_array,
+    davenport_error,
     finite_doubles,
+    floating_pose,
     moments_of_clouds,
     real_numbers,
     require_same_labels,
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
 
     from certreg.problem import Moments
 
-EIGENVALUE_ROUNDING = 64.0 * 2.0**-53  # of the norm of a 4x4 matrix: more than LAPACK loses
 LARGEST_TURN = 1e-3  # radians by which rounding may turn a pose before it is refused
 
 
@@ -72,6 +72,9 @@ def register(
     if w is not None and w.shape != (len(x),):
         message = f"weights has shape {w.shape}: expected ({len(x)},), one per point"
         raise InvalidProblemError(message, array="weights", value=w.shape, limit=(len(x),))
+    found = floating_pose(x, y, w)
+    if found is not None and _is_told(found.gap, found.error):
+        return found.pose
     moments = moments_of_clouds(x, y, w, threads=threads)
     quaternion = _optimal_quaternion(moments)
     rotation = np.array(rotation_matrix(tuple(quaternion.tolist())))
@@ -85,16 +88,14 @@ def register(
 def _optimal_quaternion(moments: Moments) -> NDArray[np.float64]:
     """The unit eigenvector (4,) of the largest eigenvalue of the Davenport matrix K.
 
-    With every entry of C off by at most r, K is off by at most 3 sqrt(3) r, since K(E) has the
-    eigenvalues s1 +- s2 +- s3 of the singular values of E. If e bounds that and the rounding of the
-    eigenvalues, sin(theta / 2) <= e / (l1 - l2 - e) for the angle theta of the pose [Davis1970].
+    If e bounds what its eigenvalues are off, sin(theta / 2) <= e / (l1 - l2 - e) for the angle
+    theta of the pose [Davis1970].
     """
     davenport = np.array(davenport_matrix(moments.cross_covariance.tolist()))
     values, vectors = np.linalg.eigh(davenport)
     gap = float(values[-1] - values[-2])
-    error = 3.0 * math.sqrt(3.0) * moments.rounding
-    error += EIGENVALUE_ROUNDING * float(np.linalg.norm(davenport))
-    if not 2.0 * error < LARGEST_TURN * (gap - error):
+    error = davenport_error(moments.rounding, float(np.linalg.norm(davenport)))
+    if not _is_told(gap, error):
         message = (
             "floating point does not tell the rotation: the two largest eigenvalues of the "
             f"Davenport matrix are {gap:.3g} apart, and rounding may move them by {error:.3g}; "
@@ -102,6 +103,11 @@ def _optimal_quaternion(moments: Moments) -> NDArray[np.float64]:
         )
         raise DegenerateProblemError(message, value=gap, limit=error)
     return canonical(vectors[:, -1])
+
+
+def _is_told(gap: float, error: float) -> bool:
+    """Whether rounding turns the pose by less than `LARGEST_TURN`."""
+    return 2.0 * error < LARGEST_TURN * (gap - error)
 
 
 def _readable(array: NDArray[Any], name: str) -> NDArray[Any]:

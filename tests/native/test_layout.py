@@ -26,7 +26,7 @@ from certreg.native.layout import (
     width,
 )
 from certreg.native.loops import Ending
-from certreg.problem import floating_sums
+from certreg.problem import floating_sums, posing
 from derivations import emit, motion
 
 RECORDS = {record.name: record for record in emit.records()}
@@ -44,7 +44,7 @@ def printed(folder, lines: list[str], include=GENERATED) -> list[int]:
         compiler = find_compiler()
     except CompilationError as error:
         pytest.skip(str(error))
-    headers = ("layout.h", "loops.h", "stationary.h", "sums.h", "exact.h")
+    headers = ("layout.h", "loops.h", "stationary.h", "sums.h", "exact.h", "pose.h")
     top = [f'#include "{name}"' for name in headers]
     top += ["#include <stddef.h>", "#include <stdio.h>", "int main(void)", "{"]
     body = [f'    printf("%ld\\n", (long)({line}));' for line in lines]
@@ -114,7 +114,7 @@ def test_structs_that_python_passes_are_those_of_the_headers(tmp_path):
         for field, *_ in struct._fields_:
             lines.append(f"offsetof(struct certreg_{name}, {field})")
             expected.append(getattr(struct, field).offset)
-    points = floating_sums._Points
+    points = floating_sums.CloudPoints
     for field, *_ in points._fields_:
         cloud, _, column = field.partition("_")
         member = f"{cloud}.{column}" if column else field
@@ -133,6 +133,10 @@ def test_numbers_that_c_and_python_share_are_equal(tmp_path):
         "CERTREG_CONVERGED",
         "CERTREG_AT_REST",
         "CERTREG_PERTURBED",
+        "CERTREG_POSE",
+        "CERTREG_POSE_MASS",
+        "CERTREG_POSE_ROTATION",
+        "CERTREG_POSE_TRANSLATION",
     ]
 
     assert printed(tmp_path, lines) == [
@@ -148,6 +152,10 @@ def test_numbers_that_c_and_python_share_are_equal(tmp_path):
                 Ending.PERTURBED,
             )
         ),
+        posing.NUMBERS,
+        posing.NUMBERS_OF_POSE,
+        posing.ROTATION.start,
+        posing.TRANSLATION.start,
     ]
 
 

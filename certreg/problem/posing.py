@@ -1,0 +1,92 @@
+"""The pose of two clouds in floating point by one call into C, where nothing stands against it.
+
+What `moments_of_clouds` and Horn's closed form do in many steps, with the same bound on rounding. A
+module of its own: whatever is unusual is left to those, which mend it or say what is wrong.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from dataclasses import dataclass
+from functools import cache
+from itertools import chain
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from certreg.geometry import Pose
+from certreg.native import ready_library
+from certreg.problem.floating_sums import CHUNK_POINTS, TAKEN, CloudPoints, columns_of
+from certreg.problem.moments import (
+    LARGEST_LEVER,
+    LEAST_SUM,
+    MOST_SUM,
+    davenport_error,
+    rounding_of,
+)
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+NUMBERS, NUMBERS_OF_POSE = 24, 16  # CERTREG_POSE and its first parts, as in native/pose.h
+QUATERNION, ROTATION, TRANSLATION = slice(4), slice(4, 13), slice(13, 16)
+
+
+_Numbers = ctypes.c_double * NUMBERS
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FloatingPose:
+    """What is found, and what decides whether rounding leaves it in doubt.
+
+    gap: between the two largest eigenvalues of the Davenport matrix; error: how far these may be
+        off, the residual of eigenvectors that LAPACK did not find included.
+    """
+
+    pose: Pose
+    gap: float
+    error: float
+
+
+def floating_pose(
+    source: NDArray[Any], target: NDArray[Any], weights: NDArray[Any] | None
+) -> FloatingPose | None:
+    """The pose of clouds (N, 3), weights (N,), by one pass; None where more steps must decide.
+
+    These are: no compiled library that is ready, types that it does not read, many points, numbers
+    that are not finite or whose squares leave the doubles, weights < 0, a mean far from that of a
+    few points.
+    """
+    posed = _posed()
+    arrays = (source, target, weights)
+    known = all(array is None or array.dtype in TAKEN for array in arrays)
+    if posed is None or not known or len(source) > CHUNK_POINTS:
+        return None
+    content: Any = _Numbers()  # of NumPy's buffers
+    points = CloudPoints(len(source), *chain.from_iterable(map(columns_of, arrays)))
+    posed(ctypes.byref(points), ctypes.byref(content))
+    numbers: NDArray[np.float64] = np.frombuffer(content)
+    found: list[float] = numbers[NUMBERS_OF_POSE:].tolist()
+    mass, here, scatter, there, spread, gap, norm, residual = found
+    if not all(LEAST_SUM <= size <= MOST_SUM for size in (mass, scatter, spread)):
+        return None
+    lever, times = 1.0 + LARGEST_LEVER, LARGEST_LEVER * mass
+    if not (lever * here <= times * scatter and lever * there <= times * spread):
+        return None
+    return FloatingPose(
+        pose=Pose(
+            rotation=numbers[ROTATION].reshape(3, 3),
+            translation=numbers[TRANSLATION],
+            quaternion_wxyz=numbers[QUATERNION],
+        ),
+        gap=gap,
+        error=residual + davenport_error(rounding_of(math.sqrt(scatter * spread)), norm),
+    )
+
+
+@cache
+def _posed() -> Any:
+    """The function in C; None where it would have to be compiled first, for one process."""
+    library = ready_library()
+    return None if library is None else library.handle.certreg_pose

@@ -1,0 +1,124 @@
+"""The pose by one call into C: that of the long way, where nothing stands against it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+import strategies
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import certreg
+from certreg.errors import CertregError
+from certreg.native import ready_library
+from certreg.problem import posing
+from certreg.problem.posing import floating_pose
+from certreg.registration import closed_form
+
+pytestmark = pytest.mark.skipif(ready_library() is None, reason="no compiled library")
+NEAR = 1e-13  # radians, and of the clouds' size: both ways lose less
+CLOUD = np.random.default_rng(1).normal(size=(40, 3))
+
+
+def the_long_way(monkeypatch: Any) -> None:
+    monkeypatch.setattr(closed_form, "floating_pose", lambda *_: None)
+
+
+def answer(*arrays: Any) -> Any:
+    """The pose, or the refusal in words."""
+    try:
+        return certreg.register(*arrays)
+    except CertregError as error:
+        return f"{type(error).__name__}: {error}"
+
+
+def agree(one: Any, other: Any, size: float, near: float = NEAR) -> bool:
+    if isinstance(one, str) or isinstance(other, str):
+        return one == other
+    turned = np.abs(one.quaternion_wxyz - other.quaternion_wxyz).max()
+    flat = np.abs(one.rotation - other.rotation).max()
+    return max(turned, flat) < near and bool(
+        (np.abs(one.translation - other.translation) <= near * size).all()
+    )
+
+
+@settings(max_examples=60, deadline=None)
+@given(strategies.problems())
+def test_over_the_whole_zoo_both_ways_give_one_answer(problem):
+    arrays = (problem.source, problem.target, problem.weights)
+    found, short = floating_pose(*arrays), answer(*arrays)
+    near = NEAR
+    if found is not None and found.gap > found.error:
+        near = max(NEAR, 4.0 * found.error / found.gap)
+    with pytest.MonkeyPatch.context() as patch:
+        the_long_way(patch)
+        size = max(np.abs(problem.source).max(), np.abs(problem.target).max())
+
+        assert agree(short, answer(*arrays), size, near)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(0, 99), st.sampled_from([1, 2, 3, 7, 31, 32, 33, 65, 256, 300]), st.booleans())
+def test_every_layout_gives_the_same_pose(seed, n, weighted):
+    rng = np.random.default_rng(seed)
+    x, y = rng.normal(size=(2, n, 3)).astype(np.float32)
+    w = rng.uniform(0.1, 2.0, size=n) if weighted else None
+    wide = np.zeros((2 * n, 5))
+    wide[::2, 1:4] = x
+    poses = [answer(a, y.astype(float), w) for a in (x, x.astype(float), wide[::2, 1:4])]
+    poses.append(answer(np.asfortranarray(x.astype(float)), y, w))
+
+    for pose in poses:
+        assert agree(pose, poses[0], 10.0, 1e-6 if n < 4 else NEAR)
+
+
+def few_far(x: Any) -> Any:
+    """Many points, of which those that are looked at first are far from all others."""
+    many = np.tile(x, (10, 1))
+    many[:: len(many) // 32] += 1e6
+    return many
+
+
+@pytest.mark.parametrize(
+    ("change", "why"),
+    [
+        (lambda x, _: (np.where(x == x.max(), np.nan, x), None), "not a number"),
+        (lambda x, _: (np.where(x == x.max(), np.inf, x), None), "infinite"),
+        (lambda x, _: (x * 1e150, None), "squares beyond the doubles"),
+        (lambda x, _: (x * 1e-150, None), "squares below them"),
+        (lambda x, _: (few_far(x), None), "a mean far from that of a few points"),
+        (lambda x, w: (x, w * -1.0), "weights below zero"),
+        (lambda x, w: (x, w * 0.0), "no weight"),
+        (lambda x, _: (x.astype(np.float16), None), "a type that is not read"),
+    ],
+)
+def test_what_is_unusual_is_left_to_the_long_way(change, why):
+    x, w = change(CLOUD, np.ones(len(CLOUD)))
+
+    assert floating_pose(x, np.array(x, dtype=float), w) is None, why
+
+
+def test_an_ordinary_pair_is_not_left_to_the_long_way():
+    found = floating_pose(CLOUD, CLOUD + 1.0, np.ones(len(CLOUD)))
+
+    assert found is not None
+    assert found.pose.translation == pytest.approx([1.0] * 3)
+    assert 0.0 < found.error < 1e-9 * found.gap
+
+
+def test_a_gap_that_rounding_may_close_is_refused_in_the_words_of_the_long_way(monkeypatch):
+    line = np.outer(np.arange(5.0), [1.0, 2.0, 3.0])
+    short = answer(line, line)
+    the_long_way(monkeypatch)
+
+    assert short == answer(line, line)
+    assert short.startswith("DegenerateProblemError")
+
+
+def test_nothing_is_compiled_for_a_pose(monkeypatch):
+    monkeypatch.setattr(posing, "_posed", lambda: None)
+
+    assert floating_pose(CLOUD, CLOUD, None) is None
+    assert certreg.register(CLOUD, CLOUD).quaternion_wxyz[0] == pytest.approx(1.0)
