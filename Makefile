@@ -11,6 +11,7 @@ RUNS := $(VENV)/.runs
 READY := $(VENV)/.ready
 ORACLES := build/oracles
 PEERS := build/peers
+LOWEST := build/lowest
 # With the peers where `make peers` put them; another Python that has them can be named.
 BENCH ?= $(or $(wildcard $(PEERS)/bin/python),$(RUN))
 LOCKS := uv.lock requirements.lock requirements-run.lock
@@ -24,7 +25,7 @@ NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_E
 unexport PYTHONDONTWRITEBYTECODE
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test test-long chromium coq test-browser open-pages test-huge test-oracles golden record proofs fuzz fit-rates slips brackets hard compare-checkers kills generate report-asset check-report-asset lint bench peers lock clean
+.PHONY: help demo docs test test-long test-lowest chromium coq test-browser open-pages test-huge test-oracles golden record proofs fuzz fit-rates slips brackets hard compare-checkers kills generate report-asset check-report-asset lint bench peers lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -37,6 +38,17 @@ test: $(READY)  ## run the tests and the examples in the docstrings
 
 test-long: $(READY)  ## the rest of the samples of which `make test` takes a part (a minute)
 	@$(RUN) -m pytest -m long
+
+# Of the oldest versions there are wheels for the oldest Python. What they deprecate of each other is no fault of ours.
+test-lowest:  ## the quick tests on the lowest versions that pyproject.toml names (needs uv)
+	@test -n '$(UV)' || { echo "make test-lowest needs uv: https://docs.astral.sh/uv/ or 'pip install uv'" >&2; exit 1; }
+	@echo "Setting up $(LOWEST) with uv: the lowest versions ..."
+	@$(UV) venv --quiet --clear --python 3.11 $(LOWEST)
+	@$(UV) pip compile --quiet --resolution lowest-direct --python-version 3.11 --all-extras --group dev \
+	  --output-file $(LOWEST)/requirements.txt pyproject.toml >/dev/null
+	@$(UV) pip install --quiet --python $(LOWEST)/bin/python -r $(LOWEST)/requirements.txt
+	@$(UV) pip install --quiet --python $(LOWEST)/bin/python --no-deps --no-build-isolation -e .
+	@$(LOWEST)/bin/python -m pytest -m quick -W ignore::DeprecationWarning $(TESTS)
 
 docs: $(READY)  ## run all proofs and examples and build the documentation: docs/_build/html
 	@rm -rf docs/_build
