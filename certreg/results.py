@@ -257,7 +257,8 @@ class Limits:
         for name, whole in (("max_gap", 1.0), ("max_angle", math.pi)):
             value = getattr(self, name)
             if not 0.0 <= value < whole:
-                raise ValueError(f"{name} is {value!r}: give a number from 0 to below {whole:.6g}")
+                what = "radians" if name == "max_angle" else "a share"
+                raise ValueError(f"{name} is {value!r}: give {what}, from 0 to below {whole:.6g}")
 
 
 class ComponentKind(enum.Enum):

@@ -276,7 +276,7 @@ READ_POSE = (  # in the terminal and on the page, of the pose printed there
     (rf"exceeds the minimum by at most {NUMBER}\.", GAP),
     (rf"≤ {NUMBER} of the objective above the global minimum", GAP),
     (rf"above the global minimum: {NUMBER} (?:of|times) the range", SHARE),
-    (rf"printed here is within {NUMBER} degrees of it", ANGLE),
+    (rf"given below is within {NUMBER} degrees of it", ANGLE),
 )
 READ_DUAL = (
     rf"proved gap of the rotation alone {NUMBER}(?:, which bounds nothing)?(?:\n|$)",

@@ -94,6 +94,9 @@ PAIR_COLUMNS = (
     Column("angle_bound_rad", float, "rad", "proved: the optimum is nearer; empty if not unique"),
     Column("margin", float, "1", "gap of the two best eigenvalues over their range"),
     Column("nearly_ambiguous", int, "", "1: margin below 0.001, and noise may turn it over; 0: no"),
+    Column(
+        "hardly_determined", int, "", "1: the noise rules out no turn about some axis; 0: it does"
+    ),
     Column("pattern", str, "", "multiplicities of the eigenvalues: 1 1 1 1 is four equilibria"),
     Column("certificate", str, "", "file, from the folder of the table"),
     Column("error", str, "", "why there is no result"),
@@ -358,6 +361,7 @@ def _row(entry: dict[str, Any]) -> dict[str, Any]:
         "angle_bound_rad": optimality["angle_bound_rad"],
         "margin": entry["margin"]["relative"],
         "nearly_ambiguous": int(entry["margin"]["nearly_ambiguous"]),
+        "hardly_determined": int(entry["margin"]["hardly_determined"]),
         "pattern": " ".join(map(str, equilibria["pattern"])),
         "certificate": entry["certificate"],
     }

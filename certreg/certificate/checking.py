@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from certreg.problem import RegistrationProblem
     from certreg.verify import Limits, Worth
 
+UNITS = {"angle": "radians", "share": "a number"}
 # Of own certificates: so few the checker adds up itself, in 20 ms. From `MANY_POINTS` on there are
 # two exact methods besides, and a certificate is made with one of them.
 PYTHON_POINTS = 2048
@@ -69,13 +70,14 @@ def _limits(**limits: float | Fraction | None) -> Limits:
     found: dict[str, Fraction] = {}
     for name, limit in limits.items():
         if limit is not None:
+            unit = UNITS[name]
             try:
                 found[name] = limit if isinstance(limit, Fraction) else Fraction(repr(float(limit)))
             except (TypeError, ValueError) as error:
-                message = f"the limit of the {name} is {limit!r}: give a number"
+                message = f"the limit of the {name} is {limit!r}: give {unit}"
                 raise InvalidProblemError(message, array=name, value=limit) from error
             if found[name] < 0:
-                message = f"the limit of the {name} is {limit!r}: give a number, 0 or more"
+                message = f"the limit of the {name} is {limit!r}: give {unit}, 0 or more"
                 raise InvalidProblemError(message, array=name, value=limit)
     return found
 

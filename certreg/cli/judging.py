@@ -91,9 +91,17 @@ def apply(result: Path, cloud: Path, *, out: Path, line: int | None) -> int:
         raise InvalidFileError(message, path=result)
     points = read_cloud(cloud, noise=False)
     write_cloud(out, points.points, points.labels, move=pose.apply)
-    click.echo(f"{len(points.points)} points written to {printable(out)}")
+    told = _header_words(out, labelled=points.labels is not None)
+    click.echo(f"{len(points.points)} points written to {printable(out)}{told}")
     click.echo(f"The pose is as {printable(result)} has it, unchecked: certreg assess judges it.")
     return DONE
+
+
+def _header_words(out: Path, *, labelled: bool) -> str:
+    """The header of what was written, if it has one; or that its labels are left out."""
+    if out.suffix.lower() == ".csv":
+        return f" (header: {'label,' if labelled else ''}x,y,z)"
+    return " without their labels: a .csv file keeps them" if labelled else ""
 
 
 @click.command(epilog="Exit code 0 when the report was written, 1 if the checker refuses, else 2.")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -12,6 +13,7 @@ from certreg.errors import InvalidProblemError
 from certreg.geometry.pose import Pose
 from certreg.geometry.pose_matrix import doubles_of, split_matrix
 from certreg.geometry.so3 import rotation_matrix
+from certreg.verify import shown
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -89,6 +91,12 @@ def given_pose(pose: Any, translation: Any = None) -> GivenPose:
 
 
 def _from_array(pose: Any) -> GivenPose:
+    if isinstance(pose, str | bytes | Path):
+        message = (
+            f"pose is a path or a text, {shown(pose)}: give what is in the file, of a matrix in "
+            "text np.loadtxt(path); the command reads pose files itself: certreg assess --pose"
+        )
+        raise InvalidProblemError(message, array="pose", value=pose)
     name, values = _values(pose)
     array = doubles_of(values, name)
     if array.shape in ROTATIONS:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from certreg.registration.certification import simulated as simulated
     from certreg.registration.closed_form import horn as horn
     from certreg.registration.closed_form import register as register
+    from certreg.registration.covariance import NO_RESIDUALS as NO_RESIDUALS
     from certreg.registration.covariance import PoseCovariance as PoseCovariance
     from certreg.registration.covariance import residual_distances as residual_distances
     from certreg.registration.covariance import worst_residuals as worst_residuals
@@ -48,19 +49,25 @@ if TYPE_CHECKING:
     from certreg.registration.exit_codes import worst as worst
     from certreg.registration.findings import GOOD as GOOD
     from certreg.registration.findings import AssessmentSettings as AssessmentSettings
+    from certreg.registration.findings import JudgedEnergies as JudgedEnergies
     from certreg.registration.findings import SigmaDistance as SigmaDistance
     from certreg.registration.fit import Fit as Fit
     from certreg.registration.fit import FitRow as FitRow
     from certreg.registration.fit import fit_of as fit_of
     from certreg.registration.headlines import DEGREE_SLACK as DEGREE_SLACK
+    from certreg.registration.headlines import HARDLY_DETERMINED as HARDLY_DETERMINED
     from certreg.registration.headlines import HEADLINES as HEADLINES
     from certreg.registration.headlines import NO_ROTATION as NO_ROTATION
     from certreg.registration.headlines import WEAK as WEAK
     from certreg.registration.headlines import Headline as Headline
     from certreg.registration.headlines import at_least as at_least
     from certreg.registration.headlines import at_most as at_most
+    from certreg.registration.headlines import axis_words as axis_words
     from certreg.registration.headlines import headline_of as headline_of
     from certreg.registration.headlines import headline_words as headline_words
+    from certreg.registration.headlines import interval_words as interval_words
+    from certreg.registration.headlines import is_green as is_green
+    from certreg.registration.headlines import is_loose as is_loose
     from certreg.registration.headlines import proved_degrees as proved_degrees
     from certreg.registration.headlines import share_words as share_words
     from certreg.registration.many import certify_many as certify_many
@@ -105,6 +112,7 @@ __getattr__ = lazy_face(
             "register",
         ),
         "covariance": (
+            "NO_RESIDUALS",
             "PoseCovariance",
             "residual_distances",
             "worst_residuals",
@@ -137,6 +145,7 @@ __getattr__ = lazy_face(
         "findings": (
             "AssessmentSettings",
             "GOOD",
+            "JudgedEnergies",
             "SigmaDistance",
         ),
         "fit": (
@@ -146,14 +155,19 @@ __getattr__ = lazy_face(
         ),
         "headlines": (
             "DEGREE_SLACK",
+            "HARDLY_DETERMINED",
             "HEADLINES",
             "NO_ROTATION",
             "WEAK",
             "Headline",
             "at_least",
             "at_most",
+            "axis_words",
             "headline_of",
             "headline_words",
+            "interval_words",
+            "is_green",
+            "is_loose",
             "proved_degrees",
             "share_words",
         ),

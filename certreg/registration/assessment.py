@@ -15,6 +15,7 @@ from certreg.registration.certification import certify
 from certreg.registration.findings import (
     GOOD,
     AssessmentSettings,
+    JudgedEnergies,
     cost_of_rounding,
     exact_pose,
     findings,
@@ -61,8 +62,10 @@ class Assessment(Explained, Presented):
     optimum, optimum_objective, optimum_rmse: the certified pose beside the judged one, and what the
         optimum costs itself, not rounded; where it is not unique, the one nearest the identity.
     fit: what the optimum is worth as a fit: a pose can be optimal and the fit poor.
-    headline: the verdict, with what is proved; words: what else is to be said of it, in a sentence
-        or two.
+    headline: the verdict, with what is proved and what speaks against it; words: what else is to be
+        said of it, in a sentence or two. green: whether its card is: that of a pose that is optimal
+        to rounding, with nothing against it.
+    energies: all that are told, exactly; None where it is no rotation.
     """
 
     verdict: PoseVerdict
@@ -84,6 +87,8 @@ class Assessment(Explained, Presented):
     nearest_angle: float | None = None
     sigma_distance: SigmaDistance | None = None
     slip: Slip | None = None
+    green: bool = False
+    energies: JudgedEnergies | None = None
 
     def __repr__(self) -> str:
         if self.angle_to_optimum is None:
@@ -142,11 +147,16 @@ def assess(
     """
     stated: Any = problem  # whatever the caller gave
     if not isinstance(stated, RegistrationProblem | Registration):
+        swapped = isinstance(pose, RegistrationProblem | Registration)
+        found = "the two the other way round" if swapped else f"a {type(stated).__name__}"
         message = (
             "assess takes a RegistrationProblem, or what certify returned, and then the pose: "
-            f"assess(RegistrationProblem(source, target), pose); found a {type(stated).__name__}"
+            f"assess(RegistrationProblem(source, target), pose); found {found}"
         )
         raise InvalidProblemError(message, array="problem")
+    if isinstance(pose, RegistrationProblem):
+        message = "pose is a RegistrationProblem: that comes first, and then the pose"
+        raise InvalidProblemError(message, array="pose")
     given = given_pose(pose, translation)
     if not isinstance(problem, Registration):
         problem = certify(problem, relaxation=False, simulation=False)
@@ -195,9 +205,12 @@ def _assessment(
 ) -> Assessment:
     registration, bounds = facts.registration, facts.bounds
     distance = sigma_distance(facts, given)
+    chosen, headline = headline_of_pose(facts, verdict, distance)
     return Assessment(
         verdict=verdict,
-        headline=headline_of_pose(facts, verdict),
+        headline=headline,
+        green=chosen.good,
+        energies=JudgedEnergies.of(facts),
         words=words_of_pose(facts, verdict) + note_on(given),
         objective=nearest_double(facts.energy),
         rmse=nearest_root(facts.energy / registration.solution.moments.total_weight),

@@ -9,59 +9,64 @@ from typing import TYPE_CHECKING
 from certreg.exact import nearest_root
 from certreg.geometry import UNNOTED_DEFECT, rotation_defect
 from certreg.registration.ambiguity import NEARLY_AMBIGUOUS, narrow_words
-from certreg.registration.findings import GOOD
+from certreg.registration.findings import GOOD, rules_out
 from certreg.registration.headlines import (
-    CERTIFIED,
-    NEAR_OPTIMAL,
     NEAR_OPTIMAL_NOT_UNIQUE,
-    NEAR_OPTIMAL_POOR_FIT,
-    NEAR_OPTIMAL_SCALE_FITS,
     NO_EQUILIBRIUM,
-    OPTIMAL,
+    OF_DATA,
     OPTIMAL_NOT_UNIQUE,
-    OPTIMAL_POOR_FIT,
-    OPTIMAL_SCALE_FITS,
-    POOR_FIT,
-    SCALE_FITS,
+    RULED_OUT,
     SPURIOUS,
     at_most,
     degrees_words,
-    headline_of_fit,
+    headline_of_data,
     interval_words,
+    loose_words,
     share_words,
 )
 from certreg.registration.rounding import rounding_remedy
-from certreg.results import ComponentKind, PoseVerdict
+from certreg.results import Absent, ComponentKind, PoseVerdict
 
 if TYPE_CHECKING:
     from certreg.geometry import GivenPose
-    from certreg.registration.findings import Findings
+    from certreg.registration.findings import Findings, SigmaDistance
+    from certreg.registration.headlines import Headline
 
-OF_FIT = {
-    CERTIFIED: (OPTIMAL, NEAR_OPTIMAL),
-    POOR_FIT: (OPTIMAL_POOR_FIT, NEAR_OPTIMAL_POOR_FIT),
-    SCALE_FITS: (OPTIMAL_SCALE_FITS, NEAR_OPTIMAL_SCALE_FITS),
-}
 UNNOTED_SHIFT = Fraction(1, 10**9)  # of the clouds' size
 ROTATION_ALONE = " Only a rotation was given: it was judged with the best translation for it."
 
 
-def headline_of_pose(facts: Findings, verdict: PoseVerdict) -> str:
-    """The verdict with what is proved, and the first warning of the fit where the pose is good."""
-    bounds, degrees = facts.bounds, degrees_words(facts.bounds) if facts.unique else None
-    warning = next((one.text for one in facts.registration.fit.warnings), None)
-    gap, share = at_most(bounds.greatest_gap), share_words(bounds)
+def headline_of_pose(
+    facts: Findings, verdict: PoseVerdict, distance: SigmaDistance | Absent
+) -> tuple[Headline, str]:
+    """Which headline a pose has; and its words, with what is proved and what speaks against it."""
+    registration, bounds = facts.registration, facts.bounds
     if verdict is PoseVerdict.SPURIOUS_EQUILIBRIUM:
-        return _spurious_headline(facts)
+        return SPURIOUS, _spurious_headline(facts)
     if verdict not in GOOD:
-        return NO_EQUILIBRIUM.said(interval=interval_words(bounds))
-    optimal, near = OF_FIT[headline_of_fit(facts.registration.fit)]
-    if verdict is PoseVerdict.OPTIMAL:
-        chosen = OPTIMAL_NOT_UNIQUE if degrees is None else optimal
-    else:
-        chosen = near if facts.unique else NEAR_OPTIMAL_NOT_UNIQUE
-    said = chosen.said(degrees=degrees or "180", gap=gap, share=share, warning=warning or "")
-    return said[:-1] if said.endswith("?.") else said
+        return NO_EQUILIBRIUM, NO_EQUILIBRIUM.said(interval=interval_words(bounds))
+    chosen, degrees = _good_headline(facts, verdict, distance), degrees_words(bounds)
+    said = chosen.said(
+        degrees=degrees or "180",
+        gap=at_most(bounds.greatest_gap),
+        share=share_words(bounds),
+        warning=next((one.text for one in registration.fit.warnings), ""),
+        loose=loose_words(registration),
+        sigmas="" if isinstance(distance, Absent) else f"{distance.value:.3g}",
+    )
+    return chosen, said
+
+
+def _good_headline(
+    facts: Findings, verdict: PoseVerdict, distance: SigmaDistance | Absent
+) -> Headline:
+    optimal = verdict is PoseVerdict.OPTIMAL
+    if not facts.unique:
+        return OPTIMAL_NOT_UNIQUE if optimal else NEAR_OPTIMAL_NOT_UNIQUE
+    of_data = OF_DATA[headline_of_data(facts.registration)]
+    if not isinstance(distance, Absent) and rules_out(facts.registration, distance):
+        of_data = RULED_OUT
+    return of_data[0 if optimal else 1]
 
 
 def _spurious_headline(facts: Findings) -> str:

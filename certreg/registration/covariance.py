@@ -12,17 +12,20 @@ Source: Gauss-Markov theory for the linearised problem; G as in certreg.equilibr
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from certreg.equilibrium import rotation_double, unit_double
-from certreg.exact import nearest_double, nearest_quotient
-from certreg.geometry import body_frame
+from certreg.exact import nearest_double, nearest_or_zero, nearest_root
+from certreg.geometry import body_frame, dot, rotation_matrix, squared_norm
 from certreg.problem import contiguous, row_blocks
-from certreg.results import OUT_OF_RANGE, Absent, Explained
+from certreg.results import OUT_OF_RANGE, Absent, Explained, present
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from certreg.geometry import Pose
@@ -30,11 +33,19 @@ if TYPE_CHECKING:
     from certreg.problem import Block, RegistrationProblem
 
 PARAMETERS = 6  # of a pose
+TURN = 3  # where its rotation begins
+# Entries rounded once change the correlations by a matrix of norm 6 / 2^53 at most, and so every
+# variance computed with them by less than this share of itself: a hundredth.
+LEAST_CORRELATION = 100 * 6 / 2**53
 NOT_UNIQUE = Absent("the optimum is not unique")
 NO_VARIANCE = Absent(
-    f"{OUT_OF_RANGE.reason}, or fewer than three points with weight leave no degree of freedom for "
-    "the noise"
+    "fewer than three points with weight leave no degree of freedom for the noise: give sigma"
 )
+NO_RESIDUALS = Absent("the residuals are at rounding and hold no noise: give sigma")
+NOT_TOLD_APART = Absent("the two best eigenvalues are not told apart")
+LOST = "lost in rounding: variances computed with a matrix of doubles would be wrong, even negative"
+FAR = Absent(f"{LOST}, so far are the points from the origin: move it to them")
+LOOSE = Absent(f"{LOST}: one turn is hardly determined, beside the others")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -43,15 +54,28 @@ class PoseCovariance(Explained):
 
     matrix: (6, 6), order (dt, phi): translation in the target's frame and unit squared, then the
         rotation vector phi in the source's frame, radians; R_true = R exp([phi]), t_true = t + dt.
+        None where doubles do not hold it: a variance of something moved, computed with it, could be
+        off by more than a hundredth, or negative.
+    translation_sigma: (3,), one standard deviation of t, along the target's axes, in the unit of
+        length. t is where the source's origin goes: far from the points its lever makes this large.
+    rotation_sigma: (3,), one standard deviation of phi, about the source's axes, in radians.
+    loosest_sigma, loosest_axis: the largest standard deviation of phi along any axis, radians, and
+        that unit axis (3,).
     variance_factor: objective / (3 N - 6), near 1 if the given sigma is right; None if N < 3.
     degrees_of_freedom: 3 N - 6, of the residuals; N counts the points with weight.
     centre_sigma: standard deviation, along any axis, of where the weighted mean of the source goes:
         of that no rotation moves it, it is the least that a point of the source can have.
-    estimated: whether `matrix` was scaled by the variance factor, because no noise was given.
+    estimated: whether all this was scaled by the variance factor, because no noise was given.
     rotation: (3, 3), the R of the pose.
+
+    The standard deviations are roots of exact sums, each rounded once.
     """
 
-    matrix: NDArray[np.float64]
+    matrix: NDArray[np.float64] | None
+    translation_sigma: NDArray[np.float64]
+    rotation_sigma: NDArray[np.float64]
+    loosest_sigma: float
+    loosest_axis: NDArray[np.float64]
     variance_factor: float | None
     degrees_of_freedom: int
     centre_sigma: float
@@ -63,31 +87,13 @@ class PoseCovariance(Explained):
         dtype: Any = None,
         copy: bool | None = None,  # noqa: FBT001 - so NumPy calls it
     ) -> NDArray[Any]:
+        if self.matrix is None:
+            reason: Absent = self.stated("matrix")
+            raise ValueError(reason.reason)
         return np.array(self.matrix, dtype=dtype, copy=copy)
 
     @property
-    def translation_sigma(self) -> NDArray[np.float64]:
-        """(3,), one standard deviation of t, along the target's axes, in the unit of length.
-
-        t is where the source's origin goes: far from the points its lever makes this large.
-        """
-        return np.sqrt(np.diag(self.matrix)[:3].clip(0.0))
-
-    @property
-    def rotation_sigma(self) -> NDArray[np.float64]:
-        """(3,), one standard deviation of phi, about the source's axes, in radians."""
-        return np.sqrt(np.diag(self.matrix)[3:].clip(0.0))
-
-    @property
-    def loosest_turn(self) -> tuple[float, NDArray[np.float64]]:
-        """The largest standard deviation of phi along any axis, radians, and that unit axis."""
-        values, vectors = np.linalg.eigh(self.matrix[3:, 3:])
-        axis = vectors[:, 2]
-        upwards = np.sign(axis[np.argmax(np.abs(axis))])
-        return float(np.sqrt(max(values[2], 0.0))), upwards * axis
-
-    @property
-    def ros(self) -> NDArray[np.float64]:
+    def ros(self) -> NDArray[np.float64] | None:
         """The (6, 6) of ROS PoseWithCovariance: (x, y, z, about X, Y, Z).
 
         All in the target's (fixed) frame: R_true = exp([theta]) R, theta = R phi.
@@ -95,10 +101,10 @@ class PoseCovariance(Explained):
         change = np.zeros((6, 6))
         change[:3, :3] = np.eye(3)
         change[3:, 3:] = self.rotation
-        return change @ self.matrix @ change.T
+        return None if self.matrix is None else change @ self.matrix @ change.T
 
     @property
-    def gtsam(self) -> NDArray[np.float64]:
+    def gtsam(self) -> NDArray[np.float64] | None:
         """The (6, 6) of gtsam.Pose3: (phi, v), rotation first, both in the body frame.
 
         T_true = T Exp((phi, v)), to first order t_true = t + R v.
@@ -106,49 +112,117 @@ class PoseCovariance(Explained):
         change = np.zeros((6, 6))
         change[:3, 3:] = np.eye(3)
         change[3:, :3] = self.rotation.T
-        return change @ self.matrix @ change.T
+        return None if self.matrix is None else change @ self.matrix @ change.T
 
 
 def pose_covariance(problem: RegistrationProblem, objective: Isotropic) -> PoseCovariance | Absent:
     """The covariance of the optimal pose; Absent if the optimum is not unique or doubles overflow.
 
-    Where no noise was given the variance is estimated, which takes N >= 3 points with weight.
+    Where no noise was given the variance is estimated, which takes N >= 3 points with weight and
+    residuals that are not all zero.
     """
     if not objective.classification.unique:
         return NOT_UNIQUE
-    reason = OUT_OF_RANGE if problem.noise_given else NO_VARIANCE
-    moments, q = objective.moments, objective.quaternions[0]
     degrees = 3 * rows_with_weight(problem) - PARAMETERS
-    factor = None
-    if degrees > 0:
-        factor = nearest_double(objective.energy(q) / degrees)
-    scale = 1.0 if problem.noise_given else factor
-    with np.errstate(over="ignore", invalid="ignore"):
-        inverse = _inverse_hessian(objective)
-        weight = nearest_double(1 / moments.total_weight)
-        if scale is None or inverse is None or weight is None:
-            return reason
-        R = rotation_double(q)
-        x, y, z = (float(entry) for entry in moments.source_centroid)
-        lever = R @ np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-        blocks = np.block(
-            [
-                [weight * np.eye(3) + 2.0 * lever @ inverse @ lever.T, 2.0 * lever @ inverse],
-                [2.0 * inverse @ lever.T, 2.0 * inverse],
-            ]
-        )
-        matrix = scale * (blocks + blocks.T) / 2.0
-    if not np.isfinite(matrix).all():
-        return reason
+    least = objective.energy(objective.quaternions[0])
+    if not problem.noise_given and (degrees <= 0 or least <= 0):
+        return NO_VARIANCE if degrees <= 0 else NO_RESIDUALS
+    scale = Fraction(1) if problem.noise_given else least / degrees
+    parts = _Parts.of(objective, scale)
+    if parts is None:
+        return NOT_TOLD_APART
+    exact = parts.matrix()
+    sigmas = [nearest_root(row[i]) for i, row in enumerate(exact)]
+    centre, loosest = nearest_root(parts.centre), nearest_root(parts.factors[0])
+    if None in sigmas or centre is None or loosest is None:
+        return OUT_OF_RANGE
+    told = np.array(sigmas, dtype=np.float64)
+    matrix, axis = _in_doubles(exact), unit_double(parts.axes[0])
+    factor = nearest_double(least / degrees) if degrees > 0 else None
     return PoseCovariance(
-        matrix=matrix,
+        matrix=present(matrix),
+        translation_sigma=told[:3],
+        rotation_sigma=told[3:],
+        loosest_sigma=loosest,
+        loosest_axis=axis * np.sign(axis[np.argmax(np.abs(axis))]),
         variance_factor=factor,
         degrees_of_freedom=max(degrees, 0),
-        centre_sigma=float(np.sqrt(scale * weight)),
+        centre_sigma=centre,
         estimated=not problem.noise_given,
-        rotation=R,
-        absent={"variance_factor": NO_VARIANCE},
+        rotation=rotation_double(objective.quaternions[0]),
+        absent={
+            "variance_factor": NO_VARIANCE if degrees <= 0 else OUT_OF_RANGE,
+            **({"matrix": matrix} if isinstance(matrix, Absent) else {}),
+        },
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Parts:
+    """The covariance in rational numbers, as a sum over the principal axes of the rotation.
+
+    P = sum_k f_k u_k u_k^T, u_k = L(q)^T q_k a unit vector, f_k = 2 s / (l1 - lk), s the scale; dt
+    moves by R (m x u_k) with it, and by the centre's own: so every variance is a sum of squares.
+
+    factors: f_k, largest first. axes: u_k, integers; levers: R (m x u_k), along as many. centre:
+    s / M.
+    """
+
+    factors: list[Fraction]
+    axes: list[list[int]]
+    levers: list[list[Fraction]]
+    centre: Fraction
+
+    @classmethod
+    def of(cls, objective: Isotropic, scale: Fraction) -> _Parts | None:
+        """None where two eigenvalues are not told apart."""
+        q, vectors = objective.quaternions[0], objective.eigenvectors
+        gaps = [drop * objective.eigenvalue_unit for drop in objective.eigenvalue_drops[1:]]
+        if min(gaps) <= 0:
+            return None
+        frame, turn = list(zip(*body_frame(q), strict=True)), rotation_matrix(q)
+        axes = [[dot(column, vector) for column in frame] for vector in vectors[1:]]
+        mean, norm = objective.moments.source_centroid, squared_norm(q)
+        levers = [[Fraction(dot(row, _cross(mean, axis)), norm) for row in turn] for axis in axes]
+        return cls(
+            factors=[2 * scale / gap for gap in gaps],
+            axes=axes,
+            levers=levers,
+            centre=scale / objective.moments.total_weight,
+        )
+
+    def matrix(self) -> list[list[Fraction]]:
+        """(6, 6), the covariance of (dt, phi)."""
+        size = range(PARAMETERS)
+        entries = [[self.centre * int(i == j < TURN) for j in size] for i in size]
+        for factor, axis, lever in zip(self.factors, self.axes, self.levers, strict=True):
+            moves, each = [*lever, *axis], factor / squared_norm(axis)
+            for i in size:
+                scaled = each * moves[i]
+                for j in range(i + 1):
+                    entries[i][j] += scaled * moves[j]
+        return [[entries[max(i, j)][min(i, j)] for j in size] for i in size]
+
+
+def _in_doubles(exact: list[list[Fraction]]) -> NDArray[np.float64] | Absent:
+    """Each entry rounded once; Absent where that loses too much."""
+    matrix = np.array([[nearest_or_zero(entry) for entry in row] for row in exact])
+    least = np.diag(matrix).min()  # below the normal doubles digits are lost
+    if not np.isfinite(matrix).all() or least < np.finfo(np.float64).tiny:
+        return OUT_OF_RANGE
+    if _least_correlation(matrix) >= LEAST_CORRELATION:
+        return matrix
+    return LOOSE if _least_correlation(matrix[TURN:, TURN:]) < LEAST_CORRELATION else FAR
+
+
+def _least_correlation(matrix: NDArray[np.float64]) -> float:
+    """The least eigenvalue of a covariance divided by the standard deviations."""
+    sigmas = np.sqrt(np.diag(matrix))
+    return float(np.linalg.eigvalsh(matrix / sigmas / sigmas[:, None])[0])
+
+
+def _cross(a: Sequence[Fraction], b: Sequence[int]) -> list[Fraction]:
+    return [a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3] for i in range(3)]
 
 
 def residual_distances(points: RegistrationProblem | Block, pose: Pose) -> NDArray[np.float64]:
@@ -187,22 +261,3 @@ def rows_with_weight(problem: RegistrationProblem) -> int:
     """How many points have a weight other than zero."""
     blocks = (contiguous(problem.weights, rows) for rows in row_blocks(problem.n))
     return sum(int(np.count_nonzero(block)) for block in blocks)
-
-
-def _inverse_hessian(objective: Isotropic) -> NDArray[np.float64] | None:
-    """G^-1 from the eigenvectors: sum of u u^T / (l1 - lk), u = L(q)^T q_k; no cancellation."""
-    unit, drops, vectors = (
-        objective.eigenvalue_unit,
-        objective.eigenvalue_drops,
-        objective.eigenvectors,
-    )
-    frame = np.array(body_frame(tuple(unit_double(objective.quaternions[0]).tolist())))
-    total = np.zeros((3, 3))
-    for k in (1, 2, 3):
-        gap = drops[k] * unit.numerator
-        inverse = nearest_quotient(unit.denominator, gap) if gap > 0 else None
-        if inverse is None:
-            return None
-        u = frame.T @ unit_double(vectors[k])
-        total += inverse * np.outer(u, u)
-    return total

@@ -12,6 +12,7 @@ from certreg.errors import UndecidedError
 from certreg.exact import integer_eigenbasis, nearest_double, nearest_root
 from certreg.geometry import ROTATION_TOLERANCE, davenport_matrix, rotation_matrix, squared_norm
 from certreg.problem import lift
+from certreg.registration.misfits import LEVEL
 from certreg.registration.rounding import rounding_cost
 from certreg.registration.tails import log_chi2_above
 from certreg.results import OUT_OF_RANGE, Absent, Brief, Limits, PoseVerdict
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 GOOD = (PoseVerdict.OPTIMAL, PoseVerdict.NEAR_OPTIMAL)
 PROJECTION_BITS = 160  # of a nearest rotation: thrice a double's
 TURNS, MOTIONS = 3, 6  # degrees of freedom of a rotation, of a pose
+SURELY = 100.0  # standard deviations: a probability below 1e-1000
 UNDECIDED = "the optimum could not be certified: nothing is proved of any pose"
 NO_NOISE = Absent("no noise was given: give sigma")
 
@@ -87,6 +89,33 @@ class Findings:
     def away(self) -> float:
         """The angle to the nearest optimum."""
         return self.angles[0]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JudgedEnergies(Brief):
+    """The energies of a pose and of the optimum, exactly, or between exact bounds, of any size.
+
+    objective, optimum: of the two. bounds: of objective - minimum. rounding_cost: of rounding the
+    numbers of the optimal pose to doubles. total_weight: of which they are sums.
+    """
+
+    objective: Fraction
+    optimum: Fraction
+    bounds: PoseBounds
+    rounding_cost: Fraction
+    total_weight: Fraction
+
+    @classmethod
+    def of(cls, facts: Findings) -> JudgedEnergies:
+        """Of a pose that was judged."""
+        objective = facts.registration.solution.objective
+        return cls(
+            objective=facts.energy,
+            optimum=objective.energy(objective.quaternions[0]),
+            bounds=facts.bounds,
+            rounding_cost=facts.rounding_cost,
+            total_weight=objective.moments.total_weight,
+        )
 
 
 def findings(registration: Registration, pose: ExactPose, cost: Fraction) -> Findings:
@@ -160,6 +189,18 @@ def sigma_distance(facts: Findings, given: GivenPose) -> SigmaDistance | Absent:
     dof = TURNS if given.translation is None else MOTIONS
     p = 0.0 if squared is None else math.exp(log_chi2_above(squared, dof))
     return SigmaDistance(value=value, dof=dof, p=p)
+
+
+def rules_out(registration: Registration, distance: SigmaDistance) -> bool:
+    """Whether the noise rules a pose out: the true one is as far with a probability below LEVEL.
+
+    Where the residuals are larger than sigma says, so is the noise, and the distance is as much
+    smaller.
+    """
+    covariance = registration.solution.covariance
+    factor = None if covariance is None else covariance.variance_factor
+    value = distance.value / math.sqrt(max(1.0, factor or 1.0))
+    return value >= SURELY or log_chi2_above(value**2, distance.dof) <= math.log(LEVEL)
 
 
 def cost_of_rounding(

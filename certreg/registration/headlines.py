@@ -13,9 +13,12 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.registration.misfits import FitCode
-from certreg.results import Optimality
+from certreg.results import Limits, Optimality
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from certreg.certificate import PoseBounds
     from certreg.registration.fit import Fit
     from certreg.registration.result import Registration
@@ -23,6 +26,8 @@ if TYPE_CHECKING:
 LEAST_PLAIN = 1e-4  # smaller numbers are written with an exponent
 SMALL_SCALE = 0.1  # off one: what the pose leaves without it is a hundredth of the cloud's spread
 GOOD_EXPLAINED = 0.99  # with the scale; so the pose alone explains about 0.98
+# About an axis a turn by a costs 4 sin^2(a/2) / sigma^2 in units of the noise, 4 / sigma^2 at most:
+LOOSE_SIGMA = 0.4  # radians, as 4 / 0.4^2 = 25, the square of five standard deviations
 DEGREE_SLACK = 1.0 + 1e-15  # radians to degrees rounds twice
 
 
@@ -42,7 +47,8 @@ class Headline:
 
     def said(self, **numbers: str) -> str:
         """The line, with its numbers."""
-        return f"{self.stamp}: {self.words.format(**numbers)}"
+        said = f"{self.stamp}: {self.words.format(**numbers)}"
+        return said[:-1] if said.endswith("?.") else said
 
 
 _GAP = (
@@ -67,6 +73,12 @@ NEARLY_AMBIGUOUS = Headline(
     stamp="CERTIFIED, BUT NEARLY AMBIGUOUS",
     words="the global optimum of exactly these numbers, to within the proved bounds.",
     rests_on=(*_GAP, _ANGLE, "classification", "margin.nearly_ambiguous"),
+    code=0,
+)
+HARDLY_DETERMINED = Headline(
+    stamp="CERTIFIED, BUT THE ROTATION IS HARDLY DETERMINED",
+    words="the global optimum of exactly these numbers, to within the proved bounds; {loose}.",
+    rests_on=(*_GAP, _ANGLE, "classification", "margin.hardly_determined", "pose.uncertainty"),
     code=0,
 )
 POOR_FIT = Headline(
@@ -138,35 +150,11 @@ OPTIMAL_NOT_UNIQUE = Headline(
     rests_on=(*_PROVED, "rounding_cost", "classification"),
     code=0,
 )
-OPTIMAL_POOR_FIT = Headline(
-    stamp="OPTIMAL TO ROUNDING, BUT THE FIT IS POOR",
-    words="within {degrees} degrees (proved); {warning}.",
-    rests_on=(*_PROVED, "rounding_cost", "angle_upper_deg", "fit.warnings"),
-    code=0,
-)
-OPTIMAL_SCALE_FITS = replace(
-    OPTIMAL_POOR_FIT,
-    stamp="OPTIMAL TO ROUNDING, BUT A SCALE FITS BETTER",
-    rests_on=(*OPTIMAL_POOR_FIT.rests_on, "fit.best_scale"),
-)
 NEAR_OPTIMAL = Headline(
     stamp="NEAR-OPTIMAL",
     words="within {degrees} degrees, at most {gap} ({share}) above the minimum (proved).",
     rests_on=(*_PROVED, "energy_range", "gap_share", "angle_upper_deg"),
     code=0,
-)
-NEAR_OPTIMAL_POOR_FIT = Headline(
-    stamp="NEAR-OPTIMAL, BUT THE FIT IS POOR",
-    words=(
-        "within {degrees} degrees, at most {gap} ({share}) above the minimum (proved); {warning}."
-    ),
-    rests_on=(*_PROVED, "energy_range", "gap_share", "angle_upper_deg", "fit.warnings"),
-    code=0,
-)
-NEAR_OPTIMAL_SCALE_FITS = replace(
-    NEAR_OPTIMAL_POOR_FIT,
-    stamp="NEAR-OPTIMAL, BUT A SCALE FITS BETTER",
-    rests_on=(*NEAR_OPTIMAL_POOR_FIT.rests_on, "fit.best_scale"),
 )
 NEAR_OPTIMAL_NOT_UNIQUE = Headline(
     stamp="NEAR-OPTIMAL",
@@ -174,6 +162,34 @@ NEAR_OPTIMAL_NOT_UNIQUE = Headline(
     rests_on=(*_PROVED, "energy_range", "gap_share", "classification"),
     code=0,
 )
+
+
+def _but(pose: Headline, reason: str, words: str, *rests_on: str) -> Headline:
+    """The headline of a pose, and what is to be said against it."""
+    return replace(
+        pose,
+        stamp=f"{pose.stamp}, BUT {reason}",
+        words=f"{pose.words[:-1]}; {words}.",
+        rests_on=(*pose.rests_on, *rests_on),
+        good=False,
+    )
+
+
+def _each(reason: str, words: str, *rests_on: str) -> tuple[Headline, Headline]:
+    """Of a pose that is optimal, and of one that is near-optimal."""
+    return _but(OPTIMAL, reason, words, *rests_on), _but(NEAR_OPTIMAL, reason, words, *rests_on)
+
+
+RULED_OUT = _each(
+    "THE NOISE RULES IT OUT", "{sigmas} standard deviations from the optimum", "sigma_distance"
+)
+OF_DATA = {  # of the certified optimum: of a pose that is optimal, and of one that is near-optimal
+    CERTIFIED: (OPTIMAL, NEAR_OPTIMAL),
+    NEARLY_AMBIGUOUS: _each("NEARLY AMBIGUOUS", "a very different pose fits almost as well"),
+    HARDLY_DETERMINED: _each("THE ROTATION IS HARDLY DETERMINED", "{loose}"),
+    POOR_FIT: _each("THE FIT IS POOR", "{warning}", "fit.warnings"),
+    SCALE_FITS: _each("A SCALE FITS BETTER", "{warning}", "fit.warnings", "fit.best_scale"),
+}
 SPURIOUS = Headline(
     stamp="SPURIOUS-EQUILIBRIUM",
     words="{near} degrees from {name}{end}.",
@@ -194,30 +210,73 @@ NO_ROTATION = Headline(
 )
 
 HEADLINES = (
-    *(CERTIFIED, NEARLY_AMBIGUOUS, POOR_FIT, SCALE_FITS, NOT_UNIQUE),
+    *(CERTIFIED, NEARLY_AMBIGUOUS, HARDLY_DETERMINED, POOR_FIT, SCALE_FITS, NOT_UNIQUE),
     *(BOUNDED, BOUNDED_WITHOUT_ANGLE, BOUNDED_NOT_UNIQUE, BOUNDED_FLAT, NOT_CERTIFIED, WEAK),
-    *(OPTIMAL, OPTIMAL_POOR_FIT, OPTIMAL_SCALE_FITS, OPTIMAL_NOT_UNIQUE),
-    *(NEAR_OPTIMAL, NEAR_OPTIMAL_POOR_FIT, NEAR_OPTIMAL_SCALE_FITS, NEAR_OPTIMAL_NOT_UNIQUE),
-    *(SPURIOUS, NO_EQUILIBRIUM, NO_ROTATION),
+    *(optimal for optimal, _ in (*OF_DATA.values(), RULED_OUT)),
+    OPTIMAL_NOT_UNIQUE,
+    *(near for _, near in (*OF_DATA.values(), RULED_OUT)),
+    *(NEAR_OPTIMAL_NOT_UNIQUE, SPURIOUS, NO_EQUILIBRIUM, NO_ROTATION),
 )
 
 
 def headline_of(registration: Registration) -> Headline:
     """Which headline a registration has."""
-    status, equilibria = registration.status, registration.equilibria
+    status = registration.status
     if status is Optimality.NOT_CERTIFIED:
         return NOT_CERTIFIED
     if status is Optimality.CERTIFIED_NOT_UNIQUE:
         return NOT_UNIQUE
-    if status is Optimality.CERTIFIED:
-        if equilibria.nearly_ambiguous:
-            return NEARLY_AMBIGUOUS
-        return headline_of_fit(registration.fit)
-    return _bounded(registration)
+    return (
+        headline_of_data(registration) if status is Optimality.CERTIFIED else _bounded(registration)
+    )
 
 
-def headline_of_fit(fit: Fit) -> Headline:
-    """Of a certified and unique optimum far from a tie: what its fit makes of the first line."""
+def headline_of_data(registration: Registration) -> Headline:
+    """Of a certified and unique optimum: what its data make of the first line."""
+    if registration.equilibria.nearly_ambiguous:
+        return NEARLY_AMBIGUOUS
+    return HARDLY_DETERMINED if is_loose(registration) else _headline_of_fit(registration.fit)
+
+
+def is_green(registration: Registration) -> bool:
+    """Whether its headline is good, and within the usual limits, whatever others were asked for."""
+    bounds = registration.bounds
+    usual = bounds is not None and bounds.meet(Limits(), unique=True)
+    return usual and headline_of(registration).good
+
+
+def is_loose(registration: Registration) -> bool:
+    """Whether the noise, given or that of a good fit, leaves a turn about some axis open."""
+    covariance, fit = registration.solution.covariance, registration.fit
+    if covariance is None or (covariance.estimated and (fit.warnings or fit.rounded)):
+        return False
+    return covariance.loosest_sigma > LOOSE_SIGMA
+
+
+def loose_words(registration: Registration) -> str:
+    """That the noise leaves a turn open, and about which axis; empty where it does not."""
+    covariance = registration.solution.covariance
+    if covariance is None or not is_loose(registration):
+        return ""
+    whose = "the noise" if covariance.estimated else "the sigma given"
+    return (
+        f"five standard deviations of {whose} rule out no turn about the source's axis "
+        f"{axis_words(covariance.loosest_axis)}"
+    )
+
+
+def axis_words(axis: NDArray[np.float64]) -> str:
+    """A unit vector in three digits.
+
+    >>> import numpy as np
+    >>> axis_words(np.array([1.0, -1e-7, 0.0]))
+    '(1, 0, 0)'
+    """
+    return f"({', '.join(f'{entry + 0.0:.3g}' for entry in axis.round(3))})"
+
+
+def _headline_of_fit(fit: Fit) -> Headline:
+    """What the fit of an optimum far from a tie makes of the first line."""
     if not fit.warnings:
         return CERTIFIED
     off = abs((fit.best_scale or 0.0) - 1.0)
@@ -242,8 +301,7 @@ def headline_words(registration: Registration) -> str:
     degrees = proved_degrees(registration) or ""
     warning = next((one.text for one in registration.fit.warnings), "")
     numbers = {"gap": gap, "share": share, "degrees": degrees, "warning": warning}
-    said = headline_of(registration).said(**numbers)
-    return said[:-1] if said.endswith("?.") else said
+    return headline_of(registration).said(**numbers, loose=loose_words(registration))
 
 
 def proved_degrees(registration: Registration) -> str | None:

@@ -293,7 +293,7 @@ def _outlier_words(rows: RowFit, names: RowNames) -> str | None:
         return None
     does, them = ("does", "it") if k == 1 else ("do", "them")
     return (
-        f"{names.words(rows.far, k)} (counting from 0) {does} not fit the pose that the others "
+        f"{names.words(rows.far, k)}, counting from 0, {does} not fit the pose that the others "
         f"agree on: without {them} {_gone(rows.left)}"
     )
 

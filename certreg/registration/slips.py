@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.certificate import ExactPose
+from certreg.exact import nearest_root
 from certreg.geometry import (
     ROTATION_TOLERANCE,
     GivenPose,
@@ -53,6 +54,8 @@ UNITS = {  # of the translation against the clouds
     "0.3048": "feet against metres",
 }
 BEST = ", and with the best translation then,"
+LEAST_DECIMALS = 2  # of the entries: with so few, as of a quarter turn, they may all be exact
+FEW_DECIMALS = range(LEAST_DECIMALS + 1, 15)  # doubles have 15 digits
 SETTLED = Fraction(1, 10**6)  # of the range of energies: a thousandth of the clouds' size
 
 
@@ -293,13 +296,40 @@ def _unscaled(slipped: Slipped, scale: float) -> Iterator[Mended]:
 
 
 def _moved(slipped: Slipped) -> Iterator[Mended]:
-    if slipped.shift is not None:
-        yield slipped.mended(
-            SlipCode.TRANSLATION,
-            slipped.at_best(slipped.q),
-            "The pose with the best translation for its rotation",
-            "nothing is wrong with its rotation.",
-        )
+    if slipped.image is None:
+        return
+    objective = slipped.registration.solution.objective
+    degrees = math.degrees(objective.angle_to_optimum(slipped.q))
+    moved = [a - b for a, b in zip(slipped.image, slipped.y, strict=True)]
+    shift = nearest_root(sum((entry * entry for entry in moved), start=Fraction(0)))
+    far = "" if shift is None else f", its translation {shift:.3g} from the best one for it"
+    which = "the optimal one" if objective.classification.unique else "the nearest optimal one"
+    yield slipped.mended(
+        SlipCode.TRANSLATION,
+        slipped.at_best(slipped.q),
+        "The pose with the best translation for its rotation",
+        f"its rotation is {degrees:.2g} degrees from {which}{far}{_lever_words(slipped, moved)}.",
+    )
+
+
+def _lever_words(slipped: Slipped, moved: Sequence[Fraction]) -> str:
+    """That the few digits of a matrix can move the cloud as far, where it is far from the origin.
+
+    With d decimals every entry of the rotation is at most half a unit of the last off, and a
+    coordinate of the image of x at most that times |x1| + |x2| + |x3|.
+    """
+    if not slipped.given.is_matrix:
+        return ""
+    turn = slipped.given.turn
+    decimals = next((d for d in FEW_DECIMALS if np.array_equal(turn.round(d), turn)), None)
+    if decimals is None or np.array_equal(turn.round(LEAST_DECIMALS), turn):
+        return ""
+    lever = sum(map(abs, slipped.x), start=Fraction(0))
+    if max(map(abs, moved)) > Fraction(1, 2 * 10**decimals) * lever:
+        return ""
+    return (
+        f"; writing its entries with {decimals} decimals can cost as much, so far from the origin"
+    )
 
 
 UNDOING = (_inverse, _transposed, _reordered, _centred, _in_other_units)

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from certreg.registration import GOOD, headline_of
+from certreg.registration import is_green
 from certreg.report.markup import printable, rendered
 from certreg.report.picture import energy_picture, registration_picture
 from certreg.report.summary import (
@@ -71,7 +71,7 @@ def registration_card(registration: Registration) -> str:
     return Card(
         headline=first,
         notes=[*further, *(f"Warning: {words}" for words in warnings(registration, first))],
-        good=headline_of(registration).good,
+        good=is_green(registration),
         facts=[
             ("correspondences", f"{registration.problem.n:,}"),
             ("rotation (wxyz)", _numbers(pose.quaternion_wxyz.tolist())),
@@ -96,7 +96,7 @@ def assessment_card(assessment: Assessment) -> str:
     return Card(
         headline=assessment.headline,
         notes=[assessment.words, *([] if explained is None else [explained])],
-        good=assessment.verdict in GOOD,
+        good=assessment.green,
         facts=[] if away is None else facts,
     ).html()
 
@@ -110,7 +110,7 @@ def equilibria_card(equilibria: EquilibriumSet) -> str:
         head=("index", "kind", "RMSE", "energy", "to the optimum"),
         rows=[
             (
-                str(part.morse_index),
+                str(part.morse_index) if equilibria.doubt is None else "-",
                 KINDS[part.kind],
                 number(part.rmse),
                 number(part.energy),

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.exact import double_above, nearest_double
-from certreg.registration import DEGREE_SLACK, SimulatedRegistration, worst_residuals
+from certreg.registration import DEGREE_SLACK, SimulatedRegistration, is_loose, worst_residuals
 from certreg.report.encoding import Document, Noted, encoded
 from certreg.report.methods import methods_fields
-from certreg.report.uncertainty import uncertainty_rows
+from certreg.report.uncertainty import NO_NOISE_ALONE, covariance_of, uncertainty_rows
 from certreg.results import OUT_OF_RANGE, Absent
 
 if TYPE_CHECKING:
@@ -60,7 +60,10 @@ def result_document(
             "rmse": registration.stated("rmse"),
             "optimality": _optimality(registration),
             "equilibria": _equilibria(registration.equilibria),
-            "margin": _margin(registration.equilibria),
+            "margin": {
+                **_margin(registration.equilibria),
+                "hardly_determined": is_loose(registration),
+            },
             "relaxation": _relaxation(registration),
             "simulation": _simulation(registration),
             "agreement": {
@@ -180,20 +183,23 @@ def _equilibria(equilibria: EquilibriumSet) -> Document:
         "spurious": spurious,
         "guarantee": equilibria.guarantee.label,
         "complete": complete if doubt is None else Noted(complete, doubt),
-        "components": [_component(component) for component in equilibria.components],
+        "components": [_component(component, doubt) for component in equilibria.components],
     }
 
 
-def _component(component: Component) -> Document:
+def _component(component: Component, doubt: str | None) -> Document:
+    """What follows from the list being complete is not told where that is in doubt."""
+    optimal, index = component.optimal, component.morse_index
+    unstable = component.stated("unstable_eigenvalues")
     return {
         "kind": component.kind.value,
         "dimension": component.kind.dimension,
         "basis": component.basis,
-        "morse_index": component.morse_index,
-        "unstable_eigenvalues": component.stated("unstable_eigenvalues"),
+        "morse_index": index if doubt is None else Absent(doubt),
+        "unstable_eigenvalues": unstable if doubt is None else Absent(doubt),
         "eigenvalues": component.stated("eigenvalues"),
         "witness": component.stated("witness"),
-        "optimal": component.optimal,
+        "optimal": optimal if doubt is None else Noted(optimal, doubt),
         "energy": component.stated("energy"),
         "rmse": component.stated("rmse"),
         "rotation": component.rotation,
@@ -233,18 +239,24 @@ def _pose(registration: Registration) -> Document:
 
 def _covariance(registration: Registration) -> Document:
     """Covariance in the order (translation in the target's frame, rotation in the source's)."""
-    covariance = registration.solution.stated("covariance")
+    covariance = covariance_of(registration)
     if isinstance(covariance, Absent):
         names = ("covariance", "covariance_scale", "variance_factor", "uncertainty")
         return dict.fromkeys(names, covariance)
+    matrix = covariance.stated("matrix")
+    warned = registration.fit.warnings and not isinstance(matrix, Absent)
     return {
-        "covariance": covariance.matrix,
+        "covariance": Noted(matrix, NO_NOISE_ALONE) if warned else matrix,
         "covariance_scale": "estimated" if covariance.estimated else "given",
         "variance_factor": covariance.stated("variance_factor"),
         "uncertainty": {
             "translation": covariance.translation_sigma,
             "rotation_deg": np.degrees(covariance.rotation_sigma),
             "centre": covariance.centre_sigma,
+            "loosest_turn": {
+                "sigma_deg": math.degrees(covariance.loosest_sigma),
+                "axis": covariance.loosest_axis,
+            },
             "degrees_of_freedom": covariance.degrees_of_freedom,
         },
     }

@@ -132,7 +132,7 @@ def _aligned(matrix: list[list[float]]) -> tuple[str, ...]:
 
 def _rotation(pose: Pose, covariance: PoseCovariance | None) -> Fact:
     degrees, axis = turn_of(pose)
-    sigma = 0.0 if covariance is None else math.degrees(covariance.loosest_turn[0])
+    sigma = 0.0 if covariance is None else math.degrees(covariance.loosest_sigma)
     about = "" if axis is None else f"about ({', '.join(f'{entry:.4f}' for entry in axis)})"
     return Fact(name="Rotation", value=f"{told_to(degrees, sigma)}°", words=about)
 

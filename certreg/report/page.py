@@ -10,7 +10,7 @@ from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from certreg import __version__
-from certreg.registration import WEAK, headline_of
+from certreg.registration import WEAK, headline_of, is_green
 from certreg.report.markup import asset, inert, inert_json, printable, rendered
 from certreg.report.overview import Overview
 from certreg.report.summary import verdict_words, warnings
@@ -23,7 +23,7 @@ from certreg.report.words import (
     trap_words,
     weak_words,
 )
-from certreg.results import Limits, Optimality
+from certreg.results import Optimality
 
 if TYPE_CHECKING:
     from certreg.certificate import Certificate, IsotropicBody
@@ -140,18 +140,12 @@ def _head(report: Report) -> dict[str, Any]:
     return {
         "pairs": f"{n} pair{'s' * (n != 1)}",
         "stamp": stamp,
-        "good": report.headline.good and _within_usual(registration),
+        "good": report.headline is not WEAK and is_green(registration),
         "headline": _sentence(said),
         "further": [_begun(words) for words in further],
         "warnings": [_sentence(words) for words in warnings(registration, headline)],
         "overview": Overview.of(registration),
     }
-
-
-def _within_usual(registration: Registration) -> bool:
-    """Whether what is proved is within the usual limits, whatever limits were asked for."""
-    bounds = registration.bounds
-    return bounds is not None and bounds.meet(Limits(), unique=True)
 
 
 def _begun(words: str) -> str:

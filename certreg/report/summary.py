@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from certreg.exact import nearest_double, rational_root_above
 from certreg.registration import (
     DEGREE_SLACK,
+    HARDLY_DETERMINED,
     NEARLY_AMBIGUOUS,
     NOT_ASKED,
-    at_least,
     at_most,
     headline_words,
+    interval_words,
     narrow_words,
     proved_degrees,
     rounding_remedy,
@@ -28,6 +31,7 @@ if TYPE_CHECKING:
     from certreg.registration import (
         Assessment,
         Fit,
+        JudgedEnergies,
         Registration,
         SigmaDistance,
         SimulatedRegistration,
@@ -44,6 +48,7 @@ OF_SPREAD = " of the target's spread (R squared, with the best scale)"
 DISTINGUISHABLE = 25.0  # twice the log-likelihood ratio of five standard deviations
 ROUNDING_SHARE = 1e6  # a gap above a millionth of the minimum is worth a word
 UNNOTED_COST = 1e-24  # of the spread: a shift of 1e-12, finer than any data
+LEAST_NORMAL = 2.0**-1022  # smaller doubles have fewer digits
 COMPARABLE_STEP = 0.1  # h times the decay rate: a scheme's own differs by half of that
 
 
@@ -185,25 +190,29 @@ def assessment_summary(assessment: Assessment) -> str:
     explained = assessment.hint or assessment.unexplained
     if explained is not None:
         lines.append(explained)
-    if assessment.nearest_index is not None:
-        lines += ["", *_judged_lines(assessment)]
+    if assessment.energies is not None:
+        lines += ["", *_judged_lines(assessment, assessment.energies)]
     told = [one.text for one in assessment.fit.warnings if one.text not in assessment.headline]
     return "\n".join((*lines, *(f"  warning            {words}" for words in told)))
 
 
-def _judged_lines(assessment: Assessment) -> list[str]:
+def _judged_lines(assessment: Assessment, energies: JudgedEnergies) -> list[str]:
     """Numbers of a pose that is a rotation, beside those of the optimum."""
     away, optimum = math.degrees(assessment.angle_to_optimum or 0.0), assessment.optimum
-    rmse, objective = number(assessment.rmse), number(assessment.objective)
+    cost, weight = at_most(energies.rounding_cost), energies.total_weight
+    rmse, of_optimum = (
+        exact_number(rational_root_above(energy / weight))
+        for energy in (energies.objective, energies.optimum)
+    )
     return [
         f"  RMSE               {rmse}  (weighted, unit of the clouds)",
-        f"  of the optimum     {number(assessment.optimum_rmse)}",
-        f"  objective          {objective}",
-        f"  of the optimum     {number(assessment.optimum_objective)}",
-        f"  above the minimum  {_interval(assessment.gap_lower, assessment.gap_upper)}",
+        f"  of the optimum     {of_optimum}",
+        f"  objective          {exact_number(energies.objective)}",
+        f"  of the optimum     {exact_number(energies.optimum)}",
+        f"  above the minimum  {interval_words(energies.bounds)} (proved)",
         f"  angle to optimum   {away:.4g} degrees{_proved_angle(assessment)}",
         *_sigma_lines(assessment.sigma_distance),
-        f"  rounding can cost  {_cost(assessment)}",
+        f"  rounding can cost  {cost}  (of the optimal pose, to doubles)",
         f"  the optimum: wxyz  {' '.join(map(repr, optimum.quaternion_wxyz.tolist()))}",
         f"    its translation  {' '.join(map(repr, optimum.translation.tolist()))}",
     ]
@@ -217,7 +226,8 @@ def _sigma_lines(distance: SigmaDistance | None) -> list[str]:
     p = f"{distance.p:.2g}" if distance.p else "below 1e-300"
     return [
         f"  sigma distance     {distance.value:.4g} standard deviations, {jointly}",
-        f"                     (to first order; the true pose is as far with probability {p})",
+        "                     (to first order; if the noise is as sigma says, the true pose is as",
+        f"                     far with probability {p})",
     ]
 
 
@@ -227,23 +237,6 @@ def _proved_angle(assessment: Assessment) -> str:
     if angle is None or angle >= math.pi:
         return ""
     return f", within {at_most(math.degrees(angle) * DEGREE_SLACK)} (proved)"
-
-
-def _cost(assessment: Assessment) -> str:
-    """What writing the optimal pose in doubles can cost."""
-    cost = assessment.rounding_cost
-    return f"{at_most(math.inf if cost is None else cost)}  (of the optimal pose, to doubles)"
-
-
-def _interval(lower: float | None, upper: float | None) -> str:
-    """Proved bounds, rounded outwards: one number where nine digits of them agree."""
-    if lower is None or upper is None:
-        return "(not certified)"
-    if math.isinf(upper):
-        return "beyond the doubles, as said above (proved)"
-    if lower == 0.0:
-        return f"at most {at_most(upper)} (proved)"
-    return f"between {at_least(lower, 9)} and {at_most(upper, 9)} (proved)"
 
 
 def verdict_words(registration: Registration) -> list[str]:
@@ -365,6 +358,7 @@ def warnings(registration: Registration, headline: str) -> list[str]:
     gap, minimum = equilibria.margin.eigenvalue_gap, equilibria.components[0].energy
     unique = equilibria.classification.unique
     noisy = unique and registration.problem.noise_given and gap is not None
+    noisy = noisy and not headline.startswith(HARDLY_DETERMINED.stamp)
     if noisy and 2.0 * (gap or 0.0) < DISTINGUISHABLE:
         notes.append(
             "at the given noise, five standard deviations do not rule out the next equilibrium"
@@ -392,7 +386,7 @@ def _row(component: Component, *, sure: bool) -> tuple[str, ...]:
         number(component.energy),
         f"{math.degrees(component.angle_to_optimum):.6g} deg",
         ("undefined" if unstable is None else str(unstable)) if sure else "-",
-        "optimal" if component.optimal else "",
+        ("optimal" if sure else "best found") if component.optimal else "",
     )
 
 
@@ -402,6 +396,15 @@ def number(value: float | None) -> str:
         return "(beyond doubles)"
     plain = 1e-4 <= abs(value) < 1e7 or value == 0
     return f"{value:.6f}" if plain else f"{value:.9e}"
+
+
+def exact_number(value: Fraction) -> str:
+    """An energy or a length of any size, in as many digits as `number`."""
+    nearest = nearest_double(value)
+    if nearest is not None and (nearest == 0.0 or nearest >= LEAST_NORMAL):
+        return number(nearest)
+    context = Context(prec=10, Emax=MAX_EMAX, Emin=MIN_EMIN)
+    return f"{context.divide(Decimal(value.numerator), Decimal(value.denominator)):.9e}"
 
 
 def _rate(value: float | None) -> str:

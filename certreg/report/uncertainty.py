@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.exact import nearest_or_zero
-from certreg.registration import FitCode
+from certreg.registration import NO_RESIDUALS, FitCode, axis_words
 from certreg.results import Absent
 
 if TYPE_CHECKING:
@@ -21,13 +21,13 @@ if TYPE_CHECKING:
     from certreg.registration import PoseCovariance, Registration
 
 FINE = math.radians(0.01)  # below it arc seconds: 36 of them
+MOST = 180.0  # degrees: there is no larger angle between two rotations
 FIRST_ORDER = 0.2  # radians, 11 degrees: turns scatter 2 % more there, 4 to 8 % at 0.3, measured
 SURE_SIGMA = 1e-6  # of chi-squared: so seldom is it so small, as large ones are warned of
 MOST_DECIMALS = 12  # behind the point: more are not read
 PLAIN_BELOW = 1e12  # larger numbers are written with an exponent
 OF_ORIGIN = "of the source's origin, along the target's axes"
 NO_NOISE_ALONE = "the fit holds more than noise (see the warning), and +/- would be of noise alone"
-TO_ROUNDING = "the residuals are at rounding and hold no noise: give sigma"
 
 
 def uncertainty_rows(registration: Registration) -> list[tuple[str, str]]:
@@ -37,11 +37,9 @@ def uncertainty_rows(registration: Registration) -> list[tuple[str, str]]:
     source's origin goes, which in map coordinates lies far from them. Where there is no uncertainty
     to tell: one row that says why.
     """
-    covariance = registration.solution.stated("covariance")
+    covariance = covariance_of(registration)
     if isinstance(covariance, Absent):
         return [("uncertainty", f"not known: {covariance.reason}")]
-    if covariance.estimated and registration.fit.rounded:
-        return [("uncertainty", f"not known: {TO_ROUNDING}")]
     chi2 = chi2_words(registration)
     centre = " ".join(centre_words(registration, covariance))
     tested = [] if chi2 is None else [("chi-squared", chi2)]
@@ -79,17 +77,25 @@ def told_to(value: float, sigma: float) -> str:
     return f"{round(value, decimals) + 0.0:.{decimals}f}"
 
 
+def covariance_of(registration: Registration) -> PoseCovariance | Absent:
+    """The covariance where there is noise to tell it from."""
+    covariance = registration.solution.stated("covariance")
+    if isinstance(covariance, Absent):
+        return covariance
+    return NO_RESIDUALS if covariance.estimated and registration.fit.rounded else covariance
+
+
 def rotation_words(covariance: PoseCovariance, axes: str) -> str:
     """Three standard deviations of a small turn, its axes, and a word where it is not small."""
     sigma = covariance.rotation_sigma
     fine = float(sigma.max()) < FINE
     unit, factor = ("arc seconds", 3600.0) if fine else ("degrees", 1.0)
-    told = f"{two_digits(np.degrees(sigma) * factor)} {unit}{axes}"
-    loosest, axis = covariance.loosest_turn
-    if loosest < FIRST_ORDER:
+    angles = [_two_digits(a) if a <= MOST else f">{MOST:g}" for a in np.degrees(sigma) * factor]
+    told = f"{' '.join(angles)} {unit}{axes}"
+    if covariance.loosest_sigma < FIRST_ORDER:
         return told
-    about = ", ".join(f"{entry + 0.0:.3g}" for entry in np.round(axis, 3))
-    return f"{told}: too large for a first order: the turn about ({about}) is hardly determined"
+    about = axis_words(covariance.loosest_axis)
+    return f"{told}: too large for a first order: the turn about {about} is hardly determined"
 
 
 def chi2_words(registration: Registration) -> str | None:

@@ -108,9 +108,9 @@ def weak_words(registration: Registration) -> str:
     if degrees is not None:
         angle = f"its rotation is within {degrees} degrees of the best one"
     return (
-        "Of the pose printed here its claims prove this: its objective exceeds the minimum by at "
-        f"most {gap}, and {angle}. The certificate that certreg certify writes for these points "
-        "proves more."
+        "Of the pose given below with all digits its claims prove this: its objective exceeds the "
+        f"minimum by at most {gap}, and {angle}. The certificate that certreg certify writes "
+        "for these points proves more."
     )
 
 
@@ -120,9 +120,9 @@ def _optimality(registration: Registration) -> Iterator[Sentence]:
         return
     yield Sentence(
         words=(
-            "Over all rotations and translations: the sum of weighted squared "
-            f"distances at the pose printed here exceeds the minimum by at most "
-            f"{at_most(bounds.greatest_gap)}."
+            "Over all rotations and translations: the sum of weighted squared distances at the "
+            "pose given below with all digits, by its quaternion and its translation, exceeds the "
+            f"minimum by at most {at_most(bounds.greatest_gap)}."
         ),
         guarantee=Guarantee.EXACT,
         theorems=("optimality_certificate", "translation_gap"),
@@ -131,7 +131,7 @@ def _optimality(registration: Registration) -> Iterator[Sentence]:
     if degrees is not None:
         yield Sentence(
             words=(
-                "The best rotation is unique, and the one printed here is within "
+                "The best rotation is unique, and that of the quaternion given below is within "
                 f"{degrees} degrees of it."
             ),
             guarantee=Guarantee.EXACT,
@@ -140,7 +140,10 @@ def _optimality(registration: Registration) -> Iterator[Sentence]:
         return
     if registration.equilibria.classification.unique:
         yield Sentence(
-            words="The best rotation is unique. How far it is from the one printed is not claimed.",
+            words=(
+                "The best rotation is unique. How far it is from that of the quaternion given "
+                "below is not claimed."
+            ),
             guarantee=Guarantee.EXACT,
             theorems=("classification",),
         )

@@ -154,6 +154,7 @@ def test_near_ambiguity_is_told_to_machines_and_leaves_the_exit_code(folder):
     assert [entry["exit_code"] for entry in entries] == [0, 3, 0, 2]
     assert [row["nearly_ambiguous"] for row in table] == ["1", "0", "0", ""]
     assert [e["margin"]["nearly_ambiguous"] for e in entries[:3]] == [True, False, False]
+    assert [row["hardly_determined"] for row in table] == ["1", "0", "0", ""]
     assert all(map(valid, entries))
     alone = certreg("equilibria", folder / "rod.csv", folder / "seen.csv", "--json").document
     assert alone["margin"] == entries[0]["margin"]
@@ -264,7 +265,10 @@ def test_each_column_of_the_table_is_what_it_is_called(folder):
     (entry,) = lines(certreg("batch", listing(folder, "a0.csv,b0.csv")).out)
     optimality = {"gap_bound": 1.0, "gap_share": 2.0, "angle_bound_rad": 3.0}
     entry["optimality"] |= optimality
-    entry |= {"rmse": 4.0, "margin": {"relative": 5.0, "nearly_ambiguous": False}}
+    entry |= {
+        "rmse": 4.0,
+        "margin": {"relative": 5.0, "nearly_ambiguous": False, "hardly_determined": True},
+    }
     row = pairs._row(entry)
 
     assert {name: row[name] for name in optimality} == optimality

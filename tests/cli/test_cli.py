@@ -1088,7 +1088,11 @@ def test_apply_moves_a_cloud_onto_the_optimum(data: Path, survey: Path, tmp_path
             points = read_problem(moved, moved)[0].source
 
             assert (run.code, run.err) == (0, "")
-            assert "4 points" in run.out
+            header = f"{moved} (header: label,x,y,z)\n"
+            dropped = f"{moved} without their labels: a .csv file keeps them\n"
+            told = {"moved.csv": header, "moved.txt": dropped, "moved.npy": f"{moved}\n"}
+            assert run.out.startswith(f"4 points written to {told[out]}")
+            assert out != "moved.csv" or moved.read_text().startswith("label,x,y,z\n")
             assert points == pytest.approx(problem.source @ R.T + t, abs=1e-9)
             assert rmse(points, problem.target) == pytest.approx(SURVEY.rmse[0], abs=1e-6)
             assert certreg("certify", moved, target, "--json").document["rmse"] == pytest.approx(

@@ -343,6 +343,12 @@ def test_a_list_in_doubt_ends_with_code_four(tmp_path):
     document = certreg("equilibria", square, square, "--method", "homotopy", "--json").document
     assert document["equilibria"]["complete"] is False
     assert "continuum" in document["reasons"]["equilibria.complete"]
+    for number, part in enumerate(document["equilibria"]["components"]):
+        assert part["morse_index"] is part["unstable_eigenvalues"] is None
+        for name in ("morse_index", "unstable_eigenvalues", "optimal"):
+            assert "continuum" in document["reasons"][f"equilibria.components[{number}].{name}"]
+    assert "best found" in run.out
+    assert "optimal" not in run.out
     assert certreg("equilibria", square, square, "--method", "all").code == 0
 
 

@@ -9,9 +9,11 @@ order.
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 from functools import cache
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -24,13 +26,16 @@ from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.certification import certify
 from certreg.registration.covariance import (
+    LEAST_CORRELATION,
     PoseCovariance,
+    _in_doubles,
     pose_covariance,
     residual_distances,
     worst_residuals,
 )
 from certreg.registration.tails import log_chi2_above
 from certreg.report.uncertainty import FIRST_ORDER
+from certreg.results import OUT_OF_RANGE, Absent
 
 REPETITIONS = 10_000
 SIGMA = 1e-3
@@ -136,9 +141,9 @@ def test_what_is_told_of_each_number_is_the_scatter_of_the_experiments(experimen
     error = 5.0 / math.sqrt(2.0 * REPETITIONS)
     assert np.allclose(np.sqrt(np.mean(errors**2, axis=0)), told, rtol=error)
     assert np.allclose(np.sqrt(np.mean(centre**2, axis=0)), covariance.centre_sigma, rtol=error)
-    along = errors[:, 3:] @ covariance.loosest_turn[1]
-    assert np.sqrt(np.mean(along**2)) == pytest.approx(covariance.loosest_turn[0], rel=error)
-    assert covariance.loosest_turn[0] >= max(covariance.rotation_sigma)
+    along = errors[:, 3:] @ covariance.loosest_axis
+    assert np.sqrt(np.mean(along**2)) == pytest.approx(covariance.loosest_sigma, rel=error)
+    assert covariance.loosest_sigma >= max(covariance.rotation_sigma)
 
 
 def test_the_p_value_of_chi_squared_is_uniform(experiment):
@@ -173,7 +178,7 @@ def test_the_first_order_is_right_to_a_twentieth_up_to_where_it_is_told():
     source = rng.normal(size=(12, 3)) * [10.0, 0.3, 0.2]
     source -= source.mean(axis=0)
     unit = covariance_of(RegistrationProblem(source, source, sigma=1.0))
-    sigma = FIRST_ORDER / unit.loosest_turn[0]
+    sigma = FIRST_ORDER / unit.loosest_sigma
     count = 4000
     noisy = source + sigma * rng.normal(size=(count, 12, 3))
     left, _, right = np.linalg.svd(np.einsum("rnj,nk->rjk", noisy, source))
@@ -269,6 +274,91 @@ def test_the_tetrahedron_has_the_covariance_found_by_hand():
     covariance = covariance_of(RegistrationProblem(TETRAHEDRON, TETRAHEDRON, sigma=0.5))
 
     assert np.allclose(covariance.matrix, 0.25 * np.diag([1 / 4] * 3 + [1 / 8] * 3))
+
+
+def covariance_by_definition(problem: RegistrationProblem) -> Any:
+    """(6, 6), the inverse of the normal equations, where the pose moves nothing; sigma given."""
+    info = mpmath.zeros(6)
+    for point, weight in zip(problem.source.tolist(), problem.weights.tolist(), strict=True):
+        x, y, z = (mpmath.mpf(entry) for entry in point)
+        turned = mpmath.matrix([[0, z, -y], [-z, 0, x], [y, -x, 0]])
+        jacobian = mpmath.zeros(3, 6)
+        for i in range(3):
+            jacobian[i, i] = 1
+            for j in range(3):
+                jacobian[i, 3 + j] = turned[i, j]
+        info += weight * jacobian.T * jacobian
+    return info**-1
+
+
+LINE = np.outer(np.arange(6.0), [1.0, 2.0, 3.0])
+BENT = [*LINE[:2], LINE[2] + [1e-8, 0.0, 0.0], *LINE[3:]]
+
+
+@pytest.mark.parametrize(
+    ("source", "held"),
+    [(LINE / 7 + np.eye(6, 3), True), (BENT, False), (np.eye(4, 3) + 1e8, False)],
+    ids=["points", "almost on a line", "far away"],
+)
+def test_deviations_are_right_where_a_matrix_of_doubles_would_lose_them(source, *, held: bool):
+    """The residuals are zero: linearised by the points or at the Hessian, all is the same."""
+    problem = RegistrationProblem(source, source, sigma=0.001)
+    found = covariance_of(problem)
+    with mpmath.workdps(120):
+        right = covariance_by_definition(problem)
+        sigmas = [float(mpmath.sqrt(right[i, i])) for i in range(6)]
+        turns = mpmath.eigsy(right[3:, 3:], eigvals_only=True)
+        loosest = float(mpmath.sqrt(max(turns)))
+        full = np.array([[float(right[i, j]) for j in range(6)] for i in range(6)])
+
+    told = [*found.translation_sigma, *found.rotation_sigma]
+    assert np.allclose(told, sigmas, rtol=1e-12)
+    assert found.loosest_sigma == pytest.approx(loosest, rel=1e-12)
+    assert (found.matrix is not None) == held
+    if held:
+        assert np.allclose(found.matrix, full, rtol=1e-9, atol=1e-12 * full.max())
+    else:
+        assert found.stated("matrix").reason.startswith("lost in rounding: ")
+        assert found.ros is found.gtsam is None
+        with pytest.raises(ValueError, match="lost in rounding"):
+            np.asarray(found)
+
+
+def test_where_a_matrix_is_lost_the_reason_names_what_to_do():
+    far, bent = (
+        covariance_of(RegistrationProblem(points, points, sigma=0.001)).stated("matrix").reason
+        for points in (np.eye(4, 3) + 1e8, BENT)
+    )
+
+    assert far.endswith("so far are the points from the origin: move it to them")
+    assert bent.endswith("one turn is hardly determined, beside the others")
+
+
+def test_a_matrix_is_lost_just_where_a_variance_could_be_off_by_a_hundredth():
+    """Two turns whose correlation leaves 1 - c, the least eigenvalue of the correlations."""
+
+    def kept(rest: Fraction) -> bool:
+        exact = [[Fraction(int(i == j)) for j in range(6)] for i in range(6)]
+        exact[3][4] = exact[4][3] = 1 - rest
+        return not isinstance(_in_doubles(exact), Absent)
+
+    assert kept(Fraction(1.05 * LEAST_CORRELATION))
+    assert not kept(Fraction(0.95 * LEAST_CORRELATION))
+    assert Fraction(6, 2**53) / Fraction(LEAST_CORRELATION) <= Fraction(1, 100)
+
+
+@pytest.mark.parametrize("unit", [1e-250, 1e-200, 1e120])
+def test_deviations_are_told_where_no_double_holds_their_squares(unit: float):
+    source = np.array(TETRAHEDRON) + np.eye(4, 3)
+    noise = np.random.default_rng(2).normal(size=(4, 3))
+    near = covariance_of(RegistrationProblem(source, source + 0.01 * noise))
+    far = covariance_of(RegistrationProblem(source * unit, (source + 0.01 * noise) * unit))
+
+    assert np.allclose(far.translation_sigma / unit, near.translation_sigma, rtol=1e-9)
+    assert np.allclose(far.rotation_sigma, near.rotation_sigma, rtol=1e-9)
+    if unit < 1.0:
+        assert far.matrix is None
+        assert far.stated("matrix") == OUT_OF_RANGE
 
 
 def test_points_of_weight_zero_give_no_degree_of_freedom():

@@ -263,7 +263,7 @@ def test_rows_of_all_blocks_are_named(monkeypatch):
     result = said(source, target)
 
     assert (result.codes, result.outlier_rows) == ((FitCode.OUTLIER_ROWS,), (30, 3))
-    assert "rows 30, 3 (counting from 0)" in result.warnings[0].text
+    assert "rows 30, 3, counting from 0, do not fit" in result.warnings[0].text
 
 
 @pytest.mark.parametrize(

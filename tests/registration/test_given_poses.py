@@ -108,7 +108,10 @@ REFUSED: dict[str, tuple[Any, str]] = {
     "NaN of a translation": ((R, [0, np.inf, 0]), "translation must be finite numbers"),
     "a short translation": ((R, np.zeros(2)), r"translation must be \(3,\) finite numbers"),
     "complex numbers": (I4 * 1j, "pose has entries of type complex128"),
-    "words": ("pose.txt", "pose has entries of type <U8"),
+    "words": (
+        "pose.txt",
+        r"pose is a path or a text, pose\.txt: give what is in the file, .*np\.loadtxt",
+    ),
     "nothing": (None, "all must be|pose has shape"),
     "a class": (Pose, "pose is not an array of real numbers"),
     "another object": (Tool(scale=2.0), "pose is not an array of real numbers"),
@@ -124,6 +127,13 @@ def test_what_is_no_pose_is_one_clear_error(name: str):
 
     assert caught.value.array is not None
     assert str(caught.value).isprintable()
+
+
+def test_a_problem_and_a_pose_the_other_way_round_are_told():
+    with pytest.raises(InvalidProblemError, match="found the two the other way round"):
+        assess(MATRIX, PROBLEM)  # type: ignore[arg-type]
+    with pytest.raises(InvalidProblemError, match="that comes first, and then the pose"):
+        assess(PROBLEM, PROBLEM)
 
 
 def test_a_pose_with_a_translation_takes_no_other():

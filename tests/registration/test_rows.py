@@ -132,8 +132,8 @@ def test_outliers_are_fewer_than_half_of_the_rows(rows: RowFit):
     assert words(0, 8) is None
     several, one = checked(words(3, 8)), checked(words(1, 8))
     agreed = "not fit the pose that the others agree on: without"
-    assert f"rows 0, 1, 2 (counting from 0) do {agreed} them over 99.9 % of" in several
-    assert f"row 0 (counting from 0) does {agreed} it over 99.9 % of" in one
+    assert f"rows 0, 1, 2, counting from 0, do {agreed} them over 99.9 % of" in several
+    assert f"row 0, counting from 0, does {agreed} it over 99.9 % of" in one
     assert words(4, 8) is None
 
 

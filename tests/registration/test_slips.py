@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from commands import certreg, checked, write_csv
 from strategies import MIRROR, ZOO, random_problem, random_rotation
 
 import certreg as package
-from certreg import Pose, RegistrationProblem, assess
+from certreg import Pose, RegistrationProblem, assess, certify
 from certreg.registration import GOOD, SlipCode
 from certreg.report import assessment_document, assessment_summary
 from certreg.results import PoseVerdict
@@ -126,6 +127,50 @@ def test_a_slip_is_named_of_a_pose_off_by_what_few_digits_lose_and_not_of_one_fa
         assert found.slip.verdict is PoseVerdict.NEAR_OPTIMAL
 
 
+@pytest.mark.parametrize(("offset", "decimals", "said"), [(1e8, 6, True), (0.0, 6, False)])
+def test_of_a_pose_with_few_digits_far_away_it_is_said_how_far_it_is_off(
+    offset: float, decimals: int, *, said: bool
+):
+    far = RegistrationProblem(PROBLEM.source + offset, PROBLEM.target + offset)
+    pose = certify(far, relaxation=False, simulation=False).pose
+    shift = pose.translation + (0.0 if said else 1.0)
+    slip = checked(assess(far, pose.rotation.round(decimals), shift.round(decimals)).slip)
+
+    assert slip.code is SlipCode.TRANSLATION
+    assert "nothing is wrong" not in slip.words
+    told = re.search(
+        r": its rotation is (\S+) degrees from the optimal one, its translation (\S+) from the "
+        r"best one for it(; writing its entries with 6 decimals can cost as much, so far from the "
+        r"origin)?\.$",
+        slip.words,
+    )
+    degrees, distance, lever = checked(told).groups()
+    assert float(degrees) < 1e-4
+    assert float(distance) == pytest.approx(math.sqrt(3.0), rel=0.01) if not said else True
+    assert (lever is not None) == said
+
+
+@pytest.mark.parametrize(("share", "explains"), [(0.99, True), (1.01, False)])
+def test_few_digits_explain_a_shift_up_to_what_they_can_cost(share: float, *, explains: bool):
+    """Three decimals, at (200, 300, 400): at most 0.0005 (200 + 300 + 400) = 0.45."""
+    corners = np.vstack([np.diag([3.0, 2.0, 1.0]), -np.diag([3.0, 2.0, 1.0])])
+    centre = np.array([200.0, 300.0, 400.0])
+    c, s = math.cos(0.1), math.sin(0.1)
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    problem = RegistrationProblem(corners + centre, corners @ turn.T + turn @ centre)
+    shift = (turn - turn.round(3)) @ centre + [share * 0.45, 0.0, 0.0]
+    slip = checked(assess(problem, turn.round(3), shift).slip)
+
+    assert ("writing its entries with 3 decimals" in slip.words) == explains
+
+
+def test_whole_numbers_are_not_taken_for_few_digits():
+    problem = RegistrationProblem(PROBLEM.source + 1e3, PROBLEM.source + 1e3)
+    slip = checked(assess(problem, np.eye(3), [9.0, 0.0, 0.0]).slip)
+
+    assert "decimals" not in slip.words
+
+
 @pytest.mark.parametrize("unit", [1000.0, 100.0, 10.0, 25.4, 0.3048])
 def test_a_translation_in_another_unit_is_named_with_its_factor(unit: float):
     result = package.certify(PROBLEM, relaxation=False, simulation=False)
@@ -197,7 +242,7 @@ def test_the_distance_in_sigma_is_that_of_the_joint_covariance(offset: float):
     target = source @ random_rotation(rng).T + 0.01 * rng.normal(size=(15, 3))
     problem = RegistrationProblem(source, target, sigma=0.01)
     solution = package.certify(problem, relaxation=False, simulation=False).solution
-    matrix, pose = checked(solution.covariance).matrix, solution.pose
+    matrix, pose = np.asarray(checked(solution.covariance)), solution.pose
     for angle, within in ((1e-6, 1e-4), *((a, 1e-7) for a in (1e-3, 0.5, 3.0) if not offset)):
         phi = rng.normal(size=3)
         phi *= angle / np.linalg.norm(phi)
@@ -247,7 +292,8 @@ def test_a_distance_is_told_plainly():
     text = assessment_summary(assess(noisy, R, T + np.array([0.3, 0.0, 0.0])))
 
     assert "standard deviations, rotation and translation jointly" in text
-    assert "to first order; the true pose is as far with probability" in text
+    assert "(to first order; if the noise is as sigma says, the true pose is as\n" in text
+    assert "far with probability" in text
     assert "standard deviations, of the rotation" in assessment_summary(assess(noisy, R))
 
 

@@ -47,7 +47,7 @@ EVERYWHERE = {  # where bounds are printed; a page or a sentence that is written
     "dual: proved gap of the rotation alone #",
     "page: above the global minimum: # of the range",
     "page: exceeds the minimum by at most #.",
-    "page: printed here is within # degrees of it",
+    "page: given below is within # degrees of it",
     "page: ≤ # of the objective above the global minimum",
     "terminal: objective - minimum <= #",
     "terminal: objective - minimum <= #, # of the range",

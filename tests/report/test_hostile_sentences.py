@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from dataclasses import replace
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -94,9 +96,23 @@ def test_a_gap_beyond_doubles_is_one_thing_in_both_places():
     judged = assess(RegistrationProblem(CLOUD, NOISY), np.eye(3), [1e308, 1e308, 0.0])
 
     assert judged.headline.startswith("NOT-AN-EQUILIBRIUM: between ")
-    assert "above the minimum  beyond the doubles, as said above (proved)" in assessment_summary(
-        judged
-    )
+    interval = judged.headline.split(": ")[1].removesuffix(" above the minimum (proved).")
+    assert f"above the minimum  {interval} (proved)" in assessment_summary(judged)
+    assert "beyond" not in assessment_summary(judged)
+
+
+@pytest.mark.parametrize("unit", [1e-310, 1e-200, 1.0, 1e140])
+def test_the_table_of_a_pose_holds_its_numbers_in_any_unit(unit: float):
+    """Read back, each to nine digits: lengths in units, energies in their squares."""
+    tiny = np.array([[0.0, 0, 0], [3, 0, 0], [0, 2, 0], [0, 0, 1]])  # whole units: nothing is lost
+    shift = np.array([1.0, 0.0, 0.0])
+    judged = assess(RegistrationProblem(tiny * unit, tiny * unit), np.eye(3), shift * unit)
+    table = dict(re.findall(r"^  (\S.{17}) (\S+)", assessment_summary(judged), re.MULTILINE))
+    length, digits = Fraction(unit), Fraction(1, 10**6)
+
+    assert abs(Fraction(table["RMSE              "]) / length - 1) < digits
+    assert abs(Fraction(table["objective         "]) / (4 * length**2) - 1) < digits
+    assert "beyond" not in assessment_summary(judged)
 
 
 def test_a_plane_has_no_worst_rotation_but_several():

@@ -47,7 +47,8 @@ def test_a_lower_bound_is_rounded_down_and_an_upper_one_up(registration: Registr
     third = Fraction(2, 3)
     bounds = replace(checked(registration.bounds), least_gap=third, greatest_gap=third)
     assessment = assess(random_problem(np.random.default_rng(3)), np.eye(3), np.zeros(3))
-    told = assessment_summary(replace(assessment, gap_lower=2.0 / 3.0, gap_upper=2.0 / 3.0))
+    energies = replace(checked(assessment.energies), bounds=bounds)
+    told = assessment_summary(replace(assessment, energies=energies))
 
     assert (at_least(third), at_most(third)) == ("0.666", "0.667")
     assert interval_words(bounds) == "between 0.666666666 and 0.666666667"
@@ -70,7 +71,7 @@ def test_the_next_equilibrium_is_not_ruled_out_where_twice_the_gap_is_below_25(
     problem = RegistrationProblem(AXES, AXES, sigma=math.sqrt(square))
     told = registration_summary(plainly(problem))
 
-    assert ("do not rule out the next equilibrium" in told) == warned
+    assert ("five standard deviations of the sigma given rule out no turn" in told) == warned
 
 
 @pytest.mark.parametrize(("sigma", "scale"), [(None, "estimated"), (0.1, "given")])

@@ -14,11 +14,12 @@ from strategies import ZOO, random_rotation
 
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.certification import certify
+from certreg.registration.covariance import NO_RESIDUALS
 from certreg.report.markup import rendered
 from certreg.report.overview import QUIET, Overview
 from certreg.report.page import Report, html_page
 from certreg.report.picture import BODY, registration_picture
-from certreg.report.uncertainty import TO_ROUNDING, chi2_words, told_to, uncertainty_rows
+from certreg.report.uncertainty import chi2_words, told_to, uncertainty_rows
 from certreg.results import Limits
 
 if TYPE_CHECKING:
@@ -61,7 +62,7 @@ def test_the_deviations_are_those_of_the_terminal_and_no_proof():
 def test_the_pose_is_told_to_the_digits_that_its_deviation_leaves():
     registration = registered()
     rotation, _, _, _, translation, _ = Overview.of(registration).pose.facts
-    sigmas = np.sqrt(np.diag(checked(registration.solution.covariance).matrix)[:3])
+    sigmas = np.sqrt(np.diag(np.asarray(checked(registration.solution.covariance)))[:3])
     w, *axial = registration.pose.quaternion_wxyz.tolist()
 
     assert abs(numbers(translation.value) - registration.pose.translation).max() < sigmas.min() / 9
@@ -103,7 +104,7 @@ def test_residuals_of_zero_tell_no_uncertainty():
     pose = Overview.of(registration).pose
 
     assert [fact.name for fact in pose.facts] == ["Rotation", "Translation"]
-    assert pose.uncertainty == f"Uncertainty not known: {TO_ROUNDING}."
+    assert pose.uncertainty == f"Uncertainty not known: {NO_RESIDUALS.reason}."
 
 
 def test_a_warned_fit_is_marked_and_its_deviations_doubted():

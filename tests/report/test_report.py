@@ -215,7 +215,8 @@ def test_the_words_are_those_of_the_summary_and_the_checker(survey: Registration
     assert "The global optimum, and unique, to within the proved bounds." in words
     for sentence in checked(survey.verdict).theorems:
         assert sentence in words
-    assert "the pose printed here exceeds the minimum by at most 1.51e-26." in words
+    pose = "the pose given below with all digits, by its quaternion and its translation,"
+    assert f"{pose} exceeds the minimum by at most 1.51e-26." in words
     assert "within 3.98e-18 degrees" in words
 
 

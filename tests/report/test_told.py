@@ -130,29 +130,33 @@ def test_a_margin_is_said_to_be_small_where_it_is(axes: Registration, square: Re
 
 def test_an_assessment_is_told_with_its_own_numbers():
     found = assess(RegistrationProblem(AXES, AXES), [0.8, 0.6, 0.0, 0.0], np.zeros(3))
+    energies = checked(found.energies)
+    bounds = replace(energies.bounds, least_gap=Fraction(0), greatest_gap=Fraction(1, 3))
     given = replace(
         found,
-        rmse=2.0,
-        objective=3.0,
         angle_to_optimum=math.radians(20.0),
         angle_upper=math.radians(25.0),
-        rounding_cost=2.0 / 3.0,
-        gap_lower=0.0,
-        gap_upper=1.0 / 3.0,
+        energies=replace(
+            energies,
+            objective=Fraction(12),
+            optimum=Fraction(3),
+            total_weight=Fraction(3),
+            bounds=bounds,
+            rounding_cost=Fraction(2, 3),
+        ),
     )
     told = assessment_summary(given).splitlines()
 
     numbers = {line[2:21].strip(): line[21:].split("  (")[0] for line in told if line[:2] == "  "}
     assert [numbers[name] for name in ("RMSE", "objective", "above the minimum")] == [
-        *("2.000000", "3.000000", "at most 0.334 (proved)"),
+        *("2.000000", "12.000000", "at most 0.334 (proved)"),
     ]
     assert numbers["angle to optimum"] == "20 degrees, within 25.1 (proved)"
     assert numbers["rounding can cost"] == "0.667"
-    for missing in ({"gap_lower": None}, {"gap_upper": None}):
-        assert "(not certified)" in assessment_summary(replace(given, **missing))
+    assert "  of the optimum     1.000000\n" in assessment_summary(given)
+    assert "  of the optimum     3.000000\n" in assessment_summary(given)
     for wide in (None, math.pi):
         assert "20 degrees\n" in assessment_summary(replace(given, angle_upper=wide))
-    assert "(beyond doubles)" in assessment_summary(replace(given, rounding_cost=None))
 
 
 def test_no_bound_is_said_to_bound_nothing_where_there_is_none(axes: Registration):

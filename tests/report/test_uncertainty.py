@@ -21,6 +21,7 @@ from certreg.report.page import Report
 from certreg.report.uncertainty import (
     FINE,
     FIRST_ORDER,
+    MOST,
     SURE_SIGMA,
     chi2_words,
     rotation_words,
@@ -71,7 +72,7 @@ def near(words: str, values: Any) -> bool:
 
 def test_the_numbers_are_the_roots_of_the_covariance_and_sigma_is_as_given(given):
     told, covariance = rows(given), covariance_of(given)
-    sigma = np.sqrt(np.diag(covariance.matrix))
+    sigma = np.sqrt(np.diag(np.asarray(covariance)))
 
     assert list(told) == ["centre ±", "rotation ±", "translation ±", "± is", "chi-squared"]
     assert near(told["translation ±"], sigma[:3])
@@ -134,11 +135,15 @@ def test_small_turns_are_in_arc_seconds_and_large_ones_no_longer_small(given):
     covariance = covariance_of(given)
 
     def words(sigma: float) -> str:
-        matrix = np.diag([1.0, 1.0, 1.0, 0.5 * sigma**2, 0.5 * sigma**2, sigma**2])
-        return rotation_words(replace(covariance, matrix=matrix), "")
+        sigmas = np.array([math.sqrt(0.5) * sigma, math.sqrt(0.5) * sigma, sigma])
+        axis = np.array([0.0, 0.0, 1.0])
+        changed = {"rotation_sigma": sigmas, "loosest_sigma": sigma, "loosest_axis": axis}
+        return rotation_words(replace(covariance, **changed), "")
 
     assert words(0.99 * FINE).startswith("25 25 36 arc seconds")
     assert words(1.01 * FINE).startswith("0.0071 0.0071 0.010 degrees")
+    assert words(math.radians(0.999 * MOST)).startswith("127 127 180 degrees")
+    assert words(math.radians(1.001 * MOST)).startswith("127 127 >180 degrees")
     assert "too large" not in words(0.99 * FIRST_ORDER)
     loose = words(1.01 * FIRST_ORDER)
     assert loose.endswith(
@@ -196,7 +201,7 @@ def test_the_terminal_says_it_in_ascii_and_the_page_as_it_is(given):
 
 def test_the_document_and_the_pose_file_hold_the_numbers(given, tmp_path: Path):
     told = result_document(given)["pose"]["uncertainty"]
-    sigma = np.sqrt(np.diag(covariance_of(given).matrix))
+    sigma = np.sqrt(np.diag(np.asarray(covariance_of(given))))
     source, target = tmp_path / "a.csv", tmp_path / "b.csv"
     write_csv(source, CLOUD.tolist())
     write_csv(target, (CLOUD + 0.01 * NOISE).tolist())

@@ -90,7 +90,7 @@ def test_a_noise_that_hides_the_next_equilibrium_does_not_make_it_as_likely():
     summary = registration_summary(registration)
 
     assert "as likely as" not in summary
-    assert "five standard deviations do not rule out the next equilibrium" in summary
+    assert "five standard deviations of the sigma given rule out no turn" in summary
 
 
 def test_an_assessment_says_what_is_nearly_ambiguous():
