@@ -76,6 +76,7 @@ STEM = 60  # characters of a pair's name in the name of its certificate
 DEFAULT_LIMITS = Limits()
 NOTHING_ASKED = FitDemands()
 STATUSES = "certified, certified-not-unique, bounded, not-certified, or error"
+LOOSE_WORDS = "1: the noise rules out no turn about some axis; 0: it does; empty: not known"
 POSE_COLUMNS = ("qw", "qx", "qy", "qz", "tx", "ty", "tz")
 PAIR_COLUMNS = (
     Column("name", str, "", "what the list calls the pair"),
@@ -94,9 +95,7 @@ PAIR_COLUMNS = (
     Column("angle_bound_rad", float, "rad", "proved: the optimum is nearer; empty if not unique"),
     Column("margin", float, "1", "gap of the two best eigenvalues over their range"),
     Column("nearly_ambiguous", int, "", "1: margin below 0.001, and noise may turn it over; 0: no"),
-    Column(
-        "hardly_determined", int, "", "1: the noise rules out no turn about some axis; 0: it does"
-    ),
+    Column("hardly_determined", int, "", LOOSE_WORDS),
     Column("pattern", str, "", "multiplicities of the eigenvalues: 1 1 1 1 is four equilibria"),
     Column("certificate", str, "", "file, from the folder of the table"),
     Column("error", str, "", "why there is no result"),
@@ -351,6 +350,7 @@ def _row(entry: dict[str, Any]) -> dict[str, Any]:
     if entry["schema"] == ERROR_SCHEMA:
         return row | {"status": "error", "error": entry["error"]["message"]}
     optimality, equilibria = entry["optimality"], entry["equilibria"]
+    loose = entry["margin"]["hardly_determined"]
     return row | {
         "status": optimality["status"],
         "n": entry["n"],
@@ -361,7 +361,7 @@ def _row(entry: dict[str, Any]) -> dict[str, Any]:
         "angle_bound_rad": optimality["angle_bound_rad"],
         "margin": entry["margin"]["relative"],
         "nearly_ambiguous": int(entry["margin"]["nearly_ambiguous"]),
-        "hardly_determined": int(entry["margin"]["hardly_determined"]),
+        "hardly_determined": None if loose is None else int(loose),
         "pattern": " ".join(map(str, equilibria["pattern"])),
         "certificate": entry["certificate"],
     }

@@ -62,7 +62,7 @@ def result_document(
             "equilibria": _equilibria(registration.equilibria),
             "margin": {
                 **_margin(registration.equilibria),
-                "hardly_determined": is_loose(registration),
+                "hardly_determined": _hardly_determined(registration),
             },
             "relaxation": _relaxation(registration),
             "simulation": _simulation(registration),
@@ -350,6 +350,16 @@ def _margin(equilibria: EquilibriumSet) -> Document:
         "relative": margin.relative if doubt is None else Absent(doubt),
         "nearly_ambiguous": equilibria.nearly_ambiguous,
     }
+
+
+def _hardly_determined(registration: Registration) -> bool | Absent:
+    """Whether the noise leaves a turn open, where it is known how large it is."""
+    covariance = covariance_of(registration)
+    if isinstance(covariance, Absent):
+        return covariance
+    if covariance.estimated and registration.fit.warnings:
+        return Absent(NO_NOISE_ALONE)
+    return is_loose(registration)
 
 
 def _finite(value: float | Absent) -> float | Absent:

@@ -154,10 +154,12 @@ def test_near_ambiguity_is_told_to_machines_and_leaves_the_exit_code(folder):
     assert [entry["exit_code"] for entry in entries] == [0, 3, 0, 2]
     assert [row["nearly_ambiguous"] for row in table] == ["1", "0", "0", ""]
     assert [e["margin"]["nearly_ambiguous"] for e in entries[:3]] == [True, False, False]
-    assert [row["hardly_determined"] for row in table] == ["1", "0", "0", ""]
+    assert [row["hardly_determined"] for row in table] == ["1", "", "0", ""]
+    reason = entries[1]["reasons"]["margin.hardly_determined"]
+    assert reason == "the optimum is not unique"
     assert all(map(valid, entries))
     alone = certreg("equilibria", folder / "rod.csv", folder / "seen.csv", "--json").document
-    assert alone["margin"] == entries[0]["margin"]
+    assert {**alone["margin"], "hardly_determined": True} == entries[0]["margin"]
 
 
 def test_defects_met_by_one_pair_do_not_cost_the_others(folder, monkeypatch):
