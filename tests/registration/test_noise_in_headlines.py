@@ -24,6 +24,7 @@ from certreg.registration import headlines as listed
 from certreg.registration.findings import rules_out
 from certreg.registration.misfits import LEVEL
 from certreg.report import html_page, registration_summary, result_document
+from certreg.report.cards import GREEN
 from certreg.report.page import Report
 from certreg.results import Limits, Optimality
 
@@ -128,7 +129,7 @@ def test_a_rotation_that_the_given_noise_leaves_open_is_not_green(
     assert line.startswith("CERTIFIED, BUT THE ROTATION IS HARDLY DETERMINED: the global optimum ")
     assert line.endswith(f"; {open_turn}.")
     assert not is_green(loose)
-    assert "#1a7f37" not in loose._repr_html_()
+    assert GREEN not in loose._repr_html_()
     with monkeypatch.context() as patched:
         patched.setattr("certreg.report.page.rendered", lambda *_, **given: str(given["good"]))
         assert html_page(Report.of(loose)) == b"False\n"
@@ -171,15 +172,15 @@ def test_a_card_is_green_within_the_usual_limits_only(fine: Registration):
     wide = replace(proof(CLOUD + 1e16, TARGET + 1e16), limits=Limits(max_gap=0.9))
 
     assert is_green(fine)
-    assert "#1a7f37" in fine._repr_html_()
+    assert GREEN in fine._repr_html_()
     assert wide.status is Optimality.CERTIFIED
     assert not is_green(wide)
-    assert "#1a7f37" not in wide._repr_html_()
+    assert GREEN not in wide._repr_html_()
 
 
 def test_a_card_of_a_pose_is_green_where_nothing_speaks_against_it(fine: Registration):
     pose = fine.pose
     shifted = pose.translation + 1e-6 * X
 
-    assert "#1a7f37" in assess(fine, pose)._repr_html_()
-    assert "#1a7f37" not in assess(fine, pose.rotation, shifted)._repr_html_()
+    assert GREEN in assess(fine, pose)._repr_html_()
+    assert GREEN not in assess(fine, pose.rotation, shifted)._repr_html_()
