@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 import pytest
 
 from browser.pages import CHROMIUM, OPTIONS
+
+ELSEWHERE = re.compile("^(?!file:)")
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -34,7 +37,8 @@ def opened(browser: Browser) -> Callable[..., BrowserContext]:
             service_workers="block",
             **options,  # pyright: ignore[reportArgumentType]
         )
-        context.route(lambda url: not url.startswith("file:"), lambda route: route.abort())
+        # Unlike a function, a pattern is matched without asking Python about every file.
+        context.route(ELSEWHERE, lambda route: route.abort())
         return context
 
     return open_context
