@@ -5,7 +5,9 @@ CERTREG_SEEDS=random takes others each time: every night, in the workflow.
 
 from __future__ import annotations
 
+import gc
 import os
+import sys
 import warnings
 from pathlib import Path
 
@@ -26,6 +28,10 @@ settings.load_profile(os.environ.get("CERTREG_SEEDS", "certreg"))
 
 os.environ.setdefault("SYMPY_CACHE_SIZE", "20000")  # as derivations/__init__.py, and before it
 
+# As the Makefile has it: else this process and each that it starts compile all libraries anew.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
+
 DATA = Path(__file__).parent.parent / "certreg" / "data"
 
 
@@ -42,6 +48,13 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker("slow")
         elif item.get_closest_marker("slow") is None:
             item.add_marker("quick")
+
+
+def pytest_collection_finish() -> None:
+    """What collecting made stays to the end; tests make few cycles: garbage is rarely sought."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(20_000, 20, 20)
 
 
 @pytest.fixture

@@ -302,11 +302,13 @@ def test_the_least_curvature_is_that_of_lapack():
 
 
 @pytest.mark.slow
-def test_the_user_s_compiler_makes_the_library(folder):
+def test_the_user_s_compiler_makes_the_library(folder, monkeypatch):
+    """Without optimising, which takes two seconds; what other tests load was made with it."""
     try:
         find_compiler()
     except CompilationError as error:
         pytest.skip(str(error))
+    monkeypatch.setattr(compiler, "FLAGS", (*compiler.FLAGS, "-O0"))
     path = compiled_library()
 
     assert path.parent == folder
