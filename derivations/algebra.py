@@ -259,7 +259,7 @@ def _step(
     wrong = [rest for rest in rests if rest]
     verdict = _proved(evidence)
     if wrong:
-        rest = str(wrong[0].as_expr())
+        rest = str(wrong[0])
         short = rest if len(rest) < 100 else rest[:97] + "..."
         verdict = _refuted(f"{len(wrong)} of {len(rests)} entries leave a rest, the first {short}")
     return Step(says=says, kind=kind, verdict=verdict, asserted=asserted)

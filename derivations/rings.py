@@ -62,17 +62,22 @@ def symbols_of(element: PolyElement) -> set[sympy.Symbol]:
 
 def value_at(element: PolyElement, point: Mapping[sympy.Symbol, Fraction]) -> Fraction:
     """The value of a polynomial where its symbols have these values; KeyError if one has none."""
-    total = Fraction(0)
+    total: int | Fraction = 0
     symbols = element.ring.symbols
     for powers, coefficient in element.terms():
-        term = rational(coefficient)
+        term = _plain(rational(coefficient))
         for symbol, power in zip(symbols, powers, strict=True):
             if power:
-                term *= point[symbol] ** power
+                term *= _plain(point[symbol]) ** power
                 if not term:
                     break
         total += term
-    return total
+    return Fraction(total)
+
+
+def _plain(value: Fraction) -> int | Fraction:
+    """The same number; most are integers, which are reckoned with ten times faster."""
+    return value.numerator if value.denominator == 1 else value
 
 
 def rational(coefficient: Any) -> Fraction:
