@@ -348,7 +348,7 @@ def test_certify_says_which_method_it_left_out_and_why(tmp_path: Path, monkeypat
     reason = certreg(*euler, "--json").document["reasons"]["simulation"]
     assert certreg("certify", *thin, "--json").document["simulation"]["converged"]
     asked = certreg("certify", *thin, "--no-simulation", "--no-relaxation")
-    monkeypatch.setattr(pipeline, "_relaxation", lambda _: Absent("out of luck"))
+    monkeypatch.setattr(pipeline, "_relaxation", lambda *_: Absent("out of luck"))
     unlucky = certreg("certify", *thin, "--no-simulation")
 
     assert f"  simulation        left out: {reason}\n" in told.out

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 
 import pytest
-from mutants import MUTANTS, SO3, UNCHANGED, Mutant, changed_functions, noticed_apart
+from mutants import MUTANTS, ROOT, SO3, UNCHANGED, Mutant, changed_functions, noticed_apart
 
 from derivations import book
 
@@ -36,6 +36,13 @@ def test_every_mutant_of_a_shipped_formula_is_noticed(mutant):
 
 def test_there_are_mutants_enough():
     assert len({mutant.says for mutant in MUTANTS}) == len(MUTANTS) >= 30
+
+
+def test_every_mutant_is_one_of_the_code_as_it_is():
+    """Of all, as only a part of them is asked in every run of the tests."""
+    stand = {m.says: (ROOT / m.file).read_text("utf-8").count(m.old) for m in MUTANTS}
+
+    assert [says for says, count in stand.items() if count != 1] == []
 
 
 def test_the_unmutated_formula_is_not_noticed():
