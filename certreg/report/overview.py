@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from certreg.registration import at_most, headline_of, proved_degrees, share_words
-from certreg.report.summary import explained_words, margin_words, number
+from certreg.registration import FitCode, at_most, headline_of, proved_degrees, share_words
+from certreg.report.summary import explained_words, margin_words, number, percent_words
 from certreg.report.uncertainty import (
     centre_words,
     chi2_words,
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from certreg.geometry import Pose
     from certreg.registration import Fit, PoseCovariance, Registration
 
+WIDE = 1e9  # larger translations are written with an exponent
 BASIS = "± is"  # the row that says where the deviations come from
 NO_PROOF = "A statistic: nothing of it is proved."
 QUIET = (
@@ -121,13 +122,18 @@ def _sure(registration: Registration, covariance: PoseCovariance) -> list[Fact]:
 
 def _aligned(matrix: list[list[float]]) -> tuple[str, ...]:
     """The rows in few digits, in columns."""
-    cells = [[*(f"{entry:.6f}" for entry in row[:3]), f"{row[3]:.9g}"] for row in matrix[:3]]
+    cells = [[*(f"{entry:.6f}" for entry in row[:3]), _short(row[3])] for row in matrix[:3]]
     cells.append(["0", "0", "0", "1"])
     widths = [max(len(row[k]) for row in cells) for k in range(4)]
     return tuple(
         "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True))
         for row in cells
     )
+
+
+def _short(value: float) -> str:
+    """A length in so few characters that the matrix fits its place."""
+    return f"{value:.9g}" if 1e-4 <= abs(value) < WIDE or not value else f"{value:.5e}"
 
 
 def _rotation(pose: Pose, covariance: PoseCovariance | None) -> Fact:
@@ -151,14 +157,31 @@ def _fit(registration: Registration) -> Iterator[Fact]:
         value=number(registration.rmse),
         words="in the unit of the clouds",
     )
-    value, words = split(explained_words(fit))
-    yield Fact(name="Explained", value=value, words=words)
+    yield _explained(fit)
     if fit.largest_over_median_residual is not None:
         ratio = f"{fit.largest_over_median_residual:.3g}"
         yield Fact(name="Worst pair", value=f"{ratio} ×", words="the median distance")
     chi2 = chi2_words(registration)
     if chi2 is not None:
         yield Fact(name="Chi-squared", value="", words=chi2)
+
+
+def _explained(fit: Fit) -> Fact:
+    """How much of the target's spread; where a scale fits better, first what the pose does without.
+
+    Of the spread the pose leaves (Sxx + Syy - 2 tr) / Syy, with Sxx / Syy = R^2 / s^2.
+    """
+    value, words = split(explained_words(fit))
+    scale, share = fit.best_scale, fit.explained
+    if FitCode.SCALE not in fit.codes or not scale or share is None:
+        return Fact(name="Explained", value=value, words=words)
+    alone = share * (2.0 - 1.0 / scale) / scale
+    told = percent_words(alone) if alone > 0.0 else "nothing"
+    return Fact(
+        name="Explained",
+        value=told,
+        words=f"of the target's spread at this scale; {value} with the best one",
+    )
 
 
 def _judged(fit: Fit, *, good: bool) -> tuple[Mark, str]:

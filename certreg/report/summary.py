@@ -335,12 +335,17 @@ def explained_words(fit: Fit) -> str:
     """How much of the target a fit explains."""
     if fit.explained is None:
         return f"unknown: {fit.stated('explained').reason}"
-    percent = 100.0 * fit.explained
+    return f"{percent_words(fit.explained)}{OF_SPREAD}"
+
+
+def percent_words(share: float) -> str:
+    """A share in per cent, with the digits in which it differs from all of it."""
+    percent = 100.0 * share
     digits = max(0, min(9, 2 - math.floor(math.log10(max(100.0 - percent, 1e-9)))))
-    share = f"{percent:.{digits}f}"
-    if float(share) >= 100.0:
-        share = "over 99.9999999"  # nothing is rounded up to all of it
-    return f"{share} %{OF_SPREAD}"
+    told = f"{percent:.{digits}f}"
+    if float(told) >= 100.0:
+        told = "over 99.9999999"  # nothing is rounded up to all of it
+    return f"{told} %"
 
 
 def _away(angle: float, *, unique: bool = True) -> str:

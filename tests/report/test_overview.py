@@ -90,6 +90,31 @@ def test_of_map_coordinates_the_centre_is_told_which_is_as_sure_as_the_points():
     assert row.endswith(f" lands at {centre.value[1:-1].replace(',', '')})")
 
 
+@pytest.mark.parametrize("factor", [1.02, 1000.0, 0.001])
+def test_where_a_scale_fits_better_it_is_told_what_the_pose_explains_without_it(factor: float):
+    good = registered().problem
+    problem = RegistrationProblem(good.source, factor * good.target)
+    registration = certify(problem, relaxation=False, simulation=False)
+    (told,) = [fact for fact in Overview.of(registration).fit if fact.name == "Explained"]
+    spread = ((problem.target - problem.target.mean(axis=0)) ** 2).sum()
+    explained = 1.0 - checked(registration.objective) / spread
+
+    if factor < 1.0:
+        assert told.value == "nothing"
+    else:
+        assert float(told.value.split()[0]) == pytest.approx(100.0 * explained, rel=6e-3)
+    assert re.search(r"at this scale; 99\.99\d* % with the best one$", told.words)
+
+
+def test_the_matrix_fits_its_place_whatever_the_translation_is():
+    source = registered().problem.source @ random_rotation(np.random.default_rng(3)).T
+    problem = RegistrationProblem(source, registered().problem.target - [1.2e13, 0.0, 123456.789])
+    rows = Overview.of(certify(problem, relaxation=False, simulation=False)).pose.rows
+
+    assert "e+13" in rows[0]
+    assert max(map(len, rows)) <= 46
+
+
 @pytest.mark.parametrize("sigma", [None, 0.01])
 def test_chi_squared_is_told_where_sigma_is_given(sigma: float | None):
     facts = {fact.name: fact.words for fact in Overview.of(registered(sigma=sigma)).fit}
