@@ -23,9 +23,10 @@ from certreg.certificate.producing import multiplier_gap, proved_multiplier
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem, lift
-from certreg.relaxation.conic import solve, statement
+from certreg.relaxation.conic import solve
 from certreg.relaxation.qcqp import Form
 from certreg.relaxation.shor import relax
+from certreg.relaxation.stated import statement
 from tests.strategies import ZOO, Specimen
 
 if TYPE_CHECKING:
