@@ -78,8 +78,9 @@ def produce(
         angle = dyadic_above(delta.value / mu.value, BOUND_BITS)
     classification, q = objective.classification, objective.quaternions[0]
     multiplier = None if proposal is None else proved_multiplier(objective, proposal)
-    level = objective.alignment(q) + delta.value - mu.value
-    inside = state is not None and proves_basin(objective, state, level)
+    inside = state is not None and proves_basin(
+        objective, state, objective.alignment(q) + delta.value - mu.value
+    )
     body = IsotropicBody(
         quaternion=q,
         mu=mu,
@@ -140,15 +141,14 @@ def proves_optimality(
     lift, lead = int(mu_unit * clear), int(delta_unit * clear)
     diagonal = quadratic_form(davenport, q) * clear + (lead - lift) * norm
     scaled = norm * clear
-    return is_positive_definite(
-        [
-            [
-                (diagonal if i == j else 0) - scaled * davenport[i][j] + lift * q[i] * q[j]
-                for j in range(4)
-            ]
-            for i in range(4)
-        ]
-    )
+    along = [lift * entry for entry in q]
+    rows = [
+        [along[i] * q[j] - scaled * davenport[i][j] if j >= i else 0 for j in range(4)]
+        for i in range(4)
+    ]
+    for i, row in enumerate(rows):
+        row[i] += diagonal
+    return is_positive_definite(rows)  # which reads the upper triangle
 
 
 def proves_basin(objective: Isotropic, state: RotationState, level: Fraction) -> bool:
@@ -218,10 +218,10 @@ def _optimality(objective: Isotropic) -> tuple[Dyadic, Dyadic] | None:
     mu = dyadic_below(gap / 2, BOUND_BITS) if shape.unique else Dyadic(mantissa=0, exponent=0)
     smallest = objective.size * power_of_two(-min(4 * objective.eigenspaces.pose_bits, LEAST_BITS))
     residual = objective.squared_residual(q)
-    first = max(4 * residual / gap if gap else Fraction(0), smallest)
+    first, least = max(4 * residual / gap if gap else Fraction(0), smallest), mu.value
     for attempt in range(ATTEMPTS):
         guess = first * power_of_two(GROWTH_BITS * attempt)
         delta = dyadic_above(guess, BOUND_BITS)
-        if proves_optimality(objective, q, mu.value, delta.value):
+        if proves_optimality(objective, q, least, delta.value):
             return mu, delta
     return None

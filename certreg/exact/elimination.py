@@ -12,21 +12,22 @@ def is_positive_definite(matrix: Sequence[Sequence[int]]) -> bool:
     """Whether all leading principal minors are positive (Sylvester's criterion): an exact answer.
 
     Fraction-free elimination [Bareiss1968]: the k-th pivot is the k-th leading minor, every
-    division is exact, so no rational arithmetic is needed and integers stay short.
+    division is exact, so no rational arithmetic is needed and integers stay short. What is left
+    stays symmetric, so only what is on the diagonal and above is read.
 
     >>> is_positive_definite([[2, 1], [1, 1]]), is_positive_definite([[1, 1], [1, 1]])
     (True, False)
     """
     rows = [list(row) for row in matrix]
-    previous = 1
-    for k in range(len(rows)):
-        pivot = rows[k][k]
+    size, previous = len(rows), 1
+    for k, first in enumerate(rows):
+        pivot = first[k]
         if pivot <= 0:
             return False
-        for row in rows[k + 1 :]:
-            factor = row[k]
-            for j in range(k + 1, len(rows)):
-                row[j] = (row[j] * pivot - factor * rows[k][j]) // previous
+        for i in range(k + 1, size):
+            row, factor = rows[i], first[i]
+            for j in range(i, size):
+                row[j] = (row[j] * pivot - factor * first[j]) // previous
         previous = pivot
     return True
 
