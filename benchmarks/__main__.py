@@ -11,6 +11,7 @@ from benchmarks import (
     checking,
     comparing,
     computing,
+    everyday,
     importing,
     instances,
     phases,
@@ -30,6 +31,7 @@ MEASUREMENTS = {
     for module in (
         computing,
         checking,
+        everyday,
         importing,
         comparing,
         accuracy,

@@ -1,0 +1,123 @@
+"""The everyday calls, in processor time: each bound is scaled by a yardstick that is run beside.
+
+A bound is meant where the yardstick, `Rotation.align_vectors` of 100 pairs, takes 100 us, and is
+scaled by what it takes here, in this process.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+import certreg
+from benchmarks.clouds import random_clouds
+from benchmarks.measuring import Figure, Quantity, fastest, power_of_ten
+from certreg.certificate.producing import produce
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
+from certreg.verify import check
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from numpy.typing import NDArray
+
+    Cloud = NDArray[np.float64]
+
+YARDSTICK, YARDSTICK_CALLS = 100e-6, 200  # seconds that the bounds are meant for; calls to find it
+FEW, MANY, MILLION = 20, 10_000, 1_000_000
+# Processor seconds where the yardstick takes 100 us.
+BOUNDS = {
+    "certificate from the spectrum": 0.1e-3,
+    "check": 0.3e-3,
+    "certify, bare": 1.5e-3,
+    "certify": 3e-3,
+    "certify, many": 15e-3,
+    "certify, a million": 200e-3,
+    "simulate": 0.2e-3,
+}
+SIZES = {10: 0.5, 100: 0.5, 1000: 0.5, MANY: 0.5}  # of `register`: share of five lines of NumPy
+ROUNDS = 5
+
+
+def measure() -> Iterator[Figure]:
+    yardstick = _yardstick()
+    works = list(_works())
+    times = [(name, what, _least(work, calls)) for name, what, work, calls in works]
+    yardstick = min(yardstick, _yardstick())
+    scale = yardstick / YARDSTICK
+    yield Figure(what="yardstick: align_vectors", value=Quantity(yardstick, "s"))
+    for name, what, seconds in times:
+        beside = {"where the yardstick takes 100 us": Quantity(seconds / scale, "s")}
+        bound = BOUNDS[name] * scale
+        yield Figure(what=what, value=Quantity(seconds, "s"), bound=bound, beside=beside)
+    for n, share in SIZES.items():
+        yield _registering(n, share)
+
+
+def _works() -> Iterator[tuple[str, str, Callable[[], object], int]]:
+    """Name of the bound, what it is, the call, and how often it is made."""
+    few, many = (RegistrationProblem(*random_clouds(n)) for n in (FEW, MANY))
+    moments = exact_moments(few)
+    found = Isotropic(moments)
+    certificate = produce(few, found)
+    assert certificate is not None
+    content, of = certificate.to_json(), f", N = {FEW}"
+
+    def bare(problem: RegistrationProblem) -> object:
+        return certreg.certify(problem, relaxation=False, simulation=False)
+
+    spectrum = "certificate from the spectrum"
+    yield spectrum, spectrum + of, lambda: produce(few, found), 200
+    yield "check", "verify.check" + of, lambda: check(content), 200
+    yield "certify, bare", "certify, no relaxation, no run" + of, lambda: bare(few), 60
+    yield "certify", "certify, everything" + of, lambda: certreg.certify(few), 60
+    yield "simulate", "simulate, splitting" + of, lambda: certreg.simulate(few, "splitting"), 100
+    yield "certify, many", f"certify, bare, N = {power_of_ten(MANY)}", lambda: bare(many), 20
+    million = RegistrationProblem(*random_clouds(MILLION))
+    yield "certify, a million", f"certify, N = {power_of_ten(MILLION)}", lambda: bare(million), 3
+
+
+def _yardstick() -> float:
+    source, target = random_clouds(100)
+    return _least(lambda: Rotation.align_vectors(target, source), YARDSTICK_CALLS)
+
+
+def _least(work: Callable[[], object], calls: int) -> float:
+    """Processor seconds of the cheapest call."""
+    work()
+    least = math.inf
+    for _ in range(calls):
+        start = time.process_time()
+        work()
+        least = min(least, time.process_time() - start)
+    return least
+
+
+def _registering(n: int, share: float) -> Figure:
+    source, target = random_clouds(n)
+    ours, lines = fastest(
+        lambda: certreg.register(source, target),
+        lambda: _five_lines(source, target),
+        rounds=ROUNDS,
+    )
+    return Figure(
+        what=f"register / NumPy, N = {power_of_ten(n)}",
+        value=Quantity(ours / lines, "x"),
+        bound=share,
+        beside={"register": Quantity(ours, "s"), "five lines": Quantity(lines, "s")},
+    )
+
+
+def _five_lines(source: Cloud, target: Cloud) -> tuple[Cloud, Cloud]:
+    """What one would write: nothing is checked."""
+    here, there = source.mean(0), target.mean(0)
+    u, _, vt = np.linalg.svd((target - there).T @ (source - here))
+    u[:, 2] *= np.sign(np.linalg.det(u @ vt))
+    rotation = u @ vt
+    return rotation, there - rotation @ here
