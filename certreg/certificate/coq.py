@@ -267,7 +267,7 @@ def run_coqc(
         path.write_text(source, encoding="utf-8")
         command = [coqc, *QUIET, "-R", str(proofs), "Certreg", str(path)]
         return subprocess.run(  # noqa: S603 - found on PATH, our own arguments
-            command, capture_output=True, text=True, check=False, timeout=seconds, cwd=folder
+            command, capture_output=True, encoding="utf-8", check=False, timeout=seconds, cwd=folder
         )
 
 
@@ -352,7 +352,7 @@ def _compile(coqc: str, folder: Path, modules: list[str], cache: Path) -> None:
 
 
 def _run(command: list[str]) -> str:
-    done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603
+    done = subprocess.run(command, capture_output=True, encoding="utf-8", check=False)  # noqa: S603
     if done.returncode != 0:
         message = f"coqc failed: {_first_error(done.stderr)}: {HOW_TO_GET}"
         raise MissingToolError(message, tool="coqc")

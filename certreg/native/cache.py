@@ -112,7 +112,7 @@ def opened_folder(folder: Path) -> Generator[Path]:
 def is_intact(library: Path) -> bool:
     """Whether a library is there with exactly the bytes that were compiled."""
     try:
-        return _seal(library).read_text() == digest(library.read_bytes())
+        return _seal(library).read_text("utf-8") == digest(library.read_bytes())
     except (OSError, UnicodeDecodeError):
         return False
 
@@ -218,7 +218,7 @@ def _written(folder: Path, name: str, content: bytes) -> Path:
         fresh = Path(place) / "library.so"
         fresh.write_bytes(content)
         fresh.chmod(0o644)  # whatever the user's mask: what others may write to is not loaded
-        _seal(fresh).write_text(digest(content))
+        _seal(fresh).write_text(digest(content), "utf-8")
         if not is_intact(fresh):
             raise CacheError(f"{folder} does not keep what is written to it")
         fresh.replace(library)

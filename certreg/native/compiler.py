@@ -193,7 +193,7 @@ def _failure(command: Sequence[str], folder: Path) -> str:
             _end(process)
     if code == 0:
         return ""
-    lines = [line.strip() for line in said.read_text(errors="replace").splitlines()]
+    lines = [line.strip() for line in said.read_text("utf-8", errors="replace").splitlines()]
     for telling in ("no space", "error", ""):
         for line in lines:
             if line and telling in line.lower():

@@ -37,7 +37,7 @@ def record_types(layout: Mapping[str, Mapping[str, Any]]) -> dict[str, RecordTyp
     return types
 
 
-_TYPES = record_types(json.loads((GENERATED / "layout.json").read_text()))
+_TYPES = record_types(json.loads((GENERATED / "layout.json").read_text("utf-8")))
 MATRIX_STATE = _TYPES["matrix_state"]  # c, R, v, omega: the order of [Yang2020]
 QUATERNION_STATE = _TYPES["quaternion_state"]  # c, q, v, omega
 BODY = _TYPES["body"]  # per unit of mass: cross, inertia, inertia_inverse, spread, damping

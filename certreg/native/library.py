@@ -239,7 +239,7 @@ def _settings(rules: Rules) -> _Settings:
 
 def signatures() -> dict[str, Signature]:
     """The generated functions and the sizes of their arguments, as the generator wrote them."""
-    document = json.loads(SIGNATURES.read_text())
+    document = json.loads(SIGNATURES.read_text("utf-8"))
     return {
         name: Signature(arguments=tuple(sizes["arguments"]), results=tuple(sizes["results"]))
         for name, sizes in document.items()

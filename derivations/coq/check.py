@@ -60,7 +60,7 @@ def main(argv: list[str]) -> int:
         sys.stderr.write(f"REFUSED: {error}\n")
         return 1
     peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 2**20
-    lines = sum(len(path.read_text().splitlines()) for path in HERE.glob("*.v"))
+    lines = sum(len(path.read_text("utf-8").splitlines()) for path in HERE.glob("*.v"))
     count = len(theorems(HERE))
     seconds = time.monotonic() - start
     print(f"{count} theorems, {lines} lines: {seconds:.0f} s, at most {peak:.2f} GB in a process")
@@ -83,8 +83,8 @@ def verify(sources: Path, folder: Path = BUILD, *, write: bool = False) -> None:
     require_allowed(output)
     recorded = sources / "assumptions.txt"
     if write:
-        recorded.write_text(found)
-    compare(recorded.read_text(), found)
+        recorded.write_text(found, "utf-8")
+    compare(recorded.read_text("utf-8"), found)
 
 
 def compile_in(folder: Path, sources: Path = HERE) -> None:
@@ -139,7 +139,7 @@ def scan(folder: Path) -> None:
     """Nothing if no file claims without proof. Raises ProofError naming the line."""
     for path in sorted(folder.glob("*.v")):
         sections = 0
-        for number, line in enumerate(without_comments(path.read_text()).splitlines(), 1):
+        for number, line in enumerate(without_comments(path.read_text("utf-8")).splitlines(), 1):
             sections += line.startswith("Section ") - line.startswith("End ")
             loose = sections == 0 and SECTIONED.match(line)
             if FORBIDDEN.search(line) or loose:
@@ -152,7 +152,9 @@ def theorems(folder: Path) -> list[tuple[str, str]]:
         (name, theorem)
         for name in names(folder)
         for theorem in re.findall(
-            r"^Theorem (\w+)", without_comments((folder / f"{name}.v").read_text()), re.MULTILINE
+            r"^Theorem (\w+)",
+            without_comments((folder / f"{name}.v").read_text("utf-8")),
+            re.MULTILINE,
         )
     ]
 
@@ -167,7 +169,7 @@ def assumptions(folder: Path, listed: list[tuple[str, str]]) -> str:
     )
     with tempfile.TemporaryDirectory() as scratch:
         path = Path(scratch) / "assumptions.v"
-        path.write_text(text)
+        path.write_text(text, "utf-8")
         output = run(["coqc", *FLAGS, "-R", str(folder), "Certreg", str(path)], "cannot be asked")
     lines = []
     for part in output.split("## ")[1:]:
