@@ -140,8 +140,9 @@ def test_the_version_is_one_everywhere():
     citation = (ROOT / "CITATION.cff").read_text("utf-8")
     cited = re.findall(r"^version: (\S+)$", citation, flags=re.MULTILINE)
 
-    assert cited == [PYPROJECT["project"]["version"]]
-    assert certreg.__version__ == PYPROJECT["project"]["version"]
+    assert cited == [certreg.__version__]
+    assert PYPROJECT["project"]["dynamic"] == ["version"]
+    assert PYPROJECT["tool"]["hatch"]["version"]["path"] == "certreg/__init__.py"
 
 
 def make(*arguments: str, path: str | None = None) -> subprocess.CompletedProcess[str]:
