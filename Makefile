@@ -36,8 +36,9 @@ demo: $(RUNS)  ## register the packaged real data and prove the answers
 test: $(READY)  ## run the tests and the examples in the docstrings
 	@$(RUN) -m pytest
 
-test-long: $(READY)  ## the rest of the samples of which `make test` takes a part (a minute)
+test-long: $(READY)  ## the rest of the samples of which `make test` takes a part (two minutes)
 	@$(RUN) -m pytest -m long
+	@$(RUN) -m pytest -m 'hypothesis and not long' --hypothesis-profile long
 
 # Of the oldest versions there are wheels for the oldest Python. What they deprecate of each other is no fault of ours.
 test-lowest:  ## the quick tests on the lowest versions that pyproject.toml names (needs uv)

@@ -18,12 +18,14 @@ from certreg.errors import SlowSimulationWarning
 
 settings.register_profile(
     "certreg",
+    max_examples=50,  # of twice as many in `make test-long`, where a test does not say how many
     derandomize=True,
     deadline=None,  # the machines are shared: no property is about time
     database=None,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )
-settings.register_profile("random", settings.get_profile("certreg"), derandomize=False)
+settings.register_profile("long", settings.get_profile("certreg"), max_examples=100)
+settings.register_profile("random", settings.get_profile("long"), derandomize=False)
 settings.load_profile(os.environ.get("CERTREG_SEEDS", "certreg"))
 
 os.environ.setdefault("SYMPY_CACHE_SIZE", "20000")  # as derivations/__init__.py, and before it
