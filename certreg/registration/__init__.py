@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from certreg.registration.headlines import DEGREE_SLACK as DEGREE_SLACK
     from certreg.registration.headlines import HARDLY_DETERMINED as HARDLY_DETERMINED
     from certreg.registration.headlines import HEADLINES as HEADLINES
+    from certreg.registration.headlines import LOOSE_SIGMA as LOOSE_SIGMA
     from certreg.registration.headlines import NO_ROTATION as NO_ROTATION
     from certreg.registration.headlines import WEAK as WEAK
     from certreg.registration.headlines import Headline as Headline
@@ -157,6 +158,7 @@ __getattr__ = lazy_face(
             "DEGREE_SLACK",
             "HARDLY_DETERMINED",
             "HEADLINES",
+            "LOOSE_SIGMA",
             "NO_ROTATION",
             "WEAK",
             "Headline",

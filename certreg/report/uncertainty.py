@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.exact import nearest_or_zero
-from certreg.registration import NO_RESIDUALS, FitCode, axis_words
+from certreg.registration import LOOSE_SIGMA, NO_RESIDUALS, FitCode, axis_words
 from certreg.results import Absent
 
 if TYPE_CHECKING:
@@ -95,7 +95,8 @@ def rotation_words(covariance: PoseCovariance, axes: str) -> str:
     if covariance.loosest_sigma < FIRST_ORDER:
         return told
     about = axis_words(covariance.loosest_axis)
-    return f"{told}: too large for a first order: the turn about {about} is hardly determined"
+    loose = " is hardly determined" if covariance.loosest_sigma > LOOSE_SIGMA else ""
+    return f"{told}: too large for a first order: the turn about {about}{loose}"
 
 
 def chi2_words(registration: Registration) -> str | None:

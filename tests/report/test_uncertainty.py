@@ -16,6 +16,7 @@ from strategies import TETRAHEDRON
 from certreg.problem import RegistrationProblem
 from certreg.registration import certify
 from certreg.registration.fit import ChiSquared
+from certreg.registration.headlines import LOOSE_SIGMA
 from certreg.report import html_page, registration_summary, result_document
 from certreg.report.page import Report
 from certreg.report.uncertainty import (
@@ -145,10 +146,10 @@ def test_small_turns_are_in_arc_seconds_and_large_ones_no_longer_small(given):
     assert words(math.radians(0.999 * MOST)).startswith("127 127 180 degrees")
     assert words(math.radians(1.001 * MOST)).startswith("127 127 >180 degrees")
     assert "too large" not in words(0.99 * FIRST_ORDER)
-    loose = words(1.01 * FIRST_ORDER)
-    assert loose.endswith(
-        "too large for a first order: the turn about (0, 0, 1) is hardly determined"
-    )
+    large = ": too large for a first order: the turn about (0, 0, 1)"
+    assert words(1.01 * FIRST_ORDER).endswith(large)
+    assert words(0.99 * LOOSE_SIGMA).endswith(large)
+    assert words(1.01 * LOOSE_SIGMA).endswith(f"{large} is hardly determined")
 
 
 def test_points_almost_on_a_line_say_which_turn_is_loose():
