@@ -115,6 +115,14 @@ def test_the_table_of_a_pose_holds_its_numbers_in_any_unit(unit: float):
     assert "beyond" not in assessment_summary(judged)
 
 
+def test_what_a_subnormal_double_would_round_keeps_its_digits():
+    third = Fraction(5e-324) / 3  # of 4.940656458412465e-324
+
+    assert summary.exact_number(10 * third) == "1.646885486e-323"
+    assert summary.exact_number(Fraction(0)) == "0.000000"
+    assert summary.exact_number(Fraction(1, 3)) == "0.333333"
+
+
 def test_a_plane_has_no_worst_rotation_but_several():
     worst = proof(OCTAHEDRON, OCTAHEDRON)
     plane = worst.equilibria.components[-1]
