@@ -139,8 +139,16 @@ def free_port() -> int:
         return probe.getsockname()[1]
 
 
+# Four processes that load dask; tests/campaign runs a cluster of two workers every time.
+LONG = {"cluster"}
+WITH_COMMANDS = [
+    pytest.param(guide, id=guide.stem, marks=[pytest.mark.long] if guide.stem in LONG else [])
+    for guide in GUIDES
+]
+
+
 @pytest.mark.slow
-@each_guide
+@pytest.mark.parametrize("guide", WITH_COMMANDS)
 def test_the_commands_of_a_guide_run(guide, tmp_path, data):
     """`certreg` is this checkout's; the shell stops at the first command that fails."""
     try:
