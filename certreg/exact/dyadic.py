@@ -136,6 +136,25 @@ def nearest_root(value: Fraction) -> float | None:
     return nearest_quotient(root << max(-places, 0), 1 << max(places, 0))
 
 
+def root_of_quotient(numerator: int, denominator: int) -> float | None:
+    """The square root of a quotient >= 0 of integers, rounded once; None where no double holds it.
+
+    For integers of thousands of bits, whose common factor takes longer to find than the root.
+    """
+    if numerator == 0:
+        return 0.0
+    places = 64 - (numerator.bit_length() - denominator.bit_length()) // 2
+    above, below = (
+        (numerator << 2 * places, denominator)
+        if places >= 0
+        else (numerator, denominator << -2 * places)
+    )
+    square, rest = divmod(above, below)
+    root = math.isqrt(square)
+    root = 2 * root + (rest != 0 or root * root != square)  # odd if anything is left: no tie then
+    return nearest_quotient(root << max(-places, 0), 2 << max(places, 0))
+
+
 def root_above(value: Fraction) -> float:
     """A double at or just above the square root of value (>= 0); infinity beyond the doubles."""
     return double_above(rational_root_above(value))

@@ -13,12 +13,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from math import prod
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from certreg.equilibrium import rotation_double, unit_double
-from certreg.exact import nearest_double, nearest_or_zero, nearest_root
+from certreg.exact import nearest_double, nearest_root, power_of_two, root_of_quotient
 from certreg.geometry import body_frame, dot, rotation_matrix, squared_norm
 from certreg.problem import contiguous, row_blocks
 from certreg.results import OUT_OF_RANGE, Absent, Explained, present
@@ -132,12 +133,12 @@ def pose_covariance(problem: RegistrationProblem, objective: Isotropic) -> PoseC
     if parts is None:
         return NOT_TOLD_APART
     exact = parts.matrix()
-    sigmas = [nearest_root(row[i]) for i, row in enumerate(exact)]
-    centre, loosest = nearest_root(parts.centre), nearest_root(parts.factors[0])
+    sigmas = [root_of_quotient(row[i], exact.denominator) for i, row in enumerate(exact.rows)]
+    centre, loosest = nearest_root(parts.centre), nearest_root(parts.loosest)
     if None in sigmas or centre is None or loosest is None:
         return OUT_OF_RANGE
     told = np.array(sigmas, dtype=np.float64)
-    matrix, axis = _in_doubles(exact), unit_double(parts.axes[0])
+    matrix, axis = _in_doubles(exact), unit_double(parts.axis)
     factor = nearest_double(least / degrees) if degrees > 0 else None
     return PoseCovariance(
         matrix=present(matrix),
@@ -164,49 +165,76 @@ class _Parts:
     P = sum_k f_k u_k u_k^T, u_k = L(q)^T q_k a unit vector, f_k = 2 s / (l1 - lk), s the scale; dt
     moves by R (m x u_k) with it, and by the centre's own: so every variance is a sum of squares.
 
-    factors: f_k, largest first. axes: u_k, integers; levers: R (m x u_k), along as many. centre:
-    s / M.
+    All in integers: moves: (dt, phi) along each axis, times `denominator`. weights: of their
+    squares, f_k / |u_k|^2 in units of `unit` / `whole`. loosest: f_1. centre: s / M.
     """
 
-    factors: list[Fraction]
-    axes: list[list[int]]
-    levers: list[list[Fraction]]
+    moves: list[list[int]]
+    axis: list[int]
+    denominator: int
+    weights: list[int]
+    unit: Fraction
+    whole: int
+    loosest: Fraction
     centre: Fraction
 
     @classmethod
     def of(cls, objective: Isotropic, scale: Fraction) -> _Parts | None:
         """None where two eigenvalues are not told apart."""
         q, vectors = objective.quaternions[0], objective.eigenvectors
-        gaps = [drop * objective.eigenvalue_unit for drop in objective.eigenvalue_drops[1:]]
-        if min(gaps) <= 0:
+        drops, moments = objective.eigenvalue_drops[1:], objective.moments
+        if min(drops) <= 0:
             return None
         frame, turn = list(zip(*body_frame(q), strict=True)), rotation_matrix(q)
         axes = [[dot(column, vector) for column in frame] for vector in vectors[1:]]
-        mean, norm = objective.moments.source_centroid, squared_norm(q)
-        levers = [[Fraction(dot(row, _cross(mean, axis)), norm) for row in turn] for axis in axes]
+        arm = power_of_two(moments.source_exponent) / (moments.mass * squared_norm(q))
+        levers = [[dot(row, _cross(moments.source_sum, axis)) for row in turn] for axis in axes]
+        ends = zip(levers, axes, strict=True)
+        shares = [drop * squared_norm(axis) for drop, axis in zip(drops, axes, strict=True)]
+        whole = prod(shares)
+        spread = 2 * scale / objective.eigenvalue_unit
         return cls(
-            factors=[2 * scale / gap for gap in gaps],
-            axes=axes,
-            levers=levers,
-            centre=scale / objective.moments.total_weight,
+            moves=[
+                [*(m * arm.numerator for m in lever), *(m * arm.denominator for m in axis)]
+                for lever, axis in ends
+            ],
+            axis=axes[0],
+            denominator=arm.denominator,
+            weights=[whole // share for share in shares],
+            unit=spread,
+            whole=whole,
+            loosest=spread / drops[0],
+            centre=scale / moments.total_weight,
         )
 
-    def matrix(self) -> list[list[Fraction]]:
+    def matrix(self) -> RationalMatrix:
         """(6, 6), the covariance of (dt, phi)."""
-        size = range(PARAMETERS)
-        entries = [[self.centre * int(i == j < TURN) for j in size] for i in size]
-        for factor, axis, lever in zip(self.factors, self.axes, self.levers, strict=True):
-            moves, each = [*lever, *axis], factor / squared_norm(axis)
-            for i in size:
-                scaled = each * moves[i]
-                for j in range(i + 1):
-                    entries[i][j] += scaled * moves[j]
-        return [[entries[max(i, j)][min(i, j)] for j in size] for i in size]
+        size, unit, centre = range(PARAMETERS), self.unit, self.centre
+        below = unit.denominator * self.whole * self.denominator**2
+        factor, own = unit.numerator * centre.denominator, centre.numerator * below
+        entries = [[0] * PARAMETERS for _ in size]
+        for i in size:
+            heavy = [w * moves[i] for w, moves in zip(self.weights, self.moves, strict=True)]
+            for j in range(i + 1):
+                products = (a * moves[j] for a, moves in zip(heavy, self.moves, strict=True))
+                entries[i][j] = entries[j][i] = factor * sum(products) + own * (i == j < TURN)
+        return RationalMatrix(rows=entries, denominator=below * centre.denominator)
 
 
-def _in_doubles(exact: list[list[Fraction]]) -> NDArray[np.float64] | Absent:
+@dataclass(frozen=True, kw_only=True)
+class RationalMatrix:
+    """A matrix of rational numbers, as integers over one denominator."""
+
+    rows: list[list[int]]
+    denominator: int
+
+
+def _in_doubles(exact: RationalMatrix) -> NDArray[np.float64] | Absent:
     """Each entry rounded once; Absent where that loses too much."""
-    matrix = np.array([[nearest_or_zero(entry) for entry in row] for row in exact])
+    try:
+        matrix = np.array([[entry / exact.denominator for entry in row] for row in exact.rows])
+    except OverflowError:
+        return OUT_OF_RANGE
     least = np.diag(matrix).min()  # below the normal doubles digits are lost
     if not np.isfinite(matrix).all() or least < np.finfo(np.float64).tiny:
         return OUT_OF_RANGE
@@ -221,7 +249,7 @@ def _least_correlation(matrix: NDArray[np.float64]) -> float:
     return float(np.linalg.eigvalsh(matrix / sigmas / sigmas[:, None])[0])
 
 
-def _cross(a: Sequence[Fraction], b: Sequence[int]) -> list[Fraction]:
+def _cross(a: Sequence[int], b: Sequence[int]) -> list[int]:
     return [a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3] for i in range(3)]
 
 

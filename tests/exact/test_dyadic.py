@@ -18,6 +18,7 @@ from certreg.exact.dyadic import (
     nearest_root,
     rational_root_above,
     root_above,
+    root_of_quotient,
 )
 
 positive = st.builds(
@@ -64,6 +65,26 @@ def test_roots_are_right_where_the_square_is_far_outside_the_doubles(value):
     assert root is not None
     if root > 1e-300:
         assert abs(Fraction(root) ** 2 - value) <= value / 2**51
+
+
+TIE = (2**53 + 1) ** 2  # of a root just between two doubles
+
+
+@given(positive, st.integers(1, 10**30))
+@example(Fraction(TIE), 3)
+@example(Fraction(TIE * 4**400 + 1), 7)  # hardly above: up
+@example(Fraction(TIE * 4**400 - 1, 4**900), 1)
+def test_a_root_of_a_quotient_is_rounded_once_in_lowest_terms_or_not(value, factor):
+    root = root_of_quotient(factor * value.numerator, factor * value.denominator)
+
+    assert root is not None
+    if root > 1e-300:
+        nearer = [
+            (Fraction(root) + Fraction(math.nextafter(root, end))) / 2 for end in (0.0, math.inf)
+        ]
+        assert nearer[0] ** 2 <= value <= nearer[1] ** 2
+    assert root_of_quotient(0, factor) == 0.0
+    assert root_of_quotient(4**1100, 1) is None
 
 
 @given(positive)

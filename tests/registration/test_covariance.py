@@ -28,6 +28,7 @@ from certreg.registration.certification import certify
 from certreg.registration.covariance import (
     LEAST_CORRELATION,
     PoseCovariance,
+    RationalMatrix,
     _in_doubles,
     pose_covariance,
     residual_distances,
@@ -338,8 +339,9 @@ def test_a_matrix_is_lost_just_where_a_variance_could_be_off_by_a_hundredth():
     """Two turns whose correlation leaves 1 - c, the least eigenvalue of the correlations."""
 
     def kept(rest: Fraction) -> bool:
-        exact = [[Fraction(int(i == j)) for j in range(6)] for i in range(6)]
-        exact[3][4] = exact[4][3] = 1 - rest
+        rows = [[rest.denominator * (i == j) for j in range(6)] for i in range(6)]
+        rows[3][4] = rows[4][3] = rest.denominator - rest.numerator
+        exact = RationalMatrix(rows=rows, denominator=rest.denominator)
         return not isinstance(_in_doubles(exact), Absent)
 
     assert kept(Fraction(1.05 * LEAST_CORRELATION))
