@@ -24,6 +24,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from certreg.errors import InvalidFileError
+from certreg.io import scans as packed_scans
 from certreg.io.clouds import Pairing, parse_cloud, read_cloud, read_problem, write_cloud
 from certreg.io.labels import Match
 from certreg.io.pcd import decompress
@@ -924,3 +925,48 @@ def test_the_number_of_a_pdb_model_is_that_of_columns_11_to_14(
 
     assert cloud.points.tolist() == [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]][: 3 - models]
     assert ("the first of 2 models" in " ".join(cloud.notes)) == (models == 2)
+
+
+@pytest.mark.parametrize("count", [1, 2, 5])
+def test_rows_beyond_the_declared_number_of_an_xyz_file_are_refused_at_the_first(count: int):
+    rows = "".join(f"C {k} 0 0\n" for k in range(count + 1))
+    with pytest.raises(InvalidFileError, match=f"more than the {count} points of line 1") as caught:
+        parse_cloud(io.BytesIO(f"{count}\n\n{rows}".encode()), Path("a.xyz"))
+
+    assert (caught.value.line, caught.value.limit) == (count + 3, count)
+
+
+@pytest.mark.parametrize("name", ["sigma", "weight"])
+def test_a_column_of_noise_that_is_not_read_is_named_as_it_is_called(name: str):
+    properties = [("double", axis) for axis in ("x", "y", "z", name)]
+    content = ply([("vertex", properties, [[*point, 2.0] for point in POINTS])])
+    noisy, plain = (
+        parse_cloud(io.BytesIO(content), Path("a.ply"), noise=noise) for noise in (True, False)
+    )
+
+    given = {"sigma": noisy.sigma, "weight": noisy.weights}
+    assert [key for key, values in given.items() if values is not None] == [name]
+    assert (plain.sigma, plain.weights) == (None, None)
+    assert (name in plain.ignored, name in noisy.ignored) == (True, False)
+
+
+@pytest.mark.parametrize(("count", "read_"), [(64, True), (65, False)])
+def test_an_archive_holds_at_most_64_arrays(tmp_path: Path, count: int, *, read_: bool):
+    names = {f"a{k}": np.zeros(1) for k in range(count - 1)}
+    arrays: dict[str, Any] = {"points": ARRAY, **names}
+    np.savez(tmp_path / "a.npz", **arrays)
+    if read_:
+        assert read_cloud(tmp_path / "a.npz").points.tolist() == POINTS
+    else:
+        with pytest.raises(InvalidFileError, match="too many arrays"):
+            read_cloud(tmp_path / "a.npz")
+
+
+@pytest.mark.parametrize(("code", "size"), [(1, 24), (0, 23), (1, 23)])
+def test_packed_points_of_a_process_that_failed_are_not_read(
+    monkeypatch: pytest.MonkeyPatch, code: int, size: int
+):
+    done = subprocess.CompletedProcess([], code, stdout=bytes(size))
+    monkeypatch.setattr(packed_scans.subprocess, "run", lambda *_, **__: done)
+    with pytest.raises(InvalidFileError, match="its packed data are broken"):
+        packed_scans._columns_of_packed(b"", Path("a.laz"))

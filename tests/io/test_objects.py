@@ -436,3 +436,10 @@ def test_a_cloud_is_an_array_of_its_points(tmp_path):
     assert np.shares_memory(np.asarray(cloud), cloud.points)
     assert not np.shares_memory(np.array(cloud), cloud.points)
     assert np.asarray(cloud, dtype=np.float32).dtype == np.float32
+
+
+def test_names_of_a_longer_cloud_differ_where_the_shorter_ends():
+    short, long = RowLabels(values=("a", "b")), RowLabels(values=("a", "b", "c"))
+
+    assert short.first_other(long) == long.first_other(short) == 2
+    assert RowLabels(values=("a", "x", "c")).first_other(short) == 1

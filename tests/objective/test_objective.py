@@ -244,3 +244,16 @@ def test_batches_and_register_build_no_objective_and_agree_with_it(monkeypatch):
     assert abs(pose.quaternion_wxyz @ best) == pytest.approx(1.0, abs=1e-14)
     assert solved.translations[0, 0] == pytest.approx(shift, abs=1e-12)
     assert pose.translation == pytest.approx(shift, abs=1e-12)
+
+
+@pytest.mark.parametrize(("here", "there"), [(0, 0), (5, 0), (0, 5), (-7, 3)])
+def test_the_integer_spread_is_that_of_the_moments_in_whatever_units_the_clouds_are(here, there):
+    cloud = np.array([[1.0, 0, 0], [0, 2, 0], [0, 0, 4], [1, 1, 1]])
+    moments = exact_moments(
+        certreg.RegistrationProblem(cloud * 2.0**here, cloud[::-1] * 2.0**there)
+    )
+    objective = Isotropic(moments)
+    least = min(moments.source_exponent, moments.target_exponent)
+    unit = Fraction(2) ** (moments.weight_exponent + 2 * least) / moments.mass
+
+    assert objective._spread * unit == moments.spread
