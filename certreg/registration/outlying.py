@@ -378,7 +378,7 @@ def _picked(problem: RegistrationProblem) -> Block:
         rng = np.random.default_rng(0)
         rows = rng.choice(problem.n, SAMPLE_ROWS, replace=False, shuffle=False)
         points = _rows(problem, np.sort(rows))
-    return _rows(points, np.flatnonzero(points.weights))
+    return points if points.weights.all() else _rows(points, np.flatnonzero(points.weights))
 
 
 def _other_pairing(frame: _Frame, problem: RegistrationProblem) -> OtherPairing | None:
