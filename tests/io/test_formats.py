@@ -198,6 +198,17 @@ def test_a_pcd_file_may_leave_out_what_has_a_default(data: str):
 
 
 @pytest.mark.parametrize("data", DATA)
+def test_fields_of_several_numbers_move_no_point_wherever_they_stand(data: str):
+    x, y, z, more = *F4, ("normal", "F", 8, 3)
+    for fields in ([more, x, y, z], [x, more, y, z], [z, y, more, x]):
+        names = [name for name, _, _, count in fields for _ in range(count)]
+        rows = [[float(k + step) for k in range(6)] for step in (1, 100, 1000)]
+        points = [[row[names.index(axis)] for axis in "xyz"] for row in rows]
+
+        assert read(pcd(fields, rows, data), ".pcd") == (points, ("normal",))
+
+
+@pytest.mark.parametrize("data", DATA)
 def test_a_missing_point_of_an_organised_cloud_is_named(data: str):
     content = pcd(F4, [*POINTS[:2], [1.0, float("nan"), 2.0], POINTS[3]], data, height=2)
 
@@ -925,6 +936,44 @@ def test_the_number_of_a_pdb_model_is_that_of_columns_11_to_14(
 
     assert cloud.points.tolist() == [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]][: 3 - models]
     assert ("the first of 2 models" in " ".join(cloud.notes)) == (models == 2)
+
+
+PDB_ROW = "ATOM      1  CA {}LEU A   1    {:8.3f}   0.000   0.000{:>6}  0.00           C"
+CIF_ROW = "ATOM CA C {} A 1 {} 0.0 0.0 {}"
+CIF_TAGS = (
+    "group_PDB label_atom_id type_symbol label_alt_id auth_asym_id auth_seq_id "
+    "Cartn_x Cartn_y Cartn_z occupancy"
+)
+
+
+def places_of_an_atom(suffix: str, occupancies: list[str]) -> bytes:
+    """A file of one Cα atom in places x = 0, 1, 2, ...; without an occupancy it is 1."""
+    row, none = (PDB_ROW, "") if suffix == ".pdb" else (CIF_ROW, ".")
+    places = enumerate(zip("ABCD", occupancies, strict=False))
+    rows = [row.format(name, float(k), held or none) for k, (name, held) in places]
+    if suffix == ".pdb":
+        return "\n".join([*rows, "END", ""]).encode()
+    tags = [f"_atom_site.{tag}" for tag in CIF_TAGS.split()]
+    return "\n".join(["data_a", "loop_", *tags, *rows, ""]).encode()
+
+
+@pytest.mark.parametrize("suffix", [".pdb", ".cif"])
+@pytest.mark.parametrize(
+    "occupancies",
+    [["0.50"] * 2, ["0.25"] * 4, ["0.20", "0.40", "0.40"], ["", "1.00"], ["0.90", ""], ["0.00"]],
+    ids=" ".join,
+)
+def test_of_equally_occupied_places_of_an_atom_the_first_is_taken(
+    suffix: str, occupancies: list[str]
+):
+    if suffix == ".cif":
+        pytest.importorskip("gemmi")
+    content = places_of_an_atom(suffix, occupancies)
+    cloud = parse_cloud(io.BytesIO(content), Path(f"a{suffix}"))
+    held = [float(text or 1) for text in occupancies]
+
+    assert cloud.points.tolist() == [[held.index(max(held)), 0.0, 0.0]]
+    assert ("of 1 with alternative places" in " ".join(cloud.notes)) == (len(held) > 1)
 
 
 @pytest.mark.parametrize("count", [1, 2, 5])

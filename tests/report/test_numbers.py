@@ -108,6 +108,22 @@ def test_a_certificate_of_a_wide_angle_is_weak_however_small_its_gap(
     assert _weaker(given, proved) == weak
 
 
+@pytest.mark.parametrize(("times", "weak"), [(0.999 * WEAKER, False), (1.001 * WEAKER, True)])
+def test_a_certificate_of_a_wide_gap_is_weak_however_small_its_angle(
+    registration: Registration, times: float, *, weak: bool
+):
+    proved = checked(registration.bounds)
+    wide = replace(proved, greatest_gap=Fraction(times) * proved.greatest_gap)
+    without = replace(proved, angle_upper=None)
+
+    assert proved.greatest_gap > 0
+    assert _weaker(wide, proved) == weak
+    assert _weaker(replace(wide, angle_upper=None), without) == weak
+    assert not _weaker(proved, wide)
+    assert not _weaker(wide, None)
+    assert (_weaker(without, proved), _weaker(proved, without)) == (True, False)
+
+
 @pytest.mark.parametrize("arrived", [True, False])
 def test_a_finer_motion_is_shown_only_where_it_ends(
     monkeypatch: pytest.MonkeyPatch, registration: Registration, *, arrived: bool
