@@ -10,7 +10,7 @@ import logging
 from typing import TYPE_CHECKING
 
 from certreg import results as _results
-from certreg._faces import found_late, lazy_face
+from certreg._loading import found_late, lazy_face
 
 # Not lazily: this loads the module `certreg.verify`, too, which Python binds to that name when it
 # is first loaded, and never again. So the function, bound after it, stays.

@@ -6,8 +6,8 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from certreg._loading import library
 from certreg.io import csv_field, write_atomically, written_atomically
-from certreg.libraries import library
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterable, Sequence

@@ -17,8 +17,8 @@ from contextlib import suppress
 from multiprocessing.connection import wait
 from typing import TYPE_CHECKING, Any, Protocol
 
+from certreg._loading import library
 from certreg.errors import CampaignError
-from certreg.libraries import library
 from certreg.verify import shown
 
 if TYPE_CHECKING:

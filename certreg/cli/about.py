@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import platform
+from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING
 
 import click
 
 from certreg import __version__, native, registration
+from certreg._loading import ORIGINS
 from certreg.cli.options import FOLDER
-from certreg.libraries import ORIGINS, stated_version
 from certreg.registration import DONE
 
 if TYPE_CHECKING:
@@ -32,10 +33,20 @@ def info() -> int:
     click.echo(f"Python       {platform.python_version()} ({platform.python_implementation()})")
     click.echo(f"system       {platform.system()} {platform.machine()}")
     for name, origin in ORIGINS.items():
-        click.echo(f"{origin.name:12} {stated_version(name)}")
+        click.echo(f"{origin.name:12} {_stated_version(name)}")
     click.echo(f"simulation   {_engine()}")
     click.echo("checker      exact integers of Python itself")
     return DONE
+
+
+def _stated_version(name: str) -> str:
+    """The version of a library in `ORIGINS` that is installed, or what it comes with."""
+    origin = ORIGINS[name]
+    try:
+        return version(origin.name)
+    except PackageNotFoundError:
+        brought = "" if origin.extra is None else f" (extra `{origin.extra}`)"
+        return f"not installed{brought}"
 
 
 def _engine() -> str:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from certreg._loading import require
 from certreg.cli.options import FOLDER
-from certreg.libraries import require
 from certreg.paper import (
     all_hold,
     audit,

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 from certreg import __version__
+from certreg._loading import belongs, refusal
 from certreg.cli.memory import LOADING, LOADING_ALL, require_loadable
 from certreg.cli.options import EXIT_CODES, warnings_as_notes
 from certreg.errors import CertregError
-from certreg.libraries import belongs, refusal
 from certreg.registration import DONE, INTERRUPTED, MISUSED, code_of_error
 from certreg.report import printable
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from certreg._loading import require
 from certreg.campaign import (
     SUMMARY,
     occupied,
@@ -16,7 +17,6 @@ from certreg.campaign import (
 from certreg.cli.campaigns import resumable
 from certreg.cli.options import FOLDER
 from certreg.cli.progress import Progress, Stages
-from certreg.libraries import require
 from certreg.paper import (
     EXCEPTIONS,
     MonteCarlo,

@@ -13,8 +13,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from certreg._loading import library
 from certreg.equilibrium.torques import COLUMNS, torque_table
-from certreg.libraries import library
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -15,10 +15,10 @@ from importlib import import_module
 from itertools import accumulate
 from typing import TYPE_CHECKING
 
+from certreg._loading import library
 from certreg.equilibrium.critical_set import CriticalSet
 from certreg.errors import ContradictionError, UndecidedError
 from certreg.geometry import dot
-from certreg.libraries import library
 from certreg.objective import Isotropic
 from certreg.results import Brief
 

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, overload
 
 import numpy as np
 
+from certreg._loading import library
 from certreg.errors import InvalidProblemError, OutOfRangeError
 from certreg.geometry.orthogonality import UNNOTED_DEFECT, rotation_defect, why_no_rotation
 from certreg.geometry.pose_matrix import doubles_of, split_matrix
 from certreg.geometry.so3 import body_frame, canonical, quaternion_from_matrix, rotation_matrix
-from certreg.libraries import library
 from certreg.results import Brief
 
 if TYPE_CHECKING:

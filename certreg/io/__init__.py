@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg._faces import lazy_face
+from certreg._loading import lazy_face
 
 if TYPE_CHECKING:
     from certreg.io.atomic import TEMPORARY as TEMPORARY

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from certreg._loading import library
 from certreg.errors import InvalidFileError
-from certreg.libraries import library
 from certreg.verify import shown
 
 if TYPE_CHECKING:

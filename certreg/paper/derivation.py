@@ -16,10 +16,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from certreg import native  # asked for its generator where that is needed: it loads CasADi
+from certreg._loading import library
 from certreg.campaign import LocalWorkers
 from certreg.errors import CertregError
 from certreg.io import write_atomically, write_files
-from certreg.libraries import library
 
 if TYPE_CHECKING:
     from collections.abc import Generator, Iterator, Mapping, Sequence

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg._loading import library
 from certreg.dynamics import body_of
-from certreg.libraries import library
 from certreg.paper.equilibria import signs
 from certreg.paper.particles import Particles, at_rest
 from certreg.paper.scheme import RAW_UNIT

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from certreg.libraries import library
+from certreg._loading import library
 
 if TYPE_CHECKING:
     from collections.abc import Generator

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg._loading import library
 from certreg.dynamics import SimulationSettings
-from certreg.libraries import library
 from certreg.paper.evidence import rough
 from certreg.paper.parameter_sweeps import QUANTITIES, Curves
 from certreg.paper.style import (

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg._loading import library
 from certreg.errors import MissingToolError
-from certreg.libraries import library
 from certreg.relaxation.conic import ConicSolution, RelaxationStatus, named
 from certreg.relaxation.qcqp import Form, quadratic_program
 

@@ -10,7 +10,7 @@ from functools import cache
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
-from certreg.libraries import library
+from certreg._loading import library
 
 if TYPE_CHECKING:
     from collections.abc import Callable

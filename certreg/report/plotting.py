@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from certreg.libraries import library
+from certreg._loading import library
 from certreg.registration import headline_of
 from certreg.report.picture import SOURCE, SPRING, Sample
 

@@ -120,11 +120,15 @@ def nulls(value: Any, path: str = "") -> Iterator[str]:
             yield from nulls(inner, f"{path}[{k}]")
 
 
+NOTED = {"pose.covariance"}  # a value of noise alone, where the fit holds more
+
+
 def keeps(document: Any, schema: str) -> None:
-    """The document is as its schema says, with a reason in words for exactly its nulls."""
+    """The document is as its schema says, with a reason in words for all nulls, a note of few."""
     assert document["schema"] == schema
     assert [error.message for error in validator(schema).iter_errors(document)] == []
-    assert set(document["reasons"]) == set(nulls(document))
+    assert set(document["reasons"]) - set(nulls(document)) <= NOTED
+    assert set(nulls(document)) <= set(document["reasons"])
     assert all(len(words.split()) > 1 for words in document["reasons"].values())
 
 
@@ -531,6 +535,7 @@ def test_equilibria_are_those_of_certify(specimen, tmp_path: Path):
     assert run.code == told.code == (0 if specimen.pattern[0] == 1 else 3)
     keeps(document, "certreg-equilibria/1")
     assert document["equilibria"] == whole["equilibria"]
+    del whole["margin"]["hardly_determined"]  # by the noise, which equilibria do not know
     assert document["margin"] == whole["margin"]
     assert WORDS.get(specimen.name, "Equilibria (exact, complete): ") in told.out
 
@@ -1136,7 +1141,8 @@ def test_apply_refuses_what_is_no_rotation_in_the_words_of_assess(
     assessed = certreg("assess", *clouds, "--pose", pose)
 
     assert (run.code, run.out) == (2, "")
-    assert run.err == f"certreg: {pose}: {assessed.out}"
+    assert assessed.out.startswith(run.err.removeprefix(f"certreg: {pose}: ").rstrip())
+    assert run.err.startswith(f"certreg: {pose}: NOT-A-ROTATION: ")
     assert assessed.out.startswith("NOT-A-ROTATION: ")
     assert words in assessed.out
     assert not out.exists()

@@ -10,13 +10,14 @@ from pathlib import Path
 import pytest
 from commands import certreg
 
-from certreg import libraries
+from certreg import _loading
+from certreg._loading import ORIGINS
+from certreg.cli import about
 from certreg.errors import MissingToolError
-from certreg.libraries import ORIGINS
 from certreg.relaxation import conic
 from certreg.report import markup
 
-DATA = Path(libraries.__file__).parent / "data"
+DATA = Path(_loading.__file__).parent / "data"
 CLOUDS = (DATA / "survey_source.csv", DATA / "survey_target.csv")
 
 
@@ -95,7 +96,7 @@ def test_info_lists_every_library_and_what_brings_it(without):
     without(*(name for name in ORIGINS if name not in {"numpy", "click"}))
     known = certreg("info").out
     left_out = pytest.MonkeyPatch()
-    left_out.setattr(libraries, "version", _nothing_installed)
+    left_out.setattr(about, "version", _nothing_installed)
     run = certreg("info")
     left_out.undo()
 
@@ -107,7 +108,7 @@ def test_info_lists_every_library_and_what_brings_it(without):
 
 
 def _nothing_installed(name: str) -> str:
-    raise libraries.PackageNotFoundError(name)
+    raise about.PackageNotFoundError(name)
 
 
 @pytest.mark.parametrize(
@@ -124,9 +125,9 @@ def test_a_library_that_does_not_load_is_told_from_one_that_is_not_there(
     def load(_module: str):
         raise fault
 
-    monkeypatch.setattr(libraries, "import_module", load)
+    monkeypatch.setattr(_loading, "import_module", load)
     with pytest.raises(MissingToolError) as caught:
-        libraries.library("cvxpy", "this")
+        _loading.library("cvxpy", "this")
 
     assert "is installed but does not load (" in str(caught.value)
     assert told in str(caught.value)

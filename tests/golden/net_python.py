@@ -139,8 +139,8 @@ def texts() -> str:
         listed=str(package.equilibria(stated, "all")),
         run=f"{trajectory}\n{dumps(trajectory.to_dict())}",
         pose=f"{bare().pose!r} {bare().pose.inverse().T_target_source.tolist()}",
-        covariance=f"{checked(whole().covariance).ros.tolist()}"
-        f"\n{checked(whole().covariance).gtsam.tolist()}",
+        covariance=f"{checked(checked(whole().covariance).ros).tolist()}"
+        f"\n{checked(checked(whole().covariance).gtsam).tolist()}",
         residuals=f"{whole().residuals.tolist()}",
         register=f"{package.register(stated.source, stated.target)!r}",
         damped=f"{optimally_damped(stated).damping}",

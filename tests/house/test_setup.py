@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 import certreg
-from certreg.libraries import ORIGINS
+from certreg._loading import ORIGINS
 
 ROOT = Path(__file__).parents[2]
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))

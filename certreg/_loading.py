@@ -1,16 +1,42 @@
-"""The libraries of others: each loaded when it is needed, and one line where it is not there.
+"""What is loaded when it is first asked for: the names of a wing's face, the libraries of others.
 
 A library that is not installed is told from one that is and does not load: the remedies differ.
 """
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from importlib import import_module
-from importlib.metadata import PackageNotFoundError, version
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from certreg.errors import MissingToolError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+
+def lazy_face(package: str, names: Mapping[str, Sequence[str]]) -> Callable[[str], Any]:
+    """The `__getattr__` of a package (PEP 562) that shows names of the modules inside it.
+
+    names: by module, relative to the package. Heavy libraries are so loaded by those alone who use
+    them, and a package may be imported before the modules that its own modules need.
+    """
+    homes = {name: f"{package}.{module}" for module, shown in names.items() for name in shown}
+
+    def __getattr__(name: str) -> Any:  # noqa: N807 - it is one, of the package
+        if name not in homes:
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        value = getattr(import_module(homes[name]), name)
+        setattr(sys.modules[package], name, value)
+        return value
+
+    return __getattr__
+
+
+def found_late(module: str, name: str) -> Callable[[], Any]:
+    """A function that gives a name of a module, imported when it is first asked for."""
+    return lambda: getattr(import_module(module), name)
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,16 +120,6 @@ def belongs(error: ImportError) -> str | None:
     """The library in `ORIGINS` that an import missed, None if it is another one."""
     name = _root(error.name or "")
     return name if name in ORIGINS else None
-
-
-def stated_version(name: str) -> str:
-    """The version of a library in `ORIGINS` that is installed, or what it comes with."""
-    origin = ORIGINS[name]
-    try:
-        return version(origin.name)
-    except PackageNotFoundError:
-        brought = "" if origin.extra is None else f" (extra `{origin.extra}`)"
-        return f"not installed{brought}"
 
 
 def _root(module: str) -> str:
