@@ -299,7 +299,6 @@ CHANGES = {
 }
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("what", CHANGES)
 def test_a_pair_whose_files_have_changed_is_computed_anew_with_a_note(folder, what):
     name, content, code = CHANGES[what]

@@ -382,9 +382,21 @@ def test_what_doubles_do_not_decide_is_listed_with_its_certificate(tmp_path):
 def test_a_lost_certificate_is_written_anew(tmp_path):
     finish(FLAT, tmp_path)
     before = tree(tmp_path)
-    gone, bent, _ = sorted((tmp_path / CERTIFICATES).iterdir())
+    gone, *_ = sorted((tmp_path / CERTIFICATES).iterdir())
     gone.unlink()
-    bent.write_bytes(b"{}")
+
+    finish(FLAT, tmp_path)
+    assert tree(tmp_path) == before
+
+
+@pytest.mark.parametrize("which", [0, 1, 2])
+@pytest.mark.parametrize("damaged", [lambda whole: whole[:-9], lambda whole: whole + b"\n"])
+def test_a_certificate_that_was_damaged_is_written_anew(tmp_path, which: int, damaged):
+    """Each for itself, and all others there: nothing else says that the shard is not done."""
+    finish(FLAT, tmp_path)
+    before = tree(tmp_path)
+    bent = sorted((tmp_path / CERTIFICATES).iterdir())[which]
+    bent.write_bytes(damaged(bent.read_bytes()))
 
     finish(FLAT, tmp_path)
     assert tree(tmp_path) == before

@@ -38,7 +38,7 @@ from certreg.registration.headlines import CERTIFIED
 from certreg.results import Ruling, Verdict
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
@@ -549,10 +549,40 @@ def test_what_is_numerical_is_not_called_exact(specimen, tmp_path: Path):
 
     doubtful = "(numerical, not proved complete): the search told no more apart than " in headline
     assert doubtful is ("(numerical" in headline)
+    unique = specimen.pattern[0] == 1
+    assert run.code == (4 if doubtful else 0 if unique else 3)
     for claim in ("exactly", "infinitely many", "Not unique: ", "the optimum is not unique"):
         assert not (doubtful and claim in run.out)
     assert doubtful is ("Ambiguity margin: not known" in run.out)
     assert ("(numerical, " in headline) is (specimen.pattern != (1, 1, 1, 1))
+
+
+def test_each_option_of_pairing_works_alone(tmp_path: Path):
+    """As the clouds without what it leaves out."""
+    rows = [(0, 0, 0), (1, 0, 0), (0, 2, 0), (0, 0, 3), (1, 1, 1)]
+
+    def cloud(name: str, *columns: str, more: Sequence[str] = ()) -> Path:
+        lines = [",".join([c for c in ("label", "weight") if c in columns] + ["x", "y", "z"])]
+        for k, (x, y, z) in enumerate(rows):
+            own = {"label": f"p{k}", "weight": str(1 + k)}
+            lines.append(",".join([*(own[c] for c in columns), f"{y},{z},{x + k / 10}"]))
+        path = tmp_path / name
+        path.write_text("\n".join([*lines, *more]) + "\n")
+        return path
+
+    def found(*arguments: object) -> Any:
+        run = certreg("equilibria", *arguments, "--json")
+        assert run.code == 0, run.err
+        return run.document["equilibria"]
+
+    source = write_csv(tmp_path / "source.csv", rows)
+    bare, weighted = cloud("bare.csv"), cloud("weighted.csv", "weight")
+    assert found(source, weighted, "--ignore-weights") == found(source, bare)
+    assert found(source, weighted) != found(source, bare)
+    named = write_csv(tmp_path / "named.csv", rows, [f"p{k}" for k in range(5)])
+    longer = cloud("longer.csv", "label", more=["p9,7,7,7"])
+    assert found(named, longer, "--match", "common") == found(source, bare)
+    assert certreg("equilibria", named, longer).code == 2
 
 
 @pytest.mark.parametrize("method", ["groebner", "homotopy"])
