@@ -132,6 +132,7 @@ def test_permuted_points_are_refused_unless_the_certificate_is_true_of_them(cert
         check_refused_unless_true(oracle.with_problem(certificate, changed))
 
 
+@pytest.mark.slow
 def test_a_changed_quaternion_is_refused_unless_it_is_near_enough():
     refused = 0
     for k in range(4):

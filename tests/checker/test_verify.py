@@ -654,6 +654,7 @@ def test_help_is_not_an_error(capsys):
     assert "usage" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_malformed_certificate_is_refused_with_exit_code_one(tmp_path):
     path = tmp_path / "certificate.json"
     for content in (b"", b"{}", b"\xff\xfe", b"[" * 10**5):

@@ -84,6 +84,7 @@ def assert_true(certificate, source, target, weights) -> dict[str, Fraction]:
     return told
 
 
+@pytest.mark.slow
 def test_every_number_brackets_the_truth_of_random_problems():
     for seed in range(20):
         source, target, weights = oracle.random_problem(seed, n=4 + seed % 3, noise=0.1 * seed)

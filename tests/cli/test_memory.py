@@ -29,6 +29,7 @@ def limited(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(memory, "memory_limit", lambda: LITTLE + memory.RESERVE)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("limited")
 @pytest.mark.parametrize(
     "ends",

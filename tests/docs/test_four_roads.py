@@ -47,6 +47,7 @@ def test_near_a_tie_the_exact_methods_decide_and_the_third_is_right_or_in_doubt(
     assert all(re.search(r"homotopy: (enclosed|in doubt|not decided)", line) for line in lines)
 
 
+@pytest.mark.slow
 def test_the_figure_marks_every_equilibrium_and_every_circle(run):
     """Each section has its centre and two pairs of opposite points, or a circle for them."""
     names, _ = run

@@ -185,6 +185,7 @@ def test_the_commands_of_a_guide_run(guide, tmp_path, data):
         assert {"dynamics.c", "dynamics.h", "example.c", "survey.txt"} <= set(run.stdout.split())
 
 
+@pytest.mark.slow
 def test_the_vectors_of_the_guide_compile_and_step(tmp_path):
     """Eight lanes of the guide's own code, each as `certreg_euler_step` does it alone."""
     guide = ROOT / "docs" / "howto" / "embed-the-c-code.md"

@@ -119,6 +119,7 @@ def test_the_packaged_pairs_end_in_the_proved_basin(name):
     assert_ends_in_the_proved_basin(told(name))
 
 
+@pytest.mark.slow
 def test_random_problems_end_in_the_proved_basin():
     rng = np.random.default_rng(2027)
     for _ in range(30):

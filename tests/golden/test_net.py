@@ -10,7 +10,7 @@ import json
 
 import pytest
 from net import RECORDS, SHOWN, canonical, difference, record_of, recorded
-from net_cases import CASES
+from net_cases import CASES, NetCase
 
 import certreg
 
@@ -18,9 +18,15 @@ MEANT = (
     "What users see has changed (- the record, + now). If that is meant, `make record`, look at "
     "the difference of tests/golden/records, and commit it with the change."
 )
+SLOW = {"batch", "certify-out", "certify-units", "python-formats", "python-pages", "weak"}
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def marked(case: NetCase):
+    marks = [pytest.mark.slow] if case.name in SLOW else []
+    return pytest.param(case, id=case.name, marks=marks)
+
+
+@pytest.mark.parametrize("case", [marked(case) for case in CASES])
 def test_what_is_seen_is_what_is_recorded(case):
     kept = record_of(case.name)
     old = kept.read_text("utf-8") if kept.exists() else ""
@@ -75,6 +81,10 @@ def test_a_long_difference_is_cut():
 
     assert len(lines) == SHOWN + 1
     assert lines[-1] == "... and 60 more lines"
+
+
+def test_every_slow_case_is_a_case():
+    assert {case.name for case in CASES} >= SLOW
 
 
 def test_every_record_is_of_a_case_and_none_is_long():

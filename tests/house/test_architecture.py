@@ -8,8 +8,12 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import certreg
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 PACKAGE = Path(certreg.__file__).parent
 verify = import_module("certreg.verify")
@@ -70,14 +74,19 @@ def wing(module: str) -> str:
     return module.split(".")[1]
 
 
+def statements(node: ast.AST, *, inner: bool = False) -> Iterator[tuple[ast.AST, bool]]:
+    """Every statement below a node, and whether it stands within a function."""
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, (ast.stmt, ast.ExceptHandler, ast.match_case)):
+            yield child, inner
+            yield from statements(child, inner=inner or isinstance(child, ast.FunctionDef))
+
+
 @cache
 def imports_of(module: str, source: str) -> tuple[Import, ...]:
     """Everything that a module imports from certreg, for types alone, too."""
-    tree = ast.parse(source)
-    functions = [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef)]
-    within = {id(node) for function in functions for node in ast.walk(function)}
     found: list[Import] = []
-    for node in ast.walk(tree):
+    for node, inner in statements(ast.parse(source)):
         if isinstance(node, ast.Import):
             pairs = [alias.name.rpartition(".")[::2] for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
@@ -86,7 +95,7 @@ def imports_of(module: str, source: str) -> tuple[Import, ...]:
         else:
             continue
         found += [
-            Import(by=module, source=origin, name=name, line=node.lineno, inner=id(node) in within)
+            Import(by=module, source=origin, name=name, line=node.lineno, inner=inner)
             for origin, name in pairs
             if (origin or name).split(".")[0] == "certreg"
         ]
@@ -246,7 +255,7 @@ def test_functions_and_modules_keep_to_the_sizes_of_the_house():
         if module.startswith("certreg.native.generated"):
             continue  # by `make generate`, for no reader
         assert module == "certreg.verify" or len(source.splitlines()) <= 450, module
-        for node in ast.walk(ast.parse(source)):
+        for node, _ in statements(ast.parse(source)):
             if isinstance(node, ast.FunctionDef):
                 lines = (node.end_lineno or 0) - node.lineno + 1
                 assert lines <= 60, f"{module}.{node.name}"

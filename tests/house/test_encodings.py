@@ -5,6 +5,8 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 
+import pytest
+
 import certreg
 
 PACKAGE = Path(certreg.__file__).parent
@@ -26,6 +28,7 @@ def unstated(source: str) -> list[int]:
     return lines
 
 
+@pytest.mark.slow
 def test_no_text_is_read_or_written_in_the_encoding_of_the_machine():
     found = {
         path.name: lines

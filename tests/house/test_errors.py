@@ -356,6 +356,7 @@ def test_the_shard_on_which_workers_die_is_named():
     }
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_does_not_answer_is_named():
     pytest.importorskip("distributed", reason="the extra `campaign` is not installed")
     error = raised(CampaignError, workers._connected, "no address", 0.1)

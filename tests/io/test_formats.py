@@ -313,6 +313,7 @@ def test_an_xyz_file_is_plain_or_chemical(text: str, points, ignored):
     assert read(text.encode(), ".xyz") == (points, ignored)
 
 
+@pytest.mark.slow
 def test_xyz_clouds_are_verified_without_numpy(tmp_path: Path):
     rows = ["O 0 0 0", "H 1 0 0", "H 0 2 0", "C 0 0 3"]
     source, target = tmp_path / "a.xyz", tmp_path / "b.xyz"

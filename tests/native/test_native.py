@@ -324,6 +324,7 @@ def test_what_was_compiled_is_found_again(copying, monkeypatch):
     assert files(copying) == [".sha256", ".so"]
 
 
+@pytest.mark.slow
 def test_another_compiler_other_flags_or_another_processor_compile_anew(copying, monkeypatch):
     paths = [compiled_library()]
     monkeypatch.setattr(compiler, "FLAGS", (*compiler.FLAGS, "-g"))
@@ -690,6 +691,7 @@ def test_a_compiler_that_fails_says_why_and_leaves_nothing(does, words, folder, 
     assert list(folder.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_code_that_crashes_is_not_kept(made, folder, monkeypatch):
     """As where the processor lacks an instruction: the trial ends, not the user's process."""
     del made

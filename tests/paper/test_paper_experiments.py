@@ -160,6 +160,7 @@ def projected_euler(problem: RegistrationProblem, step: float, stop: float) -> l
     return states
 
 
+@pytest.mark.slow
 def test_the_simulation_is_the_papers_scheme_step_by_step():
     problem = instance(5)
     particles = Particles.of(problem)

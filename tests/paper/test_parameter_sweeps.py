@@ -262,6 +262,7 @@ def test_captions_tell_the_counts(found, drawn):
     assert f"{total} of {total} instances" in drawn[1].caption
 
 
+@pytest.mark.slow
 def test_the_table_has_a_row_for_each_value_and_the_documents_fields(found):
     listed = list(csv.DictReader(io.StringIO(sweep_table(found).decode())))
     fields = SCHEMA["properties"]["maps"]["items"]["properties"]
@@ -275,6 +276,7 @@ def test_the_table_has_a_row_for_each_value_and_the_documents_fields(found):
         assert (row["margins_told"] == "") == (values["margins_told"] is None)
 
 
+@pytest.mark.slow
 def test_a_run_that_never_escapes_is_no_number(found):
     last = found[0].measurements[-1]
     stuck = replace(last, escape_times=np.full_like(last.escape_times, math.inf))

@@ -218,6 +218,7 @@ def test_a_wrong_sign_in_the_torque_of_the_paper_is_seen(monkeypatch):
     assert failed(SMALL) >= {"2", "3"}
 
 
+@pytest.mark.slow
 def test_a_wrong_energy_is_seen(monkeypatch):
     right = Particles.potential
     monkeypatch.setattr(Particles, "potential", lambda self, state: 1.01 * right(self, state))
@@ -225,6 +226,7 @@ def test_a_wrong_energy_is_seen(monkeypatch):
     assert "3" in failed(SMALL)
 
 
+@pytest.mark.slow
 def test_springs_that_push_are_seen(monkeypatch):
     def mistake(batch) -> None:
         batch.bodies["cross"] *= -1.0
@@ -234,6 +236,7 @@ def test_springs_that_push_are_seen(monkeypatch):
     assert failed(SMALL) >= {"15a"}
 
 
+@pytest.mark.slow
 def test_a_wrong_inertia_is_seen(monkeypatch):
     def mistake(batch) -> None:
         batch.bodies["inertia_inverse"] *= 1.1  # J alpha is not the torque any more
@@ -243,6 +246,7 @@ def test_a_wrong_inertia_is_seen(monkeypatch):
     assert failed(SMALL) >= {"13b"}
 
 
+@pytest.mark.slow
 def test_a_step_without_projection_is_seen(monkeypatch):
     class Unprojected:
         """Explicit Euler in the 18 numbers: R leaves the rotations."""
@@ -309,6 +313,7 @@ def proofs_are(verdict: Verdict):
     return standing_in
 
 
+@pytest.mark.slow
 def test_a_claim_that_is_not_proved_is_not_confirmed(monkeypatch):
     refuted = Verdict(ruling=Ruling.REFUTED, words="a step failed")
     monkeypatch.setattr(verdicts, "proving", proofs_are(refuted))
@@ -654,6 +659,7 @@ def test_a_file_in_the_way_is_told_before_anything_is_run(tmp_path: Path, monkey
     assert "cannot be made a folder" in run.err
 
 
+@pytest.mark.slow
 def test_one_seed_gives_the_same_observations_and_another_others():
     first, again, other = (observe(Setup(runs=1, seed=seed), quiet) for seed in (1, 1, 2))
 

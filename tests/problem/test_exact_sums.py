@@ -120,6 +120,7 @@ def test_accumulators_do_not_overflow_where_all_numbers_are_extreme(source, weig
         assert values(sums_by(method, problem)) == expected
 
 
+@pytest.mark.slow
 def test_many_points_of_many_scales_on_threads_sum_up_to_the_same_integers(monkeypatch):
     rng = np.random.default_rng(8)
     problem = strategies.random_problem(rng, n=20_011, offset=1e6, decades=9.0)

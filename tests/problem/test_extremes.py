@@ -26,6 +26,7 @@ TINY_GAPS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("source", "target"), TINY_GAPS)
 def test_signs_and_witnesses_do_not_underflow(source, target):
     registration = certified(RegistrationProblem(source, target))

@@ -199,6 +199,7 @@ def test_a_sigma_from_the_residuals_is_as_sure_as_is_said():
     assert np.std(sigmas) == pytest.approx(1.0 / math.sqrt(2.0 * degrees), rel=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("told", ["matrix", "ros", "gtsam"])
 @pytest.mark.parametrize("meant", ["matrix", "ros", "gtsam"])
 def test_the_conventions_are_told_apart(experiment, told, meant):

@@ -97,6 +97,7 @@ def test_misfits_have_the_right_code(misfit):
         assert rates.is_right(misfit, case, result), rates.texts(result)
 
 
+@pytest.mark.slow
 def test_good_problems_raise_no_alarm():
     assert list(rates.alarms(40)) == []
 
@@ -293,6 +294,7 @@ def test_a_chain_that_is_one_row_on_fits_well_and_is_told():
     assert "one row earlier over 99.9 % of the squared residuals" in result.warnings[0].text
 
 
+@pytest.mark.slow
 def test_p_values_of_the_scale_are_uniform_where_it_is_one():
     found = []
     for seed in range(60):
@@ -303,6 +305,7 @@ def test_p_values_of_the_scale_are_uniform_where_it_is_one():
     assert stats.kstest(found, "uniform").pvalue > 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("moved", "parameters"), [([1, 1, 1], 6), ([1, 0, 0], 5), ([0, 0, 0], 3)])
 def test_chi_squared_has_a_degree_less_for_each_number_that_moves_the_source(
     moved: list[int], parameters: int

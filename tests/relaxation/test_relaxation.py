@@ -204,6 +204,7 @@ def test_the_cones_are_those_that_cvxpy_makes_number_by_number(form):
         assert (data["dims"].zero, data["dims"].psd) == (compiled.equalities, [compiled.size])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", Form)
 @pytest.mark.parametrize("seed", range(8))
 def test_the_direct_call_gives_what_cvxpy_gives(form, seed):
@@ -221,6 +222,7 @@ def test_the_direct_call_gives_what_cvxpy_gives(form, seed):
     assert np.abs(found.matrix - said.solution.value).max() < 1e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", Form)
 @pytest.mark.parametrize("solver", ["SCS", "clarabel"])
 def test_a_solver_that_is_named_gives_what_clarabel_gives_directly(form, solver):
@@ -447,6 +449,7 @@ def test_a_power_of_two_as_scale_changes_the_unit_and_nothing_else(form, exponen
     assert there.unit == here.unit * Fraction(2) ** (2 * exponent)
 
 
+@pytest.mark.slow
 @hypothesis_settings(max_examples=60)
 @given(strategies.problems(), st.sampled_from(Form))
 def test_every_problem_is_solved_to_the_accuracy_of_the_solver(problem, form):

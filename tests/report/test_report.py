@@ -270,6 +270,7 @@ def test_with_documentation_the_theorems_are_links(survey: Registration):
     assert "<a " not in html_page(Report.of(survey)).decode()
 
 
+@pytest.mark.slow
 def test_the_report_again_is_the_same_and_says_how_the_motion_is_computed(
     data: Path, tmp_path: Path
 ):

@@ -121,6 +121,7 @@ def changed(document: Any, path: tuple, value: Any, *, drop: bool = False) -> An
     return document
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_key_may_be_missing(kind: str, good):
     free = ("about", "reasons", "timings_ms")
