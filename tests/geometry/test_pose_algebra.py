@@ -11,6 +11,8 @@ from strategies import random_rotation
 
 from certreg import Pose
 from certreg.errors import InvalidProblemError, OutOfRangeError
+from certreg.geometry.given import given_pose
+from certreg.geometry.orthogonality import why_no_rotation
 
 FEW = settings(max_examples=30, deadline=None)
 LAST = [[0.0, 0.0, 0.0, 1.0]]
@@ -159,3 +161,45 @@ def test_a_translation_beyond_the_doubles_is_said():
     for beyond in (lambda: pose @ pose, lambda: Pose.from_matrix(matrix).inverse()):
         with pytest.raises(OutOfRangeError, match="change the unit"):
             beyond()
+
+
+@pytest.mark.parametrize("length", [1e-160, 0.99991, 1.00005, 3.0, 1e200])
+def test_a_quaternion_of_any_length_turns_and_does_not_stretch(length: float):
+    rng = np.random.default_rng(7)
+    points, shift = rng.normal(size=(5, 3)), np.array([1.0, 2.0, 3.0])
+    for q in rng.normal(size=(5, 4)):
+        turn = scipy_transform.Rotation.from_quat(q, scalar_first=True)
+        pose = given_pose((length * q / np.linalg.norm(q), shift))
+
+        assert np.abs(pose.rotation - turn.as_matrix()).max() < 1e-14
+        assert np.abs(pose.apply(points) - turn.apply(points) - shift).max() < 1e-14
+
+
+SCALES = (1e-160, 1e-5, 0.5, 2.0, 1e3, 1e8)
+
+
+@pytest.mark.parametrize("scale", SCALES)
+@pytest.mark.parametrize(("sign", "reflects"), [(1.0, ""), (-1.0, " and reflects")])
+def test_why_a_matrix_is_no_rotation_does_not_depend_on_its_unit(
+    scale: float, sign: float, reflects: str
+):
+    """Stretches are compared with each other, just inside and just outside of the tolerance."""
+    R = random_rotation(np.random.default_rng(5))
+
+    def why(stretch: float, **tolerance: float) -> str:
+        return why_no_rotation(scale * R @ np.diag([1.0, sign * stretch, 1.0]), **tolerance) or ""
+
+    assert why(1.0).startswith(f"The matrix scales by {scale:.6g}{reflects}: it is not a rotation.")
+    for stretch in (1.0 + 0.99e-4, 1.0 / (1.0 + 0.99e-4)):
+        assert why(stretch).startswith("The matrix scales by ")
+    for stretch in (1.0 + 1.01e-4, 1.0 / (1.0 + 1.01e-4), 2.0, 1e-6):
+        assert why(stretch).startswith("The matrix is not orthogonal ")
+    assert why(1.0019, tolerance=2e-3).startswith("The matrix scales by ")
+    assert why(1.0021, tolerance=2e-3).startswith("The matrix is not orthogonal ")
+
+
+def test_a_scale_is_named_whatever_digits_are_printed():
+    R = random_rotation(np.random.default_rng(6))
+
+    assert "scales by 1000:" in str(why_no_rotation(np.round(1000.0 * R, 3)))
+    assert "scales by 1e-05:" in str(why_no_rotation(np.round(1e-5 * R, 10)))

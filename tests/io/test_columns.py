@@ -117,6 +117,25 @@ def test_what_is_unclear_is_refused_with_the_remedy(tmp_path: Path, name: str):
     assert str(caught.value).isprintable()
 
 
+WHOLES = ("0", "00", "1", "9", "07", "12", "012", "123", "1234")
+
+
+@pytest.mark.parametrize("whole", WHOLES)
+def test_a_comma_is_decimal_where_nobody_would_group_so(tmp_path: Path, whole: str):
+    """Python groups thousands by itself: what it writes so is refused, and nothing else."""
+    for sign in ("", "+", "-"):
+        for rest in ("5", "12", "000", "123", "1234"):
+            text = f"{sign}{whole},{rest}"
+            table = f"x;y;z\n{text};{text};{text}\n"
+            if f"{int(whole + rest):,}" == f"{whole},{rest}":
+                with pytest.raises(InvalidFileError, match=r"line 2: .*: is it .* or .* points"):
+                    cloud(tmp_path, table)
+                continue
+            read = cloud(tmp_path, table)
+            assert read.points.tolist() == [[float(f"{sign}{whole}.{rest}")] * 3], text
+            assert read.notes == ("decimal commas",)
+
+
 def test_symbols_in_front_of_an_xyz_file_are_no_labels(tmp_path: Path):
     with pytest.raises(InvalidFileError, match="'C' is not a number"):
         cloud(tmp_path, "C 1 2 3\n", "a.xyz")

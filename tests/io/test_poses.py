@@ -49,6 +49,34 @@ def test_rotation_and_quaternion_that_disagree_are_refused(apart: float):
     assert str(caught.value).startswith("pose.json: ")
 
 
+def printed(q: list[str]) -> dict[str, bytes]:
+    """One pose in every format that takes a quaternion, its digits as they are."""
+    w, x, y, z = q
+    fields = f'{{"quaternion_wxyz": [{", ".join(q)}], "translation": [1, 2, 3]}}'
+    return {
+        "certreg": f"{w} {x} {y} {z} 1 2 3".encode(),
+        "TUM": f"0.5 1 2 3 {x} {y} {z} {w}".encode(),
+        "JSON": fields.encode(),
+    }
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_quaternion_of_few_digits_stretches_no_points(seed: int):
+    rng = np.random.default_rng(seed)
+    q = next(
+        digits
+        for q in rng.normal(size=(1000, 4))
+        for digits in (np.round(q / np.linalg.norm(q), 4),)
+        if 3e-5 < abs(np.linalg.norm(digits) - 1.0) < ROTATION_TOLERANCE
+    )
+    points = rng.normal(size=(4, 3))
+    for name, content in printed([str(entry) for entry in q.tolist()]).items():
+        moved = parse_pose(io.BytesIO(content), Path("pose")).apply(points)
+
+        sides, before = (np.linalg.norm(np.diff(c, axis=0), axis=1) for c in (moved, points))
+        assert np.allclose(sides, before, rtol=1e-14, atol=0.0), name
+
+
 # Files of other programs -------------------------------------------------------------------------
 
 TURN = np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])
