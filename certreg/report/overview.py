@@ -206,7 +206,11 @@ def _proved(registration: Registration) -> Iterator[Fact]:
         )
     degrees = proved_degrees(registration)
     if degrees is not None:
-        yield Fact(name="Rotation", value=f"within {degrees} degrees", words="of the optimum")
+        yield Fact(
+            name="Rotation",
+            value=f"within {degrees} degrees",
+            words="of the exact optimum; the noise of the data is not counted",
+        )
     others = equilibria.classification.spurious
     yield Fact(
         name="Wrong poses at rest",
