@@ -6,6 +6,7 @@ import csv
 import io
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -28,7 +29,7 @@ from certreg.paper.parameter_sweeps import (
     sweep_rows,
     sweep_table,
 )
-from certreg.paper.sweep_figures import sweep_drawings
+from certreg.paper.sweep_figures import WORDS, sweep_drawings
 from certreg.problem.problem import DEFAULT_DAMPING
 from certreg.problem.random_instances import gaussian_instances
 
@@ -126,6 +127,22 @@ def test_the_papers_rule_stops_at_a_saddle_and_certreg_does_not():
     assert near.lost.all()
     assert near.converged.all()
     assert not far.lost.any()
+
+
+def test_lost_is_what_stops_more_than_90_degrees_from_the_optimum(monkeypatch):
+    made = gaussian_instances(np.random.default_rng(2), count=5)
+    solutions = solve_many(made.sources, made.targets)
+    best = sweeping._rotations(solutions.quaternions[:, 0])
+    angles = np.radians([0.0, 89.9, 90.1, 119.0, 179.0])
+    turns = sweeping._rotations(
+        np.column_stack([np.cos(angles / 2), np.sin(angles / 2), 0 * angles, 0 * angles])
+    )
+    ends = SimpleNamespace(rotations=turns @ best)
+    monkeypatch.setattr(sweeping, "simulate_many", lambda *_, **__: ends)
+
+    lost = sweeping._lost(bodies_of(made.sources, made.targets), solutions)
+
+    assert lost.tolist() == [False, False, True, True, True]
 
 
 def test_the_margin_is_proportional_to_the_break_of_symmetry():
@@ -263,6 +280,29 @@ def test_captions_tell_the_counts(found, drawn):
 
 
 @pytest.mark.slow
+def test_the_caption_of_the_start_tells_the_time_of_one_decade():
+    """3 units a decade, but from the last value, which is outside of the linear part."""
+    family, one = FAMILIES["start"], measured("start", 1e-2, 2)
+    times = [10.0 - 3.0 * math.log10(value) for value in family.values[:-1]] + [0.5]
+    sweep = Sweep(
+        family=family,
+        measurements=tuple(
+            replace(
+                one,
+                value=value,
+                escape_times=np.full(2, time),
+                lost=np.array([value < 0.5e-5, value < 0.5e-3]),
+            )
+            for value, time in zip(family.values, times, strict=True)
+        ),
+    )
+    found = tuple(replace(each, lost=np.zeros(2, dtype=np.bool_)) for each in sweep.measurements)
+
+    assert "it needs 3.00 units of time more" in WORDS["start"](sweep)
+    assert "stops every run at the saddle from 1·10⁻⁶ radians down" in WORDS["start"](sweep)
+    assert WORDS["start"](replace(sweep, measurements=found)).endswith("slow is enough, holds.")
+
+
 def test_the_table_has_a_row_for_each_value_and_the_documents_fields(found):
     listed = list(csv.DictReader(io.StringIO(sweep_table(found).decode())))
     fields = SCHEMA["properties"]["maps"]["items"]["properties"]

@@ -26,6 +26,7 @@ from certreg.paper.documents import claim_text, closing_text, markdown, reproduc
 from certreg.paper.evidence import listed, rough
 from certreg.paper.figures import (
     _boxes,
+    _caption,
     _error_words,
     angle_errors,
     paper_drawings,
@@ -457,6 +458,23 @@ def test_figures_are_of_the_pages_width_and_the_same_bytes_again(drawn):
 def test_captions_say_how_many_runs_they_show(drawn):
     for name in ("eigenvalues-intrinsic", "eigenvalues-ambient", "angles", "simulations"):
         assert f"{RUNS} random instances" in by_name(drawn, name).caption
+
+
+@pytest.mark.parametrize(
+    ("energies", "rises"),
+    [([1, 2, 3, 4], 3), ([1, 2, 1, 5], 1), ([2, 1, 3, 4], 0), ([1, 2, 2, 3], 1), ([1, 0], 0)],
+)
+def test_the_caption_counts_the_first_steps_that_raise_the_energy(seen, energies, rises: int):
+    run = seen.simulations[0]
+    potential = np.array(energies, dtype=float)
+    bare = replace(run.descent, potential=potential, kinetic=0.0 * potential, times=potential)
+    for potential_rises, words in ((1, "under it oscillates."), (0, "under it falls with it.")):
+        shown = replace(run, descent=bare, potential_rises=potential_rises)
+
+        told = _caption([shown], shown)
+        assert f"raises V in the first {rises} steps" in told
+        assert f"A run of {len(energies) - 1} steps, the median" in told
+        assert words in told
 
 
 def test_the_errors_of_a_simulation_stand_under_their_names(seen):
