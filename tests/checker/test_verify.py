@@ -201,6 +201,21 @@ def test_moments_of_several_blocks_add_up():
             assert m[i][j] * Fraction(2) ** exponent == total
 
 
+@pytest.mark.parametrize("block", [1, 2, 3, 6])
+def test_moments_are_the_same_however_the_points_are_split(monkeypatch, block):
+    """The numbers, and so the powers of two, are others in every block."""
+    source, target, weights = oracle.random_problem(seed=4, n=7)
+    scales = 2.0 ** np.arange(-60, 80, 20)
+    content = oracle.problem_bytes(source / scales[:, None], target * scales[:, None] ** 2, scales)
+    whole, exponent = checker.moments(content[26:], 7)
+    monkeypatch.setattr(checker, "BLOCK", block)
+    m, other = checker.moments(content[26:], 7)
+
+    assert np.unique(weights * scales).size == 7
+    for i, j in itertools.combinations_with_replacement(range(7), 2):
+        assert m[i][j] * Fraction(2) ** other == whole[i][j] * Fraction(2) ** exponent
+
+
 @pytest.mark.slow
 def test_optimality_is_decided_as_by_the_definition():
     """Near the threshold of delta, for poses that are optimal, almost and not at all."""

@@ -14,7 +14,8 @@ from strategies import MIRROR, ZOO, random_problem, random_rotation
 
 import certreg as package
 from certreg import Pose, RegistrationProblem, assess, certify
-from certreg.registration import GOOD, SlipCode
+from certreg.geometry import given_pose
+from certreg.registration import GOOD, SlipCode, judged
 from certreg.report import assessment_document, assessment_summary
 from certreg.results import PoseVerdict
 
@@ -363,8 +364,15 @@ def test_a_certificate_and_a_line_of_a_trajectory_are_judged(tmp_path):
     assert "holds a rotation alone: give the result or the pose file" in refused.err
 
 
-def test_a_similarity_is_told_whether_its_translation_is_scaled_too_or_not():
-    for shift in (T, 1000.0 * T):
-        found = assess(PROBLEM, (1000.0 * R, shift))
+@pytest.mark.parametrize("scale", [1000.0, 0.015625])
+def test_a_similarity_is_told_whatever_its_scale_and_its_translation(scale: float):
+    """The translation is that of the pose, scaled as the rotation is, or that of Umeyama."""
+    x, y = slips.means(PROBLEM)
+    turns = (R, OPTIMUM.quaternion_wxyz)
+    poses = [(scale * turn, shift) for turn in turns for shift in (T, scale * T)]
+    registration = certify(PROBLEM, relaxation=False, simulation=False)
+    for pose in (*poses, (scale * R, y - scale * R @ x)):
+        slip = checked(judged(registration, given_pose(pose)).slip)
 
-        assert checked(found.slip).code is SlipCode.SCALED
+        assert slip.code is SlipCode.SCALED
+        assert slip.words.startswith(f"Its rotation without the scale {scale:g} is ")
