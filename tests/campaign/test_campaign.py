@@ -502,6 +502,33 @@ def test_a_campaign_begins_beyond_the_largest_number_of_runs(tmp_path, monkeypat
     assert in_process == [None if apart else runs]
 
 
+@pytest.mark.parametrize(
+    ("given", "runs", "apart"),
+    [
+        ([], None, None),
+        (["--runs", 3], 3, None),
+        (["--parquet"], None, 50),
+        (["--scheduler", "tcp://here:1", "--runs", 3], None, 3),
+    ],
+    ids=str,
+)
+def test_few_runs_are_a_campaign_only_with_a_scheduler_or_a_parquet_table(
+    tmp_path, monkeypatch, given, runs, apart
+):
+    drawn, in_process = [], []
+
+    def figures(setup, *_, **__):
+        in_process.append(setup.runs)
+        raise CertregError("the figures are tested elsewhere")
+
+    monkeypatch.setattr(reproducing, "_run_campaign", lambda kind, *_, **__: drawn.append(kind))
+    monkeypatch.setattr(reproducing, "reproduced", figures)
+    run_command("reproduce", *given, "--out", tmp_path)
+
+    assert [kind.count for kind in drawn] == ([] if apart is None else [apart])
+    assert in_process == [runs]
+
+
 def test_the_rates_of_a_campaign_are_instances_over_seconds(tmp_path, monkeypatch, capsys):
     """1200 in 4 s are 300 a second; solved within 3 s of either of two workers, 800."""
     watch = SimpleNamespace(made=1200, seconds=4.0, observer=lambda: None)

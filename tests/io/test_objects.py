@@ -31,6 +31,12 @@ class Index(list):
         return list(self)
 
 
+class RangeIndex(Index):
+    """As the index that pandas gives where nobody chose one."""
+
+    start, step = 0, 1
+
+
 @dataclass
 class Frame:
     """As a data frame of pandas: named columns, an index, conversion to NumPy."""
@@ -246,6 +252,31 @@ def test_labels_are_compared_as_texts_and_told_by_the_first_other_row():
     weak = RowLabels(values=["a", "c"], certain=False)
     assert ab.first_other(weak) is None
     assert RowLabels(values=["b", "a"], certain=False).first_other(ab) == 0
+
+
+@pytest.mark.parametrize("sure", [(True, True), (True, False), (False, True), (False, False)])
+def test_labels_of_which_one_says_little_refuse_only_the_same_ones_in_another_order(
+    sure: tuple[bool, bool],
+):
+    here, there = sure
+    ab = RowLabels(values=["a", "b"], certain=here)
+    for values, row in (
+        (["a", "b"], None),
+        (["b", "a"], 0),
+        (["a", "c"], 1 if all(sure) else None),
+    ):
+        assert ab.first_other(RowLabels(values=values, certain=there)) == row
+
+
+def test_names_on_one_cloud_alone_refuse_nothing():
+    """Of the other an index 0, 1, 2, ..., as a filtered or a plain frame has it."""
+    named, plain = frame(SOURCE, NAMES), frame(SOURCE)
+    counted = Frame(plain.content, RangeIndex(range(6)))
+
+    for clouds in ((named, plain), (plain, named), (named, counted), (counted, named)):
+        assert certreg.RegistrationProblem(*clouds).n == 6
+    with pytest.raises(InvalidProblemError, match=r"row 0 .* is labelled 0 in source and 5 in"):
+        certreg.RegistrationProblem(counted, frame(SOURCE, list(range(6))[::-1]))
 
 
 # Numbers of rows ----------------------------------------------------------------------------------

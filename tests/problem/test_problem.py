@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 from fractions import Fraction
 from typing import Any
 
@@ -187,3 +188,6 @@ def test_the_row_at_fault_is_named_wherever_blocks_begin(name, values, block, mo
     error = refusal.value
     assert (error.array, error.row) == (name, FAULT)
     assert repr(error.value) == repr(values[FAULT].tolist())
+    told = re.findall(r"row (\d+)|\w\[(\d+)\]", str(error))
+    expected = [] if "no double holds" in str(error) else [FAULT]
+    assert [int(row or entry) for row, entry in told] == expected

@@ -18,6 +18,7 @@ from mpmath.libmp import to_rational
 from strategies import ZOO, random_rotation
 
 from certreg.campaign import PairCampaign, read_listing
+from certreg.certificate import PoseBounds
 from certreg.dynamics import SimulationStatus
 from certreg.exact import rational_root_above, root_above
 from certreg.geometry import rotation_matrix
@@ -173,6 +174,25 @@ def test_where_every_rotation_fits_the_translation_is_held_against_the_spread():
     below, above = (math.nextafter(float(share), end) for end in (0.0, 1.0))
     assert not bounds.meet(Limits(max_gap=below), unique=False)
     assert bounds.meet(Limits(max_gap=above), unique=False)
+
+
+@pytest.mark.parametrize("limit", [0.0, 1e-6, 1e-3, 0.5])
+@pytest.mark.parametrize("unit", [Fraction(1, 10**9), Fraction(1), Fraction(10**9)])
+@pytest.mark.parametrize("flat", [True, False])
+def test_a_limit_is_of_the_energy_itself_in_any_unit(limit: float, unit: Fraction, *, flat: bool):
+    """Of the range of energies; of the spread where that is zero. Just inside and just outside."""
+    bounds = PoseBounds(
+        least_gap=Fraction(0),
+        greatest_gap=Fraction(limit) * unit,
+        angle_upper=None if flat else 0.0,
+        least_range_squared=Fraction(0) if flat else unit**2,
+        flat_energy=unit if flat else Fraction(0),
+    )
+    beyond = replace(bounds, greatest_gap=bounds.greatest_gap + unit / 10**12)
+    limits = Limits(max_gap=limit)
+
+    assert bounds.meet(limits, unique=not flat)
+    assert not beyond.meet(limits, unique=not flat)
 
 
 @pytest.mark.parametrize("unit", [1.0, 2.0**54])

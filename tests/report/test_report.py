@@ -533,6 +533,26 @@ def test_the_certificate_is_not_overwritten_by_its_report(folder: Path, link: An
     assert file.read_bytes() == out.read_bytes() == content
 
 
+@pytest.mark.parametrize("given", ["relative", "absolute", "beside"])
+def test_the_certificate_is_not_overwritten_under_any_name_of_it(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, given: str
+):
+    """Beside it is where the report goes when no --out is given."""
+    file, beside = folder / "certificate.json", folder / "report.html"
+    content = file.read_bytes()
+    monkeypatch.chdir(folder)
+    if given == "beside":
+        beside.unlink()
+        beside.hardlink_to(file)
+    near = Path("certificate.json")
+    arguments = {"relative": [file, "--out", near], "absolute": [near, "--out", file]}
+    run = certreg("report", *arguments.get(given, [file]))
+
+    assert (run.code, run.out) == (2, "")
+    assert "is the certificate itself: give another --out" in run.err
+    assert file.read_bytes() == content
+
+
 def test_a_trajectory_of_other_data_is_not_shown(folder: Path, data: Path, tmp_path: Path):
     other = tmp_path / "other.npz"
     pair = (data / "abeta_2beg_model01.csv", data / "abeta_2beg_model02.csv")
