@@ -82,7 +82,7 @@ NOT_CERTIFIED = Absent("not certified")
 CROSS_CHECK = Integrator.SPLITTING  # a few large steps, however stiff the springs
 
 
-class Statement(TypedDict, total=False):
+class ProblemOptions(TypedDict, total=False):
     """What states a problem beside its clouds, as in `RegistrationProblem`."""
 
     sigma: ArrayLike | None
@@ -100,7 +100,7 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
     max_gap: float = MAX_GAP,
     max_angle: float = MAX_ANGLE,
     progress: Progress | None = None,
-    **statement: Unpack[Statement],
+    **statement: Unpack[ProblemOptions],
 ) -> Registration:
     """Register, enumerate all equilibria, cross-check, certify, and run the checker.
 
@@ -132,7 +132,7 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
 
 
 def _stated(
-    problem: Any, target: Any, statement: Statement
+    problem: Any, target: Any, statement: ProblemOptions
 ) -> tuple[RegistrationProblem, dict[str, Any]]:
     """The problem, and what its certificate may say of the clouds that it was made of."""
     if isinstance(problem, RegistrationProblem):

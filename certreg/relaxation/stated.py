@@ -27,7 +27,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Statement:
+class StatedRelaxation:
     """A program in CVXPY's words.
 
     cross_covariance: the parameter C, (3, 3). solution: the variable Z, (n, n).
@@ -38,7 +38,7 @@ class Statement:
     solution: Any
 
 
-def statement(form: Form) -> Statement:
+def statement(form: Form) -> StatedRelaxation:
     """Maximise <F, Z> / multiple, <N, Z> = 1, <A, Z> = 0 for every quadratic A, Z >= 0, over Z.
 
     With Z = v v^T this is the quadratic program; what is relaxed is that Z has rank one.
@@ -58,7 +58,7 @@ def statement(form: Form) -> Statement:
         Z >> 0,
     ]
     problem = modelling.Problem(modelling.Maximize(objective / program.multiple), constraints)
-    return Statement(problem=problem, cross_covariance=C, solution=Z)
+    return StatedRelaxation(problem=problem, cross_covariance=C, solution=Z)
 
 
 def solve_stated(form: Form, C: NDArray[np.float64], solver: str) -> ConicSolution:
