@@ -27,8 +27,8 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from getopt import GetoptError, gnu_getopt
 from itertools import accumulate, chain
-from math import gcd, isfinite, isqrt, lcm
-from operator import mul
+from math import frexp, gcd, isfinite, isqrt, lcm
+from operator import add, mul
 from pathlib import Path
 from typing import Any, ClassVar, Protocol
 
@@ -235,34 +235,33 @@ def equally_weighted(doubles: bytes | memoryview, n: int) -> bool:
 def moments(doubles: bytes | memoryview, n: int) -> tuple[Matrix, int]:
     """7x7 table m and e: sum w a_i a_j = m[i][j] 2^e for i <= j; a = (1, x1, x2, x3, y1, y2, y3).
 
-    Exact: doubles are integers over a power of two, here one for each cloud of a block. Of numbers
-    300 decades apart such integers are long: a minute for a million points instead of seconds.
+    Exact: doubles are integers times powers of two, and products with the same power are added up.
     """
-    sums = defaultdict[tuple[int, int, int], int](int)  # by i, j and the power of two
+    sums = [[defaultdict[int, int](int) for _ in range(7)] for _ in range(7)]
     for start in range(0, n, BLOCK):
         count = min(BLOCK, n - start)
         x, y = (_split(doubles, first, 3 * count) for first in (3 * start, 3 * (n + start)))
         w, g = _split(doubles, 6 * n + start, count)
         require(min(w) >= 0, "a weight is negative")
-        a = [([1] * count, 0), *((k[i::3], e) for k, e in (x, y) for i in range(3))]
+        a = [([1] * count, [0] * count), *((k[i::3], e[i::3]) for k, e in (x, y) for i in range(3))]
         for i, (left, e) in enumerate(a):
-            weighted = list(map(mul, w, left))
+            weighted, exponents = list(map(mul, w, left)), list(map(add, g, e))
             for j in range(i, 7):
-                sums[i, j, g + e + a[j][1]] += sum(map(mul, weighted, a[j][0]))
-    m, least = [[0] * 7 for _ in range(7)], min(power for _, _, power in sums)
-    for (i, j, power), k in sums.items():
-        m[i][j] += k << power - least
-    return m, least
+                terms = map(mul, weighted, a[j][0]), map(add, exponents, a[j][1])
+                for term, exponent in zip(*terms):  # noqa: B905 (3.9)
+                    sums[i][j][exponent] += term
+    least = min(chain(*chain(*sums)))
+    return [[sum(k << e - least for e, k in sum_.items()) for sum_ in row] for row in sums], least
 
 
-def _split(doubles: bytes | memoryview, first: int, count: int) -> tuple[list[int], int]:
-    """Integers k and one e such that the doubles are k 2^e."""
-    values, bits = (struct.unpack_from(f"<{count}{kind}", doubles, 8 * first) for kind in "dQ")
+def _split(doubles: bytes | memoryview, first: int, count: int) -> tuple[list[int], list[int]]:
+    """Integers k and e such that the doubles are k 2^e."""
+    values = struct.unpack_from(f"<{count}d", doubles, 8 * first)
     require(all(map(isfinite, values)), "the data hold a number that is not finite")
+    bits = struct.unpack_from(f"<{count}Q", doubles, 8 * first)
     require(1 << 63 not in bits, "the data hold -0.0, which is not canonical")
-    ratios = [value.as_integer_ratio() for value in values]
-    common = max(d for _, d in ratios)  # all are powers of two
-    return [k * (common // d) for k, d in ratios], 1 - common.bit_length()
+    split = [frexp(value) for value in values]  # value = k 2^e, k 2^53 an integer
+    return [int(k * 2**53) for k, _ in split], [e - 53 for _, e in split]
 
 
 def cross(m: Matrix) -> Matrix:
