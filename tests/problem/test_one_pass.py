@@ -156,6 +156,22 @@ def test_a_float_is_the_double_of_its_value(name):
         assert (PASSES[name](wide)[0] == PASSES[name](narrow)[0]).all()
 
 
+@pytest.mark.parametrize("name", PASSES)
+@pytest.mark.parametrize("rows", [True, False])
+def test_every_second_float_is_a_weight_and_no_double(name, rows):
+    """Floats eight bytes apart stand where doubles would; the points beside them are doubles."""
+    given_ = clouds(700, 4)
+    pairs = np.asarray(given_.weights, dtype=np.float32).repeat(2)
+    pairs[1::2] = 3.0
+    places = [a if rows else a.T.copy().T for a in (given_.source, given_.target)]
+    narrow, wide = (
+        CloudPair(source=places[0], target=places[1], weights=w, origin=given_.origin)
+        for w in (pairs[::2], pairs[::2].astype(float))
+    )
+
+    assert (PASSES[name](narrow)[0] == PASSES[name](wide)[0]).all()
+
+
 @pytest.mark.parametrize("points", [10, 4096, 300_000])
 def test_threads_change_no_bit(points, monkeypatch):
     small_chunks(monkeypatch)

@@ -8,12 +8,14 @@ from importlib import import_module
 
 import numpy as np
 import pytest
+from strategies import random_rotation
 
 from certreg.errors import ContradictionError
+from certreg.geometry import rotation_matrix
 from certreg.problem import RegistrationProblem, floating_moments, lift
 from certreg.registration import certify
 from certreg.registration.agreement import CLOSED_FORM_LOSS
-from certreg.registration.closed_form import horn
+from certreg.registration.closed_form import arun, horn
 
 AXES = np.vstack([np.diag([3.0, 2.0, 1.0]), -np.diag([3.0, 2.0, 1.0])])
 TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
@@ -62,3 +64,16 @@ def test_weights_that_vanish_from_sums_of_doubles_contradict_nothing(decades: in
     assert (found.solution.objective.relative_loss(q) > CLOSED_FORM_LOSS) == lost
     assert found.solution.agreement.closed_form < 1e-6
     assert found.certificate is not None
+
+
+def test_both_closed_forms_find_the_turn_of_a_tilted_plane():
+    """det C is zero but for rounding, of either sign: it must not decide on a reflection."""
+    rng = np.random.default_rng(0)
+    for _ in range(32):
+        plane, turn = random_rotation(rng), random_rotation(rng)
+        source = (rng.normal(size=(6, 3)) * [1.0, 1.0, 0.0]) @ plane.T
+        problem = RegistrationProblem(source, source @ turn.T)
+        cross_covariance = floating_moments(problem).cross_covariance
+        for road in (horn, arun):
+            found = rotation_matrix(road(cross_covariance).tolist())
+            assert np.allclose(found, turn, atol=1e-12), road

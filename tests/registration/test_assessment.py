@@ -219,6 +219,16 @@ def test_a_spurious_equilibrium_is_as_far_from_the_optimum_as_it_is_and_one_is_t
     assert found.words.endswith("and the pose is 180 degrees from the global optimum.")
 
 
+def test_the_index_of_the_worst_rotation_is_three_where_a_circle_comes_before_it():
+    """Of a square the components are one point, one circle, one point: the last is no fourth."""
+    found = assess(
+        RegistrationProblem(strategies.SQUARE, strategies.SQUARE), np.eye(4)[3], np.zeros(3)
+    )
+
+    assert found.nearest_index == 3
+    assert found.headline.startswith("SPURIOUS-EQUILIBRIUM: 0 degrees from the index-3 ")
+
+
 @pytest.mark.parametrize("weight", [1.0, 100.0])
 def test_the_distance_of_the_centroids_is_a_length_whatever_the_weights(weight):
     cloud = np.vstack([np.diag([3.0, 2, 1]), -np.diag([3.0, 2, 1])])
