@@ -42,6 +42,10 @@ NOT_UNIQUE = Absent("the optimum is not unique")
 NO_VARIANCE = Absent(
     "fewer than three points with weight leave no degree of freedom for the noise: give sigma"
 )
+FEW_CARRY = Absent(
+    "the weights differ so much that few points carry the fit, and without sigma nothing says that "
+    "they stand for noise: give sigma"
+)
 NO_RESIDUALS = Absent("the residuals are at rounding and hold no noise: give sigma")
 NOT_TOLD_APART = Absent("the two best eigenvalues are not told apart")
 LOST = "lost in rounding: variances computed with a matrix of doubles would be wrong, even negative"
@@ -119,8 +123,9 @@ class PoseCovariance(Explained):
 def pose_covariance(problem: RegistrationProblem, objective: Isotropic) -> PoseCovariance | Absent:
     """The covariance of the optimal pose; Absent if the optimum is not unique or doubles overflow.
 
-    Where no noise was given the variance is estimated, which takes N >= 3 points with weight and
-    residuals that are not all zero.
+    Where no noise was given the variance is estimated, which takes N >= 3 points with weight,
+    residuals that are not all zero, and weights that at least half of the points carry: relative
+    weights say little of noise, and rows that hardly count would count as degrees of freedom.
     """
     if not objective.classification.unique:
         return NOT_UNIQUE
@@ -128,6 +133,8 @@ def pose_covariance(problem: RegistrationProblem, objective: Isotropic) -> PoseC
     least = objective.energy(objective.quaternions[0])
     if not problem.noise_given and (degrees <= 0 or least <= 0):
         return NO_VARIANCE if degrees <= 0 else NO_RESIDUALS
+    if not problem.noise_given and 2 * effective_rows(problem) < rows_with_weight(problem):
+        return FEW_CARRY
     scale = Fraction(1) if problem.noise_given else least / degrees
     parts = _Parts.of(objective, scale)
     if parts is None:
@@ -289,3 +296,19 @@ def rows_with_weight(problem: RegistrationProblem) -> int:
     """How many points have a weight other than zero."""
     blocks = (contiguous(problem.weights, rows) for rows in row_blocks(problem.n))
     return sum(int(np.count_nonzero(block)) for block in blocks)
+
+
+def effective_rows(problem: RegistrationProblem) -> float:
+    """(sum w)^2 / sum w^2: as many rows as there are if all have one weight.
+
+    By Satterthwaite a sum of squares whose variances are w is like a chi-squared variable of so
+    many degrees.
+    """
+    blocks = list(row_blocks(problem.n))
+    largest = max(float(contiguous(problem.weights, rows).max()) for rows in blocks)
+    total = squares = 0.0
+    for rows in blocks:
+        shares = contiguous(problem.weights, rows) / largest
+        total += float(shares.sum())
+        squares += float(shares @ shares)
+    return total**2 / squares

@@ -14,8 +14,13 @@ import numpy as np
 
 from certreg.equilibrium import rotation_double
 from certreg.exact import nearest_or_zero, power_of_two
-from certreg.problem import Block, contiguous, row_blocks
-from certreg.registration.covariance import Residual, residual_distances, rows_with_weight
+from certreg.problem import Block, row_blocks
+from certreg.registration.covariance import (
+    Residual,
+    effective_rows,
+    residual_distances,
+    rows_with_weight,
+)
 
 if TYPE_CHECKING:
     from fractions import Fraction
@@ -92,22 +97,6 @@ def independent_rows(problem: RegistrationProblem) -> float:
     if problem.noise_given:
         return float(rows_with_weight(problem))
     return effective_rows(problem)
-
-
-def effective_rows(problem: RegistrationProblem) -> float:
-    """(sum w)^2 / sum w^2: as many rows as there are if all have one weight.
-
-    By Satterthwaite a sum of squares whose variances are w is like a chi-squared variable of so
-    many degrees.
-    """
-    blocks = list(row_blocks(problem.n))
-    largest = max(float(contiguous(problem.weights, rows).max()) for rows in blocks)
-    total = squares = 0.0
-    for rows in blocks:
-        shares = contiguous(problem.weights, rows) / largest
-        total += float(shares.sum())
-        squares += float(shares @ shares)
-    return total**2 / squares
 
 
 def _row_fit(problem: RegistrationProblem, objective: Isotropic, pose: Pose) -> RowFit | None:

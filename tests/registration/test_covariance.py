@@ -423,3 +423,25 @@ def test_the_variance_factor_is_the_objective_over_its_degrees_of_freedom(n):
     assert not given.estimated
     assert found.variance_factor == given.variance_factor == pytest.approx(factor, rel=1e-15)
     assert found.matrix == pytest.approx(factor * given.matrix, rel=1e-12)
+
+
+@pytest.mark.parametrize("least", [1e-30, 1e-9, 1e-3])
+def test_points_that_hardly_count_are_no_degrees_of_freedom(least):
+    """Three points carry the fit; a deviation from all degrees would be far too small."""
+    rng = np.random.default_rng(5)
+    x = rng.normal(size=(30, 3))
+    y = x + 0.01 * rng.normal(size=(30, 3))
+    weights = np.where(np.arange(30) < 3, 1.0, least)
+
+    found = pose_covariance(*_stated(x, y, weights=weights))
+    assert isinstance(found, Absent)
+    assert "the weights differ so much" in found.reason
+    given = pose_covariance(*_stated(x, y, sigma=0.01 / np.sqrt(weights)))
+    assert not isinstance(given, Absent)
+    halves = np.where(np.arange(30) < 15, 1.0, least)  # half of the points carry it
+    assert not isinstance(pose_covariance(*_stated(x, y, weights=halves)), Absent)
+
+
+def _stated(x, y, **weights):
+    problem = RegistrationProblem(x, y, **weights)
+    return problem, Isotropic(exact_moments(problem))
