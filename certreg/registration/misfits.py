@@ -271,6 +271,8 @@ def _times_words(scale: Fraction) -> str:
         which = "larger" if scale > 1 else "smaller"
         return f"{which} than the source by {off:.3g} of its size ({1e6 * off:.3g} ppm)"
     times = nearest_or_zero(scale)
+    if not 0 < times < math.inf:
+        return f"{'over 1e+308' if times else 'under 1e-308'} times as large as the source"
     units = next((f" ({words}?)" for k, words in UNITS.items() if _is_ratio(times, k)), "")
     return f"{times:.6g} times as large as the source{units}"
 

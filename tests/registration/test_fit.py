@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 
 import fit_rates as rates
 import numpy as np
@@ -326,3 +327,15 @@ def test_points_on_a_line_have_five_parameters():
     line = np.array(CLOUD)[:4] * [1, 0, 0]
 
     assert checked(said(line, line + 1e-4, sigma=1e-4).chi2).dof == 7
+
+
+@pytest.mark.parametrize(
+    ("power", "words"),
+    [
+        (307, "1e+307 times as large as the source"),
+        (450, "over 1e+308 times as large as the source"),
+        (-450, "under 1e-308 times as large as the source"),
+    ],
+)
+def test_a_scale_beyond_the_doubles_is_told_by_a_bound(power, words):
+    assert misfits._times_words(Fraction(10) ** power) == words
