@@ -1136,6 +1136,19 @@ def test_apply_moves_a_cloud_onto_the_optimum(data: Path, survey: Path, tmp_path
     assert read_problem(tmp_path / "moved.csv", target)[1].source.labels == pair.source.labels
 
 
+@pytest.mark.parametrize(("column", "value"), [("sigma", "0"), ("weight", "-1")])
+def test_apply_moves_points_whatever_their_columns_of_noise_hold(
+    tmp_path: Path, column: str, value: str
+):
+    (tmp_path / "pose.txt").write_text("1 0 0 1\n0 1 0 2\n0 0 1 3\n")
+    (tmp_path / "a.csv").write_text(f"x,y,z,{column}\n1,2,3,{value}\n4,5,6,1\n")
+    run = certreg("apply", tmp_path / "pose.txt", tmp_path / "a.csv", "--out", tmp_path / "b.csv")
+
+    assert (run.code, run.err) == (0, "")
+    moved = np.loadtxt(tmp_path / "b.csv", delimiter=",", skiprows=1)
+    assert moved.tolist() == [[2.0, 4.0, 6.0], [5.0, 7.0, 9.0]]
+
+
 def test_apply_asks_for_a_place_it_can_write(data: Path, survey: Path, tmp_path: Path):
     source = data / SURVEY.source
 

@@ -131,6 +131,14 @@ def test_a_line_is_chosen_and_counted_as_an_editor_counts(text: str, line: int):
         parse_pose(io.BytesIO(content), Path("many.txt"))
 
 
+def test_the_lines_to_choose_from_are_counted_with_the_comments():
+    content = f"# a\n# b\n\n{KITTI}\n# c\n{KITTI}\n# d\n".encode()
+    with pytest.raises(InvalidFileError, match=r"holds 2 poses.* with --line N, from 4 to 6$"):
+        parse_pose(io.BytesIO(content), Path("many.txt"))
+    for line in (4, 6):
+        assert checked(parse_line(io.BytesIO(content), Path("many.txt"), line).translation)[2] == 3
+
+
 @pytest.mark.parametrize(
     ("line", "words"),
     [

@@ -128,6 +128,14 @@ def test_a_margin_is_said_to_be_small_where_it_is(axes: Registration, square: Re
         assert said == found.equilibria.nearly_ambiguous
 
 
+@pytest.mark.parametrize(("sigma", "warned"), [(1.26, False), (1.27, True)])
+def test_five_deviations_are_of_the_difference_of_the_energies(sigma: float, *, warned: bool):
+    """The next equilibrium costs 4 (8 + 2) over sigma^2: 25 of it at sigma = 1.2649."""
+    told = summary.warnings(plainly(AXES, AXES, sigma=sigma), "")
+
+    assert any("do not rule out the next equilibrium" in note for note in told) == warned
+
+
 def test_an_assessment_is_told_with_its_own_numbers():
     found = assess(RegistrationProblem(AXES, AXES), [0.8, 0.6, 0.0, 0.0], np.zeros(3))
     energies = checked(found.energies)
