@@ -109,7 +109,7 @@ ISOTROPIC = mutants(
     ("- common * K[i][j]", "+ common * K[i][j]", "- K[i][j]", ""),
     ("+ d * (i == j)", "+ d", "- d * (i == j)"),
     ("along = level / unit", "along = level * unit", "along = level"),
-    # With the first denominator alone `along` is cut short by 2^-100 of itself: sound, and not seen.
+    # With the first denominator alone `along` is short by 2^-100 of itself: sound, and not seen.
     ("lcm(diagonal.denominator, along.denominator)", "1"),
     (".denominator, along.denominator", ".numerator, along.denominator"),
     ("int(diagonal * common)", "int(diagonal)", "int(diagonal * 2 * common)"),
