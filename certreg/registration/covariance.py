@@ -6,6 +6,10 @@ the target's frame, P = 2 G^-1 (G the Hessian at the optimum) and mean source po
 
     cov(phi) = P,    cov(dt, phi) = R [m] P,    cov(dt) = I / M + R [m] P [m]^T R^T.
 
+To second order the turn moves t by -theta x (theta x R m) / 2 more, theta = R phi. Along an axis e
+that is theta^T A theta / 2 with a = R m, A = (a . e) I - (a e^T + e a^T) / 2; of a Gaussian theta
+with covariance C C^T the mean of its square is ((tr B)^2 + 2 |B|^2) / 4, B = C^T A C.
+
 Source: Gauss-Markov theory for the linearised problem; G as in certreg.equilibrium.stability.
 """
 
@@ -13,13 +17,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from math import prod
+from math import inf, prod
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from certreg.equilibrium import rotation_double, unit_double
-from certreg.exact import nearest_double, nearest_root, power_of_two, root_of_quotient
+from certreg.exact import (
+    nearest_double,
+    nearest_or_zero,
+    nearest_root,
+    power_of_two,
+    root_of_quotient,
+)
 from certreg.geometry import body_frame, dot, rotation_matrix, squared_norm
 from certreg.problem import contiguous, row_blocks
 from certreg.results import OUT_OF_RANGE, Absent, Explained, present
@@ -63,6 +73,8 @@ class PoseCovariance(Explained):
         off by more than a hundredth, or negative.
     translation_sigma: (3,), one standard deviation of t, along the target's axes, in the unit of
         length. t is where the source's origin goes: far from the points its lever makes this large.
+    second_order: the largest share of a translation_sigma that the second order of the turn is, as
+        a root mean square: where it is not small, translation_sigma is not what it says.
     rotation_sigma: (3,), one standard deviation of phi, about the source's axes, in radians.
     loosest_sigma, loosest_axis: the largest standard deviation of phi along any axis, radians, and
         that unit axis (3,).
@@ -78,6 +90,7 @@ class PoseCovariance(Explained):
 
     matrix: NDArray[np.float64] | None
     translation_sigma: NDArray[np.float64]
+    second_order: float
     rotation_sigma: NDArray[np.float64]
     loosest_sigma: float
     loosest_axis: NDArray[np.float64]
@@ -141,15 +154,19 @@ def pose_covariance(problem: RegistrationProblem, objective: Isotropic) -> PoseC
         return NOT_TOLD_APART
     exact = parts.matrix()
     sigmas = [root_of_quotient(row[i], exact.denominator) for i, row in enumerate(exact.rows)]
+    variances = [Fraction(exact.rows[i][i], exact.denominator) for i in range(TURN)]
     centre, loosest = nearest_root(parts.centre), nearest_root(parts.loosest)
     if None in sigmas or centre is None or loosest is None:
         return OUT_OF_RANGE
     told = np.array(sigmas, dtype=np.float64)
     matrix, axis = _in_doubles(exact), unit_double(parts.axis)
     factor = nearest_double(least / degrees) if degrees > 0 else None
+    rotation = rotation_double(objective.quaternions[0])
+    arm = rotation @ [nearest_or_zero(entry) for entry in objective.moments.source_centroid]
     return PoseCovariance(
         matrix=present(matrix),
         translation_sigma=told[:3],
+        second_order=_second_order(rotation @ parts.turns(), arm, variances),
         rotation_sigma=told[3:],
         loosest_sigma=loosest,
         loosest_axis=axis * np.sign(axis[np.argmax(np.abs(axis))]),
@@ -157,7 +174,7 @@ def pose_covariance(problem: RegistrationProblem, objective: Isotropic) -> PoseC
         degrees_of_freedom=max(degrees, 0),
         centre_sigma=centre,
         estimated=not problem.noise_given,
-        rotation=rotation_double(objective.quaternions[0]),
+        rotation=rotation,
         absent={
             "variance_factor": NO_VARIANCE if degrees <= 0 else OUT_OF_RANGE,
             **({"matrix": matrix} if isinstance(matrix, Absent) else {}),
@@ -214,6 +231,15 @@ class _Parts:
             centre=scale / moments.total_weight,
         )
 
+    def turns(self) -> NDArray[np.float64]:
+        """(3, 3), in its columns one deviation of the turn along each principal axis: C C^T = P."""
+        columns: list[NDArray[np.float64]] = []
+        for weight, move in zip(self.weights, self.moves, strict=True):
+            axis, below = move[TURN:], self.whole * self.denominator**2
+            sigma = nearest_root(self.unit * weight * squared_norm(axis) / below)
+            columns.append(unit_double(axis) * (inf if sigma is None else sigma))
+        return np.array(columns).T
+
     def matrix(self) -> RationalMatrix:
         """(6, 6), the covariance of (dt, phi)."""
         size, unit, centre = range(PARAMETERS), self.unit, self.centre
@@ -248,6 +274,27 @@ def _in_doubles(exact: RationalMatrix) -> NDArray[np.float64] | Absent:
     if _least_correlation(matrix) >= LEAST_CORRELATION:
         return matrix
     return LOOSE if _least_correlation(matrix[TURN:, TURN:]) < LEAST_CORRELATION else FAR
+
+
+def _second_order(
+    turns: NDArray[np.float64], arm: NDArray[np.float64], variances: Sequence[Fraction]
+) -> float:
+    """The largest share of a deviation of t that the second order of the turn is; inf if beyond.
+
+    turns: (3, 3), in its columns independent turns of one deviation, target's frame; arm: R m.
+    """
+    unit = float(np.abs(arm).max())
+    if not unit:
+        return 0.0
+    arm, shares = arm / unit, list[float]()
+    for axis, variance in zip(np.eye(3), variances, strict=True):
+        bend = (arm @ axis) * np.eye(3) - (np.outer(arm, axis) + np.outer(axis, arm)) / 2
+        with np.errstate(all="ignore"):
+            form = turns.T @ bend @ turns
+            moved = np.sqrt(np.trace(form) ** 2 + 2.0 * np.sum(form**2)) / 2.0
+        sigma = nearest_root(variance / Fraction(unit) ** 2)
+        shares.append(float(moved) / sigma if sigma and np.isfinite(moved) else inf)
+    return max(shares)
 
 
 def _least_correlation(matrix: NDArray[np.float64]) -> float:

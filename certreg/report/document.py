@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,7 +13,13 @@ from certreg.exact import double_above, nearest_double
 from certreg.registration import DEGREE_SLACK, SimulatedRegistration, is_loose, worst_residuals
 from certreg.report.encoding import Document, Noted, encoded
 from certreg.report.methods import methods_fields
-from certreg.report.uncertainty import NO_NOISE_ALONE, covariance_of, uncertainty_rows
+from certreg.report.uncertainty import (
+    NO_NOISE_ALONE,
+    covariance_of,
+    shift_sigmas,
+    turn_sigmas,
+    uncertainty_rows,
+)
 from certreg.results import OUT_OF_RANGE, Absent
 
 if TYPE_CHECKING:
@@ -244,22 +250,31 @@ def _covariance(registration: Registration) -> Document:
         names = ("covariance", "covariance_scale", "variance_factor", "uncertainty")
         return dict.fromkeys(names, covariance)
     matrix = covariance.stated("matrix")
-    warned = registration.fit.warnings and not isinstance(matrix, Absent)
+    turned, moved = turn_sigmas(covariance), shift_sigmas(covariance)
+    doubt = moved.reason if isinstance(moved, Absent) else None
+    doubt = NO_NOISE_ALONE if registration.fit.warnings else doubt
+    known = not isinstance(turned, Absent)
+    sigmas = {
+        "translation": moved,
+        "rotation_deg": np.degrees(turned) if known else turned,
+        "centre": covariance.centre_sigma,
+        "loosest_turn": {
+            "sigma_deg": math.degrees(covariance.loosest_sigma) if known else turned,
+            "axis": covariance.loosest_axis,
+        },
+        "degrees_of_freedom": covariance.degrees_of_freedom,
+    }
     return {
-        "covariance": Noted(matrix, NO_NOISE_ALONE) if warned else matrix,
+        "covariance": _noted(matrix, doubt),
         "covariance_scale": "estimated" if covariance.estimated else "given",
         "variance_factor": covariance.stated("variance_factor"),
-        "uncertainty": {
-            "translation": covariance.translation_sigma,
-            "rotation_deg": np.degrees(covariance.rotation_sigma),
-            "centre": covariance.centre_sigma,
-            "loosest_turn": {
-                "sigma_deg": math.degrees(covariance.loosest_sigma),
-                "axis": covariance.loosest_axis,
-            },
-            "degrees_of_freedom": covariance.degrees_of_freedom,
-        },
+        "uncertainty": _noted(sigmas, NO_NOISE_ALONE if registration.fit.warnings else None),
     }
+
+
+def _noted(value: Any, doubt: str | None) -> Any:
+    """A value that is there, with what is to be said of it, if anything."""
+    return value if doubt is None or isinstance(value, Absent) else Noted(value, doubt)
 
 
 def _relaxation(registration: Registration) -> Document | Absent:

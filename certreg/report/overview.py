@@ -12,9 +12,11 @@ from certreg.report.uncertainty import (
     centre_words,
     chi2_words,
     rotation_words,
+    shift_sigmas,
+    shift_words,
     sigma_words,
     told_to,
-    two_digits,
+    turn_sigmas,
     uncertainty_rows,
 )
 from certreg.report.words import motion_words, turn_of
@@ -108,7 +110,7 @@ def _pose(registration: Registration) -> PoseFacts:
 
 def _sure(registration: Registration, covariance: PoseCovariance) -> list[Fact]:
     """Rotation, centre and translation, each with its deviation in the next line."""
-    pose, shift = registration.pose, two_digits(covariance.translation_sigma)
+    pose, shift = registration.pose, shift_words(covariance, " (source's origin)")
     centre = ", ".join(centre_words(registration, covariance))
     return [
         _rotation(pose, covariance),
@@ -116,7 +118,7 @@ def _sure(registration: Registration, covariance: PoseCovariance) -> list[Fact]:
         Fact(name="Centre", value=f"({centre})", words="of the moved source"),
         Fact(name="±", value="", words=sigma_words(covariance)),
         _translation(pose, covariance),
-        Fact(name="±", value="", words=f"{shift} (source's origin)"),
+        Fact(name="±", value="", words=shift),
     ]
 
 
@@ -138,13 +140,15 @@ def _short(value: float) -> str:
 
 def _rotation(pose: Pose, covariance: PoseCovariance | None) -> Fact:
     degrees, axis = turn_of(pose)
-    sigma = 0.0 if covariance is None else math.degrees(covariance.loosest_sigma)
+    told = covariance is not None and not isinstance(turn_sigmas(covariance), Absent)
+    sigma = math.degrees(covariance.loosest_sigma) if covariance is not None and told else 0.0
     about = "" if axis is None else f"about ({', '.join(f'{entry:.4f}' for entry in axis)})"
     return Fact(name="Rotation", value=f"{told_to(degrees, sigma)}°", words=about)
 
 
 def _translation(pose: Pose, covariance: PoseCovariance | None) -> Fact:
-    sigmas = [0.0] * 3 if covariance is None else covariance.translation_sigma.tolist()
+    told = Absent("") if covariance is None else shift_sigmas(covariance)
+    sigmas = [0.0] * 3 if isinstance(told, Absent) else told.tolist()
     shift = pose.translation.tolist()
     values = ", ".join(told_to(t, s) for t, s in zip(shift, sigmas, strict=True))
     return Fact(name="Translation", value=f"({values})")

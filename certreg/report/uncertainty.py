@@ -21,12 +21,13 @@ if TYPE_CHECKING:
     from certreg.registration import PoseCovariance, Registration
 
 FINE = math.radians(0.01)  # below it arc seconds: 36 of them
-MOST = 180.0  # degrees: there is no larger angle between two rotations
-FIRST_ORDER = 0.2  # radians, 11 degrees: turns scatter 2 % more there, 4 to 8 % at 0.3, measured
+FIRST_ORDER = 0.2  # radians, 11 degrees: turns scatter 2 % more there, 4 to 8 % at 0.3, measured;
+# and of a translation's deviation: a second order of that share adds 2 % to it, too
 SURE_SIGMA = 1e-6  # of chi-squared: so seldom is it so small, as large ones are warned of
-MOST_DECIMALS = 12  # behind the point: more are not read
-PLAIN_BELOW = 1e12  # larger numbers are written with an exponent
+MOST_DECIMALS, PLAIN_BELOW = 12, 1e15  # of a number without an exponent
+MOST_DIGITS = 16  # and more: all that the double has
 OF_ORIGIN = "of the source's origin, along the target's axes"
+SWUNG = Absent("the turn swings the source's origin too far for a first order")
 NO_NOISE_ALONE = "the fit holds more than noise (see the warning), and +/- would be of noise alone"
 
 
@@ -48,7 +49,7 @@ def uncertainty_rows(registration: Registration) -> list[tuple[str, str]]:
     return [
         ("centre ±", f"{sigma_words(covariance)}  (the centre of the source lands at {centre})"),
         ("rotation ±", rotation_words(covariance, "  (a small turn about the source's axes)")),
-        ("translation ±", f"{two_digits(covariance.translation_sigma)}  ({OF_ORIGIN})"),
+        ("translation ±", shift_words(covariance, f"  ({OF_ORIGIN})")),
         ("± is", _basis_words(registration, covariance)),
         *tested,
     ]
@@ -70,11 +71,19 @@ def told_to(value: float, sigma: float) -> str:
 
     >>> told_to(999.80268, 0.1934), told_to(-1e-9, 0.02), told_to(1234.5, 0.0)
     ('999.80', '0.000', '1234.5')
+    >>> told_to(-999999999999.648, 0.0022), told_to(1.03599e150, 2.2e147), told_to(1e-300, 2e-302)
+    ('-999999999999.648', '1.0360e+150', '1.000e-300')
     """
-    if not 0.0 < sigma < math.inf or abs(value) >= PLAIN_BELOW:
+    if not 0.0 < sigma < math.inf:
         return f"{value:.6g}"
-    decimals = min(MOST_DECIMALS, max(0, 1 - math.floor(math.log10(sigma))))
-    return f"{round(value, decimals) + 0.0:.{decimals}f}"
+    decimals = 1 - math.floor(math.log10(sigma))
+    digits = decimals + 1 + (math.floor(math.log10(abs(value))) if value else 0)
+    if value and digits >= MOST_DIGITS:
+        return repr(value)
+    if abs(value) < PLAIN_BELOW and decimals <= MOST_DECIMALS:
+        decimals = max(0, decimals)
+        return f"{round(value, decimals) + 0.0:.{decimals}f}"
+    return f"{value:.{max(0, digits - 1)}e}" if value else "0"
 
 
 def covariance_of(registration: Registration) -> PoseCovariance | Absent:
@@ -87,16 +96,40 @@ def covariance_of(registration: Registration) -> PoseCovariance | Absent:
 
 def rotation_words(covariance: PoseCovariance, axes: str) -> str:
     """Three standard deviations of a small turn, its axes, and a word where it is not small."""
-    sigma = covariance.rotation_sigma
+    sigma = turn_sigmas(covariance)
+    if isinstance(sigma, Absent):
+        return f"not known: {sigma.reason}"
     fine = float(sigma.max()) < FINE
     unit, factor = ("arc seconds", 3600.0) if fine else ("degrees", 1.0)
-    angles = [_two_digits(a) if a <= MOST else f">{MOST:g}" for a in np.degrees(sigma) * factor]
-    told = f"{' '.join(angles)} {unit}{axes}"
+    told = f"{two_digits(np.degrees(sigma) * factor)} {unit}{axes}"
     if covariance.loosest_sigma < FIRST_ORDER:
         return told
     about = axis_words(covariance.loosest_axis)
-    loose = " is hardly determined" if covariance.loosest_sigma > LOOSE_SIGMA else ""
-    return f"{told}: too large for a first order: the turn about {about}{loose}"
+    return f"{told}: too large for a first order: the turn about {about}"
+
+
+def shift_words(covariance: PoseCovariance, whose: str) -> str:
+    """Three standard deviations of the translation, or why there are none."""
+    sigma = shift_sigmas(covariance)
+    if isinstance(sigma, Absent):
+        return f"not known: {sigma.reason}"
+    return f"{two_digits(sigma)}{whose}"
+
+
+def turn_sigmas(covariance: PoseCovariance) -> NDArray[np.float64] | Absent:
+    """The deviations of the turn, as far as a first order says anything of it."""
+    if not covariance.loosest_sigma <= LOOSE_SIGMA:
+        about = axis_words(covariance.loosest_axis)
+        return Absent(f"the turn about {about} is hardly determined, far beyond a first order")
+    return covariance.rotation_sigma
+
+
+def shift_sigmas(covariance: PoseCovariance) -> NDArray[np.float64] | Absent:
+    """Those of the translation, as far: a large turn swings the origin about the centre."""
+    turned = turn_sigmas(covariance)
+    if isinstance(turned, Absent):
+        return turned
+    return covariance.translation_sigma if covariance.second_order < FIRST_ORDER else SWUNG
 
 
 def chi2_words(registration: Registration) -> str | None:

@@ -190,6 +190,25 @@ def test_the_first_order_is_right_to_a_twentieth_up_to_where_it_is_told():
     assert np.allclose(ratio, 1.0, rtol=0.05 + 5.0 / math.sqrt(2.0 * count))
 
 
+SQUARE = np.array([[1.0, 1, 0], [1, -1, 0], [-1, 1, 0], [-1, -1, 0]])
+
+
+def test_the_second_order_of_the_turn_is_that_of_sampled_turns():
+    """Of a cloud far off along one axis: beside the tangent there the arc is not small."""
+    rng = np.random.default_rng(6)
+    turn = Rotation.from_rotvec([0.2, -0.5, 0.9]).as_matrix()
+    source = rng.normal(size=(9, 3)) + turn.T @ [400.0, 0.0, 0.0]
+    covariance = covariance_of(RegistrationProblem(source, source @ turn.T, sigma=0.01))
+    phi = rng.multivariate_normal(np.zeros(3), np.asarray(covariance)[3:, 3:], size=20_000)
+    arms = source.mean(axis=0) @ turn.T - Rotation.from_rotvec(phi).apply(source.mean(0)) @ turn.T
+    first = np.cross(source.mean(axis=0), phi) @ turn.T
+
+    share = np.sqrt(np.mean((arms - first) ** 2, axis=0)) / covariance.translation_sigma
+    assert share.argmax() == 0
+    assert covariance.second_order == pytest.approx(share.max(), rel=0.05)
+    assert covariance_of(RegistrationProblem(SQUARE, SQUARE, sigma=0.01)).second_order == 0.0
+
+
 def test_a_sigma_from_the_residuals_is_as_sure_as_is_said():
     """Its standard deviation is 1/sqrt(2 (3N - 6)) of it, to a tenth at 30 degrees of freedom."""
     experiment = Experiment("isotropic", even=True)

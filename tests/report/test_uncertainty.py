@@ -18,14 +18,23 @@ from certreg.registration import certify
 from certreg.registration.fit import ChiSquared
 from certreg.registration.headlines import LOOSE_SIGMA
 from certreg.report import html_page, registration_summary, result_document
+from certreg.report.cards import registration_card
+from certreg.report.document import pose_document
+from certreg.report.overview import Overview
 from certreg.report.page import Report
 from certreg.report.uncertainty import (
     FINE,
     FIRST_ORDER,
-    MOST,
+    PLAIN_BELOW,
     SURE_SIGMA,
+    SWUNG,
+    centre_words,
     chi2_words,
     rotation_words,
+    shift_sigmas,
+    shift_words,
+    told_to,
+    turn_sigmas,
     two_digits,
     uncertainty_rows,
 )
@@ -143,21 +152,68 @@ def test_small_turns_are_in_arc_seconds_and_large_ones_no_longer_small(given):
 
     assert words(0.99 * FINE).startswith("25 25 36 arc seconds")
     assert words(1.01 * FINE).startswith("0.0071 0.0071 0.010 degrees")
-    assert words(math.radians(0.999 * MOST)).startswith("127 127 180 degrees")
-    assert words(math.radians(1.001 * MOST)).startswith("127 127 >180 degrees")
     assert "too large" not in words(0.99 * FIRST_ORDER)
     large = ": too large for a first order: the turn about (0, 0, 1)"
     assert words(1.01 * FIRST_ORDER).endswith(large)
     assert words(0.99 * LOOSE_SIGMA).endswith(large)
-    assert words(1.01 * LOOSE_SIGMA).endswith(f"{large} is hardly determined")
+    none = "not known: the turn about (0, 0, 1) is hardly determined, far beyond a first order"
+    assert words(1.01 * LOOSE_SIGMA) == none
 
 
-def test_points_almost_on_a_line_say_which_turn_is_loose():
+def test_where_a_turn_is_loose_no_deviation_is_told_but_that_of_the_centre(tmp_path: Path):
+    """In the terminal, on the page, in the documents and in the file of the pose alike."""
     line = np.outer(np.arange(12.0), [0.6, 0.0, 0.8]) + 1e-3 * NOISE
     problem = RegistrationProblem(line, line + 1e-2 * NOISE[::-1], sigma=0.01)
-    told = rows(certify(problem, relaxation=False, simulation=False))
+    found = certify(problem, relaxation=False, simulation=False)
+    told, document = rows(found), result_document(found)
+    why = "the turn about (0.6, 0, 0.8) is hardly determined, far beyond a first order"
 
-    assert "the turn about (0.6, 0, 0.8) is hardly determined" in told["rotation ±"]
+    assert told["rotation ±"] == told["translation ±"] == f"not known: {why}"
+    assert told["centre ±"].startswith("0.0029 along every axis")
+    sigmas, reasons = document["pose"]["uncertainty"], document["reasons"]
+    assert (sigmas["translation"], sigmas["rotation_deg"]) == (None, None)
+    assert sigmas["loosest_turn"]["sigma_deg"] is None
+    assert sigmas["centre"] == pytest.approx(0.01 / math.sqrt(12))
+    names = ("uncertainty.translation", "uncertainty.rotation_deg", "covariance")
+    assert all(reasons[f"pose.{name}"] == why for name in names)
+    assert pose_document(found)["uncertainty"] == sigmas
+    facts = {f"{one.words}{one.value}" for one in Overview.of(found).pose.facts}
+    assert f"not known: {why}" in facts
+    assert registration_card(found).count(f"not known: {why}") == 2
+
+
+def test_no_deviation_of_a_translation_is_told_where_its_turn_bends_it(given):
+    """Seen from far along one axis: that entry moves by the second order of the turn alone."""
+    cloud = CLOUD - CLOUD.mean(axis=0)
+    far = cloud + np.array([300.0, 0.0, 0.0])
+    moved = certify(RegistrationProblem(far, far, sigma=0.01), relaxation=False, simulation=False)
+    covariance = covariance_of(moved)
+
+    assert shift_sigmas(covariance) == SWUNG
+    assert isinstance(turn_sigmas(covariance), np.ndarray)
+    assert rows(moved)["translation ±"] == f"not known: {SWUNG.reason}"
+    assert result_document(moved)["reasons"]["pose.uncertainty.translation"] == SWUNG.reason
+    at, of = (replace(covariance_of(given), second_order=k * FIRST_ORDER) for k in (0.99, 1.0))
+    assert shift_words(at, "") == two_digits(at.translation_sigma)
+    assert shift_words(of, "").startswith("not known")
+
+
+def test_where_the_centre_lands_is_told_to_its_deviation_at_any_size():
+    """The sentence says where: so no digit that its deviation leaves is lost, and none is zero."""
+    for scale in (1e-300, 1e-9, 1.0, 1e9, 1e150):
+        source = scale * CLOUD
+        problem = RegistrationProblem(source, source + 1e-3 * scale * NOISE)
+        found = certify(problem, relaxation=False, simulation=False)
+        sigma, target = covariance_of(found).centre_sigma, problem.target.mean(axis=0)
+        told = [float(word) for word in centre_words(found, covariance_of(found))]
+        assert np.allclose(told, target, rtol=0.0, atol=0.06 * sigma)
+
+    assert told_to(math.nextafter(PLAIN_BELOW, 0.0), 1.0) == "999999999999999.9"
+    assert told_to(PLAIN_BELOW, 1.0) == "1000000000000000.0"
+    assert told_to(1.25e20, 1e17) == "1.2500e+20"
+    assert told_to(1.5e-305, 2e-303) == "2e-305"
+    assert told_to(0.0, 2e-303) == "0"
+    assert told_to(0.1, 1e-15) == "0.1"
 
 
 def test_where_there_is_none_the_reason_stands_in_its_place(estimated):
