@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from certreg.registration import Registration
+
     Cloud = NDArray[np.float64]
 
 YARDSTICK, YARDSTICK_CALLS = 100e-6, 200  # seconds that the bounds are meant for; calls to find it
@@ -54,7 +56,7 @@ def measure() -> Iterator[Figure]:
     yield Figure(what="yardstick: align_vectors", value=Quantity(yardstick, "s"))
     for name, what, seconds in times:
         beside = {"where the yardstick takes 100 us": Quantity(seconds / scale, "s")}
-        bound = BOUNDS[name] * scale
+        bound = BOUNDS[name] * scale if name in BOUNDS else None
         yield Figure(what=what, value=Quantity(seconds, "s"), bound=bound, beside=beside)
     for n, share in SIZES.items():
         yield _registering(n, share)
@@ -69,13 +71,19 @@ def _works() -> Iterator[tuple[str, str, Callable[[], object], int]]:
     assert certificate is not None
     content, of = certificate.to_json(), f", N = {FEW}"
 
-    def bare(problem: RegistrationProblem) -> object:
+    def bare(problem: RegistrationProblem) -> Registration:
         return certreg.certify(problem, relaxation=False, simulation=False)
+
+    def answered() -> object:
+        found = bare(few)
+        return found.equilibria, found.covariance, found.fit
 
     spectrum = "certificate from the spectrum"
     yield spectrum, spectrum + of, lambda: produce(few, found), 200
     yield "check", "verify.check" + of, lambda: check(content), 200
     yield "certify, bare", "certify, no relaxation, no run" + of, lambda: bare(few), 60
+    asked = "certify, bare, then equilibria, covariance and fit"
+    yield asked, asked + of, answered, 60
     yield "certify", "certify, everything" + of, lambda: certreg.certify(few), 60
     yield "simulate", "simulate, splitting" + of, lambda: certreg.simulate(few, "splitting"), 100
     yield "certify, many", f"certify, bare, N = {power_of_ten(MANY)}", lambda: bare(many), 20

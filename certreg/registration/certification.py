@@ -21,7 +21,6 @@ from certreg.certificate import (
 from certreg.dynamics import SimulationSettings, optimal_damping
 from certreg.dynamics import simulate as run
 from certreg.equilibrium import (
-    by_eigenspaces,
     rotation_double,
     unit_double,
 )
@@ -41,10 +40,6 @@ from certreg.native import Integrator
 from certreg.objective import Isotropic
 from certreg.problem import RegistrationProblem, exact_moments, lift
 from certreg.registration.agreement import agreement, require_sound_trajectory
-from certreg.registration.ambiguity import equilibria_at
-from certreg.registration.covariance import pose_covariance
-from certreg.registration.fit import fit_of
-from certreg.registration.misfits import RowNames
 from certreg.registration.parts import counted, logged
 from certreg.registration.result import (
     ProblemTrajectory,
@@ -61,7 +56,6 @@ from certreg.results import (
     OUT_OF_RANGE,
     Absent,
     Limits,
-    present,
 )
 
 if TYPE_CHECKING:
@@ -70,13 +64,12 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from certreg.dynamics import Trajectory
-    from certreg.registration.fit import Fit
     from certreg.registration.parts import Progress
     from certreg.relaxation import Relaxation
     from certreg.results import Verdict
 
 LOG = logging.getLogger(__name__)
-PARTS = 4  # of certify, besides relaxation and simulation: sums, certificate, checker, fit
+PARTS = 3  # of certify, besides relaxation and simulation: sums, certificate, checker
 NOT_ASKED = Absent("not asked for")
 NOT_CERTIFIED = Absent("not certified")
 CROSS_CHECK = Integrator.SPLITTING  # a few large steps, however stiff the springs
@@ -104,6 +97,9 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
 ) -> Registration:
     """Register, enumerate all equilibria, cross-check, certify, and run the checker.
 
+    Which equilibria there are is decided here; their numbers, the covariance and the fit are
+    computed when they are first asked for, of clouds that are mapped from a file at once.
+
     problem: a `RegistrationProblem`; or source and target, as `certreg.pair` takes them: files,
         arrays, data frames, paired by label where both have labels. Beside these sigma, weights
         and damping may be given, as for a problem; what is noted of the pairs goes to the logger.
@@ -114,7 +110,7 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
     about: what else the certificate is to hold, unproved, besides damping and integrator.
     max_gap, max_angle: what must be proved of the pose to call it certified, see `Limits`.
     progress: called with the number of parts that are done and that of all: exact sums, relaxation,
-        simulation, certificate, checker and fit.
+        simulation, certificate and checker.
     Raises ContradictionError or RefusedCertificateError where certreg contradicts itself, and
     OutOfRangeError where no double can hold the pose.
     """
@@ -189,10 +185,9 @@ def certified(
         if not isinstance(solution.trajectory, Absent):
             require_sound_trajectory(solution.objective, certificate.body, solution.trajectory)
     done("checker")
-    with _timed(timings, "fit"):
-        fit = _fit(solution)
-    done("fit")
-    return _registration(solution, verdict, fit, timings)
+    if problem.mapped:
+        solution.complete()
+    return _registration(solution, verdict, timings)
 
 
 def simulate(
@@ -269,7 +264,6 @@ def solve(
         settings = settings or SimulationSettings()
         trajectory = _simulation(objective, problem, integrator, settings)
         done("simulation")
-    covariance = pose_covariance(problem, objective)
     certificate = produce(
         problem,
         objective,
@@ -281,17 +275,12 @@ def solve(
     return Solution(
         problem=problem,
         objective=objective,
-        equilibria=equilibria_at(by_eigenspaces(objective), objective, problem),
         pose=_optimal_pose(objective),
-        covariance=present(covariance),
         relaxation=relaxed,
         trajectory=trajectory,
         agreement=agreement(problem, objective, relaxation=relaxed, trajectory=trajectory),
         certificate=certificate,
-        absent={
-            **({"covariance": covariance} if isinstance(covariance, Absent) else {}),
-            "certificate": NOT_CERTIFIED,
-        },
+        absent={"certificate": NOT_CERTIFIED},
     )
 
 
@@ -347,7 +336,6 @@ def optimally_damped(problem: RegistrationProblem) -> RegistrationProblem:
 def _registration(
     solution: Solution,
     verdict: Verdict | None,
-    fit: Fit,
     timings: dict[str, float],
 ) -> Registration:
     pose, moments, certificate = solution.pose, solution.moments, solution.certificate
@@ -365,7 +353,6 @@ def _registration(
         ),
         limits=Limits(),
         verdict=verdict,
-        fit=fit,
         timings=timings,
         absent={
             **solution.absent,
@@ -374,13 +361,6 @@ def _registration(
             "bounds": NOT_CERTIFIED,
         },
     )
-
-
-def _fit(solution: Solution) -> Fit:
-    about = {} if solution.certificate is None else solution.certificate.about
-    problem = solution.problem
-    names = RowNames.of(about, problem.n)
-    return fit_of(problem, solution.objective, solution.pose, names=names)
 
 
 def _optimal_pose(objective: Isotropic) -> Pose:

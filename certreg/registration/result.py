@@ -4,16 +4,30 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from fractions import Fraction
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from certreg.certificate import RotationState
 from certreg.dynamics import Trajectory
+from certreg.equilibrium import by_eigenspaces
 from certreg.exact import nearest_double, power_of_two
 from certreg.problem import lift, row_blocks
-from certreg.registration.covariance import residual_distances
-from certreg.results import OUT_OF_RANGE, Absent, Brief, Explained, Optimality, Presented, presenter
+from certreg.registration.ambiguity import equilibria_at
+from certreg.registration.covariance import pose_covariance, residual_distances
+from certreg.registration.fit import fit_of
+from certreg.registration.misfits import RowNames
+from certreg.results import (
+    OUT_OF_RANGE,
+    Absent,
+    Brief,
+    Explained,
+    Optimality,
+    Presented,
+    present,
+    presenter,
+)
 
 if TYPE_CHECKING:
     import os
@@ -33,24 +47,53 @@ if TYPE_CHECKING:
     from certreg.results import Limits, Verdict
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Solution(Explained):
     """What is computed before anything is checked.
 
+    What no proof needs is computed when it is first asked for: the numbers of the equilibria, the
+    covariance (why there is none is stated, and not in `absent`), the statistics of the fit.
+
     problem: as stated, with the damping that was taken.
-    relaxation, trajectory: Absent says why there is none. covariance: None where the optimum is not
-        unique or no double holds it.
+    relaxation, trajectory: Absent says why there is none.
     """
 
     problem: RegistrationProblem
     objective: Isotropic
-    equilibria: EquilibriumSet
     pose: Pose
-    covariance: PoseCovariance | None
     relaxation: Relaxation | Absent
     trajectory: Trajectory | Absent
     agreement: Agreement
     certificate: Certificate[IsotropicBody] | None
+
+    @cached_property
+    def equilibria(self) -> EquilibriumSet:
+        """All equilibria of the registration dynamics."""
+        return equilibria_at(by_eigenspaces(self.objective), self.objective, self.problem)
+
+    @property
+    def covariance(self) -> PoseCovariance | None:
+        """Of the pose; None where the optimum is not unique or no double holds it."""
+        return present(self._covariance)
+
+    @cached_property
+    def _covariance(self) -> PoseCovariance | Absent:
+        return pose_covariance(self.problem, self.objective)
+
+    @cached_property
+    def fit(self) -> Fit:
+        """What the optimum is worth as a fit, by statistics; nothing of it is proved."""
+        about = {} if self.certificate is None else self.certificate.about
+        names = RowNames.of(about, self.problem.n)
+        return fit_of(self.problem, self.objective, self.pose, names=names)
+
+    def stated(self, name: str) -> Any:
+        """The attribute of that name, or the Absent that stands for it."""
+        return self._covariance if name == "covariance" else Explained.stated(self, name)
+
+    def complete(self) -> None:
+        """Compute all that reads points now: later their file may hold others."""
+        _ = self.equilibria, self._covariance, self.fit
 
     @property
     def moments(self) -> ExactMoments:
@@ -119,7 +162,6 @@ class Registration(Explained, Presented):
     bounds: proved of `pose` as reported, rounding included; None if nothing is proved.
     limits: of the bounds, within which the pose is called certified.
     verdict: the checker's, with the theorems in its words; None if there is no certificate.
-    fit: what the optimum is worth as a fit, by statistics; nothing of it is proved.
     timings: seconds per phase.
     """
 
@@ -130,7 +172,6 @@ class Registration(Explained, Presented):
     bounds: PoseBounds | None
     limits: Limits
     verdict: Verdict | None
-    fit: Fit
     timings: dict[str, float]
 
     def __repr__(self) -> str:
@@ -159,7 +200,7 @@ class Registration(Explained, Presented):
         """What is proved of the pose; never more than the checker has accepted."""
         if self.verdict is None or not self.verdict.proved or self.bounds is None:
             return Optimality.NOT_CERTIFIED
-        unique = self.equilibria.classification.unique
+        unique = self.solution.objective.classification.unique
         if not self.bounds.meet(self.limits, unique=unique):
             return Optimality.BOUNDED
         return Optimality.CERTIFIED if unique else Optimality.CERTIFIED_NOT_UNIQUE
@@ -168,6 +209,17 @@ class Registration(Explained, Presented):
     def covariance(self) -> PoseCovariance | None:
         """Of the pose; None where the optimum is not unique or no double holds it."""
         return self.solution.covariance
+
+    @property
+    def fit(self) -> Fit:
+        """What the optimum is worth as a fit, by statistics; nothing of it is proved."""
+        return self.solution.fit
+
+    def stated(self, name: str) -> Any:
+        """The attribute of that name, or the Absent that stands for it."""
+        if name == "covariance":
+            return self.solution.stated(name)
+        return Explained.stated(self, name)
 
     @property
     def residuals(self) -> NDArray[np.float64]:
