@@ -49,7 +49,8 @@ class CarbonAlphas(NamedTuple):
 
 def carbon_alphas(atoms: Iterable[Atom], file: Path) -> CarbonAlphas:
     """The Cα atoms of the first model, in their order; every number of it is read and checked."""
-    kept: dict[str, tuple[float, str, list[float]]] = {}
+    kept: dict[str, tuple[float, list[float]]] = {}
+    places = set[tuple[str, str]]()
     models, several, others = dict[str, None](), set[str](), 0
     for atom in atoms:
         models[atom.model] = None
@@ -60,14 +61,15 @@ def carbon_alphas(atoms: Iterable[Atom], file: Path) -> CarbonAlphas:
             others += 1
             continue
         occupancy = number(atom.place, atom.occupancy) if atom.occupancy else 1.0
+        if (atom.label, atom.alternative) in places:
+            words = f"atom {shown(atom.label)} comes again: is it the file of one molecule?"
+            raise atom.place.refusal(words, column="atom", value=atom.label)
+        places.add((atom.label, atom.alternative))
         before = kept.get(atom.label)
         if before is not None:
-            if before[1] == atom.alternative:
-                words = f"atom {shown(atom.label)} comes again: is it the file of one molecule?"
-                raise atom.place.refusal(words, column="atom", value=atom.label)
             several.add(atom.label)
         if before is None or occupancy > before[0]:
-            kept[atom.label] = occupancy, atom.alternative, position
+            kept[atom.label] = occupancy, position
     if not kept:
         message = f"{shown(file)}: no Cα atoms: give a protein, or save the points as .csv"
         raise InvalidFileError(message, path=file, value=0, limit=1)
@@ -76,5 +78,5 @@ def carbon_alphas(atoms: Iterable[Atom], file: Path) -> CarbonAlphas:
         notes.append(f"the first of {len(models)} models (save another one alone to read it)")
     if several:
         notes.append(f"of {len(several)} with alternative places, the most occupied one")
-    coordinates = array("d", (x for _, _, position in kept.values() for x in position))
+    coordinates = array("d", (x for _, position in kept.values() for x in position))
     return CarbonAlphas(coordinates, tuple(kept), tuple(notes))

@@ -977,6 +977,20 @@ def test_of_equally_occupied_places_of_an_atom_the_first_is_taken(
     assert ("of 1 with alternative places" in " ".join(cloud.notes)) == (len(held) > 1)
 
 
+@pytest.mark.parametrize("suffix", [".pdb", ".cif"])
+@pytest.mark.parametrize("again", ["A", "B", "C"])
+def test_a_place_of_an_atom_that_comes_again_is_refused_however_occupied(suffix: str, again: str):
+    if suffix == ".cif":
+        pytest.importorskip("gemmi")
+    once = places_of_an_atom(suffix, ["0.50", "0.30", "0.20"])
+    twice = places_of_an_atom(suffix, ["0.50", "0.30", "0.20", "0.10"])
+    before = b"CA DLEU" if suffix == ".pdb" else b"CA C D A"
+    assert parse_cloud(io.BytesIO(once), Path(f"a{suffix}")).points.tolist() == [[0.0] * 3]
+    content = twice.replace(before, before.replace(b"D", again.encode()))
+    with pytest.raises(InvalidFileError, match="atom A:1:CA comes again"):
+        parse_cloud(io.BytesIO(content), Path(f"a{suffix}"))
+
+
 @pytest.mark.parametrize("count", [1, 2, 5])
 def test_rows_beyond_the_declared_number_of_an_xyz_file_are_refused_at_the_first(count: int):
     rows = "".join(f"C {k} 0 0\n" for k in range(count + 1))

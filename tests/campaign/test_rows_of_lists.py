@@ -1,0 +1,125 @@
+"""A row of a list of pairs: which line it names, where its files lie, what becomes of it."""
+
+from __future__ import annotations
+
+import json
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from commands import write_csv
+
+from certreg.campaign import PairCampaign, Tally, pairs, read_listing
+from certreg.campaign.store import Shards
+from certreg.errors import InvalidFileError
+from certreg.registration import certify
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+POINTS = np.random.default_rng(3).standard_normal((5, 3))
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    write_csv(tmp_path / "a.csv", POINTS.tolist())
+    write_csv(tmp_path / "b.csv", POINTS[::-1].tolist())
+    return tmp_path
+
+
+def rows(folder: Path, *lines: str) -> list[pairs.PairRow]:
+    (folder / "pairs.csv").write_text("\n".join([*lines, ""]))
+    return list(read_listing(folder / "pairs.csv").rows())
+
+
+def test_a_name_that_comes_a_third_time_is_told_the_first_line(folder: Path):
+    faults = [row.fault or "" for row in rows(folder, "name,source,target", *["a,a.csv,b.csv"] * 3)]
+
+    assert [bool(fault) for fault in faults] == [False, True, True]
+    assert all("is that of line 2, too" in fault for fault in faults[1:])
+
+
+def test_pairs_without_a_name_are_numbered_from_one_whatever_other_columns_call_them(
+    folder: Path,
+):
+    found = rows(folder, "id,source,target", "7,a.csv,b.csv", "8,a.csv,b.csv")
+
+    assert [(row.name, row.number) for row in found] == [("pair-1", 0), ("pair-2", 1)]
+    assert read_listing(folder / "pairs.csv").ignored == ("id",)
+
+
+def test_a_row_with_a_column_too_few_or_many_says_how_many_it_has(folder: Path):
+    found = rows(folder, "source,target,sigma", "a.csv,b.csv", "a.csv,b.csv,1,2")
+
+    assert [row.fault for row in found] == [f"{n} columns, not 3: mend the row" for n in (2, 4)]
+
+
+@pytest.mark.parametrize("column", ["sigma", "damping"])
+def test_a_number_that_is_none_is_told_with_its_line_and_column(folder: Path, column: str):
+    (row,) = rows(folder, f"source,target,{column}", "a.csv,b.csv,many")
+    with pytest.raises(InvalidFileError, match=f"line 2, {column}: 'many'") as caught:
+        pairs._problem(row, folder)
+
+    assert (caught.value.line, caught.value.column) == (2, column)
+
+
+def test_the_files_of_a_row_lie_beside_the_list(folder: Path):
+    """Whatever the folder is in which the command runs."""
+    weights = [1.0, 2.0, 0.0, 4.0, 5.0]
+    (folder / "w.txt").write_text("\n".join(map(str, weights)))
+    (folder / "p.csv").write_text("0,4\n2,2\n4,0\n")
+    header = "source,target,weights,pairs,damping,match"
+    (row,) = rows(folder, header, "a.csv,b.csv,w.txt,p.csv,3.5,all")
+    problem, pair = pairs._problem(row, folder)
+
+    assert problem.weights.tolist() == [weights[k] for k in (0, 2, 4)]
+    assert (problem.source.tolist(), problem.damping) == (POINTS[[0, 2, 4]].tolist(), 3.5)
+    assert problem.target.tolist() == problem.source.tolist()
+    assert pair.left_out == (2, 2)
+
+
+def test_a_certificate_that_is_kept_leaves_no_reason_for_its_absence(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(pairs, "certify", partial(certify, relaxation=False, simulation=False))
+    found = rows(folder, "name,source,target", "a/b,a.csv,b.csv", "c,b.csv,a.csv")
+    limits = PairCampaign(listing=read_listing(folder / "pairs.csv"), certificates=True).limits
+    for kept in (True, False):
+        made = pairs.certify_pairs(
+            rows=tuple(found), folder=str(folder), certificates=kept, limits=limits
+        )
+        entries = [json.loads(line) for line in made.content.splitlines()]
+        names = ["000001-a_b.json", "000002-c.json"] if kept else []
+        assert list(made.files) == names
+        for k, entry in enumerate(entries):
+            assert entry["certificate"] == (f"certificates/{names[k]}" if kept else None)
+            assert ("certificate" in entry["reasons"]) != kept
+            assert (entry["timings_ms"], entry["exit_code"]) == ({}, 0)
+
+
+def test_no_more_than_the_first_ten_of_a_kind_are_told_by_name():
+    tally = Tally()
+    error: dict[str, Any] = {"schema": pairs.ERROR_SCHEMA, "exit_code": 2}
+    poor = {"schema": "certreg-result/1", "exit_code": 0, "fit": {"warnings": [{"text": "bad"}]}}
+    for k in range(pairs.SHOWN_ERRORS + 2):
+        tally.add({**error, "name": f"e{k}", "error": {"message": "lost"}})
+        tally.add({**poor, "name": f"p{k}"})
+
+    assert tally.errors == tally.poor == pairs.SHOWN_ERRORS + 2
+    assert tally.first_errors == [f"e{k}: lost" for k in range(pairs.SHOWN_ERRORS)]
+    assert tally.first_poor == [f"p{k}: bad" for k in range(pairs.SHOWN_ERRORS)]
+    assert tally.codes == {0: tally.poor, 2: tally.errors}
+
+
+def test_a_damaged_file_goes_at_once_and_is_told_once(tmp_path: Path):
+    """Also one beside a sound shard of the same number, which nothing else would replace."""
+    shards = Shards(folder=tmp_path, identity="a" * 64, suffix=".jsonl")
+    shards.replace(5, b"sound")
+    (sound,) = tmp_path.iterdir()
+    (tmp_path / f"00000005-{'0' * 32}.jsonl").write_bytes(b"not")
+
+    (note,) = shards.drop_damaged()
+    assert f"00000005-{'0' * 32}.jsonl: damaged, or not of this campaign" in note
+    assert list(tmp_path.iterdir()) == [sound]
+    assert shards.drop_damaged() == []
