@@ -116,7 +116,7 @@ def fit_of(
             FitRow(row=one.row, label=names.label(one.row), residual=one.distance) for one in worst
         ),
         chi2=present(chi2),
-        outlier_rows=rows.far if rows is not None and outlying else (),
+        outlier_rows=rows.far if rows is not None and outlying and not rows.tied else (),
         warnings=warnings,
         absent={
             **{name: value for name, value in values.items() if isinstance(value, Absent)},

@@ -293,6 +293,11 @@ def _outlier_words(rows: RowFit, names: RowNames) -> str | None:
     log_p = log_beta_below(rows.left, degrees / 2, 3 * k / 2)
     if log_p + log_choices(n, k) + math.log(k * (k + 1)) > math.log(LEVEL):
         return None
+    if rows.tied:
+        return (
+            f"{n - k} of {n} rows agree on one pose, at least as many on another, as closely: some "
+            f"rows are wrong, and which cannot be told; without {k} of them {_gone(rows.left)}"
+        )
     does, them = ("does", "it") if k == 1 else ("do", "them")
     return (
         f"{names.words(rows.far, k)}, counting from 0, {does} not fit the pose that the others "

@@ -7,7 +7,7 @@ pose and every set of rows, however they were found.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,6 +23,7 @@ from certreg.registration.covariance import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from fractions import Fraction
 
     from numpy.typing import NDArray
@@ -62,7 +63,8 @@ class RowFit:
     worst: the largest residuals at the optimum, largest first.
     largest_over_median: of the residuals at the optimum; None where the median is zero.
     far: rows more than FAR medians away from a pose that most rows agree on, the worst first, at
-        most LISTED; far_rows: how many there are.
+        most LISTED; far_rows: how many there are. tied: whether as many rows agree on another pose,
+        as closely, so that nothing tells which are wrong.
     left: the objective of the other rows at that pose, over the least objective of all rows.
     second_moments: (3,) of source and of target, along the principal axes in rising order, without
         weights and over the trace of the source's.
@@ -75,6 +77,7 @@ class RowFit:
     largest_over_median: float | None
     far: tuple[int, ...]
     far_rows: int
+    tied: bool
     left: float
     other_pairing: OtherPairing | None
     second_moments: tuple[NDArray[np.float64], NDArray[np.float64]]
@@ -105,7 +108,7 @@ def _row_fit(problem: RegistrationProblem, objective: Isotropic, pose: Pose) -> 
     sample = frame.pairs(picked)
     if not (sample.finite and np.isfinite(residual_distances(picked, pose)).all()):
         return None
-    limits, count = _limits(sample), _Count()
+    (limits, tied), count = _agreed(sample), _Count()
     for rows in row_blocks(problem.n):
         count.add(rows.start, problem.block(rows), frame, limits)
     least = frame.energy(objective.energy(objective.quaternions[0]))
@@ -118,6 +121,7 @@ def _row_fit(problem: RegistrationProblem, objective: Isotropic, pose: Pose) -> 
         largest_over_median=count.worst[0].distance / median if median > 0.0 else None,
         far=tuple(one.row for one in count.far),
         far_rows=count.far_rows,
+        tied=tied,
         left=count.left / least if least > 0.0 else 1.0,
         other_pairing=_other_pairing(frame, problem),
         second_moments=sample.second_moments(),
@@ -281,6 +285,44 @@ def _limits(sample: _Pairs) -> _Limits:
         motion = sample.best_motion(np.where(far, 0.0, sample.weights))
         limits = _limits_at(sample, motion)
     return limits
+
+
+def _agreed(sample: _Pairs) -> tuple[_Limits, bool]:
+    """A pose that most rows agree on; and whether as many agree on another one, as closely."""
+    limits = _limits(sample)
+    count = _count(sample, limits)
+    for _ in range(STEPS):
+        rivals = list(_rivals(sample, limits))
+        best = min(rivals, key=lambda rival: _count(sample, rival), default=limits)
+        fewer = _count(sample, best)
+        if fewer >= count:
+            return limits, bool(rivals) and fewer == count
+        limits, count = best, fewer
+    return limits, False
+
+
+def _rivals(sample: _Pairs, limits: _Limits) -> Iterator[_Limits]:
+    """Other poses, found from the far rows: all of them, and each beside two that are not."""
+    known = limits.far(sample, sample.distances(limits.motion))
+    rows, others = np.flatnonzero(known), np.flatnonzero(~known)
+    if len(rows) == 0:
+        return
+    rows_of = enumerate(np.resize(rows, LISTED).tolist())
+    for begun in (rows, *(np.append(others[2 * k : 2 * k + 2], row) for k, row in rows_of)):
+        far, motion = np.ones(len(known), dtype=bool), limits.motion
+        far[begun] = False
+        for _ in range(STEPS):
+            motion = sample.best_motion(np.where(far, 0.0, sample.weights))
+            before, far = far, limits.far(sample, sample.distances(motion))
+            if (far == before).all() or far.all():
+                break
+        if (far != known).any():
+            yield replace(limits, motion=motion)
+
+
+def _count(sample: _Pairs, limits: _Limits) -> int:
+    """How many rows are far."""
+    return int(np.count_nonzero(limits.far(sample, sample.distances(limits.motion))))
 
 
 def _limits_at(sample: _Pairs, motion: _Motion) -> _Limits:

@@ -187,3 +187,41 @@ def test_a_row_is_far_in_length_and_in_standard_deviations_beyond_six_medians():
         limits = outlying._limits_at(pairs, still)
         assert (limits.distance, limits.weighted) == pytest.approx((6.0, 12.0), rel=1e-9)
         assert limits.far(pairs, pairs.distances(still)).tolist() == [*[False] * 8, far]
+
+
+OTHER_TURN = Rotation.from_rotvec([-2.0, 0.3, 0.5]).as_matrix()
+
+
+def on_two_poses(common: NDArray[np.float64], first: int, second: int) -> RegistrationProblem:
+    """Rows that fit both poses, so many that fit the first alone, and so many the second."""
+    ends = RNG.standard_normal((first + second, 3)) * [3.0, 2.0, 1.0]
+    moved = [ends[:first] @ TURN.T, ends[first:] @ OTHER_TURN.T]
+    return RegistrationProblem(np.vstack([common, ends]), np.vstack([common @ TURN.T, *moved]))
+
+
+AXIS = Rotation.from_matrix(TURN.T @ OTHER_TURN).as_rotvec()  # points that both turns take to one
+LINE = np.outer(np.arange(-3.0, 4.0), AXIS)
+
+
+@pytest.mark.parametrize(("first", "second"), [(8, 8), (7, 7), (3, 3), (2, 2), (1, 1)])
+def test_of_two_poses_that_as_many_rows_agree_on_no_rows_are_named(first: int, second: int):
+    tied = fit(on_two_poses(LINE, first, second))
+    told = fit(on_two_poses(LINE, first + 1, second))
+
+    (told_of,) = (one.text for one in tied.warnings if one.code is FitCode.OUTLIER_ROWS)
+    n = len(LINE) + first + second
+    begun = f"{n - second} of {n} rows agree on one pose, at least as many on another, as closely"
+    assert told_of.startswith(f"{begun}: some rows are wrong, and which cannot be told")
+    assert tied.outlier_rows == ()
+    far = tuple(range(len(LINE) + first + 1, len(LINE) + first + second + 1))
+    assert tuple(sorted(told.outlier_rows)) == far
+
+
+def test_of_two_poses_the_weights_do_not_tell_which_rows_are_wrong():
+    """A thousandth more of weight turns the optimum to one of them, and says nothing of rows."""
+    problem = on_two_poses(LINE, 4, 4)
+    weights = np.ones(problem.n)
+    weights[len(LINE) + 4 :] += 1e-3
+
+    assert fit(RegistrationProblem(problem.source, problem.target, weights=weights)).codes
+    assert fit(problem).outlier_rows == ()
