@@ -128,9 +128,12 @@ def findings(registration: Registration, pose: ExactPose, cost: Fraction) -> Fin
     angles = [objective.angle_to(i, q) for i in range(len(objective.classification.pattern))]
     if solution.certificate is None:
         raise UndecidedError(UNDECIDED, method="certificate")
+    bounds = pose_bounds(objective, solution.certificate.body, pose)
+    if bounds.angle_upper is not None:  # proved from more bits than a computed angle has
+        angles[0] = min(angles[0], bounds.angle_upper)
     return Findings(
         registration=registration,
-        bounds=pose_bounds(objective, solution.certificate.body, pose),
+        bounds=bounds,
         rounding_cost=cost,
         energy=pose_energy(objective, pose),
         translation_energy=objective.translation_energy(q, pose.translation),

@@ -334,3 +334,12 @@ def test_the_optimum_costs_no_more_than_a_pose_however_far_away_the_clouds_are()
 
     assert found.optimum_rmse is not None
     assert found.optimum_rmse < 0.99 * checked(found.rmse)
+
+
+def test_no_angle_is_told_that_is_larger_than_the_one_proved():
+    """The proof holds more bits than a computed angle, of the very optimum."""
+    quarter = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    found = assess(RegistrationProblem(AXIAL, AXIAL @ quarter.T), quarter, np.zeros(3))
+
+    assert checked(found.angle_upper) >= checked(found.angle_to_optimum)
+    assert found.nearest_angle == found.angle_to_optimum
