@@ -55,11 +55,12 @@ def test_a_representative_is_nearest_to_the_identity_where_a_member_reaches_it()
     assert found[2:] == (0, 0)
 
 
-@pytest.mark.parametrize("gap", [0, 7000, 12000])
+@pytest.mark.parametrize("gap", [0, 7000, 12000, 13000])
 def test_what_cannot_be_told_apart_ends_within_the_integers_that_the_checker_takes(gap: int):
     found = resolved(spaces_apart(gap))
 
     assert found.bits == MAX_BITS > START_BITS
+    assert found.pose_bits <= found.bits
     for quaternion in found.quaternions:
         assert all(len(str(abs(entry))) <= DIGITS_MAX for entry in quaternion)
     assert len(str(1 << MAX_BITS + 2)) <= DIGITS_MAX

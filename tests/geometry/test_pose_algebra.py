@@ -13,6 +13,7 @@ from certreg import Pose
 from certreg.errors import InvalidProblemError, OutOfRangeError
 from certreg.geometry.given import given_pose
 from certreg.geometry.orthogonality import why_no_rotation
+from certreg.geometry.so3 import canonical, quaternions_from_matrices
 
 FEW = settings(max_examples=30, deadline=None)
 LAST = [[0.0, 0.0, 0.0, 1.0]]
@@ -104,6 +105,71 @@ def test_a_matrix_goes_in_and_out_unchanged():
         assert np.array_equal(Pose.from_matrix(matrix).as_matrix(), pose.as_matrix())
     assert np.array_equal(pose.T_target_source, pose.as_matrix())
     assert np.array_equal(pose.inverse().rotation, pose.rotation.T)
+
+
+def test_a_pose_shares_no_memory_with_what_it_was_made_of():
+    matrix = random_pose(np.random.default_rng(6)).as_matrix()
+    pose = Pose.from_matrix(matrix)
+    back = pose.inverse()
+    kept = matrix.copy()
+    matrix[:] = 0.0
+    pose.rotation[:] = pose.rotation  # writable: whoever does it changes this pose alone
+
+    assert np.array_equal(pose.as_matrix(), kept)
+    assert not np.shares_memory(pose.rotation, back.rotation)
+
+
+def test_no_entry_of_a_pose_is_minus_zero_where_zeros_are_turned():
+    turn = Pose.from_matrix(np.diag([1.0, -1, -1, 1]))
+    for pose in (turn.inverse(), turn @ turn, turn @ turn.inverse()):
+        assert not np.signbit(pose.translation).any()
+
+
+@pytest.mark.parametrize("tiny", [1e-3, 1e-12, 5e-324])
+@pytest.mark.parametrize("place", range(3))
+def test_the_first_entry_that_is_not_zero_is_positive_however_small(tiny: float, place: int):
+    q = np.full(4, 0.5) * (np.arange(4) > place)
+    q[place] = -tiny
+
+    assert np.array_equal(canonical(q), -q)
+    assert np.array_equal(canonical(-q), -q)
+
+
+def test_many_quaternions_have_the_sign_of_each_alone():
+    turns = [np.diag(d) for d in ([1.0, -1, -1], [-1.0, 1, -1], [-1.0, -1, 1], [1.0, 1, 1])]
+    turns += [random_rotation(np.random.default_rng(k)) for k in range(20)]
+    for turn, q in zip(turns, quaternions_from_matrices(np.array(turns)), strict=True):
+        assert np.array_equal(
+            q, Pose.from_matrix(np.column_stack([turn, np.ones(3)])).quaternion_wxyz
+        )
+        assert q[np.flatnonzero(q)[0]] > 0.0
+
+
+@pytest.mark.parametrize(("off", "words"), [(0.09, "Give more digits"), (0.11, "another matrix")])
+def test_a_matrix_that_is_not_orthogonal_is_rounded_or_another_one(off: float, words: str):
+    """R^T R is off by a tenth at most where two decimals were printed."""
+    assert words in str(why_no_rotation(np.diag([np.sqrt(1.0 + off), 1.0, 1.0])))
+
+
+def test_a_quaternion_too_short_is_no_rotation_as_one_too_long_is_none():
+    q = np.array([0.0, 0.6, 0.0, -0.8])
+    refused = [why_no_rotation(length * q) is not None for length in (0.9998, 0.99991, 1.0002)]
+
+    assert refused == [True, False, True]
+
+
+def test_a_translation_of_zero_is_one_of_its_own_too():
+    with pytest.raises(InvalidProblemError, match="give no other beside it"):
+        given_pose(np.eye(4), [1.0, 2.0, 3.0])
+
+
+def test_a_pair_may_be_a_list_and_a_translation_a_column_or_a_row():
+    for shift in ([1.0, 2.0, 3.0], [[1.0], [2.0], [3.0]], [[1.0, 2.0, 3.0]]):
+        for pair in ((np.eye(3), shift), [np.eye(3), shift]):
+            given = given_pose(pair)
+
+            assert given.translation is not None
+            assert given.translation.tolist() == [1.0, 2.0, 3.0]
 
 
 def test_five_decimals_are_a_rotation_and_four_are_not():

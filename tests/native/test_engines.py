@@ -137,8 +137,9 @@ def test_a_torque_above_its_rounding_chooses_the_side(
 @each_machine
 @each_integrator
 @pytest.mark.parametrize(("share", "kicked"), [(0.98, True), (1.02, False)])
+@pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_body_is_off_a_saddle_where_the_torque_is_a_share_of_the_curvature(
-    machine, integrator, share, kicked, bodies
+    machine, integrator, share, kicked, side, bodies
 ):
     q, axes = ways_down(bodies, 3)
     beside = []
@@ -147,7 +148,7 @@ def test_a_body_is_off_a_saddle_where_the_torque_is_a_share_of_the_curvature(
         for _ in range(6):  # the ratio is nearly proportional to the angle
             off = turned(p[None], axis[None], angle)[0]
             angle *= share * loops.STALLED_TORQUE / torque_over_curvature(bodies, off, axis, k)
-        beside.append(turned(p[None], axis[None], angle)[0])
+        beside.append(turned(p[None], axis[None], side * angle)[0])
     batch = released(bodies, integrator, np.array(beside))
     engine(machine).run(batch, SLOW)
 

@@ -83,6 +83,18 @@ def test_the_angle_to_an_equilibrium_is_that_between_rotations():
     assert objective.angle_to_optimum(Q) == objective.angle_to(0, Q)
 
 
+@pytest.mark.parametrize("specimen", strategies.ZOO, ids=lambda specimen: specimen.name)
+def test_the_angle_to_a_continuum_is_that_to_its_nearest_member(specimen):
+    """Members are unit combinations of the vectors: the nearest is the projection of q."""
+    objective, q = objective_of(specimen.problem), unit_double(Q)
+    for k, space in enumerate(objective.eigenspaces.spaces):
+        vectors = np.array([unit_double(v) for v in space.vectors])
+        nearest = vectors.T @ (vectors @ q)
+        away = angle_between(q, nearest / np.linalg.norm(nearest))
+
+        assert objective.angle_to(k, Q) == pytest.approx(away, abs=1e-12)
+
+
 @settings(max_examples=25)
 @given(strategies.problems())
 def test_the_size_is_the_largest_entry_or_the_spread_or_a_unit(problem):

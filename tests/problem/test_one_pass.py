@@ -126,6 +126,7 @@ def layouts(x, y, w):
     yield "every second of a column", *(np.repeat(a.T, 2, axis=1)[:, ::2].T for a in (x, y)), w
     yield "unaligned", packed["point"][0], packed["point"][1], w
     yield "backwards", x[::-1].copy()[::-1], y[::-1].copy()[::-1], w
+    yield "columns backwards", *(a[:, ::-1].copy()[:, ::-1] for a in (x, y)), w
     yield "one of each", x, y.T.copy().T, w
     yield "weights in places", x, y, spread[::2]
 

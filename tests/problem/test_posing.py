@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import ctypes
+import math
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -12,12 +15,23 @@ from hypothesis import strategies as st
 
 import certreg
 from certreg.errors import CertregError
-from certreg.native import ready_library
+from certreg.geometry import davenport_matrix
+from certreg.native import CompilationError, loaded_library
 from certreg.problem import posing
 from certreg.problem.posing import floating_pose
 from certreg.registration import closed_form
 
-pytestmark = pytest.mark.skipif(ready_library() is None, reason="no compiled library")
+
+def is_compiled() -> bool:
+    """Whether there is a library, compiled now if it has to be: changed code is not left out."""
+    try:
+        loaded_library()
+    except CompilationError:
+        return False
+    return True
+
+
+pytestmark = pytest.mark.skipif(not is_compiled(), reason="no compiled library")
 NEAR = 1e-13  # radians, and of the clouds' size: both ways lose less
 CLOUD = np.random.default_rng(1).normal(size=(40, 3))
 
@@ -122,3 +136,45 @@ def test_nothing_is_compiled_for_a_pose(monkeypatch):
 
     assert floating_pose(CLOUD, CLOUD, None) is None
     assert certreg.register(CLOUD, CLOUD).quaternion_wxyz[0] == pytest.approx(1.0)
+
+
+def by_one_call(*arrays: Any) -> Any:
+    """What the call writes: a pose, then what decides whether it is one."""
+    content: Any = posing._Numbers()
+    points = posing.CloudPoints(
+        len(arrays[0]), *chain.from_iterable(map(posing.columns_of, arrays))
+    )
+    posing._posed()(ctypes.byref(points), ctypes.byref(content))
+    return np.frombuffer(content)
+
+
+@pytest.mark.parametrize("n", [20, 100])
+def test_the_numbers_that_decide_are_what_they_are_called(n):
+    rng = np.random.default_rng(n)
+    x, y, w = rng.normal(size=(n, 3)) + 3.0, rng.normal(size=(n, 3)) - 2.0, rng.uniform(1, 9, n)
+    a, b = (p - p[:: max(1, n // 32)].mean(axis=0) for p in (x, y))  # shifted by a few points' mean
+    cross = (y - w @ y / w.sum()).T @ (w[:, None] * (x - w @ x / w.sum()))
+    davenport = np.array(davenport_matrix(cross.tolist()))
+    *_, second, first = np.linalg.eigvalsh(davenport)
+    told = [
+        *(w.sum(), (w @ a) @ (w @ a), w @ (a * a).sum(axis=1)),
+        *((w @ b) @ (w @ b), w @ (b * b).sum(axis=1)),
+        *(first - second, np.linalg.norm(davenport)),
+    ]
+
+    *found, residual = by_one_call(x, y, w)[posing.NUMBERS_OF_POSE :]
+
+    np.testing.assert_allclose(found, told, rtol=1e-11)
+    assert 0.0 < residual < 1e-13 * told[-1]
+
+
+def test_what_rounding_takes_from_the_sum_of_each_block_is_added_at_the_end():
+    weights = np.r_[
+        np.full(256, 2.0**60), np.full(256 * 40, 2.0**6.8)
+    ]  # each block under half an ulp
+    cloud = np.random.default_rng(0).normal(size=(len(weights), 3))
+
+    mass = by_one_call(cloud, cloud, weights)[posing.NUMBERS_OF_POSE]
+
+    assert abs(mass - math.fsum(weights)) <= math.ulp(mass)
+    assert mass > 2.0**68 + 2.0**16

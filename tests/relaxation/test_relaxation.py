@@ -10,6 +10,7 @@ import subprocess
 import sys
 from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import commands
@@ -312,6 +313,24 @@ def test_a_solver_that_stops_short_says_so(monkeypatch):
     assert found.value is not None
 
 
+def test_a_named_solver_that_stops_short_says_so(monkeypatch):
+    first, second = (SimpleNamespace(dual_value=value) for value in (3.0, 7.0))
+    solved = SimpleNamespace(
+        status="optimal_inaccurate", value=2.0, constraints=[first, second], solve=lambda **_: None
+    )
+    parts = SimpleNamespace(value=np.eye(4))
+    program = SimpleNamespace(problem=solved, cross_covariance=parts, solution=parts)
+    errors = SimpleNamespace(SolverError=ValueError)
+    modelling = SimpleNamespace(installed_solvers=lambda: ["SCS"], error=errors)
+    monkeypatch.setattr(stated, "statement", lambda _: program)
+    monkeypatch.setattr(stated, "library", lambda *_: modelling)
+
+    found = stated.solve_stated(Form.QUATERNION, np.eye(3), "scs")
+
+    assert (found.status, found.said) == (RelaxationStatus.INACCURATE, solved.status)
+    assert (found.value, found.multiplier) == (2.0, 3.0)
+
+
 def test_a_solver_that_is_not_installed_is_a_status(monkeypatch):
     moments = exact_moments(strategies.random_problem(np.random.default_rng(0)))
     monkeypatch.setitem(sys.modules, "clarabel", None)
@@ -320,6 +339,8 @@ def test_a_solver_that_is_not_installed_is_a_status(monkeypatch):
 
     assert found.status is RelaxationStatus.UNAVAILABLE
     assert found.value is None
+    assert found.reason == found.solver_word
+    assert "pip install clarabel" in found.reason  # and not that it could not be loaded
     assert relaxed(moments).status is RelaxationStatus.SOLVED
 
 
