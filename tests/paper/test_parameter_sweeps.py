@@ -22,6 +22,7 @@ from certreg.paper import parameter_sweeps as sweeping
 from certreg.paper.parameter_families import CUBE, FAMILIES, Family, limit_margin, margin
 from certreg.paper.parameter_sweeps import (
     QUANTITIES,
+    Measurements,
     Sweep,
     all_sweeps,
     instance_count,
@@ -301,6 +302,69 @@ def test_the_caption_of_the_start_tells_the_time_of_one_decade():
     assert "it needs 3.00 units of time more" in WORDS["start"](sweep)
     assert "stops every run at the saddle from 1·10⁻⁶ radians down" in WORDS["start"](sweep)
     assert WORDS["start"](replace(sweep, measurements=found)).endswith("slow is enough, holds.")
+
+
+def told(name: str) -> Sweep:
+    """Three instances a value, and no two numbers of a caption alike."""
+    family = FAMILIES[name]
+    every = tuple(
+        Measurements(
+            value=value,
+            steps=np.array([1.0, 100.0 + (k - 4) ** 2, 1000.0 + (k - 6) ** 2]),
+            escape_times=np.array([1.0, 10.0 + (k - 8) ** 2, 500.0 + (k - 2) ** 2]),
+            margins=np.array([0.001 + 0.0001 * k, 0.1 + 0.01 * k, 0.5]),
+            predicted_steps=np.array([2.0, 3.0, 7.0 + k]),
+            predicted_escape_times=np.array([4.0, 5.0 + k, 900.0]),
+            predicted_margins=np.array([0.0, 0.01 + 0.001 * k, 0.2]),
+            converged=np.array([True, k > 2, k > 3]),
+            lost=np.array([k == 0, False, k < 2]),
+            four=np.array([True, True, k % 2 == 0]),
+        )
+        for k, value in enumerate(family.values)
+    )
+    return Sweep(family=family, measurements=every)
+
+
+def test_captions_tell_the_numbers_of_the_values_that_they_name():
+    at = {name: family.values for name, family in FAMILIES.items()}
+    last = {name: len(values) - 1 for name, values in at.items()}
+    parts = {
+        "damping": (f"made at μ = {at['damping'][4]:g},", f"shortest at μ = {at['damping'][8]:g}:"),
+        "noise": (
+            f"the median of the steps, {100 + (last['noise'] - 4) ** 2:,},",
+            f"worst run makes {1000 + (last['noise'] - 6) ** 2:,}. ",
+            f"gap grows from 0.1 to {0.1 + 0.01 * last['noise']:.2g},",
+        ),
+        "points": (
+            "short steps, up to 1,036 of them",
+            f"to {0.1 + 0.01 * last['points']:.2g} at N = 10⁵",
+        ),
+        "symmetry": (),
+        "degeneracy": (
+            f"to 116 steps and 74 units of time at {at['degeneracy'][0]:g},",
+            "ends 3 of",
+        ),
+    }
+    for name, words in parts.items():
+        text, total = WORDS[name](told(name)), 3 * (last[name] + 1)
+        for part in words:
+            assert part in text
+        if name in {"noise", "points", "symmetry"}:
+            assert f": {total - (last[name] + 1) // 2:,} of {total:,} instances." in text
+
+
+def test_a_row_of_the_table_has_the_numbers_of_its_columns():
+    rows = list(sweep_rows([told("noise")]))
+    one = rows[3]
+    columns = [f"{q.name}_{which}" for q in QUANTITIES for which in ("median", "worst", "told")]
+
+    assert (one["map"], one["value"], one["instances"]) == ("noise", FAMILIES["noise"].values[3], 3)
+    assert [one[name] for name in columns] == pytest.approx(
+        [101.0, 1009.0, 3.0, 35.0, 501.0, 8.0, 0.13, 0.0013, 0.013]
+    )
+    assert [row["converged"] for row in rows[:5]] == [1, 1, 1, 2, 3]
+    assert [row["lost_by_the_papers_rule"] for row in rows[:3]] == [2, 1, 0]
+    assert [row["four_equilibria"] for row in rows[:2]] == [3, 2]
 
 
 def test_the_table_has_a_row_for_each_value_and_the_documents_fields(found):
