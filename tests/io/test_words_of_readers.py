@@ -14,7 +14,7 @@ from certreg.errors import InvalidFileError
 from certreg.io import scans
 from certreg.io.clouds import Cloud, parse_cloud
 from certreg.io.columns import named_columns
-from certreg.io.labels import Match, rows_by_label, unused_labels_note
+from certreg.io.labels import Match, require_same_order, rows_by_label, unused_labels_note
 from certreg.io.noise import noise_of_columns
 from certreg.io.pairs import parse_pairs, repeated_rows_note
 from certreg.io.pose_values import PoseSource, of_array
@@ -153,6 +153,22 @@ def test_names_of_a_ply_file_are_whole_numbers_where_they_are_whole():
 
     assert (read.identifiers, read.labels) == (("7", "7.5"), None)
     assert read.ignored == ("id", "face", "edge")
+
+
+def test_a_label_names_points_before_any_other_name():
+    """In .ply files as in tables; what the others hold is not used."""
+    header = "ply\nformat ascii 1.0\nelement vertex 1\nproperty int id\nproperty int label\n"
+    header += "".join(f"property double {axis}\n" for axis in "xyz")
+    read = cloud(f"{header}end_header\n7 8 1 2 3\n", "a.ply")
+    assert (read.identifiers, read.labels, read.ignored) == (("8",), ("8",), ("id",))
+
+
+def test_points_that_are_named_in_another_order_are_told_of_the_target():
+    names = (("1", "2", "3"), ("1", "3", "2"))
+    error = refused(lambda: require_same_order(*names, (A, B)))
+    assert "a.csv and b.csv name the same points in another order: point 1" in str(error)
+    assert "is '2' and '3': rename" in str(error)
+    assert (error.path, error.row, error.value, error.limit) == (B, 1, "3", "2")
 
 
 def test_commas_are_told_with_the_first_of_each_kind():

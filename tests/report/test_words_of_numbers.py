@@ -1,0 +1,154 @@
+"""Numbers of results in rare cases: each field, fact and word is of what its name says."""
+
+from __future__ import annotations
+
+import base64
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from commands import checked
+from scipy.spatial.transform import Rotation
+
+from certreg.geometry import given_pose
+from certreg.problem import RegistrationProblem
+from certreg.registration import certify, judged
+from certreg.report import assessment_document, result_document, summary, viewer
+from certreg.report.cards import assessment_card
+from certreg.report.document import NOT_A_BOUND
+from certreg.report.viewer import sample_of
+from certreg.results import Limits
+
+if TYPE_CHECKING:
+    from certreg.registration import Registration
+
+RNG = np.random.default_rng(41)
+SOURCE = RNG.standard_normal((9, 3)) * [3.0, 2.0, 1.0]
+TURN = Rotation.from_rotvec([0.3, -0.4, 1.2])
+TARGET = TURN.apply(SOURCE) + [7.0, 8.0, 9.0] + 0.01 * RNG.standard_normal((9, 3))
+
+
+def solved(source: Any, target: Any, **options: Any) -> Registration:
+    problem = RegistrationProblem(source, target, **options)
+    return certify(problem, relaxation=False, simulation=False)
+
+
+@pytest.fixture(scope="module")
+def registration() -> Registration:
+    return certify(RegistrationProblem(SOURCE, TARGET), simulation=False)
+
+
+@pytest.fixture(scope="module")
+def far() -> Registration:
+    """So far from the origin that the pose in doubles costs more than the optimum itself."""
+    return solved(SOURCE, TARGET + 1e14)
+
+
+def test_the_optimum_beside_a_pose_costs_what_it_costs_itself_and_not_its_rounding(
+    far: Registration,
+):
+    best = far.equilibria.components[0]
+    assert checked(far.objective) > 1.001 * checked(best.energy)
+    pose = judged(far, given_pose(far.pose.T_target_source, None))
+    beside: Any = assessment_document(pose)["optimum"]
+
+    assert (pose.optimum_objective, pose.optimum_rmse) == (best.energy, best.rmse)
+    assert (beside["objective"], beside["rmse"]) == (best.energy, best.rmse)
+    assert pose.objective == pytest.approx(checked(far.objective), rel=1e-12)
+
+
+def test_each_limit_stands_under_its_own_name(registration: Registration):
+    asked = replace(registration, limits=Limits(max_gap=1e-7, max_angle=1e-5))
+    limits = result_document(asked)["optimality"]["limits"]
+
+    assert limits == {"gap_share": 1e-7, "angle_rad": 1e-5}
+
+
+def test_a_multiplier_that_proves_nothing_is_no_number_out_of_range(registration: Registration):
+    body = checked(registration.certificate).body
+    unproved = replace(body, claims=replace(body.claims, sdp_gap=None))
+    certificate = replace(checked(registration.certificate), body=unproved)
+    solution = replace(registration.solution, certificate=certificate)
+    document = result_document(replace(registration, solution=solution))
+
+    assert document["relaxation"]["proved_gap"] is None
+    assert document["reasons"]["relaxation.proved_gap"] == NOT_A_BOUND.reason
+    assert result_document(registration)["relaxation"]["proved_gap"] > 0.0
+
+
+@pytest.mark.parametrize("given", [True, False])
+def test_whether_a_turn_is_loose_is_said_beside_a_warning_where_the_noise_was_given(given: bool):  # noqa: FBT001
+    target = TARGET.copy()
+    target[4] += [0.0, 3.0, 0.0]
+    found = solved(SOURCE, target, sigma=0.01 if given else None)
+    document = result_document(found)
+
+    assert found.fit.warnings
+    assert document["margin"]["hardly_determined"] is (False if given else None)
+    assert ("margin.hardly_determined" in document["reasons"]) != given
+
+
+@pytest.mark.parametrize(
+    ("escapes", "words"),
+    [
+        (0, ""),
+        (1, " (kicked off a saddle once)"),
+        (2, " (kicked off a saddle 2 times)"),
+        (7, " (kicked off a saddle 7 times)"),
+    ],
+)
+def test_kicks_are_counted(escapes: int, words: str):
+    assert summary._kicked_words(escapes) == words
+
+
+@pytest.mark.parametrize("n", [1, 9, 10, 11, 20, 21])
+def test_a_sample_has_as_many_pairs_as_it_may_evenly_chosen(
+    monkeypatch: pytest.MonkeyPatch, n: int
+):
+    monkeypatch.setattr(viewer, "SAMPLE", 10)
+    points = np.arange(3.0 * n).reshape(n, 3)
+    problem = RegistrationProblem(points, points + 1000.0, weights=np.arange(1.0, n + 1))
+    numbers = np.frombuffer(base64.b64decode(sample_of(problem)), "<f8")
+    rows = np.arange(0, n, math.ceil(n / 10))
+    source, target, weights = np.split(numbers, [3 * len(rows), 6 * len(rows)])
+
+    assert len(rows) <= 10
+    assert source.reshape(-1, 3).tolist() == points[rows].tolist()
+    assert target.reshape(-1, 3).tolist() == (points[rows] + 1000.0).tolist()
+    assert weights.tolist() == (rows + 1.0).tolist()
+
+
+def test_the_card_of_a_pose_that_is_no_rotation_tells_no_numbers(registration: Registration):
+    card = assessment_card(judged(registration, given_pose(np.diag([1.0, 1.0, -1.0]), None)))
+    assert "NOT-A-ROTATION" in card
+    assert "RMSE" not in card
+    assert "RMSE" in assessment_card(judged(registration, given_pose(np.eye(3), None)))
+
+
+def test_a_pose_is_told_by_as_many_digits_as_its_size_allows():
+    for value, told in (
+        (0.0, "0.000000"),
+        (1e-4, "0.000100"),
+        (9.9e-5, "9.900000000e-05"),
+        (9999999.0, "9999999.000000"),
+        (1e7, "1.000000000e+07"),
+        (None, "(beyond doubles)"),
+    ):
+        assert summary.number(value) == told
+
+
+@pytest.mark.parametrize(("step", "compared"), [(0.099, True), (0.1, True), (0.11, False)])
+def test_a_rate_is_compared_where_the_steps_are_small_enough(
+    step: float,
+    compared: bool,  # noqa: FBT001
+):
+    run: Any = SimpleNamespace(step=step, predicted_rate=1.0, decay_rate=0.9)
+    words = summary._rate_words(run)
+    assert words == (
+        "0.9  (predicted 1)" if compared else "0.9  (too few steps to compare with the predicted 1)"
+    )
+    unknown: Any = SimpleNamespace(step=step, predicted_rate=1.0, decay_rate=None)
+    assert summary._rate_words(unknown) == "unknown  (predicted 1)"
