@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from strategies import ZOO, Specimen, random_problem
+from strategies import ZOO, Specimen, random_problem, random_rotation
 
+from certreg import equilibria
 from certreg.dynamics.batch import bodies_of
 from certreg.dynamics.body import body_of, start_at_rest
 from certreg.equilibrium import batch as instances
@@ -479,6 +480,31 @@ def test_ratios_of_a_body_that_fits_exactly_are_two_within_their_bounds(thin):
 
     assert (off <= bound).all()
     assert (bound < 1.0).all()
+
+
+def test_each_instance_is_decided_by_the_bound_of_its_own():
+    """Far from the origin a cloud is small beside its coordinates, and so is what it bounds."""
+    rng = np.random.default_rng(3)
+    cube = np.array([[a, b, c] for a in (1.0, -1) for b in (1.0, -1) for c in (1.0, -1)])
+    far = rng.normal(size=(8, 3)) + 1e7
+    turned = cube @ random_rotation(rng).T  # three equal eigenvalues, but for rounding
+    found = solve_many(np.array([far, turned]), np.array([far, cube]))
+
+    assert found.decided.tolist() == [True, False]
+
+
+@pytest.mark.parametrize("larger", [1e-3, 1e3])
+@pytest.mark.parametrize("damping", [0.7, 2.8])
+def test_rates_are_in_the_time_of_the_springs_where_clouds_differ_in_size(larger, damping):
+    rng = np.random.default_rng(4)
+    x = rng.normal(size=(9, 3))
+    y = larger * (x @ random_rotation(rng).T + 0.1 * rng.normal(size=(9, 3)))
+    (many,) = solve_many(x, y, damping=damping, spectrum=True).eigenvalues
+    one = equilibria(RegistrationProblem(x, y, damping=damping))
+    alone = exactly(x, y, damping=damping)
+    for rates, known, found in zip(many, one.components, alone.components, strict=True):
+        assert np.abs(rates - known.eigenvalues).max() < 1e-9 * np.abs(rates).max()
+        assert np.array_equal(found.eigenvalues, known.eigenvalues)
 
 
 @pytest.mark.parametrize(("share", "decided"), [(0.49, True), (0.51, False)])

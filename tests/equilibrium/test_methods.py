@@ -189,6 +189,28 @@ def test_methods_that_disagree_are_an_error():
         compare([first, second, changed(third, index=lambda k, _: (0, 1, 3, 2)[k])])
 
 
+def test_a_comparison_tells_the_worst_of_all_and_holds_no_unknown_index_against_a_list():
+    first, second, third = critical_sets(
+        strategies.random_problem(np.random.default_rng(4), noise=0.1)
+    )
+    span = first.components[-1].value - first.components[0].value
+    nearly = changed(second, value=lambda _, part: part.value + span / 10**13)
+    unknown = changed(third, index=lambda *_: None)
+
+    assert 9e-14 < compare([first, nearly, unknown]).energy < 1.1e-13
+    assert compare([first, nearly, unknown]).angle == compare([first, unknown, nearly]).angle
+
+
+def test_a_disagreement_tells_the_angle_in_degrees_and_its_limit_in_radians():
+    first, second, _ = critical_sets(strategies.random_problem(np.random.default_rng(4), noise=0.1))
+    turned = changed(second, span=lambda *_: second.components[1].span)
+    with pytest.raises(ContradictionError, match="rotations up to 180 degrees apart") as caught:
+        compare([first, turned])
+
+    assert caught.value.value == pytest.approx(np.pi)
+    assert (caught.value.limit, caught.value.methods) == (1e-10, ("spectral", "groebner"))
+
+
 def test_a_list_in_doubt_may_only_take_neighbours_together():
     first, *_ = critical_sets(strategies.random_problem(np.random.default_rng(4), noise=0.1))
     other, _, doubtful = critical_sets(strategies.ZOO[4].problem)
