@@ -1,0 +1,116 @@
+"""What commands say and end with where a library is missing, options clash, or a run goes on."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from commands import certreg, write_csv
+
+from certreg import __version__, _loading
+from certreg.cli import main as program
+from certreg.cli import progress
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+POINTS = np.random.default_rng(5).standard_normal((5, 3)).tolist()
+
+
+@pytest.mark.parametrize("name", ["scipy", "clarabel", "numpy"])
+def test_a_library_that_a_command_misses_is_named_and_the_command_was_misused(
+    monkeypatch: pytest.MonkeyPatch, name: str
+):
+    error = ModuleNotFoundError(f"No module named '{name}.linalg'", name=f"{name}.linalg")
+
+    def miss(**_: Any) -> None:
+        raise error
+
+    monkeypatch.setattr(program, "cli", type("Cli", (), {"main": staticmethod(miss)}))
+    run = certreg("certify")
+
+    assert (run.code, run.out) == (2, "")
+    assert run.err == f"certreg: {_loading.refusal(name, error, 'this command')}\n"
+    assert f"this command needs {name}, which is not installed: pip install {name}" in run.err
+
+
+def test_a_library_of_nobody_is_a_defect(monkeypatch: pytest.MonkeyPatch):
+    def miss(**_: Any) -> None:
+        raise ModuleNotFoundError("No module named 'certreg.lost'", name="certreg.lost")
+
+    monkeypatch.setattr(program, "cli", type("Cli", (), {"main": staticmethod(miss)}))
+    with pytest.raises(ModuleNotFoundError, match=r"certreg\.lost"):
+        certreg("certify")
+
+
+@pytest.fixture
+def clouds(tmp_path: Path) -> tuple[Path, Path]:
+    names = [f"P{k}" for k in range(5)]
+    a = write_csv(tmp_path / "a.csv", POINTS, names)
+    return a, write_csv(tmp_path / "b.csv", POINTS[::-1], names[::-1])
+
+
+@pytest.mark.parametrize("match", ["all", "common"])
+def test_one_to_one_goes_with_pairs_alone(clouds: tuple[Path, Path], match: str):
+    run = certreg("certify", *clouds, "--one-to-one", "--match", match)
+
+    assert run.code == 2
+    assert "--one-to-one goes with --pairs" in run.err
+
+
+def test_a_certificate_says_what_made_it_and_of_which_clouds(
+    clouds: tuple[Path, Path], tmp_path: Path
+):
+    out = tmp_path / "out"
+    assert certreg("certify", *clouds, "--out", out, "--no-relaxation", "--no-simulation").code == 0
+    about = json.loads((out / "certificate.json").read_bytes())["about"]
+
+    assert {name: about[name] for name in ("certreg", "source", "target", "labels")} == {
+        "certreg": __version__,
+        "source": "a.csv",
+        "target": "b.csv",
+        "labels": [f"P{k}" for k in range(5)],
+    }
+
+
+def test_every_demand_that_is_not_met_is_told(tmp_path: Path):
+    a = write_csv(tmp_path / "a.csv", POINTS)
+    b = write_csv(tmp_path / "b.csv", (2.0 * np.array(POINTS)).tolist())
+    options = ("--require-fit", "--max-rmse", "0.001", "--no-relaxation", "--no-simulation")
+    run = certreg("certify", a, b, *options)
+
+    assert run.code == 4
+    told = [line for line in run.err.splitlines() if line.endswith(": exit code 4")]
+    assert told[0] == "certreg: the fit has warnings: exit code 4"
+    assert told[1].startswith("certreg: the RMSE is ")
+    assert len(told) == 2
+
+
+@pytest.mark.parametrize(
+    ("name", "header"),
+    [("c.csv", " (header: x,y,z)"), ("C.CSV", " (header: x,y,z)"), ("c.txt", "")],
+)
+def test_the_header_of_what_was_moved_is_told_where_it_has_one(
+    tmp_path: Path, name: str, header: str
+):
+    a = write_csv(tmp_path / "a.csv", POINTS)
+    (tmp_path / "pose.txt").write_text("1 0 0 1\n0 1 0 2\n0 0 1 3\n")
+    run = certreg("apply", tmp_path / "pose.txt", a, "--out", tmp_path / name)
+
+    assert run.out.splitlines()[0] == f"5 points written to {tmp_path / name}{header}"
+
+
+@pytest.mark.parametrize("count", [0, 1, 2])
+def test_what_was_there_already_is_told_and_counts_for_no_rate(
+    capsys: pytest.CaptureFixture[str], count: int
+):
+    bar = progress.Progress(5, items="pairs")
+    bar.observer().begun(count)
+
+    told = capsys.readouterr().err
+    assert told == (f"note: {count} of 5 pairs were there already\n" if count else "")
+    assert bar._todo == 5 - count
+    bar.observer().advanced(2)
+    assert bar.made == 2
