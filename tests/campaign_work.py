@@ -10,8 +10,9 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from certreg.campaign.runner import Observer, Task, TaskResult, run
+from certreg.campaign.runner import Observer, run
 from certreg.campaign.store import Manifest, current_versions, occupied
+from certreg.campaign.task import Task, TaskResult
 from certreg.paper.monte_carlo import MonteCarlo
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ class InProcess:
     """Workers that are threads of this process: no start-up, same interface."""
 
     losses: tuple[type[BaseException], ...] = (BrokenExecutor,)
+    place: Path | None = None
 
     def __init__(self, count: int = 1) -> None:
         self.count, self.renewals = count, 0
@@ -72,15 +74,40 @@ def numbered(count: int) -> Iterator[Task]:
     return (Task(shard=k, function=echo, arguments={"words": str(k)}) for k in range(count))
 
 
-def die_while_sending() -> bytes:
-    """Nothing: its process dies with half of the result in the pipe."""
+MESSAGES: list[int] = []  # the bytes of each that this process has sent
 
-    def half(self: Connection, content: bytes) -> None:
-        os.write(self.fileno(), content[: len(content) // 2])
-        os._exit(1)
 
-    Connection._send = half  # pyright: ignore[reportAttributeAccessIssue]
-    return bytes(1000)
+def record_messages() -> None:
+    """From now on."""
+    send = Connection._send  # pyright: ignore[reportAttributeAccessIssue]
+
+    def recorded(self: Connection, content: bytes) -> None:
+        MESSAGES.append(len(content))
+        send(self, content)
+
+    Connection._send = recorded  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def longest_message() -> int:
+    return max(MESSAGES)
+
+
+def large(*, size: int) -> TaskResult:
+    """A result of many bytes in 300 files."""
+    files = {f"{k:08d}.json": bytes([k % 256]) * (size // 300) for k in range(300)}
+    return TaskResult(content=b"all\n" * (size // 4), files=files, timings={"drawing": 0.1})
+
+
+def fail_far_down(*, depth: int) -> TaskResult:
+    """Fails below two functions in turn: Python shortens the traceback of one that calls itself."""
+
+    def further() -> TaskResult:
+        return fail_far_down(depth=depth - 1)
+
+    if depth:
+        return further()
+    message = "far down"
+    raise ValueError(message)
 
 
 def die_once(*, folder: str, words: str) -> TaskResult:

@@ -7,14 +7,12 @@ from typing import TYPE_CHECKING
 from certreg._loading import lazy_face
 
 if TYPE_CHECKING:
+    from certreg.campaign.listing import read_listing as read_listing
     from certreg.campaign.pairs import RESULTS as RESULTS
     from certreg.campaign.pairs import PairCampaign as PairCampaign
     from certreg.campaign.pairs import Tally as Tally
-    from certreg.campaign.pairs import read_listing as read_listing
     from certreg.campaign.pairs import write_pair_results as write_pair_results
     from certreg.campaign.runner import Observer as Observer
-    from certreg.campaign.runner import Task as Task
-    from certreg.campaign.runner import TaskResult as TaskResult
     from certreg.campaign.runner import completed as completed
     from certreg.campaign.runner import contents as contents
     from certreg.campaign.runner import in_order as in_order
@@ -29,23 +27,23 @@ if TYPE_CHECKING:
     from certreg.campaign.table import csv_bytes as csv_bytes
     from certreg.campaign.table import require_parquet as require_parquet
     from certreg.campaign.table import write_table as write_table
+    from certreg.campaign.task import Task as Task
+    from certreg.campaign.task import TaskResult as TaskResult
     from certreg.campaign.workers import LocalWorkers as LocalWorkers
     from certreg.campaign.workers import workers_at as workers_at
 
 __getattr__ = lazy_face(
     __name__,
     {
+        "listing": ("read_listing",),
         "pairs": (
             "PairCampaign",
             "RESULTS",
             "Tally",
-            "read_listing",
             "write_pair_results",
         ),
         "runner": (
             "Observer",
-            "Task",
-            "TaskResult",
             "completed",
             "contents",
             "in_order",
@@ -65,6 +63,7 @@ __getattr__ = lazy_face(
             "require_parquet",
             "write_table",
         ),
+        "task": ("Task", "TaskResult"),
         "workers": ("LocalWorkers", "workers_at"),
     },
 )

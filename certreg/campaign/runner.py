@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from collections import Counter, deque
 from concurrent.futures import FIRST_COMPLETED, Future, wait
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
 
 from certreg.campaign.store import (
     CERTIFICATES,
@@ -17,6 +18,7 @@ from certreg.campaign.store import (
     current_versions,
     digest_of,
 )
+from certreg.campaign.task import Task, TaskResult
 from certreg.errors import (
     CampaignError,
     CertregError,
@@ -29,7 +31,6 @@ from certreg.verify import shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Container, Generator, Iterable, Iterator, Mapping
-    from pathlib import Path
 
     from certreg.campaign.store import Manifest
     from certreg.campaign.workers import Workers
@@ -76,27 +77,6 @@ class Observer:
     begun: Callable[[int], None]  # items that were there
     advanced: Callable[[int], None]  # new items
     noted: Callable[[str], None]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TaskResult:
-    """Of a task: the content of the shard, files that go with it, and what the work took.
-
-    files: content by name. timings: seconds by what they were spent on.
-    """
-
-    content: bytes
-    files: dict[str, bytes] = field(default_factory=dict[str, bytes])
-    timings: dict[str, float] = field(default_factory=dict[str, float])
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Task:
-    """The work on one shard: a function of a module and its keywords, to be sent to a worker."""
-
-    shard: int
-    function: Callable[..., TaskResult]
-    arguments: dict[str, Any]
 
 
 def completed(
@@ -151,11 +131,22 @@ def perform(task: Task, versions: dict[str, str]) -> TaskResult:
         raise ContradictionError(str(error), methods=("certify", "verify")) from None
 
 
+def perform_at(place: Path, task: Task, versions: dict[str, str]) -> Path:
+    """Carry out a task and leave its result in a folder; a failure comes without its traceback.
+
+    So what travels to the campaign is short.
+    """
+    try:
+        return perform(task, versions).left_at(place / str(task.shard))
+    except Exception as error:  # noqa: BLE001 - whatever it is, it goes on
+        raise error.with_traceback(None) from None
+
+
 class _Scheduler:
     """What is under way, what is to be done again, and what has not been begun."""
 
     def __init__(self, tasks: Iterator[Task], workers: Workers, versions: dict[str, str]) -> None:
-        self.under_way: dict[Future[TaskResult], Task] = {}
+        self.under_way: dict[Future[TaskResult | Path], Task] = {}
         self.again: deque[Task] = deque()
         self._tasks, self._workers, self._versions = tasks, workers, versions
         self._furthest = -1
@@ -170,7 +161,7 @@ class _Scheduler:
             self.under_way[self._sent(task)] = task
         return bool(self.under_way)
 
-    def ended(self) -> list[Future[TaskResult]]:
+    def ended(self) -> list[Future[TaskResult | Path]]:
         """Tasks that have ended, at least one; all of them where one was lost.
 
         A pool that breaks down loses all its tasks, though not in one instant.
@@ -190,25 +181,29 @@ class _Scheduler:
         first = min(task.shard for task in self.under_way.values())
         return self._furthest - first < SPREAD * self._workers.count
 
-    def _sent(self, task: Task) -> Future[TaskResult]:
+    def _sent(self, task: Task) -> Future[TaskResult | Path]:
         try:
-            return self._workers.executor.submit(perform, task, self._versions)
+            executor, place = self._workers.executor, self._workers.place
+            if place is None:
+                return executor.submit(perform, task, self._versions)
+            return executor.submit(perform_at, place, task, self._versions)
         except self._workers.losses as error:
-            lost = Future[TaskResult]()
+            lost = Future[TaskResult | Path]()
             lost.set_exception(error)
             return lost
 
 
-def _is_lost(future: Future[TaskResult], workers: Workers) -> bool:
+def _is_lost(future: Future[TaskResult | Path], workers: Workers) -> bool:
     return future.cancelled() or isinstance(future.exception(), workers.losses)
 
 
-def _result(future: Future[TaskResult], task: Task, workers: Workers) -> TaskResult | None:
+def _result(future: Future[TaskResult | Path], task: Task, workers: Workers) -> TaskResult | None:
     """The result of a task; None if its worker died."""
     if _is_lost(future, workers):
         return None
     try:
-        return future.result()
+        result = future.result()
+        return result if isinstance(result, TaskResult) else TaskResult.taken_from(result)
     except CertregError:
         raise
     except Exception as error:

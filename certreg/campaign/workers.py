@@ -1,7 +1,9 @@
 """Where a campaign is computed: processes of this machine, or a dask cluster.
 
 Both are a `concurrent.futures.Executor`. Local workers are born with a pipe to this process and end
-at once when its other end closes, so none outlives a campaign that is killed.
+at once when its other end closes, so none outlives a campaign that is killed. They hand their
+results over in files: a worker that dies in the middle of a long message leaves the half of it in
+the pool's pipe, and the pool waits for the rest for ever. A short one is sent whole or not at all.
 """
 
 from __future__ import annotations
@@ -10,11 +12,12 @@ import logging
 import multiprocessing
 import os
 import signal
+import tempfile
 import threading
 import time
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, ProcessPoolExecutor
 from contextlib import suppress
-from multiprocessing.connection import wait
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from certreg._loading import library
@@ -23,7 +26,6 @@ from certreg.verify import shown
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
-    from multiprocessing.process import BaseProcess
     from typing import Self
 
 CONNECTING = 15.0  # seconds for a scheduler to answer
@@ -34,9 +36,11 @@ class Workers(Protocol):
     """Some workers behind an executor.
 
     losses: what a future raises whose worker died; count: how many tasks are worked on at once.
+    place: the folder in which they leave their results; None where these travel by themselves.
     """
 
     executor: Executor
+    place: Path | None
     losses: tuple[type[BaseException], ...]
     count: int
 
@@ -63,21 +67,15 @@ class LocalWorkers:
 
     def _open(self) -> None:
         context = multiprocessing.get_context("spawn")  # a fork would inherit locks of our threads
-        reader, self._lifeline = context.Pipe(duplex=False)
+        self._reader, self._lifeline = context.Pipe(duplex=False)
+        self._folder = tempfile.TemporaryDirectory(prefix="certreg-results-")
+        self.place: Path | None = Path(self._folder.name)
         self.executor: Executor = ProcessPoolExecutor(
-            self.count, mp_context=context, initializer=_end_with, initargs=(reader,)
+            self.count, mp_context=context, initializer=_end_with, initargs=(self._reader,)
         )
-        self._reader = reader
 
     def require_alive(self) -> None:
-        """End all processes if one has died unnoticed: the tasks under way are then lost.
-
-        The pool sees a death by itself, but not while it waits for the rest of a result that a
-        worker was sending when it died.
-        """
-        sentinels = self._sentinels()
-        if wait(sentinels, timeout=0):
-            self._end(sentinels)
+        """Nothing: the pool sees a death by itself, as no message is so long that half is sent."""
 
     def renew(self) -> None:
         """A new pool of processes in place of the old one."""
@@ -85,28 +83,11 @@ class LocalWorkers:
         self._open()
 
     def _close(self) -> None:
-        self._end(self._sentinels())
+        """End the processes now, whatever they are doing."""
+        self._lifeline.close()
         self.executor.shutdown(wait=True, cancel_futures=True)
         self._reader.close()
-
-    def _end(self, sentinels: list[int]) -> None:
-        """End the processes now, whatever they are doing.
-
-        Half a result may be left in the pipe. The pool would wait for the other half for ever, as
-        this process could still write it: once nobody can, it learns that there is no more.
-        """
-        self._lifeline.close()
-        while sentinels:
-            done = wait(sentinels)
-            sentinels = [each for each in sentinels if each not in done]
-        results: Any = getattr(self.executor, "_result_queue", None)
-        if results is not None:
-            results._writer.close()  # noqa: SLF001 - the public interface has no way to end a pool
-
-    def _sentinels(self) -> list[int]:
-        """One for each process of the pool: ready once it has died."""
-        processes: dict[int, BaseProcess] | None = getattr(self.executor, "_processes", None)
-        return [process.sentinel for process in (processes or {}).values()]
+        self._folder.cleanup()
 
     def __enter__(self) -> Self:
         return self
@@ -120,6 +101,8 @@ class ClusterWorkers:
 
     Workers may come and go; dask itself repeats the tasks of those that die.
     """
+
+    place: Path | None = None
 
     def __init__(self, address: str) -> None:
         self._client = _connected(address, CONNECTING)

@@ -16,10 +16,12 @@ from campaign_work import VERSIONS, Cut, InProcess, numbered
 from commands import certreg, strict_json, write_csv
 
 from certreg.campaign import PairCampaign, pairs, read_listing, store, table, workers
+from certreg.campaign import listing as lists
 from certreg.campaign.pairs import ERROR_SCHEMA
-from certreg.campaign.runner import Observer, Task, TaskResult, completed, run
+from certreg.campaign.runner import Observer, completed, run
 from certreg.campaign.store import Manifest, digest_of, occupied
 from certreg.campaign.table import Column, write_table
+from certreg.campaign.task import Task, TaskResult
 from certreg.errors import CampaignError, InvalidFileError
 from certreg.registration import certify
 from certreg.results import Absent
@@ -48,9 +50,9 @@ def test_a_list_may_be_as_long_as_its_limit(folder: Path, monkeypatch: pytest.Mo
     path = listing(folder, "a.csv,b.csv")
     size = path.stat().st_size
 
-    monkeypatch.setattr(pairs, "MAX_LIST_BYTES", size)
+    monkeypatch.setattr(lists, "MAX_LIST_BYTES", size)
     assert read_listing(path).count == 1
-    monkeypatch.setattr(pairs, "MAX_LIST_BYTES", size - 1)
+    monkeypatch.setattr(lists, "MAX_LIST_BYTES", size - 1)
     with pytest.raises(InvalidFileError, match=f"more than {size - 1} bytes") as caught:
         read_listing(path)
     assert caught.value.limit == size - 1
@@ -98,12 +100,12 @@ def test_a_shard_is_final_if_no_line_is_an_error_and_all_have_inputs(folder: Pat
 
 
 @pytest.fixture
-def row(folder: Path) -> pairs.PairRow:
+def row(folder: Path) -> lists.PairRow:
     return next(read_listing(listing(folder, "a.csv,b.csv")).rows())
 
 
 def test_a_line_says_what_it_was_computed_from_and_holds_no_number_that_json_lacks(
-    folder: Path, row: pairs.PairRow, monkeypatch: pytest.MonkeyPatch
+    folder: Path, row: lists.PairRow, monkeypatch: pytest.MonkeyPatch
 ):
     limits = PairCampaign(listing=read_listing(folder / "pairs.csv"), certificates=False).limits
     monkeypatch.setattr(
@@ -331,7 +333,12 @@ def test_local_workers_are_bound_to_their_campaign_and_renewed_as_a_whole(
         assert second is not first
     assert second.shut
     assert second.initargs[0].closed
-    assert workers.LocalWorkers(2).count == 2
+    with workers.LocalWorkers(2) as two:
+        assert two.count == 2
+        place = two.place
+        assert place is not None
+        assert place.is_dir()
+    assert not place.exists()
 
 
 def test_there_is_a_processor_where_nobody_knows(monkeypatch: pytest.MonkeyPatch):

@@ -356,7 +356,7 @@ def test_parquet_goes_with_a_folder(folder):
 
 def test_a_long_list_is_never_held_as_objects(folder):
     """Rows are drawn as workers ask for them: many cost what their bytes cost."""
-    from certreg.campaign.pairs import PairCampaign, read_listing
+    from certreg.campaign import PairCampaign, read_listing
 
     rows = (f"a0.csv,b0.csv,p{k}" for k in range(20_000))
     campaign = PairCampaign(

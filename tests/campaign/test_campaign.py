@@ -5,8 +5,9 @@ from __future__ import annotations
 import csv
 import dataclasses
 import json
+import select
 import sys
-from concurrent.futures import ThreadPoolExecutor, wait
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext
 from pathlib import Path
 from types import SimpleNamespace
@@ -20,10 +21,13 @@ from campaign_work import (
     Fragile,
     InProcess,
     die_once,
-    die_while_sending,
     echo,
+    fail_far_down,
     finish,
+    large,
+    longest_message,
     numbered,
+    record_messages,
     tree,
 )
 from commands import certreg as run_command
@@ -33,9 +37,10 @@ from hypothesis import strategies as st
 import certreg
 from certreg.campaign import runner
 from certreg.campaign.pairs import PAIR_COLUMNS
-from certreg.campaign.runner import Task, completed, in_order, perform
+from certreg.campaign.runner import completed, in_order, perform
 from certreg.campaign.store import CERTIFICATES, MANIFEST, SHARDS, Manifest, Shards, occupied
 from certreg.campaign.table import Column, write_table
+from certreg.campaign.task import Task, TaskResult
 from certreg.campaign.workers import LocalWorkers, workers_at
 from certreg.cli import reproducing
 from certreg.cli.reproducing import LARGEST_RUNS
@@ -160,12 +165,32 @@ def test_a_killed_process_of_the_pool_is_replaced(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_process_that_dies_while_it_sends_is_noticed():
+def test_what_goes_through_the_pipe_is_sent_whole_or_not_at_all():
+    task = Task(shard=3, function=large, arguments={"size": 1 << 20})
     with LocalWorkers(1) as workers:
-        lost = workers.executor.submit(die_while_sending)
-        while not wait([lost], timeout=0.1).done:
-            workers.require_alive()
-        assert isinstance(lost.exception(), workers.losses)
+        assert workers.place is not None
+        workers.executor.submit(record_messages).result()
+        assert [result for _, result in completed(iter([task]), workers, VERSIONS)] == [
+            large(size=1 << 20)
+        ]
+        assert not list(workers.place.iterdir())
+        failing = Task(shard=4, function=fail_far_down, arguments={"depth": 200})
+        with pytest.raises(CampaignError, match=r"shard 4 .ValueError: far down"):
+            list(completed(iter([failing]), workers, VERSIONS))
+        assert 0 < workers.executor.submit(longest_message).result() <= select.PIPE_BUF
+
+
+def test_a_result_is_handed_over_as_it_is(tmp_path):
+    results = [
+        large(size=1000),
+        TaskResult(content=b""),
+        TaskResult(content=b"\n{}", files={"a": b""}),
+    ]
+    for result in results:
+        assert TaskResult.taken_from(result.left_at(tmp_path / "0")) == result
+        assert not list(tmp_path.iterdir())
+    with pytest.raises(CampaignError, match=r"a result cannot be handed over .*set TMPDIR"):
+        results[0].left_at(tmp_path / "gone" / "0")
 
 
 def test_a_worker_with_other_versions_is_refused():

@@ -18,6 +18,8 @@ from certreg.registration import certify
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from certreg.campaign.listing import PairRow
+
 POINTS = np.random.default_rng(3).standard_normal((5, 3))
 
 
@@ -28,7 +30,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def rows(folder: Path, *lines: str) -> list[pairs.PairRow]:
+def rows(folder: Path, *lines: str) -> list[PairRow]:
     (folder / "pairs.csv").write_text("\n".join([*lines, ""]))
     return list(read_listing(folder / "pairs.csv").rows())
 

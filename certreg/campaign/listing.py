@@ -1,0 +1,127 @@
+"""The list of pairs of a campaign.
+
+It is a .csv file whose header names what each row gives. `source` and `target` are files of
+clouds, relative to the list; `name` (or `label`) is what the results call the pair, else pair-1,
+pair-2, ...; `sigma`, `weights`, `pairs`, `match` and `damping` are as the options of
+`certreg certify`, and empty where there is nothing to say.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from certreg.errors import InvalidFileError
+from certreg.io import Place, parse_rows, reading
+from certreg.verify import shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+NEEDED = ("source", "target")
+OPTIONAL = ("name", "sigma", "weights", "pairs", "match", "damping")
+COLUMNS = (*NEEDED, *OPTIONAL)
+LIKENESS = 0.75  # of difflib, from 0 to 1: a name so like one that is read was meant to be it
+MAX_LIST_BYTES = 1 << 30
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PairRow:
+    """A row of a list, as it is written: nothing is read or checked yet.
+
+    place: name of the list and line. fault: why the row cannot be used, if it cannot.
+    """
+
+    number: int  # from 0
+    place: Place
+    name: str
+    fields: dict[str, str]  # of COLUMNS; empty ones are left out
+    fault: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Listing:
+    """A list of pairs: the bytes of the file, how many rows it has, columns that are not read."""
+
+    path: Path
+    content: bytes
+    count: int
+    ignored: tuple[str, ...]
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the file."""
+        return hashlib.sha256(self.content).hexdigest()
+
+    def rows(self) -> Iterator[PairRow]:
+        """The rows, one after the other; a row whose name stands before is at fault."""
+        header, rows = _headed(Path(self.path.name), self.content)
+        first: dict[str, str] = {}
+        for count, (place, values) in enumerate(rows, 1):
+            fields = dict(zip(header, map(str.strip, values), strict=False))
+            fields = {key: value for key, value in fields.items() if key in COLUMNS and value}
+            name = fields.pop("name", f"pair-{count}")
+            fault = None
+            if len(values) != len(header):
+                fault = f"{len(values)} columns, not {len(header)}: mend the row"
+            elif name in first:
+                fault = f"the name '{shown(name)}' is that of {first[name]}, too: give another"
+            first.setdefault(name, f"line {place.line}")
+            yield PairRow(number=count - 1, place=place, name=name, fields=fields, fault=fault)
+
+
+def read_listing(path: Path) -> Listing:
+    """The list in a file. Raises InvalidFileError: file, place, remedy."""
+    if path.suffix.lower() != ".csv":
+        message = f"{shown(path)}: a list of pairs is a .csv file with columns source and target"
+        raise InvalidFileError(message, path=path, value=path.suffix, limit=".csv")
+    with reading(path) as stream:
+        content = stream.read(MAX_LIST_BYTES + 1)
+    if len(content) > MAX_LIST_BYTES:
+        message = f"{shown(path)}: more than {MAX_LIST_BYTES} bytes: give several smaller lists"
+        raise InvalidFileError(message, path=path, limit=MAX_LIST_BYTES)
+    header, rows = _headed(path, content)
+    count = sum(1 for _ in rows)
+    if count == 0:
+        message = f"{shown(path)}: lists no pairs: add rows below the header"
+        raise InvalidFileError(message, path=path, value=0, limit=1)
+    ignored = tuple(name for name in header if name not in COLUMNS)
+    _require_unlike(path, header, ignored)
+    return Listing(path=path.resolve(), content=content, count=count, ignored=ignored)
+
+
+def _require_unlike(path: Path, header: list[str], ignored: tuple[str, ...]) -> None:
+    """That no column that is not read is a misspelt one that is: `sigm` must not go unread."""
+    absent = [name for name in COLUMNS if name not in header]
+    for name in ignored:
+        meant = get_close_matches(name, absent, n=1, cutoff=LIKENESS)
+        if meant:
+            message = (
+                f"{shown(path)}: column '{shown(name)}' is not known: did you mean '{meant[0]}'? "
+                "Rename it, or give it another name if it is not to be read"
+            )
+            raise InvalidFileError(message, path=path, column=name, limit=meant[0])
+
+
+def _headed(path: Path, content: bytes) -> tuple[list[str], Iterator[tuple[Place, list[str]]]]:
+    """The names of the columns, and the rows below, with their places."""
+    rows = parse_rows(io.BytesIO(content), path)
+    place, first = next(rows, (None, list[str]()))
+    names = [name.strip().lower() for name in first]
+    if "name" not in names:
+        names = ["name" if name == "label" else name for name in names]
+    wrong = [name for name in NEEDED if name not in names]
+    wrong += [name for name in COLUMNS if names.count(name) > 1]
+    if wrong:
+        message = (
+            f"{place or shown(path)}: name each column once in a header, source and target among "
+            f"them: look at {', '.join(wrong)}"
+        )
+        raise InvalidFileError(
+            message, path=path, line=None if place is None else place.line, column=wrong[0]
+        )
+    return names, rows
