@@ -155,6 +155,42 @@ def test_a_body_is_off_a_saddle_where_the_torque_is_a_share_of_the_curvature(
     assert (batch.escapes == kicked).all()
 
 
+@each_integrator
+def test_steps_and_kicks_from_a_saddle_are_counted_alike(integrator, bodies):
+    """In lanes, alone and in Python; what stands in the counters before is of no account."""
+    q, _ = ways_down(bodies, 2)
+    rules = SimulationSettings(max_steps=25).rules
+    lanes, alone, python = (released(bodies, integrator, q) for _ in range(3))
+    lanes.escapes[:], lanes.taken[:], lanes.status[:], lanes.times[:] = 7, 7, 3, 7.0
+    engine("compiled").run(lanes, rules)
+    for k in range(len(q)):
+        engine("compiled").run(alone.part(slice(k, k + 1)), rules)
+    engine("evaluator").run(python, rules)
+
+    assert (python.escapes > 0).all()
+    for other in (lanes, alone):
+        for name in ("escapes", "taken", "status"):
+            assert np.array_equal(getattr(other, name), getattr(python, name)), name
+        assert np.allclose(other.times, python.times, rtol=1e-12)
+        assert np.allclose(plain(other.states), plain(python.states), rtol=0.0, atol=1e-9)
+
+
+@each_integrator
+def test_no_body_is_given_more_steps_than_there_are_whatever_lane_it_takes(integrator):
+    rng = np.random.default_rng(8)
+    source = rng.normal(size=(60, 5, 3)) * rng.uniform(0.2, 1.0, (60, 1, 3))
+    target = source @ random_rotation(rng).T + 0.3 * rng.normal(size=source.shape)
+    many = bodies_of(source, target)
+    whole, cut = (released(many, integrator, many.starts["q"]) for _ in range(2))
+    engine("compiled").run(whole, SimulationSettings(max_steps=20_000).rules)
+    most = int(np.median(whole.taken))
+    engine("compiled").run(cut, SimulationSettings(max_steps=most).rules)
+
+    assert np.array_equal(cut.taken, np.minimum(whole.taken, most))
+    ended = whole.taken <= most
+    assert np.array_equal(cut.status, np.where(ended, whole.status, loops.Ending.OUT_OF_STEPS))
+
+
 @each_machine
 @each_integrator
 def test_a_body_that_spins_in_a_valley_is_not_turned(machine, integrator, bodies):
