@@ -9,6 +9,7 @@ proposal: proofs are made from it elsewhere, by exact arithmetic.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import combinations
 from math import isqrt
 from typing import TYPE_CHECKING
 
@@ -45,10 +46,10 @@ def integer_eigenbasis(matrix: Sequence[Sequence[int]], bits: int) -> Eigenbasis
     basis = _double_precision_start(scaled, bits)
     rotated = _congruence(scaled, basis, bits)
     tolerance = 1 << 8  # a few hundred units in the last place: the rounding of one sweep
-    while max(abs(rotated[i][j]) for i in range(n) for j in range(i)) > tolerance:
-        for p in range(n):
-            for q in range(p + 1, n):
-                _rotate(rotated, basis, p, q, bits)
+    pairs = list(combinations(range(n), 2))
+    while any(abs(rotated[p][q]) > tolerance for p, q in pairs):
+        for p, q in pairs:
+            _rotate(rotated, basis, p, q, bits)
     order = sorted(range(n), key=lambda k: rotated[k][k], reverse=True)
     return Eigenbasis(
         values=tuple(rotated[k][k] for k in order),
@@ -84,25 +85,27 @@ def _congruence(matrix: FixedMatrix, basis: FixedMatrix, bits: int) -> FixedMatr
 
 def _rotate(matrix: FixedMatrix, basis: FixedMatrix, p: int, q: int, bits: int) -> None:
     """One Jacobi rotation: makes entry (p, q) zero, by the smaller of the two angles."""
-    coupling = 2 * matrix[p][q]
+    upper, lower = matrix[p], matrix[q]
+    coupling, one = upper[q], 1 << (2 * bits)
     if coupling == 0:
         return
-    difference = matrix[q][q] - matrix[p][p]
-    hypotenuse = isqrt(difference * difference + coupling * coupling)
-    tangent = (coupling << bits) // (abs(difference) + hypotenuse)
+    difference = lower[q] - upper[p]
+    hypotenuse = isqrt(difference * difference + 4 * coupling * coupling)
+    tangent = (2 * coupling << bits) // (abs(difference) + hypotenuse)
     if difference < 0:
         tangent = -tangent
-    secant = isqrt((1 << (2 * bits)) + tangent * tangent)
-    cosine = (1 << (2 * bits)) // secant
-    sine = (tangent << bits) // secant
-    exchanged = (tangent * matrix[p][q]) >> bits
-    matrix[p][p] -= exchanged
-    matrix[q][q] += exchanged
-    matrix[p][q] = matrix[q][p] = 0
-    for k in (k for k in range(len(matrix)) if k not in {p, q}):
-        a, b = matrix[k][p], matrix[k][q]
-        matrix[k][p] = matrix[p][k] = (cosine * a - sine * b) >> bits
-        matrix[k][q] = matrix[q][k] = (sine * a + cosine * b) >> bits
+    secant = isqrt(one + tangent * tangent)
+    cosine, sine = one // secant, (tangent << bits) // secant
+    exchanged = (tangent * coupling) >> bits
+    upper[p] -= exchanged
+    lower[q] += exchanged
+    upper[q] = lower[p] = 0
+    for k, row in enumerate(matrix):
+        if k not in (p, q):
+            a, b = row[p], row[q]
+            row[p] = upper[k] = (cosine * a - sine * b) >> bits
+            row[q] = lower[k] = (sine * a + cosine * b) >> bits
     first, second = basis[p], basis[q]
-    basis[p] = [(cosine * a - sine * b) >> bits for a, b in zip(first, second, strict=True)]
-    basis[q] = [(sine * a + cosine * b) >> bits for a, b in zip(first, second, strict=True)]
+    for k, (a, b) in enumerate(zip(first, second, strict=True)):
+        first[k] = (cosine * a - sine * b) >> bits
+        second[k] = (sine * a + cosine * b) >> bits
