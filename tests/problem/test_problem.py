@@ -12,7 +12,14 @@ from hypothesis.extra.numpy import arrays
 
 from certreg.errors import InvalidProblemError
 from certreg.problem import arrays as stating
-from certreg.problem.problem import DIGEST_PREFIX, RegistrationProblem, lift, weight_of_sigma
+from certreg.problem.problem import (
+    DIGEST_PREFIX,
+    FEW,
+    Lifted,
+    RegistrationProblem,
+    lift,
+    weight_of_sigma,
+)
 
 CLOUD = [[0.0, 0, 0], [1, 0, 0], [0, 2, 0]]
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -24,6 +31,8 @@ def test_lifting_keeps_every_double_exactly(values):
 
     exact = [Fraction(2) ** lifted.exponent * m for m in lifted.integers]
     assert exact == [Fraction(v) for v in values.tolist()]
+    many = lift(np.tile(values, FEW + 1))  # by NumPy's calls, not one by one
+    assert many == Lifted(integers=lifted.integers * (FEW + 1), exponent=lifted.exponent)
 
 
 @given(arrays(np.float64, 4, elements=st.integers(-1000, 1000).map(float)))
