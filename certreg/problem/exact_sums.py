@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.native import CompilationError, loaded_library
+from certreg.native import CompilationError, loaded_library, ready_library
 from certreg.problem.arrays import row_blocks
 from certreg.problem.problem import lift
 
@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from certreg.native import Library
     from certreg.problem.problem import Block, RegistrationProblem
 
-MANY_POINTS = 2048  # from here on compiled code or limbs: 25 ms of Python's own integers
+FEW_POINTS = 32  # below, Python's own integers take no longer than a call of compiled code
+MANY_POINTS = 2048  # from here on compiled code or limbs, 25 ms of integers, whatever it takes
 THREADS = 2  # so many blocks at once, by compiled code and by NumPy
 LIMB_BITS = 20  # products of two limbs are below 2^40, and 2^13 of them add up within 2^53
 LIMB_POINTS = 1 << 12  # half of that: so many fit into the cache, and take half the time
@@ -95,7 +96,7 @@ def sums(problem: RegistrationProblem) -> Sums:
 
 def fastest_method(problem: RegistrationProblem) -> SumMethod:
     """The fastest method on this machine for so many points."""
-    if problem.n < MANY_POINTS:
+    if problem.n < FEW_POINTS or (problem.n < MANY_POINTS and ready_library() is None):
         return SumMethod.INTEGERS
     return SumMethod.LIMBS if _compiled() is None else SumMethod.COMPILED
 
@@ -163,12 +164,12 @@ def _by_compiled(compiled: Library, block: Block) -> Sums:
 
 
 def _by_integers(block: Block) -> Sums:
-    source, target, weights = (
-        lift(array.ravel()) for array in (block.source, block.target, block.weights)
-    )
+    source, target = lift(block.source.ravel()), lift(block.target.ravel())
+    one = len(block.weights) if (block.weights == block.weights[0]).all() else 1
+    weights = lift(block.weights[::one])
     x = [source.integers[k::3] for k in range(3)]
     y = [target.integers[k::3] for k in range(3)]
-    w = weights.integers
+    w = weights.integers * one
     wx, wy = ([list(map(mul, w, column)) for column in side] for side in (x, y))
     return Sums(
         source_exponent=source.exponent if any(source.integers) else None,

@@ -167,12 +167,22 @@ def test_limbs_are_used_where_they_are_said_to_be(monkeypatch):
 
 
 def test_the_method_is_chosen_by_the_number_of_points_and_whether_there_is_a_compiler(monkeypatch):
-    n = exact_sums.MANY_POINTS
-    few, many = (RegistrationProblem(np.eye(size, 3), np.eye(size, 3)) for size in (n - 1, n))
+    """Nothing is compiled for so few points as integers add up in no time."""
+    n, integers = exact_sums.MANY_POINTS, SumMethod.INTEGERS
+    sizes = (exact_sums.FEW_POINTS - 1, n - 1, n)
+    problems = [RegistrationProblem(np.eye(size, 3), np.eye(size, 3)) for size in sizes]
 
-    assert [fastest_method(few), fastest_method(many)] == [SumMethod.INTEGERS, SumMethod.COMPILED]
+    exact_sums._compiled()
+    compiled = [integers, SumMethod.COMPILED, SumMethod.COMPILED]
+    assert [fastest_method(problem) for problem in problems] == compiled
+    monkeypatch.setattr(exact_sums, "ready_library", lambda: None)
+    assert [fastest_method(problem) for problem in problems] == [integers, integers, compiled[2]]
     monkeypatch.setattr(exact_sums, "_compiled", lambda: None)
-    assert [fastest_method(few), fastest_method(many)] == [SumMethod.INTEGERS, SumMethod.LIMBS]
+    assert [fastest_method(problem) for problem in problems] == [
+        integers,
+        integers,
+        SumMethod.LIMBS,
+    ]
 
 
 def test_without_integers_of_128_bits_there_is_no_compiled_method(monkeypatch):
