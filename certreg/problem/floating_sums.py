@@ -30,7 +30,7 @@ from certreg.native import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
     from numpy.typing import NDArray
 
@@ -150,7 +150,7 @@ def chunks(array: NDArray[Any]) -> Iterator[NDArray[np.float64]]:
         yield array[start : start + CHUNK_POINTS].astype(np.float64)
 
 
-def total(row: NDArray[np.float64]) -> float:
+def total(row: Iterable[float]) -> float:
     """The sum of some numbers, rounded once; NaN where it or one of them is beyond the doubles."""
     try:
         return math.fsum(row)
@@ -199,19 +199,23 @@ def _plain(clouds: CloudPair) -> tuple[NDArray[np.float64], bool]:
         for first, last, size in ((0, full, BLOCK), (full, clouds.n, clouds.n - full))
         if last > first
     ]
-    rounded = np.array([total(column) for column in np.vstack(blocks).T])
+    sums = np.zeros((width(SUMS), 2))
+    rows = [row for part in blocks for row in part.tolist()]
+    sums[:, 0] = (
+        rows[0] if len(rows) == 1 else [total(column) for column in zip(*rows, strict=True)]
+    )
     negative = clouds.weights is not None and bool(np.signbit(clouds.weights).any())
-    return np.column_stack((rounded, np.zeros(width(SUMS)))), negative
+    return sums, negative
 
 
 def _blocks(clouds: CloudPair, size: int) -> NDArray[np.float64]:
     """The sums over each block, (blocks, 23)."""
     of_source, of_target, of_weights = clouds.exponents
     origins = clouds.origins
-    x = _deviations(clouds.source, origins["source"], of_source).reshape(-1, size, 3)
-    y = _deviations(clouds.target, origins["target"], of_target).reshape(-1, size, 3)
     w = np.ones(clouds.n) if clouds.weights is None else clouds.weights.astype(np.float64)
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
+        x = _deviations(clouds.source, origins["source"], of_source).reshape(-1, size, 3)
+        y = _deviations(clouds.target, origins["target"], of_target).reshape(-1, size, 3)
         w = _scaled(w, of_weights).reshape(-1, size, 1)
         wx, wy = w * x, w * y
         scatter = wx.transpose(0, 2, 1) @ x
@@ -226,11 +230,10 @@ def _deviations(
     points: NDArray[Any], origin: NDArray[np.float64], exponent: int
 ) -> NDArray[np.float64]:
     """(points - origin) / 2^exponent, rounded once and without overflow."""
-    with np.errstate(over="ignore", invalid="ignore", under="ignore"):
-        doubles = points.astype(np.float64, order="C")
-        if exponent > 0:
-            return _scaled(doubles, exponent) - _scaled(origin, exponent)
-        return _scaled(doubles - origin, exponent)
+    doubles = points.astype(np.float64, order="C")
+    if exponent > 0:
+        return _scaled(doubles, exponent) - _scaled(origin, exponent)
+    return _scaled(doubles - origin, exponent)
 
 
 def _scaled(values: NDArray[np.float64], exponent: int) -> NDArray[np.float64]:
