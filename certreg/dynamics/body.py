@@ -25,8 +25,6 @@ from certreg.exact import power_of_two
 from certreg.native import BODY, ENERGIES, MATRIX_STATE, current_engine, named, plain, symmetric
 
 if TYPE_CHECKING:
-    from fractions import Fraction
-
     from numpy.typing import ArrayLike, NDArray
 
     from certreg.geometry import Matrix3
@@ -116,15 +114,12 @@ def body_of(moments: ExactMoments, damping: float, *, length_exponent: int | Non
     the root-mean-square radius of both clouds. Raises DegenerateProblemError where no double
     matrix is the inverse of J.
     """
-    a, c = moments.source_exponent, moments.weight_exponent
-    square = moments.spread / moments.total_weight
+    a, b, square = moments.source_exponent, moments.target_exponent, moments.mass**2
     exponent = length_exponent
     if exponent is None:
-        exponent = (square.numerator.bit_length() - square.denominator.bit_length()) // 2
-    unit = power_of_two(-2 * exponent) / moments.total_weight
-    cross_unit = moments.cross_unit * unit
-    inertia_unit = power_of_two(c + 2 * a) / moments.mass * unit
-    inertia = _in_doubles(moments.inertia, inertia_unit)
+        mean = moments.spread / moments.total_weight
+        exponent = (mean.numerator.bit_length() - mean.denominator.bit_length()) // 2
+    inertia = _in_doubles(moments.inertia, 2 * (a - exponent), square)
     thinnest = float(np.linalg.eigvalsh(inertia)[0])
     if not thinnest > SMALLEST_INERTIA:
         message = (
@@ -133,17 +128,18 @@ def body_of(moments: ExactMoments, damping: float, *, length_exponent: int | Non
         )
         raise DegenerateProblemError(message, value=thinnest, limit=SMALLEST_INERTIA)
     record = np.empty((), dtype=BODY)
-    record["cross"] = _in_doubles(moments.cross, cross_unit)
+    record["cross"] = _in_doubles(moments.cross, a + b - 2 * exponent, square)
     record["inertia"] = inertia[UPPER]
     record["inertia_inverse"] = np.linalg.inv(inertia)[UPPER]
-    record["spread"], record["damping"] = float(moments.spread * unit), damping
+    record["spread"] = float(moments.spread * power_of_two(-2 * exponent) / moments.total_weight)
+    record["damping"] = damping
     return Body(record=record, length_exponent=exponent)
 
 
-def _in_doubles(matrix: Matrix3[int], unit: Fraction) -> NDArray[np.float64]:
-    """The integers times the unit, each rounded once."""
-    n, d = unit.numerator, unit.denominator
-    return np.array([[entry * n / d for entry in row] for row in matrix])
+def _in_doubles(matrix: Matrix3[int], places: int, over: int) -> NDArray[np.float64]:
+    """The integers times 2^places, over an integer, each rounded once."""
+    up, over = max(places, 0), over << max(-places, 0)
+    return np.array([[(entry << up) / over for entry in row] for row in matrix])
 
 
 def start_at_rest(moments: ExactMoments, length_exponent: int) -> NDArray[np.float64]:

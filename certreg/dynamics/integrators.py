@@ -13,7 +13,7 @@ import numpy as np
 
 from certreg.equilibrium import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
-from certreg.geometry import rotation_matrix
+from certreg.geometry import rotation_matrices
 from certreg.native import (
     Ending,
     Integrator,
@@ -143,9 +143,7 @@ def integrate(batch: Batch, settings: SimulationSettings, log: Log | None = None
 
 def spring_ratios(bodies: Records, basins: Records) -> NDArray[np.float64]:
     """The eigenvalues of the pencil (G, J) at the optimum, ascending, (count, 3)."""
-    optima = basins["quaternions"][:, 0]
-    turned = np.moveaxis(np.array(rotation_matrix(list(optima.T))), -1, 0)
-    aligned = turned.mT @ bodies["cross"]
+    aligned = rotation_matrices(basins["quaternions"][:, 0]).mT @ bodies["cross"]
     traces = np.trace(aligned, axis1=1, axis2=2)[:, np.newaxis, np.newaxis]
     hessian = 2.0 * traces * np.eye(3) - aligned - aligned.mT
     whitening = np.linalg.inv(np.linalg.cholesky(symmetric(bodies["inertia"])))

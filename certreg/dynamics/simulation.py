@@ -28,7 +28,7 @@ from certreg.dynamics.integrators import (
 from certreg.equilibrium import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
 from certreg.exact import rank
-from certreg.geometry import quaternion_from_matrix, rotation_matrix
+from certreg.geometry import quaternion_from_matrix, rotation_matrices, rotation_matrix
 from certreg.native import (
     LARGEST_PERTURBATION,
     MATRIX_STATE,
@@ -201,7 +201,7 @@ def _paper_states(states: Records, integrator: Integrator) -> Records:
     if integrator is Integrator.EULER:
         return states
     turned = np.empty(len(states), dtype=MATRIX_STATE)
-    turned["R"] = np.moveaxis(np.array(rotation_matrix(list(states["q"].T))), -1, 0)
+    turned["R"] = rotation_matrices(states["q"])
     for part in ("c", "v", "omega"):
         turned[part] = states[part]
     return turned

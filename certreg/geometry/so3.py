@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+FEW = 8  # quaternions: that many in Python take as long as thirty calls of NumPy
+
+
 class Number(Protocol):
     """A ring element: int, Fraction, float, a SymPy or a CasADi expression."""
 
@@ -49,6 +52,14 @@ def rotation_matrix(q: Sequence[T]) -> Matrix3[T]:
         (2 * (x * y + w * z), ww - xx + yy - zz, 2 * (y * z - w * x)),
         (2 * (x * z - w * y), 2 * (y * z + w * x), ww - xx - yy + zz),
     )
+
+
+def rotation_matrices(quaternions: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The matrices (n, 3, 3) of quaternions (n, 4), to the bit as one at a time."""
+    if len(quaternions) < FEW:
+        return np.array([rotation_matrix(q) for q in quaternions.tolist()]).reshape(-1, 3, 3)
+    entries: Any = quaternions.T
+    return np.moveaxis(np.array(rotation_matrix(list(entries))), -1, 0)
 
 
 def body_frame(q: Sequence[T]) -> tuple[Vector3[T], Vector3[T], Vector3[T], Vector3[T]]:
