@@ -123,7 +123,7 @@ def pose_bounds(
         flat_energy=flat_energy(objective.moments),
         absent={
             "angle_upper": NOT_CLAIMED if objective.classification.unique else NO_ANGLE,
-            "share_upper": NO_RANGE,
+            **({} if objective.least_range_squared else {"share_upper": NO_RANGE}),
         },
     )
 

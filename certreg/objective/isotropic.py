@@ -160,16 +160,20 @@ class Isotropic(Brief):
 
     def best_translation(self, q: Sequence[int]) -> Vector3[Fraction]:
         """The translation mean(y) - R(q) mean(x): the minimiser at fixed rotation."""
+        (x, y, z), unit = self._best_translation(q)
+        return (x * unit, y * unit, z * unit)
+
+    def _best_translation(self, q: Sequence[int]) -> tuple[list[int], Fraction]:
+        """The same as integers, and what one of them is worth."""
         moments, norm = self.moments, squared_norm(q)
         rotated = [dot(row, moments.source_sum) for row in rotation_matrix(q)]
         a, b = moments.source_exponent, moments.target_exponent
         common = min(a, b)
-        unit = power_of_two(common) / (moments.mass * norm)
-        x, y, z = (
-            ((end * norm << (b - common)) - (moved << (a - common))) * unit
+        entries = [
+            (end * norm << (b - common)) - (moved << (a - common))
             for end, moved in zip(moments.target_sum, rotated, strict=True)
-        )
-        return (x, y, z)
+        ]
+        return entries, power_of_two(common) / (moments.mass * norm)
 
     def equilibrium_system(self, chart: Sequence[int]) -> PolynomialSystem:
         """K q = l q and chart . q = 1 in (w, x, y, z, l): four paths."""
@@ -201,9 +205,14 @@ class Isotropic(Brief):
 
     def translation_energy(self, q: Sequence[int], translation: Sequence[Fraction]) -> Fraction:
         """M |t - best t|^2: what a translation adds to the energy at rotation R(q)."""
-        best = self.best_translation(q)
-        offset = [a - b for a, b in zip(translation, best, strict=True)]
-        return self.moments.total_weight * sum((d * d for d in offset), start=Fraction(0))
+        best, unit = self._best_translation(q)
+        over = math.lcm(unit.denominator, *(entry.denominator for entry in translation))
+        worth, weight = unit.numerator * (over // unit.denominator), self.moments.total_weight
+        offset = [
+            entry.numerator * (over // entry.denominator) - own * worth
+            for entry, own in zip(translation, best, strict=True)
+        ]
+        return Fraction(squared_norm(offset) * weight.numerator, over**2 * weight.denominator)
 
     def squared_residual(self, q: Sequence[int]) -> Fraction:
         """|K q - v q|^2 / |q|^2, v = q^T K q / |q|^2, in units of tr(R^T C) squared."""

@@ -17,6 +17,8 @@ from certreg.registration.closed_form import arun, horn
 from certreg.results import Absent, Explained
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from certreg.certificate import IsotropicBody
@@ -53,25 +55,22 @@ def agreement(
     trajectory: Trajectory | Absent,
 ) -> Agreement:
     """How well the methods agree. Raises ContradictionError if one ends where it must not."""
-    closed = list[float]()
-    moments = floating_moments(problem)
-    for name, form in (("Horn's closed form", horn), ("Arun's closed form", arun)):
-        quaternion = form(moments.cross_covariance)
-        if objective.relative_loss(lift(quaternion).integers) > CLOSED_FORM_LOSS:
-            # weights or lengths more than 300 decades apart vanish from sums of doubles
-            quaternion = form(_rounded_covariance(objective))
-        closed.append(_angle(objective, name, quaternion, CLOSED_FORM_LOSS))
+    sums = floating_moments(problem).cross_covariance
     relaxed = None
     if not isinstance(relaxation, Absent) and relaxation.quaternion_wxyz is not None:
         name, place = "the semidefinite relaxation", relaxation.quaternion_wxyz
-        relaxed = _angle(objective, name, place, RELAXATION_LOSS)
+        relaxed = _angle(objective, name, _placed(objective, place), RELAXATION_LOSS)
     simulated = None
     if not isinstance(trajectory, Absent):
         allowed = SIMULATION_LOSS if trajectory.converged else math.inf
-        simulated = _angle(objective, "the simulation", trajectory.quaternion, allowed)
+        place = _placed(objective, trajectory.quaternion)
+        simulated = _angle(objective, "the simulation", place, allowed)
     not_taken = {"relaxation": relaxation, "simulation": trajectory}
     return Agreement(
-        closed_form=max(closed),
+        closed_form=max(
+            _closed_form_angle(objective, "Horn's closed form", horn, sums),
+            _closed_form_angle(objective, "Arun's closed form", arun, sums),
+        ),
         relaxation=relaxed,
         simulation=simulated,
         absent={name: why for name, why in not_taken.items() if isinstance(why, Absent)},
@@ -113,18 +112,41 @@ def _rounded_covariance(objective: Isotropic) -> NDArray[np.float64]:
     return np.array([[entry / (1 << shift) for entry in row] for row in objective.moments.cross])
 
 
-def _angle(
-    objective: Isotropic, method: str, quaternion: NDArray[np.float64], allowed: float
+def _closed_form_angle(
+    objective: Isotropic,
+    method: str,
+    form: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+    sums: NDArray[np.float64],
 ) -> float:
+    """The angle of a closed form's rotation, from the cross-covariance in doubles."""
+    place = _placed(objective, form(sums))
+    if place.loss > CLOSED_FORM_LOSS:
+        # weights or lengths more than 300 decades apart vanish from sums of doubles
+        place = _placed(objective, form(_rounded_covariance(objective)))
+    return _angle(objective, method, place, CLOSED_FORM_LOSS)
+
+
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """A rotation that some method proposes: an integer quaternion, and how much it loses."""
+
+    quaternion: list[int]
+    loss: float
+
+
+def _placed(objective: Isotropic, quaternion: NDArray[np.float64]) -> _Place:
     q = lift(quaternion).integers
-    angle = objective.angle_to_optimum(q)
-    loss = float(objective.relative_loss(q))
-    if loss > allowed:
+    return _Place(q, objective.relative_loss(q))
+
+
+def _angle(objective: Isotropic, method: str, place: _Place, allowed: float) -> float:
+    angle = objective.angle_to_optimum(place.quaternion)
+    if place.loss > allowed:
         message = (
             f"{method} contradicts the certified pose: it is {math.degrees(angle):.3g} degrees "
             "away; please report this problem"
         )
         raise ContradictionError(
-            message, methods=(method, "certificate"), value=loss, limit=allowed
+            message, methods=(method, "certificate"), value=place.loss, limit=allowed
         )
     return angle
