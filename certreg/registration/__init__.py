@@ -57,13 +57,14 @@ if TYPE_CHECKING:
     from certreg.registration.headlines import DEGREE_SLACK as DEGREE_SLACK
     from certreg.registration.headlines import HARDLY_DETERMINED as HARDLY_DETERMINED
     from certreg.registration.headlines import HEADLINES as HEADLINES
-    from certreg.registration.headlines import LOOSE_SIGMA as LOOSE_SIGMA
     from certreg.registration.headlines import NO_ROTATION as NO_ROTATION
     from certreg.registration.headlines import WEAK as WEAK
     from certreg.registration.headlines import Headline as Headline
+    from certreg.registration.headlines import TooLarge as TooLarge
     from certreg.registration.headlines import at_least as at_least
     from certreg.registration.headlines import at_most as at_most
     from certreg.registration.headlines import axis_words as axis_words
+    from certreg.registration.headlines import beyond_first_order as beyond_first_order
     from certreg.registration.headlines import headline_of as headline_of
     from certreg.registration.headlines import headline_words as headline_words
     from certreg.registration.headlines import interval_words as interval_words
@@ -158,13 +159,14 @@ __getattr__ = lazy_face(
             "DEGREE_SLACK",
             "HARDLY_DETERMINED",
             "HEADLINES",
-            "LOOSE_SIGMA",
             "NO_ROTATION",
             "WEAK",
             "Headline",
             "at_least",
             "at_most",
+            "TooLarge",
             "axis_words",
+            "beyond_first_order",
             "headline_of",
             "headline_words",
             "interval_words",

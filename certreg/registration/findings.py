@@ -12,6 +12,7 @@ from certreg.errors import UndecidedError
 from certreg.exact import integer_eigenbasis, nearest_double, nearest_root
 from certreg.geometry import ROTATION_TOLERANCE, davenport_matrix, rotation_matrix, squared_norm
 from certreg.problem import lift
+from certreg.registration.headlines import LOOSE_SIGMA, TURNED_FAR, beyond_first_order
 from certreg.registration.misfits import LEVEL
 from certreg.registration.rounding import rounding_cost
 from certreg.registration.tails import log_chi2_above
@@ -174,14 +175,17 @@ def sigma_distance(facts: Findings, given: GivenPose) -> SigmaDistance | Absent:
     In e = (c, phi), c the shift of the source's centroid and phi = a u the rotation vector, P^-1 is
     M and half the Hessian G, with no entries between them. The energy of the rotation is
     2 sin^2(a/2) times sum (l1 - lk) u_k^2, and phi^T (G / 2) phi is a^2 / 2 times the same sum: so
-    no covariance is inverted, and nothing cancels.
+    no covariance is inverted, and nothing cancels. Absent, too, where the turn is beyond a first
+    order; of a loose one it is told only where it rules the pose out.
     """
-    solution = facts.registration.solution
-    if solution.covariance is None:
+    solution, covariance = facts.registration.solution, facts.registration.solution.covariance
+    if covariance is None:
         absent: Absent = solution.stated("covariance")
         return absent
     if not facts.registration.problem.noise_given:
         return NO_NOISE
+    if facts.away > LOOSE_SIGMA:
+        return TURNED_FAR
     least, half = solution.objective.energy(solution.objective.quaternions[0]), facts.away / 2
     stretch = Fraction(half / math.sin(half)) if half else Fraction(1)
     turned = max(Fraction(0), facts.energy - facts.translation_energy - least)
@@ -191,7 +195,8 @@ def sigma_distance(facts: Findings, given: GivenPose) -> SigmaDistance | Absent:
         return OUT_OF_RANGE
     dof = TURNS if given.translation is None else MOTIONS
     p = 0.0 if squared is None else math.exp(log_chi2_above(squared, dof))
-    return SigmaDistance(value=value, dof=dof, p=p)
+    distance, loose = SigmaDistance(value=value, dof=dof, p=p), beyond_first_order(covariance)
+    return loose if loose is not None and not rules_out(facts.registration, distance) else distance
 
 
 def rules_out(registration: Registration, distance: SigmaDistance) -> bool:

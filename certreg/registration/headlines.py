@@ -13,13 +13,14 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.registration.misfits import FitCode
-from certreg.results import Limits, Optimality
+from certreg.results import Absent, Limits, Optimality
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
     from certreg.certificate import PoseBounds
+    from certreg.registration.covariance import PoseCovariance
     from certreg.registration.fit import Fit
     from certreg.registration.result import Registration
 
@@ -29,6 +30,13 @@ GOOD_EXPLAINED = 0.99  # with the scale; so the pose alone explains about 0.98
 # About an axis a turn by a costs 4 sin^2(a/2) / sigma^2 in units of the noise, 4 / sigma^2 at most:
 LOOSE_SIGMA = 0.4  # radians, as 4 / 0.4^2 = 25, the square of five standard deviations
 DEGREE_SLACK = 1.0 + 1e-15  # radians to degrees rounds twice
+
+
+class TooLarge(Absent):
+    """What a first order would have to say of a large turn."""
+
+
+TURNED_FAR = TooLarge("the pose is turned too far from the optimum for a first order")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,6 +107,7 @@ BOUNDED = Headline(
     rests_on=(*_GAP, _ANGLE, "classification"),
     code=4,
 )
+WITHIN_LIMITS = replace(BOUNDED, stamp="CERTIFIED WITHIN THE LIMITS GIVEN", code=0)
 BOUNDED_WITHOUT_ANGLE = Headline(
     stamp="BOUNDED",
     words="within {gap} of the minimum ({share}); no angle to the one optimum is claimed.",
@@ -122,6 +131,9 @@ BOUNDED_FLAT = Headline(
     ),
     code=4,
 )
+LIMITED = f"{WITHIN_LIMITS.stamp}, BUT NOT UNIQUE"
+WITHIN_LIMITS_NOT_UNIQUE = replace(BOUNDED_NOT_UNIQUE, stamp=LIMITED, code=3)
+WITHIN_LIMITS_FLAT = replace(BOUNDED_FLAT, stamp=LIMITED, code=3)
 NOT_CERTIFIED = Headline(
     stamp="NOT CERTIFIED",
     words="the pose is computed, but its optimality was not proved.",
@@ -211,6 +223,7 @@ NO_ROTATION = Headline(
 
 HEADLINES = (
     *(CERTIFIED, NEARLY_AMBIGUOUS, HARDLY_DETERMINED, POOR_FIT, SCALE_FITS, NOT_UNIQUE),
+    *(WITHIN_LIMITS, WITHIN_LIMITS_NOT_UNIQUE, WITHIN_LIMITS_FLAT),
     *(BOUNDED, BOUNDED_WITHOUT_ANGLE, BOUNDED_NOT_UNIQUE, BOUNDED_FLAT, NOT_CERTIFIED, WEAK),
     *(optimal for optimal, _ in (*OF_DATA.values(), RULED_OUT)),
     OPTIMAL_NOT_UNIQUE,
@@ -221,14 +234,20 @@ HEADLINES = (
 
 def headline_of(registration: Registration) -> Headline:
     """Which headline a registration has."""
-    status = registration.status
+    status, unique = registration.status, registration.equilibria.classification.unique
     if status is Optimality.NOT_CERTIFIED:
         return NOT_CERTIFIED
-    if status is Optimality.CERTIFIED_NOT_UNIQUE:
-        return NOT_UNIQUE
-    return (
-        headline_of_data(registration) if status is Optimality.CERTIFIED else _bounded(registration)
-    )
+    if status is Optimality.BOUNDED:
+        return _bounded(registration)
+    if not _meets_usual(registration):
+        return _within_limits(registration)
+    return headline_of_data(registration) if unique else NOT_UNIQUE
+
+
+def _meets_usual(registration: Registration) -> bool:
+    """Whether what is proved is within the usual limits, whatever others were asked for."""
+    bounds, unique = registration.bounds, registration.equilibria.classification.unique
+    return bounds is not None and bounds.meet(Limits(), unique=unique)
 
 
 def headline_of_data(registration: Registration) -> Headline:
@@ -240,9 +259,7 @@ def headline_of_data(registration: Registration) -> Headline:
 
 def is_green(registration: Registration) -> bool:
     """Whether its headline is good, and within the usual limits, whatever others were asked for."""
-    bounds = registration.bounds
-    usual = bounds is not None and bounds.meet(Limits(), unique=True)
-    return usual and headline_of(registration).good
+    return _meets_usual(registration) and headline_of(registration).good
 
 
 def is_loose(registration: Registration) -> bool:
@@ -251,6 +268,14 @@ def is_loose(registration: Registration) -> bool:
     if covariance is None or (covariance.estimated and (fit.warnings or fit.rounded)):
         return False
     return covariance.loosest_sigma > LOOSE_SIGMA
+
+
+def beyond_first_order(covariance: PoseCovariance) -> TooLarge | None:
+    """Why no deviation of a turn is told, to first order, where one is that large."""
+    if covariance.loosest_sigma <= LOOSE_SIGMA:
+        return None
+    about = axis_words(covariance.loosest_axis)
+    return TooLarge(f"the turn about {about} is hardly determined, far beyond a first order")
 
 
 def loose_words(registration: Registration) -> str:
@@ -292,6 +317,14 @@ def _bounded(registration: Registration) -> Headline:
     if not registration.equilibria.classification.unique:
         return BOUNDED_NOT_UNIQUE
     return BOUNDED_WITHOUT_ANGLE if proved_degrees(registration) is None else BOUNDED
+
+
+def _within_limits(registration: Registration) -> Headline:
+    bounds = registration.bounds
+    if registration.equilibria.classification.unique:
+        return WITHIN_LIMITS
+    flat = bounds is not None and not bounds.least_range_squared
+    return WITHIN_LIMITS_FLAT if flat else WITHIN_LIMITS_NOT_UNIQUE
 
 
 def headline_words(registration: Registration) -> str:

@@ -8,12 +8,14 @@ from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from certreg.certificate import flat_energy
 from certreg.exact import nearest_double, rational_root_above
 from certreg.registration import (
     DEGREE_SLACK,
     HARDLY_DETERMINED,
     NEARLY_AMBIGUOUS,
     NOT_ASKED,
+    TooLarge,
     at_most,
     headline_words,
     interval_words,
@@ -142,7 +144,9 @@ def _counted(equilibria: EquilibriumSet) -> str:
     classification = equilibria.classification
     spurious = classification.spurious
     if equilibria.doubt is not None:
-        return f"the search told no more apart than {_kinds_words(equilibria)}"
+        if equilibria.components[0].kind is ComponentKind.ROTATION_GROUP:
+            return "the search could not tell any two rotations apart"
+        return f"the search found {_kinds_words(equilibria)}, and there may be more"
     exactly = "" if equilibria.guarantee is Guarantee.NUMERICAL else "exactly "
     if classification.finite:
         what = f"{exactly}four equilibria: the optimum and three spurious ones"
@@ -211,16 +215,18 @@ def _judged_lines(assessment: Assessment, energies: JudgedEnergies) -> list[str]
         f"  of the optimum     {exact_number(energies.optimum)}",
         f"  above the minimum  {interval_words(energies.bounds)} (proved)",
         f"  angle to optimum   {away:.4g} degrees{_proved_angle(assessment)}",
-        *_sigma_lines(assessment.sigma_distance),
+        *_sigma_lines(assessment.stated("sigma_distance")),
         f"  rounding can cost  {cost}  (of the optimal pose, to doubles)",
         f"  the optimum: wxyz  {' '.join(map(repr, optimum.quaternion_wxyz.tolist()))}",
         f"    its translation  {' '.join(map(repr, optimum.translation.tolist()))}",
     ]
 
 
-def _sigma_lines(distance: SigmaDistance | None) -> list[str]:
+def _sigma_lines(distance: SigmaDistance | Absent) -> list[str]:
     """The distance by the covariance, where it is known: plainly, and that it is no proof."""
-    if distance is None:
+    if isinstance(distance, TooLarge):
+        return [f"  sigma distance     not known: {distance.reason}"]
+    if isinstance(distance, Absent):
         return []
     jointly = "rotation and translation jointly" if distance.dof == 6 else "of the rotation"
     p = f"{distance.p:.2g}" if distance.p else "below 1e-300"
@@ -369,7 +375,7 @@ def warnings(registration: Registration, headline: str) -> list[str]:
             "at the given noise, five standard deviations do not rule out the next equilibrium"
         )
     costs = 0.0 if bounds is None else ROUNDING_SHARE * bounds.gap_lower
-    unnoted = Fraction(UNNOTED_COST) * registration.solution.moments.spread
+    unnoted = Fraction(UNNOTED_COST) * flat_energy(registration.solution.moments)
     noted = bounds is not None and bounds.greatest_gap > unnoted
     if noted and minimum is not None and costs > max(minimum, gap or 0.0):
         matters = max(unnoted, Fraction(max(minimum, gap or 0.0)) / Fraction(ROUNDING_SHARE))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.exact import nearest_or_zero
-from certreg.registration import LOOSE_SIGMA, NO_RESIDUALS, FitCode, axis_words
+from certreg.registration import NO_RESIDUALS, FitCode, axis_words, beyond_first_order
 from certreg.results import Absent
 
 if TYPE_CHECKING:
@@ -118,10 +118,8 @@ def shift_words(covariance: PoseCovariance, whose: str) -> str:
 
 def turn_sigmas(covariance: PoseCovariance) -> NDArray[np.float64] | Absent:
     """The deviations of the turn, as far as a first order says anything of it."""
-    if not covariance.loosest_sigma <= LOOSE_SIGMA:
-        about = axis_words(covariance.loosest_axis)
-        return Absent(f"the turn about {about} is hardly determined, far beyond a first order")
-    return covariance.rotation_sigma
+    doubt = beyond_first_order(covariance)
+    return covariance.rotation_sigma if doubt is None else doubt
 
 
 def shift_sigmas(covariance: PoseCovariance) -> NDArray[np.float64] | Absent:

@@ -241,7 +241,7 @@ def test_the_page_stamps_green_what_is_certified_and_far_from_ambiguous(height: 
 def test_the_page_stamps_green_only_what_is_within_the_usual_limits():
     loose = replace(proof_of(attack(offset=1e16)), limits=Limits(max_gap=0.9))
 
-    assert headline_of(loose).good
+    assert not headline_of(loose).good
     assert 'class="stamp open"' in html_page(Report.of(loose)).decode()
 
 
@@ -371,7 +371,26 @@ def test_no_headline_says_more_than_its_numbers():
 def test_a_limit_that_was_moved_is_said_beside_the_headline():
     registration = replace(proof_of(attack(offset=1e16)), limits=Limits(max_gap=0.9))
 
+    words = registration_summary(registration)
+    flat = proof_of(RegistrationProblem([[0.1] * 3], [[1e3] * 3]))
+    line = np.outer(np.arange(4.0), [1.0, 2.0, 3.0])
+    rod = proof_of(RegistrationProblem(line, line))
+
     assert registration.status is Optimality.CERTIFIED
-    assert "Certified means here within 0.9 of the range of energies" in registration_summary(
-        registration
-    )
+    share = listed.share_words(checked(registration.bounds))
+    first, second = words.splitlines()[:2]
+    assert first.startswith("CERTIFIED WITHIN THE LIMITS GIVEN: within ")
+    assert share in first
+    assert "optimum." in first
+    assert "global optimum" not in words
+    assert second.startswith("Certified means here within 0.9 of the range of energies")
+    for found, headline in (
+        (flat, listed.WITHIN_LIMITS_FLAT),
+        (rod, listed.WITHIN_LIMITS_NOT_UNIQUE),
+    ):
+        bounds = checked(found.bounds)
+        unit = Fraction(math.sqrt(bounds.least_range_squared)) or bounds.flat_energy
+        wide = replace(bounds, greatest_gap=unit / 2)
+        given = replace(found, bounds=wide, limits=Limits(max_gap=0.99))
+        assert headline_of(given) is headline
+        assert code_of_registration(given) == headline.code == 3

@@ -16,6 +16,7 @@ import certreg as package
 from certreg import Pose, RegistrationProblem, assess, certify
 from certreg.geometry import given_pose
 from certreg.registration import GOOD, SlipCode, judged
+from certreg.registration.headlines import TURNED_FAR
 from certreg.report import assessment_document, assessment_summary
 from certreg.results import PoseVerdict
 
@@ -244,7 +245,7 @@ def test_the_distance_in_sigma_is_that_of_the_joint_covariance(offset: float):
     problem = RegistrationProblem(source, target, sigma=0.01)
     solution = package.certify(problem, relaxation=False, simulation=False).solution
     matrix, pose = np.asarray(checked(solution.covariance)), solution.pose
-    for angle, within in ((1e-6, 1e-4), *((a, 1e-7) for a in (1e-3, 0.5, 3.0) if not offset)):
+    for angle, within in ((1e-6, 1e-4), *((a, 1e-7) for a in (1e-3, 0.399) if not offset)):
         phi = rng.normal(size=3)
         phi *= angle / np.linalg.norm(phi)
         half = phi / angle * math.sin(angle / 2)
@@ -275,6 +276,26 @@ def test_the_probability_of_a_distance_is_the_tail_of_chi_squared():
     edges = np.sort(tails)
     ranks = (np.arange(30) + 0.5) / 30
     assert np.abs(edges - ranks).max() < 1.95 / math.sqrt(30)  # Kolmogorov and Smirnov: 0.1 %
+
+
+def test_beyond_a_first_order_there_is_no_distance_and_it_is_said():
+    """Of a pose turned far; of one that is loose, unless it is ruled out all the same."""
+    cloud = PROBLEM.source
+    noisy = RegistrationProblem(cloud, cloud, sigma=0.01)
+    loose = RegistrationProblem(cloud, cloud, sigma=1e3)
+    far, near = (
+        slips.of_quaternion([math.cos(a / 2), math.sin(a / 2), 0, 0]) for a in (0.401, 0.399)
+    )
+    told = assess(noisy, far)
+
+    assert told.sigma_distance is None
+    words = "\n  sigma distance     not known: the pose is turned too far from the optimum"
+    assert words in assessment_summary(told)
+    assert assessment_document(told)["reasons"]["sigma_distance"] == TURNED_FAR.reason
+    assert assess(noisy, near).sigma_distance is not None
+    why = assessment_document(assess(loose, near))["reasons"]["sigma_distance"]
+    assert why.endswith("is hardly determined, far beyond a first order")
+    assert assess(loose, np.eye(3), np.full(3, 1e9)).sigma_distance is not None
 
 
 def test_without_a_sigma_there_is_no_distance_and_it_is_said():
