@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from campaign_work import VERSIONS, Fragile, InProcess, numbered
 from commands import write_csv
 
-from certreg.campaign import PairCampaign, Tally, pairs, read_listing
+from certreg.campaign import PairCampaign, Tally, pairs, read_listing, runner
+from certreg.campaign.runner import completed
 from certreg.campaign.store import Shards
 from certreg.errors import InvalidFileError
 from certreg.registration import certify
@@ -125,3 +127,15 @@ def test_a_damaged_file_goes_at_once_and_is_told_once(tmp_path: Path):
     assert f"00000005-{'0' * 32}.jsonl: damaged, or not of this campaign" in note
     assert list(tmp_path.iterdir()) == [sound]
     assert shards.drop_damaged() == []
+
+
+def test_workers_that_die_now_and_then_are_no_reason_to_give_up():
+    """More often than BREAKDOWNS in all, but with results in between."""
+    workers = InProcess(1)
+    deaths = {0, 5, 10, 15, 20}
+    assert len(deaths) > runner.BREAKDOWNS
+    workers.executor = Fragile(deaths)
+    found = [result.content.decode() for _, result in completed(numbered(30), workers, VERSIONS)]
+
+    assert sorted(map(int, found)) == list(range(30))
+    assert workers.renewals == len(deaths)

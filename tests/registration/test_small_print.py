@@ -22,7 +22,7 @@ from certreg.registration.assessment import NO_SLIP, NOT_TRIED, judged
 from certreg.registration.assessment_words import words_of_pose
 from certreg.registration.findings import cost_of_rounding, exact_pose, findings
 from certreg.registration.misfits import LEVEL, RowNames
-from certreg.registration.outlying import row_fit
+from certreg.registration.outlying import OtherPairing, row_fit
 from certreg.report.summary import warnings
 from certreg.results import PoseVerdict
 
@@ -185,3 +185,35 @@ def test_the_inverse_is_rounded_about_the_centroid_that_it_moves():
         least = 9.0 * float(away @ away)
         assert least <= float(cost) * (1 + 1e-9)
         assert float(cost) <= 1.01 * least + 1e4 * float((halves**2).sum())
+
+
+def test_rows_that_are_far_by_chance_are_none_of_the_outliers():
+    """Of few points one is soon six medians off: no warning, and no row is marked."""
+    rng = np.random.default_rng(5)
+    far = 0
+    for _ in range(9):
+        cloud = rng.standard_normal((5, 3))
+        found = solved(cloud, cloud + 0.01 * rng.standard_normal((5, 3)))
+        rows = checked(row_fit(found.problem, found.solution.objective, found.pose))
+        far += rows.far_rows > 0
+        assert (found.fit.outlier_rows, found.fit.codes) == ((), ())
+    assert far > 0
+
+
+@pytest.mark.parametrize("rows", [4, 9, 30])
+def test_another_pairing_fits_better_by_what_its_rows_allow(rows: int):
+    """Three pairings are tried, of 3 n - 6 degrees of freedom each, dependent in any way."""
+    degrees = 3 * rows - 6
+
+    def better(left: float) -> bool:
+        return misfits._fits_better(OtherPairing(words="", rows=rows, left=left))
+
+    last = threshold(better, 1e-12, 0.499)
+    bounds = [
+        max(
+            stats.chi2.cdf(cut := degrees * last ** (k / 32), degrees),
+            stats.chi2.sf(cut / last, degrees),
+        )
+        for k in range(1, 32)
+    ]
+    assert 3 * 2 * min(bounds) == pytest.approx(LEVEL, rel=1e-4)
