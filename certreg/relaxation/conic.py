@@ -82,6 +82,12 @@ def named(solver: str) -> str:
         return solver
 
 
+def status_of(said: str, *, solved: str, inaccurate: str) -> RelaxationStatus:
+    """What a solver's word means, of which these two come with a solution."""
+    known = {solved: RelaxationStatus.SOLVED, inaccurate: RelaxationStatus.INACCURATE}
+    return known.get(said, RelaxationStatus.FAILED)
+
+
 def solve(form: Form, C: NDArray[np.float64]) -> ConicSolution:
     """The solution of a relaxation for a finite C (3, 3) with its largest entry near 1, or zero.
 
@@ -93,10 +99,7 @@ def solve(form: Form, C: NDArray[np.float64]) -> ConicSolution:
     except MissingToolError as error:
         return ConicSolution(status=RelaxationStatus.UNAVAILABLE, said=str(error))
     said = str(answer.status)
-    status = {
-        "Solved": RelaxationStatus.SOLVED,
-        "AlmostSolved": RelaxationStatus.INACCURATE,
-    }.get(said, RelaxationStatus.FAILED)
+    status = status_of(said, solved="Solved", inaccurate="AlmostSolved")
     if status is RelaxationStatus.FAILED:
         return ConicSolution(status=status, said=said)
     return ConicSolution(

@@ -13,7 +13,7 @@ import numpy as np
 
 from certreg._loading import library
 from certreg.errors import MissingToolError
-from certreg.relaxation.conic import ConicSolution, RelaxationStatus, named
+from certreg.relaxation.conic import ConicSolution, RelaxationStatus, named, status_of
 from certreg.relaxation.qcqp import Form, quadratic_program
 
 if TYPE_CHECKING:
@@ -81,10 +81,7 @@ def solve_stated(form: Form, C: NDArray[np.float64], solver: str) -> ConicSoluti
         words = " ".join(str(error).split())
         return ConicSolution(status=RelaxationStatus.FAILED, said=words)
     said = str(program.problem.status)
-    status = {
-        "optimal": RelaxationStatus.SOLVED,
-        "optimal_inaccurate": RelaxationStatus.INACCURATE,
-    }.get(said, RelaxationStatus.FAILED)
+    status = status_of(said, solved="optimal", inaccurate="optimal_inaccurate")
     if status is RelaxationStatus.FAILED:
         return ConicSolution(status=status, said=said)
     return ConicSolution(

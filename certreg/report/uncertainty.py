@@ -80,6 +80,8 @@ def told_to(value: float, sigma: float) -> str:
     digits = decimals + 1 + (math.floor(math.log10(abs(value))) if value else 0)
     if value and digits >= MOST_DIGITS:
         return repr(value)
+    if decimals < 0 and digits < 1:
+        return f"{value:.1g}"  # no value is rounded to zero but behind the point
     if abs(value) < PLAIN_BELOW and decimals <= MOST_DECIMALS:
         decimals = max(0, decimals)
         return f"{round(value, decimals) + 0.0:.{decimals}f}"

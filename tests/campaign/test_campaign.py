@@ -491,17 +491,26 @@ def test_a_full_disk_leaves_nothing_half_written(tmp_path):
     assert tree(tmp_path / "out") == tree(tmp_path / "whole")
 
 
-def test_many_runs_of_reproduce_are_a_campaign_that_goes_on(tmp_path, monkeypatch):
+def without_figures(monkeypatch) -> list[int | None]:
+    """The runs that the figures are asked to draw in their own process; they are made elsewhere."""
+    asked: list[int | None] = []
+
     def figures(setup, *_, **__):
-        assert setup.runs is None
+        asked.append(setup.runs)
         raise CertregError("the figures are tested elsewhere")
 
-    monkeypatch.setattr("certreg.cli.reproducing.workers_at", lambda _: InProcess(2))
-    monkeypatch.setattr("certreg.cli.reproducing.reproduced", figures)
+    monkeypatch.setattr(reproducing, "reproduced", figures)
+    return asked
+
+
+def test_many_runs_of_reproduce_are_a_campaign_that_goes_on(tmp_path, monkeypatch):
+    in_process = without_figures(monkeypatch)
+    monkeypatch.setattr(reproducing, "workers_at", lambda _: InProcess(2))
     given = ("reproduce", "--runs", 1500, "--points", 5, "--noise", 0.1, "--seed", 4)
     run = run_command(*given, "--out", tmp_path)
     again = run_command(*given, "--out", tmp_path)
 
+    assert in_process == [None, None]
     assert run.out.startswith("1,500 of 1,500 random instances have four equilibria, with 0, 1, 2")
     assert "a second; without making them" in run.out
     assert again.err.startswith("note: 1,500 of 1,500 instances were there already")
@@ -513,14 +522,8 @@ def test_many_runs_of_reproduce_are_a_campaign_that_goes_on(tmp_path, monkeypatc
 
 @pytest.mark.parametrize(("runs", "apart"), [(LARGEST_RUNS, False), (LARGEST_RUNS + 1, True)])
 def test_a_campaign_begins_beyond_the_largest_number_of_runs(tmp_path, monkeypatch, runs, apart):
-    drawn, in_process = [], []
-
-    def figures(setup, *_, **__):
-        in_process.append(setup.runs)
-        raise CertregError("the figures are tested elsewhere")
-
+    drawn, in_process = [], without_figures(monkeypatch)
     monkeypatch.setattr(reproducing, "_run_campaign", lambda kind, *_, **__: drawn.append(kind))
-    monkeypatch.setattr(reproducing, "reproduced", figures)
     run_command("reproduce", "--runs", runs, "--out", tmp_path)
 
     assert [kind.count for kind in drawn] == ([runs] if apart else [])
@@ -540,14 +543,8 @@ def test_a_campaign_begins_beyond_the_largest_number_of_runs(tmp_path, monkeypat
 def test_few_runs_are_a_campaign_only_with_a_scheduler_or_a_parquet_table(
     tmp_path, monkeypatch, given, runs, apart
 ):
-    drawn, in_process = [], []
-
-    def figures(setup, *_, **__):
-        in_process.append(setup.runs)
-        raise CertregError("the figures are tested elsewhere")
-
+    drawn, in_process = [], without_figures(monkeypatch)
     monkeypatch.setattr(reproducing, "_run_campaign", lambda kind, *_, **__: drawn.append(kind))
-    monkeypatch.setattr(reproducing, "reproduced", figures)
     run_command("reproduce", *given, "--out", tmp_path)
 
     assert [kind.count for kind in drawn] == ([] if apart is None else [apart])

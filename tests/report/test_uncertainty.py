@@ -212,6 +212,7 @@ def test_where_the_centre_lands_is_told_to_its_deviation_at_any_size():
     assert told_to(math.nextafter(PLAIN_BELOW, 0.0), 1.0) == "999999999999999.9"
     assert told_to(PLAIN_BELOW, 1.0) == "1000000000000000.0"
     assert told_to(1.25e20, 1e17) == "1.2500e+20"
+    assert [told_to(0.3, sigma) for sigma in (1e30, 200.0, 2.0)] == ["0.3", "0.3", "0.3"]
     assert told_to(1.5e-305, 2e-303) == "2e-305"
     assert told_to(0.0, 2e-303) == "0"
     assert told_to(0.1, 1e-15) == "0.1"
