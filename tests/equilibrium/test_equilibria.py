@@ -14,7 +14,7 @@ import certreg
 from certreg import RegistrationProblem
 from certreg.equilibrium import presentation
 from certreg.equilibrium.spectral import by_eigenspaces
-from certreg.equilibrium.stability import Curvature, spring_ratios
+from certreg.equilibrium.stability import Curvature, _oscillator, spring_ratios
 from certreg.exact.eigenbasis import integer_eigenbasis
 from certreg.geometry.so3 import angle_between, davenport_matrix, dot, quaternion_from_matrix
 from certreg.objective.isotropic import Isotropic
@@ -58,6 +58,23 @@ def test_the_margin_is_that_of_the_eigenvalues():
     assert found.margin.eigenvalue_gap == pytest.approx(20.0)
     assert found.margin.relative == pytest.approx(20.0 / 52.0)
     assert [c.energy for c in found.components] == pytest.approx([0.0, 40.0, 80.0, 104.0], abs=1e-9)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_difference_too_small_for_doubles_keeps_its_sign(sign):
+    assert presentation._nonzero(sign, 10**400) == sign * 5e-324
+    assert presentation._nonzero(sign * 3, 4) == sign * 0.75
+    assert presentation._nonzero(0, 10**400) == 0.0
+
+
+@pytest.mark.parametrize("g", [1e-2, 1e-8, 1e-14, 1e-30, -1e-14, -3.0, 0.0])
+def test_the_slow_root_of_an_oscillator_has_all_its_digits(g):
+    """s^2 + mu s + g = 0 with two real roots: their product is g, their sum -mu."""
+    fast, slow = _oscillator(g, 2.8)
+
+    assert fast * slow == pytest.approx(g, rel=1e-15, abs=0.0)
+    assert (fast + slow).real == pytest.approx(-2.8, rel=1e-15)
+    assert abs(fast) > abs(slow)
 
 
 @pytest.mark.parametrize(("margin", "near"), [(0.999e-3, True), (1e-3, False), (0.0, True)])

@@ -6,7 +6,7 @@ import strategies
 
 from certreg.equilibrium import homotopy
 from certreg.equilibrium.homotopy import HomotopyStatus, continuation
-from certreg.equilibrium.tracking import TrackerSettings
+from certreg.equilibrium.tracking import LOST, REGULAR, SINGULAR, TrackerSettings
 from certreg.geometry.so3 import davenport_matrix
 from certreg.problem.moments import exact_moments
 
@@ -47,6 +47,55 @@ def test_lost_paths_are_tried_again_with_another_gamma(monkeypatch):
     assert 0 < sum(missing) < 1000
     assert sum(o is HomotopyStatus.INCOMPLETE for o in again.outcomes) < sum(missing)
     assert (again.attempts > 1).tolist() == missing
+
+
+def test_what_is_tried_again_is_told_of_its_last_attempt_and_the_others_of_their_first(monkeypatch):
+    """Two of five lose their paths: one at the first attempt, one at two."""
+    K, followed, calls = davenports(5), homotopy._followed, list[int]()
+    usual = continuation(K)
+
+    def losing(scaled, *arguments):
+        ends = followed(scaled, *arguments)
+        calls.append(len(scaled))
+        lost = {5: [1, 3], 2: [1], 1: []}[len(scaled)]
+        ends.codes[lost, 2], ends.conditions[lost, 2] = LOST, np.inf
+        return ends
+
+    monkeypatch.setattr(homotopy, "_followed", losing)
+    found = continuation(K)
+
+    assert calls == [5, 2, 1]
+    assert found.attempts.tolist() == [1, 2, 1, 3, 1]
+    assert set(found.outcomes) == {HomotopyStatus.FOUND}
+    assert (found.codes == REGULAR).all()
+    assert np.isfinite(found.conditions).all()
+    assert np.abs(found.values - usual.values).max() < 1e-13
+    assert np.array_equal(found.conditions[::2], usual.conditions[::2])
+
+
+@pytest.mark.parametrize(
+    ("values", "coranks", "pattern"),
+    [
+        ((1.0, 0.5, 0.5, -2.0), (0, 1, 1, 0), (1, 2, 1)),
+        ((1.0, 0.5, 0.5, -2.0), (0, 2, 2, 0), None),  # two ends of a space of three
+        ((1.0, 0.5, 0.5, -2.0), (0, 1, 0, 0), None),
+        ((0.5, 0.5, 0.5, -1.5), (2, 2, 2, 0), (3, 1)),
+        ((0.5, 0.5, 0.5, -1.5), (1, 1, 1, 0), None),
+        ((1.0, 0.5, 0.5 - 2e-9, -2.0), (0, 1, 1, 0), None),
+        ((1.0, 0.5, 0.5 - 5e-10, -2.0), (0, 1, 1, 0), (1, 2, 1)),
+    ],
+)
+def test_as_many_ends_share_a_value_as_its_space_has_dimensions(values, coranks, pattern):
+    """m ends belong to a space of m dimensions, whose Jacobian has the corank m - 1."""
+    ends = homotopy._Ends(
+        quaternions=np.eye(4)[None],
+        values=np.array([values]),
+        codes=np.array([[SINGULAR if corank else REGULAR for corank in coranks]], dtype=np.int8),
+        coranks=np.array([coranks], dtype=np.int8),
+        conditions=np.ones((1, 4)),
+    )
+
+    assert homotopy._shared(ends, 0) == pattern
 
 
 def test_the_same_seed_gives_the_same_paths_and_another_the_same_roots(monkeypatch):

@@ -12,6 +12,7 @@ from certreg.equilibrium.counting import at_most_four, macaulay_matrix
 from certreg.equilibrium.homotopy import EigenBalls
 from certreg.equilibrium.krawczyk import (
     Reality,
+    RootBox,
     are_distinct,
     proved_root,
     tightened,
@@ -54,6 +55,14 @@ def test_the_same_root_twice_is_not_two_roots():
     _, boxes = four(davenport_matrix(C))
 
     assert not are_distinct([boxes[0], boxes[0]])
+    assert not are_distinct([boxes[0], *boxes[1:], boxes[0]])  # and not beside each other
+
+
+def test_one_coordinate_that_is_not_real_is_enough():
+    real, within, imaginary = acb(1, arb(0, 1e-9)), acb(arb(2, 1e-9)), acb(0, 1)
+
+    assert RootBox(coordinates=(real, imaginary, within), bits=128).reality is Reality.NOT_REAL
+    assert RootBox(coordinates=(real, within), bits=128).reality is Reality.UNKNOWN
 
 
 def test_a_point_far_from_every_root_leads_to_one_or_to_none_but_never_to_a_false_box():
