@@ -72,6 +72,7 @@ UNITS = {
     25.4: "millimetres against inches",
     0.3048: "feet against metres",
 }
+UNIT_SLACK, NAMED_AGAIN = 0.01, 3  # off a ratio of units that may be the cause; rows in a remedy
 
 
 class FitCode(enum.Enum):
@@ -85,12 +86,32 @@ class FitCode(enum.Enum):
     POOR_FIT = "poor-fit"
 
 
+REMEDIES = {  # where the numbers of a fit add nothing to them
+    FitCode.SHUFFLED: (
+        "check that row k of both clouds is one pair, or give labels to both: they pair rows in "
+        "any order"
+    ),
+    FitCode.MIRRORED: (
+        "check the signs and the order of the axes in both; if one is mirrored, mend it and "
+        "certify again"
+    ),
+    FitCode.POOR_FIT: (
+        "check the pairs, and whether both clouds show one rigid shape; where many pairs may be "
+        "wrong, sort them out first"
+    ),
+}
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FitWarning(Brief):
-    """Something about the data that a pose cannot mend, in a sentence without a full stop."""
+    """Something about the data that a pose cannot mend, in a sentence without a full stop.
+
+    remedy: what may be done about it, in another such sentence; no more is known than `text` says.
+    """
 
     code: FitCode
     text: str
+    remedy: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -224,7 +245,44 @@ def misfits(
     texts[FitCode.CHI2] = _chi2_words(chi2)
     if not any(texts.values()):
         texts[FitCode.POOR_FIT] = _poor_words(sums)
-    return tuple(FitWarning(code=code, text=text) for code, text in texts.items() if text)
+    return tuple(
+        FitWarning(code=code, text=text, remedy=_remedy(code, sums, rows, (chi2, names)))
+        for code, text in texts.items()
+        if text
+    )
+
+
+def _remedy(
+    code: FitCode, sums: FitSums, rows: RowFit, about: tuple[ChiSquared | None, RowNames]
+) -> str:
+    """What may be done: in the words of "check" and "if", since a test is no proof of a cause."""
+    chi2, names = about
+    if code is FitCode.SCALE:
+        return _scale_remedy(sums.scale)
+    if code is FitCode.OUTLIER_ROWS:
+        return _outlier_remedy(rows, names)
+    if code is FitCode.CHI2 and chi2 is not None:
+        times = math.sqrt(chi2.value / chi2.dof)
+        return f"check the pairs; if the noise may be larger, give {times:.3g} times this sigma"
+    return REMEDIES[code]
+
+
+def _scale_remedy(scale: Fraction | None) -> str:
+    """The factor that makes the target as large as the source: of units, if it may be theirs."""
+    times = nearest_or_zero(1 / scale) if scale else 0.0
+    unit = _unit_near(times)
+    if unit is not None:
+        return f"if the units differ, multiply the target by {unit[0]:.6g} and certify again"
+    digits = 12 if abs(times - 1.0) < SMALL else 6
+    factor = f"by {times:.{digits}g} " if 0.0 < times < math.inf else ""
+    return f"if the sizes may differ, multiply the target {factor}and certify again"
+
+
+def _outlier_remedy(rows: RowFit, names: RowNames) -> str:
+    k = rows.far_rows
+    which = names.words(rows.far, k) if k <= NAMED_AGAIN else "these rows"
+    they, them = ("it is", "it") if k == 1 else ("they are", "them")
+    return f"check {which}; if {they} wrong, mend {them} or leave {them} out, and certify again"
 
 
 def _likeliest(
@@ -273,7 +331,8 @@ def _times_words(scale: Fraction) -> str:
     times = nearest_or_zero(scale)
     if not 0 < times < math.inf:
         return f"{'over 1e+308' if times else 'under 1e-308'} times as large as the source"
-    units = next((f" ({words}?)" for k, words in UNITS.items() if _is_ratio(times, k)), "")
+    unit = _unit_near(times)
+    units = "" if unit is None else f" ({unit[1]}?)"
     return f"{times:.6g} times as large as the source{units}"
 
 
@@ -373,8 +432,10 @@ def _chi2_words(chi2: ChiSquared | None) -> str | None:
     )
 
 
-def _is_ratio(scale: float, ratio: float) -> bool:
-    return any(abs(scale / k - 1.0) < 0.01 for k in (ratio, 1.0 / ratio))
+def _unit_near(scale: float) -> tuple[float, str] | None:
+    """The ratio of two units that a scale is near, whichever is the target's, and their names."""
+    ratios = [(ratio, words) for k, words in UNITS.items() for ratio in (k, 1.0 / k)]
+    return next((one for one in ratios if abs(scale / one[0] - 1.0) < UNIT_SLACK), None)
 
 
 def _gone(left: float) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from certreg.registration import is_green
 from certreg.report.markup import printable, rendered
 from certreg.report.picture import energy_picture, registration_picture
+from certreg.report.remedies import remedies
 from certreg.report.summary import (
     KINDS,
     OF_SPREAD,
@@ -70,7 +71,11 @@ def registration_card(registration: Registration) -> str:
     pose = registration.pose
     return Card(
         headline=first,
-        notes=[*further, *(f"Warning: {words}" for words in warnings(registration, first))],
+        notes=[
+            *further,
+            *(f"Warning: {words}" for words in warnings(registration, first)),
+            *remedies(registration),
+        ],
         good=is_green(registration),
         facts=[
             ("correspondences", f"{registration.problem.n:,}"),

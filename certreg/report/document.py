@@ -342,7 +342,9 @@ def _fit(fit: Fit) -> Document:
         "chi2": chi2
         if isinstance(chi2, Absent)
         else {"value": chi2.value, "dof": chi2.dof, "p": chi2.p},
-        "warnings": [{"code": one.code.value, "text": one.text} for one in fit.warnings],
+        "warnings": [
+            {"code": one.code.value, "text": one.text, "remedy": one.remedy} for one in fit.warnings
+        ],
     }
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from certreg.registration import FitCode, at_most, headline_of, proved_degrees, share_words
+from certreg.report.remedies import why_warned
 from certreg.report.summary import explained_words, margin_words, number, percent_words
 from certreg.report.uncertainty import (
     centre_words,
@@ -30,7 +31,8 @@ if TYPE_CHECKING:
 
 WIDE = 1e9  # larger translations are written with an exponent
 BASIS = "± is"  # the row that says where the deviations come from
-NO_PROOF = "A statistic: nothing of it is proved."
+WHOSE = "Rotation: about the source's axes. Centre: where the source's mean goes."
+NO_PROOF = "Statistics, not proved."
 QUIET = (
     "The tests for a wrong scale, outlying rows, shuffled rows and a mirror image raise no warning."
 )
@@ -94,10 +96,12 @@ class Overview:
 def _pose(registration: Registration) -> PoseFacts:
     pose, covariance = registration.pose, registration.solution.stated("covariance")
     exact, sure = pose.T_target_source.tolist(), dict(uncertainty_rows(registration))
-    facts = [_rotation(pose, None), _translation(pose, None)]
+    facts = [_rotation(pose, None), *_axis(pose), _translation(pose, None)]
     if BASIS in sure and not isinstance(covariance, Absent):
         facts = _sure(registration, covariance)
-    basis = f"± is {sure[BASIS]}. " if BASIS in sure else f"Uncertainty {sure['uncertainty']}. "
+    basis = (
+        f"± is {sure[BASIS]}. {WHOSE} " if BASIS in sure else f"Uncertainty {sure['uncertainty']}. "
+    )
     return PoseFacts(
         rows=_aligned(exact),
         facts=tuple(facts),
@@ -110,15 +114,16 @@ def _pose(registration: Registration) -> PoseFacts:
 
 def _sure(registration: Registration, covariance: PoseCovariance) -> list[Fact]:
     """Rotation, centre and translation, each with its deviation in the next line."""
-    pose, shift = registration.pose, shift_words(covariance, " (source's origin)")
+    pose, shift = registration.pose, shift_words(covariance, "")
     centre = ", ".join(centre_words(registration, covariance))
     return [
         _rotation(pose, covariance),
-        Fact(name="±", value="", words=rotation_words(covariance, " (source's axes)")),
-        Fact(name="Centre", value=f"({centre})", words="of the moved source"),
-        Fact(name="±", value="", words=sigma_words(covariance)),
+        *_axis(pose),
+        Fact(name="Rotation ±", value="", words=rotation_words(covariance, "")),
+        Fact(name="Centre", value=f"({centre})"),
+        Fact(name="Centre ±", value="", words=sigma_words(covariance)),
         _translation(pose, covariance),
-        Fact(name="±", value="", words=shift),
+        Fact(name="Translation ±", value="", words=shift),
     ]
 
 
@@ -142,8 +147,16 @@ def _rotation(pose: Pose, covariance: PoseCovariance | None) -> Fact:
     degrees, axis = turn_of(pose)
     told = covariance is not None and not isinstance(turn_sigmas(covariance), Absent)
     sigma = math.degrees(covariance.loosest_sigma) if covariance is not None and told else 0.0
-    about = "" if axis is None else f"about ({', '.join(f'{entry:.4f}' for entry in axis)})"
+    about = "" if axis is None else "about the axis"
     return Fact(name="Rotation", value=f"{told_to(degrees, sigma)}°", words=about)
+
+
+def _axis(pose: Pose) -> list[Fact]:
+    """On a line of its own, which holds it; none where nothing is turned."""
+    _, axis = turn_of(pose)
+    if axis is None:
+        return []
+    return [Fact(name="Axis", value=f"({', '.join(f'{entry:.4f}' for entry in axis)})")]
 
 
 def _translation(pose: Pose, covariance: PoseCovariance | None) -> Fact:
@@ -156,10 +169,11 @@ def _translation(pose: Pose, covariance: PoseCovariance | None) -> Fact:
 
 def _fit(registration: Registration) -> Iterator[Fact]:
     fit = registration.fit
+    at_rounding = fit.rounded and registration.rmse != 0.0
     yield Fact(
         name="RMSE",
         value=number(registration.rmse),
-        words="in the unit of the clouds",
+        words=f"in the unit of the clouds{', at rounding' if at_rounding else ''}",
     )
     yield _explained(fit)
     if fit.largest_over_median_residual is not None:
@@ -167,7 +181,8 @@ def _fit(registration: Registration) -> Iterator[Fact]:
         yield Fact(name="Worst pair", value=f"{ratio} ×", words="the median distance")
     chi2 = chi2_words(registration)
     if chi2 is not None:
-        yield Fact(name="Chi-squared", value="", words=chi2)
+        value, _, words = chi2.partition(" ")
+        yield Fact(name="Chi-squared", value=value, words=words.replace("p = ", "p\u00a0=\u00a0"))
 
 
 def _explained(fit: Fit) -> Fact:
@@ -178,7 +193,7 @@ def _explained(fit: Fit) -> Fact:
     value, words = split(explained_words(fit))
     scale, share = fit.best_scale, fit.explained
     if FitCode.SCALE not in fit.codes or not scale or share is None:
-        return Fact(name="Explained", value=value, words=words)
+        return Fact(name="Explained", value=value, words=f"{words}{why_warned(fit)}")
     alone = share * (2.0 - 1.0 / scale) / scale
     told = percent_words(alone) if alone > 0.0 else "nothing"
     return Fact(
@@ -212,7 +227,7 @@ def _proved(registration: Registration) -> Iterator[Fact]:
     if degrees is not None:
         yield Fact(
             name="Rotation",
-            value=f"within {degrees} degrees",
+            value=f"within {degrees}°",
             words="of the exact optimum; the noise of the data is not counted",
         )
     others = equilibria.classification.spurious

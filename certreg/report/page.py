@@ -10,9 +10,10 @@ from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from certreg import __version__
-from certreg.registration import WEAK, headline_of, is_green
+from certreg.registration import NEARLY_AMBIGUOUS, WEAK, headline_of, is_green
 from certreg.report.markup import asset, inert, inert_json, printable, rendered
 from certreg.report.overview import Overview
+from certreg.report.remedies import TODO, remedies
 from certreg.report.summary import verdict_words, warnings
 from certreg.report.viewer import Names, packed, sample_of, scene_document, viewer_words
 from certreg.report.words import (
@@ -136,6 +137,9 @@ def _head(report: Report) -> dict[str, Any]:
     registration = report.registration
     headline, *further = report.verdict_words
     stamp, _, said = headline.partition(": ")
+    if stamp.endswith("NEARLY AMBIGUOUS"):  # what is against it is not to be in smaller print
+        others = [words for words in further if words != NEARLY_AMBIGUOUS]
+        said, further = NEARLY_AMBIGUOUS, [f"Proved: {said}", *others]
     n = registration.problem.n
     return {
         "pairs": f"{n} pair{'s' * (n != 1)}",
@@ -143,6 +147,7 @@ def _head(report: Report) -> dict[str, Any]:
         "good": report.headline is not WEAK and is_green(registration),
         "headline": _sentence(said),
         "further": [_begun(words) for words in further],
+        "todo": [_begun(words.removeprefix(TODO)) for words in remedies(registration)],
         "warnings": [_sentence(words) for words in warnings(registration, headline)],
         "overview": Overview.of(registration),
     }

@@ -24,6 +24,7 @@ from certreg.registration import (
     rounding_remedy,
     share_words,
 )
+from certreg.report.remedies import TODO, remedies, why_warned
 from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import Absent, ComponentKind, Guarantee, Limits, Optimality, present
 
@@ -47,6 +48,7 @@ KINDS = {
     ComponentKind.ROTATION_GROUP: "every rotation",
 }
 OF_SPREAD = " of the target's spread (R squared, with the best scale)"
+OF_PRINTED = "; at rounding, of the pose as printed"  # below, of the exact optimum
 DISTINGUISHABLE = 25.0  # twice the log-likelihood ratio of five standard deviations
 ROUNDING_SHARE = 1e6  # a gap above a millionth of the minimum is worth a word
 UNNOTED_COST = 1e-24  # of the spread: a shift of 1e-12, finer than any data
@@ -57,16 +59,21 @@ COMPARABLE_STEP = 0.1  # h times the decay rate: a scheme's own differs by half 
 def registration_summary(registration: Registration) -> str:
     """The result of `certify`, readable."""
     pose, status = registration.pose, _status_lines(registration)
+    fit = registration.fit
+    exact = number(registration.equilibria.components[0].rmse)
+    differs = fit.rounded and number(registration.rmse) != exact
+    weighted = f"weighted, unit of the clouds{OF_PRINTED if differs else ''}"
     return "\n".join(
         (
             *status,
+            *remedies(registration),
             "",
             f"  correspondences   {registration.problem.n}",
             f"  rotation (wxyz)   {' '.join(map(repr, pose.quaternion_wxyz.tolist()))}",
             f"  translation       {' '.join(map(repr, pose.translation.tolist()))}",
             *_uncertainty_lines(registration),
-            f"  RMSE              {number(registration.rmse)}  (weighted, unit of the clouds)",
-            f"  explained         {explained_words(registration.fit)}",
+            f"  RMSE              {number(registration.rmse)}  ({weighted})",
+            f"  explained         {explained_words(fit)}{why_warned(fit)}",
             f"  ambiguity margin  {margin_words(registration.equilibria)}",
             *_method_lines(registration),
             *(f"  warning           {words}" for words in warnings(registration, status[0])),
@@ -196,8 +203,11 @@ def assessment_summary(assessment: Assessment) -> str:
         lines.append(explained)
     if assessment.energies is not None:
         lines += ["", *_judged_lines(assessment, assessment.energies)]
-    told = [one.text for one in assessment.fit.warnings if one.text not in assessment.headline]
-    return "\n".join((*lines, *(f"  warning            {words}" for words in told)))
+    warned = assessment.fit.warnings
+    told = [one.text for one in warned if one.text not in assessment.headline]
+    lines += (f"  warning            {words}" for words in told)
+    lines += (f"{TODO}{one.remedy}." for one in warned)
+    return "\n".join(lines)
 
 
 def _judged_lines(assessment: Assessment, energies: JudgedEnergies) -> list[str]:

@@ -161,9 +161,15 @@ def _basis_words(registration: Registration, covariance: PoseCovariance) -> str:
     """What one standard deviation is of: the sigma that is given, or what the residuals say."""
     told = "one standard deviation, to first order, "
     if not covariance.estimated:
-        return f"{told}of the sigma given"
+        return f"{told}of the sigma given{_given_words(registration)}"
     degrees = covariance.degrees_of_freedom
     sigma = _two_digits(covariance.centre_sigma * math.sqrt((degrees + 6) / 3))  # of N points
     mean = "" if registration.problem.equally_weighted else " at the mean weight"
     sure = f"± {100.0 / math.sqrt(2.0 * degrees):.0f} %, {degrees} degrees of freedom"
     return f"{told}from the residuals: sigma {sigma}{mean} {sure}"
+
+
+def _given_words(registration: Registration) -> str:
+    """The value of the sigma that was given, from its weight; empty where there are several."""
+    problem = registration.problem
+    return f": {1.0 / math.sqrt(problem.weights[0]):.6g}" if problem.equally_weighted else ""

@@ -20,12 +20,12 @@ from certreg.report.markup import printable
 from certreg.report.summary import margin_words, number
 from certreg.report.thinning import Run, shown_motion, simulated_escapes
 from certreg.report.words import component_name, component_words, factor_words, lie_words
-from certreg.results import Absent
+from certreg.results import Absent, Optimality
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.equilibrium import EquilibriumSet
+    from certreg.equilibrium import Component
     from certreg.problem import RegistrationProblem
     from certreg.registration import Registration, Solution
 
@@ -43,6 +43,8 @@ NO_MOTION = "Nothing moves here: "
 UNDEFINED = "the source points {lie}, so the dynamics of the body is not defined."
 WATCH = " Push it, and watch."
 NOT_SIMULATED = "the motion was not simulated."
+FAR_SIGMAS = 10  # 6.5 medians of Gaussian noise: the middle colour is at five
+FAR_MEDIANS = 6  # from which a row may be called an outlier
 NAMED = 12  # points with their names in the scene; more would hide it
 SAMPLE = 100_000  # points shown where the page holds no certificate with them
 
@@ -53,17 +55,15 @@ def viewer_words(registration: Registration) -> dict[str, Any]:
     return {
         "springs_words": SPRINGS_WORDS if moves else RESTING_WORDS,
         "index_words": INDEX_WORDS,
-        "rests": [
-            _rest(registration.equilibria, i)
-            for i in range(len(registration.equilibria.components))
-        ],
+        "rests": [_rest(registration, i) for i in range(len(registration.equilibria.components))],
     }
 
 
-def _rest(equilibria: EquilibriumSet, index: int) -> dict[str, Any]:
+def _rest(registration: Registration, index: int) -> dict[str, Any]:
+    equilibria = registration.equilibria
     component = equilibria.components[index]
     away = math.degrees(component.angle_to_optimum)
-    notes = [f"RMSE {number(component.rmse)}"]
+    notes = [f"RMSE {number(_rmse(registration, component))}"]
     if not component.optimal:
         notes += filter(None, [factor_words(equilibria, index), f"{away:.4g}° from the optimum"])
     return {
@@ -123,9 +123,12 @@ def scene_document(registration: Registration, names: Names) -> dict[str, Any]:
     return {
         "n": problem.n,
         "labels": names.labels,
+        "rounded": registration.fit.rounded,
+        "colours": colours_end(registration),
         "components": [
             {
                 "name": component_name(equilibria, i),
+                "rmse": number(_rmse(registration, component)),
                 "words": component_words(equilibria, i) + (WATCH if i in pushed else ""),
                 "dimension": component.kind.dimension,
                 "basis": component.basis.T.tolist(),
@@ -146,6 +149,30 @@ def scene_document(registration: Registration, names: Names) -> dict[str, Any]:
         "axes": _axes(problem.target).tolist(),
         "named": _named(registration, names.labels),
     }
+
+
+def _rmse(registration: Registration, component: Component) -> float | None:
+    """Of the optimum the figure beside the scene: that of the pose as printed."""
+    printed = component.optimal and registration.status is not Optimality.BOUNDED
+    return registration.rmse if printed else component.rmse
+
+
+def colours_end(registration: Registration) -> dict[str, Any]:
+    """The distance at the end of the colours at the optimum, None: the largest; and what it is.
+
+    Red is what a sound fit does not have. Without sigma and without a warning six medians are far,
+    as for outlying rows; a fit that is warned of shows which pairs are the farthest.
+    """
+    problem, fit = registration.problem, registration.fit
+    if problem.noise_given and problem.equally_weighted:
+        end = FAR_SIGMAS / math.sqrt(problem.weights[0])
+        return {"end": end, "words": f"{FAR_SIGMAS} σ"}
+    ratio = fit.largest_over_median_residual
+    if ratio is not None and ratio <= FAR_MEDIANS and not fit.warnings:
+        end = FAR_MEDIANS / ratio * fit.worst[0].residual
+        if math.isfinite(end):
+            return {"end": end, "words": f"{FAR_MEDIANS} × the median"}
+    return {"end": None, "words": "the largest"}
 
 
 def ended_words(solution: Solution, run: Run) -> str:

@@ -383,13 +383,7 @@ def _growth_words(component: Component) -> str:
 
 
 def _optimal_words(component: Component) -> str:
-    fit = f"RMSE {number(component.rmse)}"
     if component.kind is not ComponentKind.POINT:
-        return (
-            f"No pose is better than these, and all of them are exactly as good: {fit}. "
-            "Move along them: the pairs come no closer, and get no farther apart."
-        )
+        return "No pose is better than these, and all of them are exactly as good: move along them."
     stable = "" if component.unstable_eigenvalues is None else ", and the body comes back"
-    return (
-        f"The best pose there is: {fit}. Turned a little about any axis the energy rises{stable}."
-    )
+    return f"No pose fits better. Turned a little about any axis, the energy rises{stable}."

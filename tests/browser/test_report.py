@@ -90,7 +90,10 @@ class Opened:
     @property
     def rmse(self) -> float:
         """What the page says of the pose that it shows, from the points that it decoded."""
-        return float(self.page.inner_text("#clock").split("RMSE ")[1])
+        told = float(self.page.inner_text("#clock").split("RMSE ")[1])
+        measured = float(str(self.page.get_attribute("#clock", "data-rmse")))
+        assert told == pytest.approx(measured, rel=1e-6, abs=1e-6)
+        return measured
 
     def choose(self, index: int) -> None:
         self.page.click(f"button[data-component='{index}']")
@@ -188,6 +191,7 @@ def test_the_pose_is_copied_with_all_its_digits(opened, written, survey):
     context.close()
 
 
+RGB = re.compile(r"\d+")
 BINS = """() => [...document.querySelectorAll('#histogram .bin')].map((bin) =>
   [Number(bin.textContent.split(' ')[0]), bin.getAttribute('fill'), bin.height.baseVal.value])"""
 
@@ -201,10 +205,14 @@ def test_the_histogram_counts_every_pair_in_the_colours_of_the_scene(shown):
 
     assert list(counts) == np.histogram(distances, bins=24, range=(0, distances.max()))[0].tolist()
     assert len(set(fills)) == 24
+    assert all(red < blue for red, _, blue in (map(int, RGB.findall(fill)) for fill in fills))
     assert all((height > 1.9) == (count > 0) for count, height in zip(counts, heights, strict=True))
-    assert float(report.inner_text("#most")) == pytest.approx(distances.max(), rel=1e-2)
+    end = 6.0 * np.median(distances)
+    assert float(report.inner_text("#most")) == pytest.approx(end, rel=1e-2)
+    assert report.inner_text("#of-what").strip() == "= 6 × the median"
     report.choose(3)
     assert float(report.inner_text("#most")) > 10.0 * distances.max()
+    assert not report.inner_text("#of-what")
     assert report.faults == []
 
 
@@ -261,7 +269,8 @@ def test_every_button_shows_its_pose_and_its_words(shown, survey):
         growing = report.locator("#spectrum circle.growing").count()
 
         assert report.rmse == pytest.approx(component.rmse, rel=1e-6)
-        assert f"RMSE {component.rmse:.6f}" in report.inner_text("#caption")
+        assert f"RMSE {component.rmse:.6f}" in report.inner_text("#clock")
+        assert ("No pose fits better" in report.inner_text("#caption")) == component.optimal
         assert report.is_visible("#push") == (not component.optimal)
         assert (growing > 0) == (not component.optimal)
         assert f"{index} of 12 eigenvalues" in report.inner_text("#spectrum")
@@ -339,7 +348,7 @@ def test_every_level_of_energy_is_named_and_no_name_struck_through(shown, story,
 
 
 def test_the_lines_within_the_bodies_are_in_the_legend(shown, survey):
-    assert "bodies, from their centres" in shown(survey).inner_text("#legend")
+    assert "bodies" in shown(survey).inner_text("#legend")
     cloud = certify(problem_of(61), relaxation=False)  # drawn without such lines
     assert "bodies" not in shown(cloud).inner_text("#legend")
 
@@ -430,6 +439,35 @@ def test_no_name_covers_another_and_the_mark_of_the_histogram_covers_no_bar(show
     assert not any(meet(a, b) for a, b in itertools.combinations(seen["tags"], 2))
     assert len(seen["marks"]) == 1
     assert not any(meet(seen["marks"][0], bar) for bar in seen["bins"])
+
+
+def test_where_all_is_rounding_nothing_alarms_and_one_rmse_is_told(shown):
+    line = np.linspace(0.0, 1.0, 12)[:, None] * [1.0, 2.0, 3.0]
+    exact = certify(
+        RegistrationProblem(line, line @ random_rotation(np.random.default_rng(3)).T),
+        relaxation=False,
+    )
+    report = shown(exact)
+    told = re.findall(r"RMSE\s+([\d.e-]+)", report.inner_text(".first"))
+
+    assert exact.fit.rounded
+    assert told == [f"{exact.rmse:.9e}"] * 2
+    assert not report.is_visible("#ramp")
+    assert report.inner_text("#level") == "distances: at rounding"
+    assert report.locator("#histogram svg, #residuals li").count() == 0
+    assert report.faults == []
+
+
+def test_what_is_proved_ends_above_the_fold(shown):
+    source = problem_of(60).source
+    spoilt = source + 5.0 * np.isin(np.arange(60), (7, 21))[:, None]
+    for target in (source, spoilt, source[::-1]):
+        report = shown(
+            certify(RegistrationProblem(source, target), relaxation=False),
+            viewport={"width": 1366, "height": 768},
+        )
+        ((_, bottom, _, _),) = report.evaluate(WHERE, ["#proved"])
+        assert bottom <= 768
 
 
 def test_up_is_z_and_what_cannot_move_has_no_button_to_play_it(shown, survey):
@@ -557,7 +595,8 @@ def test_everything_that_can_be_pressed_has_a_name(shown, survey):
     report = shown(survey)
     nameless = report.evaluate(
         """() => [...document.querySelectorAll('button, input, canvas, svg')].filter((node) =>
-          !(node.textContent.trim() || node.ariaLabel || node.labels?.length)).length"""
+          !(node.closest('[aria-hidden]') || node.textContent.trim() || node.ariaLabel
+            || node.labels?.length)).length"""
     )
 
     assert nameless == 0

@@ -51,17 +51,21 @@ def test_the_deviations_are_those_of_the_terminal_and_no_proof():
     facts = Overview.of(registration).pose.facts
     told = dict(uncertainty_rows(registration))
 
-    assert [fact.name for fact in facts] == ["Rotation", "±", "Centre", "±", "Translation", "±"]
-    for fact, row in zip(facts[1::2], ("rotation ±", "centre ±", "translation ±"), strict=True):
-        assert fact.words.partition(" (")[0] == told[row].partition("  (")[0]
-    assert Overview.of(registration).pose.uncertainty == (
-        f"± is {told['± is']}. A statistic: nothing of it is proved."
-    )
+    assert [fact.name for fact in facts if "±" not in fact.name] == [
+        *("Rotation", "Axis", "Centre", "Translation")
+    ]
+    sure = [fact for fact in facts if "±" in fact.name]
+    for fact, row in zip(sure, ("rotation ±", "centre ±", "translation ±"), strict=True):
+        assert fact.name.lower() == row
+        assert fact.words == told[row].partition("  (")[0]
+    words = Overview.of(registration).pose.uncertainty
+    assert words.startswith(f"± is {told['± is']}. ")
+    assert words.endswith(" Statistics, not proved.")
 
 
 def test_the_pose_is_told_to_the_digits_that_its_deviation_leaves():
     registration = registered()
-    rotation, _, _, _, translation, _ = Overview.of(registration).pose.facts
+    rotation, axis, _, _, _, translation, _ = Overview.of(registration).pose.facts
     sigmas = np.sqrt(np.diag(np.asarray(checked(registration.solution.covariance)))[:3])
     w, *axial = registration.pose.quaternion_wxyz.tolist()
 
@@ -69,9 +73,7 @@ def test_the_pose_is_told_to_the_digits_that_its_deviation_leaves():
     assert 4 <= len(translation.value.split(",")[0]) < 10
     assert numbers(rotation.value)[0] == pytest.approx(math.degrees(2 * math.acos(w)), abs=0.01)
     assert re.fullmatch(r"\d+\.\d{2,4}°", rotation.value)
-    assert numbers(rotation.words) == pytest.approx(
-        np.array(axial) / np.linalg.norm(axial), abs=1e-4
-    )
+    assert numbers(axis.value) == pytest.approx(np.array(axial) / np.linalg.norm(axial), abs=1e-4)
 
 
 def test_of_map_coordinates_the_centre_is_told_which_is_as_sure_as_the_points():
@@ -80,7 +82,7 @@ def test_of_map_coordinates_the_centre_is_told_which_is_as_sure_as_the_points():
     map_ = RegistrationProblem(near.source + far, near.target + far)
     registration = certify(map_, relaxation=False, simulation=False)
     sure = checked(registration.solution.covariance)
-    _, _, centre, deviation, _, shift = Overview.of(registration).pose.facts
+    _, _, _, centre, deviation, _, shift = Overview.of(registration).pose.facts
     told = numbers(centre.value)
 
     assert abs(told - map_.target.mean(axis=0)).max() < sure.centre_sigma / 9
@@ -117,10 +119,15 @@ def test_the_matrix_fits_its_place_whatever_the_translation_is():
 
 @pytest.mark.parametrize("sigma", [None, 0.01])
 def test_chi_squared_is_told_where_sigma_is_given(sigma: float | None):
-    facts = {fact.name: fact.words for fact in Overview.of(registered(sigma=sigma)).fit}
+    registration = registered(sigma=sigma)
+    facts = {fact.name: f"{fact.value} {fact.words}" for fact in Overview.of(registration).fit}
+    told = facts.get("Chi-squared")
 
-    assert facts.get("Chi-squared") == chi2_words(registered(sigma=sigma))
+    assert (told and told.replace("\u00a0", " ")) == chi2_words(registration)
     assert ("Chi-squared" in facts) == (sigma is not None)
+    assert ("of the sigma given: 0.01." in Overview.of(registration).pose.uncertainty) == bool(
+        sigma
+    )
 
 
 def test_residuals_of_zero_tell_no_uncertainty():
@@ -128,7 +135,7 @@ def test_residuals_of_zero_tell_no_uncertainty():
     registration = certify(RegistrationProblem(eye, eye), relaxation=False, simulation=False)
     pose = Overview.of(registration).pose
 
-    assert [fact.name for fact in pose.facts] == ["Rotation", "Translation"]
+    assert [fact.name for fact in pose.facts] == ["Rotation", "Translation"]  # 0°: no axis
     assert pose.uncertainty == f"Uncertainty not known: {NO_RESIDUALS.reason}."
 
 

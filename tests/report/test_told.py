@@ -246,15 +246,15 @@ def test_a_pose_at_rest_is_told_by_what_it_is(axes: Registration, square: Regist
     told = [words.component_words(axes.equilibria, k) for k in range(4)]
 
     assert told[0] == (
-        "The best pose there is: RMSE 0.000000. Turned a little about any axis the energy rises, "
-        "and the body comes back."
+        "No pose fits better. Turned a little about any axis, the energy rises, and the body comes "
+        "back."
     )
     assert "it is wrong: RMSE 2.581989. Turning about one axis lowers" in told[1]
     assert "and so 1 of the 12 eigenvalues has a positive real part: along its mode a" in told[1]
     assert "2 of the 12 eigenvalues have a positive real part: along their modes a" in told[2]
     assert [("worst rotation there is" in one) for one in told] == [False, False, False, True]
     flat = [words.component_words(square.equilibria, k) for k in range(3)]
-    assert flat[0].startswith("The best pose there is")
+    assert flat[0].startswith("No pose fits better.")
     line = plainly(LINE, LINE).equilibria
     assert words.component_words(line, 0).startswith("No pose is better than these, and all of")
     assert words.component_name(line, 0).startswith("Optima: ")

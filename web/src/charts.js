@@ -81,7 +81,7 @@ function clusters(found, x, y) {
 }
 
 /** The largest distances of pairs, as a list of bars. */
-export function drawResiduals(place, clouds, { labels, rmse, sampled }) {
+export function drawResiduals(place, clouds, { labels, fit, sampled }) {
   const rows = clouds.worst(8);
   const most = clouds.distances[rows[0]] || 1;
   const list = document.createElement("ol");
@@ -105,7 +105,7 @@ export function drawResiduals(place, clouds, { labels, rmse, sampled }) {
   const key = document.createElement("p");
   key.className = "key";
   const others = clouds.n - rows.length;
-  key.textContent = `RMSE of all ${clouds.n}${sampled ? " in the sample" : ""}: ${figure(rmse, 7)}${others > 0 ? `; ${others} more are smaller` : ""}.`;
+  key.textContent = `RMSE of all ${clouds.n}${sampled ? " in the sample" : ""}: ${fit}${others > 0 ? `; ${others} more are smaller` : ""}.`;
   place.replaceChildren(list, key);
 }
 

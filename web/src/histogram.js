@@ -9,8 +9,8 @@ const LEAST = 2; // pixels, of a bin that is not empty
 const LETTER = 6.5; // pixels
 const MARKED = 16; // pixels above the bars, for the mark of the RMSE and its words
 
-/** The distances last measured, from 0 to the largest of them; most: the end of the colours. */
-export function drawHistogram(place, clouds, { rmse, most }) {
+/** The distances last measured, from 0 to the largest; fit: their RMSE in words, most: the end of the colours. */
+export function drawHistogram(place, clouds, { rmse, fit, most }) {
   const { width } = frame(place, HEIGHT);
   const [left, right, top, bottom] = [4, width - 4, MARKED, HEIGHT - 18];
   const largest = clouds.largest;
@@ -27,7 +27,7 @@ export function drawHistogram(place, clouds, { rmse, most }) {
     return svg("rect", bar, svg("title", {}, `${count} of ${clouds.n}`));
   });
   const at = largest > 0 ? left + ((right - left) * rmse) / largest : left;
-  const words = `RMSE ${figure(rmse, 4)}`;
+  const words = `RMSE ${fit}`;
   const ends = at + 4 + LETTER * words.length > right;
   parts.push(
     path([[left, bottom], [right, bottom]], { class: "axis" }),

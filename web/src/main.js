@@ -12,9 +12,13 @@ import { matrix } from "./rotation.js";
 import { Rulers } from "./rulers.js";
 import { Run } from "./runs.js";
 import { Stage } from "./stage.js";
-import { figure } from "./svg.js";
+import { figure, path, svg } from "./svg.js";
 import { Tags } from "./tags.js";
 
+const SAME = 1e-5; // of an RMSE
+const DECIMALS = 1e-6; // of an RMSE that is told without an exponent
+const AT_ROUNDING = "All distances are at the rounding of the numbers";
+const EDGE = 10; // pixels between what is proved and the end of the screen
 const MANY = 20_000; // pairs, whose distances are measured in every fourth frame only
 
 const part = (id) => document.getElementById(id);
@@ -105,10 +109,17 @@ function motionWords({ run, components }) {
   return `Pushed off the ${name.toLowerCase()} (index ${index}) by a turn of 1°. ${end}`;
 }
 
-function clock({ run, time }, rmse, sampled) {
+function clock({ run, time }, fit, sampled) {
   part("time").value = run ? (1000 * time) / (run.end || 1) : 0;
   const words = run ? `t = ${time.toFixed(2)} · ` : "";
-  part("clock").textContent = `${words}${sampled ? "sample's " : ""}RMSE ${figure(rmse, 7)}`;
+  part("clock").textContent = `${words}${sampled ? "sample's " : ""}RMSE ${fit}`;
+}
+
+/** The RMSE in words: as the page says it elsewhere, where the pose is that one; else as measured. */
+function fitWords({ run, rest, components }, rmse, { rounded, sampled }) {
+  const { optimal, rmse: told } = components[rest];
+  const near = Math.abs(rmse - Number(told)) <= Math.max(SAME * rmse, told.includes("e") ? 0 : DECIMALS) || (rounded && optimal);
+  return !run && !sampled && near ? told : figure(rmse, 7);
 }
 
 function saving(bytes) {
@@ -122,17 +133,20 @@ function saving(bytes) {
   });
 }
 
-/** How high the words above the scene are, so that the scene ends where the screen does. */
+/** How high what stands above and below the scene is, so that the screen ends where they do. */
 function fitted() {
   const { style } = document.documentElement;
-  const told = () => style.setProperty("--head", `${part("see").offsetTop}px`);
+  const told = () => {
+    const [scene, below] = ["view", "proved"].map((id) => part(id).getBoundingClientRect());
+    style.setProperty("--head", `${part("see").offsetTop}px`);
+    style.setProperty("--foot", `${Math.ceil(below.bottom - scene.bottom) + EDGE}px`);
+  };
   told();
   new ResizeObserver(told).observe(document.querySelector("header"));
 }
 
 async function main() {
   copying();
-  fitted();
   const scene = sceneDocument();
   const certificate = await certificateBytes();
   if (certificate) saving(certificate);
@@ -179,17 +193,27 @@ async function main() {
     }
     begun = player.run;
     const rmse = clouds.measure(matrix(quaternion), offset);
-    if (!player.run) most = clouds.largest;
-    stage?.tint(most);
-    part("most").textContent = figure(most, 3);
-    clock(player, rmse, sampled);
-    drawHistogram(chart("histogram"), clouds, { rmse, most });
-    drawResiduals(chart("residuals"), clouds, { labels: scene.labels, rmse, sampled });
+    const best = !player.run && scene.components[player.rest].optimal;
+    if (!player.run) most = (best && scene.colours.end) || clouds.largest;
+    const rounded = best && scene.rounded;
+    stage?.tint(rounded ? 0 : most);
+    rampWords(best ? scene.colours : null, { most, rounded, largest: clouds.largest });
+    const fit = fitWords(player, rmse, { rounded, sampled });
+    part("clock").dataset.rmse = rmse;
+    clock(player, fit, sampled);
+    if (rounded) {
+      note(chart("histogram"), `${AT_ROUNDING}: no histogram is drawn of them.`);
+      note(chart("residuals"), `${AT_ROUNDING}: which is the largest says nothing.`);
+      return;
+    }
+    drawHistogram(chart("histogram"), clouds, { rmse, fit, most });
+    drawResiduals(chart("residuals"), clouds, { labels: scene.labels, fit, sampled });
   };
   player.listen(show);
   wire(player, scene);
   legend(stage, clouds, scene, sampled);
   show(false);
+  fitted();
   const resized = new ResizeObserver(() => {
     drawMargin(chart("margin"), scene.margin);
     show(false);
@@ -219,21 +243,43 @@ function energyChart(player, scene) {
   });
 }
 
+/** What the end of the colours is; colours: those of the optimum, null at another pose. */
+function rampWords(colours, { most, rounded, largest }) {
+  const beyond = largest > most * (1 + 1e-9); // the largest itself is measured anew
+  part("most").textContent = figure(most, 3);
+  part("beyond").textContent = beyond ? "≥ " : "";
+  part("of-what").textContent = colours ? ` = ${colours.words}` : "";
+  part("ramp").hidden = rounded;
+  part("level").hidden = !rounded;
+}
+
+const SPRING = [path([[9, 8], [20, 8]], {}), svg("circle", { cx: 5, cy: 8, r: 4, class: "ring" }), svg("circle", { cx: 23, cy: 8, r: 4, class: "dot" })];
+const BODIES = ["of-target", "of-source"].map((kind, k) => {
+  const [x, y] = [8 + 13 * k, 8];
+  const arms = [[-5, 6], [-6, -3], [0, -7], [6, -2], [4, 6]];
+  return svg("g", {}, ...arms.map(([a, b]) => path([[x, y], [x + a, y + b]], { class: kind })));
+});
+
 function legend(stage, clouds, scene, sampled) {
-  const entries = [[stage?.frames.length === 0 ? "target many" : "target", "target"], ["source", "source, moved"], ["thread", "springs"]];
-  if (stage?.frames.length) entries.push(["frame", "bodies, from their centres"]);
-  const made = entries.map(([kind, words]) => {
+  const entries = [[stage?.frames.length === 0 ? "target many" : "target", "target"], ["source", "source, moved"], ["thread", "springs", SPRING]];
+  if (stage?.frames.length) entries.push(["frame", "bodies", BODIES]);
+  const made = entries.map(([kind, words, drawn]) => {
     const entry = document.createElement("span");
     entry.className = `entry ${kind}`;
-    entry.textContent = words;
+    if (drawn) entry.append(svg("svg", { viewBox: "0 0 28 16", "aria-hidden": "true" }, ...drawn));
+    entry.append(words);
     return entry;
   });
   const scale = document.createElement("span");
-  scale.className = "ramp";
-  const [bar, most] = [document.createElement("i"), document.createElement("output")];
-  most.id = "most";
-  scale.append("distance of a pair: 0", bar, most);
-  part("legend").append(...made.slice(0, 2), scale, ...made.slice(2));
+  Object.assign(scale, { className: "ramp", id: "ramp" });
+  const [bar, beyond, most, what] = ["i", "span", "output", "span"].map((tag) => document.createElement(tag));
+  const end = document.createElement("span");
+  end.append(beyond, most, what);
+  [beyond.id, most.id, what.id] = ["beyond", "most", "of-what"];
+  scale.append("distance 0", bar, end);
+  const level = document.createElement("span");
+  Object.assign(level, { id: "level", hidden: true, textContent: "distances: at rounding" });
+  part("legend").append(...made.slice(0, 2), scale, level, ...made.slice(2));
   const words = [];
   if (sampled) words.push(`This page does not hold all ${scene.n} points: an even sample is shown.`);
   if (stage && stage.rows.length < clouds.n) words.push(`${stage.rows.length} of ${scene.n} points are drawn.`);

@@ -1,4 +1,4 @@
-// Colours of distances: from those near zero to the largest at the pose that was chosen.
+// Colours of distances: from those near zero to those that are far, or to the largest.
 
 const STOPS = ["--near", "--middle", "--far"];
 

@@ -1,0 +1,43 @@
+"""What to do about what is said against a pose, and why it is said though much is explained.
+
+Plain sentences, of what may help and no more. A module of its own, since text, page and card all
+say them.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from certreg.registration import FitCode, is_loose
+
+if TYPE_CHECKING:
+    from certreg.registration import Fit, Registration
+
+TODO = "What to do: "
+GIVE_SIGMA = "give sigma, which may rule the other pose out; or "
+TELL_APART = "add pairs off the axis of the turn to the other pose: they may tell the two apart"
+FIX_TURN = "add pairs farther from that axis: they may fix the turn about it"
+WHY_BOTH = {  # a warning, and half of the target's spread or more explained
+    FitCode.OUTLIER_ROWS: ": most rows fit, the warning is of the others",
+    FitCode.SHUFFLED: "; in another order the rows explain more",
+    FitCode.MIRRORED: "; a mirror image explains more",
+    FitCode.CHI2: "; the residuals are small beside the spread, and large beside sigma",
+}
+MUCH = 0.5  # explained: less needs no excuse
+
+
+def remedies(registration: Registration) -> list[str]:
+    """A sentence for each warning of the fit, and for a rotation that the data hardly fix."""
+    told = [one.remedy for one in registration.fit.warnings]
+    if registration.equilibria.nearly_ambiguous:
+        told.append(f"{'' if registration.problem.noise_given else GIVE_SIGMA}{TELL_APART}")
+    elif registration.equilibria.classification.unique and is_loose(registration):
+        told.append(FIX_TURN)
+    return [f"{TODO}{words}." for words in told]
+
+
+def why_warned(fit: Fit) -> str:
+    """Why a fit is warned of that explains much: to be added to how much; empty where it is not."""
+    if fit.explained is None or fit.explained < MUCH:
+        return ""
+    return next((words for code, words in WHY_BOTH.items() if code in fit.codes), "")

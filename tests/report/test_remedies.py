@@ -1,0 +1,166 @@
+"""What to do about a warning, why much is explained beside it, and colours that do not alarm."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from commands import checked
+
+from certreg.problem import RegistrationProblem
+from certreg.registration import assess, certify
+from certreg.report import registration_summary, result_document
+from certreg.report.cards import registration_card
+from certreg.report.overview import Overview
+from certreg.report.page import Report, html_page
+from certreg.report.remedies import FIX_TURN, GIVE_SIGMA, TELL_APART, remedies
+from certreg.report.summary import OF_PRINTED, assessment_summary, number
+from certreg.report.viewer import FAR_MEDIANS, FAR_SIGMAS, Names, colours_end, scene_document
+from certreg.results import Limits
+
+RNG = np.random.default_rng(11)
+CLOUD = RNG.standard_normal((30, 3)) * [3.0, 2.0, 1.0]
+NOISE = 0.01 * RNG.standard_normal((30, 3))
+GOOD = CLOUD + NOISE
+NAMES = Names(source="a", target="b", labels=None)
+
+
+def moved(*rows: int) -> np.ndarray:
+    return GOOD + 5.0 * np.isin(np.arange(30), rows)[:, None]
+
+
+def proved(source: object, target: object, **options: object):
+    problem = RegistrationProblem(source, target, **options)  # pyright: ignore[reportArgumentType]
+    return certify(problem, relaxation=False, simulation=False)
+
+
+CASES = {  # a spoilt target, its sigma, and the whole of what is advised
+    "mm": (1000.0 * GOOD, None, "if the units differ, multiply the target by 0.001 and certify"),
+    "m": (0.001 * GOOD, None, "if the units differ, multiply the target by 1000 and certify again"),
+    "scale": (
+        1.25 * GOOD,
+        None,
+        r"if the sizes may differ, multiply the target by 0\.80\d+ and certify",
+    ),
+    "row": (moved(5), None, "check row 5; if it is wrong, mend it or leave it out, and certify"),
+    "rows": (
+        moved(5, 7),
+        None,
+        r"check rows \d, \d; if they are wrong, mend them or leave them out",
+    ),
+    "more": (moved(5, 7, 9, 11), None, "check these rows; if they are wrong, mend them or leave"),
+    "rolled": (np.roll(GOOD, 1, axis=0), None, "check that row k of both clouds is one pair, or"),
+    "mirrored": (GOOD * [1, 1, -1], None, "check the signs and the order of the axes in both"),
+    "sigma": (CLOUD + 10.0 * NOISE, 0.01, r"check the pairs; if the noise may be larger, give \d"),
+    "poor": (RNG.standard_normal((30, 3)), None, "check the pairs, and whether both clouds show"),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_each_warning_says_what_may_be_done(case: str):
+    target, sigma, words = CASES[case]
+    fit = proved(CLOUD, target, **({} if sigma is None else {"sigma": sigma})).fit
+    (remedy, *_) = [warning.remedy for warning in fit.warnings]
+
+    assert re.match(words, remedy)
+    assert remedy.startswith(("check ", "if "))  # no cause is known: advice has a condition
+    assert not remedy.endswith(".")
+
+
+def test_the_factor_advised_makes_the_scale_one():
+    fit = proved(CLOUD, 1.25 * GOOD).fit
+    factor = float(fit.warnings[0].remedy.split("target by ")[1].split()[0])
+
+    assert factor * checked(fit.best_scale) == pytest.approx(1.0, abs=1e-5)
+    assert not proved(CLOUD, factor * 1.25 * GOOD).fit.warnings
+
+
+def test_it_stands_in_text_page_card_json_and_assessment():
+    poor = proved(CLOUD, moved(5))
+    (remedy,) = [warning.remedy for warning in poor.fit.warnings]
+    line = f"What to do: {remedy}."
+    page = html_page(Report.of(poor)).decode().split("<main>")[0]
+
+    assert remedies(poor) == [line]
+    assert f"\n{line}\n" in registration_summary(poor)
+    assert f"<b>What to do:</b> C{remedy[1:]}." in page
+    assert line in registration_card(poor)
+    assert result_document(poor)["fit"]["warnings"][0]["remedy"] == remedy
+    assert line in assessment_summary(assess(poor.problem, poor.pose))
+    assert "What to do" not in registration_summary(proved(CLOUD, GOOD))
+
+
+def test_a_rotation_that_hardly_stands_has_advice_too():
+    thin = CLOUD * [1.0, 1e-3, 1e-3]
+    near = proved(thin, thin + 5.0 * NOISE)
+    known = proved(thin, thin + 5.0 * NOISE, sigma=0.05)
+    page = html_page(Report.of(near)).decode()
+
+    assert near.equilibria.nearly_ambiguous
+    assert remedies(near) == [f"What to do: {GIVE_SIGMA}{TELL_APART}."]
+    assert remedies(known) == [f"What to do: {TELL_APART}."]
+    assert (
+        "<h1>A very different pose fits almost as well: do not rely on the rotation.</h1>" in page
+    )
+    assert '<p class="lead">Proved: the global optimum of exactly these numbers' in page
+
+
+def test_a_loose_turn_has_advice_too():
+    loose = proved(CLOUD, GOOD, sigma=10.0)
+
+    assert remedies(loose) == [f"What to do: {FIX_TURN}."]
+
+
+@pytest.mark.parametrize(
+    ("case", "words"),
+    [
+        ("row", ": most rows fit, the warning is of the others"),
+        ("sigma", "; the residuals are small beside the spread, and large beside sigma"),
+        ("mirrored", "; a mirror image explains more"),
+        ("poor", ""),
+    ],
+)
+def test_a_poor_fit_that_explains_much_says_why(case: str, words: str):
+    target, sigma, _ = CASES[case]
+    poor = proved(CLOUD, target, **({} if sigma is None else {"sigma": sigma}))
+    (told,) = [fact for fact in Overview.of(poor).fit if fact.name == "Explained"]
+
+    assert told.words.endswith(f"best scale){words}")
+    assert f"(R squared, with the best scale){words}\n" in registration_summary(poor)
+
+
+def test_colours_end_at_what_a_sound_fit_does_not_have():
+    good, given = proved(CLOUD, GOOD), proved(CLOUD, GOOD, sigma=0.01)
+    worst, ratio = good.fit.worst[0].residual, checked(good.fit.largest_over_median_residual)
+
+    assert colours_end(good)["words"] == "6 × the median"
+    assert colours_end(good)["end"] == pytest.approx(FAR_MEDIANS * worst / ratio)
+    assert colours_end(good)["end"] > worst
+    assert colours_end(given) == {"end": pytest.approx(0.01 * FAR_SIGMAS), "words": "10 σ"}
+    assert colours_end(proved(CLOUD, moved(5))) == {"end": None, "words": "the largest"}
+    assert colours_end(proved(CLOUD, 1000.0 * GOOD)) == {"end": None, "words": "the largest"}
+    uneven = proved(CLOUD, GOOD, sigma=np.linspace(0.01, 0.02, 30))
+    assert colours_end(uneven)["words"] == "6 × the median"
+
+
+def test_one_rmse_is_told_where_all_are_rounding():
+    line = np.linspace(0.0, 1.0, 12)[:, None] * [1.0, 2.0, 3.0]
+    turn = np.array([[0.6, -0.8, 0.0], [0.8, 0.6, 0.0], [0.0, 0.0, 1.0]])
+    exact = proved(line, line @ turn.T + 1.0)
+    scene = scene_document(exact, NAMES)
+    (told,) = [fact for fact in Overview.of(exact).fit if fact.name == "RMSE"]
+
+    assert scene["rounded"]
+    assert scene["components"][0]["rmse"] == told.value == number(exact.rmse)
+    assert told.words == "in the unit of the clouds, at rounding"
+    assert told.value not in {number(exact.equilibria.components[0].rmse), "0.000000"}
+    assert OF_PRINTED in registration_summary(exact)
+    assert OF_PRINTED not in registration_summary(proved(CLOUD, GOOD))
+    bounded = replace(proved(CLOUD, GOOD), limits=Limits(max_gap=0.0))
+    best = checked(bounded.equilibria.components[0].rmse)
+    assert math.isclose(
+        float(scene_document(bounded, NAMES)["components"][0]["rmse"]), best, abs_tol=1e-6
+    )
