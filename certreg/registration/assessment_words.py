@@ -25,7 +25,7 @@ from certreg.registration.headlines import (
     share_words,
 )
 from certreg.registration.rounding import rounding_remedy
-from certreg.results import Absent, ComponentKind, PoseVerdict
+from certreg.results import Absent, ComponentKind, Limits, PoseVerdict
 
 if TYPE_CHECKING:
     from certreg.geometry import GivenPose
@@ -101,7 +101,8 @@ def words_of_pose(facts: Findings, verdict: PoseVerdict) -> str:
         words += f"The nearest one is {'the' if facts.unique else 'an'} optimum; "
     words = f"{words}{_the_optimum(facts)} is {away:.4g} degrees away{_shift_words(facts)}."
     if facts.bounds.greatest_gap <= facts.rounding_cost:
-        remedy = rounding_remedy(facts.registration.solution.moments, facts.energy_range)
+        matters = Fraction(Limits().max_gap) * facts.energy_range
+        remedy = rounding_remedy(facts.registration.solution.moments, matters)
         words += f" The rounding of its numbers to doubles can cost that much: {remedy}."
     return words
 

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from certreg.problem import ExactMoments
 
 MATRIX = (3, 3)
+SMALLEST_HALF = -1075  # exponent of half the smallest double
 LEAST_COST = Fraction(1, 2**200)  # two roundings of 2^-53, squared, and 2^12 for many points
 
 
@@ -63,8 +64,10 @@ def rounding_remedy(moments: ExactMoments, matters: Fraction) -> str:
     """What to do where the rounding of the translation costs too much beside an energy.
 
     About the clouds' means a translation is as small as the rounding of the points, so that its own
-    rounding costs LEAST_COST of the spread, or little more.
+    rounding costs LEAST_COST of the spread, or little more; no less than that of the least double.
     """
+    if 3 * moments.total_weight * power_of_two(2 * SMALLEST_HALF) > matters:
+        return "change the unit of length: no double is finer at this size"
     if LEAST_COST * moments.spread <= matters:
         return "move the origin to the clouds"
     source = trace(moments.source_scatter) * power_of_two(2 * moments.source_exponent)

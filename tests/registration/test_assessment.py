@@ -294,6 +294,17 @@ def test_a_gap_that_rounding_can_explain_is_told_so():
     assert "can cost that much: move the origin to the clouds." in found.words
 
 
+def test_where_doubles_end_the_unit_is_to_be_changed_and_not_the_origin():
+    rng = np.random.default_rng(3)
+    source, target = (5e-324 * rng.normal(scale=3.0, size=(10, 3)) for _ in range(2))
+    problem = RegistrationProblem(source, target)
+    found = assess(problem, certreg.certify(problem, relaxation=False, simulation=False).pose)
+
+    assert found.verdict is PoseVerdict.NOT_AN_EQUILIBRIUM
+    words = "can cost that much: change the unit of length: no double is finer at this size."
+    assert words in found.words
+
+
 @pytest.mark.parametrize("form", ["rotation", "quaternion_wxyz"])
 def test_rounding_is_that_of_the_optimal_pose_in_the_form_that_was_given(form: str):
     problem = strategies.random_problem(np.random.default_rng(5), n=6, noise=0.3, offset=10.0)
