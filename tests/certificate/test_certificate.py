@@ -19,6 +19,7 @@ from certreg.certificate import producing
 from certreg.certificate.blockwise import check_in_blocks
 from certreg.certificate.bounds import (
     ExactPose,
+    flat_energy,
     pose_bounds,
     pose_energy,
     sin2_half_angle_between,
@@ -226,6 +227,31 @@ def test_bounds_bracket_the_energy_of_any_pose_above_the_minimum():
         assert bounds.angle_upper == pytest.approx(math.pi)
         assert bounds.angle_upper is not None
         assert bounds.angle_upper <= math.pi  # no angle is larger: a sum of bounds may be
+
+
+@pytest.mark.parametrize(
+    ("pattern", "words"),
+    [((1, 1, 1, 1), "though the optimum is unique"), ((2, 2), "the optimum is not unique")],
+)
+def test_why_an_angle_is_missing_depends_on_whether_the_optimum_is_unique(pattern, words):
+    problem = next(each.problem for each in strategies.ZOO if each.pattern == pattern)
+    objective = Isotropic(exact_moments(problem))
+    body = checked(produce(problem, objective)).body
+    silent = replace(body, claims=replace(body.claims, sin2_half_angle=None))
+    bounds = pose_bounds(
+        objective, silent, ExactPose(quaternion=(1, 0, 0, 0), translation=(0,) * 3)
+    )
+
+    assert bounds.angle_upper is None
+    assert words in bounds.stated("angle_upper").reason
+
+
+def test_two_clouds_that_are_a_point_each_are_measured_from_the_origin():
+    source, target = [[1.0, 2.0, 2.0]] * 3, [[0.0, 3.0, 4.0]] * 3
+    moments = exact_moments(RegistrationProblem(source, target, weights=[1.0, 2.0, 4.0]))
+
+    assert moments.spread == 0
+    assert flat_energy(moments) == 7 * (9 + 25)
 
 
 def test_the_sine_between_quaternions_is_exact():
