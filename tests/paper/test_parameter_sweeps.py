@@ -122,6 +122,19 @@ def test_the_escape_time_is_logarithmic_in_the_distance_from_the_saddle():
     np.testing.assert_allclose(near.escape_times, near.predicted_escape_times, rtol=0.03)
 
 
+@pytest.mark.parametrize("damping", [0.1, 2.0, 10.0])
+@pytest.mark.parametrize("growing", [0.3, 1.5])
+def test_the_escape_is_told_by_the_linear_motion_from_rest(damping: float, growing: float):
+    """x'' + mu x' = s (s + mu) x from rest; 0.6 is sin^2 of half the angle where it ends."""
+    (time,) = sweeping.predicted_escape_times(np.array([growing]), damping, 1e-9)
+    dying = -damping - growing
+    grown = np.exp(growing * time) * dying - np.exp(dying * time) * growing
+    turned = 1e-9 * grown / (dying - growing)
+
+    assert math.sin(turned / 2) ** 2 == pytest.approx(0.6, rel=1e-6)
+    assert sweeping.predicted_escape_times(np.array([growing]), damping, 3.0).tolist() == [0.0]
+
+
 def test_the_papers_rule_stops_at_a_saddle_and_certreg_does_not():
     near, far = measured("start", 1e-6), measured("start", 1e-2)
 
@@ -189,6 +202,30 @@ def test_the_margin_is_that_of_the_central_limit(points: int, sigma: float):
     told = limit_margin(points, sigma)
 
     assert abs((margins < told).mean() - 0.5) < 3 * 0.5 / math.sqrt(count) + 0.02
+
+
+@pytest.mark.parametrize("sigma", [0.0, 1.0])
+def test_the_limit_is_the_median_of_random_instances(sigma: float):
+    made = gaussian_instances(np.random.default_rng(0), points=1000, sigma=sigma, count=200)
+    median = np.median(solve_many(made.sources, made.targets).margins)
+
+    assert limit_margin(1000, sigma) == pytest.approx(median, rel=0.15)
+
+
+def test_the_limit_is_told_from_ten_points_on():
+    told = [
+        bool(np.isfinite(FAMILIES["points"].sample(np.random.default_rng(0), n, 2).margins).all())
+        for n in (9.0, 10.0, 100.0)
+    ]
+
+    assert told == [False, True, True]
+
+
+def test_zero_stands_a_quarter_of_the_axis_before_the_others():
+    zero, least, *_, largest = np.log10(FAMILIES["noise"].places)
+
+    assert FAMILIES["noise"].values[0] == 0.0
+    assert least - zero == pytest.approx((largest - least) / 4)
 
 
 def test_the_limit_falls_as_one_over_the_root_of_the_points():
