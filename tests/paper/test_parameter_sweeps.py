@@ -132,7 +132,7 @@ def test_the_escape_is_told_by_the_linear_motion_from_rest(damping: float, growi
     turned = 1e-9 * grown / (dying - growing)
 
     assert math.sin(turned / 2) ** 2 == pytest.approx(0.6, rel=1e-6)
-    assert sweeping.predicted_escape_times(np.array([growing]), damping, 3.0).tolist() == [0.0]
+    assert sweeping.predicted_escape_times(np.array([growing]), damping, 3.6).tolist() == [0.0]
 
 
 def test_the_papers_rule_stops_at_a_saddle_and_certreg_does_not():
