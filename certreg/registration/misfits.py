@@ -279,6 +279,8 @@ def _scale_remedy(scale: Fraction | None) -> str:
 
 
 def _outlier_remedy(rows: RowFit, names: RowNames) -> str:
+    if rows.tied:
+        return "check all pairs; more right ones may tell which of the two poses is wrong"
     k = rows.far_rows
     which = names.words(rows.far, k) if k <= NAMED_AGAIN else "these rows"
     they, them = ("it is", "it") if k == 1 else ("they are", "them")

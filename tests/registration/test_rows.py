@@ -208,11 +208,13 @@ def test_of_two_poses_that_as_many_rows_agree_on_no_rows_are_named(first: int, s
     tied = fit(on_two_poses(LINE, first, second))
     told = fit(on_two_poses(LINE, first + 1, second))
 
-    (told_of,) = (one.text for one in tied.warnings if one.code is FitCode.OUTLIER_ROWS)
+    (warned,) = (one for one in tied.warnings if one.code is FitCode.OUTLIER_ROWS)
+    told_of = warned.text
     n = len(LINE) + first + second
     begun = f"{n - second} of {n} rows agree on one pose, at least as many on another, as closely"
     assert told_of.startswith(f"{begun}: some rows are wrong, and which cannot be told")
     assert tied.outlier_rows == ()
+    assert warned.remedy.startswith("check all pairs; more right ones may tell")
     far = tuple(range(len(LINE) + first + 1, len(LINE) + first + second + 1))
     assert tuple(sorted(told.outlier_rows)) == far
 
