@@ -173,6 +173,26 @@ def test_a_cube_that_is_not_moved_has_no_margin_but_rounding():
     assert not found.predicted_margins.any()
 
 
+def test_what_doubles_do_not_decide_is_counted_exactly_and_what_stays_has_no_time(monkeypatch):
+    """Of two instances one is left open, and its body does not leave the saddle."""
+
+    def undecided(*arguments, **options):
+        return replace(solve_many(*arguments, **options), decided=np.array([False, True]))
+
+    def staying(bodies, integrator, **options):
+        ends = simulate_many(bodies, integrator, **options)
+        stays = np.array([integrator is Integrator.MIDPOINT, False])
+        return replace(ends, status=np.where(stays, 0, ends.status))
+
+    monkeypatch.setattr(sweeping, "solve_many", undecided)
+    monkeypatch.setattr(sweeping, "simulate_many", staying)
+    found = measured("damping", 2.8, 2)
+
+    assert found.four.tolist() == [True, True]
+    assert found.converged.tolist() == [True, True]
+    assert np.isinf(found.escape_times).tolist() == [True, False]
+
+
 def test_four_are_not_taken_for_granted_where_doubles_do_not_decide():
     """The cube onto itself, exactly: infinitely many equilibria."""
     sample = replace(FAMILIES["symmetry"].sample(np.random.default_rng(0), 0.0, 2))
