@@ -43,11 +43,7 @@ from certreg.exact import nearest_or_zero, power_of_two, rank
 from certreg.geometry import squared_norm
 from certreg.problem import trace
 from certreg.registration.outlying import PAIRINGS, ROUNDING
-from certreg.registration.tails import (
-    log_beta_below,
-    log_choices,
-    log_ratio_below,
-)
+from certreg.registration.tails import log_beta_below, log_choices, log_ratio_below
 from certreg.results import Brief
 from certreg.verify import shown
 
@@ -348,7 +344,7 @@ def log_scale_p(sums: FitSums, rows: RowFit) -> float | None:
 
 def _outlier_words(rows: RowFit, names: RowNames) -> str | None:
     k, n = rows.far_rows, rows.rows
-    degrees = 3 * (n - k) - 6
+    degrees, gone = 3 * (n - k) - 6, _gone(rows.left)
     if k == 0 or degrees <= 0 or 2 * k >= n:
         return None
     log_p = log_beta_below(rows.left, degrees / 2, 3 * k / 2)
@@ -357,12 +353,12 @@ def _outlier_words(rows: RowFit, names: RowNames) -> str | None:
     if rows.tied:
         return (
             f"{n - k} of {n} rows agree on one pose, at least as many on another, as closely: some "
-            f"rows are wrong, and which cannot be told; without {k} of them {_gone(rows.left)}"
+            f"rows are wrong, and which cannot be told; without {k} of them {gone}"
         )
     does, them = ("does", "it") if k == 1 else ("do", "them")
     return (
         f"{names.words(rows.far, k)}, counting from 0, {does} not fit the pose that the others "
-        f"agree on: without {them} {_gone(rows.left)}"
+        f"agree on: without {them} {gone}"
     )
 
 
