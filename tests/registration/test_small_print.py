@@ -14,17 +14,22 @@ from commands import checked
 from scipy import stats
 from scipy.spatial.transform import Rotation
 
-from certreg.geometry import given_pose
-from certreg.problem import RegistrationProblem
-from certreg.registration import certify, headlines, misfits
+from certreg.dynamics import SimulationStatus
+from certreg.errors import ContradictionError, InvalidProblemError
+from certreg.geometry import davenport_matrix, given_pose
+from certreg.problem import RegistrationProblem, arrays
+from certreg.registration import certify, headlines, misfits, register, worst
+from certreg.registration.agreement import agreement, require_sound_trajectory
 from certreg.registration.ambiguity import narrow_words
 from certreg.registration.assessment import NO_SLIP, NOT_TRIED, judged
 from certreg.registration.assessment_words import words_of_pose
+from certreg.registration.covariance import effective_rows
 from certreg.registration.findings import cost_of_rounding, exact_pose, findings
-from certreg.registration.misfits import LEVEL, RowNames
-from certreg.registration.outlying import OtherPairing, row_fit
+from certreg.registration.fit import COINCIDENT, NO_SOURCE, ZERO_MEDIAN
+from certreg.registration.misfits import LEVEL, FitCode, RowNames
+from certreg.registration.outlying import SAMPLE_ROWS, OtherPairing, row_fit
 from certreg.report.summary import warnings
-from certreg.results import PoseVerdict
+from certreg.results import Absent, PoseVerdict
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -217,3 +222,190 @@ def test_another_pairing_fits_better_by_what_its_rows_allow(rows: int):
         for k in range(1, 32)
     ]
     assert 3 * 2 * min(bounds) == pytest.approx(LEVEL, rel=1e-4)
+
+
+@pytest.mark.parametrize("name", ["sigma", "weights"])
+def test_rows_that_count_effectively_are_fewer_where_weights_differ(name: str):
+    """Each row carries the objective where its noise was given; a shape is that of the weights."""
+    values = np.array([1.0, 1.0, 2.0, 2.0, 1.0, 3.0, 1.0, 2.0, 4.0])
+    w = 1.0 / values**2 if name == "sigma" else values
+    found = solved(SOURCE, NOISY, **{name: values})
+    rows = checked(row_fit(found.problem, found.solution.objective, found.pose))
+
+    effective = w.sum() ** 2 / (w @ w)
+    assert rows.effective_rows == pytest.approx(effective, rel=1e-12)
+    assert rows.independent_rows == pytest.approx(9.0 if name == "sigma" else effective, rel=1e-12)
+
+
+def test_a_block_without_weight_changes_nothing_of_how_many_rows_count(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    w = np.array([0.0, 0.0, 0.0, 5.0, 1.0, 2.0, 0.0, 0.0, 3.0])
+    problem = RegistrationProblem(SOURCE, NOISY, weights=w)
+    monkeypatch.setattr(arrays, "BLOCK_POINTS", 3)
+
+    assert effective_rows(problem) == pytest.approx(121.0 / 39.0, rel=1e-14)
+
+
+def test_rows_without_weight_are_none_of_another_pairing():
+    w = np.array([1.0, 0.0, 2.0, 0.0, 1.0, 3.0, 1.0, 1.0, 2.0])
+    y = np.roll(NOISY, 1, axis=0)  # row i of the source is row i + 1 of the target
+    found = solved(SOURCE, y, weights=w)
+    rows = checked(row_fit(found.problem, found.solution.objective, found.pose))
+
+    other = checked(rows.other_pairing)
+    assert (other.words, other.rows) == ("one row later", 6)
+
+
+def test_of_equally_bad_rows_the_first_come_first():
+    axes = np.vstack([np.eye(3), -np.eye(3)])
+    fit = solved(axes, 3.0 * axes).fit
+
+    assert [(one.row, one.residual) for one in fit.worst] == [(row, 2.0) for row in range(6)]
+
+
+def test_the_median_of_many_rows_is_not_that_of_the_first():
+    n = 3 * SAMPLE_ROWS
+    rng = np.random.default_rng(9)
+    cloud = rng.standard_normal((n, 3))
+    size = np.where(np.arange(n) < SAMPLE_ROWS, 1e-4, 1e-2)
+    off = size[:, None] * rng.standard_normal((n, 3))
+    fit = solved(cloud, cloud + off).fit
+    distances = np.linalg.norm(off, axis=1)
+
+    ratio = distances.max() / np.median(distances)
+    assert checked(fit.largest_over_median_residual) == pytest.approx(ratio, rel=0.1)
+
+
+def test_a_median_of_zero_is_said_to_be_one():
+    axes = np.vstack([np.eye(3), -np.eye(3)]) * [[1.0], [2.0], [3.0], [1.0], [2.0], [3.0]]
+    target = axes.copy()
+    target[[0, 3]] *= 1.5
+    fit = solved(axes, target).fit
+
+    assert [one.residual for one in fit.worst] == [0.5, 0.5, 0.0, 0.0, 0.0, 0.0]
+    assert fit.stated("largest_over_median_residual") == ZERO_MEDIAN
+
+
+def test_which_cloud_lies_at_one_place_is_said_of_each_number():
+    here, there = SOURCE, np.ones((9, 3))
+    for source, target, scale, scale_p in (
+        (there, here, NO_SOURCE, NO_SOURCE),
+        (there, there, NO_SOURCE, NO_SOURCE),
+        (here, there, 0.0, COINCIDENT),
+    ):
+        fit = solved(source, target).fit
+        assert fit.stated("explained") == COINCIDENT
+        assert (fit.stated("best_scale"), fit.stated("scale_p")) == (scale, scale_p)
+
+
+@pytest.mark.parametrize(("other", "told"), [(0.015, "shuffled"), (0.025, "outlier-rows")])
+def test_fewer_rows_must_leave_half_of_what_another_cause_leaves(
+    registration: Registration, other: float, told: str
+):
+    found = checked(
+        row_fit(registration.problem, registration.solution.objective, registration.pose)
+    )
+    pairing = OtherPairing(words="", rows=9, left=other)
+    causes: Any = {code: code.value for code in (FitCode.OUTLIER_ROWS, FitCode.SHUFFLED)}
+    sums: Any = SimpleNamespace(mirrored_share=1.0)
+    rows = replace(found, left=0.01, other_pairing=pairing)
+
+    assert list(misfits._likeliest(causes, sums, rows).values()) == [told]
+
+
+def test_what_random_pairings_explain_is_that_of_rotations_alone(monkeypatch: pytest.MonkeyPatch):
+    """In the median: the largest eigenvalue of Davenport's matrix, of other random matrices."""
+    monkeypatch.setattr(misfits, "CHANCE", 0.5)
+    shape = np.full(3, 1.0 / 3.0)
+    crosses = np.random.default_rng(77).standard_normal((4096, 3, 3)) / 3.0 / math.sqrt(49.0)
+    largest = [np.linalg.eigvalsh(davenport_matrix(C.tolist()))[-1] for C in crosses[:2000]]
+    median = float(np.median(largest))
+    rows: Any = SimpleNamespace(second_moments=(shape, shape), effective_rows=50.0)
+
+    for times, random in ((0.985, True), (1.015, False)):
+        sums: Any = SimpleNamespace(explained=(times * median) ** 2)
+        assert misfits._as_random(sums, rows) == random
+
+
+def test_of_many_optima_a_translation_is_held_against_the_nearest():
+    line = np.outer([-3.0, -1.0, 0.0, 4.0], [1.0, 2.0, 2.0])
+    for source, which in ((line, "the nearest optimal one"), (SOURCE, "the optimal one")):
+        pose = given_pose(np.hstack([np.eye(3), [[50.0], [60.0], [70.0]]]), None)
+        slip = checked(judged(solved(source, source), pose).slip)
+        assert f"degrees from {which}, its translation 105 from the best" in slip.words
+
+
+def test_what_a_user_says_of_clouds_goes_before_what_their_files_are_called():
+    found = certify(
+        SOURCE, NOISY, relaxation=False, simulation=False, about={"source": "mine", "more": 1}
+    )
+    about = checked(found.certificate).about
+    assert (about["source"], about["target"], about["more"]) == ("mine", "target", 1)
+
+
+@pytest.mark.parametrize("converged", [True, False])
+def test_a_run_that_rests_elsewhere_contradicts_and_one_that_was_stopped_does_not(
+    registration: Registration,
+    converged: bool,  # noqa: FBT001
+):
+    run: Any = SimpleNamespace(quaternion=np.array([0.0, 0.0, 1.0, 0.0]), converged=converged)
+    solution = registration.solution
+
+    def compared() -> Any:
+        return agreement(
+            registration.problem, solution.objective, relaxation=Absent("no"), trajectory=run
+        )
+
+    if converged:
+        with pytest.raises(ContradictionError, match="the simulation contradicts"):
+            compared()
+    else:
+        q = [0, 0, 1, 0]
+        assert compared().simulation == solution.objective.angle_to_optimum(q)
+
+
+def test_a_run_may_end_below_its_certificate_by_what_that_leaves_open(registration: Registration):
+    objective, q = (
+        registration.solution.objective,
+        checked(registration.certificate).body.quaternion,
+    )
+    weight = float(objective.moments.total_weight)
+    least, gap = float(objective.energy(q)), Fraction(1, 1000)
+    body: Any = SimpleNamespace(claims=SimpleNamespace(basin=True), quaternion=q, gap=gap)
+
+    def run(energy: float) -> Any:
+        return SimpleNamespace(
+            status=SimulationStatus.CONVERGED,
+            length_exponent=0,
+            states=np.zeros((1, 18)),
+            steps=1,
+            potential=np.array([energy / weight]),
+        )
+
+    require_sound_trajectory(objective, body, run(least - 0.0009))
+    with pytest.raises(ContradictionError, match="below the certified minimum"):
+        require_sound_trajectory(objective, body, run(least - 0.0011))
+
+
+def test_where_both_happen_bad_input_comes_before_a_refusal():
+    assert [worst(codes) for codes in ([1, 2], [1, 4, 3], [3, 0], [])] == [2, 1, 3, 0]
+
+
+def test_an_exact_fit_almost_on_a_line_is_not_nearly_ambiguous():
+    """There is no noise at all that could turn it over, small as the margin is."""
+    source = np.outer(np.arange(9.0), [1.0, 0.0, 0.0])
+    source[:, 1] = 0.01 * RNG.integers(-4, 5, 9)
+    source[:, 2] = 0.01 * RNG.integers(-4, 5, 9)
+    found = solved(source, source).equilibria
+
+    assert found.narrow
+    assert not found.nearly_ambiguous
+
+
+def test_numbers_longer_than_doubles_are_taken_where_doubles_hold_them():
+    source, target = (cloud.astype(np.longdouble) for cloud in (SOURCE, NOISY))
+    assert register(source, target).rotation.tolist() == register(SOURCE, NOISY).rotation.tolist()
+    if np.finfo(np.longdouble).nmant > 52:
+        with pytest.raises(InvalidProblemError, match="no double holds exactly"):
+            register(source / np.longdouble(3), target)

@@ -184,7 +184,7 @@ def test_the_pose_is_that_of_kabsch(case: Case):
     told = pose_document(case.registration)
 
     assert np.array(pose["rotation"]) == pytest.approx(reference.rotation, abs=1e-9)
-    shift = np.linalg.norm(reference.translation)
+    shift = float(np.linalg.norm(reference.translation))
     assert np.array(pose["translation"]) == pytest.approx(reference.translation, abs=1e-9 * shift)
     x, y, z, w = Rotation.from_matrix(reference.rotation).as_quat()
     sign = math.copysign(1.0, w * pose["quaternion_wxyz"][0])
@@ -206,7 +206,7 @@ def test_the_fit_is_that_of_plain_sums(case: Case):
     assert fit["best_scale"] == near(aligned / source)
     carrying = np.flatnonzero(reference.weights > 0)
     distances = reference.distances
-    ratio = distances[carrying].max() / np.median(distances[carrying])
+    ratio = float(distances[carrying].max() / np.median(distances[carrying]))
     assert fit["largest_over_median_residual"] == near(ratio)
     order = carrying[np.argsort(-distances[carrying])]
     assert [(one["row"], one["label"]) for one in fit["worst"]] == [
