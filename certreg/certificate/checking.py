@@ -124,7 +124,7 @@ def check_own(
         return verify(certificate.to_json(), problem)
     from certreg.certificate.blockwise import check_on_sums  # as above
 
-    return as_verdict(check_on_sums(replace(certificate, data=None).to_json(), problem))
+    return as_verdict(check_on_sums(replace(certificate, inline=None).to_json(), problem))
 
 
 def as_verdict(outcome: Outcome) -> CertificateVerdict:

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Iterator
 
+    from certreg.problem import RegistrationProblem
+
 FORMAT = "certreg-certificate/1"
 PIECE = 3 << 18  # bytes of data encoded at a time: a multiple of three
 
@@ -48,19 +50,26 @@ class Certificate(Brief, Generic[AnyBody_co]):
     """A proof object for one problem.
 
     n, digest: number of points, and SHA-256 of `RegistrationProblem.data_bytes`.
-    data: the bytes that are hashed into the digest; None where the problem is too large to inline.
+    inline: what has the bytes that are hashed into the digest: these, or the problem, which
+        is not copied before they are asked for; None where it is too large to inline.
     body: what is claimed and what proves it, of one of `KINDS`.
     about: names and settings; nothing in it is proved.
     """
 
     n: int
     digest: str
-    data: bytes | None
+    inline: bytes | RegistrationProblem | None = field(compare=False)  # the digest is compared
     body: AnyBody_co
     about: dict[str, Any] = field(default_factory=dict[str, Any])
 
     def __repr__(self) -> str:
         return f"<Certificate of kind {self.body.KIND}: n={self.n}, digest={self.digest[:12]}...>"
+
+    @property
+    def data(self) -> bytes | None:
+        """The bytes that are hashed into the digest; None where the file is not to hold them."""
+        inline = self.inline
+        return inline if inline is None or isinstance(inline, bytes) else inline.data_bytes()
 
     @classmethod
     def load(cls, certificate: str | os.PathLike[str] | bytes) -> Certificate[CertificateBody]:
@@ -87,7 +96,7 @@ class Certificate(Brief, Generic[AnyBody_co]):
         return Certificate(
             n=fields["problem"]["n"],
             digest=fields["problem"]["digest"],
-            data=data,
+            inline=data,
             body=body,
             about=fields["about"],
         )

@@ -117,11 +117,15 @@ def _enclosed(
     problem: RegistrationProblem, body: AnyBody_co, about: dict[str, Any] | None = None
 ) -> Certificate[AnyBody_co]:
     """The body in its envelope, with the points unless they are too many."""
-    data = problem.data_bytes() if problem.n <= INLINE_POINTS else None
+    inline = None
+    if problem.n <= INLINE_POINTS:
+        inline = problem.data_bytes() if problem.mapped else problem  # a file may change meanwhile
     return Certificate(
         n=problem.n,
-        digest=problem.digest() if data is None else hashlib.sha256(data).hexdigest(),
-        data=data,
+        digest=hashlib.sha256(inline).hexdigest()
+        if isinstance(inline, bytes)
+        else problem.digest(),
+        inline=inline,
         body=body,
         about=about or {},
     )

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import copy
 import hashlib
-import io
 import math
 import operator
 from dataclasses import dataclass
@@ -71,6 +70,7 @@ class RegistrationProblem(Brief):
     damping: float
     noise_given: bool  # whether sigma was given: weights alone may be relative
     damping_given: bool
+    _digest: list[str]  # once it was asked for; of arrays in memory, which nobody changes
 
     def __init__(
         self,
@@ -107,6 +107,7 @@ class RegistrationProblem(Brief):
         object.__setattr__(self, "damping", checked_damping(chosen))
         object.__setattr__(self, "damping_given", damping is not None)
         object.__setattr__(self, "noise_given", sigma is not None)
+        object.__setattr__(self, "_digest", [])
 
     def __repr__(self) -> str:
         noise = ", sigma given" if self.noise_given else ""
@@ -154,16 +155,17 @@ class RegistrationProblem(Brief):
 
     def data_bytes(self) -> bytes:
         """The bytes that state the problem: prefix, n (u64), then all doubles, little-endian."""
-        content = io.BytesIO()
-        for piece in self._pieces():
-            content.write(piece)
-        return content.getvalue()
+        return b"".join(self._pieces())
 
     def digest(self) -> str:
         """SHA-256 of `data_bytes()`, 64 hexadecimal digits: the identity of the problem."""
+        if self._digest:
+            return self._digest[0]
         digest = hashlib.sha256()
         for piece in self._pieces():
             digest.update(piece)
+        if not self.mapped:
+            self._digest.append(digest.hexdigest())
         return digest.hexdigest()
 
     def _pieces(self) -> Iterator[bytes | memoryview]:

@@ -401,7 +401,7 @@ def test_a_certificate_that_is_loaded_is_the_one_that_was_saved(specimen, tmp_pa
         if certificate is None:
             continue
         certificate.save(tmp_path / "certificate.json")
-        for one in (certificate, replace(certificate, data=None)):
+        for one in (certificate, replace(certificate, inline=None)):
             loaded = certreg.Certificate.load(one.to_json())
             assert loaded == one
             assert loaded.to_json() == one.to_json()

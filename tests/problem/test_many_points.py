@@ -71,7 +71,7 @@ def test_many_points_are_accepted_with_the_theorems_that_the_checker_finds(probl
     counted = count_certificate(problem)
     for made in (certificate, counted):
         if made is not None:
-            content, bare = made.to_json(), replace(made, data=None).to_json()
+            content, bare = made.to_json(), replace(made, inline=None).to_json()
             assert check(content).verified
             for way in CHECKS:
                 assert way(content, problem) == way(bare, problem) == check(content)
@@ -92,9 +92,9 @@ def test_a_certificate_of_other_points_or_of_too_strong_a_claim_is_refused(way):
         "another number": (certificate, random_problem(n=19)),
         "2 delta": (replace(certificate, body=half), problem),
         "delta and mu": (replace(certificate, body=low), problem),
-        "not canonical": (replace(certificate, data=bytes(26 + 56 * 20)), problem),
+        "not canonical": (replace(certificate, inline=bytes(26 + 56 * 20)), problem),
         "the digest is not theirs": (
-            replace(certificate, data=random_problem(noise=1.0).data_bytes()),
+            replace(certificate, inline=random_problem(noise=1.0).data_bytes()),
             problem,
         ),
     }

@@ -371,7 +371,7 @@ def test_the_points_of_a_page_are_those_of_the_problem_wherever_they_come_from()
 
         assert certificate.data is not None
         assert _problem(certificate, None).digest() == problem.digest()
-        assert _problem(replace(certificate, data=None), clouds).digest() == problem.digest()
+        assert _problem(replace(certificate, inline=None), clouds).digest() == problem.digest()
 
 
 def weak_claims(document: dict[str, Any]) -> None:
