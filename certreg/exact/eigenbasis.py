@@ -42,7 +42,8 @@ def integer_eigenbasis(matrix: Sequence[Sequence[int]], bits: int) -> Eigenbasis
     """The eigenbasis of a symmetric integer matrix in fixed point with `bits` fractional bits."""
     n = len(matrix)
     shift = max(abs(entry) for row in matrix for entry in row).bit_length()
-    scaled = [[_shifted(entry, bits - shift) for entry in row] for row in matrix]
+    up, down = max(bits - shift, 0), max(shift - bits, 0)
+    scaled = [[entry << up >> down for entry in row] for row in matrix]
     basis = _double_precision_start(scaled, bits)
     rotated = _congruence(scaled, basis, bits)
     tolerance = 1 << 8  # a few hundred units in the last place: the rounding of one sweep
@@ -57,10 +58,6 @@ def integer_eigenbasis(matrix: Sequence[Sequence[int]], bits: int) -> Eigenbasis
         bits=bits,
         shift=shift,
     )
-
-
-def _shifted(value: int, places: int) -> int:
-    return value << places if places >= 0 else value >> -places
 
 
 def _double_precision_start(scaled: FixedMatrix, bits: int) -> FixedMatrix:

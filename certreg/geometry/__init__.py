@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from certreg.geometry.so3 import canonical as canonical
     from certreg.geometry.so3 import davenport_matrix as davenport_matrix
     from certreg.geometry.so3 import dot as dot
+    from certreg.geometry.so3 import is_reflection as is_reflection
     from certreg.geometry.so3 import quadratic_form as quadratic_form
     from certreg.geometry.so3 import quaternion_from_matrix as quaternion_from_matrix
     from certreg.geometry.so3 import quaternions_from_matrices as quaternions_from_matrices
@@ -68,6 +69,7 @@ __getattr__ = lazy_face(
             "canonical",
             "davenport_matrix",
             "dot",
+            "is_reflection",
             "quadratic_form",
             "quaternion_from_matrix",
             "quaternions_from_matrices",

@@ -62,6 +62,12 @@ def rotation_matrices(quaternions: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.moveaxis(np.array(rotation_matrix(list(entries))), -1, 0)
 
 
+def is_reflection(matrix: NDArray[np.float64]) -> bool:
+    """Whether a 3x3 matrix that is orthogonal up to rounding has the determinant -1, and not 1."""
+    (a, b, c), (d, e, f), (g, h, i) = matrix.tolist()
+    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) < 0.0
+
+
 def body_frame(q: Sequence[T]) -> tuple[Vector3[T], Vector3[T], Vector3[T], Vector3[T]]:
     """The 4x3 matrix L(q) with L(q) a = q * (0, a): L^T q = 0 and L^T L = |q|^2 I.
 

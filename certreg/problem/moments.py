@@ -255,13 +255,13 @@ def _near_mean(points: NDArray[Any]) -> NDArray[np.float64]:
 
 def _in_range(sums: FloatingSums) -> bool:
     """Whether products are far from both ends of the doubles; False if a sum is not a number."""
-    scatter = float(np.trace(sums.scatter))
+    scatter = float(sums.scatter.trace())
     return all(LEAST_SUM <= size <= MOST_SUM for size in (sums.mass, sums.spread, scatter))
 
 
 def _is_near(sums: FloatingSums, lever: float) -> bool:
     """Whether both origins are so near the means that deviations from them hold all digits."""
-    parts = ((sums.source, float(np.trace(sums.scatter))), (sums.target, sums.spread))
+    parts = ((sums.source, float(sums.scatter.trace())), (sums.target, sums.spread))
     return all((1.0 + lever) * (s @ s) <= lever * sums.mass * square for s, square in parts)
 
 
@@ -282,7 +282,8 @@ def _about_means(
     for what the sums of x and y contribute: in all 3 e P, and little more for what is rounded here.
     """
     x, y, mass, means = sums.source, sums.target, sums.mass, named(_means(clouds, sums), MEANS)
-    size = math.sqrt(float(np.trace(sums.scatter))) * math.sqrt(sums.spread)
+    size = math.sqrt(float(sums.scatter.trace())) * math.sqrt(sums.spread)
+    mean = x / mass
     return Moments(
         n=clouds.n,
         source_exponent=clouds.exponents[0],
@@ -291,8 +292,8 @@ def _about_means(
         mass=factor * mass,
         source_centroid=means["source"],
         target_centroid=means["target"],
-        cross_covariance=factor * (sums.cross - np.outer(y, x / mass)),
-        source_scatter=factor * (sums.scatter - np.outer(x, x / mass)),
+        cross_covariance=factor * (sums.cross - y[:, np.newaxis] * mean),
+        source_scatter=factor * (sums.scatter - x[:, np.newaxis] * mean),
         target_spread=factor * max(0.0, sums.spread - float(y @ y) / mass),
         rounding=factor * rounding_of(size),
     )

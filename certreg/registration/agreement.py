@@ -136,7 +136,7 @@ class _Place:
 
 def _placed(objective: Isotropic, quaternion: NDArray[np.float64]) -> _Place:
     q = lift(quaternion).integers
-    return _Place(q, objective.relative_loss(q))
+    return _Place(q, float(objective.relative_loss(q)))
 
 
 def _angle(objective: Isotropic, method: str, place: _Place, allowed: float) -> float:

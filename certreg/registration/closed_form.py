@@ -15,6 +15,7 @@ from certreg.geometry import (
     Pose,
     canonical,
     davenport_matrix,
+    is_reflection,
     quaternion_from_matrix,
     rotation_matrix,
 )
@@ -131,5 +132,5 @@ def arun(cross_covariance: NDArray[np.float64]) -> NDArray[np.float64]:
     With the determinant rule of [Umeyama1991]: without it a mirrored cloud returns a reflection.
     """
     u, _, vt = np.linalg.svd(cross_covariance)
-    sign = np.sign(np.linalg.det(u) * np.linalg.det(vt))
+    sign = -1.0 if is_reflection(u) != is_reflection(vt) else 1.0
     return quaternion_from_matrix((u * np.array([1.0, 1.0, sign])) @ vt)

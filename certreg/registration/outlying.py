@@ -14,6 +14,7 @@ import numpy as np
 
 from certreg.equilibrium import rotation_double
 from certreg.exact import nearest_or_zero, power_of_two
+from certreg.geometry import is_reflection
 from certreg.problem import Block, row_blocks
 from certreg.registration.covariance import (
     Residual,
@@ -174,7 +175,7 @@ class _Pairs:
         cross = (self.target * shares) @ self.source.T - there[:, np.newaxis] * here
         left, _, right = np.linalg.svd(cross)
         rotation = left @ right
-        if _determinant(rotation.tolist()) < 0.0:
+        if is_reflection(rotation):
             left[:, 2] = -left[:, 2]
             rotation = left @ right
         return _Motion(rotation=rotation, translation=there - rotation @ here)
@@ -343,12 +344,6 @@ def _median(values: NDArray[np.float64]) -> float:
         return float(np.partition(values, half)[half])
     lower, upper = np.partition(values, (half - 1, half))[half - 1 : half + 1].tolist()
     return (lower + upper) / 2.0
-
-
-def _determinant(rows: list[list[float]]) -> float:
-    """Of a 3x3 matrix that is a rotation or a reflection: its sign is beyond doubt."""
-    (a, b, c), (d, e, f), (g, h, i) = rows
-    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
 
 
 @dataclass(slots=True)
