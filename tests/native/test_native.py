@@ -570,6 +570,17 @@ def test_a_folder_of_another_user_is_not_trusted(tmp_path):
         cache._require_own(tmp_path, os.stat_result(status))
 
 
+def test_what_the_system_owns_is_trusted_as_ones_own_is(tmp_path, monkeypatch):
+    status = list(tmp_path.stat())
+    monkeypatch.setattr(os, "getuid", lambda: 1000)
+    for owner in (0, 1000):
+        status[4] = owner
+        cache._require_own(tmp_path, os.stat_result(status))
+    status[4] = 1001
+    with pytest.raises(cache.CacheError, match="belongs to another user"):
+        cache._require_own(tmp_path, os.stat_result(status))
+
+
 def test_a_folder_below_one_of_another_user_is_not_trusted(tmp_path, monkeypatch):
     honest = Path.stat
 
