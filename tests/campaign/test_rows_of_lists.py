@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from campaign_work import VERSIONS, Fragile, InProcess, numbered
+from campaign_work import VERSIONS, Cut, Fragile, InProcess, numbered
 from commands import write_csv
 
 from certreg.campaign import PairCampaign, Tally, pairs, read_listing, runner
 from certreg.campaign.runner import completed
-from certreg.campaign.store import Shards
+from certreg.campaign.store import Shards, occupied
+from certreg.cli import campaigns
+from certreg.cli.progress import Progress
 from certreg.errors import InvalidFileError
 from certreg.registration import certify
 
@@ -139,3 +142,49 @@ def test_workers_that_die_now_and_then_are_no_reason_to_give_up():
 
     assert sorted(map(int, found)) == list(range(30))
     assert workers.renewals == len(deaths)
+
+
+def test_a_shard_of_another_campaign_or_number_is_none_of_this_one(tmp_path: Path):
+    shards = Shards(folder=tmp_path, identity="a" * 64, suffix=".jsonl")
+    names = {
+        replace(shards, identity=identity)._name(number, content)
+        for identity in ("a" * 64, "b" * 64)
+        for number in (5, 6)
+        for content in (b"one", b"two")
+    }
+    assert len({name.partition("-")[2] for name in names}) == 8
+
+
+def test_what_was_there_is_counted_in_items_and_not_in_shards(tmp_path: Path):
+    begun: list[int] = []
+    advanced: list[int] = []
+    noted: list[str] = []
+    observer = runner.Observer(begun=begun.append, advanced=advanced.append, noted=noted.append)
+    kind = Cut(count=25, points=5, sigma=0.01, damping=2.0, seed=0)
+    for _ in range(2):
+        with occupied(tmp_path / "out", kind.manifest()), InProcess(1) as workers:
+            runner.run(kind, tmp_path / "out", workers, observer)
+
+    assert (begun, noted) == ([0, 25], [])
+    assert sorted(advanced) == [5, 10, 10]
+
+
+def test_every_pair_that_is_printed_moves_the_bar(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    bars: list[Progress] = []
+
+    class Bar(Progress):
+        def __init__(self, total: int, *, items: str) -> None:
+            super().__init__(total, items=items)
+            bars.append(self)
+
+    monkeypatch.setattr(campaigns, "Progress", Bar)
+    monkeypatch.setattr(campaigns, "workers_at", lambda _: InProcess(1))
+    monkeypatch.setattr(pairs, "certify", partial(certify, relaxation=False, simulation=False))
+    rows(folder, "source,target", "a.csv,b.csv", "b.csv,a.csv", "a.csv,lost.csv")
+    campaign = PairCampaign(listing=read_listing(folder / "pairs.csv"), certificates=False)
+    tally = campaigns._streamed(campaign, None)
+
+    assert [(bar.made, bar._todo, bar._items) for bar in bars] == [(3, 3, "pairs")]
+    assert (tally.errors, len(capsys.readouterr().out.splitlines())) == (1, 3)

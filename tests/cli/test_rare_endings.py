@@ -114,3 +114,19 @@ def test_what_was_there_already_is_told_and_counts_for_no_rate(
     assert bar._todo == 5 - count
     bar.observer().advanced(2)
     assert bar.made == 2
+
+
+def test_a_pose_is_judged_with_the_labels_of_the_rows(tmp_path: Path):
+    rng = np.random.default_rng(8)
+    source = rng.standard_normal((12, 3))
+    target = source + 0.01 * rng.standard_normal((12, 3))
+    target[4] += [0.0, 3.0, 0.0]
+    names = [f"P{k}" for k in range(12)]
+    a = write_csv(tmp_path / "a.csv", source.tolist(), names)
+    b = write_csv(tmp_path / "b.csv", target.tolist(), names)
+    (tmp_path / "pose.txt").write_text("1 0 0 0\n0 1 0 0\n0 0 1 0\n")
+
+    assert (
+        "row 4 (P4), counting from 0, does"
+        in certreg("assess", a, b, "--pose", tmp_path / "pose.txt").out
+    )

@@ -12,10 +12,18 @@ import pytest
 
 from certreg.errors import InvalidFileError
 from certreg.io import scans
-from certreg.io.clouds import Cloud, parse_cloud
+from certreg.io.clouds import (
+    LABEL_CHARACTERS,
+    LABEL_NODES,
+    Cloud,
+    _short_enough,
+    parse_cloud,
+    read_problem,
+)
 from certreg.io.columns import named_columns
 from certreg.io.labels import Match, require_same_order, rows_by_label, unused_labels_note
 from certreg.io.noise import noise_of_columns
+from certreg.io.objects import pair
 from certreg.io.pairs import parse_pairs, repeated_rows_note
 from certreg.io.pose_values import PoseSource, of_array
 from certreg.io.poses import parse_line
@@ -367,3 +375,68 @@ def test_points_of_a_scan_that_are_not_valid_are_counted(
 
     assert len(found.points) == valid
     assert found.notes == (() if valid == 5 else ("2 of 5 points are not valid, and left out",))
+
+
+def test_models_without_a_number_are_told_apart_by_their_lines():
+    row = PDB.format(1, " ", 1.0, 2.0, 3.0, " C")
+    model = f"MODEL\n{row}\nENDMDL\n"
+    read = cloud(f"{model}{model}END\n", "a.pdb")
+
+    assert len(read.points) == 1
+    assert "the first of 2 models" in " ".join(read.notes)
+
+
+def test_labels_are_kept_in_a_certificate_up_to_what_its_checker_reads():
+    for nodes, kept in ((LABEL_NODES, True), (LABEL_NODES + 2, False)):
+        assert _short_enough(("a,",) * (nodes // 2)) == kept
+    for characters, kept in ((LABEL_CHARACTERS, True), (LABEL_CHARACTERS + 1, False)):
+        assert _short_enough(("a" * characters,)) == kept
+
+
+def test_columns_of_noise_are_left_where_sigma_is_given(tmp_path: Path):
+    """They are not used, and told so; also where they could not be."""
+    (tmp_path / "a.csv").write_text("x,y,z,sigma,weight\n1,2,3,-1,2\n4,5,6,0,2\n7,8,1,1,2\n")
+    (tmp_path / "b.csv").write_text("1,2,3\n4,5,6\n7,8,1\n")
+    problem, read = read_problem(tmp_path / "a.csv", tmp_path / "b.csv", sigma=0.5)
+
+    assert problem.weights.tolist() == [4.0] * 3
+    assert not read.weighed
+    (note,) = read.notes
+    assert note.startswith(f"{tmp_path / 'a.csv'}: not used: sigma, weight")
+
+
+def test_two_columns_of_noise_of_one_name_hurt_nobody_who_leaves_them():
+    names = ["x", "y", "z", "sigma", "Sigma"]
+    assert named_columns(Place(A, 1), names, noise=False).ignored == ("sigma", "sigma")
+    assert "two columns are named sigma" in str(
+        refused(lambda: named_columns(Place(A, 1), names, noise=True))
+    )
+
+
+class Indexed:
+    """As a data frame with columns x, y, z and an index."""
+
+    columns = ("x", "y", "z")
+
+    def __init__(self, index: list[int]) -> None:
+        self.index = np.array(index)
+
+    def __getitem__(self, _name: str) -> Any:
+        return self.index.astype(float)
+
+    def to_numpy(self) -> Any:
+        return np.column_stack([self.index] * 3).astype(float)
+
+
+def test_an_index_that_nobody_chose_names_rows_beside_one_in_another_order():
+    """Either way round: what is meant is the order of the numbers."""
+    plain, turned = [0, 1, 2], [2, 0, 1]
+    for here, there in ((plain, turned), (turned, plain)):
+        first, second = pair(Indexed(here), Indexed(there))
+        assert first.points.tolist() == second.points.tolist()
+    first, second = pair(Indexed(plain), Indexed([5, 6, 7]))
+    assert (first.labels, first.points[0].tolist(), second.points[0].tolist()) == (
+        None,
+        [0.0] * 3,
+        [5.0] * 3,
+    )

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import base64
+import hashlib
+import html
 import math
 from dataclasses import replace
 from types import SimpleNamespace
@@ -14,11 +16,14 @@ from commands import checked
 from scipy.spatial.transform import Rotation
 
 from certreg.geometry import given_pose
-from certreg.problem import RegistrationProblem
-from certreg.registration import certify, judged
-from certreg.report import assessment_document, result_document, summary, viewer
-from certreg.report.cards import assessment_card
+from certreg.problem import MAX_DAMPING, MIN_DAMPING, RegistrationProblem
+from certreg.registration import CROSS_CHECK, certify, enumerated, judged
+from certreg.report import assessment_document, methods, page, result_document, summary, viewer
+from certreg.report.cards import assessment_card, registration_card
 from certreg.report.document import NOT_A_BOUND
+from certreg.report.page import Report
+from certreg.report.reload import Motion
+from certreg.report.uncertainty import uncertainty_rows
 from certreg.report.viewer import sample_of
 from certreg.results import Limits
 
@@ -152,3 +157,96 @@ def test_a_rate_is_compared_where_the_steps_are_small_enough(
     )
     unknown: Any = SimpleNamespace(step=step, predicted_rate=1.0, decay_rate=None)
     assert summary._rate_words(unknown) == "unknown  (predicted 1)"
+
+
+def test_what_is_told_apart_is_counted_by_its_kind():
+    """Of pattern 1, 2, 1 two points and a circle; of 1, 1, 1, 1 four points."""
+    square = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]])
+    cases = ((square, "two points and one circle"), (SOURCE, "four points"))
+    for cloud, kinds in cases:
+        found = solved(cloud, cloud)
+        doubtful = replace(found.equilibria, doubt="a search that ended too soon")
+        assert f": the search found {kinds}, " in summary.count_words(doubtful)
+
+
+@pytest.mark.parametrize(
+    ("damping", "kept"),
+    [
+        (MIN_DAMPING, True),
+        (MAX_DAMPING, True),
+        (MIN_DAMPING / 2, False),
+        (MAX_DAMPING * 2, False),
+        (2, False),
+        ("2.0", False),
+    ],
+)
+def test_a_damping_is_taken_from_a_certificate_up_to_its_limits(damping: Any, *, kept: bool):
+    motion = Motion.of({"damping": damping, "integrator": "euler"})
+    assert (motion.damping, motion.integrator) == (
+        (damping, "euler") if kept else (None, CROSS_CHECK.value)
+    )
+
+
+def test_where_every_rotation_fits_it_is_said_that_no_motion_was_simulated():
+    """The dynamics is defined: it is not what is missing."""
+    corners = np.vstack([np.eye(3), -np.eye(3)])
+    names = viewer.Names(source="a", target="b", labels=None)
+    still = viewer.scene_document(solved(corners, np.ones((6, 3))), names)["still"]
+    line = viewer.scene_document(solved(corners[[0, 3]], corners[[0, 3]]), names)["still"]
+
+    assert still == viewer.NO_MOTION + viewer.NOT_SIMULATED
+    assert line == viewer.NO_MOTION + viewer.UNDEFINED.format(lie="are on one line")
+
+
+@pytest.mark.parametrize("embedded", [True, False])
+def test_the_file_to_check_is_the_one_that_the_page_gives(*, embedded: bool):
+    report: Any = SimpleNamespace(
+        name="my certificate.json", embedded=embedded, content=b"x" * (3 << 19)
+    )
+    file = page._file(report)
+
+    assert file["argument"] == ("certificate.json" if embedded else "'my certificate.json'")
+    assert (file["name"], file["mebibytes"]) == ("my certificate.json", 1.5)
+    assert file["sha256"] == hashlib.sha256(report.content).hexdigest()
+
+
+@pytest.mark.parametrize(("n", "words"), [(1, "1 pair"), (2, "2 pairs")])
+def test_pairs_are_counted_on_the_page(n: int, words: str):
+    found = solved(SOURCE[:n], SOURCE[:n])
+    assert page._head(Report.of(found))["pairs"] == words
+
+
+def test_a_page_without_its_certificate_shows_a_sample(
+    registration: Registration, monkeypatch: pytest.MonkeyPatch
+):
+    report = Report.of(registration)
+    names = viewer.Names(source="a", target="b", labels=None)
+    assert page._blocks(report, names)["sample_data"] is None
+    monkeypatch.setattr(page, "EMBEDDED_BYTES", 10)
+    blocks = page._blocks(report, names)
+    assert blocks["certificate_data"] is None
+    assert blocks["sample_data"] == sample_of(registration.problem)
+
+
+def test_searches_in_doubt_are_not_said_to_agree():
+    found = enumerated(RegistrationProblem(SOURCE, TARGET), "all")
+    assert "The roads spectral, groebner, homotopy agree" in methods.methods_summary(found)
+    first, second, third = found.searches
+    doubtful = replace(checked(second.critical), completeness=None, doubt="groebner: too long")
+    spoilt = replace(found, searches=(first, replace(second, critical=doubtful), third))
+    told = methods.methods_summary(spoilt)
+    assert "The roads spectral, homotopy agree" in told
+
+
+def test_the_card_says_which_turn_is_too_large_for_a_first_order():
+    """Points near a line, whose turn about it is known to twenty degrees."""
+    rng = np.random.default_rng(2)
+    source = np.outer(np.linspace(-9.0, 9.0, 9), [1.0, 0.0, 0.0])
+    source[:, 1] = 0.2 * np.sin(np.arange(9.0))
+    sigma = 0.12
+    found = solved(source, source + 0.1 * sigma * rng.standard_normal((9, 3)), sigma=sigma)
+    words = dict(uncertainty_rows(found))["rotation ±"]
+    told = words[words.index(": too large for a first order: the turn about") :]
+
+    assert told in summary.registration_summary(found)
+    assert told in html.unescape(registration_card(found))
