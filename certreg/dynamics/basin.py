@@ -11,6 +11,7 @@ from certreg.equilibrium import unit_double
 from certreg.errors import DegenerateProblemError
 from certreg.exact import power_of_two
 from certreg.native import BASIN
+from certreg.results import Brief
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -23,7 +24,7 @@ TIE = 1e-13  # of l1 - l4: doubles do not tell such eigenvalues apart
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Basin:
+class Basin(Brief):
     """The certified basin of the optimum, per unit of mass, lengths over the body's unit.
 
     E = omega^T J omega / 2 - 2 q^T K q never rises along the exact flow, and at every spurious

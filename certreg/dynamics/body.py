@@ -23,6 +23,7 @@ import numpy as np
 from certreg.errors import DegenerateProblemError
 from certreg.exact import power_of_two
 from certreg.native import BODY, ENERGIES, MATRIX_STATE, current_engine, named, plain, symmetric
+from certreg.results import Brief
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -51,7 +52,7 @@ class Energies:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Body:
+class Body(Brief):
     """What the dynamics knows of a problem: per unit of mass, lengths over 2^length_exponent.
 
     record: () of BODY: C / M, the upper triangles of J / M and of its inverse, the spread of both
@@ -144,9 +145,13 @@ def _in_doubles(matrix: Matrix3[int], places: int, over: int) -> NDArray[np.floa
 
 def start_at_rest(moments: ExactMoments, length_exponent: int) -> NDArray[np.float64]:
     """The start of [Yang2020], (18,): the source where it was given, R = I, no velocity."""
-    unit = power_of_two(-length_exponent)
-    pairs = zip(moments.source_centroid, moments.target_centroid, strict=True)
-    return state_at_rest(np.eye(3), [float((x - y) * unit) for x, y in pairs])
+    a, b = moments.source_exponent, moments.target_exponent
+    least = min(a, b)
+    places = least - length_exponent
+    up, over = max(places, 0), moments.mass << max(-places, 0)
+    pairs = zip(moments.source_sum, moments.target_sum, strict=True)
+    apart = [((x << (a - least)) - (y << (b - least))) for x, y in pairs]
+    return state_at_rest(np.eye(3), [(entry << up) / over for entry in apart])
 
 
 def state_at_rest(rotation: ArrayLike, c: ArrayLike = (0.0, 0.0, 0.0)) -> NDArray[np.float64]:

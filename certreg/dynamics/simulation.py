@@ -13,7 +13,8 @@ from __future__ import annotations
 import enum
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -61,6 +62,7 @@ SHORT_STEP = 0.1  # of the integrator's own: below, a run that did not end is to
 FAR_DAMPING = 4.0  # times the best one, or a fourth of it: as above
 LARGE_TURN = 0.5  # radians of all perturbations, from which on a run is told of them
 
+RATES = ("predicted_rate", "decay_rate")
 NO_RATE = Absent("the optimum is not unique: no rate belongs to it")
 TOO_FEW_SAMPLES = Absent("too few logged samples lie between the start and rest")
 
@@ -78,9 +80,12 @@ class SimulationStatus(enum.Enum):
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Trajectory(Explained):
     """A simulated registration; logged at evenly spaced steps, the last one included.
+
+    The rates are computed when they are first asked for; why there is none is stated, and not in
+    `absent`.
 
     times (L,), in the time unit of the springs; states (L, 18) with lengths over
     2^length_exponent; potential and kinetic (L,), V_p / M and V_k / M over 4^length_exponent.
@@ -89,9 +94,7 @@ class Trajectory(Explained):
     speed: |s'| at the end, the residual of the equilibrium equations.
     notes: what else is to be known: a step that was not taken as given, perturbations that did the
         work of the springs, and, where the steps ran out, what makes them too few.
-    predicted_rate: of the slowest mode at the optimum, from the linearised dynamics; None where the
-        optimum is not unique. decay_rate: as measured in the logged energies; None where too few
-        samples lie between a thousandth of the energy at the start and its rounding.
+    moving, basin: the body, and what is certified of it.
     """
 
     integrator: Integrator
@@ -107,9 +110,9 @@ class Trajectory(Explained):
     quaternion: NDArray[np.float64]
     angular_velocity: NDArray[np.float64]
     speed: float
-    predicted_rate: float | None
-    decay_rate: float | None
     notes: tuple[str, ...]
+    moving: Body
+    basin: Basin
 
     def __repr__(self) -> str:
         how = f"{self.steps} steps of {self.integrator.value}"
@@ -119,6 +122,32 @@ class Trajectory(Explained):
     def converged(self) -> bool:
         """Whether the body came to rest where it had to."""
         return self.status in {SimulationStatus.CONVERGED, SimulationStatus.AT_REST}
+
+    @cached_property
+    def predicted_rate(self) -> float | None:
+        """Of the slowest mode at the optimum, by the linearised dynamics; None if not unique."""
+        return _predicted_rate(self.moving, self.basin) if self._unique else None
+
+    @cached_property
+    def decay_rate(self) -> float | None:
+        """As measured in the logged energies; None where the optimum is not unique.
+
+        Or where too few samples lie between a thousandth of the energy at the start and rounding.
+        """
+        if not self._unique:
+            return None
+        energy = self.potential + self.kinetic
+        return _decay_rate(self.times, energy, self.moving, self.basin)
+
+    @property
+    def _unique(self) -> bool:
+        return self.basin.barrier > 0.0
+
+    def stated(self, name: str) -> Any:
+        """The attribute of that name, or the Absent that stands for it."""
+        if name in RATES and getattr(self, name) is None:
+            return TOO_FEW_SAMPLES if self._unique else NO_RATE
+        return Explained.stated(self, name)
 
 
 def simulate(
@@ -152,21 +181,22 @@ def simulate(
     )
     log = Log.of_capacity(LOG_CAPACITY, integrator)
     integrate(batch, settings, log)
-    _require_finite(begin, moving, batch)
-    return _trajectory(moving, basin, batch, log, settings)
-
-
-def _require_finite(begin: NDArray[np.float64], moving: Body, batch: Batch) -> None:
-    """DegenerateProblemError where a step too long for its spin drove a body beyond the doubles."""
     with np.errstate(over="ignore", invalid="ignore"):
-        end = moving.energies(plain(_paper_states(batch.states, batch.integrator))[0])
+        last = _paper_states(batch.states, batch.integrator)
+        end = moving.energies(plain(last)[0])
     if np.isfinite(begin).all() and not math.isfinite(end.kinetic + end.potential):
-        message = (
-            f"the {batch.integrator.value} integrator gained energy without end under the damping "
-            f"{moving.damping:.3g}: take the midpoint integrator, whose energy never rises, or "
-            "more damping"
-        )
-        raise DegenerateProblemError(message, value=moving.damping)
+        raise _gains_energy(moving, batch.integrator)
+    return _trajectory(moving, basin, batch, log, settings, last)
+
+
+def _gains_energy(moving: Body, integrator: Integrator) -> DegenerateProblemError:
+    """A step too long for its spin drove a body beyond the doubles."""
+    message = (
+        f"the {integrator.value} integrator gained energy without end under the damping "
+        f"{moving.damping:.3g}: take the midpoint integrator, whose energy never rises, or "
+        "more damping"
+    )
+    return DegenerateProblemError(message, value=moving.damping)
 
 
 def optimal_damping(objective: Isotropic) -> float:
@@ -215,18 +245,17 @@ _STATUSES = {
 
 
 def _trajectory(
-    moving: Body, basin: Basin, batch: Batch, log: Log, settings: SimulationSettings
+    moving: Body, basin: Basin, batch: Batch, log: Log, settings: SimulationSettings, last: Records
 ) -> Trajectory:
+    """What is told of a run; last: its last state, with a rotation matrix."""
     samples = log.samples
     times, logged = samples["time"], _paper_states(samples["state"], batch.integrator)
     energies = samples["energies"]
     kinetic, potential = energies["translation"] + energies["rotation"], energies["potential"]
-    last = _paper_states(batch.states, batch.integrator)
     if times[-1] != batch.times[0] or (plain(logged)[-1] != plain(last)[0]).any():
         end = moving.energies(plain(last)[0])
         times, logged = np.append(times, batch.times), np.append(logged, last)
         kinetic, potential = np.append(kinetic, end.kinetic), np.append(potential, end.potential)
-    unique = basin.barrier > 0.0
     return Trajectory(
         integrator=batch.integrator,
         status=_STATUSES[Ending(int(batch.status[0]))],
@@ -241,13 +270,9 @@ def _trajectory(
         quaternion=quaternion_from_matrix(last["R"][0]),
         angular_velocity=last["omega"][0],
         speed=float(np.linalg.norm(moving.rate(plain(last)[0]))),
-        predicted_rate=_predicted_rate(moving, basin) if unique else None,
-        decay_rate=_decay_rate(times, potential + kinetic, moving, basin) if unique else None,
         notes=tuple(_notes(basin, batch, settings)),
-        absent={
-            "predicted_rate": NO_RATE,
-            "decay_rate": TOO_FEW_SAMPLES if unique else NO_RATE,
-        },
+        moving=moving,
+        basin=basin,
     )
 
 

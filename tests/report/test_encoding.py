@@ -79,9 +79,11 @@ def test_reasons_stand_in_the_stated_order_wherever_the_values_stand():
 @pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: specimen.name)
 def test_a_result_explains_exactly_what_is_none_and_can_be_missing(specimen: Specimen):
     registration = certreg.certify(specimen.problem, relaxation=False)
-    solution, later = registration.solution, {"covariance"}  # asked for, and so in no `absent`
-    for one in (registration, solution):
-        assert isinstance(one.stated("covariance"), Absent) == (one.covariance is None)
+    solution = registration.solution
+    later = {"covariance", "predicted_rate", "decay_rate"}  # asked for, and so in no `absent`
+    for one in (registration, solution, solution.trajectory):
+        for name in later & set(dir(one)):
+            assert isinstance(one.stated(name), Absent) == (getattr(one, name) is None)
     results = explained((registration, solution.equilibria, solution.fit), [])
     assert {type(one).__name__ for one in results} >= {"Registration", "Solution", "Component"}
     for one in results:
