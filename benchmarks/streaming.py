@@ -15,8 +15,9 @@ import numpy as np
 from benchmarks.clouds import random_clouds
 from benchmarks.measuring import Figure, Quantity, exponent, fastest, power_of_ten
 from benchmarks.reference import DIGITS, angle
+from build_kernels import find_compiler
 from certreg.geometry.so3 import davenport_matrix
-from certreg.native.compiler import FLAGS, find_compiler
+from certreg.native.kernels import FLAGS
 from certreg.problem.floating_sums import CloudPair, compiled, floating_sums
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
@@ -36,7 +37,7 @@ ROUNDS, BLOCKS = 7, 6  # blocks of rounds are added until memory was ours for on
 
 
 def measure() -> Iterator[Figure]:
-    assert compiled() is not None, "this is about compiled code: install a C compiler"
+    assert compiled() is not None, "this is about compiled code: run `make kernels`"
     source, target = random_clouds(N, noise=0.1)
     weights = np.random.default_rng(1).uniform(0.5, 2.0, size=N)
     yield _reading("doubles", source, target, None)
@@ -138,15 +139,26 @@ def _clouds(source: Any, target: Any, weights: Any) -> CloudPair:
 
 
 def _reader(arrays: list[Any]) -> Callable[[], float]:
-    """The loop in C over all arrays, compiled as certreg's own code is."""
+    """The loop in C over all arrays, compiled for this processor."""
     with tempfile.TemporaryDirectory() as folder:
         library = Path(folder) / "streaming.so"
         unit = Path(__file__).with_name("streaming.c")
-        subprocess.run([*find_compiler(), *FLAGS, str(unit), "-o", str(library)], check=True)
+        subprocess.run(
+            [
+                *find_compiler().command,
+                *FLAGS,
+                "-march=native",
+                "-shared",
+                str(unit),
+                "-o",
+                str(library),
+            ],
+            check=True,
+        )
         function = ctypes.CDLL(str(library)).benchmark_sum
     function.restype = ctypes.c_double
     return lambda: sum(
-        function(ctypes.c_void_p(array.ctypes.data), ctypes.c_long(array.size)) for array in arrays
+        function(ctypes.c_void_p(array.ctypes.data), ctypes.c_int64(array.size)) for array in arrays
     )
 
 

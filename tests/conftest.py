@@ -5,6 +5,7 @@ CERTREG_SEEDS=random takes others each time: every night, in the workflow.
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import os
 import sys
@@ -65,13 +66,15 @@ def data() -> Path:
 
 
 def pytest_sessionstart() -> None:
-    """Where there is no compiler the user is told once, and here that is now."""
-    from certreg.native.compiler import CompilationError, find_compiler
+    """What is compiled is of the C sources that stand here; where it is not, told once and now."""
+    import build_kernels
     from certreg.native.engine import current_engine
 
-    try:
-        find_compiler()
-    except CompilationError:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", SlowSimulationWarning)
-            current_engine()
+    built = build_kernels.renewed(set_up=False)
+    if built.why:
+        with contextlib.suppress(build_kernels.NoCompilerError):
+            build_kernels.find_compiler()
+            raise pytest.UsageError(built.why)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SlowSimulationWarning)
+        current_engine()

@@ -23,9 +23,9 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from certreg.certificate.private_folder import UnusableFolderError, opened_folder, sweep
 from certreg.errors import InvalidFileError, MissingToolError
 from certreg.io import write_atomically
-from certreg.native import CacheError, opened_folder, sweep
 from certreg.results import Ruling, Verdict
 from certreg.verify import IsotropicStatement, RefusalError, bound_doubles, parse, require
 
@@ -327,7 +327,7 @@ def _cache(coqc: str, folder: Path, modules: list[str]) -> Path:
     try:
         with opened_folder(Path(base) / "certreg") as opened:
             return opened / f"coq-{content.hexdigest()[:16]}"
-    except CacheError as error:
+    except UnusableFolderError as error:
         message = f"{error}: compiled proofs cannot be kept there: set XDG_CACHE_HOME"
         raise InvalidFileError(message, path=Path(base)) from error
 

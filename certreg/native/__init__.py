@@ -1,4 +1,4 @@
-"""The generated code at work: compiled once and cached, or run in Python; trajectory loops.
+"""The generated code at work: compiled with the package, or run in Python; trajectory loops.
 
 No formula of the dynamics stands here: those are in certreg/native/generated. Handwritten are the
 loops around a step, the stop test, and the escape from a saddle.
@@ -11,16 +11,13 @@ from typing import TYPE_CHECKING
 from certreg._loading import lazy_face
 
 if TYPE_CHECKING:
-    from certreg.native.cache import CacheError as CacheError
-    from certreg.native.cache import opened_folder as opened_folder
-    from certreg.native.cache import sweep as sweep
     from certreg.native.codegen.emit import C_FILE as C_FILE
     from certreg.native.codegen.emit import HEADER_FILE as HEADER_FILE
     from certreg.native.codegen.emit import generated_files as generated_files
-    from certreg.native.compiler import GENERATED as GENERATED
-    from certreg.native.compiler import HERE as HERE
-    from certreg.native.compiler import CompilationError as CompilationError
     from certreg.native.engine import current_engine as current_engine
+    from certreg.native.kernels import GENERATED as GENERATED
+    from certreg.native.kernels import HERE as HERE
+    from certreg.native.kernels import MissingLibraryError as MissingLibraryError
     from certreg.native.layout import BASIN as BASIN
     from certreg.native.layout import BODY as BODY
     from certreg.native.layout import ENERGIES as ENERGIES
@@ -37,8 +34,8 @@ if TYPE_CHECKING:
     from certreg.native.layout import symmetric as symmetric
     from certreg.native.layout import width as width
     from certreg.native.library import Library as Library
+    from certreg.native.library import library_if_any as library_if_any
     from certreg.native.library import loaded_library as loaded_library
-    from certreg.native.library import ready_library as ready_library
     from certreg.native.loops import BASIN_SHARE as BASIN_SHARE
     from certreg.native.loops import LARGEST_PERTURBATION as LARGEST_PERTURBATION
     from certreg.native.loops import PERTURBATION_GROWTH as PERTURBATION_GROWTH
@@ -53,22 +50,17 @@ if TYPE_CHECKING:
 __getattr__ = lazy_face(
     __name__,
     {
-        "cache": (
-            "CacheError",
-            "opened_folder",
-            "sweep",
-        ),
         "codegen.emit": (
             "C_FILE",
             "HEADER_FILE",
             "generated_files",
         ),
-        "compiler": (
-            "CompilationError",
+        "engine": ("current_engine",),
+        "kernels": (
             "GENERATED",
             "HERE",
+            "MissingLibraryError",
         ),
-        "engine": ("current_engine",),
         "layout": (
             "BASIN",
             "BODY",
@@ -88,8 +80,8 @@ __getattr__ = lazy_face(
         ),
         "library": (
             "Library",
+            "library_if_any",
             "loaded_library",
-            "ready_library",
         ),
         "loops": (
             "BASIN_SHARE",

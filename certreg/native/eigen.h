@@ -5,7 +5,7 @@
 #define SWEEPS 16          /* of Jacobi's method; five are usual */
 #define NEGLIGIBLE 0x1p-60 /* of the norm: such an entry moves no eigenvalue by an ulp */
 
-typedef long long flags __attribute__((vector_size(8 * LANES))); /* -1 where it holds, else 0 */
+typedef int64_t flags __attribute__((vector_size(8 * LANES))); /* -1 where it holds, else 0 */
 
 static inline lanes all(double x) { return (lanes){0} + x; }
 
@@ -14,11 +14,11 @@ static inline lanes chosen(flags which, lanes yes, lanes no)
     return (lanes)((which & (flags)yes) | (~which & (flags)no));
 }
 
-static inline lanes magnitude(lanes x) { return (lanes)((flags)x & 0x7fffffffffffffffll); }
+static inline lanes magnitude(lanes x) { return (lanes)((flags)x & INT64_MAX); }
 
 static inline int none(flags which)
 {
-    long long any = 0;
+    int64_t any = 0;
     for (int lane = 0; lane < LANES; lane++)
         any |= which[lane];
     return !any;

@@ -1,4 +1,4 @@
-"""The engine of this process: compiled code where it can be had, generated Python elsewhere."""
+"""The engine of this process: compiled code where there is one, generated Python elsewhere."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from certreg.errors import SlowSimulationWarning
-from certreg.native.compiler import CompilationError
 from certreg.native.evaluator import evaluator
+from certreg.native.kernels import MissingLibraryError
 from certreg.native.library import loaded_library
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ def current_engine() -> Engine:
     """The engine of this process; warns once where it is the slow one."""
     try:
         library = loaded_library()
-    except CompilationError as error:
+    except MissingLibraryError as error:
         LOG.info("generated Python: %s", error)
         message = f"{error}: simulating in Python, same results but much slower"
         warnings.warn(message, SlowSimulationWarning, stacklevel=2)

@@ -1,7 +1,7 @@
 /* A state that hardly moves: may it end there, or is it to be perturbed off a saddle? And the log.
  *
  * Formulas of the dynamics are generated; here is the logic, and the linear algebra of three
- * dimensions. evaluator.py does the same for machines without a compiler. */
+ * dimensions. evaluator.py does the same where nothing is compiled. */
 #include "loops.h"
 
 #include <math.h>
@@ -182,12 +182,12 @@ int certreg_escape_quaternion(double state[CERTREG_QUATERNION_STATE], const doub
 }
 
 /* A row for the next sample, or null if this step is not one. */
-static double *row_of(struct certreg_log *log, long step, long width)
+static double *row_of(struct certreg_log *log, int64_t step, int64_t width)
 {
     if (step % log->stride)
         return 0;
     if (log->count == log->capacity) {
-        for (long k = 1; 2 * k < log->capacity; k++)
+        for (int64_t k = 1; 2 * k < log->capacity; k++)
             memcpy(log->rows + k * width, log->rows + 2 * k * width, (size_t)width * sizeof(double));
         log->count = (log->capacity + 1) / 2;
         log->stride *= 2;
@@ -197,7 +197,7 @@ static double *row_of(struct certreg_log *log, long step, long width)
     return log->rows + width * log->count++;
 }
 
-void certreg_record_matrix(struct certreg_log *log, long step, double time, const double *state,
+void certreg_record_matrix(struct certreg_log *log, int64_t step, double time, const double *state,
                            const double *body)
 {
     double *row = row_of(log, step, CERTREG_MATRIX_SAMPLE);
@@ -208,7 +208,7 @@ void certreg_record_matrix(struct certreg_log *log, long step, double time, cons
     certreg_energies(state, body, row + CERTREG_MATRIX_SAMPLE_ENERGIES);
 }
 
-void certreg_record_quaternion(struct certreg_log *log, long step, double time, const double *state,
+void certreg_record_quaternion(struct certreg_log *log, int64_t step, double time, const double *state,
                                const double *body)
 {
     double *row = row_of(log, step, CERTREG_QUATERNION_SAMPLE);

@@ -1,4 +1,4 @@
-"""The same functions and loops without a compiler: generated Python.
+"""The same functions and loops where nothing is compiled: generated Python.
 
 Slower by a factor of hundreds, the same numbers up to rounding. `Evaluator.run` does what
 native/loop.h, escape.c and midpoint.c do, in the same order. A module of its own: it is one of two

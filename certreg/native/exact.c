@@ -133,7 +133,7 @@ static void gather_all(uint64_t *sums, pair (*sum)[PITCH], const range seen[3])
 /* The sums of n points, source and target n x 3, over 2^-1074 to the power of the number of factors;
  * for source, target, weights where the lowest bit is set, over 2^-1074 (INT64_MAX: all are zero). */
 int certreg_exact_sums(
-    long n, const double *source, const double *target, const double *weights, uint64_t *sums, int64_t lowest[3])
+    int64_t n, const double *source, const double *target, const double *weights, uint64_t *sums, int64_t lowest[3])
 {
     static const range none = {INT64_MAX, 2046, 0};
     range seen[3] = {none, none, none};
@@ -141,8 +141,8 @@ int certreg_exact_sums(
     if (sum == NULL)
         return CERTREG_NO_MEMORY;
     memset(sums, 0, CERTREG_EXACT_SUMS * CERTREG_EXACT_WORDS * sizeof *sums);
-    for (long i = 0; i < n;) {
-        const long end = n - i > PORTION ? i + PORTION : n;
+    for (int64_t i = 0; i < n;) {
+        const int64_t end = n - i > PORTION ? i + PORTION : n;
         for (; i < end; i++) {
             const number w = split(weights[i], &seen[2]);
             number x[3], y[3];
@@ -166,7 +166,7 @@ int certreg_exact_sums(
 #else
 
 int certreg_exact_sums(
-    long n, const double *source, const double *target, const double *weights, uint64_t *sums, int64_t lowest[3])
+    int64_t n, const double *source, const double *target, const double *weights, uint64_t *sums, int64_t lowest[3])
 {
     (void)n, (void)source, (void)target, (void)weights, (void)sums, (void)lowest;
     return CERTREG_NO_WIDE_INTEGERS;

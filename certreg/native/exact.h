@@ -9,4 +9,4 @@
 enum { CERTREG_SUMMED, CERTREG_NO_MEMORY, CERTREG_NOT_FINITE, CERTREG_NO_WIDE_INTEGERS };
 
 int certreg_exact_sums(
-    long n, const double *source, const double *target, const double *weights, uint64_t *sums, int64_t lowest[3]);
+    int64_t n, const double *source, const double *target, const double *weights, uint64_t *sums, int64_t lowest[3]);

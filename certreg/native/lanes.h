@@ -1,5 +1,5 @@
 /* The number type of the loops: one double, or LANES doubles side by side (GCC's and clang's vectors). */
-#include <limits.h>
+#include <stdint.h>
 #include <math.h>
 #include <string.h>
 

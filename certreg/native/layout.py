@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from certreg.native.compiler import GENERATED
+from certreg.native.kernels import GENERATED
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

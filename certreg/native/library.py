@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.native.compiler import (
+from certreg.native.kernels import (
+    REMEDY,
     SIGNATURES,
     WRITTEN,
-    CompilationError,
-    compiled_library,
-    is_compiled,
+    MissingLibraryError,
+    chosen_library,
 )
 from certreg.native.layout import EXACT_SUMS, plain, width
 from certreg.native.loops import (
@@ -55,24 +55,24 @@ class _Settings(ctypes.Structure):
         ("largest_perturbation", ctypes.c_double),
         ("newton_tolerance", ctypes.c_double),
         ("largest_turn", ctypes.c_double),
-        ("newton_steps", ctypes.c_long),
-        ("halvings", ctypes.c_long),
-        ("max_steps", ctypes.c_long),
+        ("newton_steps", ctypes.c_int64),
+        ("halvings", ctypes.c_int64),
+        ("max_steps", ctypes.c_int64),
     )
 
 
 class _Log(ctypes.Structure):
     _fields_ = (
         ("rows", _POINTER),
-        ("capacity", ctypes.c_long),
-        ("count", ctypes.c_long),
-        ("stride", ctypes.c_long),
+        ("capacity", ctypes.c_int64),
+        ("count", ctypes.c_int64),
+        ("stride", ctypes.c_int64),
     )
 
 
 class _Batch(ctypes.Structure):
     _fields_ = (
-        ("count", ctypes.c_long),
+        ("count", ctypes.c_int64),
         ("bodies", _POINTER),
         ("basins", _POINTER),
         ("steps", _POINTER),
@@ -87,10 +87,10 @@ class _Batch(ctypes.Structure):
 
 class _Clouds(ctypes.Structure):
     _fields_ = (
-        ("count", ctypes.c_long),
-        ("points", ctypes.c_long),
+        ("count", ctypes.c_int64),
+        ("points", ctypes.c_int64),
         *((name, _POINTER) for name in ("sources", "targets", "weights")),
-        *((f"{name}_step", ctypes.c_long) for name in ("source", "target", "weight")),
+        *((f"{name}_step", ctypes.c_int64) for name in ("source", "target", "weight")),
         ("scratch", _POINTER),
         *((field.name, _POINTER) for field in fields(StationaryPoses)),
     )
@@ -101,13 +101,8 @@ class Library:
     """The generated functions and the loops, compiled."""
 
     handle: Any
-    path: str
+    words: str  # what it is, for `certreg info`
     shapes: dict[str, Signature]
-
-    @property
-    def words(self) -> str:
-        """What it is, for `certreg info`."""
-        return f"compiled C ({self.path})"
 
     def evaluate(self, name: str, *arguments: NDArray[Any]) -> tuple[NDArray[np.float64], ...]:
         """The results of one generated function, flat. Raises ValueError for other sizes."""
@@ -123,7 +118,7 @@ class Library:
     ) -> ExactSums:
         """Exact sums over contiguous points, source and target (k, 3), weights (k,).
 
-        Raises ValueError for other arrays and for numbers that are not finite, CompilationError
+        Raises ValueError for other arrays and for numbers that are not finite, MissingLibraryError
         where the compiled code cannot do it.
         """
         arrays = [np.ascontiguousarray(array, dtype=float) for array in (source, target, weights)]
@@ -133,11 +128,11 @@ class Library:
         words = np.empty((width(EXACT_SUMS), EXACT_WORDS), dtype=np.uint64)
         lowest = np.empty(3, dtype=np.int64)
         pointers = [_POINTER(array.ctypes.data) for array in (*arrays, words, lowest)]
-        refused = self.handle.certreg_exact_sums(ctypes.c_long(k), *pointers)
+        refused = self.handle.certreg_exact_sums(ctypes.c_int64(k), *pointers)
         if refused == NOT_FINITE:
             raise ValueError("a number is not finite")
         if refused:
-            raise CompilationError("no memory for exact sums, or no integers of 128 bits")
+            raise MissingLibraryError("no memory for exact sums, or no integers of 128 bits")
         rows = (row.tobytes() for row in words.astype("<u8"))
         return ExactSums(
             integers=tuple(int.from_bytes(row, "little", signed=True) for row in rows),
@@ -248,28 +243,27 @@ def signatures() -> dict[str, Signature]:
 
 @cache
 def loaded_library() -> Library:
-    """The compiled library of this process. Raises CompilationError where there is none."""
-    path = compiled_library()
+    """The compiled library of this process. Raises MissingLibraryError where there is none."""
+    path, variant = chosen_library()
     try:
         handle = ctypes.CDLL(str(path))
     except OSError as error:
-        raise CompilationError(f"the compiled library cannot be loaded ({error})") from error
+        raise MissingLibraryError(f"{path} cannot be loaded ({error}): {REMEDY}") from error
     shapes = signatures()
     missing = [name for name in (*shapes, *WRITTEN) if not hasattr(handle, name)]
     if missing:
-        raise CompilationError(f"the compiled library {path} lacks {missing[0]}: remove the file")
+        raise MissingLibraryError(f"{path} lacks {missing[0]}: {REMEDY}")
     for name, shape in shapes.items():
         function = getattr(handle, name)
         function.argtypes = [_POINTER] * (len(shape.arguments) + len(shape.results))
         function.restype = None
-    return Library(handle, str(path), shapes)
+    return Library(handle, f"compiled with the package ({variant})", shapes)
 
 
-def ready_library() -> Library | None:
-    """The compiled library if nothing has to be compiled for it: for what takes microseconds."""
-    if loaded_library.cache_info().currsize == 0 and not is_compiled():
-        return None
+@cache
+def library_if_any() -> Library | None:
+    """The compiled library of this process; None where there is none."""
     try:
         return loaded_library()
-    except CompilationError:
+    except MissingLibraryError:
         return None

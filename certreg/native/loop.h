@@ -6,18 +6,18 @@
  * only steps, and tests all lanes at once. */
 struct NAMED(LOOP, _lanes) {
     lanes one[STATE], other[STATE], body[CERTREG_BODY], step[STEPS];
-    long which[LANES];    /* -1: none */
-    long start[LANES];    /* the tick of its step 0 */
-    long passed[LANES];   /* the tick at which it is not looked at: it was, before a perturbation */
+    int64_t which[LANES];    /* -1: none */
+    int64_t start[LANES];    /* the tick of its step 0 */
+    int64_t passed[LANES];   /* the tick at which it is not looked at: it was, before a perturbation */
     double perturbation[LANES];
-    long waiting, live, due; /* the next body; how many run; the tick when the first is out of steps */
+    int64_t waiting, live, due; /* the next body; how many run; the tick when the first is out of steps */
 };
 
 /* The next body for a lane from a tick on, or one that stands still and is never slow. */
-static void NAMED(LOOP, _take)(struct NAMED(LOOP, _lanes) *own, lanes *state, int lane, long tick,
+static void NAMED(LOOP, _take)(struct NAMED(LOOP, _lanes) *own, lanes *state, int lane, int64_t tick,
                                const struct certreg_batch *batch, const struct certreg_settings *settings)
 {
-    const long i = own->waiting < batch->count ? own->waiting++ : -1;
+    const int64_t i = own->waiting < batch->count ? own->waiting++ : -1;
     own->which[lane] = i, own->start[lane] = tick, own->passed[lane] = -1;
     own->perturbation[lane] = settings->first_perturbation;
     own->live += i >= 0;
@@ -33,11 +33,11 @@ static void NAMED(LOOP, _take)(struct NAMED(LOOP, _lanes) *own, lanes *state, in
 
 /* What becomes of a lane at a tick; `next` is overwritten where that is not the step just made. */
 static void NAMED(LOOP, _look)(struct NAMED(LOOP, _lanes) *own, const lanes *state, lanes *next, int lane,
-                               long tick, double speed, const struct certreg_batch *batch,
+                               int64_t tick, double speed, const struct certreg_batch *batch,
                                const struct certreg_settings *settings)
 {
-    const long i = own->which[lane];
-    const long taken = tick - own->start[lane];
+    const int64_t i = own->which[lane];
+    const int64_t taken = tick - own->start[lane];
     const int slow = speed < settings->squared_tolerance;
     const int last = taken >= settings->max_steps || speed != speed; /* NaN stays NaN */
     if (!(slow || last || batch->log) || i < 0 || own->passed[lane] == tick)
@@ -69,14 +69,14 @@ static void NAMED(LOOP, _look)(struct NAMED(LOOP, _lanes) *own, const lanes *sta
 }
 
 static __attribute__((noinline)) void NAMED(LOOP, _look_at_all)(
-    struct NAMED(LOOP, _lanes) *own, const lanes *state, lanes *next, long tick, const lanes *speed,
+    struct NAMED(LOOP, _lanes) *own, const lanes *state, lanes *next, int64_t tick, const lanes *speed,
     const struct certreg_batch *batch, const struct certreg_settings *settings)
 {
     for (int lane = 0; lane < LANES; lane++)
         NAMED(LOOP, _look)(own, state, next, lane, tick, AT(*speed, lane), batch, settings);
-    own->due = LONG_MAX;
+    own->due = INT64_MAX;
     for (int lane = 0; lane < LANES; lane++) {
-        const long due = own->start[lane] + settings->max_steps;
+        const int64_t due = own->start[lane] + settings->max_steps;
         if (batch->log)
             own->due = tick + 1;
         else if (own->which[lane] >= 0 && due < own->due)
@@ -90,7 +90,7 @@ void LOOP(const struct certreg_batch *batch, const struct certreg_settings *sett
     lanes *state = own.one, *next = own.other, speed;
     for (int lane = 0; lane < LANES; lane++)
         NAMED(LOOP, _take)(&own, state, lane, 0, batch, settings);
-    for (long tick = 0; own.live; tick++) {
+    for (int64_t tick = 0; own.live; tick++) {
         ADVANCE(state, own.body, own.step, next, &speed);
         if (tick >= own.due || !all_above(speed, settings->squared_tolerance))
             NAMED(LOOP, _look_at_all)(&own, state, next, tick, &speed, batch, settings);

@@ -4,6 +4,8 @@
 
 #include "layout.h"
 
+#include <stdint.h>
+
 /* A basin is orthonormal quaternions by descending eigenvalue, and their gaps to the largest. */
 
 /* What to do with a state that hardly moves; the first three say how a run ended. */
@@ -19,28 +21,28 @@ struct certreg_settings {
     double largest_perturbation;
     double newton_tolerance;  /* of h omega_m, midpoint only: radians */
     double largest_turn;      /* of h |omega_m| in a step, midpoint only: radians */
-    long newton_steps;        /* before the step is halved */
-    long halvings;            /* before a step is given up */
-    long max_steps;
+    int64_t newton_steps;        /* before the step is halved */
+    int64_t halvings;            /* before a step is given up */
+    int64_t max_steps;
 };
 
 /* Samples of one trajectory at evenly spaced steps, matrix_sample or quaternion_sample; when full,
  * every second goes. */
 struct certreg_log {
     double *rows;
-    long capacity;
-    long count;
-    long stride;
+    int64_t capacity;
+    int64_t count;
+    int64_t stride;
 };
 
 /* Bodies one after another in every array; `log` may be null, and is for one body only. */
 struct certreg_batch {
-    long count;
+    int64_t count;
     const double *bodies; /* records of layout.h: body */
     const double *basins; /* basin */
     const double *steps;  /* step (euler, midpoint), splitting_step */
     double *states;       /* matrix_state (euler), quaternion_state; start in, end out */
-    long *taken;          /* count: steps */
+    int64_t *taken;          /* count: steps */
     int *status;          /* count */
     int *escapes;         /* count */
     double *times;        /* count: of the springs */
@@ -53,9 +55,9 @@ int certreg_escape_matrix(double state[CERTREG_MATRIX_STATE], const double body[
 int certreg_escape_quaternion(double state[CERTREG_QUATERNION_STATE], const double body[CERTREG_BODY],
                               const double basin[CERTREG_BASIN],
                               const struct certreg_settings *settings, double *perturbation);
-void certreg_record_matrix(struct certreg_log *log, long step, double time, const double *state,
+void certreg_record_matrix(struct certreg_log *log, int64_t step, double time, const double *state,
                            const double *body);
-void certreg_record_quaternion(struct certreg_log *log, long step, double time, const double *state,
+void certreg_record_quaternion(struct certreg_log *log, int64_t step, double time, const double *state,
                                const double *body);
 
 #endif

@@ -25,7 +25,7 @@ static int middle_of(const double state[CERTREG_QUATERNION_STATE], const double 
 {
     double residual[3], jacobian[9], change[3], before = INFINITY;
     memcpy(middle, state + CERTREG_QUATERNION_STATE_OMEGA, 3 * sizeof(double));
-    for (long k = 0; k < settings->newton_steps; k++) {
+    for (int64_t k = 0; k < settings->newton_steps; k++) {
         certreg_midpoint_residual(state, body, middle, &step, residual, jacobian);
         if (!solve3(jacobian, residual, change))
             return 0;
@@ -51,7 +51,7 @@ static double advance(double state[CERTREG_QUATERNION_STATE], const double body[
                       const struct certreg_settings *settings)
 {
     double middle[3], next[CERTREG_QUATERNION_STATE], *q = next + CERTREG_QUATERNION_STATE_Q;
-    for (long k = 0; k <= settings->halvings; k++, step /= 2) {
+    for (int64_t k = 0; k <= settings->halvings; k++, step /= 2) {
         if (!middle_of(state, body, step, settings, middle))
             continue;
         certreg_midpoint_step(state, body, middle, &step, next);
@@ -67,13 +67,13 @@ static double advance(double state[CERTREG_QUATERNION_STATE], const double body[
     return 0;
 }
 
-static void run_one(const struct certreg_batch *batch, const struct certreg_settings *settings, long i)
+static void run_one(const struct certreg_batch *batch, const struct certreg_settings *settings, int64_t i)
 {
     const double *body = batch->bodies + i * CERTREG_BODY, *basin = batch->basins + i * CERTREG_BASIN;
     double *state = batch->states + i * CERTREG_QUATERNION_STATE;
     double perturbation = settings->first_perturbation, time = 0, speed;
     int end = CERTREG_GO_ON;
-    long taken = 0;
+    int64_t taken = 0;
     batch->escapes[i] = 0;
     for (;; taken++) {
         certreg_quaternion_squared_speed(state, body, &speed);
@@ -99,6 +99,6 @@ static void run_one(const struct certreg_batch *batch, const struct certreg_sett
 
 void certreg_midpoint_single(const struct certreg_batch *batch, const struct certreg_settings *settings)
 {
-    for (long i = 0; i < batch->count; i++)
+    for (int64_t i = 0; i < batch->count; i++)
         run_one(batch, settings, i);
 }

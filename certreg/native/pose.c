@@ -8,12 +8,12 @@
 
 #define SAMPLE 32 /* points, whose mean is the origin */
 
-static void near_mean(const struct certreg_columns *from, long count, double mean[3])
+static void near_mean(const struct certreg_columns *from, int64_t count, double mean[3])
 {
-    const long step = count > SAMPLE ? count / SAMPLE : 1;
-    long taken = 0;
+    const int64_t step = count > SAMPLE ? count / SAMPLE : 1;
+    int64_t taken = 0;
     mean[0] = mean[1] = mean[2] = 0;
-    for (long row = 0; row < count; row += step, taken++)
+    for (int64_t row = 0; row < count; row += step, taken++)
         for (int k = 0; k < 3; k++)
             mean[k] += certreg_entry(from, row, k);
     for (int k = 0; k < 3; k++)

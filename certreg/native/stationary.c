@@ -4,7 +4,11 @@
  * What becomes of a lane does not depend on its neighbours: where one is done, it is left alone. */
 #include "stationary.h"
 
+#if defined(__AVX2__) && !defined(__AVX512F__)
+#define LANES 4 /* GCC compares eight doubles of AVX2 one after another: twice the time */
+#else
 #define LANES CERTREG_SIDE_BY_SIDE
+#endif
 #include "lanes.h"
 #include "eigen.h"
 
@@ -27,11 +31,11 @@ static inline void powers_of_two(const int exponents[LANES], int sign, lanes uni
 }
 
 /* Numbers of all lanes side by side, over powers of two: the largest is in [1/2, 1). */
-static void scaled(const double *const from[LANES], long count, loose *to, int exponents[LANES],
+static void scaled(const double *const from[LANES], int64_t count, loose *to, int exponents[LANES],
                    lanes unit[2])
 {
     lanes largest = {0};
-    for (long k = 0; k < count; k++) {
+    for (int64_t k = 0; k < count; k++) {
         lanes x;
         for (int lane = 0; lane < LANES; lane++)
             x[lane] = from[lane][k];
@@ -42,19 +46,19 @@ static void scaled(const double *const from[LANES], long count, loose *to, int e
     for (int lane = 0; lane < LANES; lane++)
         frexp(largest[lane], exponents + lane);
     powers_of_two(exponents, -1, unit);
-    for (long k = 0; k < count; k++)
+    for (int64_t k = 0; k < count; k++)
         to[k] = to[k] * unit[0] * unit[1];
 }
 
-static void shifted(struct deviations *cloud, const loose *w, lanes mass, long points)
+static void shifted(struct deviations *cloud, const loose *w, lanes mass, int64_t points)
 {
     lanes sum[3] = {{0}}, rest[3] = {{0}};
-    for (long i = 0; i < points; i++)
+    for (int64_t i = 0; i < points; i++)
         for (int k = 0; k < 3; k++)
             sum[k] += w[i] * cloud->points[3 * i + k];
     for (int k = 0; k < 3; k++)
         cloud->shift[k] = sum[k] / mass;
-    for (long i = 0; i < points; i++)
+    for (int64_t i = 0; i < points; i++)
         for (int k = 0; k < 3; k++) {
             const lanes x = cloud->points[3 * i + k] - cloud->shift[k];
             cloud->points[3 * i + k] = x;
@@ -69,11 +73,11 @@ struct moments {
 };
 
 static void products(const struct deviations *x, const struct deviations *y, const loose *w, lanes mass,
-                     long points, struct moments *moments)
+                     int64_t points, struct moments *moments)
 {
     static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
     lanes cross[9] = {{0}}, scatter[6] = {{0}}, spread = {0};
-    for (long i = 0; i < points; i++) {
+    for (int64_t i = 0; i < points; i++) {
         const loose *a = x->points + 3 * i, *b = y->points + 3 * i;
         const lanes wa[3] = {w[i] * a[0], w[i] * a[1], w[i] * a[2]};
         for (int k = 0; k < 9; k++)
@@ -145,7 +149,7 @@ static inline lanes along(const lanes row[3], const loose *x)
 
 /* The mean of w |y - R x|^2 about the means, of clouds in these units. */
 static lanes square_of(const struct deviations *x, const struct deviations *y, const lanes units[2],
-                       const loose *w, lanes mass, long points, const lanes q[4])
+                       const loose *w, lanes mass, int64_t points, const lanes q[4])
 {
     lanes sum = {0}, turn[9], offset[3];
     rotation(q, turn);
@@ -153,7 +157,7 @@ static lanes square_of(const struct deviations *x, const struct deviations *y, c
         turn[r] *= units[0];
     for (int r = 0; r < 3; r++)
         offset[r] = y->rest[r] * units[1] - along(turn + 3 * r, x->rest);
-    for (long n = 0; n < points; n++) {
+    for (int64_t n = 0; n < points; n++) {
         const loose *a = x->points + 3 * n, *b = y->points + 3 * n;
         lanes squares = {0};
         for (int r = 0; r < 3; r++) {
@@ -167,7 +171,7 @@ static lanes square_of(const struct deviations *x, const struct deviations *y, c
 
 /* Root mean squares at four eigenvectors: by the residuals at the first, the others by the energy. */
 static void errors_of(const struct deviations *x, const struct deviations *y, const loose *w, lanes mass,
-                      long points, const lanes values[4], const lanes vectors[16], lanes errors[4])
+                      int64_t points, const lanes values[4], const lanes vectors[16], lanes errors[4])
 {
     int largest[LANES];
     lanes units[2], unit[2];
@@ -205,22 +209,22 @@ static void translations_of(const lanes means[CERTREG_MEANS], const lanes vector
 }
 
 /* Numbers of all lanes to where they belong; lanes beyond the last problem go nowhere. */
-static inline void put(const lanes *from, long size, double *to, long live)
+static inline void put(const lanes *from, int64_t size, double *to, int64_t live)
 {
-    for (long lane = 0; lane < live; lane++)
-        for (long k = 0; k < size; k++)
+    for (int64_t lane = 0; lane < live; lane++)
+        for (int64_t k = 0; k < size; k++)
             to[lane * size + k] = from[k][lane];
 }
 
-static void stationary_poses(const struct certreg_clouds *clouds, long first)
+static void stationary_poses(const struct certreg_clouds *clouds, int64_t first)
 {
-    const long left = clouds->count - first, live = left < LANES ? left : LANES, n = clouds->points;
+    const int64_t left = clouds->count - first, live = left < LANES ? left : LANES, n = clouds->points;
     loose *const w = (loose *)clouds->scratch;
     struct deviations x = {.points = w + n}, y = {.points = w + 4 * n};
     const double *sources[LANES], *targets[LANES], *weights[LANES];
     int exponents[LANES];
     for (int lane = 0; lane < LANES; lane++) {
-        const long i = first + (lane < live ? lane : live - 1);
+        const int64_t i = first + (lane < live ? lane : live - 1);
         sources[lane] = clouds->sources + i * clouds->source_step;
         targets[lane] = clouds->targets + i * clouds->target_step;
         weights[lane] = clouds->weights + i * clouds->weight_step;
@@ -229,7 +233,7 @@ static void stationary_poses(const struct certreg_clouds *clouds, long first)
     scaled(sources, 3 * n, x.points, x.exponents, x.unit);
     scaled(targets, 3 * n, y.points, y.exponents, y.unit);
     lanes mass = {0};
-    for (long i = 0; i < n; i++)
+    for (int64_t i = 0; i < n; i++)
         mass += w[i];
     shifted(&x, w, mass, n);
     shifted(&y, w, mass, n);
@@ -244,7 +248,7 @@ static void stationary_poses(const struct certreg_clouds *clouds, long first)
     means_of(&y, means + CERTREG_MEANS_TARGET);
     translations_of(means, vectors, translations);
     errors_of(&x, &y, w, mass, n, values, vectors, errors);
-    for (long lane = 0; lane < live; lane++) {
+    for (int64_t lane = 0; lane < live; lane++) {
         clouds->exponents[2 * (first + lane)] = x.exponents[lane];
         clouds->exponents[2 * (first + lane) + 1] = y.exponents[lane];
     }
@@ -262,6 +266,6 @@ static void stationary_poses(const struct certreg_clouds *clouds, long first)
 
 void certreg_stationary_poses(const struct certreg_clouds *clouds)
 {
-    for (long first = 0; first < clouds->count; first += LANES)
+    for (int64_t first = 0; first < clouds->count; first += LANES)
         stationary_poses(clouds, first);
 }

@@ -4,17 +4,19 @@
 
 #include "layout.h"
 
+#include <stdint.h>
+
 /* Problems one after another in every array; a step of 0 shares an array among all of them. What is
  * written is described in native/stationary.py. */
 struct certreg_clouds {
-    long count;
-    long points;
+    int64_t count;
+    int64_t points;
     const double *sources; /* points x 3 each */
     const double *targets;
     const double *weights; /* points each */
-    long source_step;      /* doubles from one problem to the next */
-    long target_step;
-    long weight_step;
+    int64_t source_step;      /* doubles from one problem to the next */
+    int64_t target_step;
+    int64_t weight_step;
     double *scratch;      /* CERTREG_SCRATCH doubles per point */
     int *exponents;       /* count x 2 */
     double *means;        /* records of layout.h: means */
@@ -29,7 +31,7 @@ struct certreg_clouds {
     double *rmse;         /* count x 4 */
 };
 
-#define CERTREG_SIDE_BY_SIDE 8 /* problems: one in each lane */
+#define CERTREG_SIDE_BY_SIDE 8 /* problems at most: one in each lane */
 #define CERTREG_SCRATCH (7 * CERTREG_SIDE_BY_SIDE)
 
 void certreg_stationary_poses(const struct certreg_clouds *clouds);

@@ -1,4 +1,4 @@
-"""Stationary poses of many small problems: the arrays, and how they are found without a compiler.
+"""Stationary poses of many small problems: the arrays, and how they are found in NumPy.
 
 NumPy and the generated Hessian in Python do what native/stationary.c does; sums are taken in
 another order.

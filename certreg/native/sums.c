@@ -19,7 +19,7 @@
 
 typedef double lanes __attribute__((vector_size(8 * LANES)));
 typedef float singles __attribute__((vector_size(4 * LANES)));
-typedef long long places __attribute__((vector_size(8 * LANES)));
+typedef int64_t places __attribute__((vector_size(8 * LANES)));
 
 /* Coordinate k of point l stands at 3 l + k: in the first two vectors of three, or in the last. */
 #define EARLY(l, k) (3 * l + k < 2 * LANES ? 3 * l + k : 0)
@@ -67,7 +67,7 @@ INLINE void unpack(lanes a, lanes b, lanes c, lanes out[3])
 }
 
 /* Coordinates of LANES points less the origin; `count` of them are there, the others get 0. */
-INLINE void load(const struct certreg_columns *from, long first, int count, enum layout layout,
+INLINE void load(const struct certreg_columns *from, int64_t first, int count, enum layout layout,
                  const double origin[3], lanes out[3])
 {
     const char *data = from->data + first * from->row;
@@ -86,7 +86,7 @@ INLINE void load(const struct certreg_columns *from, long first, int count, enum
         out[k] -= origin[k];
 }
 
-INLINE lanes load_weights(const struct certreg_columns *from, long first, int count,
+INLINE lanes load_weights(const struct certreg_columns *from, int64_t first, int count,
                           enum layout layout)
 {
     lanes w = {0};
@@ -98,7 +98,7 @@ INLINE lanes load_weights(const struct certreg_columns *from, long first, int co
 }
 
 /* LANES points from the one with the number `first` on. */
-INLINE void take(struct block *sum, const struct certreg_points *points, long first, int count,
+INLINE void take(struct block *sum, const struct certreg_points *points, int64_t first, int count,
                  enum layout layout, int weighted)
 {
     lanes x[3] = {{0}}, y[3] = {{0}}, w = {0};
@@ -150,11 +150,11 @@ static __attribute__((noinline)) void add_block(struct total *total, const struc
 }
 
 /* At most a block of points in any layout. */
-INLINE void add_some(struct total *total, const struct certreg_points *points, long first, long count,
+INLINE void add_some(struct total *total, const struct certreg_points *points, int64_t first, int64_t count,
                      int weighted)
 {
     struct block sum = {0};
-    long at = 0;
+    int64_t at = 0;
     for (; at + LANES <= count; at += LANES)
         take(&sum, points, first + at, LANES, ANY, weighted);
     if (at < count)
@@ -164,7 +164,7 @@ INLINE void add_some(struct total *total, const struct certreg_points *points, l
 }
 
 static __attribute__((noinline)) void add_any(struct total *total, const struct certreg_points *points,
-                                              long first, long count)
+                                              int64_t first, int64_t count)
 {
     if (points->weights.data)
         add_some(total, points, first, count, 1);
@@ -176,10 +176,10 @@ static __attribute__((noinline)) void add_any(struct total *total, const struct 
 INLINE void pass(const struct certreg_points *points, enum layout layout, int weighted,
                  struct total *total)
 {
-    long first = 0;
+    int64_t first = 0;
     for (; first + BLOCK <= points->count; first += BLOCK) {
         struct block sum = {0};
-        for (long at = 0; at < BLOCK; at += LANES)
+        for (int64_t at = 0; at < BLOCK; at += LANES)
             take(&sum, points, first + at, LANES, layout, weighted);
         struct block copy = sum;
         add_block(total, &copy);
@@ -215,7 +215,7 @@ static void pass_any(const struct certreg_points *points, struct total *total)
         CASE(ROWS_OF_SINGLES)
         CASE(COLUMNS)
     case ANY:
-        for (long first = 0; first < points->count; first += BLOCK)
+        for (int64_t first = 0; first < points->count; first += BLOCK)
             add_any(total, points, first,
                     points->count - first < BLOCK ? points->count - first : BLOCK);
     }

@@ -5,18 +5,19 @@
 /* The record `sums` of layout.h holds, with deviations x, y of source and target from their origins,
  * each times the weight and summed: 1; y.y; x, y; x x^T; y x^T. */
 #include "layout.h"
+#include <stdint.h>
 #include <string.h>
 
 /* Columns of numbers anywhere in memory: entry (i, k) stands `i * row + k * column` bytes on. */
 struct certreg_columns {
     const char *data;
-    long row;
-    long column;
+    int64_t row;
+    int64_t column;
     int single; /* nonzero: of type float; otherwise double */
 };
 
 static inline __attribute__((always_inline, unused)) double certreg_entry(const struct certreg_columns *from,
-                                                                         long row, long column)
+                                                                         int64_t row, int64_t column)
 {
     const char *place = from->data + row * from->row + column * from->column;
     double value;
@@ -30,7 +31,7 @@ static inline __attribute__((always_inline, unused)) double certreg_entry(const 
 }
 
 struct certreg_points {
-    long count;
+    int64_t count;
     struct certreg_columns source;  /* three columns */
     struct certreg_columns target;  /* three columns */
     struct certreg_columns weights; /* one; no data: all weights are one */

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.native import CompilationError, loaded_library, ready_library
+from certreg.native import MissingLibraryError, loaded_library
 from certreg.problem.arrays import row_blocks
 from certreg.problem.problem import lift
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from certreg.problem.problem import Block, RegistrationProblem
 
 FEW_POINTS = 32  # below, Python's own integers take no longer than a call of compiled code
-MANY_POINTS = 2048  # from here on compiled code or limbs, 25 ms of integers, whatever it takes
+MANY_POINTS = 2048  # from here on limbs, where nothing is compiled: 25 ms of integers
 THREADS = 2  # so many blocks at once, by compiled code and by NumPy
 LIMB_BITS = 20  # products of two limbs are below 2^40, and 2^13 of them add up within 2^53
 LIMB_POINTS = 1 << 12  # half of that: so many fit into the cache, and take half the time
@@ -96,9 +96,9 @@ def sums(problem: RegistrationProblem) -> Sums:
 
 def fastest_method(problem: RegistrationProblem) -> SumMethod:
     """The fastest method on this machine for so many points."""
-    if problem.n < FEW_POINTS or (problem.n < MANY_POINTS and ready_library() is None):
-        return SumMethod.INTEGERS
-    return SumMethod.LIMBS if _compiled() is None else SumMethod.COMPILED
+    if problem.n >= FEW_POINTS and _compiled() is not None:
+        return SumMethod.COMPILED
+    return SumMethod.INTEGERS if problem.n < MANY_POINTS else SumMethod.LIMBS
 
 
 def second_method(problem: RegistrationProblem) -> SumMethod:
@@ -108,7 +108,7 @@ def second_method(problem: RegistrationProblem) -> SumMethod:
 
 
 def sums_by(method: SumMethod, problem: RegistrationProblem, *, threads: int = THREADS) -> Sums:
-    """The sums over all points by one method. Raises CompilationError if that needs a compiler.
+    """The sums over all points by one method. Raises MissingLibraryError.
 
     threads: how many may work at once; Python's integers are added by one.
     """
@@ -152,7 +152,7 @@ def _compiled() -> Library | None:
     try:
         compiled = loaded_library()
         compiled.exact_sums(np.ones((1, 3)), np.ones((1, 3)), np.ones(1))
-    except CompilationError:
+    except MissingLibraryError:
         return None
     return compiled
 

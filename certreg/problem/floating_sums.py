@@ -22,7 +22,7 @@ import numpy as np
 from certreg.native import (
     MEANS,
     SUMS,
-    CompilationError,
+    MissingLibraryError,
     loaded_library,
     named,
     symmetric,
@@ -98,8 +98,8 @@ class FloatingSums:
 
 _COLUMNS = (  # struct certreg_columns; three of them one behind the other are made in one go
     ("data", ctypes.c_void_p),
-    ("row", ctypes.c_long),
-    ("column", ctypes.c_long),
+    ("row", ctypes.c_int64),
+    ("column", ctypes.c_int64),
     ("single", ctypes.c_int),
 )
 
@@ -108,7 +108,7 @@ class CloudPoints(ctypes.Structure):
     """struct certreg_points of native/sums.h."""
 
     _fields_ = (
-        ("count", ctypes.c_long),
+        ("count", ctypes.c_int64),
         *(
             (f"{of}_{name}", kind)
             for of in ("source", "target", "weights")
@@ -160,10 +160,10 @@ def total(row: Iterable[float]) -> float:
 
 @cache
 def compiled() -> Callable[[CloudPair], tuple[NDArray[np.float64], bool]] | None:
-    """The pass in C; None where there is no compiler."""
+    """The pass in C; None where it is not compiled."""
     try:
         function = loaded_library().handle.certreg_sums
-    except CompilationError:
+    except MissingLibraryError:
         return None
     function.restype = None
 

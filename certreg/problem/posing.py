@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.geometry import Pose
-from certreg.native import ready_library
+from certreg.native import library_if_any
 from certreg.problem.floating_sums import CHUNK_POINTS, TAKEN, CloudPoints, columns_of
 from certreg.problem.moments import (
     LARGEST_LEVER,
@@ -54,7 +54,7 @@ def floating_pose(
 ) -> FloatingPose | None:
     """The pose of clouds (N, 3), weights (N,), by one pass; None where more steps must decide.
 
-    These are: no compiled library that is ready, types that it does not read, many points, numbers
+    These are: no compiled library, types that it does not read, many points, numbers
     that are not finite or whose squares leave the doubles, weights < 0, a mean far from that of a
     few points.
     """
@@ -87,6 +87,6 @@ def floating_pose(
 
 @cache
 def _posed() -> Any:
-    """The function in C; None where it would have to be compiled first, for one process."""
-    library = ready_library()
+    """The function in C; None where there is no compiled library."""
+    library = library_if_any()
     return None if library is None else library.handle.certreg_pose

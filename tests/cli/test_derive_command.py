@@ -10,7 +10,7 @@ from claim_outcomes import outcome
 from commands import certreg
 
 from certreg.cli import derivations
-from certreg.native.compiler import GENERATED
+from certreg.native.kernels import GENERATED
 from certreg.paper import derivation
 from derivations import book
 

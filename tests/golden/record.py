@@ -106,7 +106,6 @@ class Recorder:
             str(self.work): "WORK",
             str((self.work / "inputs").resolve()): "INPUTS",
             sys.path[0]: "GOLDEN",  # this folder, in a traceback
-            os.environ.get("CERTREG_CACHE_DIR", "CACHE"): "CACHE",
         }
 
 

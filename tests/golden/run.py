@@ -99,6 +99,9 @@ def check_out(commit: str, folder: Path) -> None:
     shutil.rmtree(folder, ignore_errors=True)
     with tarfile.open(fileobj=io.BytesIO(git("archive", commit))) as archive:
         archive.extractall(folder, filter="data")
+    script = folder / "build_kernels.py"
+    if script.exists():  # earlier ones compile when they are first used
+        subprocess.run([sys.executable, script], check=True, stdout=subprocess.DEVNULL)
 
 
 def marked(commit: str, inputs: Path) -> str:
@@ -111,11 +114,10 @@ def marked(commit: str, inputs: Path) -> str:
 
 
 def record(checkout: Path, out: Path, *options: str | Path) -> None:
-    """The recorder on a checkout, which comes first on its path; compiled code is its own, too."""
+    """The recorder on a checkout, which comes first on its path; its compiled code, too."""
     environment = {
         **os.environ,
         "PYTHONPATH": str(checkout),
-        "CERTREG_CACHE_DIR": str(out.parent / "cache"),
         "COLUMNS": "80",
         "LC_ALL": "C.UTF-8",
         "OPENBLAS_NUM_THREADS": "1",

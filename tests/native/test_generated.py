@@ -11,15 +11,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 import sympy
+from engines import c_compiler
+from engines import engine as either
 
 from certreg.dynamics.body import body_of, start_at_rest
 from certreg.dynamics.simulation import simulate
 from certreg.io.atomic import write_files
 from certreg.native.codegen.emit import generated_files
 from certreg.native.codegen.translate import Definition, casadi_function, port
-from certreg.native.compiler import GENERATED, CompilationError, find_compiler
 from certreg.native.evaluator import evaluator
-from certreg.native.library import loaded_library
+from certreg.native.kernels import GENERATED
+from certreg.native.library import Library
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.registration.c_sources import write_sources
@@ -41,16 +43,10 @@ FILES = (
 PYTHON = (GENERATED / "dynamics.py").read_text()
 
 
-def c_compiler():
-    try:
-        return find_compiler()
-    except CompilationError as error:
-        pytest.skip(str(error))
-
-
-def library_or_skip():
-    c_compiler()
-    return loaded_library()
+def library_or_skip() -> Library:
+    found = either("library")
+    assert isinstance(found, Library)
+    return found
 
 
 @pytest.fixture(scope="module")

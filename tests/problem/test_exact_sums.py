@@ -14,7 +14,7 @@ from hypothesis.extra.numpy import arrays
 from certreg import RegistrationProblem
 from certreg.errors import CertregError
 from certreg.native import library as native
-from certreg.native.compiler import CompilationError
+from certreg.native.kernels import MissingLibraryError
 from certreg.problem import exact_sums
 from certreg.problem.exact_sums import (
     EMPTY,
@@ -166,17 +166,13 @@ def test_limbs_are_used_where_they_are_said_to_be(monkeypatch):
         assert sums_by(SumMethod.LIMBS, strategies.random_problem(rng, n=300, scale=scale))
 
 
-def test_the_method_is_chosen_by_the_number_of_points_and_whether_there_is_a_compiler(monkeypatch):
-    """Nothing is compiled for so few points as integers add up in no time."""
+def test_the_method_is_chosen_by_the_number_of_points_and_what_is_compiled(monkeypatch):
     n, integers = exact_sums.MANY_POINTS, SumMethod.INTEGERS
     sizes = (exact_sums.FEW_POINTS - 1, n - 1, n)
     problems = [RegistrationProblem(np.eye(size, 3), np.eye(size, 3)) for size in sizes]
 
-    exact_sums._compiled()
     compiled = [integers, SumMethod.COMPILED, SumMethod.COMPILED]
     assert [fastest_method(problem) for problem in problems] == compiled
-    monkeypatch.setattr(exact_sums, "ready_library", lambda: None)
-    assert [fastest_method(problem) for problem in problems] == [integers, integers, compiled[2]]
     monkeypatch.setattr(exact_sums, "_compiled", lambda: None)
     assert [fastest_method(problem) for problem in problems] == [
         integers,
@@ -187,7 +183,7 @@ def test_the_method_is_chosen_by_the_number_of_points_and_whether_there_is_a_com
 
 def test_without_integers_of_128_bits_there_is_no_compiled_method(monkeypatch):
     def refused(*_):
-        raise CompilationError("no integers of 128 bits")
+        raise MissingLibraryError("no integers of 128 bits")
 
     monkeypatch.setattr(native.Library, "exact_sums", refused)
     exact_sums._compiled.cache_clear()

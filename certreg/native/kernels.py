@@ -1,0 +1,137 @@
+"""The compiled library to load: of those built with the package the widest that this machine runs.
+
+A wheel carries them; in a checkout the set-up builds them into certreg/native/built (see
+build_kernels.py), and here is checked that they are of the sources that stand there now. Nothing is
+compiled at run time.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+import json
+import os
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from certreg.errors import CertregError
+
+HERE = Path(__file__).resolve().parent
+GENERATED = HERE / "generated"
+SIGNATURES = GENERATED / "signatures.json"
+BUILT = HERE / "built"
+RECORD = "built.json"  # what stands in that folder, and of what it was made
+PROCESSOR = HERE / "processor.c"
+UNITS = (
+    GENERATED / "dynamics.c",
+    HERE / "escape.c",
+    HERE / "midpoint.c",
+    HERE / "single.c",
+    HERE / "lanes.c",
+    HERE / "exact.c",
+    HERE / "pose.c",
+    HERE / "stationary.c",
+    HERE / "sums.c",
+)
+HEADERS = (
+    GENERATED / "dynamics.h",
+    GENERATED / "layout.h",
+    *(
+        HERE / name
+        for name in (
+            *("loops.h", "lanes.h", "loop.h", "exact.h"),
+            *("eigen.h", "pose.h", "stationary.h", "sums.h"),
+        )
+    ),
+)
+# No -ffast-math: a NaN must stay one. -fno-math-errno: sqrt as one instruction.
+FLAGS = ("-std=gnu11", "-O3", "-fno-math-errno", "-fPIC", "-Wno-psabi")
+BASELINE = "baseline"
+LEVELS = {BASELINE: 1, "x86-64-v3": 3, "x86-64-v4": 4}  # of certreg_level in processor.c
+WRITTEN = (  # by hand, not generated
+    "certreg_euler_single",
+    "certreg_euler_lanes",
+    "certreg_splitting_single",
+    "certreg_splitting_lanes",
+    "certreg_midpoint_single",
+    "certreg_exact_sums",
+    "certreg_pose",
+    "certreg_stationary_poses",
+    "certreg_sums",
+)
+VARIANT = "CERTREG_VARIANT"  # names a narrower one, or PYTHON
+PYTHON = "python"  # none: the generated Python
+REMEDY = "run `make kernels`, or install certreg again"
+
+
+class MissingLibraryError(CertregError):
+    """There is no compiled library; the message says why."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Built:
+    """What the build left.
+
+    digest: of the sources. checkout: whether it stands beside them, where they may be changed.
+    compiler: its own words. variants: file names, by the names in `LEVELS`. processor: the file
+    name of the library that tells the level. why: there is no library; empty where there is one.
+    """
+
+    digest: str
+    checkout: bool
+    compiler: str
+    processor: str
+    variants: dict[str, str]
+    why: str
+
+
+def source_digest() -> str:
+    """The digest of all that the libraries are made of."""
+    content = hashlib.sha256(repr((FLAGS, LEVELS)).encode())
+    for path in (PROCESSOR, *UNITS, *HEADERS):
+        content.update(hashlib.sha256(path.read_bytes()).digest())
+    return content.hexdigest()
+
+
+def record_of(folder: Path) -> Built:
+    """What stands in a folder. Raises MissingLibraryError where nothing was built."""
+    try:
+        document: Any = json.loads((folder / RECORD).read_text("utf-8"))
+        return Built(**document)
+    except (OSError, ValueError, TypeError) as error:
+        raise MissingLibraryError(f"certreg's C code is not built: {REMEDY}") from error
+
+
+def chosen_library() -> tuple[Path, str]:
+    """The library for this processor, and what it is. Raises MissingLibraryError."""
+    named = os.environ.get(VARIANT, "")
+    if named == PYTHON:
+        raise MissingLibraryError(f"{VARIANT} is {PYTHON}")
+    built = record_of(BUILT)
+    if built.checkout and built.digest != source_digest():
+        raise MissingLibraryError(f"certreg's C code differs from what was built: {REMEDY}")
+    if built.why:
+        raise MissingLibraryError(built.why)
+    here = runnable(built, BUILT)
+    if named and named not in here:
+        raise MissingLibraryError(f"{VARIANT} is {named}, of {', '.join((*here, PYTHON))}")
+    variant = named or here[-1]
+    return BUILT / built.variants[variant], f"{variant}, {built.compiler}"
+
+
+def runnable(built: Built, folder: Path) -> list[str]:
+    """The names of the variants that this processor runs, the widest last."""
+    level = LEVELS[BASELINE]
+    if len(built.variants) > 1:
+        level = _level(folder / built.processor)
+    return [name for name, least in LEVELS.items() if name in built.variants and least <= level]
+
+
+@cache
+def _level(library: Path) -> int:
+    try:
+        return int(ctypes.CDLL(str(library)).certreg_level())
+    except (OSError, AttributeError) as error:
+        raise MissingLibraryError(f"{library} cannot be loaded ({error}): {REMEDY}") from error
