@@ -51,6 +51,8 @@ def _stated_version(name: str) -> str:
 
 def _engine() -> str:
     try:
-        return native.current_engine().words  # asked for here: it loads NumPy
+        return native.loaded_library().words  # asked for here: it loads NumPy
+    except native.MissingLibraryError as error:
+        return f"generated Python: {error}"
     except ImportError as error:
         return f"none: {error}"

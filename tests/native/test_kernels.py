@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from commands import certreg
 from engines import engine
 
 import build_kernels
@@ -192,15 +193,30 @@ def test_of_an_installed_package_the_sources_are_not_read(copied, built, monkeyp
     assert chosen_library()[0].exists()
 
 
+@pytest.fixture
+def anew():
+    """Nothing is loaded yet, and what the test loads is forgotten."""
+    loaded_library.cache_clear()
+    yield
+    loaded_library.cache_clear()
+
+
+@pytest.mark.usefixtures("anew")
 def test_why_nothing_was_compiled_is_said_once_and_the_generated_python_runs(copied, built):
     recorded(copied, replace(built, variants={}, why="no compiler anywhere"))
-    loaded_library.cache_clear()
-    try:
-        with pytest.warns(SlowSimulationWarning, match="no compiler anywhere: simulating in Pyt"):
-            found = engines.current_engine.__wrapped__()
-    finally:
-        loaded_library.cache_clear()
+
+    with pytest.warns(SlowSimulationWarning, match="no compiler anywhere: simulating in Python"):
+        found = engines.current_engine.__wrapped__()
     assert found is evaluator()
+    assert "\nsimulation   generated Python: no compiler anywhere\n" in certreg("info").out
+
+
+@pytest.mark.usefixtures("anew")
+def test_info_names_the_variant_and_the_compiler(copied, built):
+    widest = kernels.runnable(built, copied)[-1]
+
+    line = f"\nsimulation   compiled with the package ({widest}, {built.compiler})\n"
+    assert line in certreg("info").out
 
 
 @pytest.mark.parametrize("content", [b"", b"garbage"])
