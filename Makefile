@@ -39,7 +39,7 @@ demo: $(RUNS)  ## register the packaged real data and prove the answers
 test: $(READY)  ## run the tests and the examples in the docstrings
 	@$(RUN) -m pytest
 
-test-long: $(READY)  ## the rest of the samples of which `make test` takes a part (two minutes)
+test-long: kernels  ## the rest of the samples of which `make test` takes a part (two minutes)
 	@$(RUN) -m pytest -m long
 	@$(RUN) -m pytest -m 'hypothesis and not long' --hypothesis-profile long
 
@@ -54,7 +54,7 @@ test-lowest:  ## the quick tests on the lowest versions that pyproject.toml name
 	@$(UV) pip install --quiet --python $(LOWEST)/bin/python --no-deps --no-build-isolation -e .
 	@$(LOWEST)/bin/python -m pytest -m quick -W ignore::DeprecationWarning $(TESTS)
 
-docs: $(READY)  ## run all proofs and examples and build the documentation: docs/_build/html
+docs: kernels  ## run all proofs and examples and build the documentation: docs/_build/html
 	@rm -rf docs/_build
 	@$(RUN) -m sphinx --quiet --fail-on-warning --keep-going --fresh-env --write-all --jobs auto \
 	  --builder html --doctree-dir docs/_build/doctrees docs docs/_build/html
@@ -89,34 +89,34 @@ proofs: $(READY)  ## check the Coq proofs and the verified checker (installs Coq
 	@$(RUN) derivations/coq/check.py
 	@CERTREG_PROOFS=1 $(RUN) -m pytest -q tests/certificate/test_coq.py
 
-test-huge: $(READY)  ## certify two mapped clouds of 8 GB each in 200 MB of memory beside what starting takes (ten minutes of a quiet machine, 16 GB of disk)
+test-huge: kernels  ## certify two mapped clouds of 8 GB each in 200 MB of memory beside what starting takes (ten minutes of a quiet machine, 16 GB of disk)
 	@$(RUN) tests/huge.py
 
-golden: $(READY)  ## compare what users see now and at a commit: make golden BASE=<commit> (minutes)
+golden: kernels  ## compare what users see now and at a commit: make golden BASE=<commit> (minutes)
 	@$(RUN) tests/golden/run.py $(BASE) $(ONLY)
 
-record: $(READY)  ## renew tests/golden/records, where what users see is meant to differ: make record, or ONLY=<case> (seconds)
+record: kernels  ## renew tests/golden/records, where what users see is meant to differ: make record, or ONLY=<case> (seconds)
 	@PYTHONPATH=tests $(RUN) tests/golden/net.py $(ONLY)
 
 fuzz: $(READY)  ## a million broken files for the readers (two minutes)
 	@$(RUN) tests/fuzz_readers.py
 
-fit-rates: $(READY)  ## warnings of a fit: ten misfits, 2,000 good problems (half a minute)
+fit-rates: kernels  ## warnings of a fit: ten misfits, 2,000 good problems (half a minute)
 	@$(RUN) tests/fit_rates.py
 
-slips: $(READY)  ## the slip that explains a pose: six on 200 random problems each, none of random rotations (two minutes)
+slips: kernels  ## the slip that explains a pose: six on 200 random problems each, none of random rotations (two minutes)
 	@$(RUN) tests/slips.py
 
-brackets: $(READY)  ## every printed bound beside an exact oracle, on 5,000 random problems (ten minutes)
+brackets: kernels  ## every printed bound beside an exact oracle, on 5,000 random problems (ten minutes)
 	@$(RUN) tests/brackets.py
 
-hard: $(READY)  ## 280 hard instances: codes of what is certified, simulations that converge (two minutes)
+hard: kernels  ## 280 hard instances: codes of what is certified, simulations that converge (two minutes)
 	@$(RUN) tests/hard_instances.py
 
 compare-checkers: $(READY)  ## hold verify.py to that of the commit BASE on 20,000 mutated certificates (a minute or two)
 	@PYTHONPATH=. $(RUN) tests/compare_checkers.py '$(BASE)'
 
-kills: $(READY)  ## kill campaigns at 20 random moments each and resume them (a few minutes)
+kills: kernels  ## kill campaigns at 20 random moments each and resume them (a few minutes)
 	@$(RUN) tests/campaign_kills.py
 
 generate: $(READY)  ## write certreg/native/generated anew from the derivations

@@ -80,13 +80,7 @@ def main() -> int:
     """Build for a folder that is named, or renew what the checkout has."""
     folders = [Path(name) for name in sys.argv[1:]]
     built = build(folders[0], checkout=False) if folders else renewed()
-    print(built.why or f"certreg's C code is compiled: {words_of(built)}")
     return 1 if built.why and os.environ.get(REQUIRED) else 0
-
-
-def words_of(built: Built) -> str:
-    """What was built, and by what."""
-    return f"{', '.join(built.variants)}, by {built.compiler}"
 
 
 def renewed(*, set_up: bool = True) -> Built:
@@ -115,6 +109,9 @@ def build(folder: Path, *, checkout: bool, set_up: bool = True) -> Built:
     for path in folder.glob(f"*{SUFFIX}"):  # nothing that another process is writing
         if path.name not in _names(built):
             path.unlink(missing_ok=True)
+    if set_up:
+        words = f"certreg's C code is compiled: {', '.join(built.variants)}, by {built.compiler}"
+        print(built.why or words)
     return built
 
 

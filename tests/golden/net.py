@@ -34,6 +34,7 @@ from commands import certreg
 from net_cases import CASES
 from volatile import stable_name, stable_text
 
+import build_kernels
 import certreg as package
 
 if TYPE_CHECKING:
@@ -320,5 +321,6 @@ def renew(names: Sequence[str]) -> Iterator[str]:
 
 
 if __name__ == "__main__":
+    build_kernels.renewed(set_up=False)
     for told in renew(sys.argv[1:]):
         sys.stdout.write(f"{told}\n")
