@@ -83,7 +83,7 @@ class Pose(Brief):
         return Pose(
             rotation=self.rotation.T.copy(),
             translation=_finite(shift),
-            quaternion_wxyz=canonical(np.array([w, *(0.0 - entry for entry in axial)])),
+            quaternion_wxyz=canonical(np.array([w, *(-entry for entry in axial)])),
         )
 
     def apply(self, points: ArrayLike) -> NDArray[np.float64]:

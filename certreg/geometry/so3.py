@@ -111,11 +111,11 @@ def squared_norm(v: Sequence[T]) -> T:
 
 
 def canonical(q: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The one of q and -q whose first nonzero entry is positive."""
+    """The one of q and -q whose first nonzero entry is positive; no zero of it is negative."""
     for entry in q:
         if entry != 0.0:
-            return q if entry > 0.0 else -q
-    return q
+            return (q if entry > 0.0 else -q) + 0.0
+    return np.zeros_like(q)
 
 
 def quaternion_from_matrix(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -133,7 +133,7 @@ def quaternions_from_matrices(rotations: NDArray[np.float64]) -> NDArray[np.floa
     forms: NDArray[np.float64] = np.array(davenport_matrix(entries))  # (4, 4, n)
     q: NDArray[np.float64] = np.linalg.eigh(np.moveaxis(forms, -1, 0))[1][:, :, -1]
     first = np.take_along_axis(q, (q != 0.0).argmax(axis=1)[:, None], axis=1)
-    return np.where(first > 0.0, q, -q)
+    return np.where(first > 0.0, q, -q) + 0.0
 
 
 def angle_between(p: NDArray[np.float64], q: NDArray[np.float64]) -> float:

@@ -105,6 +105,15 @@ def test_what_makes_explicit_euler_too_slow_is_named(damping, widths, size, word
         simulate(objective, damping)
 
 
+def test_of_many_bodies_the_one_that_is_too_stiff_is_named_with_its_own_numbers():
+    round_cloud = np.vstack([np.eye(3), -np.eye(3)])
+    thin = round_cloud * [1.0, 1e-4, 1e-4]
+    bodies = bodies_of(np.array([round_cloud, thin]), np.array([round_cloud] * 2))
+    with pytest.raises(DegenerateProblemError, match=r"is 2e-08 of that across it") as caught:
+        simulate_many(bodies, Integrator.EULER)
+    assert caught.value.instance == 1
+
+
 def test_a_damping_is_taken_just_inside_what_explicit_euler_bears():
     cloud = np.vstack([np.eye(3), -np.eye(3)])
     objective = objective_of(RegistrationProblem(cloud, cloud))

@@ -123,6 +123,20 @@ def test_no_entry_of_a_pose_is_minus_zero_where_zeros_are_turned():
     turn = Pose.from_matrix(np.diag([1.0, -1, -1, 1]))
     for pose in (turn.inverse(), turn @ turn, turn @ turn.inverse()):
         assert not np.signbit(pose.translation).any()
+        assert not np.signbit(pose.quaternion_wxyz[pose.quaternion_wxyz == 0.0]).any()
+
+
+@pytest.mark.parametrize("axis", np.vstack([np.eye(3), [[0.0, 0.6, -0.8], [0.0, -0.6, 0.8]]]))
+def test_the_inverse_of_a_half_turn_is_the_same_half_turn(axis):
+    turn = Pose.from_matrix(np.column_stack([2.0 * np.outer(axis, axis) - np.eye(3), np.zeros(3)]))
+    back = turn.inverse().quaternion_wxyz
+
+    assert np.allclose(back, turn.quaternion_wxyz, atol=1e-15)
+    assert back[np.flatnonzero(back)[0]] > 0.0
+    many = quaternions_from_matrices(turn.rotation[None])
+    for q in (canonical(np.array([-0.0, *-axis])), many[0]):
+        assert np.allclose(np.abs(q[1:]), np.abs(axis))
+        assert not np.signbit(q[q == 0.0]).any()
 
 
 @pytest.mark.parametrize("tiny", [1e-3, 1e-12, 5e-324])
