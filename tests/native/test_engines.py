@@ -19,7 +19,7 @@ from certreg.equilibrium import batch as instances
 from certreg.geometry.so3 import body_frame, rotation_matrix
 from certreg.native import loops
 from certreg.native.evaluator import evaluator
-from certreg.native.layout import plain
+from certreg.native.layout import named, plain
 from certreg.native.stationary import SHAPES
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
@@ -189,6 +189,45 @@ def test_no_body_is_given_more_steps_than_there_are_whatever_lane_it_takes(integ
     assert np.array_equal(cut.taken, np.minimum(whole.taken, most))
     ended = whole.taken <= most
     assert np.array_equal(cut.status, np.where(ended, whole.status, loops.Ending.OUT_OF_STEPS))
+
+
+@each_machine
+def test_arguments_of_other_sizes_are_refused(machine):
+    state, body = np.ones(18), np.ones(23)
+    run = engine(machine)
+    assert run.evaluate("certreg_rate", state, body)[0].shape == (18,)
+    for wrong in ((body, state), (state, body[:-1]), (state,)):
+        with pytest.raises(ValueError, match="numbers, not"):
+            run.evaluate("certreg_rate", *wrong)
+    for size in (17, 19, 36):
+        with pytest.raises(ValueError, match=r"expected \(\.\.\., 18\)"):
+            named(np.ones(size), loops.MATRIX_STATE)
+
+
+def test_a_batch_of_records_that_are_not_as_many_is_refused():
+    moving = [np.zeros(n, dtype=loops.MATRIX_STATE) for n in (2, 3)]
+    parts: dict[str, Any] = {
+        "bodies": np.zeros(2, dtype=loops.BODY),
+        "basins": np.zeros(2, dtype=loops.BASIN),
+        "steps": np.zeros(2, dtype=loops.STEP),
+    }
+    kept = loops.Batch.of(loops.Integrator.EULER, **parts, states=moving[0])
+    kept.states["c"] = 1.0
+
+    assert not moving[0]["c"].any()  # a copy
+    with pytest.raises(ValueError, match="states are"):
+        loops.Batch.of(loops.Integrator.EULER, **parts, states=moving[1])
+
+
+@each_integrator
+def test_more_threads_than_bodies_change_nothing(integrator, bodies):
+    q = bodies.basins["quaternions"][:, 1]
+    few, many = (released(bodies, integrator, q).part(slice(0, 2)) for _ in range(2))
+    engine("compiled").run(few, SimulationSettings(max_steps=9).rules)
+    engine("compiled").run(many, SimulationSettings(max_steps=9, threads=5).rules)
+
+    assert np.array_equal(few.states, many.states)
+    assert np.array_equal(few.taken, many.taken)
 
 
 @each_machine
