@@ -80,8 +80,10 @@ class Sums:
         x = _difference(self.source_exponent, a)
         y = _difference(self.target_exponent, b)
         w = _difference(self.weight_exponent, c)
-        for k, (of_source, of_target) in zip(self.integers, FACTORS, strict=True):
-            yield k << (w + of_source * x + of_target * y)
+        if not (x or y or w):
+            return self.integers
+        pairs = zip(self.integers, FACTORS, strict=True)
+        return [k << (w + of_source * x + of_target * y) for k, (of_source, of_target) in pairs]
 
 
 EMPTY = Sums(
@@ -196,7 +198,7 @@ def _by_few_limbs(block: Block) -> Sums:
     """The sums of at most 2^13 points; by integers where they take too many limbs."""
     weights = block.weights[:1] if (block.weights == block.weights[0]).all() else block.weights
     sides = (block.source, block.target, weights[:, None])
-    cut = [_limbs(side.T) for side in sides]
+    cut = [_limbs(np.ascontiguousarray(side.T)) for side in sides]
     if None in cut:
         return _by_integers(block)
     x, y, w = (limbs for limbs in cut if limbs is not None)
