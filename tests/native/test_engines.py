@@ -219,6 +219,14 @@ def test_a_batch_of_records_that_are_not_as_many_is_refused():
         loops.Batch.of(loops.Integrator.EULER, **parts, states=moving[1])
 
 
+def test_a_log_that_is_cleared_is_as_new():
+    log = loops.Log.of_capacity(8, loops.Integrator.EULER)
+    log.count, log.stride = 7, 4
+    log.clear()
+
+    assert (log.count, log.stride, len(log.samples)) == (0, 1, 0)
+
+
 @each_integrator
 def test_more_threads_than_bodies_change_nothing(integrator, bodies):
     q = bodies.basins["quaternions"][:, 1]

@@ -22,7 +22,7 @@ from certreg.paper import (
     simulations,
 )
 from certreg.paper.equilibria import equilibrium_run, signs
-from certreg.paper.figures import angle_errors, typical
+from certreg.paper.figures import _first_rises, angle_errors, typical
 from certreg.paper.monte_carlo import MonteCarlo, pieces, solved
 from certreg.paper.observations import Setup
 from certreg.paper.polygons import SQUARE, TRIANGLE, flipped
@@ -148,6 +148,13 @@ def test_of_two_runs_in_the_middle_the_shorter_is_typical():
 
     assert typical(runs).steps == 7
     assert typical(runs[:3]).steps == 9
+
+
+def test_first_rises_are_of_the_whole_energy_though_the_potential_falls():
+    potential, energy = np.array([9.0, 8, 7, 6, 5]), np.array([9.0, 10, 11, 11, 12])
+    run: Any = of(descent=of(potential=potential, energy=energy))
+
+    assert _first_rises(run) == 2
 
 
 def test_angles_are_drawn_by_what_and_how_they_were_measured():
