@@ -15,7 +15,14 @@ from certreg.report.markup import asset, inert, inert_json, printable, rendered
 from certreg.report.overview import Overview
 from certreg.report.remedies import TODO, remedies
 from certreg.report.summary import verdict_words, warnings
-from certreg.report.viewer import Names, packed, sample_of, scene_document, viewer_words
+from certreg.report.viewer import (
+    Names,
+    packed,
+    sample_of,
+    scene_document,
+    told_rmse,
+    viewer_words,
+)
 from certreg.report.words import (
     NOT_CLAIMED,
     THEOREMS,
@@ -170,7 +177,7 @@ def _body(report: Report) -> dict[str, Any]:
     angles = MethodAngles.of(registration.solution.agreement)
     return {
         "viewer": viewer_words(registration),
-        "trap": trap_words(registration.equilibria),
+        "trap": trap_words(registration.equilibria, told_rmse(registration)),
         "guarantee_words": GUARANTEE_WORDS,
         "known": sentences(registration, report.certificate.body, angles),
         "theorems": THEOREMS,

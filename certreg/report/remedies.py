@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 TODO = "What to do: "
 GIVE_SIGMA = "give sigma, which may rule the other pose out; or "
 TELL_APART = "add pairs off the axis of the turn to the other pose: they may tell the two apart"
+SINGLE_OUT = "add pairs off the line, plane or symmetry of these: they may single one pose out"
 FIX_TURN = "add pairs farther from that axis: they may fix the turn about it"
 WHY_BOTH = {  # a warning, and half of the target's spread or more explained
     FitCode.OUTLIER_ROWS: ": most rows fit, the warning is of the others",
@@ -27,12 +28,14 @@ MUCH = 0.5  # explained: less needs no excuse
 
 
 def remedies(registration: Registration) -> list[str]:
-    """A sentence for each warning of the fit, and for a rotation that the data hardly fix."""
+    """A sentence for each warning of the fit, and a rotation that is hardly fixed, or not."""
     told = [one.remedy for one in registration.fit.warnings]
     if registration.equilibria.nearly_ambiguous:
         told.append(f"{'' if registration.problem.noise_given else GIVE_SIGMA}{TELL_APART}")
     elif registration.equilibria.classification.unique and is_loose(registration):
         told.append(FIX_TURN)
+    elif not registration.equilibria.classification.unique and not told:
+        told.append(SINGLE_OUT)
     return [f"{TODO}{words}." for words in told]
 
 

@@ -65,7 +65,8 @@ def _rest(registration: Registration, index: int) -> dict[str, Any]:
     away = math.degrees(component.angle_to_optimum)
     notes = [f"RMSE {number(_rmse(registration, component))}"]
     if not component.optimal:
-        notes += filter(None, [factor_words(equilibria, index), f"{away:.4g}° from the optimum"])
+        factor = "" if registration.fit.rounded else factor_words(equilibria, index)
+        notes += filter(None, [factor, f"{away:.4g}° from the optimum"])
     return {
         "name": component_name(equilibria, index),
         "notes": notes,
@@ -151,10 +152,17 @@ def scene_document(registration: Registration, names: Names) -> dict[str, Any]:
     }
 
 
+def told_rmse(registration: Registration) -> float | None:
+    """The RMSE of the optimum, as the page tells it everywhere: that of the pose as printed.
+
+    Where the pose is bounded alone, the two are not the same.
+    """
+    bounded = registration.status is Optimality.BOUNDED
+    return registration.equilibria.components[0].rmse if bounded else registration.rmse
+
+
 def _rmse(registration: Registration, component: Component) -> float | None:
-    """Of the optimum the figure beside the scene: that of the pose as printed."""
-    printed = component.optimal and registration.status is not Optimality.BOUNDED
-    return registration.rmse if printed else component.rmse
+    return told_rmse(registration) if component.optimal else component.rmse
 
 
 def colours_end(registration: Registration) -> dict[str, Any]:

@@ -315,12 +315,16 @@ def turn_of(pose: Pose) -> tuple[float, tuple[float, ...] | None]:
     return degrees, tuple(entry / length for entry in axial)
 
 
-def trap_words(equilibria: EquilibriumSet) -> str | None:
-    """How wrong the worst stationary pose is, and that bodies leave it; None if all are optimal."""
+def trap_words(equilibria: EquilibriumSet, rmse: float | None = None) -> str | None:
+    """How wrong the worst stationary pose is, and that bodies leave it; None if all are optimal.
+
+    rmse: that of the pose as printed, where the page tells it; else of the exact optimum.
+    """
     worst, last = equilibria.components[-1], len(equilibria.components) - 1
     if worst.optimal or None in {worst.rmse, equilibria.components[0].rmse}:
         return None
-    factor, best = factor_words(equilibria, last), number(equilibria.components[0].rmse)
+    optimum = equilibria.components[0].rmse if rmse is None else rmse
+    factor, best = factor_words(equilibria, last), number(optimum)
     fit = f"with an RMSE of {number(worst.rmse)} instead of {best}"
     if number(worst.rmse) == best:
         fit = f"though its RMSE is {best}, as the optimum's is, in these digits"

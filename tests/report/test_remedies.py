@@ -16,7 +16,7 @@ from certreg.report import registration_summary, result_document
 from certreg.report.cards import registration_card
 from certreg.report.overview import Overview
 from certreg.report.page import Report, html_page
-from certreg.report.remedies import FIX_TURN, GIVE_SIGMA, TELL_APART, remedies
+from certreg.report.remedies import FIX_TURN, GIVE_SIGMA, SINGLE_OUT, TELL_APART, remedies
 from certreg.report.summary import OF_PRINTED, assessment_summary, number
 from certreg.report.viewer import FAR_MEDIANS, FAR_SIGMAS, Names, colours_end, scene_document
 from certreg.results import Limits
@@ -111,7 +111,10 @@ def test_a_rotation_that_hardly_stands_has_advice_too():
 def test_a_loose_turn_has_advice_too():
     loose = proved(CLOUD, GOOD, sigma=10.0)
 
+    line = np.outer(np.arange(5.0), [1.0, 2.0, 3.0])
+
     assert remedies(loose) == [f"What to do: {FIX_TURN}."]
+    assert remedies(proved(line, line)) == [f"What to do: {SINGLE_OUT}."]
 
 
 @pytest.mark.parametrize(
@@ -156,6 +159,10 @@ def test_one_rmse_is_told_where_all_are_rounding():
     assert scene["rounded"]
     assert scene["components"][0]["rmse"] == told.value == number(exact.rmse)
     assert told.words == "in the unit of the clouds, at rounding"
+    page = html_page(Report.of(exact)).decode().split("<script")[0]
+    assert page.count(told.value) == 3  # fit, pose at rest, how wrong the worst is
+    assert number(exact.equilibria.components[0].rmse) not in page
+    assert "times the optimum" not in page
     assert told.value not in {number(exact.equilibria.components[0].rmse), "0.000000"}
     assert OF_PRINTED in registration_summary(exact)
     assert OF_PRINTED not in registration_summary(proved(CLOUD, GOOD))

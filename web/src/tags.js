@@ -23,7 +23,7 @@ export class Tags {
     const seen = (row) => [stage.seen(clouds.target, row, false), stage.seen(clouds.source, row, true)];
     const shown = pairs.map(({ row, made }) => ({ made, at: seen(row), far: clouds.distances[row] }));
     shown.sort((one, other) => other.far - one.far);
-    const taken = shown.flatMap(({ at }) => at.map(around));
+    const taken = [...covers(stage.canvas), ...shown.flatMap(({ at }) => at.map(around))];
     const points = shown.length ? this.rows.flatMap(seen) : [];
     const size = [stage.canvas.clientWidth, stage.canvas.clientHeight];
     const lines = [];
@@ -77,6 +77,15 @@ function place(node, [x, y], { taken, points, size }) {
 
 function within([x, y], [left, top, right, bottom]) {
   return x > left - NEAR && x < right + NEAR && y > top - NEAR && y < bottom + NEAR;
+}
+
+/** What lies over the scene: axes, buttons, the bar of lengths. */
+function covers(canvas) {
+  const scene = canvas.getBoundingClientRect();
+  return ["axes", "zoom", "scale"].map((id) => {
+    const { left, top, right, bottom } = document.getElementById(id).getBoundingClientRect();
+    return [left - scene.left, top - scene.top, right - scene.left, bottom - scene.top];
+  });
 }
 
 function around([x, y]) {
