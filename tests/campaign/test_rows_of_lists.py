@@ -188,3 +188,23 @@ def test_every_pair_that_is_printed_moves_the_bar(
 
     assert [(bar.made, bar._todo, bar._items) for bar in bars] == [(3, 3, "pairs")]
     assert (tally.errors, len(capsys.readouterr().out.splitlines())) == (1, 3)
+
+
+def test_a_shard_that_is_done_again_takes_nothing_back_of_how_far_a_campaign_is():
+    workers = InProcess(1)
+    scheduler = runner._Scheduler(numbered(9), workers, VERSIONS)
+    assert scheduler.fill()
+    first, *_ = scheduler.under_way.values()
+    furthest = scheduler._furthest
+    assert furthest == len(scheduler.under_way) - 1 > first.shard
+    scheduler.under_way.clear()
+    scheduler.again.append(first)
+    assert scheduler.fill()
+
+    assert first in scheduler.under_way.values()
+    assert scheduler._furthest >= furthest
+    scheduler.under_way.clear()
+    scheduler.again.append(first)
+    scheduler._tasks = iter(())
+    scheduler.fill()
+    assert scheduler._furthest > first.shard

@@ -10,8 +10,10 @@ import pytest
 from commands import certreg, write_csv
 
 from certreg import __version__, _loading
+from certreg.campaign import PairCampaign, Tally
+from certreg.cli import campaigns, memory, progress
 from certreg.cli import main as program
-from certreg.cli import progress
+from certreg.errors import MissingToolError
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -130,3 +132,40 @@ def test_a_pose_is_judged_with_the_labels_of_the_rows(tmp_path: Path):
         "row 4 (P4), counting from 0, does"
         in certreg("assess", a, b, "--pose", tmp_path / "pose.txt").out
     )
+
+
+@pytest.mark.parametrize(("limit", "left"), [(1 << 29, (1 << 29) - memory.RESERVE), (1 << 20, 0)])
+def test_what_loads_first_is_given_the_limit_less_what_a_command_needs(
+    monkeypatch: pytest.MonkeyPatch, limit: int, left: int
+):
+    commands: list[list[str]] = []
+
+    def succeeds(command: list[str]) -> bool:
+        commands.append(command)
+        return False
+
+    monkeypatch.setattr(memory, "memory_limit", lambda: limit)
+    monkeypatch.setattr(memory, "_succeeds", succeeds)
+    with pytest.raises(MissingToolError, match=f"the {limit >> 20} MB of memory"):
+        memory.require_loadable("pass")
+
+    ((*_, code),) = commands
+    assert code == memory.LIMITED.format(left) + "pass"
+
+
+def test_each_limit_of_a_batch_is_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    write_csv(tmp_path / "a.csv", POINTS)
+    (tmp_path / "list.csv").write_text("source,target\na.csv,a.csv\n")
+    asked: list[PairCampaign] = []
+
+    def keep(campaign: PairCampaign, _scheduler: str | None) -> Tally:
+        asked.append(campaign)
+        return Tally()
+
+    monkeypatch.setattr(campaigns, "_streamed", keep)
+    options = ("--max-gap", "1e-7", "--max-angle", "1e-5", "--max-rmse", "2")
+    assert certreg("batch", tmp_path / "list.csv", *options).code == 0
+
+    (campaign,) = asked
+    assert (campaign.limits.max_gap, campaign.limits.max_angle) == (1e-7, 1e-5)
+    assert (campaign.demands.max_rmse, campaign.certificates) == (2.0, False)

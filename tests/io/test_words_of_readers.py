@@ -440,3 +440,10 @@ def test_an_index_that_nobody_chose_names_rows_beside_one_in_another_order():
         [0.0] * 3,
         [5.0] * 3,
     )
+
+
+@pytest.mark.parametrize("name", ["a.csv", "A.CSV"])
+def test_a_table_is_one_in_capitals_too(name: str):
+    """Only there quotes hold commas, and # begins no comment."""
+    read = cloud('label,x,y,z\n"P#1, left",1,2,3\n#2,4,5,6\n', name)
+    assert read.labels == ("P#1, left", "#2")

@@ -168,3 +168,19 @@ def test_rows_that_are_labelled_otherwise_are_told_on_both_sides():
         assert f"is labelled {told[0]!r} in source and {told[1]!r} in weights" in str(caught.value)
         assert (caught.value.limit, caught.value.value) == told
         assert str(caught.value).endswith("give weights.loc[source.index]")
+
+
+@pytest.mark.parametrize("block", [2, 100])
+def test_weights_are_equal_where_each_is_that_of_the_first(
+    monkeypatch: pytest.MonkeyPatch, block: int
+):
+    monkeypatch.setattr(arrays, "BLOCK_POINTS", block)
+    for weights, equal in (
+        ([3.0], True),
+        ([3.0] * 5, True),
+        ([2.0, 3.0, 3.0, 3.0, 3.0], False),
+        ([3.0, 3.0, 3.0, 3.0, 2.0], False),
+    ):
+        points = POINTS[: len(weights)]
+        problem = RegistrationProblem(points, points, weights=np.array(weights))
+        assert problem.equally_weighted == equal

@@ -409,3 +409,11 @@ def test_numbers_longer_than_doubles_are_taken_where_doubles_hold_them():
     if np.finfo(np.longdouble).nmant > 52:
         with pytest.raises(InvalidProblemError, match="no double holds exactly"):
             register(source / np.longdouble(3), target)
+
+
+def test_the_cloud_at_fault_is_named():
+    good, bad = np.zeros((3, 3)), np.zeros((3, 2))
+    for clouds, name in (((bad, good), "source"), ((good, bad), "target"), ((bad, bad), "source")):
+        with pytest.raises(InvalidProblemError, match=f"^{name} has shape") as caught:
+            register(*clouds)
+        assert caught.value.array == name

@@ -17,12 +17,13 @@ from scipy.spatial.transform import Rotation
 
 from certreg.geometry import given_pose
 from certreg.problem import MAX_DAMPING, MIN_DAMPING, RegistrationProblem
-from certreg.registration import CROSS_CHECK, certify, enumerated, judged
+from certreg.registration import CROSS_CHECK, certify, enumerated, judged, simulate
 from certreg.report import assessment_document, methods, page, result_document, summary, viewer
 from certreg.report.cards import assessment_card, registration_card
 from certreg.report.document import NOT_A_BOUND
 from certreg.report.page import Report
 from certreg.report.reload import Motion
+from certreg.report.thinning import FRAMES, thinned
 from certreg.report.uncertainty import uncertainty_rows
 from certreg.report.viewer import sample_of
 from certreg.results import Limits
@@ -250,3 +251,29 @@ def test_the_card_says_which_turn_is_too_large_for_a_first_order():
 
     assert told in summary.registration_summary(found)
     assert told in html.unescape(registration_card(found))
+
+
+def test_what_the_headline_warns_of_is_told_once():
+    target = TARGET.copy()
+    target[4] += [0.0, 3.0, 0.0]
+    found = solved(SOURCE, target)
+    (warning,) = found.fit.warnings
+
+    assert summary.registration_summary(found).count(warning.text) == 1
+    assert html.unescape(registration_card(found)).count(warning.text) == 1
+    pose = judged(found, given_pose(found.pose.T_target_source, None))
+    assert summary.assessment_summary(pose).count(warning.text) == 1
+
+
+def test_a_motion_is_shown_until_nothing_is_seen_to_move():
+    trajectory = simulate(RegistrationProblem(SOURCE, TARGET))
+    energy = trajectory.potential + trajectory.kinetic
+    still = np.flatnonzero(energy - energy[-1] > 1e-8 * (energy[0] - energy[-1]))[-1] + 1
+    run = thinned(trajectory)
+
+    assert (run.times[0], run.times[-1]) == (trajectory.times[0], trajectory.times[still])
+    assert still < len(energy) - 1
+    assert (run.last, len(run.times)) == (trajectory.times[-1], FRAMES)
+    rows = np.searchsorted(trajectory.times, run.times)
+    assert run.potential.tolist() == trajectory.potential[rows].tolist()
+    assert np.diff(run.times).max() <= 2.0 * run.times[-1] / (FRAMES - 1)
