@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from certreg.native import Library
     from certreg.problem.problem import Block, RegistrationProblem
 
-FEW_POINTS = 32  # below, Python's own integers take no longer than a call of compiled code
+FEW_POINTS = 16  # below, Python's own integers take no longer than a call of compiled code
 MANY_POINTS = 2048  # from here on limbs, where nothing is compiled: 25 ms of integers
 THREADS = 2  # so many blocks at once, by compiled code and by NumPy
 LIMB_BITS = 20  # products of two limbs are below 2^40, and 2^13 of them add up within 2^53
