@@ -27,7 +27,7 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from getopt import GetoptError, gnu_getopt
 from itertools import accumulate, chain
-from math import frexp, gcd, isfinite, isqrt, lcm
+from math import frexp, gcd, isfinite, isqrt, ldexp
 from operator import add, mul
 from pathlib import Path
 from typing import Any, ClassVar, Protocol
@@ -41,7 +41,8 @@ INLINE_MAX, FILE_MAX = 10**6, 10**8  # points in a certificate, 75 MB in base64;
 NODES_MAX = 50_000  # commas and brackets; each costs less than 600 bytes of memory: < 30 MB
 DIGITS_MAX, EXPONENT_MAX = 4300, 32768  # of an integer, as Python's own limit; of a dyadic
 LIMITS = {"max-angle": "angle", "max-gap": "share"}  # options, and what of Worth they limit
-BLOCK, DEGREES = 8192, Fraction("57.295779514")  # split at a time; in a radian: 180/pi = ...513...
+BLOCK, NEAR, STEP = 8192, 128, 64  # points split at a time; the spread, rounding of their exponents
+PRIME, SPARE, DEGREES = 2**31 - 1, 64, Fraction("57.295779514")  # in a radian: 180/pi = ...513...
 
 
 class RefusalError(Exception):
@@ -237,31 +238,34 @@ def moments(doubles: bytes | memoryview, n: int) -> tuple[Matrix, int]:
 
     Exact: doubles are integers times powers of two, and products with the same power are added up.
     """
-    sums = [[defaultdict[int, int](int) for _ in range(7)] for _ in range(7)]
+    sums: list[list[dict[int, int]]] = [[defaultdict(int) for _ in range(i, 7)] for i in range(7)]
     for start in range(0, n, BLOCK):
         count = min(BLOCK, n - start)
         x, y = (_split(doubles, first, 3 * count) for first in (3 * start, 3 * (n + start)))
         w, g = _split(doubles, 6 * n + start, count)
         require(min(w) >= 0, "a weight is negative")
+        near = all(len(set(e)) == 1 for e in (x[1], y[1], g))
         a = [([1] * count, [0] * count), *((k[i::3], e[i::3]) for k, e in (x, y) for i in range(3))]
         for i, (left, e) in enumerate(a):
-            weighted, exponents = list(map(mul, w, left)), list(map(add, g, e))
-            for j in range(i, 7):
-                terms = map(mul, weighted, a[j][0]), map(add, exponents, a[j][1])
-                for term, exponent in zip(*terms):  # noqa: B905 (3.9)
-                    sums[i][j][exponent] += term
+            weighted, powers = list(map(mul, w, left)), list(map(add, g[:1] if near else g, e))
+            for sum_, (right, f) in zip(sums[i], a[i:]):  # noqa: B905 (3.9)
+                terms = map(mul, weighted, right)
+                for power, term in zip(map(add, powers, f), [sum(terms)] if near else terms):  # noqa: B905
+                    sum_[power] += term
     least = min(chain(*chain(*sums)))
-    return [[sum(k << e - least for e, k in sum_.items()) for sum_ in row] for row in sums], least
+    table = [[sum([k << e - least for e, k in sum_.items()]) for sum_ in row] for row in sums]
+    return [[0] * (7 - len(row)) + row for row in table], least
 
 
 def _split(doubles: bytes | memoryview, first: int, count: int) -> tuple[list[int], list[int]]:
-    """Integers k and e such that the doubles are k 2^e."""
-    values = struct.unpack_from(f"<{count}d", doubles, 8 * first)
+    """Integers k and e such that the doubles are k 2^e; all e are the same unless far apart."""
+    values, bits = (struct.unpack_from(f"<{count}{kind}", doubles, 8 * first) for kind in "dQ")
     require(all(map(isfinite, values)), "the data hold a number that is not finite")
-    bits = struct.unpack_from(f"<{count}Q", doubles, 8 * first)
     require(1 << 63 not in bits, "the data hold -0.0, which is not canonical")
-    split = [frexp(value) for value in values]  # value = k 2^e, k 2^53 an integer
-    return [int(k * 2**53) for k, _ in split], [e - 53 for _, e in split]
+    exponents = [frexp(value)[1] - 53 for value in values]  # value / 2^e is an integer < 2^53
+    least, most = min(exponents), max(exponents)
+    exponents = [least] * count if most - least <= NEAR else [e - e % STEP for e in exponents]
+    return [int(ldexp(value, -e)) for value, e in zip(values, exponents)], exponents  # noqa: B905
 
 
 def cross(m: Matrix) -> Matrix:
@@ -285,6 +289,16 @@ def davenport(C: Matrix) -> Matrix:
     return [[trace, *z], *([z[i], *block[i]] for i in range(3))]
 
 
+def modulo(A: Matrix) -> Matrix:
+    """A modulo PRIME: what is not 0 there is not 0, whether that number is a prime or not."""
+    return [[entry % PRIME for entry in row] for row in A]
+
+
+def _determinant(A: Matrix) -> int:
+    (a, b, c), (d, e, f), (g, h, i) = A  # 3x3
+    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
+
+
 def positive_definite(A: Matrix) -> bool:
     """Whether the symmetric matrix A is positive definite: all leading minors > 0 (Sylvester).
 
@@ -299,6 +313,15 @@ def positive_definite(A: Matrix) -> bool:
                 below[j] = (below[j] * row[k] - below[k] * row[j]) // previous
         previous = row[k]
     return True
+
+
+def definite(A: Matrix, s: int) -> bool:
+    """Whether the symmetric 4x4 matrix A is positive definite, without its last s bits if may be.
+
+    A = 2^s B + E, 0 <= E_ij < 2^s, so |p^T E p| <= 4 2^s |p|^2: if B - 4 I > 0 then A > 0.
+    """
+    B = [[(A[i][j] >> s) - 4 * (i == j) for j in range(4)] for i in range(4)]
+    return positive_definite(B) or positive_definite(A)
 
 
 def _form(A: Matrix, v: Sequence[int]) -> int:  # v^T A v
@@ -383,40 +406,46 @@ class IsotropicStatement(Statement):
         """All claims, by the functions below; what these prove stands in their docstrings."""
         good = self.delta > 0 and self.mu >= 0 and any(self.pose)
         require(good, "delta > 0, mu >= 0 and a pose other than 0 needed")
-        mass, C, J = m[0][0], cross(m), inertia(m)
+        mass, q, norm = m[0][0], self.pose, sum(c * c for c in self.pose)
         require(mass > 0, "no weight is positive")
-        unit = Fraction(2) ** e / mass  # of C, J and K
-        K, pattern, solid = davenport(C), multiplicities(C), positive_definite(J)
-        v = Fraction(_form(K, self.pose), sum(c * c for c in self.pose)) * unit
-        level = v + self.delta - self.mu
-        optimal = proves_level(K, unit, self.pose, level, self.mu)
+        C, J = cross(m), inertia(m)
+        K, pattern = davenport(C), multiplicities(C)
+        solid = _determinant(modulo(J)) % PRIME != 0 or _determinant(J) > 0  # J >= 0, as all w are
+        over = max(x.denominator for x in (_power(e), self.delta, self.mu, self.nu or self.mu))
+        one, unit = mass * over, int(_power(e) * over)  # numbers times one are integers, K / unit
+        v, delta, mu = _form(K, q) * unit, int(self.delta * one), int(self.mu * one)  # v over norm
+        level = v + (delta - mu) * norm
+        optimal = proves_level(K, unit, q, level, mu, delta * norm)
         require(optimal, "delta and mu do not prove the pose optimal")
         self._require_bounds()
         self._require_equilibria(pattern, solid=solid)
-        nu, gap = self.nu, self.sdp_gap
-        dual = nu is None or proves_level(K, unit, self.pose, nu, Fraction(0))
-        require(dual, "sdp.nu bounds nothing")
-        bounded = gap is None or (nu is not None and gap >= 2 * (nu - v))
+        nu, gap = None if self.nu is None else int(self.nu * one) * norm, self.sdp_gap
+        require(nu is None or proves_level(K, unit, q, nu, 0, nu - v), "sdp.nu bounds nothing")
+        bounded = gap is None or (nu is not None and gap * one * norm >= 2 * (nu - v))
         require(bounded, "claims.sdp_gap is below the proved bound 2 (nu - v)")
         if self.basin:
             p, w = self.quaternion, self.angular_velocity
-            inside = solid and p and w and proves_basin(K, J, level / unit, p, w)
+            inside = solid and p and w and proves_basin(K, J, Fraction(level, norm * unit), p, w)
             require(inside, "claims.basin is not proved of the state in basin")
-        worth = self._worth(m, K, v, unit)
+        worth = self._worth(m, e, K, J)
         theorems = tuple(self._words(worth, pattern, solid=solid, equal=equal))
         return Outcome(verified=True, theorems=theorems, reason="", worth=worth)
 
-    def _worth(self, m: Matrix, K: Matrix, v: Fraction, unit: Fraction) -> Worth:
+    def _worth(self, m: Matrix, e: int, K: Matrix, J: Matrix) -> Worth:
         """The objective is sum w (|x|^2 + |y|^2) - 2 v, x and y less their means.
 
         Range: 2 (l1 - l4), K having eigenvalues l1 >= ... >= l4. As tr K = 0, the sum of squares
         F^2 = sum K_ij^2 is 4 times their variance, at most (l1 - l4)^2 (Popoviciu): range >= 2 F.
         Angle: a/2 < tan(a/2) < sqrt(s/(1 - s)) if a < pi, where sin^2(a/2) < s = delta/mu < 1.
         """
-        delta, mu, gap = self.delta, self.mu, 2 * self.delta
-        weight, square = unit * m[0][0] ** 2, sum(k * k for k in chain(*K)) * unit**2
-        objective = unit * sum(m[0][0] * m[k][k] - m[0][k] ** 2 for k in range(1, 7)) - 2 * v
-        share = root_up(gap**2 / (4 * square)) if square else Fraction(0)
+        delta, mu, gap, mass = self.delta, self.mu, 2 * self.delta, m[0][0]
+        weight, norm = mass * _power(e), sum(c * c for c in self.pose)
+        sums = (J[0][0] + J[1][1] + J[2][2]) // 2  # of w |x|^2; w |y|^2 is added:
+        sums += sum(mass * m[k][k] - m[0][k] ** 2 for k in (4, 5, 6))
+        objective = Fraction(sums * norm - 2 * _form(K, self.pose), mass * norm) * _power(e)
+        bits = max(k.bit_length() for k in chain(*K))  # of which the first 512 will do
+        F = isqrt(sum((abs(k) << 512 >> bits) ** 2 for k in chain(*K)))  # <= F 2^(512 - bits)
+        share = delta * Fraction(mass, F) * _power(512 - bits - e) if F else Fraction(0)
         angle = 2 * root_up(delta / (mu - delta)) if mu > delta else None
         angle = angle if angle and angle < Fraction("3.14159265") else None
         least = max(objective - gap, Fraction(0))
@@ -479,10 +508,10 @@ class IsotropicStatement(Statement):
         yield "Not proved: anything under `about`, and where the points come from."
 
 
-def proves_level(
-    K: Matrix, unit: Fraction, q: Sequence[int], level: Fraction, mu: Fraction
-) -> bool:
-    """Whether A = level I - K + mu u u^T is positive definite; u = q/|q|, K given over unit.
+def proves_level(K: Matrix, unit: int, q: Sequence[int], level: int, mu: int, slack: int) -> bool:
+    """Whether A = level I - K + mu u u^T is positive definite; u = q/|q|.
+
+    K is given over 1/unit, level over |q|^2; bits of A far below slack are taken last.
 
     Where it is, mu >= 0 and level = v + delta - mu, v = u^T K u, every unit quaternion p satisfies
         p^T K p - v < delta - mu (1 - (u.p)^2).                                              (*)
@@ -493,12 +522,9 @@ def proves_level(
     unit p orthogonal to u, for which (*) says p^T K p < v + delta - mu <= v: not the largest.
     With mu = 0 every p^T K p < level: the gap is below 2 (level - v), the dual's own bound.
     """
-    diagonal, along = level / unit, Fraction(mu, sum(c * c for c in q)) / unit
-    common = lcm(diagonal.denominator, along.denominator)
-    d, f = int(diagonal * common), int(along * common)
-    return positive_definite(
-        [[f * q[i] * q[j] - common * K[i][j] + d * (i == j) for j in range(4)] for i in range(4)]
-    )
+    n, indices = sum(c * c for c in q) * unit, range(4)
+    A = [[mu * q[i] * q[j] - n * K[i][j] + level * (i == j) for j in indices] for i in indices]
+    return definite(A, max(slack.bit_length() - SPARE, 0))
 
 
 def proves_basin(
@@ -524,14 +550,16 @@ def multiplicities(C: Matrix) -> list[int]:
     d1 = d2, d2 = d3. e1, e2, e3 are the symmetric functions of the d_i^2, eigenvalues of C^T C;
     two of these coincide where the discriminant is 0, and s = 2 (b - a)^3 for (a, a, b).
     """
-    divisor = gcd(*chain(*C)) or 1
-    (a, b, c), (d, e, f), (g, h, i) = rows = [[entry // divisor for entry in row] for row in C]
-    P = [sum(row[j] * row[k] for row in rows) for j in range(3) for k in range(3)]  # C^T C
-    D = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
-    e1 = P[0] + P[4] + P[8]
-    e2, e3 = (e1 * e1 - sum(map(mul, P, P))) // 2, D * D
-    s = 2 * e1**3 - 9 * e1 * e2 + 27 * e3
-    if e1**2 * e2**2 - 4 * e2**3 - 4 * e1**3 * e3 + 18 * e1 * e2 * e3 - 27 * e3**2 != 0:
+    for A in (modulo(C), C):
+        P = [sum(row[j] * row[k] for row in A) for j in range(3) for k in range(3)]  # C^T C
+        D = _determinant(A)
+        e1 = P[0] + P[4] + P[8]
+        e2, e3 = (e1 * e1 - sum(map(mul, P, P))) // 2, D * D
+        s = 2 * e1**3 - 9 * e1 * e2 + 27 * e3
+        square = e1**2 * e2**2 - 4 * e2**3 - 4 * e1**3 * e3 + 18 * e1 * e2 * e3 - 27 * e3**2
+        if square % PRIME:
+            return [1, 1, 1, 1]
+    if square != 0:
         return [1, 1, 1, 1]
     if e2 == 0:
         return [2, 2] if e1 else [4]

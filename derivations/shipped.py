@@ -25,9 +25,8 @@ from certreg.verify import (
 from .notation import scalar
 from .rings import flat, ring_of
 
-UNIT_INVERSE = scalar("unit_inverse")  # of the unit over which the checker holds K and J
+UNIT = scalar("unit")  # of K: the checker holds K / unit in integers
 NORM_INVERSE = scalar("norm_inverse")  # of |q|^2
-COMMON = scalar("common")  # the common denominator of the checker's fractions
 TWO_POWER = scalar("two_power")  # the power of two of the angular velocity's exponent
 
 
@@ -57,37 +56,6 @@ def _names_in(code: CodeType) -> set[str]:
 
 class Exponent:
     """An integer of which only its power of two is taken: it has no arithmetic."""
-
-
-class Divisor:
-    """A number that is only divided by, and what a quotient by it is."""
-
-    def __init__(self, ring: Any, quotient: Callable[[Any], Any]) -> None:
-        self.ring, self.quotient = ring, quotient
-
-    def __rtruediv__(self, dividend: Any) -> Any:
-        modelled(_is_element(self.ring, dividend), f"{dividend!r} is no polynomial")
-        return self.quotient(dividend)
-
-
-class Cleared:
-    """A fraction that is only multiplied with a multiple of its denominator, `COMMON`.
-
-    met: those whose denominators this is a multiple of.
-    """
-
-    def __init__(self, value: Any, met: set[Cleared]) -> None:
-        self.value, self.met = value, met
-
-    @property
-    def denominator(self) -> Cleared:
-        """Itself, in the place of a number."""
-        return self
-
-    def __mul__(self, common: Any) -> Any:
-        good = self in self.met and common == self.value.ring.from_expr(COMMON)
-        modelled(good, "a fraction times what is no multiple of its denominator")
-        return self.value * common
 
 
 class Bound:
@@ -136,31 +104,12 @@ def checked_coefficients(C: Any, chart: Any) -> Any:
 def checked_matrix(K: Any, q: Any, level: Any, mu: Any) -> Any:
     """The 4x4 matrix whose definiteness `certreg.verify.proves_level` decides.
 
-    K is given over a unit, of inverse `UNIT_INVERSE`; the inverse of |q|^2 is `NORM_INVERSE`. The
-    common denominator that fractions are cleared of is `COMMON`.
+    K is given over `UNIT`, the level over 1/|q|^2.
     """
-    ring = ring_of([*flat(K), *q, level, mu, UNIT_INVERSE, NORM_INVERSE, COMMON])
-    row, seen = _row(ring, q), []
-    cleared: set[Cleared] = set()
-
-    def common(*denominators: Any) -> Any:
-        modelled(all(isinstance(one, Cleared) for one in denominators), "another denominator")
-        cleared.update(denominators)
-        return ring.from_expr(COMMON)
-
-    def whole(value: Any) -> Any:
-        modelled(_is_element(ring, value), f"{value!r} made an integer")
-        return value
-
-    decide = rerouted(
-        proves_level,
-        Fraction=fraction_over(_norm(row)),
-        lcm=common,
-        int=whole,
-        positive_definite=seen.append,
-    )
-    unit = Divisor(ring, lambda over: Cleared(over * ring.from_expr(UNIT_INVERSE), cleared))
-    decided = decide(_elements(ring, K), unit, row, ring.from_expr(level), ring.from_expr(mu))
+    ring, seen = ring_of([*flat(K), *q, level, mu, UNIT]), []
+    decide = rerouted(proves_level, definite=lambda A, _: seen.append(A))
+    unit, raised, along = (ring.from_expr(sympy.sympify(x)) for x in (UNIT, level, mu))
+    decided = decide(_elements(ring, K), unit, _row(ring, q), raised, along, 0)
     modelled(len(seen) == 1 and decided is None, "more than one definiteness decides")
     return _expressions(seen[0])
 

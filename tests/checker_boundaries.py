@@ -20,6 +20,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
+from itertools import chain
 from math import isqrt
 from pathlib import Path
 from types import SimpleNamespace
@@ -196,6 +197,39 @@ def optimality_cases() -> Iterator[Case]:
         yield Case(f"pose e{k}", outcome_of(changed(good, pose=pose)), answer)
 
 
+def modulus_cases() -> Iterator[Case]:
+    """What is not 0, but is modulo the checker's prime: the exact numbers decide."""
+    prime = 2**31 - 1
+    for d in ((prime + 1, 1, 3), (prime, prime + 2, 5)):
+        C = [[d[i] * (i == j) for j in range(3)] for i in range(3)]
+        simple = value_of(lambda checker, C=C: checker.multiplicities(C))
+        yield Case(f"multiplicities of {d}", simple, r"\[1, 1, 1, 1\]$")
+    heavy = oracle.with_problem(axes(), oracle.problem_bytes(AXES, AXES, [float(prime)] * 6))
+    yield Case("weights that are 0 modulo the prime", outcome_of(heavy), "VERIFIED")
+
+
+def leading_cases() -> Iterator[Case]:
+    """Matrices 2^s B + E, E >= 0, that B tells wrongly: E takes 2 2^s along (1, -1, 1, -1)."""
+    signs, size, s = (1, -1, 1, -1), 2**60, 50
+    for name, along, definite in (("inside", 2, "True"), ("outside", 1, "False")):
+        B = [
+            [
+                size * (i // 2 == j // 2) + (along + (along == 1 and i < 3)) * (i == j)
+                for j in range(4)
+            ]
+            for i in range(4)
+        ]
+        A = [
+            [(B[i][j] << s) + (2**s - 1) * (signs[i] != signs[j]) for j in range(4)]
+            for i in range(4)
+        ]
+        yield Case(
+            f"leading bits, {name}",
+            value_of(lambda checker, A=A: checker.definite(A, s)),
+            definite + "$",
+        )
+
+
 def general_cases(example: Example) -> Iterator[Case]:
     """Points in general position, a quaternion whose residual matters."""
     mu = threshold(lambda x: x < example.gap / 2, Fraction(0), example.gap)
@@ -302,6 +336,10 @@ def basin_cases(example: Example) -> Iterator[Case]:
         ("no rotation", ([0, 0, 0, 0], [0, 0, 0, 0]), False),
     ):
         yield Case(f"basin: {name}", outcome_of(in_state(equal, *state)), said(inside=inside))
+    finer = stated(good, Fraction(1, 2**400), 10 + Fraction(1, 2**400))  # than K's unit
+    for name, velocity, inside in (("below", 2**31 - 1, True), ("above", -(2**31) - 1, False)):
+        spinning = in_state(finer, best, [velocity, 0, 0, -30])
+        yield Case(f"basin: fine, {name} the level", outcome_of(spinning), said(inside=inside))
     for name, parts in {
         "no state": {"basin": None},
         "no rotation given": {"basin": {"quaternion": None, "angular_velocity": [0, 0, 0, 0]}},
@@ -702,6 +740,43 @@ def block_cases() -> Iterator[Case]:
             )
 
         yield Case(f"moments of {n}", value_of(agrees), "True$")
+    yield from _apart_cases()
+
+
+def _apart_cases() -> Iterator[Case]:
+    """Moments of numbers far apart: all of them, those of one cloud, and the weights alone."""
+    random = np.random.default_rng(3)
+    ones, powers = np.ones((3, 5)), 2.0 ** random.integers(-300, 300, (3, 5))
+    for name, scales in {
+        "all": powers,
+        "sources": [powers[0], *ones[1:]],
+        "targets": [ones[0], powers[1], ones[2]],
+        "weights": [*ones[:2], powers[2]],
+    }.items():
+        source, target = (random.normal(size=(5, 3)) * scales[k][:, None] for k in (0, 1))
+        weights = random.uniform(1, 2, 5) * scales[2]
+        content = oracle.problem_bytes(source, target, weights)[26:]
+        rows = [
+            [Fraction(float(x)) for x in (1, *a, *b)] for a, b in zip(source, target, strict=True)
+        ]
+        table = [
+            [
+                sum(
+                    Fraction(float(w)) * row[i] * row[j]
+                    for w, row in zip(weights, rows, strict=True)
+                )
+                for j in range(7)
+            ]
+            for i in range(7)
+        ]
+
+        def agrees(checker: Any, content: bytes = content, table: Any = table) -> bool:
+            m, e = checker.moments(content, 5)
+            return all(
+                m[i][j] * Fraction(2) ** e == table[i][j] for i in range(7) for j in range(i, 7)
+            )
+
+        yield Case(f"moments far apart, {name}", value_of(agrees), "True$")
 
 
 # --- Equilibrium sets, counts, words, the command -------------------------------------------------
@@ -980,7 +1055,8 @@ def tiny_weight_cases() -> Iterator[Case]:
 
 def number_of_worth_cases() -> Iterator[Case]:
     """The numbers, held against sums over the points; the bounds are sharp to 18 digits."""
-    for scale in (1.0, 2.0**300):
+    long = 2.0 ** np.array([-400, *[0] * 6])[:, None]  # of one point: K has 900 bits
+    for name, scale in (("1", 1.0), ("2^300", 2.0**300), ("2^-400 of one", long)):
         source, target, weights = oracle.random_problem(seed=2, n=7, noise=0.3)
         source = source * scale
         certificate = oracle.produce(source, target, weights)
@@ -1007,7 +1083,7 @@ def number_of_worth_cases() -> Iterator[Case]:
             near = (b < a**2 < b * sharp for a, b in zip(roots, squares, strict=True))
             return found == exact and all(near)
 
-        yield Case(f"worth at scale {scale}", value_of(agrees), "True$")
+        yield Case(f"worth at scale {name}", value_of(agrees), "True$")
 
 
 def energy_of(q: list[int], source: Any, target: Any, weights: list[Fraction]) -> Fraction:
@@ -1173,6 +1249,7 @@ def _cases_by_subject() -> dict[str, list[Case]]:
         "words": word_cases(),
         "count": count_cases(),
         "pattern": pattern_cases(),
+        "short cuts": chain(modulus_cases(), leading_cases()),
         "basin": basin_cases(example),
         "general": general_cases(example),
         "form": form_cases(),

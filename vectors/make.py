@@ -16,6 +16,7 @@ import struct
 import sys
 from fractions import Fraction
 from itertools import accumulate, chain
+from math import lcm
 from pathlib import Path
 from typing import Any
 
@@ -27,8 +28,8 @@ from certreg.verify import (
     moments,
     multiplicities,
     positive_definite,
+    proves_level,
 )
-from certreg.verify import proves_level as proves
 
 Points = list[list[float]]
 Certificate = dict[str, Any]
@@ -124,6 +125,13 @@ def produced(source: Points, target: Points, weights: list[float] | None = None)
         "problem": stated(content, n),
         "sdp": {"nu": nu},
     }
+
+
+def proves(K: list[list[int]], unit: Fraction, q: list[int], level: Fraction, mu: Fraction) -> bool:
+    """The checker's answer, of K over a unit: it takes integers."""
+    level *= sum(c * c for c in q)
+    common = lcm(unit.denominator, level.denominator, mu.denominator)
+    return proves_level(K, int(unit * common), q, int(level * common), int(mu * common), 0)
 
 
 def bounds(

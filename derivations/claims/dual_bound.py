@@ -9,14 +9,14 @@ from typing import Any
 from certreg.geometry.so3 import davenport_matrix, quadratic_form
 from certreg.verify import proves_level
 
-from ..algebra import Square, combination, facts, identity, nonnegative
+from ..algebra import Square, facts, identity, nonnegative
 from ..hypotheses import semidefinite
-from ..hypothesis import Hypothesis, Standing, invertible, nonnegative_by
+from ..hypothesis import Hypothesis, nonnegative_by
 from ..kernel import Claim, Mutation, Proof
 from ..notation import Matrix, matrix, quaternion, scalar, square
-from ..shipped import COMMON, UNIT_INVERSE, checked_matrix
+from ..shipped import UNIT, checked_matrix
 
-NU, UNIT = scalar("nu"), scalar("unit")
+NU = scalar("nu")
 DIAGONAL = ((1, 0, 0), (0, 2, 0), (0, 0, 3))  # its K is diagonal, with the eigenvalues 6, 0, -2, -4
 
 
@@ -36,14 +36,16 @@ def semidefinite_by(dual: Callable[[Any], Any]) -> Hypothesis:
 
 
 DUAL = semidefinite_by(dual_matrix)
-UNIT_LEFT = invertible(
-    r"$\mathrm{unit} > 0$, with its inverse.", UNIT, UNIT_INVERSE, standing=Standing.NOTATION
-)
+
+
+def _shipped(K: Any) -> Any:
+    """The matrix that the checker decides on, for K over a unit."""
+    return checked_matrix(K, quaternion(), NU * square(quaternion()), 0)
 
 
 def proof(
     dual: Callable[[Any], Any] = dual_matrix,
-    shipped: Callable[[Any], Any] = lambda K: checked_matrix(K, quaternion(), NU, 0),
+    shipped: Callable[[Any], Any] = _shipped,
     nudge: int = 1,
 ) -> Proof:
     """Weak duality at a pose, the matrix that ships, and an example on either side."""
@@ -66,13 +68,12 @@ def proof(
         2 * (NU * square(q) - v_q) * square(p) - 2 * (square(q) * v_p - square(p) * v_q),
         [(2, Square(entry), form) for entry in q],
     )
-    yield combination(
+    yield identity(
         r"With $\mu = 0$ the checker's `proves_level`, run on polynomials, decides "
-        r"$\nu\,\mathrm{unit}^{-1} I - K_M$, where it holds $K = \mathrm{unit}\, K_M$: times the "
-        r"unit it is $\nu I - K$, times the common denominator of which it clears the fractions. "
-        r"The pose does not enter.",
-        UNIT * (p.T * shipped(K) * p)[0] - COMMON * (NU * square(p) - UNIT * v_p),
-        [(COMMON * NU * square(p), UNIT_LEFT[0])],
+        r"$|q|^2 (\nu I - \mathrm{unit}\, K_M)$, where it holds $K = \mathrm{unit}\, K_M$ and is "
+        r"given $|q|^2 \nu$: $\nu I - K$ times $|q|^2$. The pose does not enter.",
+        (p.T * shipped(K) * p)[0],
+        square(q) * (NU * square(p) - UNIT * v_p),
     )
     yield from _either_side(nudge * Fraction(1, 2**80))
 
@@ -95,7 +96,7 @@ def _either_side(tiny: Fraction) -> Proof:
 
 def _proves(nu: Fraction) -> bool:
     davenport = [list(row) for row in davenport_matrix(DIAGONAL)]
-    return proves_level(davenport, Fraction(1), [1, 0, 0, 0], nu, Fraction(0))
+    return proves_level(davenport, nu.denominator, [1, 0, 0, 0], nu.numerator, 0, 0)
 
 
 CLAIM = Claim(
@@ -107,7 +108,7 @@ CLAIM = Claim(
     r"= 0$ is whether a positive multiple of $\nu I - K$ is positive definite; where $\nu$ is the "
     r"largest eigenvalue or less, it is not.",
     concludes=(1, 2, 3, 5),
-    hypotheses=(DUAL, UNIT_LEFT),
+    hypotheses=(DUAL,),
     setting=(r"Nothing is asked of where $\nu$ comes from: a solver, a guess, a rounded number.",),
     source="weak duality of the Shor relaxation; [Briales2017]",
     proof=proof,

@@ -16,7 +16,7 @@ from certreg.geometry.so3 import body_frame, davenport_matrix, dot, quadratic_fo
 
 from ..algebra import Square, combination, contraction, identity, positive
 from ..hypotheses import ROTATION, SPECTRAL, definite, semidefinite
-from ..hypothesis import Hypothesis, Standing, invertible, nonnegative_by, positive_by
+from ..hypothesis import Hypothesis, Standing, nonnegative_by, positive_by
 from ..kernel import Claim, Mutation, Proof, Step
 from ..moments import MomentCloud
 from ..notation import (
@@ -28,10 +28,10 @@ from ..notation import (
     scalar,
     square,
 )
-from ..shipped import COMMON, NORM_INVERSE, UNIT_INVERSE, checked_davenport, checked_matrix
+from ..shipped import UNIT, checked_davenport, checked_matrix
 
 MU, DELTA = scalar("mu"), scalar("delta")
-UNIT, LEVEL = scalar("unit"), scalar("level")
+LEVEL = scalar("level")
 Certificate = Callable[[Any, Any], Any]
 
 
@@ -96,17 +96,11 @@ UNIQUE_BY = nonnegative_by(
     standing=Standing.CASE,
     example={DELTA: 2, Q_OF[0]: 1, P_OF[1]: 1, K_OF[1, 1]: 1},
 )
-UNIT_LEFT = invertible(
-    r"$\mathrm{unit} > 0$, with its inverse.", UNIT, UNIT_INVERSE, standing=Standing.NOTATION
-)
-NORM_LEFT = invertible(
-    r"$|q|^2 > 0$, with its inverse.", square(Q_OF), NORM_INVERSE, standing=Standing.NOTATION
-)
 
 
 def shipped_matrix(K: Any, q: Any) -> Any:
     """The matrix that the checker decides on, for K over a unit."""
-    return checked_matrix(K, q, LEVEL, MU)
+    return checked_matrix(K, q, LEVEL * square(q), MU)
 
 
 def proof(
@@ -214,26 +208,19 @@ def _uniqueness(given: Hypothesis) -> Proof:
 
 
 def _decided(found: Any, frame: tuple[Any, Any, Any]) -> Step:
-    """The matrix that ships, times unit and |q|^2, is |q|^2 A with unit K for K."""
+    """The matrix that ships is |q|^2 A with unit K for K."""
     K, q, p = frame
     n, m = square(q), square(p)
     rank_one = MU * dot(tuple(q), tuple(p)) ** 2
-    return combination(
+    return identity(
         r"`certreg.verify.proves_level`, run on polynomials, hands to the elimination a symmetric "
         r"matrix; here is its quadratic form in $p$. The checker holds $K$ as integers $K_M$ over "
-        r"a unit (it works with $M K$), and has multiplied all by a common denominator "
-        r"$\mathrm{common} > 0$. Times the unit and times $|q|^2$, with "
-        r"$\mathrm{unit}\cdot\mathrm{unit}^{-1} = 1$ and $|q|^2 \cdot |q|^{-2} = 1$, it is $\ell\, "
-        r"|q|^2 I - |q|^2\, \mathrm{unit}\, K_M + \mu\, q q^{\mathsf T}$ as often: $|q|^2 A$ at "
-        r"the level $\ell = v + \delta - \mu$, without denominators. The two are positive "
-        r"multiples of each other, and the elimination decides exactly whether they are positive "
-        r"definite.",
-        UNIT * n * (p.T * found * p)[0]
-        - COMMON * (LEVEL * n * m - n * UNIT * quadratic_form(K.tolist(), tuple(p)) + rank_one),
-        [
-            (COMMON * UNIT * UNIT_INVERSE * rank_one, NORM_LEFT[0]),
-            (COMMON * (LEVEL * n * m + rank_one), UNIT_LEFT[0]),
-        ],
+        r"a unit $> 0$ (it works with $M K$), and the level $\ell$ times $|q|^2$. The matrix is "
+        r"$\ell\, |q|^2 I - |q|^2\, \mathrm{unit}\, K_M + \mu\, q q^{\mathsf T}$: $|q|^2 A$ at the "
+        r"level $\ell = v + \delta - \mu$, without denominators, and the elimination decides "
+        r"exactly whether it is positive definite.",
+        (p.T * found * p)[0],
+        LEVEL * n * m - n * UNIT * quadratic_form(K.tolist(), tuple(p)) + rank_one,
     )
 
 
@@ -262,7 +249,7 @@ CLAIM = Claim(
     r"\le \mu$, there is only one global optimum. What the checker decides "
     r"is the definiteness of a positive multiple of $A$.",
     concludes=(1, 3, 4, 5, 7, 8, 9),
-    hypotheses=(ROTATION, DEFINITE, NOT_NEGATIVE, OPTIMAL, UNIQUE_BY, UNIT_LEFT, NORM_LEFT),
+    hypotheses=(ROTATION, DEFINITE, NOT_NEGATIVE, OPTIMAL, UNIQUE_BY),
     setting=(
         r"The objective is minimised over the translation; see `translation_gap` for another.",
     ),

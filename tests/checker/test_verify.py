@@ -231,16 +231,20 @@ def test_optimality_is_decided_as_by_the_definition():
             for c in vectors[:, 3] + random.choice([0, 1e-6, 1e-2, 1]) * random.normal(size=4)
         ]
         common = math.lcm(*(Fraction(entry).denominator for row in K for entry in row))
-        exact, unit = [[int(entry * common) for entry in row] for row in K], Fraction(1, common)
+        exact = [[int(entry * common) for entry in row] for row in K]
         form = sum(K[i][j] * q[i] * q[j] for i in range(4) for j in range(4))
-        v = Fraction(form) / sum(c * c for c in q)
+        norm = sum(c * c for c in q)
         for power in range(-60, 8, 2):
             delta = Fraction(2) ** power
             mu = Fraction(float(values[3] - values[2])) * Fraction(int(random.integers(0, 5)), 4)
             expected = oracle.positive_definite(oracle.optimality_matrix(K, q, delta, mu))
             seen.append(expected)
 
-            assert checker.proves_level(exact, unit, q, v + delta - mu, mu) == expected
+            one = math.lcm(common, delta.denominator, mu.denominator)
+            level = int((form + (delta - mu) * norm) * one)
+            for slack in (0, int(delta * norm * one), 2**900):  # it decides how, not what
+                given = exact, one // common, q, level, int(mu * one), slack
+                assert checker.proves_level(*given) == expected
 
     assert 0.2 < np.mean(seen) < 0.8
 
@@ -509,10 +513,10 @@ def test_a_root_is_rounded_up(numerator, denominator):
 
 def said_of(certificate, delta, mu):
     """The sentences with another delta and mu, as if proved; of K = diag(3, 1, -1, -3)."""
-    stated = replace(checker.parse(oracle.dump(certificate)), delta=delta, mu=mu)
+    stated = replace(checker.parse(oracle.dump(certificate)), delta=delta, mu=mu, pose=(1, 0, 0, 0))
     K = [[(3 - 2 * i) * (i == j) for j in range(4)] for i in range(4)]
     m = [[4 * (i == j) for j in range(7)] for i in range(7)]
-    worth = stated._worth(m, K, Fraction(3), Fraction(1))
+    worth = stated._worth(m, 2, K, [[32 * (i == j) for j in range(3)] for i in range(3)])
     return stated._words(worth, [1, 1, 1, 1], solid=True, equal=True)
 
 
