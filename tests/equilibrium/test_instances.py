@@ -482,6 +482,18 @@ def test_ratios_of_a_body_that_fits_exactly_are_two_within_their_bounds(thin):
     assert (bound < 1.0).all()
 
 
+def test_subnormal_weights_and_clouds_of_far_sizes_leave_no_double():
+    rng = np.random.default_rng(6)
+    x = rng.normal(size=(7, 3))
+    y = x @ random_rotation(rng).T + 0.1 * rng.normal(size=(7, 3))
+    usual, light = solve_many(x, y), solve_many(x, y, weights=np.full(7, 2.0**-1040))
+    far = solve_many(1e-200 * x, 1e200 * y)
+
+    assert np.allclose(light.quaternions, usual.quaternions, rtol=0.0, atol=1e-13)
+    assert np.allclose(light.rmse, usual.rmse, rtol=1e-12)
+    assert np.allclose(far.rmse, 1e200 * np.sqrt(y.var(axis=0).sum()), rtol=1e-12)
+
+
 def test_each_instance_is_decided_by_the_bound_of_its_own():
     """Far from the origin a cloud is small beside its coordinates, and so is what it bounds."""
     rng = np.random.default_rng(3)
