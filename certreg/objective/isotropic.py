@@ -263,8 +263,8 @@ class Isotropic(Brief):
 
     def eigenvalue_difference(self, upper: int, lower: int) -> Fraction:
         """The eigenvalue of one space minus that of another: half the difference in energy."""
-        spaces, bits = self.eigenspaces.spaces, self.eigenspaces.bits
-        return (spaces[upper].value - spaces[lower].value) * self._eigenvalue_unit(bits)
+        spaces = self.eigenspaces.spaces
+        return (spaces[upper].value - spaces[lower].value) * self.eigenvalue_unit
 
     def energy_of_eigenvalue(self, value: int, bits: int) -> Fraction:
         """V where q^T K q / |q|^2 is value / 2^bits, in units of 2^shift of K."""

@@ -11,9 +11,16 @@ from strategies import random_rotation
 
 from certreg import Pose
 from certreg.errors import InvalidProblemError, OutOfRangeError
+from certreg.geometry import so3
 from certreg.geometry.given import given_pose
 from certreg.geometry.orthogonality import why_no_rotation
-from certreg.geometry.so3 import canonical, quaternions_from_matrices
+from certreg.geometry.so3 import (
+    canonical,
+    is_reflection,
+    quaternions_from_matrices,
+    rotation_matrices,
+    rotation_matrix,
+)
 
 FEW = settings(max_examples=30, deadline=None)
 LAST = [[0.0, 0.0, 0.0, 1.0]]
@@ -283,3 +290,20 @@ def test_a_scale_is_named_whatever_digits_are_printed():
 
     assert "scales by 1000:" in str(why_no_rotation(np.round(1000.0 * R, 3)))
     assert "scales by 1e-05:" in str(why_no_rotation(np.round(1e-5 * R, 10)))
+
+
+@pytest.mark.parametrize("count", [0, 1, so3.FEW - 1, so3.FEW, 3 * so3.FEW])
+def test_matrices_of_many_quaternions_are_to_the_bit_those_of_each(count: int):
+    quaternions = np.random.default_rng(count).normal(size=(count, 4))
+    single = np.array([rotation_matrix(q) for q in quaternions.tolist()]).reshape(count, 3, 3)
+
+    assert rotation_matrices(quaternions).tobytes() == single.tobytes()
+
+
+def test_a_reflection_is_told_from_a_rotation_by_its_sign():
+    rng = np.random.default_rng(2)
+    for turn in rotation_matrices(rng.normal(size=(20, 4))):
+        unit = turn / np.cbrt(np.linalg.det(turn))
+        assert not is_reflection(unit)
+        assert is_reflection(-unit)
+        assert is_reflection(unit * [1.0, -1.0, 1.0])
