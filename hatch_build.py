@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import sysconfig
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -35,7 +34,8 @@ class KernelsHook(BuildHookInterface[Any]):
         build_data["force_include"][self._folder.name] = BUILT
         if any(Path(self._folder.name).glob("kernels-*")):
             build_data["pure_python"] = False
-            build_data["tag"] = f"py3-none-{_platform()}"
+            platform = self.build_config.builder.get_best_matching_tag().rpartition("-")[2]
+            build_data["tag"] = f"py3-none-{platform}"
 
     def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
         """Remove that folder."""
@@ -48,8 +48,3 @@ class KernelsHook(BuildHookInterface[Any]):
             subprocess.run([sys.executable, *command], check=True)  # noqa: S603 - our own script
         except subprocess.CalledProcessError as error:
             raise SystemExit(error.returncode) from error
-
-
-def _platform() -> str:
-    """The system and processor of this machine, as in the names of wheels."""
-    return sysconfig.get_platform().replace("-", "_").replace(".", "_")

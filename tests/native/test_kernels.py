@@ -12,6 +12,7 @@ import subprocess
 import sys
 from dataclasses import asdict, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -449,11 +450,14 @@ def test_zig_is_told_the_level_in_its_own_words():
 
 def test_a_wheel_with_libraries_is_for_this_platform_and_any_python(pretend, tmp_path):
     pytest.importorskip("hatchling", reason="the build backend is not installed")
+    from hatchling.builders.wheel import WheelBuilder
+
     from hatch_build import BUILT, KernelsHook
 
     pretend()
-    hook = KernelsHook(str(ROOT), {}, None, None, str(tmp_path), "wheel")  # type: ignore[arg-type]
-    data = {"force_include": {}, "pure_python": True}
+    config: Any = WheelBuilder(str(ROOT)).config
+    hook = KernelsHook(str(ROOT), {}, config, config.builder.metadata, str(tmp_path), "wheel")
+    data: dict[str, Any] = {"force_include": {}, "pure_python": True}
     hook.initialize("standard", data)
     ((made, place),) = data["force_include"].items()
 
