@@ -65,6 +65,14 @@ def data() -> Path:
     return DATA
 
 
+@pytest.fixture
+def compiled() -> None:
+    """There is a compiled library beside the generated Python; else the test is skipped."""
+    from engines import engine
+
+    engine("library")
+
+
 def pytest_sessionstart() -> None:
     """What is compiled is of the C sources that stand here; where it is not, told once and now."""
     import build_kernels

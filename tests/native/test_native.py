@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 import pytest
 from commands import certreg
-from engines import engine
 from rotations import saddle_start
 from scipy.spatial.transform import Rotation
 from strategies import ZOO, random_problem
@@ -41,12 +40,6 @@ DATA = ROOT / "certreg" / "data"
 SURVEY = (str(DATA / "survey_source.csv"), str(DATA / "survey_target.csv"))
 WITHOUT = {VARIANT: PYTHON}  # of the environment: as where there is no compiled code
 each_integrator = pytest.mark.parametrize("integrator", loops.Integrator)
-
-
-@pytest.fixture
-def compiled() -> None:
-    """There is a compiled library beside the generated Python."""
-    engine("library")
 
 
 def python(code: str, **environment: str) -> subprocess.CompletedProcess[str]:

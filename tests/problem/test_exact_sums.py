@@ -97,6 +97,7 @@ def test_the_integers_do_not_depend_on_how_the_points_are_divided(problem):
         assert sum(parts, start=EMPTY) == sum(reversed(parts), start=EMPTY) == sums(problem)
 
 
+@pytest.mark.usefixtures("compiled")
 @pytest.mark.parametrize(
     ("source", "weight"),
     [
@@ -166,6 +167,7 @@ def test_limbs_are_used_where_they_are_said_to_be(monkeypatch):
         assert sums_by(SumMethod.LIMBS, strategies.random_problem(rng, n=300, scale=scale))
 
 
+@pytest.mark.usefixtures("compiled")
 def test_the_method_is_chosen_by_the_number_of_points_and_what_is_compiled(monkeypatch):
     n, integers = exact_sums.MANY_POINTS, SumMethod.INTEGERS
     sizes = (exact_sums.FEW_POINTS - 1, n - 1, n)
@@ -193,6 +195,7 @@ def test_without_integers_of_128_bits_there_is_no_compiled_method(monkeypatch):
         exact_sums._compiled.cache_clear()
 
 
+@pytest.mark.usefixtures("compiled")
 def test_exact_moments_of_many_points_are_those_of_integers():
     problem = strategies.random_problem(np.random.default_rng(5), n=exact_sums.MANY_POINTS)
 
@@ -200,6 +203,7 @@ def test_exact_moments_of_many_points_are_those_of_integers():
     assert exact_moments(problem) == moments_of(sums_by(SumMethod.INTEGERS, problem), problem.n)
 
 
+@pytest.mark.usefixtures("compiled")
 @pytest.mark.parametrize("bad", [np.inf, -np.inf, np.nan])
 def test_the_compiled_sums_refuse_what_is_not_finite(bad):
     points = np.ones((4, 3))
@@ -213,12 +217,14 @@ def test_the_compiled_sums_refuse_what_is_not_finite(bad):
             native.loaded_library().exact_sums(source, target, weights)
 
 
+@pytest.mark.usefixtures("compiled")
 def test_the_compiled_sums_refuse_arrays_that_do_not_belong_together():
     for shapes in (((4, 3), (3, 3), (4,)), ((4, 2), (4, 2), (4,)), ((3, 3), (3, 3), (4,))):
         with pytest.raises(ValueError, match="expected"):
             native.loaded_library().exact_sums(*(np.ones(shape) for shape in shapes))
 
 
+@pytest.mark.usefixtures("compiled")
 def test_a_failure_in_a_thread_ends_the_sums(monkeypatch):
     def fails(*_):
         raise CertregError("as planned")

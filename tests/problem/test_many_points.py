@@ -104,6 +104,7 @@ def test_a_certificate_of_other_points_or_of_too_strong_a_claim_is_refused(way):
         assert words in outcome.reason
 
 
+@pytest.mark.usefixtures("compiled")
 def test_its_own_certificate_of_many_points_is_checked_on_sums_by_another_method(monkeypatch):
     problem = random_problem(n=checking.PYTHON_POINTS + 1)
     methods: list[SumMethod] = []

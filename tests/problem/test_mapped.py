@@ -38,6 +38,7 @@ def cloud():
     return strategies.random_problem(np.random.default_rng(4), n=MANY)
 
 
+@pytest.mark.usefixtures("compiled")
 def test_a_mapped_problem_is_the_same_problem(tmp_path, cloud):
     mapped = mapped_problem(tmp_path, cloud)
 
@@ -58,6 +59,7 @@ def test_an_array_that_could_be_written_to_is_copied(tmp_path, mode):
     assert problem.source[0, 0] == 1.0
 
 
+@pytest.mark.usefixtures("compiled")
 @pytest.mark.parametrize("dtype", ["<f4", ">f8", "<i4", "<f2"])
 def test_a_mapped_array_of_another_type_gives_the_problem_of_its_values(tmp_path, dtype):
     rng = np.random.default_rng(6)
@@ -70,6 +72,7 @@ def test_a_mapped_array_of_another_type_gives_the_problem_of_its_values(tmp_path
     assert sums_by(SumMethod.COMPILED, mapped) == sums_by(SumMethod.INTEGERS, plain)
 
 
+@pytest.mark.usefixtures("compiled")
 def test_columns_and_rows_backwards_may_be_mapped(tmp_path):
     table = np.arange(70.0).reshape(10, 7)
     mapped = saved(tmp_path, "table.npy", table)
