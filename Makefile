@@ -160,8 +160,8 @@ lock:  ## make the lock files anew from pyproject.toml (needs uv; LOCK_OPTIONS=-
 	@$(NO_INDEX_SETTINGS) $(UV) lock --no-config $(LOCK_OPTIONS)
 	@$(call exported,--all-groups) > requirements.lock.new
 	@$(call exported,--no-default-groups --group build) > requirements-run.lock.new
-	@echo '$(ZIG)' | $(NO_INDEX_SETTINGS) $(UV) pip compile --no-config --quiet --no-header --universal --no-deps \
-	  --generate-hashes - > requirements-compiler.lock.new
+	@{ echo "# Made by 'make lock' of ZIG in the Makefile." && echo '$(ZIG)' | $(NO_INDEX_SETTINGS) $(UV) pip compile \
+	  --no-config --quiet --no-header --universal --no-deps --generate-hashes -; } > requirements-compiler.lock.new
 	@mv requirements-compiler.lock.new requirements-compiler.lock
 	@mv requirements.lock.new requirements.lock
 	@mv requirements-run.lock.new requirements-run.lock

@@ -17,6 +17,7 @@ PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
 UV_LOCK = (ROOT / "uv.lock").read_text("utf-8")
 REQUIREMENTS = (ROOT / "requirements.lock").read_text("utf-8")
 TO_RUN = (ROOT / "requirements-run.lock").read_text("utf-8")
+COMPILER = (ROOT / "requirements-compiler.lock").read_text("utf-8")
 RESOLVED: list[dict[str, Any]] = [
     package for package in tomllib.loads(UV_LOCK)["package"] if package["name"] != "certreg"
 ]
@@ -75,6 +76,14 @@ def test_what_runs_is_pinned_as_in_the_whole_and_brings_no_extra():
     assert not extras & brought
 
 
+def test_the_compiler_of_machines_without_one_is_pinned_and_no_part_of_an_environment():
+    ((pin, hashes),) = pins_of_pip(COMPILER).items()
+
+    assert f"ZIG := {pin[0]}=={pin[1]}\n" in (ROOT / "Makefile").read_text("utf-8")
+    assert len(hashes) > 5  # of each platform
+    assert pin[0] not in UV_LOCK
+
+
 def test_where_a_library_comes_from_is_what_the_metadata_says():
     declared = {
         normalized(each): extra
@@ -104,7 +113,9 @@ def test_a_version_that_depends_on_the_python_is_chosen_by_a_marker():
 
 
 @pytest.mark.parametrize(
-    "lock", [UV_LOCK, REQUIREMENTS, TO_RUN], ids=["uv.lock", "requirements.lock", "run"]
+    "lock",
+    [UV_LOCK, REQUIREMENTS, TO_RUN, COMPILER],
+    ids=["uv.lock", "requirements.lock", "run", "compiler"],
 )
 def test_a_lock_file_knows_no_place_but_the_standard_index(lock: str):
     hosts = {match.lower() for match in re.findall(r"[a-z+]+://([^/\s\"]*)", lock)}
