@@ -19,6 +19,7 @@ from certreg.geometry import Pose
 from certreg.objective import Isotropic
 from certreg.problem import RegistrationProblem, exact_moments
 from certreg.registration import STORIES, stated
+from certreg.registration.covariance import pose_covariance
 from certreg.registration.fit import fit_of
 from certreg.registration.misfits import FitCode, RowNames
 
@@ -63,7 +64,8 @@ def fit(problem: RegistrationProblem, labels: tuple[str, ...] | None = None) -> 
     pose = Pose(
         rotation=rotation_double(q), translation=translation, quaternion_wxyz=unit_double(q)
     )
-    return fit_of(problem, objective, pose, names=RowNames(labels))
+    covariance = pose_covariance(problem, objective)
+    return fit_of(problem, objective, pose, covariance, names=RowNames(labels))
 
 
 def cloud(rng: np.random.Generator, shape: str, n: int) -> Any:

@@ -15,8 +15,10 @@ from certreg.io.atomic import write_atomically
 from certreg.io.cif import parse_cif
 from certreg.io.labels import (
     Match,
+    are_short,
     classes_note,
     csv_field,
+    named_by_rows,
     rows_by_label,
     unused_labels_note,
 )
@@ -63,8 +65,6 @@ PARSERS = {
 }
 FORMATS = (*TEXT_FORMATS, ".npy", *PARSERS)
 WRITTEN_FORMATS = (".csv", ".txt", ".ply", ".npy")
-LABEL_NODES = 20_000  # labels and the commas in them; the checker takes 50,000 in all
-LABEL_CHARACTERS = 1_000_000  # twelve megabytes of escapes at worst; its limit is 100
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -116,6 +116,7 @@ class Pair(Brief):
     target: Cloud
     source_rows: NDArray[np.int64] | None  # None: all, in their order
     sizes: tuple[int, int]  # of the files
+    target_rows: NDArray[np.int64] | None = None
     left_out: tuple[int, int] = (0, 0)  # how many rows of them are in no pair
     further: tuple[str, ...] = ()  # notes: rows in several pairs, a column of weights
 
@@ -134,9 +135,10 @@ class Pair(Brief):
         """What a certificate may say of the files, unproved: names, and labels if not too many."""
         about: dict[str, Any] = {"source": self.source.path.name, "target": self.target.path.name}
         labels = self.source.labels or self.target.labels
-        if labels is not None and _short_enough(labels):
-            about["labels"] = list(labels)
-        return about
+        rows = self.source_rows, self.target_rows
+        if labels is None and rows[0] is not None and rows[1] is not None:
+            labels = named_by_rows(rows[0], rows[1])
+        return about if labels is None or not are_short(labels) else about | {"labels": [*labels]}
 
     @property
     def notes(self) -> list[str]:
@@ -273,6 +275,7 @@ def pair_of(first: Cloud, second: Cloud, pairing: Pairing = BY_LABEL) -> Pair:
         source=_taken(first, here),
         target=_taken(second, there),
         source_rows=here,
+        target_rows=there,
         sizes=sizes,
         left_out=(sizes[0] - len(np.unique(here)), sizes[1] - len(np.unique(there))),
         further=further,
@@ -427,12 +430,6 @@ def _quoted(file: Path, label: str) -> str:
         raise InvalidFileError(message, path=file, column="label", value=label)
     field = csv_field(label)
     return f'"{field}"' if field.startswith("\ufeff") else field  # or it would be a mark of order
-
-
-def _short_enough(labels: tuple[str, ...]) -> bool:
-    """Whether labels leave a certificate within what its checker reads."""
-    nodes = sum(1 + sum(map(label.count, ",[{")) for label in labels)
-    return nodes <= LABEL_NODES and sum(map(len, labels)) <= LABEL_CHARACTERS
 
 
 def _taken(cloud: Cloud, rows: NDArray[np.int64]) -> Cloud:

@@ -13,8 +13,14 @@ from certreg.io.streams import NUMBER
 from certreg.verify import shown
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
+    import numpy as np
+    from numpy.typing import NDArray
+
+LABEL_NODES = 20_000  # labels and the commas in them; the checker takes 50,000 in all
+LABEL_CHARACTERS = 1_000_000  # twelve megabytes of escapes at worst; its limit is 100
 SIDES = ("source", "target")
 IDENTIFIERS = ("id", "name", "point", "number", "nr", "no", "num", "index", "point_id", "marker")
 # A spreadsheet computes a cell that begins so; the last four are the wide forms of Chinese fonts.
@@ -44,6 +50,25 @@ def csv_field(text: str) -> str:
 def text_of_field(field: str) -> str:
     """The text that `csv_field` wrote so, from the field without its quotes."""
     return field[1:] if field.startswith(PLAIN) and FORMULA.match(field) else field
+
+
+def are_short(labels: Sequence[str]) -> bool:
+    """Whether labels leave a certificate within what its checker reads."""
+    nodes = sum(1 + sum(map(label.count, ",[{")) for label in labels)
+    return nodes <= LABEL_NODES and sum(map(len, labels)) <= LABEL_CHARACTERS
+
+
+def named_by_rows(source: NDArray[np.int64], target: NDArray[np.int64]) -> list[str] | None:
+    """A name for each pair of rows without labels; None of more than a certificate may hold.
+
+    >>> import numpy as np
+    >>> named_by_rows(np.array([6, 0]), np.array([6, 2]))
+    ['source row 6 and target row 6', 'source row 0 and target row 2']
+    """
+    if len(source) > LABEL_NODES:
+        return None
+    pairs = zip(source.tolist(), target.tolist(), strict=True)
+    return [f"source row {first} and target row {second}" for first, second in pairs]
 
 
 def rows_by_label(

@@ -40,7 +40,10 @@ NUMBERS = (
     *("objective", "rmse", "gap_lower", "gap_upper", "gap_share", "rounding_cost", "angle_upper"),
     *("angle_to_optimum", "nearest_index", "nearest_angle", "sigma_distance"),
 )
-NO_SLIP = Absent("no single slip of those that are tried explains it; two at once are not tried")
+NO_SLIP = Absent(
+    "no single slip of those that are tried leads to it from a pose within 0.001 radians, and a "
+    "thousandth of the size of the clouds, of the optimum; two at once are not tried"
+)
 NOT_TRIED = Absent("the optimum could not be certified, and no slip was tried")
 OF_OPTIMUM = dict.fromkeys(("optimum_objective", "optimum_rmse"), OUT_OF_RANGE)
 NOTHING_TO_EXPLAIN = Absent("the pose is (nearly) optimal: there is no slip to name")

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from certreg.exact import nearest_double
+from certreg.registration.headlines import beyond_first_order
 from certreg.registration.misfits import (
     ChiSquared,
     FitCode,
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from certreg.geometry import Pose
     from certreg.objective import Isotropic
     from certreg.problem import RegistrationProblem
+    from certreg.registration.covariance import PoseCovariance
     from certreg.registration.outlying import RowFit
 
 COINCIDENT = Absent("all points with weight of a cloud coincide: there is nothing to explain")
@@ -39,6 +41,7 @@ ZERO_MEDIAN = Absent("at least half of the residuals are zero")
 ROUNDED = Absent("the residuals are at rounding: there is nothing to test")
 NO_NOISE = Absent("no noise was given: the residuals are compared with nothing")
 UNNAMED = RowNames(None)
+TRANSLATION = 3  # parameters of a pose whose rotation is given
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,16 +93,17 @@ def fit_of(
     problem: RegistrationProblem,
     objective: Isotropic,
     pose: Pose,
+    covariance: PoseCovariance | Absent,
     *,
     names: RowNames = UNNAMED,
 ) -> Fit:
     """What the optimum of a problem is worth as a fit; names: of its rows.
 
-    pose: the optimum in doubles, as it is reported.
+    pose: the optimum in doubles, as it is reported. covariance: its own.
     """
     rows = row_fit(problem, objective, pose)
     sums = FitSums(objective)
-    chi2 = _chi2(problem, sums, rows)
+    chi2 = _chi2(problem, sums, rows, covariance)
     ratio = OUT_OF_RANGE if rows is None else rows.largest_over_median or ZERO_MEDIAN
     values: dict[str, float | Absent] = {
         "explained": COINCIDENT if sums.explained is None else _double(sums.explained),
@@ -138,16 +142,28 @@ def _scale_p(sums: FitSums, rows: RowFit | None) -> float | Absent:
     return ROUNDED if sums.rounded else TOO_FEW
 
 
-def _chi2(problem: RegistrationProblem, sums: FitSums, rows: RowFit | None) -> ChiSquared | Absent:
+def _chi2(
+    problem: RegistrationProblem,
+    sums: FitSums,
+    rows: RowFit | None,
+    covariance: PoseCovariance | Absent,
+) -> ChiSquared | Absent:
+    """The test of a given sigma; of a turn that sigma leaves open, no parameter is counted.
+
+    The least of E is at most E at the true rotation with its best translation, which has 3 n - 3
+    degrees of freedom: with these p is a bound, whatever the turn takes.
+    """
     if not problem.noise_given:
         return NO_NOISE
     value = nearest_double(sums.energy)
     if rows is None or value is None:
         return OUT_OF_RANGE
-    dof = 3 * rows.rows - sums.parameters
+    loose = not isinstance(covariance, Absent) and beyond_first_order(covariance) is not None
+    dof = 3 * rows.rows - (TRANSLATION if loose else sums.parameters)
     if dof <= 0:
         return TOO_FEW
-    return ChiSquared(value=value, dof=dof, p=math.exp(log_chi2_above(value, dof)))
+    p = math.exp(log_chi2_above(value, dof))
+    return ChiSquared(value=value, dof=dof, p=p, bound=loose)
 
 
 def _double(value: Fraction) -> float | Absent:

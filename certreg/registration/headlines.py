@@ -283,7 +283,7 @@ def loose_words(registration: Registration) -> str:
     covariance = registration.solution.covariance
     if covariance is None or not is_loose(registration):
         return ""
-    whose = "the noise" if covariance.estimated else "the sigma given"
+    whose = "noise as large as the residuals" if covariance.estimated else "the sigma given"
     return (
         f"five standard deviations of {whose} rule out no turn about the source's axis "
         f"{axis_words(covariance.loosest_axis)}"

@@ -114,12 +114,14 @@ class FitWarning(Brief):
 class ChiSquared:
     """The objective where sigma was given: chi-squared with `dof` degrees of freedom.
 
-    p: the probability of at least this value if the noise is Gaussian with this sigma.
+    p: the probability of at least this value if the noise is Gaussian with this sigma. bound:
+        whether `dof` and p are no more than upper bounds, as sigma leaves a turn open.
     """
 
     value: float
     dof: int
     p: float
+    bound: bool = False
 
 
 @dataclass(frozen=True)
@@ -303,8 +305,8 @@ def _poor_words(sums: FitSums) -> str | None:
         return None
     return (
         f"the best rotation, translation and scale explain {_percent(sums.explained)} of the "
-        "target: most pairs are wrong, the clouds are not one rigid shape, or the noise is as "
-        "large as they are"
+        "target: pairs are wrong (one that is far off is enough), the clouds are not one rigid "
+        "shape, or the noise is large beside them"
     )
 
 

@@ -85,7 +85,7 @@ class Solution(Explained):
         """What the optimum is worth as a fit, by statistics; nothing of it is proved."""
         about = {} if self.certificate is None else self.certificate.about
         names = RowNames.of(about, self.problem.n)
-        return fit_of(self.problem, self.objective, self.pose, names=names)
+        return fit_of(self.problem, self.objective, self.pose, self._covariance, names=names)
 
     def stated(self, name: str) -> Any:
         """The attribute of that name, or the Absent that stands for it."""

@@ -14,8 +14,8 @@ from certreg.registration import DEGREE_SLACK, SimulatedRegistration, is_loose, 
 from certreg.report.encoding import Document, Noted, encoded
 from certreg.report.methods import methods_fields
 from certreg.report.uncertainty import (
-    NO_NOISE_ALONE,
     covariance_of,
+    more_than_noise,
     shift_sigmas,
     turn_sigmas,
     uncertainty_rows,
@@ -252,7 +252,7 @@ def _covariance(registration: Registration) -> Document:
     matrix = covariance.stated("matrix")
     turned, moved = turn_sigmas(covariance), shift_sigmas(covariance)
     doubt = moved.reason if isinstance(moved, Absent) else None
-    doubt = NO_NOISE_ALONE if registration.fit.warnings else doubt
+    warned = more_than_noise(registration.fit)
     known = not isinstance(turned, Absent)
     sigmas = {
         "translation": moved,
@@ -265,10 +265,10 @@ def _covariance(registration: Registration) -> Document:
         "degrees_of_freedom": covariance.degrees_of_freedom,
     }
     return {
-        "covariance": _noted(matrix, doubt),
+        "covariance": _noted(matrix, warned or doubt),
         "covariance_scale": "estimated" if covariance.estimated else "given",
         "variance_factor": covariance.stated("variance_factor"),
-        "uncertainty": _noted(sigmas, NO_NOISE_ALONE if registration.fit.warnings else None),
+        "uncertainty": _noted(sigmas, warned),
     }
 
 
@@ -341,7 +341,7 @@ def _fit(fit: Fit) -> Document:
         "worst": [_fit_row(one) for one in fit.worst],
         "chi2": chi2
         if isinstance(chi2, Absent)
-        else {"value": chi2.value, "dof": chi2.dof, "p": chi2.p},
+        else {"value": chi2.value, "dof": chi2.dof, "p": chi2.p, "bound": chi2.bound},
         "warnings": [
             {"code": one.code.value, "text": one.text, "remedy": one.remedy} for one in fit.warnings
         ],
@@ -374,8 +374,9 @@ def _hardly_determined(registration: Registration) -> bool | Absent:
     covariance = covariance_of(registration)
     if isinstance(covariance, Absent):
         return covariance
-    if covariance.estimated and registration.fit.warnings:
-        return Absent(NO_NOISE_ALONE)
+    doubt = more_than_noise(registration.fit)
+    if covariance.estimated and doubt is not None:
+        return Absent(doubt)
     return is_loose(registration)
 
 

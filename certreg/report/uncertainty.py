@@ -18,7 +18,7 @@ from certreg.results import Absent
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.registration import PoseCovariance, Registration
+    from certreg.registration import Fit, PoseCovariance, Registration
 
 FINE = math.radians(0.01)  # below it arc seconds: 36 of them
 FIRST_ORDER = 0.2  # radians, 11 degrees: turns scatter 2 % more there, 4 to 8 % at 0.3, measured;
@@ -28,7 +28,8 @@ MOST_DECIMALS, PLAIN_BELOW = 12, 1e15  # of a number without an exponent
 MOST_DIGITS = 16  # and more: all that the double has
 OF_ORIGIN = "of the source's origin, along the target's axes"
 SWUNG = Absent("the turn swings the source's origin too far for a first order")
-NO_NOISE_ALONE = "the fit holds more than noise (see the warning), and +/- would be of noise alone"
+WARNED = "the fit may hold more than noise (see the warning), and +/- would be of noise alone"
+TOO_LARGE = "the residuals are larger than sigma says (see the warning), and +/- would be of sigma"
 
 
 def uncertainty_rows(registration: Registration) -> list[tuple[str, str]]:
@@ -44,8 +45,9 @@ def uncertainty_rows(registration: Registration) -> list[tuple[str, str]]:
     chi2 = chi2_words(registration)
     centre = " ".join(centre_words(registration, covariance))
     tested = [] if chi2 is None else [("chi-squared", chi2)]
-    if registration.fit.warnings:
-        return [("uncertainty", f"not known: {NO_NOISE_ALONE}"), *tested]
+    doubt = more_than_noise(registration.fit)
+    if doubt is not None:
+        return [("uncertainty", f"not known: {doubt}"), *tested]
     return [
         ("centre ±", f"{sigma_words(covariance)}  (the centre of the source lands at {centre})"),
         ("rotation ±", rotation_words(covariance, "  (a small turn about the source's axes)")),
@@ -96,6 +98,13 @@ def covariance_of(registration: Registration) -> PoseCovariance | Absent:
     return NO_RESIDUALS if covariance.estimated and registration.fit.rounded else covariance
 
 
+def more_than_noise(fit: Fit) -> str | None:
+    """Why +/- would say too little of a pose whose fit is warned of; None where it is not."""
+    if not fit.warnings:
+        return None
+    return TOO_LARGE if fit.codes == (FitCode.CHI2,) else WARNED
+
+
 def rotation_words(covariance: PoseCovariance, axes: str) -> str:
     """Three standard deviations of a small turn, its axes, and a word where it is not small."""
     sigma = turn_sigmas(covariance)
@@ -140,8 +149,13 @@ def chi2_words(registration: Registration) -> str | None:
     judged = ""
     if FitCode.CHI2 in registration.fit.codes:
         judged = ": the residuals are larger than sigma says"
-    elif chi2.p > 1 - SURE_SIGMA:
+    elif chi2.p > 1 - SURE_SIGMA and not chi2.bound:
         judged = ": the residuals are smaller than sigma says"
+    if chi2.bound:
+        return (
+            f"{chi2.value:.4g} with {chi2.dof} degrees of freedom at most (sigma leaves a turn "
+            f"open), p at most {chi2.p or 1e-300:.2g}{judged}"
+        )
     p = f"= {chi2.p:.2g}" if chi2.p else "< 1e-300"
     return f"{chi2.value:.4g} with {chi2.dof} degrees of freedom, p {p}{judged}"
 
@@ -164,9 +178,11 @@ def _basis_words(registration: Registration, covariance: PoseCovariance) -> str:
         return f"{told}of the sigma given{_given_words(registration)}"
     degrees = covariance.degrees_of_freedom
     sigma = _two_digits(covariance.centre_sigma * math.sqrt((degrees + 6) / 3))  # of N points
-    mean = "" if registration.problem.equally_weighted else " at the mean weight"
+    equal = registration.problem.equally_weighted
+    mean = "" if equal else " at the mean weight"
     sure = f"± {100.0 / math.sqrt(2.0 * degrees):.0f} %, {degrees} degrees of freedom"
-    return f"{told}from the residuals: sigma {sigma}{mean} {sure}"
+    assumed = "independent errors" if equal else "independent errors as large as its weight says"
+    return f"{told}from the residuals: sigma {sigma}{mean} {sure}, if each row has {assumed}"
 
 
 def _given_words(registration: Registration) -> str:

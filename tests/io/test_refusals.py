@@ -14,7 +14,7 @@ from commands import write_csv
 from refusals import wrong_evidence
 
 from certreg.errors import InvalidFileError, InvalidProblemError
-from certreg.io import atomic, clouds, npz, pairs
+from certreg.io import atomic, clouds, labels, npz, pairs
 from certreg.io.atomic import write_files, write_together
 from certreg.io.clouds import Cloud, Pair, Pairing, read_cloud, read_pair, read_problem, write_cloud
 from certreg.io.streams import MAX_LINE_BYTES, Place, typed_number
@@ -93,8 +93,15 @@ def test_a_format_that_is_not_written_is_named(tmp_path: Path, suffix: str, name
 
 
 def test_labels_in_a_certificate_are_those_of_either_cloud_if_they_are_short(
-    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
+    (tmp_path / "pairs.csv").write_text("2,3\n0,3\n")
+    for name in ("s.csv", "t.csv"):
+        write_cloud(tmp_path / name, np.array(FOUR), None)
+    by_rows = read_pair(
+        tmp_path / "s.csv", tmp_path / "t.csv", Pairing(pairs=tmp_path / "pairs.csv")
+    ).about["labels"]
+
     def about(source: tuple[str, ...] | None, target: tuple[str, ...] | None) -> Any:
         first, second = (
             Cloud(path=Path(name), points=np.array(FOUR), labels=labels, ignored=())
@@ -107,9 +114,10 @@ def test_labels_in_a_certificate_are_those_of_either_cloud_if_they_are_short(
     assert about(None, None) == bare
     assert about(names, None) == about(names, others) == {**bare, "labels": list(names)}
     assert about(None, others) == {**bare, "labels": list(others)}
-    monkeypatch.setattr(clouds, "LABEL_CHARACTERS", 4)
+    assert by_rows == ["source row 2 and target row 3", "source row 0 and target row 3"]
+    monkeypatch.setattr(labels, "LABEL_CHARACTERS", 4)
     assert "labels" in about(names, None)
-    monkeypatch.setattr(clouds, "LABEL_CHARACTERS", 3)
+    monkeypatch.setattr(labels, "LABEL_CHARACTERS", 3)
     assert about(names, None) == bare
 
 

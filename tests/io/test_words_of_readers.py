@@ -13,15 +13,20 @@ import pytest
 from certreg.errors import InvalidFileError
 from certreg.io import scans
 from certreg.io.clouds import (
-    LABEL_CHARACTERS,
-    LABEL_NODES,
     Cloud,
-    _short_enough,
     parse_cloud,
     read_problem,
 )
 from certreg.io.columns import named_columns
-from certreg.io.labels import Match, require_same_order, rows_by_label, unused_labels_note
+from certreg.io.labels import (
+    LABEL_CHARACTERS,
+    LABEL_NODES,
+    Match,
+    are_short,
+    require_same_order,
+    rows_by_label,
+    unused_labels_note,
+)
 from certreg.io.noise import noise_of_columns
 from certreg.io.objects import pair
 from certreg.io.pairs import parse_pairs, repeated_rows_note
@@ -388,9 +393,9 @@ def test_models_without_a_number_are_told_apart_by_their_lines():
 
 def test_labels_are_kept_in_a_certificate_up_to_what_its_checker_reads():
     for nodes, kept in ((LABEL_NODES, True), (LABEL_NODES + 2, False)):
-        assert _short_enough(("a,",) * (nodes // 2)) == kept
+        assert are_short(("a,",) * (nodes // 2)) == kept
     for characters, kept in ((LABEL_CHARACTERS, True), (LABEL_CHARACTERS + 1, False)):
-        assert _short_enough(("a" * characters,)) == kept
+        assert are_short(("a" * characters,)) == kept
 
 
 def test_columns_of_noise_are_left_where_sigma_is_given(tmp_path: Path):

@@ -151,7 +151,7 @@ def test_noise_as_large_as_the_cloud_is_a_poor_fit():
 
     result = said(CLOUD, target)
     assert result.codes == (FitCode.POOR_FIT,)
-    assert "or the noise is as large as they are" in result.warnings[0].text
+    assert "or the noise is large beside them" in result.warnings[0].text
 
 
 def test_a_fit_without_a_pairing_is_not_told_to_be_scaled():

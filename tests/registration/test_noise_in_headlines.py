@@ -161,7 +161,7 @@ def test_residuals_leave_a_turn_open_too_but_not_those_of_a_fit_that_is_warned_o
     wide = proof(source, source + noise)
 
     assert is_loose(wide)
-    assert "deviations of the noise rule out no turn" in headline_words(wide)
+    assert "deviations of noise as large as the residuals rule out no turn" in headline_words(wide)
     shuffled = proof(CLOUD, TARGET[::-1])
     assert shuffled.fit.warnings
     assert not is_loose(shuffled)

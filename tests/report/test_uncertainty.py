@@ -18,6 +18,7 @@ from certreg.problem import RegistrationProblem
 from certreg.registration import certify
 from certreg.registration.fit import ChiSquared
 from certreg.registration.headlines import LOOSE_SIGMA
+from certreg.registration.misfits import FitCode
 from certreg.report import html_page, registration_summary, result_document
 from certreg.report.cards import registration_card
 from certreg.report.document import pose_document
@@ -50,8 +51,8 @@ CLOUD = RNG.normal(size=(12, 3)) + np.array([3.0, 0.0, -2.0])
 NOISE = RNG.normal(size=(12, 3))
 
 
-def registered(target: Any, **noise: Any) -> Registration:
-    problem = RegistrationProblem(CLOUD, target, **noise)
+def registered(target: Any, source: Any = CLOUD, **noise: Any) -> Registration:
+    problem = RegistrationProblem(source, target, **noise)
     return certify(problem, relaxation=False, simulation=False)
 
 
@@ -104,7 +105,7 @@ def test_without_sigma_it_comes_from_the_residuals_and_says_how_sure_it_is(estim
     basis, _, rest = told["± is"].partition(": sigma ")
     assert basis == "one standard deviation, to first order, from the residuals"
     assert near(rest, [sigma])
-    assert rest.endswith(" ± 13 %, 30 degrees of freedom")
+    assert rest.endswith(" ± 13 %, 30 degrees of freedom, if each row has independent errors")
     assert near(told["translation ±"], covariance.translation_sigma)
 
 
@@ -118,6 +119,7 @@ def test_weights_alone_are_relative_and_sigma_is_that_of_the_mean_weight(estimat
     _, _, rest = rows(uneven)["± is"].partition(": sigma ")
     assert near(rest, [sigma])
     assert " at the mean weight ± 13 %" in rest
+    assert rest.endswith(", if each row has independent errors as large as its weight says")
 
 
 def test_of_a_poor_fit_no_deviation_is_told():
@@ -128,8 +130,33 @@ def test_of_a_poor_fit_no_deviation_is_told():
 
     assert list(rows(registered(wrong))) == ["uncertainty"]
     assert list(told) == ["uncertainty", "chi-squared"]
-    assert told["uncertainty"].startswith("not known: the fit holds more than noise (see the warn")
+    assert told["uncertainty"].startswith("not known: the fit may hold more than noise (see the w")
     assert told["chi-squared"].endswith("p < 1e-300: the residuals are larger than sigma says")
+
+
+def test_of_a_sigma_that_is_too_small_alone_it_is_not_said_that_there_is_more_than_noise():
+    small = registered(CLOUD + 0.01 * NOISE, sigma=1e-9)
+    reason = "the residuals are larger than sigma says (see the warning), and +/- would be of sigma"
+
+    assert small.fit.codes == (FitCode.CHI2,)
+    assert rows(small)["uncertainty"] == f"not known: {reason}"
+    reasons = result_document(small)["reasons"]
+    assert reasons["pose.uncertainty"] == reasons["pose.covariance"] == reason
+
+
+def test_a_turn_that_sigma_leaves_open_counts_no_degree_and_p_is_a_bound():
+    """Three points of size one, sigma ten: the least of E is chi-squared of nearly 3 n - 3."""
+    rng = np.random.default_rng(2)
+    source = rng.standard_normal((3, 3))
+    found = registered(source + 10.0 * rng.standard_normal((3, 3)), sigma=10.0, source=source)
+    test = found.fit.chi2
+
+    assert test is not None
+    assert (test.dof, test.bound) == (6, True)
+    assert test.p == pytest.approx(chi2.sf(test.value, 6))
+    words = rows(found)["chi-squared"]
+    assert "with 6 degrees of freedom at most (sigma leaves a turn open), p at most " in words
+    assert result_document(found)["fit"]["chi2"]["bound"] is True
 
 
 def test_a_sigma_that_is_far_too_large_is_told(given):
