@@ -56,7 +56,7 @@ FEW_CARRY = Absent(
     "the weights differ so much that few points carry the fit, and without sigma nothing says that "
     "they stand for noise: give sigma"
 )
-NO_RESIDUALS = Absent("the residuals are at rounding and hold no noise: give sigma")
+NO_RESIDUALS = Absent("the residuals are so near rounding that they tell no noise: give sigma")
 NOT_TOLD_APART = Absent("the two best eigenvalues are not told apart")
 LOST = "lost in rounding: variances computed with a matrix of doubles would be wrong, even negative"
 FAR = Absent(f"{LOST}, so far are the points from the origin: move it to them")

@@ -150,7 +150,7 @@ def _energy_range(solution: Solution) -> Fraction:
     spaces = len(objective.classification.pattern)
     if spaces > 1:
         return 2 * objective.eigenvalue_difference(0, spaces - 1)
-    return flat_energy(moments) or Fraction(1)
+    return flat_energy(moments)
 
 
 def verdict_of(facts: Findings, settings: AssessmentSettings) -> PoseVerdict:

@@ -317,7 +317,7 @@ def _scale_words(sums: FitSums, rows: RowFit) -> str | None:
     if log_p is None or log_p > math.log(LEVEL) or sums.scaled_share > MOST_LEFT:
         return None
     return (
-        f"the target is {_times_words(sums.scale)}: with this scale "
+        f"taken as {_times_words(sums.scale)}, the target fits better: with this scale "
         f"{_percent(1 - sums.scaled_share)} of the squared residuals are gone"
     )
 
@@ -389,9 +389,9 @@ def _shuffled_words(sums: FitSums, rows: RowFit) -> str | None:
     if sums.explained is None or sums.explained >= LEAST_EXPLAINED or not _as_random(sums, rows):
         return None
     return (
-        "the rows are paired hardly better than at random: they explain "
-        f"{_percent(sums.explained)} of the target, though the clouds "
-        "are as long and wide: is one of them in another order?"
+        f"the rows explain {_percent(sums.explained)} of the target, and more than one in "
+        f"{round(1 / CHANCE)} random pairings explain as much, though the clouds are as long and "
+        "wide: is one of them, or a part of it, in another order?"
     )
 
 

@@ -74,7 +74,7 @@ def test_a_good_fit_that_a_scale_makes_better_is_not_called_poor(scale: float, w
     first = registration_summary(registration).splitlines()[0]
 
     assert headline_of(registration) is listed.SCALE_FITS
-    assert first.startswith(f"CERTIFIED OPTIMUM, BUT A SCALE FITS BETTER: the target is {words}: ")
+    assert first.startswith(f"CERTIFIED OPTIMUM, BUT A SCALE FITS BETTER: taken as {words}, ")
     assert "100.00" not in registration_summary(registration)
 
 

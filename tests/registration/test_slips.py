@@ -351,7 +351,7 @@ def test_a_good_fit_that_a_scale_makes_better_is_not_called_poor():
 
     assert assess(result, result).headline.startswith(f"OPTIMAL TO ROUNDING, {better}")
     assert assess(result, np.round(pose, 7)).headline.startswith(f"NEAR-OPTIMAL, {better}")
-    assert "the target is 1.01994 times as large" in assess(result, pose).headline
+    assert "taken as 1.01994 times as large" in assess(result, pose).headline
 
 
 def test_the_optimum_stands_beside_the_pose(tmp_path):

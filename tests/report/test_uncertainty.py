@@ -253,7 +253,7 @@ def test_where_there_is_none_the_reason_stands_in_its_place(estimated):
     told = certify(replace_sigma(exact), simulation=False, relaxation=False)
 
     assert rows(circle) == {"uncertainty": "not known: the optimum is not unique"}
-    none = "not known: the residuals are at rounding and hold no noise: give sigma"
+    none = "not known: the residuals are so near rounding that they tell no noise: give sigma"
     assert rows(rounded) == {"uncertainty": none}
     assert rows(told)["± is"].endswith("of the sigma given: 0.1")
     assert f"\n  uncertainty       {none}\n" in registration_summary(rounded)
