@@ -279,7 +279,7 @@ READ_POSE = (  # in the terminal and on the page, of the pose printed there
     (rf"given below is within {NUMBER} degrees of it", ANGLE),
 )
 READ_DUAL = (
-    rf"proved gap of the rotation alone {NUMBER}(?:, which bounds nothing)?(?:\n|$)",
+    rf"which alone proves a gap of at most {NUMBER}(?:, which bounds nothing)?(?:\n|$)",
     rf"bounds the gap of the certified rotation independently: at most {NUMBER}\.",
 )
 READ_CHECKER = (

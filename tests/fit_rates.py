@@ -21,7 +21,8 @@ from certreg.problem import RegistrationProblem, exact_moments
 from certreg.registration import STORIES, stated
 from certreg.registration.covariance import pose_covariance
 from certreg.registration.fit import fit_of
-from certreg.registration.misfits import FitCode, RowNames
+from certreg.registration.misfits import FitCode
+from certreg.registration.row_names import RowNames
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

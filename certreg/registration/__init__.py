@@ -76,12 +76,12 @@ if TYPE_CHECKING:
     from certreg.registration.misfits import ChiSquared as ChiSquared
     from certreg.registration.misfits import FitCode as FitCode
     from certreg.registration.misfits import FitWarning as FitWarning
-    from certreg.registration.misfits import RowNames as RowNames
     from certreg.registration.result import ProblemTrajectory as ProblemTrajectory
     from certreg.registration.result import Registration as Registration
     from certreg.registration.result import SimulatedRegistration as SimulatedRegistration
     from certreg.registration.result import Solution as Solution
     from certreg.registration.rounding import rounding_remedy as rounding_remedy
+    from certreg.registration.row_names import RowNames as RowNames
     from certreg.registration.slips import Slip as Slip
     from certreg.registration.slips import SlipCode as SlipCode
 
@@ -180,7 +180,6 @@ __getattr__ = lazy_face(
             "ChiSquared",
             "FitCode",
             "FitWarning",
-            "RowNames",
         ),
         "result": (
             "ProblemTrajectory",
@@ -189,6 +188,7 @@ __getattr__ = lazy_face(
             "Solution",
         ),
         "rounding": ("rounding_remedy",),
+        "row_names": ("RowNames",),
         "slips": (
             "Slip",
             "SlipCode",

@@ -17,11 +17,11 @@ from certreg.registration.misfits import (
     FitCode,
     FitSums,
     FitWarning,
-    RowNames,
     log_scale_p,
     misfits,
 )
 from certreg.registration.outlying import row_fit
+from certreg.registration.row_names import RowNames
 from certreg.registration.tails import log_chi2_above
 from certreg.results import OUT_OF_RANGE, Absent, Explained, present
 

@@ -35,7 +35,7 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -45,13 +45,11 @@ from certreg.problem import trace
 from certreg.registration.outlying import PAIRINGS, ROUNDING
 from certreg.registration.tails import log_beta_below, log_choices, log_ratio_below
 from certreg.results import Brief
-from certreg.verify import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from certreg.objective import Isotropic
     from certreg.registration.outlying import OtherPairing, RowFit
+    from certreg.registration.row_names import RowNames
 
 LEVEL = 1e-6  # of each test; a hundredth of what is promised, for what is not linear
 MOST_LEFT = Fraction(1, 2)  # of E by a remedy: real clouds often have a certain scale, for 1 % of E
@@ -95,6 +93,7 @@ REMEDIES = {  # where the numbers of a fit add nothing to them
         "check the pairs, and whether both clouds show one rigid shape; where many pairs may be "
         "wrong, sort them out first"
     ),
+    FitCode.CHI2: "mend first what the other warning is of: it may be all, and sigma right",
 }
 
 
@@ -202,32 +201,6 @@ class FitSums:
         return alignment**2 / (self.source * self.target) if self.source and self.target else None
 
 
-@dataclass(frozen=True, slots=True)
-class RowNames:
-    """Rows in words."""
-
-    labels: Sequence[str] | None
-
-    def label(self, row: int) -> str | None:
-        """The label of a row, if it has one."""
-        return None if self.labels is None else self.labels[row]
-
-    @classmethod
-    def of(cls, about: dict[str, Any], n: int) -> RowNames:
-        """The labels that a certificate holds, unproved, if there is one for each row."""
-        labels: Any = about.get("labels")
-        given = cast("list[Any]", labels) if isinstance(labels, list) else []
-        texts = tuple(one for one in given if isinstance(one, str))
-        return cls(texts if len(texts) == n else None)
-
-    def words(self, rows: Sequence[int], count: int) -> str:
-        """For example: rows 3 (P4), 9 (P10) and 5 others."""
-        named = [f"{r}" if self.labels is None else f"{r} ({shown(self.labels[r])})" for r in rows]
-        more = count - len(rows)
-        tail = f" and {more} {'other' if more == 1 else 'others'}" if more else ""
-        return f"row{'' if count == 1 else 's'} {', '.join(named)}{tail}"
-
-
 def misfits(
     sums: FitSums, rows: RowFit, chi2: ChiSquared | None, names: RowNames
 ) -> tuple[FitWarning, ...]:
@@ -243,17 +216,21 @@ def misfits(
     texts[FitCode.CHI2] = _chi2_words(chi2)
     if not any(texts.values()):
         texts[FitCode.POOR_FIT] = _poor_words(sums)
+    told = {code: text for code, text in texts.items() if text}
+    alone = chi2 if len(told) == 1 else None
     return tuple(
-        FitWarning(code=code, text=text, remedy=_remedy(code, sums, rows, (chi2, names)))
-        for code, text in texts.items()
-        if text
+        FitWarning(code=code, text=text, remedy=_remedy(code, sums, rows, (alone, names)))
+        for code, text in told.items()
     )
 
 
 def _remedy(
     code: FitCode, sums: FitSums, rows: RowFit, about: tuple[ChiSquared | None, RowNames]
 ) -> str:
-    """What may be done: in the words of "check" and "if", since a test is no proof of a cause."""
+    """What may be done: in the words of "check" and "if", since a test is no proof of a cause.
+
+    about: chi-squared where it alone is warned of, and names of the rows.
+    """
     chi2, names = about
     if code is FitCode.SCALE:
         return _scale_remedy(sums.scale)

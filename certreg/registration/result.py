@@ -17,7 +17,7 @@ from certreg.problem import lift, row_blocks
 from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.covariance import pose_covariance, residual_distances
 from certreg.registration.fit import fit_of
-from certreg.registration.misfits import RowNames
+from certreg.registration.row_names import RowNames
 from certreg.results import (
     OUT_OF_RANGE,
     Absent,

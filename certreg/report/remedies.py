@@ -19,6 +19,7 @@ TELL_APART = "add pairs off the axis of the turn to the other pose: they may tel
 SINGLE_OUT = "add pairs off the line, plane or symmetry of these: they may single one pose out"
 FIX_TURN = "add pairs farther from that axis: they may fix the turn about it"
 WHY_BOTH = {  # a warning, and half of the target's spread or more explained
+    FitCode.SCALE: "",  # what is explained is told to be with the best scale
     FitCode.OUTLIER_ROWS: ": most rows fit, the warning is of the others",
     FitCode.SHUFFLED: "; in another order the rows explain more",
     FitCode.MIRRORED: "; a mirror image explains more",

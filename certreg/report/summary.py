@@ -314,7 +314,7 @@ def _method_lines(registration: Registration) -> list[str]:
     relaxation, trajectory, agreement = solution.relaxation, solution.trajectory, solution.agreement
     if not isinstance(relaxation, Absent) and agreement.relaxation is not None:
         gap = None if solution.certificate is None else solution.certificate.body.claims.sdp_gap
-        bound = "" if gap is None else f", proved gap of the rotation alone {at_most(gap.value)}"
+        bound = "" if gap is None else f", which alone proves a gap of at most {at_most(gap.value)}"
         if gap is not None and bounds_nothing(registration, gap.value):
             bound += ", which bounds nothing"
         away = _away(agreement.relaxation, unique=unique)

@@ -116,7 +116,7 @@ def rotation_words(covariance: PoseCovariance, axes: str) -> str:
     if covariance.loosest_sigma < FIRST_ORDER:
         return told
     about = axis_words(covariance.loosest_axis)
-    return f"{told}: too large for a first order: the turn about {about}"
+    return f"{told}; a rough figure: a turn so large, about {about}, is beyond a first order"
 
 
 def shift_words(covariance: PoseCovariance, whose: str) -> str:

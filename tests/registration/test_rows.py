@@ -15,8 +15,9 @@ from scipy.spatial.transform import Rotation
 from certreg.problem import RegistrationProblem
 from certreg.problem import arrays as problems
 from certreg.registration import certify, misfits, outlying
-from certreg.registration.misfits import FitCode, RowNames
+from certreg.registration.misfits import FitCode
 from certreg.registration.outlying import LISTED, OtherPairing, RowFit, row_fit
+from certreg.registration.row_names import RowNames
 
 if TYPE_CHECKING:
     from fractions import Fraction

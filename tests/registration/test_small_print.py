@@ -26,8 +26,9 @@ from certreg.registration.assessment_words import words_of_pose
 from certreg.registration.covariance import effective_rows
 from certreg.registration.findings import cost_of_rounding, exact_pose, findings
 from certreg.registration.fit import COINCIDENT, NO_SOURCE, ZERO_MEDIAN
-from certreg.registration.misfits import LEVEL, FitCode, RowNames
+from certreg.registration.misfits import LEVEL, FitCode
 from certreg.registration.outlying import SAMPLE_ROWS, OtherPairing, row_fit
+from certreg.registration.row_names import RowNames
 from certreg.report.summary import warnings
 from certreg.results import Absent, PoseVerdict
 

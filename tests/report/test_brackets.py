@@ -44,7 +44,7 @@ EVERYWHERE = {  # where bounds are printed; a page or a sentence that is written
     "checker: the minimum is at least #; sqrt(gap / sum of weights) is below #.",
     "checker: weights: #; objective at R, best translation: #; both",
     "dual: bounds the gap of the certified rotation independently: at most #.",
-    "dual: proved gap of the rotation alone #",
+    "dual: which alone proves a gap of at most #",
     "page: above the global minimum: # of the range",
     "page: exceeds the minimum by at most #.",
     "page: given below is within # degrees of it",
@@ -125,7 +125,7 @@ def test_the_gap_of_the_relaxation_is_rounded_up(registration: Registration):
     document = result_document(odd)
 
     assert document["relaxation"]["proved_gap"] == math.nextafter(1.0, 2.0)
-    assert ", proved gap of the rotation alone 1.01\n" in registration_summary(odd)
+    assert ", which alone proves a gap of at most 1.01\n" in registration_summary(odd)
     page = brackets.seen(html_page(Report.of(odd)))
     assert "of the certified rotation independently: at most 1.01." in page
 

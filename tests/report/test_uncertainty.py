@@ -181,7 +181,7 @@ def test_small_turns_are_in_arc_seconds_and_large_ones_no_longer_small(given):
     assert words(0.99 * FINE).startswith("25 25 36 arc seconds")
     assert words(1.01 * FINE).startswith("0.0071 0.0071 0.010 degrees")
     assert "too large" not in words(0.99 * FIRST_ORDER)
-    large = ": too large for a first order: the turn about (0, 0, 1)"
+    large = "; a rough figure: a turn so large, about (0, 0, 1), is beyond a first order"
     assert words(1.01 * FIRST_ORDER).endswith(large)
     assert words(0.99 * LOOSE_SIGMA).endswith(large)
     none = "not known: the turn about (0, 0, 1) is hardly determined, far beyond a first order"

@@ -247,7 +247,7 @@ def test_the_card_says_which_turn_is_too_large_for_a_first_order():
     sigma = 0.12
     found = solved(source, source + 0.1 * sigma * rng.standard_normal((9, 3)), sigma=sigma)
     words = dict(uncertainty_rows(found))["rotation ±"]
-    told = words[words.index(": too large for a first order: the turn about") :]
+    told = words[words.index("; a rough figure: a turn so large, about") :]
 
     assert told in summary.registration_summary(found)
     assert told in html.unescape(registration_card(found))
