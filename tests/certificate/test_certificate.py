@@ -239,7 +239,7 @@ def test_why_an_angle_is_missing_depends_on_whether_the_optimum_is_unique(patter
     body = checked(produce(problem, objective)).body
     silent = replace(body, claims=replace(body.claims, sin2_half_angle=None))
     bounds = pose_bounds(
-        objective, silent, ExactPose(quaternion=(1, 0, 0, 0), translation=(0,) * 3)
+        objective, silent, ExactPose(quaternion=(1, 0, 0, 0), translation=(Fraction(0),) * 3)
     )
 
     assert bounds.angle_upper is None

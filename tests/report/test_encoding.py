@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 import pytest
@@ -81,7 +82,8 @@ def test_a_result_explains_exactly_what_is_none_and_can_be_missing(specimen: Spe
     registration = certreg.certify(specimen.problem, relaxation=False)
     solution = registration.solution
     later = {"covariance", "predicted_rate", "decay_rate"}  # asked for, and so in no `absent`
-    for one in (registration, solution, solution.trajectory):
+    with_reasons: list[Any] = [registration, solution, solution.trajectory]
+    for one in with_reasons:
         for name in later & set(dir(one)):
             assert isinstance(one.stated(name), Absent) == (getattr(one, name) is None)
     results = explained((registration, solution.equilibria, solution.fit), [])
