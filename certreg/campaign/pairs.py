@@ -82,7 +82,12 @@ PAIR_COLUMNS = (
     Column("gap_share", float, "1", "proved: gap over the range of energies; empty if that is 0"),
     Column("angle_bound_rad", float, "rad", "proved: the optimum is nearer; empty if not unique"),
     Column("margin", float, "1", "gap of the two best eigenvalues over their range"),
-    Column("nearly_ambiguous", int, "", "1: margin below 0.001, and noise may turn it over; 0: no"),
+    Column(
+        "nearly_ambiguous",
+        int,
+        "",
+        "1: margin below 0.001, and noise or wrong pairs may turn it; 0: no",
+    ),
     Column("hardly_determined", int, "", LOOSE_WORDS),
     Column("pattern", str, "", "multiplicities of the eigenvalues: 1 1 1 1 is four equilibria"),
     Column("certificate", str, "", "file, from the folder of the table"),

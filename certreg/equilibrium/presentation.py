@@ -109,6 +109,7 @@ class EquilibriumSet(Explained, Presented):
     `doubt` says in words why the list may not be complete; None where it is.
     `next_ruled_out`: whether the noise was found to rule out the next equilibrium; False: not
     ruled out, or not asked.
+    `pairs_in_doubt`: whether it would be ruled out if the fit did not warn that pairs may be wrong.
     """
 
     classification: Classification
@@ -118,6 +119,7 @@ class EquilibriumSet(Explained, Presented):
     complete: bool
     doubt: str | None = None
     next_ruled_out: bool = False
+    pairs_in_doubt: bool = False
 
     @property
     def narrow(self) -> bool:
@@ -132,7 +134,7 @@ class EquilibriumSet(Explained, Presented):
 
     @property
     def nearly_ambiguous(self) -> bool:
-        """Whether the optimum is unique, but so narrowly that the noise may turn it over."""
+        """Whether the optimum is unique, but noise or wrong pairs may turn it over."""
         return self.narrow and not self.next_ruled_out
 
     @property

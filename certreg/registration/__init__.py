@@ -9,6 +9,7 @@ from certreg._loading import lazy_face
 if TYPE_CHECKING:
     from certreg.registration.agreement import Agreement as Agreement
     from certreg.registration.ambiguity import NEARLY_AMBIGUOUS as NEARLY_AMBIGUOUS
+    from certreg.registration.ambiguity import ambiguous_words as ambiguous_words
     from certreg.registration.ambiguity import narrow_words as narrow_words
     from certreg.registration.assessment import Assessment as Assessment
     from certreg.registration.assessment import assess as assess
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
     from certreg.registration.exit_codes import code_of_error as code_of_error
     from certreg.registration.exit_codes import code_of_registration as code_of_registration
     from certreg.registration.exit_codes import worst as worst
+    from certreg.registration.findings import FIT_WARNED as FIT_WARNED
     from certreg.registration.findings import GOOD as GOOD
     from certreg.registration.findings import AssessmentSettings as AssessmentSettings
     from certreg.registration.findings import JudgedEnergies as JudgedEnergies
@@ -91,6 +93,7 @@ __getattr__ = lazy_face(
         "agreement": ("Agreement",),
         "ambiguity": (
             "NEARLY_AMBIGUOUS",
+            "ambiguous_words",
             "narrow_words",
         ),
         "assessment": (
@@ -148,6 +151,7 @@ __getattr__ = lazy_face(
             "AssessmentSettings",
             "GOOD",
             "JudgedEnergies",
+            "FIT_WARNED",
             "SigmaDistance",
         ),
         "fit": (

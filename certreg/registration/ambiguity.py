@@ -5,7 +5,8 @@ variable of 3 n - 6 degrees of freedom; and E0, the least, is that of a wrong po
 smaller in distribution than noise alone. So E0 <= b E1 has at most the probability of one such
 variable being at most b times another, whatever links the two. Where sigma is given, E1 - E0 in
 units of sigma^2 is twice the log-likelihood ratio; a fit worse than sigma says has a larger unit.
-Statistics, as of the fit: nothing of it is proved.
+All of this is of right pairs: where the fit warns of anything but a small sigma, nothing is ruled
+out. Statistics, as of the fit: nothing of it is proved.
 """
 
 from __future__ import annotations
@@ -16,27 +17,45 @@ from typing import TYPE_CHECKING
 
 from certreg.equilibrium import equilibrium_set
 from certreg.registration.covariance import PARAMETERS
-from certreg.registration.misfits import LEVEL, FitSums
+from certreg.registration.misfits import LEVEL, FitCode, FitSums
 from certreg.registration.outlying import independent_rows
 from certreg.registration.tails import log_ratio_below
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from certreg.equilibrium import CriticalSet, EquilibriumSet
     from certreg.objective import Isotropic
     from certreg.problem import RegistrationProblem
+    from certreg.registration.fit import Fit
 
 DISTINGUISHABLE = 25  # twice the log-likelihood ratio of five standard deviations
 NEARLY_AMBIGUOUS = "A very different pose fits almost as well: do not rely on the rotation."
+PAIRS_IN_DOUBT = "Wrong pairs may have turned the answer over: do not rely on the rotation."
 
 
 def equilibria_at(
-    critical: CriticalSet, objective: Isotropic, problem: RegistrationProblem
+    critical: CriticalSet,
+    objective: Isotropic,
+    problem: RegistrationProblem,
+    fit: Callable[[], Fit],
 ) -> EquilibriumSet:
-    """The equilibria at the critical rotations; where the margin is small, what the noise says."""
+    """The equilibria at the critical rotations; where the margin is small, what the noise says.
+
+    fit: gives that of the optimum; asked only where the noise of right pairs decides.
+    """
     found = equilibrium_set(critical, objective, problem.damping)
-    if not found.narrow:
+    if not found.narrow or not _rules_out_next(problem, objective):
         return found
-    return replace(found, next_ruled_out=_rules_out_next(problem, objective))
+    doubted = any(code is not FitCode.CHI2 for code in fit().codes)
+    return replace(found, next_ruled_out=not doubted, pairs_in_doubt=doubted)
+
+
+def ambiguous_words(equilibria: EquilibriumSet) -> str | None:
+    """Why not to rely on the rotation of a nearly ambiguous optimum; None of any other."""
+    if not equilibria.nearly_ambiguous:
+        return None
+    return PAIRS_IN_DOUBT if equilibria.pairs_in_doubt else NEARLY_AMBIGUOUS
 
 
 def narrow_words(equilibria: EquilibriumSet) -> str | None:
@@ -57,7 +76,7 @@ def narrow_words(equilibria: EquilibriumSet) -> str | None:
 
 
 def _rules_out_next(problem: RegistrationProblem, objective: Isotropic) -> bool:
-    """Whether the noise rules out that the second best equilibrium is the right pose.
+    """Whether the noise of right pairs rules out that the second best equilibrium is right.
 
     The noise is the given sigma, or what the residuals are; False means not ruled out.
     """

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from certreg.exact import nearest_root
 from certreg.geometry import UNNOTED_DEFECT, rotation_defect
-from certreg.registration.ambiguity import NEARLY_AMBIGUOUS, narrow_words
+from certreg.registration.ambiguity import ambiguous_words, narrow_words
 from certreg.registration.findings import GOOD, rules_out
 from certreg.registration.headlines import (
     NEAR_OPTIMAL_NOT_UNIQUE,
@@ -46,12 +46,14 @@ def headline_of_pose(
     if verdict not in GOOD:
         return NO_EQUILIBRIUM, NO_EQUILIBRIUM.said(interval=interval_words(bounds))
     chosen, degrees = _good_headline(facts, verdict, distance), degrees_words(bounds)
+    tie = ambiguous_words(registration.equilibria)
     said = chosen.said(
         degrees=degrees or "180",
         gap=at_most(bounds.greatest_gap),
         share=share_words(bounds),
         warning=next((one.text for one in registration.fit.warnings), ""),
         loose=loose_words(registration),
+        tie=tie[0].lower() + tie.partition(":")[0][1:] if tie else "",
         sigmas="" if isinstance(distance, Absent) else f"{distance.value:.3g}",
     )
     return chosen, said
@@ -129,8 +131,8 @@ def _good_words(facts: Findings, verdict: PoseVerdict) -> str:
     ambiguity = facts.registration.equilibria.classification.ambiguity
     if ambiguity is not None:
         words += f" The optimum is not the only one: {ambiguity.value}."
-    elif facts.registration.equilibria.nearly_ambiguous:
-        words += f" {NEARLY_AMBIGUOUS}"
+    elif (tie := ambiguous_words(facts.registration.equilibria)) is not None:
+        words += f" {tie}"
     elif (narrow := narrow_words(facts.registration.equilibria)) is not None:
         words += f" {narrow[0].upper()}{narrow[1:]}."
     return words

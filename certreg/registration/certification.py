@@ -8,8 +8,6 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
 
-import numpy as np
-
 from certreg.certificate import (
     ExactPose,
     check_own,
@@ -20,26 +18,20 @@ from certreg.certificate import (
 )
 from certreg.dynamics import SimulationSettings, optimal_damping
 from certreg.dynamics import simulate as run
-from certreg.equilibrium import (
-    rotation_double,
-    unit_double,
-)
 from certreg.errors import (
     DegenerateProblemError,
     InvalidProblemError,
-    OutOfRangeError,
 )
 from certreg.exact import (
     nearest_double,
-    nearest_or_zero,
     nearest_root,
 )
-from certreg.geometry import Pose
 from certreg.io import stated_problem
 from certreg.native import Integrator
 from certreg.objective import Isotropic
 from certreg.problem import RegistrationProblem, exact_moments, lift
 from certreg.registration.agreement import agreement, require_sound_trajectory
+from certreg.registration.optimum import optimal_pose
 from certreg.registration.parts import counted, logged
 from certreg.registration.result import (
     ProblemTrajectory,
@@ -275,7 +267,7 @@ def solve(
     return Solution(
         problem=problem,
         objective=objective,
-        pose=_optimal_pose(objective),
+        pose=optimal_pose(objective),
         relaxation=relaxed,
         trajectory=trajectory,
         agreement=agreement(problem, objective, relaxation=relaxed, trajectory=trajectory),
@@ -360,23 +352,6 @@ def _registration(
             "rmse": OUT_OF_RANGE,
             "bounds": NOT_CERTIFIED,
         },
-    )
-
-
-def _optimal_pose(objective: Isotropic) -> Pose:
-    """The representative of the optimal component, every number rounded once."""
-    q = objective.quaternions[0]
-    translation = [nearest_or_zero(entry) for entry in objective.best_translation(q)]
-    if not np.isfinite(translation).all():
-        message = (
-            "the translation of the optimal pose exceeds the range of doubles: "
-            "change the unit of length of both clouds"
-        )
-        raise OutOfRangeError(message, value=objective.best_translation(q))
-    return Pose(
-        rotation=rotation_double(q),
-        translation=np.array(translation),
-        quaternion_wxyz=unit_double(q),
     )
 
 

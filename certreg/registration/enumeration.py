@@ -11,6 +11,9 @@ from certreg.errors import UndecidedError
 from certreg.objective import Isotropic
 from certreg.problem import exact_moments
 from certreg.registration.ambiguity import equilibria_at
+from certreg.registration.covariance import pose_covariance
+from certreg.registration.fit import fit_of
+from certreg.registration.optimum import optimal_pose
 from certreg.registration.parts import counted
 from certreg.results import Brief
 
@@ -20,6 +23,7 @@ if TYPE_CHECKING:
     from certreg.certificate import Certificate, CountBody
     from certreg.equilibrium import Comparison, Search
     from certreg.problem import RegistrationProblem
+    from certreg.registration.fit import Fit
     from certreg.registration.parts import Progress
 
 ALL = "all"  # methods
@@ -90,9 +94,15 @@ def enumerated(
     return Enumeration(
         objective=objective,
         searches=searches,
-        equilibria=equilibria_at(sets[0], objective, problem),
+        equilibria=equilibria_at(sets[0], objective, problem, lambda: _fit(problem, objective)),
         comparison=compare(sets) if method == ALL else None,
     )
+
+
+def _fit(problem: RegistrationProblem, objective: Isotropic) -> Fit:
+    """What the optimum is worth as a fit."""
+    covariance = pose_covariance(problem, objective)
+    return fit_of(problem, objective, optimal_pose(objective), covariance)
 
 
 def _searched(objective: Isotropic, name: str, done: Callable[[str], None]) -> Search:

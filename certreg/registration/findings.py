@@ -35,6 +35,7 @@ TURNS, MOTIONS = 3, 6  # degrees of freedom of a rotation, of a pose
 SURELY = 100.0  # standard deviations: a probability below 1e-1000
 UNDECIDED = "the optimum could not be certified: nothing is proved of any pose"
 NO_NOISE = Absent("no noise was given: give sigma")
+FIT_WARNED = Absent("the fit has a warning: it would be of the sigma given and right pairs alone")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,8 +60,8 @@ class SigmaDistance(Brief):
     value: sqrt(e^T P^-1 e), in standard deviations: e the rotation vector from the optimum and the
         shift of the source's centroid, P their joint covariance.
     dof: 6; 3 where only a rotation was given, and P is that of the rotation.
-    p: the probability that the true pose is as far or farther, if the noise is Gaussian with the
-        sigma that was given: the tail of the chi-squared distribution.
+    p: the probability that the true pose is as far or farther, if all pairs are right and the
+        noise is Gaussian with the sigma that was given: the tail of the chi-squared distribution.
     """
 
     value: float
@@ -175,7 +176,8 @@ def sigma_distance(facts: Findings, given: GivenPose) -> SigmaDistance | Absent:
     In e = (c, phi), c the shift of the source's centroid and phi = a u the rotation vector, P^-1 is
     M and half the Hessian G, with no entries between them. The energy of the rotation is
     2 sin^2(a/2) times sum (l1 - lk) u_k^2, and phi^T (G / 2) phi is a^2 / 2 times the same sum: so
-    no covariance is inverted, and nothing cancels. Absent, too, where the turn is beyond a first
+    no covariance is inverted, and nothing cancels. Absent, too, where the fit has a warning, as
+    the optimum may then be off by more than the noise, and where the turn is beyond a first
     order; of a loose one it is told only where it rules the pose out.
     """
     solution, covariance = facts.registration.solution, facts.registration.solution.covariance
@@ -184,6 +186,8 @@ def sigma_distance(facts: Findings, given: GivenPose) -> SigmaDistance | Absent:
         return absent
     if not facts.registration.problem.noise_given:
         return NO_NOISE
+    if facts.registration.fit.warnings:
+        return FIT_WARNED
     if facts.away > LOOSE_SIGMA:
         return TURNED_FAR
     least, half = solution.objective.energy(solution.objective.quaternions[0]), facts.away / 2
@@ -202,6 +206,7 @@ def sigma_distance(facts: Findings, given: GivenPose) -> SigmaDistance | Absent:
 def rules_out(registration: Registration, distance: SigmaDistance) -> bool:
     """Whether the noise rules a pose out: the true one is as far with a probability below LEVEL.
 
+    Of a fit without a warning, as the distance is.
     Where the residuals are larger than sigma says, so is the noise, and the distance is as much
     smaller.
     """

@@ -197,7 +197,7 @@ RULED_OUT = _each(
 )
 OF_DATA = {  # of the certified optimum: of a pose that is optimal, and of one that is near-optimal
     CERTIFIED: (OPTIMAL, NEAR_OPTIMAL),
-    NEARLY_AMBIGUOUS: _each("NEARLY AMBIGUOUS", "a very different pose fits almost as well"),
+    NEARLY_AMBIGUOUS: _each("NEARLY AMBIGUOUS", "{tie}"),
     HARDLY_DETERMINED: _each("THE ROTATION IS HARDLY DETERMINED", "{loose}"),
     POOR_FIT: _each("THE FIT IS POOR", "{warning}", "fit.warnings"),
     SCALE_FITS: _each("A SCALE FITS BETTER", "{warning}", "fit.warnings", "fit.best_scale"),

@@ -69,7 +69,8 @@ class Solution(Explained):
     @cached_property
     def equilibria(self) -> EquilibriumSet:
         """All equilibria of the registration dynamics."""
-        return equilibria_at(by_eigenspaces(self.objective), self.objective, self.problem)
+        found = by_eigenspaces(self.objective)
+        return equilibria_at(found, self.objective, self.problem, lambda: self.fit)
 
     @property
     def covariance(self) -> PoseCovariance | None:

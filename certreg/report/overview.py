@@ -232,7 +232,7 @@ def _proved(registration: Registration) -> Iterator[Fact]:
         )
     others = equilibria.classification.spurious
     yield Fact(
-        name="Wrong poses at rest",
+        name="Other poses at rest",
         value="infinitely many" if others is None else str(others),
         words="where the springs balance and the fit is not the best",
     )

@@ -10,7 +10,7 @@ from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from certreg import __version__
-from certreg.registration import NEARLY_AMBIGUOUS, WEAK, headline_of, is_green
+from certreg.registration import WEAK, ambiguous_words, headline_of, is_green
 from certreg.report.markup import asset, inert, inert_json, printable, rendered
 from certreg.report.overview import Overview
 from certreg.report.remedies import TODO, remedies
@@ -144,9 +144,10 @@ def _head(report: Report) -> dict[str, Any]:
     registration = report.registration
     headline, *further = report.verdict_words
     stamp, _, said = headline.partition(": ")
-    if stamp.endswith("NEARLY AMBIGUOUS"):  # what is against it is not to be in smaller print
-        others = [words for words in further if words != NEARLY_AMBIGUOUS]
-        said, further = NEARLY_AMBIGUOUS, [f"Proved: {said}", *others]
+    tie = ambiguous_words(registration.equilibria)
+    if tie in further and stamp.endswith("NEARLY AMBIGUOUS"):  # not to be in smaller print
+        others = [words for words in further if words != tie]
+        said, further = tie, [f"Proved: {said}", *others]
     n = registration.problem.n
     return {
         "pairs": f"{n} pair{'s' * (n != 1)}",

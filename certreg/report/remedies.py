@@ -32,7 +32,8 @@ def remedies(registration: Registration) -> list[str]:
     """A sentence for each warning of the fit, and a rotation that is hardly fixed, or not."""
     told = [one.remedy for one in registration.fit.warnings]
     if registration.equilibria.nearly_ambiguous:
-        told.append(f"{'' if registration.problem.noise_given else GIVE_SIGMA}{TELL_APART}")
+        helpless = registration.problem.noise_given or told  # of wrong pairs sigma says nothing
+        told.append(f"{'' if helpless else GIVE_SIGMA}{TELL_APART}")
     elif registration.equilibria.classification.unique and is_loose(registration):
         told.append(FIX_TURN)
     elif not registration.equilibria.classification.unique and not told:

@@ -12,10 +12,11 @@ from certreg.certificate import flat_energy
 from certreg.exact import nearest_double, rational_root_above
 from certreg.registration import (
     DEGREE_SLACK,
+    FIT_WARNED,
     HARDLY_DETERMINED,
-    NEARLY_AMBIGUOUS,
     NOT_ASKED,
     TooLarge,
+    ambiguous_words,
     at_most,
     headline_words,
     interval_words,
@@ -129,9 +130,9 @@ def equilibria_summary(equilibria: EquilibriumSet) -> str:
 def equilibria_words(equilibria: EquilibriumSet) -> str:
     """The equilibrium set with its margin, and what is in doubt or not unique."""
     lines = [equilibria_summary(equilibria), f"Ambiguity margin: {margin_words(equilibria)}."]
-    narrow = narrow_words(equilibria)
-    if equilibria.nearly_ambiguous:
-        lines.append(NEARLY_AMBIGUOUS)
+    tie, narrow = ambiguous_words(equilibria), narrow_words(equilibria)
+    if tie is not None:
+        lines.append(tie)
     elif narrow is not None:
         lines.append(f"{narrow[0].upper()}{narrow[1:]}.")
     if equilibria.doubt is not None:
@@ -188,6 +189,8 @@ def margin_words(equilibria: EquilibriumSet) -> str:
     if not equilibria.classification.unique:
         return "0: the optimum is not unique"
     percent = f"{100 * margin.relative:.3g} % of the range of energies"
+    if equilibria.pairs_in_doubt:
+        return f"{percent}: unique, but wrong pairs may have turned the answer over"
     if equilibria.nearly_ambiguous:
         return f"{percent}: unique, but a small change of the data may turn the answer over"
     return f"{percent}: unique"
@@ -234,16 +237,15 @@ def _judged_lines(assessment: Assessment, energies: JudgedEnergies) -> list[str]
 
 def _sigma_lines(distance: SigmaDistance | Absent) -> list[str]:
     """The distance by the covariance, where it is known: plainly, and that it is no proof."""
-    if isinstance(distance, TooLarge):
-        return [f"  sigma distance     not known: {distance.reason}"]
     if isinstance(distance, Absent):
-        return []
+        told = isinstance(distance, TooLarge) or distance == FIT_WARNED
+        return [f"  sigma distance     not known: {distance.reason}"] if told else []
     jointly = "rotation and translation jointly" if distance.dof == 6 else "of the rotation"
     p = f"{distance.p:.2g}" if distance.p else "below 1e-300"
     return [
         f"  sigma distance     {distance.value:.4g} standard deviations, {jointly}",
-        "                     (to first order; if the noise is as sigma says, the true pose is as",
-        f"                     far with probability {p})",
+        "                     (to first order; if all pairs are right and the noise is as sigma",
+        f"                     says, the true pose is as far with probability {p})",
     ]
 
 
@@ -267,8 +269,8 @@ def verdict_words(registration: Registration) -> list[str]:
             f"{ambiguity.value}.",
             "The pose below is one of them that turns the source least, up to rounding.",
         ]
-    elif registration.equilibria.nearly_ambiguous:
-        lines.append(NEARLY_AMBIGUOUS)
+    elif (tie := ambiguous_words(registration.equilibria)) is not None:
+        lines.append(tie)
     if status is Optimality.BOUNDED or registration.limits != Limits():
         lines.append(_limit_words(registration))
     return lines

@@ -316,9 +316,10 @@ def turn_of(pose: Pose) -> tuple[float, tuple[float, ...] | None]:
 
 
 def trap_words(equilibria: EquilibriumSet, rmse: float | None = None) -> str | None:
-    """How wrong the worst stationary pose is, and that bodies leave it; None if all are optimal.
+    """How much worse the worst stationary pose fits, and that bodies leave it.
 
-    rmse: that of the pose as printed, where the page tells it; else of the exact optimum.
+    None if all are optimal. rmse: that of the pose as printed, where the page tells it; else of the
+    exact optimum.
     """
     worst, last = equilibria.components[-1], len(equilibria.components) - 1
     if worst.optimal or None in {worst.rmse, equilibria.components[0].rmse}:
@@ -333,7 +334,7 @@ def trap_words(equilibria: EquilibriumSet, rmse: float | None = None) -> str | N
     return (
         f"{'The worst rotation' if single else 'One of the worst rotations'}, "
         f"{math.degrees(worst.angle_to_optimum):.4g}° off, balances the "
-        f"springs, too. It is wrong, {fit}{f' ({factor})' if factor else ''}"
+        f"springs, too. It is not the best, {fit}{f' ({factor})' if factor else ''}"
         f"{', and unstable: a push, however small, can end it' if unstable else ''}."
     )
 
@@ -362,15 +363,15 @@ def component_words(equilibria: EquilibriumSet, index: int) -> str:
     if component.optimal:
         return _optimal_words(component)
     factor = factor_words(equilibria, index)
-    wrong = f"RMSE {number(component.rmse)}{f', {factor}' if factor else ''}"
+    fit = f"RMSE {number(component.rmse)}{f', {factor}' if factor else ''}"
     last = index == len(equilibria.components) - 1
     single = component.kind is ComponentKind.POINT
     worst = "It is the worst rotation there is" if single else "No rotation is worse than these"
     worst = f" {worst}." if last else ""
     axes = NUMERALS[component.morse_index]
     return (
-        f"All forces and torques balance here, and yet it is wrong: {wrong}.{worst} Turning about "
-        f"{axes} lowers the energy, {_growth_words(component)}"
+        f"All forces and torques balance here, but the fit is not the best: {fit}.{worst} Turning "
+        f"about {axes} lowers the energy, {_growth_words(component)}"
     )
 
 

@@ -17,8 +17,10 @@ from certreg.registration import (
     headline_of,
 )
 from certreg.registration import headlines as listed
+from certreg.registration.ambiguity import PAIRS_IN_DOUBT
 from certreg.registration.outlying import independent_rows
-from certreg.report import registration_summary
+from certreg.report import html_page, registration_summary
+from certreg.report.page import Report
 from certreg.report.summary import equilibria_words, warnings
 
 TURN = random_rotation(np.random.default_rng(3))
@@ -59,6 +61,38 @@ def test_a_strip_that_is_narrower_than_its_noise_is_nearly_ambiguous(options):
     assert NEARLY_AMBIGUOUS in registration_summary(registration)
     assert NEARLY_AMBIGUOUS in equilibria_words(registration.equilibria)
     assert not any("margin is small" in words for words in warnings(registration, ""))
+
+
+@pytest.mark.parametrize("options", [{}, {"sigma": 0.002}])
+def test_what_the_noise_rules_out_wrong_pairs_may_have_turned_over(options):
+    clean = strip(0.002, **options)
+    target = clean.target.copy()
+    target[7] += 0.1
+    problem = RegistrationProblem(clean.source, target, **options)
+    registration = proof(problem)
+    summary = registration_summary(registration)
+    judged = assess(registration, registration.pose)
+
+    assert "outlier-rows" in [code.value for code in registration.fit.codes]
+    assert headline_of(registration) is listed.NEARLY_AMBIGUOUS
+    assert PAIRS_IN_DOUBT in summary
+    assert "unique, but wrong pairs may have turned the answer over" in summary
+    assert PAIRS_IN_DOUBT in equilibria_words(equilibria(problem))
+    assert PAIRS_IN_DOUBT in judged.words
+    assert judged.headline.endswith("; wrong pairs may have turned the answer over.")
+    for told in (summary, judged.words):
+        assert "margin is small" not in told
+        assert NEARLY_AMBIGUOUS not in told
+    assert "rule the other pose out" not in summary
+    assert f">{PAIRS_IN_DOUBT}<" in html_page(Report.of(registration)).decode()
+
+
+def test_a_sigma_somewhat_too_small_casts_no_doubt_on_the_pairs():
+    found = proof(strip(0.002, sigma=0.001))
+
+    assert [code.value for code in found.fit.codes] == ["chi2"]
+    assert found.equilibria.next_ruled_out
+    assert not found.equilibria.pairs_in_doubt
 
 
 def test_a_sigma_that_is_too_small_rules_nothing_out():

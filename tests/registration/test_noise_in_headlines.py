@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from commands import checked
 from scipy.stats import chi2
 from strategies import random_rotation
 
 from certreg.problem import RegistrationProblem
 from certreg.registration import (
+    FIT_WARNED,
     SigmaDistance,
     assess,
     certify,
@@ -23,7 +25,13 @@ from certreg.registration import (
 from certreg.registration import headlines as listed
 from certreg.registration.findings import rules_out
 from certreg.registration.misfits import LEVEL
-from certreg.report import html_page, registration_summary, result_document
+from certreg.report import (
+    assessment_document,
+    assessment_summary,
+    html_page,
+    registration_summary,
+    result_document,
+)
 from certreg.report.cards import GREEN
 from certreg.report.page import Report
 from certreg.results import Limits, Optimality
@@ -105,12 +113,36 @@ def test_the_noise_rules_out_what_is_as_likely_as_a_millionth(fine: Registration
 
 
 def test_a_sigma_that_is_too_small_rules_nothing_out(fine: Registration):
-    """The residuals say how large the noise is: a hundred times as large."""
-    small = proof(CLOUD, TARGET, sigma=1e-4)
+    """The residuals are larger, by as little as no warning tells; or by a hundred."""
+    small, tiny = (proof(CLOUD, TARGET, sigma=sigma) for sigma in (0.006, 1e-4))
+    factor = small.solution.covariance.variance_factor  # type: ignore[union-attr]
 
-    assert moved(small, 0.01).startswith("NEAR-OPTIMAL, BUT THE FIT IS POOR: ")
-    assert "BUT THE NOISE RULES IT OUT" in moved(small, 0.03)
+    assert not small.fit.warnings
+    assert checked(factor) > 1.5
+    edge = math.sqrt(chi2.isf(LEVEL, 6) * checked(factor))
+    far, near = (SigmaDistance(value=k * edge, dof=6, p=0.0) for k in (1.0001, 0.9999))
+    assert (rules_out(small, far), rules_out(small, near)) == (True, False)
+    for shift in (0.01, 0.03):
+        assert moved(tiny, shift).startswith("NEAR-OPTIMAL, BUT THE FIT IS POOR: ")
     assert "RULES IT OUT" not in moved(fine, 0.0)
+
+
+@pytest.mark.parametrize("warned", ["outlier-rows", "chi2", "scale"])
+def test_the_noise_rules_no_pose_out_where_the_fit_has_a_warning(warned: str):
+    """A row, sigma or the scale is wrong: the true pose may be off by more than the noise."""
+    target, sigma = TARGET * (1.05 if warned == "scale" else 1.0), 0.01
+    target[5] += 0.3 if warned == "outlier-rows" else 0.0
+    found = proof(CLOUD, target, sigma=1e-4 if warned == "chi2" else sigma)
+    judged = assess(found, found.pose.rotation, found.pose.translation + 0.03 * X)
+    summary = assessment_summary(judged)
+
+    assert warned in [code.value for code in found.fit.codes]
+    assert judged.headline.startswith("NEAR-OPTIMAL, BUT "), judged.headline
+    assert "RULES IT OUT" not in judged.headline
+    assert "probability" not in summary
+    assert "sigma distance     not known: the fit has a warning" in summary
+    assert assessment_document(judged)["sigma_distance"] is None
+    assert assessment_document(judged)["reasons"]["sigma_distance"] == FIT_WARNED.reason
 
 
 # A rotation that is hardly determined ------------------------------------------------------------

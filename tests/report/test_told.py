@@ -249,7 +249,7 @@ def test_a_pose_at_rest_is_told_by_what_it_is(axes: Registration, square: Regist
         "No pose fits better. Turned a little about any axis, the energy rises, and the body comes "
         "back."
     )
-    assert "it is wrong: RMSE 2.581989. Turning about one axis lowers" in told[1]
+    assert "the fit is not the best: RMSE 2.581989. Turning about one axis lowers" in told[1]
     assert "and so 1 of the 12 eigenvalues has a positive real part: along its mode a" in told[1]
     assert "2 of the 12 eigenvalues have a positive real part: along their modes a" in told[2]
     assert [("worst rotation there is" in one) for one in told] == [False, False, False, True]

@@ -60,7 +60,7 @@ def test_a_pose_that_is_only_bounded_is_not_the_best_motion(usual: str):
 
 def test_an_rmse_is_not_said_to_be_another_where_no_digit_differs():
     words = page(proof(1e-100 * SOURCE, TARGET))
-    (fit,) = re.findall(r"It is wrong, (.*?), and unstable", words)
+    (fit,) = re.findall(r"It is not the best, (.*?), and unstable", words)
 
     assert re.fullmatch(r"though its RMSE is [\d.]+, as the optimum's is, in these digits", fit)
 

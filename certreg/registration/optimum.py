@@ -1,0 +1,32 @@
+"""The optimal pose in doubles."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from certreg.equilibrium import rotation_double, unit_double
+from certreg.errors import OutOfRangeError
+from certreg.exact import nearest_or_zero
+from certreg.geometry import Pose
+
+if TYPE_CHECKING:
+    from certreg.objective import Isotropic
+
+
+def optimal_pose(objective: Isotropic) -> Pose:
+    """The representative of the optimal component, every number rounded once."""
+    q = objective.quaternions[0]
+    translation = [nearest_or_zero(entry) for entry in objective.best_translation(q)]
+    if not np.isfinite(translation).all():
+        message = (
+            "the translation of the optimal pose exceeds the range of doubles: "
+            "change the unit of length of both clouds"
+        )
+        raise OutOfRangeError(message, value=objective.best_translation(q))
+    return Pose(
+        rotation=rotation_double(q),
+        translation=np.array(translation),
+        quaternion_wxyz=unit_double(q),
+    )
