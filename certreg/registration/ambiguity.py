@@ -30,7 +30,10 @@ if TYPE_CHECKING:
     from certreg.registration.fit import Fit
 
 DISTINGUISHABLE = 25  # twice the log-likelihood ratio of five standard deviations
-NEARLY_AMBIGUOUS = "A very different pose fits almost as well: do not rely on the rotation."
+NEARLY_AMBIGUOUS = (
+    "A very different pose costs little more beside the range of energies: do not rely on the "
+    "rotation."
+)
 PAIRS_IN_DOUBT = "Wrong pairs may have turned the answer over: do not rely on the rotation."
 
 

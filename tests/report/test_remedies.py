@@ -103,7 +103,8 @@ def test_a_rotation_that_hardly_stands_has_advice_too():
     assert remedies(near) == [f"What to do: {GIVE_SIGMA}{TELL_APART}."]
     assert remedies(known) == [f"What to do: {TELL_APART}."]
     assert (
-        "<h1>A very different pose fits almost as well: do not rely on the rotation.</h1>" in page
+        "<h1>A very different pose costs little more beside the range of energies: do not rely "
+        "on the rotation.</h1>" in page
     )
     assert '<p class="lead">Proved: the global optimum of exactly these numbers' in page
 

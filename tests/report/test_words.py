@@ -100,7 +100,8 @@ def test_an_assessment_says_what_is_nearly_ambiguous():
     judged = assess(problem, np.eye(3), np.zeros(3))
     assert judged.headline.startswith("OPTIMAL TO ROUNDING")
     assert judged.words.endswith(
-        "A very different pose fits almost as well: do not rely on the rotation."
+        "A very different pose costs little more beside the range of energies: do not rely on "
+        "the rotation."
     )
 
 
