@@ -20,7 +20,6 @@ import json
 import struct
 import sys
 from array import array
-from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import Field, dataclass, fields
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
@@ -41,8 +40,8 @@ INLINE_MAX, FILE_MAX = 10**6, 10**8  # points in a certificate, 75 MB in base64;
 NODES_MAX = 50_000  # commas and brackets; each costs less than 600 bytes of memory: < 30 MB
 DIGITS_MAX, EXPONENT_MAX = 4300, 32768  # of an integer, as Python's own limit; of a dyadic
 LIMITS = {"max-angle": "angle", "max-gap": "share"}  # options, and what of Worth they limit
-BLOCK, NEAR, STEP = 8192, 128, 64  # points split at a time; the spread, rounding of their exponents
-PRIME, SPARE, DEGREES = 2**31 - 1, 64, Fraction("57.295779514")  # in a radian: 180/pi = ...513...
+BLOCK, STEP = 8192, 64  # points split at a time; their exponents are rounded to it if far apart
+PRIME, BITS, DEGREES = 2**31 - 1, 512, Fraction("57.295779514")  # in a radian: 180/pi = ...513...
 
 
 class RefusalError(Exception):
@@ -112,7 +111,7 @@ def check(certificate: bytes, clouds: Clouds | None = None, limits: Limits = {})
         stated = parse(certificate)
         del certificate  # as large as the points
         doubles = bound_doubles(stated, clouds)
-        equal = equally_weighted(doubles, stated.n)
+        equal = bytes(doubles[-8 * stated.n :]) == bytes(doubles[-8:]) * stated.n  # weights
         return within(stated.prove(*moments(doubles, stated.n), equal=equal), limits)
     except (RefusalError, MemoryError) as error:
         return Outcome(verified=False, theorems=(), reason=str(error) or "not enough memory")
@@ -217,7 +216,7 @@ def bound_doubles(certificate: Statement, clouds: Clouds | None) -> memoryview:
         given, bare = head + numbers.tobytes(), clouds.weights is None
         content = content or given + struct.pack("<d", 1.0) * ((size - len(given)) // 8)
         require(content.startswith(given[: size - 8 * n]), "the certificate is about other points")
-        equal, (w,) = equally_weighted(content, n), struct.unpack("<d", content[-8:])
+        equal, (w,) = content[-8:] * n == content[-8 * n :], struct.unpack("<d", content[-8:])
         good = equal and (clouds.any_weight or w == 1) if bare else content.startswith(given)
         sigma = float(f"{w**-0.5:.6g}") if 1e-300 < w < 1e300 else 1.0
         option = f"--sigma {sigma}" if float(1 / Fraction(sigma) ** 2) == w else "--any-weight"
@@ -228,33 +227,27 @@ def bound_doubles(certificate: Statement, clouds: Clouds | None) -> memoryview:
     return memoryview(content)[len(head) :]
 
 
-def equally_weighted(doubles: bytes | memoryview, n: int) -> bool:
-    """Whether the last n doubles, the weights, are all the same."""
-    return bytes(doubles[-8:]) * n == doubles[-8 * n :]
-
-
 def moments(doubles: bytes | memoryview, n: int) -> tuple[Matrix, int]:
     """7x7 table m and e: sum w a_i a_j = m[i][j] 2^e for i <= j; a = (1, x1, x2, x3, y1, y2, y3).
 
     Exact: doubles are integers times powers of two, and products with the same power are added up.
     """
-    sums: list[list[dict[int, int]]] = [[defaultdict(int) for _ in range(i, 7)] for i in range(7)]
+    sums: list[list[dict[int, int]]] = [[{} for _ in range(7)] for _ in range(7)]
     for start in range(0, n, BLOCK):
         count = min(BLOCK, n - start)
         x, y = (_split(doubles, first, 3 * count) for first in (3 * start, 3 * (n + start)))
         w, g = _split(doubles, 6 * n + start, count)
         require(min(w) >= 0, "a weight is negative")
-        near = all(len(set(e)) == 1 for e in (x[1], y[1], g))
+        near = all(len(set(e)) == 1 for e in (x[1], y[1], g))  # as usual
         a = [([1] * count, [0] * count), *((k[i::3], e[i::3]) for k, e in (x, y) for i in range(3))]
         for i, (left, e) in enumerate(a):
             weighted, powers = list(map(mul, w, left)), list(map(add, g[:1] if near else g, e))
-            for sum_, (right, f) in zip(sums[i], a[i:]):  # noqa: B905 (3.9)
+            for sum_, (right, f) in zip(sums[i][i:], a[i:]):  # noqa: B905 (3.9)
                 terms = map(mul, weighted, right)
                 for power, term in zip(map(add, powers, f), [sum(terms)] if near else terms):  # noqa: B905
-                    sum_[power] += term
+                    sum_[power] = sum_.get(power, 0) + term
     least = min(chain(*chain(*sums)))
-    table = [[sum([k << e - least for e, k in sum_.items()]) for sum_ in row] for row in sums]
-    return [[0] * (7 - len(row)) + row for row in table], least
+    return [[sum([k << e - least for e, k in sum_.items()]) for sum_ in row] for row in sums], least
 
 
 def _split(doubles: bytes | memoryview, first: int, count: int) -> tuple[list[int], list[int]]:
@@ -264,7 +257,7 @@ def _split(doubles: bytes | memoryview, first: int, count: int) -> tuple[list[in
     require(1 << 63 not in bits, "the data hold -0.0, which is not canonical")
     exponents = [frexp(value)[1] - 53 for value in values]  # value / 2^e is an integer < 2^53
     least, most = min(exponents), max(exponents)
-    exponents = [least] * count if most - least <= NEAR else [e - e % STEP for e in exponents]
+    exponents = [least] * count if most - least <= 2 * STEP else [e - e % STEP for e in exponents]
     return [int(ldexp(value, -e)) for value, e in zip(values, exponents)], exponents  # noqa: B905
 
 
@@ -289,38 +282,23 @@ def davenport(C: Matrix) -> Matrix:
     return [[trace, *z], *([z[i], *block[i]] for i in range(3))]
 
 
-def modulo(A: Matrix) -> Matrix:
-    """A modulo PRIME: what is not 0 there is not 0, whether that number is a prime or not."""
-    return [[entry % PRIME for entry in row] for row in A]
-
-
-def _determinant(A: Matrix) -> int:
-    (a, b, c), (d, e, f), (g, h, i) = A  # 3x3
-    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
-
-
-def positive_definite(A: Matrix) -> bool:
+def positive_definite(A: Matrix, previous: int = 1) -> bool:
     """Whether the symmetric matrix A is positive definite: all leading minors > 0 (Sylvester).
 
-    They are the pivots of Bareiss' elimination, whose divisions leave no remainder.
+    They are the pivots of Bareiss' elimination, whose divisions by the previous one are exact.
     """
-    rows, previous = [list(row) for row in A], 1
-    for k, row in enumerate(rows):
-        if row[k] <= 0:
-            return False
-        for below in rows[k + 1 :]:
-            for j in range(k + 1, len(row)):
-                below[j] = (below[j] * row[k] - below[k] * row[j]) // previous
-        previous = row[k]
-    return True
+    (pivot, *right), *below = A
+    rows = [[(pivot * a - row[0] * b) // previous for a, b in zip(row[1:], right)] for row in below]  # noqa: B905
+    return pivot > 0 and (not rows or positive_definite(rows, pivot))
 
 
-def definite(A: Matrix, s: int) -> bool:
-    """Whether the symmetric 4x4 matrix A is positive definite, without its last s bits if may be.
+def definite(A: Matrix) -> bool:
+    """Whether A, symmetric, at most 4x4, is positive definite: by its leading bits if these tell.
 
     A = 2^s B + E, 0 <= E_ij < 2^s, so |p^T E p| <= 4 2^s |p|^2: if B - 4 I > 0 then A > 0.
     """
-    B = [[(A[i][j] >> s) - 4 * (i == j) for j in range(4)] for i in range(4)]
+    s = max(max(chain(*A)).bit_length() - BITS, 0)
+    B = [[(entry >> s) - 4 * (i == j) for j, entry in enumerate(row)] for i, row in enumerate(A)]
     return positive_definite(B) or positive_definite(A)
 
 
@@ -409,29 +387,28 @@ class IsotropicStatement(Statement):
         mass, q, norm = m[0][0], self.pose, sum(c * c for c in self.pose)
         require(mass > 0, "no weight is positive")
         C, J = cross(m), inertia(m)
-        K, pattern = davenport(C), multiplicities(C)
-        solid = _determinant(modulo(J)) % PRIME != 0 or _determinant(J) > 0  # J >= 0, as all w are
+        K, pattern, solid = davenport(C), multiplicities(C), definite(J)
         over = max(x.denominator for x in (_power(e), self.delta, self.mu, self.nu or self.mu))
         one, unit = mass * over, int(_power(e) * over)  # numbers times one are integers, K / unit
         v, delta, mu = _form(K, q) * unit, int(self.delta * one), int(self.mu * one)  # v over norm
         level = v + (delta - mu) * norm
-        optimal = proves_level(K, unit, q, level, mu, delta * norm)
+        optimal = proves_level(K, unit, q, level, mu)
         require(optimal, "delta and mu do not prove the pose optimal")
         self._require_bounds()
         self._require_equilibria(pattern, solid=solid)
         nu, gap = None if self.nu is None else int(self.nu * one) * norm, self.sdp_gap
-        require(nu is None or proves_level(K, unit, q, nu, 0, nu - v), "sdp.nu bounds nothing")
+        require(nu is None or proves_level(K, unit, q, nu, 0), "sdp.nu bounds nothing")
         bounded = gap is None or (nu is not None and gap * one * norm >= 2 * (nu - v))
         require(bounded, "claims.sdp_gap is below the proved bound 2 (nu - v)")
         if self.basin:
             p, w = self.quaternion, self.angular_velocity
             inside = solid and p and w and proves_basin(K, J, Fraction(level, norm * unit), p, w)
             require(inside, "claims.basin is not proved of the state in basin")
-        worth = self._worth(m, e, K, J)
+        worth = self._worth(m, e, K)
         theorems = tuple(self._words(worth, pattern, solid=solid, equal=equal))
         return Outcome(verified=True, theorems=theorems, reason="", worth=worth)
 
-    def _worth(self, m: Matrix, e: int, K: Matrix, J: Matrix) -> Worth:
+    def _worth(self, m: Matrix, e: int, K: Matrix) -> Worth:
         """The objective is sum w (|x|^2 + |y|^2) - 2 v, x and y less their means.
 
         Range: 2 (l1 - l4), K having eigenvalues l1 >= ... >= l4. As tr K = 0, the sum of squares
@@ -440,12 +417,11 @@ class IsotropicStatement(Statement):
         """
         delta, mu, gap, mass = self.delta, self.mu, 2 * self.delta, m[0][0]
         weight, norm = mass * _power(e), sum(c * c for c in self.pose)
-        sums = (J[0][0] + J[1][1] + J[2][2]) // 2  # of w |x|^2; w |y|^2 is added:
-        sums += sum(mass * m[k][k] - m[0][k] ** 2 for k in (4, 5, 6))
+        sums = sum(mass * m[k][k] - m[0][k] ** 2 for k in range(1, 7))
         objective = Fraction(sums * norm - 2 * _form(K, self.pose), mass * norm) * _power(e)
-        bits = max(k.bit_length() for k in chain(*K))  # of which the first 512 will do
-        F = isqrt(sum((abs(k) << 512 >> bits) ** 2 for k in chain(*K)))  # <= F 2^(512 - bits)
-        share = delta * Fraction(mass, F) * _power(512 - bits - e) if F else Fraction(0)
+        bits = max(k.bit_length() for k in chain(*K))  # of which the first will do:
+        F = isqrt(sum((abs(k) << BITS >> bits) ** 2 for k in chain(*K)))  # <= F 2^(BITS - bits)
+        share = delta * Fraction(mass, F) * _power(BITS - bits - e) if F else Fraction(0)
         angle = 2 * root_up(delta / (mu - delta)) if mu > delta else None
         angle = angle if angle and angle < Fraction("3.14159265") else None
         least = max(objective - gap, Fraction(0))
@@ -508,10 +484,8 @@ class IsotropicStatement(Statement):
         yield "Not proved: anything under `about`, and where the points come from."
 
 
-def proves_level(K: Matrix, unit: int, q: Sequence[int], level: int, mu: int, slack: int) -> bool:
-    """Whether A = level I - K + mu u u^T is positive definite; u = q/|q|.
-
-    K is given over 1/unit, level over |q|^2; bits of A far below slack are taken last.
+def proves_level(K: Matrix, unit: int, q: Sequence[int], level: int, mu: int) -> bool:
+    """Whether A = level I - K + mu u u^T > 0; u = q/|q|, K is over 1/unit, level over |q|^2.
 
     Where it is, mu >= 0 and level = v + delta - mu, v = u^T K u, every unit quaternion p satisfies
         p^T K p - v < delta - mu (1 - (u.p)^2).                                              (*)
@@ -524,7 +498,7 @@ def proves_level(K: Matrix, unit: int, q: Sequence[int], level: int, mu: int, sl
     """
     n, indices = sum(c * c for c in q) * unit, range(4)
     A = [[mu * q[i] * q[j] - n * K[i][j] + level * (i == j) for j in indices] for i in indices]
-    return definite(A, max(slack.bit_length() - SPARE, 0))
+    return definite(A)
 
 
 def proves_basin(
@@ -550,17 +524,16 @@ def multiplicities(C: Matrix) -> list[int]:
     d1 = d2, d2 = d3. e1, e2, e3 are the symmetric functions of the d_i^2, eigenvalues of C^T C;
     two of these coincide where the discriminant is 0, and s = 2 (b - a)^3 for (a, a, b).
     """
-    for A in (modulo(C), C):
+    for A in ([[entry % PRIME for entry in row] for row in C], C):  # if not 0 modulo PRIME, not 0
+        (a, b, c), (d, e, f), (g, h, i) = A
         P = [sum(row[j] * row[k] for row in A) for j in range(3) for k in range(3)]  # C^T C
-        D = _determinant(A)
+        D = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
         e1 = P[0] + P[4] + P[8]
         e2, e3 = (e1 * e1 - sum(map(mul, P, P))) // 2, D * D
         s = 2 * e1**3 - 9 * e1 * e2 + 27 * e3
         square = e1**2 * e2**2 - 4 * e2**3 - 4 * e1**3 * e3 + 18 * e1 * e2 * e3 - 27 * e3**2
-        if square % PRIME:
+        if square % PRIME or (A is C and square):
             return [1, 1, 1, 1]
-    if square != 0:
-        return [1, 1, 1, 1]
     if e2 == 0:
         return [2, 2] if e1 else [4]
     if s == 0:

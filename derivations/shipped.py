@@ -107,9 +107,9 @@ def checked_matrix(K: Any, q: Any, level: Any, mu: Any) -> Any:
     K is given over `UNIT`, the level over 1/|q|^2.
     """
     ring, seen = ring_of([*flat(K), *q, level, mu, UNIT]), []
-    decide = rerouted(proves_level, definite=lambda A, _: seen.append(A))
+    decide = rerouted(proves_level, definite=seen.append)
     unit, raised, along = (ring.from_expr(sympy.sympify(x)) for x in (UNIT, level, mu))
-    decided = decide(_elements(ring, K), unit, _row(ring, q), raised, along, 0)
+    decided = decide(_elements(ring, K), unit, _row(ring, q), raised, along)
     modelled(len(seen) == 1 and decided is None, "more than one definiteness decides")
     return _expressions(seen[0])
 
@@ -156,6 +156,9 @@ class Pivoted:
         if rest:
             raise ArithmeticError(f"{divisor} leaves the remainder {rest}")
         return Pivoted(quotient, self.met)
+
+    def __gt__(self, zero: int) -> bool:
+        return not self <= zero
 
     def __le__(self, zero: int) -> bool:
         modelled(type(zero) is int and zero == 0, f"a comparison with {zero!r}")

@@ -210,7 +210,7 @@ def modulus_cases() -> Iterator[Case]:
 
 def leading_cases() -> Iterator[Case]:
     """Matrices 2^s B + E, E >= 0, that B tells wrongly: E takes 2 2^s along (1, -1, 1, -1)."""
-    signs, size, s = (1, -1, 1, -1), 2**60, 50
+    signs, size, s = (1, -1, 1, -1), 2**511, 50  # of BITS + s bits
     for name, along, definite in (("inside", 2, "True"), ("outside", 1, "False")):
         B = [
             [
@@ -225,7 +225,7 @@ def leading_cases() -> Iterator[Case]:
         ]
         yield Case(
             f"leading bits, {name}",
-            value_of(lambda checker, A=A: checker.definite(A, s)),
+            value_of(lambda checker, A=A: checker.definite(A)),
             definite + "$",
         )
 

@@ -533,8 +533,8 @@ MUTANTS = (
     Mutant(
         "an eliminated entry's sign",
         CHECKER,
-        "below[j] * row[k] - below[k] * row[j]",
-        "below[j] * row[k] - row[k] * row[j]",
+        "pivot * a - row[0] * b",
+        "pivot * a - pivot * b",
         ("elimination",),
     ),
 )

@@ -131,7 +131,7 @@ def proves(K: list[list[int]], unit: Fraction, q: list[int], level: Fraction, mu
     """The checker's answer, of K over a unit: it takes integers."""
     level *= sum(c * c for c in q)
     common = lcm(unit.denominator, level.denominator, mu.denominator)
-    return proves_level(K, int(unit * common), q, int(level * common), int(mu * common), 0)
+    return proves_level(K, int(unit * common), q, int(level * common), int(mu * common))
 
 
 def bounds(

@@ -96,7 +96,7 @@ def _either_side(tiny: Fraction) -> Proof:
 
 def _proves(nu: Fraction) -> bool:
     davenport = [list(row) for row in davenport_matrix(DIAGONAL)]
-    return proves_level(davenport, nu.denominator, [1, 0, 0, 0], nu.numerator, 0, 0)
+    return proves_level(davenport, nu.denominator, [1, 0, 0, 0], nu.numerator, 0)
 
 
 CLAIM = Claim(

@@ -88,7 +88,7 @@ def test_rerouting_leaves_the_shipped_function_as_it_was():
         raise AssertionError("asked")
 
     with pytest.raises(AssertionError, match="asked"):
-        shipped.rerouted(positive_definite, enumerate=refuse)([[1]])
+        shipped.rerouted(positive_definite, zip=refuse)([[1, 0], [0, 1]], 1)
     assert positive_definite([[1]])
 
 
@@ -147,6 +147,8 @@ def test_a_quotient_by_anything_but_the_norm_or_an_integer_is_an_error():
 def test_a_pivot_compared_with_anything_but_zero_is_an_error(other):
     with pytest.raises(shipped.UnmodelledError, match="a comparison with"):
         shipped.pivots_of(lambda rows: rows[0][0] <= other, symmetric("A"))
+    with pytest.raises(shipped.UnmodelledError, match="a comparison with"):
+        shipped.pivots_of(lambda rows: rows[0][0] > other, symmetric("A"))
 
 
 @pytest.mark.parametrize(
@@ -168,7 +170,7 @@ def test_a_level_decided_otherwise_is_another_matrix(monkeypatch, change):
 
 
 def test_a_level_decided_twice_is_an_error(monkeypatch):
-    twice = careless(proves_level, ("return definite(", "return definite(K, 0) or definite("))
+    twice = careless(proves_level, ("return definite(", "return definite(K) or definite("))
     monkeypatch.setattr(shipped, "proves_level", twice)
 
     with pytest.raises(shipped.UnmodelledError, match="more than one definiteness"):
