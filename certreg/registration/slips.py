@@ -106,8 +106,13 @@ def slip_of(
     """
     if why_no_rotation(given.turn, settings.rotation_tolerance) is None:
         slipped = Slipped.of(registration, given)
-        tries = chain.from_iterable(undo(slipped) for undo in UNDOING)
-        return _named(slipped, tries, settings) or _named(slipped, _moved(slipped), settings)
+        tries: list[Iterator[Mended]] = [
+            chain.from_iterable(undo(slipped) for undo in UNDOING),
+            _moved(slipped),
+        ]
+        if _lever_words(slipped):  # the plainer explanation: no slip at all
+            tries.reverse()
+        return _named(slipped, tries[0], settings) or _named(slipped, tries[1], settings)
     scale = _scale(given.turn)
     if scale is None:
         return None
@@ -174,6 +179,13 @@ class Slipped:
             shift=shift,
             image=None if shift is None else added(turned(given.turn, x), shift),
         )
+
+    @property
+    def off(self) -> list[Fraction] | None:
+        """How far the image of the source's centroid is from the target's, along each axis."""
+        if self.image is None:
+            return None
+        return [a - b for a, b in zip(self.image, self.y, strict=True)]
 
     @property
     def is_settled(self) -> bool:
@@ -296,36 +308,35 @@ def _unscaled(slipped: Slipped, scale: float) -> Iterator[Mended]:
 
 
 def _moved(slipped: Slipped) -> Iterator[Mended]:
-    if slipped.image is None:
+    if slipped.off is None:
         return
     objective = slipped.registration.solution.objective
     degrees = math.degrees(objective.angle_to_optimum(slipped.q))
-    moved = [a - b for a, b in zip(slipped.image, slipped.y, strict=True)]
-    shift = nearest_root(sum((entry * entry for entry in moved), start=Fraction(0)))
+    shift = nearest_root(sum((entry * entry for entry in slipped.off), start=Fraction(0)))
     far = "" if shift is None else f", its translation {shift:.3g} from the best one for it"
     which = "the optimal one" if objective.classification.unique else "the nearest optimal one"
     yield slipped.mended(
         SlipCode.TRANSLATION,
         slipped.at_best(slipped.q),
         "The pose with the best translation for its rotation",
-        f"its rotation is {degrees:.2g} degrees from {which}{far}{_lever_words(slipped, moved)}.",
+        f"its rotation is {degrees:.2g} degrees from {which}{far}{_lever_words(slipped)}.",
     )
 
 
-def _lever_words(slipped: Slipped, moved: Sequence[Fraction]) -> str:
+def _lever_words(slipped: Slipped) -> str:
     """That the few digits of a matrix can move the cloud as far, where it is far from the origin.
 
     With d decimals every entry of the rotation is at most half a unit of the last off, and a
     coordinate of the image of x at most that times |x1| + |x2| + |x3|.
     """
-    if not slipped.given.is_matrix:
+    if not slipped.given.is_matrix or slipped.off is None:
         return ""
     turn = slipped.given.turn
     decimals = next((d for d in FEW_DECIMALS if np.array_equal(turn.round(d), turn)), None)
     if decimals is None or np.array_equal(turn.round(LEAST_DECIMALS), turn):
         return ""
     lever = sum(map(abs, slipped.x), start=Fraction(0))
-    if max(map(abs, moved)) > Fraction(1, 2 * 10**decimals) * lever:
+    if max(map(abs, slipped.off)) > Fraction(1, 2 * 10**decimals) * lever:
         return ""
     return (
         f"; writing its entries with {decimals} decimals can cost as much, so far from the origin"

@@ -132,6 +132,19 @@ def test_a_slip_is_named_of_a_pose_off_by_what_few_digits_lose_and_not_of_one_fa
         assert found.slip.verdict is PoseVerdict.NEAR_OPTIMAL
 
 
+@pytest.mark.parametrize(("shift", "code"), [(0.0, SlipCode.TRANSLATION), (1e6, SlipCode.CENTRED)])
+def test_few_decimals_are_named_before_a_slip_that_may_explain_the_same(
+    shift: float, code: SlipCode
+):
+    """Five decimals at 1e7 (1, 1, 1) can cost 150; the pose is that of centred clouds, too."""
+    source = PROBLEM.source + 1e7
+    problem = RegistrationProblem(source, source @ R.T + shift)
+    slip = checked(assess(problem, R.round(5), np.zeros(3)).slip)
+
+    assert slip.code is code
+    assert ("writing its entries with 5 decimals" in slip.words) == (shift == 0.0)
+
+
 @pytest.mark.parametrize(("offset", "decimals", "said"), [(1e8, 6, True), (0.0, 6, False)])
 def test_of_a_pose_with_few_digits_far_away_it_is_said_how_far_it_is_off(
     offset: float, decimals: int, *, said: bool
