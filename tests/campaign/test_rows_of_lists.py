@@ -56,6 +56,13 @@ def test_pairs_without_a_name_are_numbered_from_one_whatever_other_columns_call_
     assert read_listing(folder / "pairs.csv").ignored == ("id",)
 
 
+def test_of_a_name_and_a_label_the_name_is_read(folder: Path):
+    found = rows(folder, "name,label,source,target", "n,l,a.csv,b.csv")
+
+    assert [row.name for row in found] == ["n"]
+    assert read_listing(folder / "pairs.csv").ignored == ("label",)
+
+
 def test_a_row_with_a_column_too_few_or_many_says_how_many_it_has(folder: Path):
     found = rows(folder, "source,target,sigma", "a.csv,b.csv", "a.csv,b.csv,1,2")
 

@@ -30,7 +30,7 @@ from certreg.equilibrium import by_eigenspaces
 from certreg.errors import InvalidFileError, InvalidProblemError
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
-from certreg.registration.certification import _optimal_pose
+from certreg.registration.optimum import optimal_pose
 from certreg.results import Guarantee, Optimality, Ruling, Verdict
 from certreg.verify import check
 
@@ -108,7 +108,7 @@ def proven_angle(problem):
     assert certificate is not None
     assert certificate.body.claims.unique
     assert check_own(certificate, problem).proved
-    pose = _optimal_pose(objective)
+    pose = optimal_pose(objective)
     place = ExactPose.of_doubles(pose.quaternion_wxyz, pose.translation)
     best, second, *_, worst = [part.value for part in by_eigenspaces(objective).components]
     angle = pose_bounds(objective, certificate.body, place).angle_upper

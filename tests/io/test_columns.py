@@ -36,6 +36,10 @@ HEADERS = {
     "units of surveyors": ("Easting (m),Northing (m),Z (m)\n1,2,3\n", None, (
         "x=Easting (m), y=Northing (m), z=Z (m)",
     )),
+    "units without a blank": ("Easting(m),Northing(m),X\n1,2,3\n".replace("X", "Height(m)"), None, (
+        "x=Easting(m), y=Northing(m), z=Height(m)",
+    )),
+    "brackets without a blank": ("X[mm],Y[mm],Z[mm]\n1,2,3\n", None, ()),
     "semicolons": ("label;x;y;z\na,b;1;2;3\n", ("a,b",), ()),
     "semicolons without a header": ("1;2;3\n", None, ()),
     "decimal commas": ("x;y;z\n1,0;2;3,000\n", None, ("decimal commas",)),

@@ -279,6 +279,25 @@ def test_names_on_one_cloud_alone_refuse_nothing():
         certreg.RegistrationProblem(counted, frame(SOURCE, list(range(6))[::-1]))
 
 
+def test_every_other_row_of_a_frame_is_not_paired_with_the_rows_between():
+    """pandas keeps the index of `frame[::2]` as a range of step 2."""
+
+    class Even(RangeIndex):
+        step = 2
+
+    class Odd(RangeIndex):
+        start, step = 1, 2
+
+    for each in (Even, Odd):
+        each.__name__ = "RangeIndex"
+    even = Frame(frame(SOURCE).content, Even(range(0, 12, 2)))
+    odd = Frame(frame(SOURCE).content, Odd(range(1, 13, 2)))
+
+    assert certreg.RegistrationProblem(even, even).n == 6
+    with pytest.raises(InvalidProblemError, match=r"row 0 .* is labelled 0 in source and 1 in"):
+        certreg.RegistrationProblem(even, odd)
+
+
 # Numbers of rows ----------------------------------------------------------------------------------
 
 

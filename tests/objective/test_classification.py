@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import numpy as np
 import pytest
 import strategies
 from hypothesis import assume, given
@@ -9,6 +10,7 @@ from certreg.exact.elimination import is_positive_definite, rank
 from certreg.geometry.so3 import rotation_matrix
 from certreg.objective.classification import Ambiguity, classify, pattern_of
 from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
 
 small = st.integers(-6, 6)
 integer_quaternions = st.tuples(small, small, small, small).filter(any)
@@ -91,6 +93,15 @@ def test_an_ambiguous_optimum_is_explained(name, ambiguity):
     specimen = next(s for s in strategies.ZOO if s.name == name)
 
     assert classify(exact_moments(specimen.problem)).ambiguity is ambiguity
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+def test_of_a_line_and_a_point_the_point_is_the_reason(swapped):
+    line, point = np.outer(np.arange(4.0), [1.0, 2.0, 3.0]), np.ones((4, 3))
+    clouds = (point, line) if swapped else (line, point)
+    reason = Ambiguity.COINCIDENT_SOURCE if swapped else Ambiguity.COINCIDENT_TARGET
+
+    assert classify(exact_moments(RegistrationProblem(*clouds))).ambiguity is reason
 
 
 def test_spurious_equilibria_are_counted():

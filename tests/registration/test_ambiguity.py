@@ -53,6 +53,12 @@ def test_a_strip_that_is_wider_than_its_noise_is_certified_with_a_note(options):
     assert NEARLY_AMBIGUOUS not in judged.words
 
 
+def test_a_fit_better_than_sigma_says_makes_no_smaller_noise_of_it():
+    """The residuals alone would rule the other pose out; sigma, 400 times them, does not."""
+    assert proof(strip(0.005)).equilibria.next_ruled_out
+    assert not proof(strip(0.005, sigma=2.0)).equilibria.next_ruled_out
+
+
 @pytest.mark.parametrize("options", [{}, {"sigma": 1.0}])
 def test_a_strip_that_is_narrower_than_its_noise_is_nearly_ambiguous(options):
     registration = proof(strip(1.0, **options))

@@ -18,7 +18,7 @@ from certreg.geometry import GivenPose
 from certreg.objective import Isotropic
 from certreg.problem import exact_moments
 from certreg.registration.findings import exact_pose
-from certreg.registration.rounding import rounding_cost
+from certreg.registration.rounding import rounding_cost, rounding_remedy
 from certreg.report import assessment_summary
 from certreg.results import PoseVerdict
 
@@ -50,6 +50,16 @@ def cost_and_gap(
     pose = exact_pose(objective, GivenPose(turn=turn, translation=shift))
     bounds = pose_bounds(objective, checked(registration.certificate).body, pose)
     return rounding_cost(objective, turn, shift), bounds.greatest_gap
+
+
+@pytest.mark.parametrize(("here", "there"), [(1.0, 1e60), (1e60, 1.0)])
+def test_of_two_clouds_the_larger_is_said_to_be_so_many_times_as_large(here: float, there: float):
+    points = np.random.default_rng(1).standard_normal((6, 3))
+    moments = exact_moments(RegistrationProblem(here * points, there * points))
+    larger, smaller = ("target", "source") if there > here else ("source", "target")
+    words = f"the {larger} is 1e+60 times as large as the {smaller}: "
+
+    assert rounding_remedy(moments, Fraction(1)).startswith(words)
 
 
 @pytest.mark.parametrize("form", FORMS)

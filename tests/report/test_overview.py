@@ -20,7 +20,8 @@ from certreg.report.overview import QUIET, Overview
 from certreg.report.page import Report, html_page
 from certreg.report.picture import BODY, registration_picture
 from certreg.report.uncertainty import chi2_words, told_to, uncertainty_rows
-from certreg.results import Limits
+from certreg.report.viewer import told_rmse
+from certreg.results import Limits, Optimality
 
 if TYPE_CHECKING:
     from certreg.registration import Registration
@@ -175,6 +176,19 @@ def test_no_headline_ends_in_a_colon_and_no_backtick_is_seen(specimen):
 
     assert re.search(r"[\w)][.?]$", headline)
     assert "`" not in page
+
+
+def test_of_a_bounded_pose_the_rmse_told_is_that_of_the_optimum():
+    """Far from the origin the pose that is printed fits worse than the exact one."""
+    rng = np.random.default_rng(7)
+    source = np.array([4.1e6, 3.3e6, 5.1e6]) + 1e-3 * rng.standard_normal((10, 3))
+    target = source @ random_rotation(rng).T
+    bounded = certify(source, target, relaxation=False, simulation=False, max_gap=1e-30)
+    rmse = bounded.equilibria.components[0].rmse
+
+    assert bounded.status is Optimality.BOUNDED
+    assert bounded.rmse != rmse
+    assert told_rmse(bounded) == rmse
 
 
 def test_a_bounded_pose_is_not_called_the_best_on_the_first_screen():

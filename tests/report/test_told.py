@@ -200,6 +200,16 @@ def test_the_sentences_of_a_page_hold_the_numbers_of_the_certificate(axes: Regis
     )
 
 
+def test_of_two_components_the_growing_modes_are_told():
+    cube = np.array([[a, b, c] for a in (1.0, -1) for b in (1.0, -1) for c in (1.0, -1)])
+    found = plainly(cube.tolist(), cube.tolist())
+    angles = words.MethodAngles(closed_form=0.0, relaxation=None, simulation=None)
+    told = [one.words for one in words.sentences(found, checked(found.certificate).body, angles)]
+
+    assert found.equilibria.classification.pattern == (1, 3)
+    assert any(one.startswith("In this order they have 0, 1 growing modes: ") for one in told)
+
+
 def test_where_all_poses_are_optimal_no_mode_is_said_to_grow():
     point, line = plainly(AXES, [[0.0, 0, 0]] * 6), plainly(LINE, LINE)
     assert point.equilibria.classification.unstable == (0,)
