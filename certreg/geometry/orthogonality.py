@@ -44,9 +44,11 @@ def why_no_rotation(
             "that. "
             "Does the tool that returned it lack the determinant rule, or is the target mirrored?"
         )
-    if stretch[-1] > 0 and stretch[0] / stretch[-1] - 1 <= tolerance:
+    scale = math.sqrt(stretch[0]) * math.sqrt(stretch[-1])  # what is left of R^T R: their ratio - 1
+    alike = stretch[-1] > 0 and stretch[0] / stretch[-1] - 1 <= tolerance
+    if alike and abs(scale - 1.0) > tolerance:  # else it may be no more than what digits make
         return (
-            f"The matrix scales by {stretch.mean():.6g}{' and reflects' * reflected}: it is "
+            f"The matrix scales by {scale:.6g}{' and reflects' * reflected}: it is "
             "not a rotation. Divide the scale out if a similarity was meant, and try again."
         )
     return _why_not_orthogonal(defect, stretch)

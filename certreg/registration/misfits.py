@@ -359,16 +359,18 @@ def _slip_words(rows: RowFit) -> str | None:
     other = rows.other_pairing
     if other is None or not _fits_better(other):
         return None
-    return f"the rows are out of step: with the target {other.words} {_gone(other.left)}"
+    of = "" if other.first is None else f" of the first {other.first} rows"
+    gone = _gone(other.left, of)
+    return f"with the target {other.words} {gone}: are the rows out of step?"
 
 
 def _shuffled_words(sums: FitSums, rows: RowFit) -> str | None:
     if sums.explained is None or sums.explained >= LEAST_EXPLAINED or not _as_random(sums, rows):
         return None
     return (
-        f"the rows explain {_percent(sums.explained)} of the target, and more than one in "
-        f"{round(1 / CHANCE)} random pairings explain as much, though the clouds are as long and "
-        "wide: is one of them, or a part of it, in another order?"
+        f"the rows explain {_percent(sums.explained)} of the target, as a random pairing might (an "
+        f"estimate: more than one in {round(1 / CHANCE)} would explain as much), though the clouds "
+        "are about as long and wide: is one of them, or a part of it, in another order?"
     )
 
 
@@ -381,7 +383,7 @@ def _fits_better(other: OtherPairing) -> bool:
 
 
 def _as_random(sums: FitSums, rows: RowFit) -> bool:
-    """Whether the clouds have one shape, and more than CHANCE random pairings fit as well.
+    """Whether the clouds have one shape, and CHANCE of random pairings may fit as well, or more.
 
     Over random pairings C has mean 0 and covariance Syy x Sxx / (N - 1), with as many rows as count
     effectively; it is taken as Gaussian. Rotations of either cloud change no singular value.
@@ -415,9 +417,9 @@ def _unit_near(scale: float) -> tuple[float, str] | None:
     return next((one for one in ratios if abs(scale / one[0] - 1.0) < UNIT_SLACK), None)
 
 
-def _gone(left: float) -> str:
+def _gone(left: float, of: str = "") -> str:
     """What share of the squared residuals goes if this one stays."""
-    return f"{_percent(1 - Fraction(left))} of the squared residuals are gone"
+    return f"{_percent(1 - Fraction(left))} of the squared residuals{of} are gone"
 
 
 def _percent(share: Fraction | float | None) -> str:

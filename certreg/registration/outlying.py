@@ -39,6 +39,7 @@ FAR = 6.0  # medians: 1e-17 of Gaussian residuals; those of packaged and LiDAR p
 ROUNDING = 1e-12  # of the clouds' size: smaller residuals are not told from zero
 PAIRINGS = 3  # that are compared: one row on, one row back, the other way round
 FACTORS = 1000  # exponents of powers of two that are doubles: products round as `ldexp` does
+NEAR = 2  # times as many rows of a sample far from another pose: of all rows it may be as many
 STEPS = 10  # of each search: both settle within a few
 
 
@@ -46,13 +47,15 @@ STEPS = 10  # of each search: both settle within a few
 class OtherPairing:
     """A pairing that fits better than the given one: its name, and by how much.
 
-    rows: compared; left: its objective over that of the given one, both of the same targets, each
-        at its own best pose.
+    rows: compared; left: its objective over that of the given one, of the same targets or of the
+        same sources, whichever is less, each at its own best pose: a slip leaves out a row, which
+        may be the one that is wrong; first: how many rows were read, where there are more.
     """
 
     words: str
     rows: int
     left: float
+    first: int | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -109,9 +112,12 @@ def _row_fit(problem: RegistrationProblem, objective: Isotropic, pose: Pose) -> 
     sample = frame.pairs(picked)
     if not (sample.finite and np.isfinite(residual_distances(picked, pose)).all()):
         return None
-    (limits, tied), count = _agreed(sample), _Count()
+    counts = [_Count(limits) for limits in _agreed(sample)]
     for rows in row_blocks(problem.n):
-        count.add(rows.start, problem.block(rows), frame, limits)
+        points = problem.block(rows)
+        for one in counts:
+            one.add(rows.start, points, frame)
+    count = min(counts, key=lambda one: one.far_rows)
     least = frame.energy(objective.energy(objective.quaternions[0]))
     median = _median(sample.distances(frame.optimum))
     return RowFit(
@@ -122,7 +128,7 @@ def _row_fit(problem: RegistrationProblem, objective: Isotropic, pose: Pose) -> 
         largest_over_median=count.worst[0].distance / median if median > 0.0 else None,
         far=tuple(one.row for one in count.far),
         far_rows=count.far_rows,
-        tied=tied,
+        tied=[one.far_rows for one in counts].count(count.far_rows) > 1,
         left=count.left / least if least > 0.0 else 1.0,
         other_pairing=_other_pairing(frame, problem),
         second_moments=sample.second_moments(),
@@ -288,18 +294,19 @@ def _limits(sample: _Pairs) -> _Limits:
     return limits
 
 
-def _agreed(sample: _Pairs) -> tuple[_Limits, bool]:
-    """A pose that most rows agree on; and whether as many agree on another one, as closely."""
+def _agreed(sample: _Pairs) -> tuple[_Limits, ...]:
+    """A pose that most rows agree on; and another, if all rows might agree on it as well."""
     limits = _limits(sample)
     count = _count(sample, limits)
     for _ in range(STEPS):
-        rivals = list(_rivals(sample, limits))
-        best = min(rivals, key=lambda rival: _count(sample, rival), default=limits)
+        best = min(_rivals(sample, limits), key=lambda rival: _count(sample, rival), default=None)
+        if best is None:
+            break
         fewer = _count(sample, best)
         if fewer >= count:
-            return limits, bool(rivals) and fewer == count
+            return (limits, best) if fewer <= NEAR * count else (limits,)
         limits, count = best, fewer
-    return limits, False
+    return (limits,)
 
 
 def _rivals(sample: _Pairs, limits: _Limits) -> Iterator[_Limits]:
@@ -348,15 +355,16 @@ def _median(values: NDArray[np.float64]) -> float:
 
 @dataclass(slots=True)
 class _Count:
-    """Sums over all rows with weight, block by block."""
+    """Sums over all rows with weight, block by block; far from a pose that most agree on."""
 
+    limits: _Limits
     rows: int = 0
     left: float = 0.0
     far_rows: int = 0
     far: list[Residual] = field(default_factory=list[Residual])
     worst: list[Residual] = field(default_factory=list[Residual])
 
-    def add(self, first: int, points: Block, frame: _Frame, limits: _Limits) -> None:
+    def add(self, first: int, points: Block, frame: _Frame) -> None:
         """Count a block, whose first row has this number."""
         present = np.flatnonzero(points.weights)
         if len(present) < len(points.weights):
@@ -367,8 +375,8 @@ class _Count:
         self.rows += len(present)
         numbers = first + present
         self.worst = _largest(self.worst, numbers, pairs.distances(frame.optimum))
-        distances = pairs.distances(limits.motion)
-        far = limits.far(pairs, distances)
+        distances = pairs.distances(self.limits.motion)
+        far = self.limits.far(pairs, distances)
         self.far_rows += int(np.count_nonzero(far))
         self.far = _largest(self.far, numbers[far], distances[far])
         self.left += float(pairs.weights[~far] @ distances[~far] ** 2)
@@ -420,12 +428,13 @@ def _other_pairing(frame: _Frame, problem: RegistrationProblem) -> OtherPairing 
         slips.append(("in reversed order", back, slice(None)))
     found: list[OtherPairing] = []
     for words, here, there in slips:
-        given = points.paired(there, there).least_energy()
+        given = min(points.paired(kept, kept).least_energy() for kept in (here, there))
         other = points.paired(here, there)
         if given > 0.0:
             rows = int(np.count_nonzero(other.weights))
             left = other.least_energy() / given
-            found.append(OtherPairing(words=words, rows=rows, left=left))
+            first = n if n < problem.n else None
+            found.append(OtherPairing(words=words, rows=rows, first=first, left=left))
     return min(found, key=lambda one: one.left, default=None)
 
 

@@ -292,7 +292,9 @@ def _in_other_units(slipped: Slipped) -> Iterator[Mended]:
 
 def _unscaled(slipped: Slipped, scale: float) -> Iterator[Mended]:
     """The rotation in a multiple of one: with the scale and the translation of a similarity."""
-    subject = f"Its rotation without the scale {scale:.6g}"
+    subject, why = f"Its rotation without the scale {scale:.6g}", "a pose has none."
+    if abs(scale - 1.0) <= ROTATION_TOLERANCE:
+        subject, why = "The rotation nearest to it", "digits may be missing."
     images = [slipped.y]
     if slipped.shift is not None and slipped.image is not None:
         start = rotated(slipped.q, slipped.x)
@@ -303,7 +305,7 @@ def _unscaled(slipped: Slipped, scale: float) -> Iterator[Mended]:
             SlipCode.SCALED,
             pose_through(slipped.q, slipped.x, image),
             subject,
-            "a pose has none.",
+            why,
         )
 
 

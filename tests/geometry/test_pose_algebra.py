@@ -292,6 +292,22 @@ def test_a_scale_is_named_whatever_digits_are_printed():
     assert "scales by 1e-05:" in str(why_no_rotation(np.round(1e-5 * R, 10)))
 
 
+def test_digits_that_are_not_printed_are_no_scale():
+    """Of 2,000 rotations with four decimals; dividing a scale out leaves a rotation."""
+    rng, refused = np.random.default_rng(11), 0
+    for _ in range(2000):
+        why = why_no_rotation(np.round(random_rotation(rng), 4))
+        refused += why is not None
+        assert why is None or why.startswith("The matrix is not orthogonal ")
+    assert refused
+
+    still = np.eye(3)
+    assert "not orthogonal" in str(why_no_rotation((1.0 + 0.99e-4) * still))
+    for scale in (1.0 + 1.01e-4, 1.0 - 1.01e-4):
+        assert f"scales by {scale:.6g}:" in str(why_no_rotation(scale * still))
+        assert why_no_rotation(scale * still / float(f"{scale:.6g}")) is None
+
+
 @pytest.mark.parametrize("count", [0, 1, so3.FEW - 1, so3.FEW, 3 * so3.FEW])
 def test_matrices_of_many_quaternions_are_to_the_bit_those_of_each(count: int):
     quaternions = np.random.default_rng(count).normal(size=(count, 4))

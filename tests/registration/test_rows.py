@@ -85,7 +85,7 @@ def test_the_numbers_of_the_rows_are_those_of_plain_sums(
         ("in reversed order", slice(None, None, -1), slice(None)),
     ],
 )
-def test_the_best_slip_is_told_with_what_it_leaves_of_the_same_targets(
+def test_the_best_slip_is_told_with_what_it_leaves_of_the_same_rows(
     words: str, here: slice, there: slice
 ):
     rng = np.random.default_rng(3)
@@ -93,12 +93,41 @@ def test_the_best_slip_is_told_with_what_it_leaves_of_the_same_targets(
     y[there] = x[here] @ TURN.T + 0.01 * rng.standard_normal(x[here].shape)
     w = rng.uniform(0.5, 2.0, 9)
     other = checked(rows_of(RegistrationProblem(x, y, weights=w)).other_pairing)
-    left, given = (least(x[rows], y[there], w[there])[0] for rows in (here, there))
+    left = least(x[here], y[there], w[there])[0]
+    given = min(least(x[kept], y[kept], w[kept])[0] for kept in (here, there))
 
     assert (other.words, other.rows) == (words, len(x[here]))
     assert other.left == pytest.approx(left / given, rel=1e-9)
     (warning,) = fit(RegistrationProblem(x, y, weights=w)).warnings
-    assert (warning.code, f"target {words} " in warning.text) == (FitCode.SHUFFLED, True)
+    assert warning.code is FitCode.SHUFFLED
+    assert warning.text.startswith(f"with the target {words} over 99.9 % of the squared residuals")
+    assert warning.text.endswith(" are gone: are the rows out of step?")
+
+
+@pytest.mark.parametrize("wrong", [0, -1])
+@pytest.mark.parametrize("which", ["source", "target"])
+def test_a_wrong_row_at_an_end_is_no_slip_where_a_slip_is_a_turn(which: str, wrong: int):
+    """Marks on a turntable: a slip leaves one row out, and a turn makes up for all others."""
+    angles = np.arange(24) * np.pi / 12
+    x = np.column_stack([10 * np.cos(angles), 10 * np.sin(angles), np.zeros(24)])
+    y = x @ TURN.T + 1e-3 * np.random.default_rng(1).standard_normal(x.shape)
+    (x if which == "source" else y)[wrong] += [9.0, 0.0, 0.0]
+    found = fit(RegistrationProblem(x, y))
+
+    assert (found.codes, found.outlier_rows) == ((FitCode.OUTLIER_ROWS,), (wrong % 24,))
+
+
+def test_a_slip_of_the_first_rows_is_told_of_those_alone(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(outlying, "SAMPLE_ROWS", 40)
+    x = np.random.default_rng(4).standard_normal((100, 3))
+    y = x @ TURN.T
+    y[:40] = np.roll(y[:40], 1, axis=0)
+
+    (some,) = fit(RegistrationProblem(x, y)).warnings
+    (every,) = fit(RegistrationProblem(x[:40], y[:40])).warnings
+    gone = "with the target one row later over 99.9 % of the squared residuals"
+    assert some.text == f"{gone} of the first 40 rows are gone: are the rows out of step?"
+    assert every.text == f"{gone} are gone: are the rows out of step?"
 
 
 @pytest.fixture(scope="module")
@@ -147,7 +176,8 @@ def test_a_noisy_pairing_that_beats_random_ones_is_not_called_shuffled():
     assert fit(RegistrationProblem(x, y)).codes == (FitCode.POOR_FIT,)
     (warning,) = fit(RegistrationProblem(x, rng.permutation(y))).warnings
     assert warning.code is FitCode.SHUFFLED
-    assert "more than one in 1000 random pairings explain as much" in warning.text
+    estimate = "(an estimate: more than one in 1000 would explain as much)"
+    assert f"as a random pairing might {estimate}" in warning.text
 
 
 @pytest.mark.parametrize(
@@ -218,6 +248,25 @@ def test_of_two_poses_that_as_many_rows_agree_on_no_rows_are_named(first: int, s
     assert warned.remedy.startswith("check all pairs; more right ones may tell")
     far = tuple(range(len(LINE) + first + 1, len(LINE) + first + second + 1))
     assert tuple(sorted(told.outlier_rows)) == far
+
+
+@pytest.mark.parametrize(("others", "wrong"), [(0, "second"), (2, None), (4, "first")])
+def test_of_many_rows_all_tell_which_of_two_poses_more_agree_on(
+    monkeypatch: pytest.MonkeyPatch, others: int, wrong: str | None
+):
+    """Of the sample four rows fit either pose alone; of four beside it, some fit the second."""
+    monkeypatch.setattr(outlying, "SAMPLE_ROWS", 100)
+    seen = np.random.default_rng(0).choice(120, 100, replace=False, shuffle=False)
+    unseen = np.setdiff1d(np.arange(120), seen)[:4]
+    rows = {"first": seen[:4], "second": seen[4:8]}
+    x = np.outer(np.linspace(-3.0, 3.0, 120), AXIS)
+    x[[*seen[:8], *unseen]] = RNG.standard_normal((12, 3)) * [3.0, 2.0, 1.0]
+    y, turned = x @ TURN.T, [*rows["second"], *unseen[:others]]
+    y[turned] = x[turned] @ OTHER_TURN.T
+    found = fit(RegistrationProblem(x, y))
+
+    assert FitCode.OUTLIER_ROWS in found.codes
+    assert sorted(found.outlier_rows) == sorted(rows[wrong] if wrong else ())
 
 
 def test_of_two_poses_the_weights_do_not_tell_which_rows_are_wrong():

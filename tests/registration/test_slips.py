@@ -413,3 +413,14 @@ def test_a_similarity_is_told_whatever_its_scale_and_its_translation(scale: floa
 
         assert slip.code is SlipCode.SCALED
         assert slip.words.startswith(f"Its rotation without the scale {scale:g} is ")
+
+
+@pytest.mark.parametrize("off", [0.99e-4, -0.99e-4])
+def test_of_a_rotation_with_few_digits_no_scale_is_named(off: float):
+    registration = certify(PROBLEM, relaxation=False, simulation=False)
+    words = checked(judged(registration, given_pose(((1.0 + off) * R, T))).slip).words
+
+    assert words.startswith("The rotation nearest to it is ")
+    assert words.endswith("optimal: digits may be missing.")
+    slip = checked(judged(registration, given_pose(((1.0 + 1.02 * off) * R, T))).slip)
+    assert slip.words.startswith("Its rotation without the scale ")
