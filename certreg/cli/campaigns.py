@@ -83,10 +83,10 @@ def batch(
 
 
 def _tell(tally: Tally, count: int, *, kept: bool) -> None:
-    """Says on stderr which pairs failed or fit poorly; the first by name where lines are kept."""
+    """Says on stderr which pairs failed or are warned of; the first by name if lines are kept."""
     said = {
         "error": (tally.errors, tally.first_errors, "could not be registered"),
-        "warning": (tally.poor, tally.first_poor, "fit poorly"),
+        "warning": (tally.poor, tally.first_poor, "have a warning"),
     }
     for kind, (number, first, what) in said.items():
         if number:

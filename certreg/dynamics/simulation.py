@@ -70,9 +70,13 @@ TOO_FEW_SAMPLES = Absent("too few logged samples lie between the start and rest"
 class SimulationStatus(enum.Enum):
     """How a simulation ended; the value is the message shown to the user."""
 
-    CONVERGED = "The body came to rest near the optimum, with too little energy to leave it."
+    CONVERGED = (
+        "The body is at rest (slower than the tolerance), its rotation with too little energy to "
+        "leave the optimum."
+    )
     AT_REST = (
-        "The body came to rest near one of the optima; where the optimum is not unique, no more."
+        "The body is at rest (slower than the tolerance); where no optimum is unique, no more is "
+        "asked."
     )
     OUT_OF_STEPS = (
         "The steps ran out before the body was at rest at the optimum. The certificate does not "

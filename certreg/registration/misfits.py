@@ -323,7 +323,7 @@ def log_scale_p(sums: FitSums, rows: RowFit) -> float | None:
 
 def _outlier_words(rows: RowFit, names: RowNames) -> str | None:
     k, n = rows.far_rows, rows.rows
-    degrees, gone = 3 * (n - k) - 6, _gone(rows.left)
+    degrees, gone = 3 * (rows.independent_rows - k) - 6, _gone(rows.left)
     if k == 0 or degrees <= 0 or 2 * k >= n:
         return None
     log_p = log_beta_below(rows.left, degrees / 2, 3 * k / 2)
@@ -331,8 +331,8 @@ def _outlier_words(rows: RowFit, names: RowNames) -> str | None:
         return None
     if rows.tied:
         return (
-            f"{n - k} of {n} rows agree on one pose, at least as many on another, as closely: some "
-            f"rows are wrong, and which cannot be told; without {k} of them {gone}"
+            f"{n - k} of {n} rows agree on one pose, at least as many on another: some rows are "
+            f"wrong, and their number does not tell which; without {k} of them {gone}"
         )
     does, them = ("does", "it") if k == 1 else ("do", "them")
     return (

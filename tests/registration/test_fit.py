@@ -339,3 +339,16 @@ def test_points_on_a_line_have_five_parameters():
 )
 def test_a_scale_beyond_the_doubles_is_told_by_a_bound(power, words):
     assert misfits._times_words(Fraction(10) ** power) == words
+
+
+def test_light_rows_are_not_blamed_where_two_heavy_ones_carry_the_fit():
+    """Noise of all rows alike, relative weights: two rows of weight 1 leave nothing to test by."""
+    blamed = 0
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        source = rng.standard_normal((29, 3))
+        source[-3:] *= 60.0
+        weights = np.r_[1.0, 1.0, np.full(27, 1e-5)]
+        target = source + 1e-3 * rng.standard_normal((29, 3))
+        blamed += FitCode.OUTLIER_ROWS in said(source, target, weights=weights).codes
+    assert blamed == 0

@@ -242,8 +242,8 @@ def test_of_two_poses_that_as_many_rows_agree_on_no_rows_are_named(first: int, s
     (warned,) = (one for one in tied.warnings if one.code is FitCode.OUTLIER_ROWS)
     told_of = warned.text
     n = len(LINE) + first + second
-    begun = f"{n - second} of {n} rows agree on one pose, at least as many on another, as closely"
-    assert told_of.startswith(f"{begun}: some rows are wrong, and which cannot be told")
+    begun = f"{n - second} of {n} rows agree on one pose, at least as many on another"
+    assert told_of.startswith(f"{begun}: some rows are wrong, and their number does not tell which")
     assert tied.outlier_rows == ()
     assert warned.remedy.startswith("check all pairs; more right ones may tell")
     far = tuple(range(len(LINE) + first + 1, len(LINE) + first + second + 1))

@@ -75,7 +75,9 @@ def test_outlying_rows_are_told_where_all_sets_of_all_sizes_are_counted(
     )
 
     def told(left: float) -> bool:
-        rows = replace(found, rows=n, far_rows=k, far=tuple(range(k)), left=left)
+        rows = replace(
+            found, rows=n, independent_rows=float(n), far_rows=k, far=tuple(range(k)), left=left
+        )
         return misfits._outlier_words(rows, RowNames(None)) is not None
 
     last = threshold(told, 1e-12, 0.9)

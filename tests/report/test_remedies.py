@@ -51,6 +51,7 @@ CASES = {  # a spoilt target, its sigma, and the whole of what is advised
         None,
         r"check rows \d, \d; if they are wrong, mend them or leave them out",
     ),
+    "three": (moved(5, 7, 9), None, r"check rows \d, \d, \d; if they are wrong"),
     "more": (moved(5, 7, 9, 11), None, "check these rows; if they are wrong, mend them or leave"),
     "rolled": (np.roll(GOOD, 1, axis=0), None, "check that row k of both clouds is one pair, or"),
     "mirrored": (GOOD * [1, 1, -1], None, "check the signs and the order of the axes in both"),
