@@ -16,6 +16,8 @@ LOWEST := build/lowest
 # With the peers where `make peers` put them; another Python that has them can be named.
 BENCH ?= $(or $(wildcard $(PEERS)/bin/python),$(RUN))
 LOCKS := uv.lock requirements.lock requirements-run.lock requirements-compiler.lock
+# An encoding that is left to the machine is a fault: the tests make it a warning, and warnings are errors.
+STRICT := -X warn_default_encoding
 # uv finds a Python by itself, unless the user names one.
 UV_PYTHON_OPTION = $(if $(filter environment command,$(origin PYTHON)),--python '$(PYTHON)')
 # The compiler of machines without one: of those that know x86-64-v4 the smallest.
@@ -37,11 +39,11 @@ demo: $(RUNS)  ## register the packaged real data and prove the answers
 	@$(VENV)/bin/certreg demo
 
 test: $(READY)  ## run the tests and the examples in the docstrings
-	@$(RUN) -m pytest
+	@$(RUN) $(STRICT) -m pytest
 
 test-long: kernels  ## the rest of the samples of which `make test` takes a part (two minutes)
-	@$(RUN) -m pytest -m long
-	@$(RUN) -m pytest -m 'hypothesis and not long' --hypothesis-profile long
+	@$(RUN) $(STRICT) -m pytest -m long
+	@$(RUN) $(STRICT) -m pytest -m 'hypothesis and not long' --hypothesis-profile long
 
 # Of the oldest versions there are wheels for the oldest Python. What they deprecate of each other is no fault of ours.
 test-lowest:  ## the quick tests on the lowest versions that pyproject.toml names (needs uv)
@@ -52,7 +54,7 @@ test-lowest:  ## the quick tests on the lowest versions that pyproject.toml name
 	  --output-file $(LOWEST)/requirements.txt pyproject.toml >/dev/null
 	@$(UV) pip install --quiet --python $(LOWEST)/bin/python -r $(LOWEST)/requirements.txt
 	@$(UV) pip install --quiet --python $(LOWEST)/bin/python --no-deps --no-build-isolation -e .
-	@$(LOWEST)/bin/python -m pytest -m quick -W ignore::DeprecationWarning $(TESTS)
+	@$(LOWEST)/bin/python $(STRICT) -m pytest -m quick -W ignore::DeprecationWarning $(TESTS)
 
 docs: kernels  ## run all proofs and examples and build the documentation: docs/_build/html
 	@rm -rf docs/_build

@@ -124,7 +124,9 @@ def _watched(work: str, *arguments: str) -> tuple[float, float]:
     command = [sys.executable, "-c", WATCHED.format(work=work), *arguments]
     found: list[list[Any]] = []
     for _ in range(3):
-        done = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True)
+        done = subprocess.run(
+            command, cwd=ROOT, check=True, capture_output=True, text=True, encoding="utf-8"
+        )
         found.append(json.loads(done.stdout.splitlines()[-1]))
     seconds, peak = min(found)
     return seconds, peak

@@ -214,5 +214,7 @@ def _speed(form: Form, bound: float) -> Figure:
 
 def _told(code: str) -> float:
     """The number that a fresh process prints."""
-    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code], check=True, capture_output=True, text=True, encoding="utf-8"
+    )
     return float(done.stdout)

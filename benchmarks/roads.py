@@ -134,10 +134,10 @@ def _processes(C: Matrix3[int], folder: Path) -> list[Callable[[], object] | Non
     """What runs Singular and msolve on the quaternion chart, and PHCpack on the square system."""
     chart = quaternion_system(C, chart=True)
     singular = folder / "singular"
-    singular.write_text(as_singular(chart) + "ideal G = groebner(I);\nvdim(G);\nquit;\n")
+    singular.write_text(as_singular(chart) + "ideal G = groebner(I);\nvdim(G);\nquit;\n", "utf-8")
     msolve, phc = folder / "msolve", folder / "phc"
-    msolve.write_text(as_msolve(chart))
-    phc.write_text(as_phcpack(multiplier_system(davenport_matrix(C), unit=value_unit(C))))
+    msolve.write_text(as_msolve(chart), "utf-8")
+    phc.write_text(as_phcpack(multiplier_system(davenport_matrix(C), unit=value_unit(C))), "utf-8")
     return [
         _process("Singular", lambda tool: [tool, "-q", str(singular)], r"^4$"),
         _process(
@@ -158,7 +158,9 @@ def _process(
         words = command(found)
         out = Path(words[-1])
         out.unlink(missing_ok=True) if tool == "phc" else None
-        done = subprocess.run(words, capture_output=True, text=True, check=True, timeout=60)
+        done = subprocess.run(
+            words, capture_output=True, text=True, check=True, timeout=60, encoding="utf-8"
+        )
         assert expected is None or re.search(expected, done.stdout, re.MULTILINE), done.stdout
 
     return run

@@ -170,10 +170,10 @@ def _memory(source: Any, target: Any, weights: Any) -> Figure:
         return Figure(what=what)
 
     def kilobytes(entry: str) -> int:
-        lines = status.read_text().splitlines()
+        lines = status.read_text("utf-8").splitlines()
         return next(int(line.split()[1]) for line in lines if line.startswith(entry))
 
-    reset.write_text("5")
+    reset.write_text("5", "utf-8")
     before = kilobytes("VmRSS:")
     register(source, target, weights, threads=2)
     return Figure(

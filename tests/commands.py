@@ -69,5 +69,5 @@ def write_csv(
     rows = [",".join(map(repr, map(float, point))) for point in points]
     if labels is not None:
         rows = ["label,x,y,z", *(f"{n},{row}" for n, row in zip(labels, rows, strict=True))]
-    path.write_text("\n".join(rows) + "\n")
+    path.write_text("\n".join(rows) + "\n", "utf-8")
     return path

@@ -293,7 +293,9 @@ CLOUDS = _some_clouds()
 def main(base: str, count: int = COUNT) -> int:
     """Exit code 1 at the first difference."""
     show = ["git", "show", f"{base}:certreg/verify.py"]
-    text = subprocess.run(show, capture_output=True, text=True, check=True, cwd=ROOT).stdout
+    text = subprocess.run(
+        show, capture_output=True, text=True, check=True, cwd=ROOT, encoding="utf-8"
+    ).stdout
     old = loaded(text, "base_checker")
     new = loaded((ROOT / "certreg" / "verify.py").read_text(encoding="utf-8"), "head_checker")
     rng, certificates, start = random.Random(1), originals(), time.perf_counter()

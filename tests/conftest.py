@@ -31,6 +31,9 @@ settings.load_profile(os.environ.get("CERTREG_SEEDS", "certreg"))
 
 os.environ.setdefault("SYMPY_CACHE_SIZE", "20000")  # as derivations/__init__.py, and before it
 
+# Of each process that a test starts, as the Makefile has it of this one (-X warn_default_encoding).
+os.environ["PYTHONWARNDEFAULTENCODING"] = "1"
+
 # As the Makefile has it: else this process and each that it starts compile all libraries anew.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False

@@ -61,7 +61,9 @@ class Run:
         """
         arguments = (source, target, certificate, megabytes)
         command = [sys.executable, "-c", CHILD, *map(str, arguments)]
-        done = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True)
+        done = subprocess.run(
+            command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True, encoding="utf-8"
+        )
         said = json.loads(done.stdout)
         return cls(**said | {"rotation": np.array(said["rotation"])})
 

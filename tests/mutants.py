@@ -546,7 +546,7 @@ def change(mutant: Mutant) -> None:
 
     Raises ValueError where its text does not stand once, or does not stand within a function.
     """
-    text = (ROOT / mutant.file).read_text()
+    text = (ROOT / mutant.file).read_text("utf-8")
     if text.count(mutant.old) != 1:
         raise ValueError(f"{mutant.says}: the text stands {text.count(mutant.old)} times")
     module = importlib.import_module(mutant.file.removesuffix(".py").replace("/", "."))
@@ -630,7 +630,7 @@ def noticed_apart(mutant: Mutant) -> str | None:
         finally:
             os._exit(0)
     os.close(writing)
-    with os.fdopen(reading) as answer:
+    with os.fdopen(reading, encoding="utf-8") as answer:
         text = answer.read()
     os.waitpid(child, 0)
     if not text:

@@ -7,6 +7,7 @@ load no numerical library.
 
 from __future__ import annotations
 
+import io
 import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -132,8 +133,15 @@ def cli() -> None:
     """
 
 
+def _escape_what_cannot_be_encoded() -> None:
+    """As Python does on stderr: a name may have letters that the encoding of a console lacks."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
+
+
 def main() -> NoReturn:
     """Run the command line; bad input is one line on stderr, never a traceback."""
+    _escape_what_cannot_be_encoded()
     try:
         with warnings_as_notes():
             code = cli.main(prog_name="certreg", standalone_mode=False)

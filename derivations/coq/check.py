@@ -74,7 +74,7 @@ def verify(sources: Path, folder: Path = BUILD, *, write: bool = False) -> None:
     modules = [f"Certreg.{name}" for name in names(folder)]
     command = ["coqchk", "-silent", "-o", "-R", str(folder), "Certreg", *modules]
     with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, encoding="utf-8"
     ) as checker:
         found = assumptions(folder, theorems(folder))
         output = checker.communicate()[0]
@@ -116,7 +116,9 @@ def install() -> None:
 
 def has_coquelicot() -> bool:
     """Whether coqc finds Coquelicot."""
-    where = subprocess.run(["coqc", "-where"], capture_output=True, text=True, check=False)
+    where = subprocess.run(
+        ["coqc", "-where"], capture_output=True, text=True, check=False, encoding="utf-8"
+    )
     return Path(where.stdout.strip(), "user-contrib", "Coquelicot").is_dir()
 
 
@@ -222,7 +224,7 @@ def require_allowed(output: str) -> None:
 
 def run(command: list[str], what: str) -> str:
     """Output of a command. Raises ProofError with the end of what it says if it fails."""
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, check=False, encoding="utf-8")
     if done.returncode != 0:
         raise ProofError(f"{command[0]}: {what}: {(done.stderr or done.stdout).strip()[-500:]}")
     return done.stdout

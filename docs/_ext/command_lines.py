@@ -94,6 +94,7 @@ def executed(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
         text=True,
         timeout=PATIENCE,
         check=False,
+        encoding="utf-8",
     )
 
 

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 def listing(folder: Path, *rows: str, header: str = "source,target") -> Path:
     path = folder / "pairs.csv"
-    path.write_text("\n".join((header, *rows)) + "\n")
+    path.write_text("\n".join((header, *rows)) + "\n", "utf-8")
     return path
 
 

@@ -47,7 +47,7 @@ def folder(tmp_path) -> Path:
 
 def listing(folder: Path, *rows: str, header: str = "source,target") -> Path:
     path = folder / "pairs.csv"
-    path.write_text("\n".join((header, *rows)) + "\n")
+    path.write_text("\n".join((header, *rows)) + "\n", "utf-8")
     return path
 
 
@@ -57,7 +57,7 @@ def lines(text: str | bytes) -> list[dict]:
 
 def valid(entry: dict) -> bool:
     name = entry["schema"].replace("/", "-")
-    schema = json.loads((SCHEMAS / f"{name}.json").read_text())
+    schema = json.loads((SCHEMAS / f"{name}.json").read_text("utf-8"))
     return Draft202012Validator(schema).is_valid(entry)
 
 
@@ -148,7 +148,7 @@ def test_near_ambiguity_is_told_to_machines_and_leaves_the_exit_code(folder):
     out = folder / "out"
     certreg("batch", listing(folder, *pairs), "--out", out)
     entries = lines((out / "results.jsonl").read_bytes())
-    with (out / "summary.csv").open() as stream:
+    with (out / "summary.csv").open(encoding="utf-8") as stream:
         table = list(csv.DictReader(stream))
 
     assert [entry["exit_code"] for entry in entries] == [0, 3, 0, 2]
@@ -196,7 +196,7 @@ LISTS = {
 
 @pytest.mark.parametrize("text", LISTS)
 def test_a_list_that_is_none_is_refused_before_anything_is_done(tmp_path, text):
-    (tmp_path / "pairs.csv").write_text(text)
+    (tmp_path / "pairs.csv").write_text(text, "utf-8")
     run = certreg("batch", tmp_path / "pairs.csv", "--out", tmp_path / "out")
 
     assert (run.code, run.out) == (2, "")
@@ -229,7 +229,7 @@ def test_the_folder_holds_lines_certificates_and_a_table(folder):
     path, out = listing(folder, *rows, header="source,target,name"), folder / "out"
     run = certreg("batch", path, "--out", out)
     entries = lines((out / "results.jsonl").read_bytes())
-    with (out / "summary.csv").open() as stream:
+    with (out / "summary.csv").open(encoding="utf-8") as stream:
         table = list(csv.DictReader(stream))
 
     assert run.code == 2
@@ -302,8 +302,8 @@ CHANGES = {
 @pytest.mark.parametrize("what", CHANGES)
 def test_a_pair_whose_files_have_changed_is_computed_anew_with_a_note(folder, what):
     name, content, code = CHANGES[what]
-    (folder / "w.txt").write_text("1\n2\n3\n4\n5\n6\n")
-    (folder / "p.csv").write_text("0,0\n1,1\n2,2\n3,3\n4,4\n")
+    (folder / "w.txt").write_text("1\n2\n3\n4\n5\n6\n", "utf-8")
+    (folder / "p.csv").write_text("0,0\n1,1\n2,2\n3,3\n4,4\n", "utf-8")
     rows = ["a0.csv,b0.csv,,", "a1.csv,b1.csv,w.txt,", "a2.csv,b2.csv,,p.csv"]
     path, out = listing(folder, *rows, header="source,target,weights,pairs"), folder / "out"
     assert certreg("batch", path, "--out", out).code == 0
@@ -404,6 +404,7 @@ def test_ctrl_c_ends_cleanly_and_says_how_to_go_on(folder):
         cwd=folder,
         env={**os.environ, "PYTHONPATH": str(root)},
         start_new_session=True,
+        encoding="utf-8",
     )
     while run.poll() is None and not list((out / "shards").glob("0*")):
         time.sleep(0.01)
@@ -427,7 +428,7 @@ def test_no_cell_of_the_table_is_a_formula(folder):
     listed = listed.rename(folder / "=list.csv")
     run = certreg("batch", listed, "--out", folder / "out")
 
-    text = (folder / "out" / "summary.csv").read_text()
+    text = (folder / "out" / "summary.csv").read_text("utf-8")
     table = list(csv.DictReader(text.splitlines()))
     assert run.code == 2
     assert [row["name"] for row in table] == ["'=1+1", "'+cmd", "'-2+3", "'@SUM(A1)", *names[4:]]

@@ -254,7 +254,7 @@ def test_a_manifest_that_is_none_is_refused(tmp_path, text):
 
 
 def test_a_folder_with_other_files_is_refused(tmp_path):
-    (tmp_path / "thesis.tex").write_text("mine")
+    (tmp_path / "thesis.tex").write_text("mine", "utf-8")
 
     with pytest.raises(InvalidFileError, match="holds other files: choose a new folder"):
         finish(FEW, tmp_path)
@@ -262,7 +262,7 @@ def test_a_folder_with_other_files_is_refused(tmp_path):
 
 
 def test_a_folder_that_is_a_file_is_refused(tmp_path):
-    (tmp_path / "out").write_text("mine")
+    (tmp_path / "out").write_text("mine", "utf-8")
 
     with pytest.raises(InvalidFileError, match=r"out.*choose another folder"):
         finish(FEW, tmp_path / "out")
@@ -271,9 +271,9 @@ def test_a_folder_that_is_a_file_is_refused(tmp_path):
 def test_half_written_files_of_a_killed_run_are_swept_away(tmp_path):
     (tmp_path / "out" / SHARDS).mkdir(parents=True)
     finish(FEW, tmp_path / "whole")
-    (tmp_path / "out" / ".certreg-x1").write_text("half")
+    (tmp_path / "out" / ".certreg-x1").write_text("half", "utf-8")
     (tmp_path / "out" / MANIFEST).write_bytes(FEW.manifest().to_json())
-    (tmp_path / "out" / SHARDS / ".certreg-x2").write_text("half")
+    (tmp_path / "out" / SHARDS / ".certreg-x2").write_text("half", "utf-8")
 
     finish(FEW, tmp_path / "out")
     assert tree(tmp_path / "out") == tree(tmp_path / "whole")
@@ -388,19 +388,19 @@ def test_a_shard_holds_what_the_solver_says_of_its_instances(tmp_path):
 def test_what_doubles_do_not_decide_is_listed_with_its_certificate(tmp_path):
     finish(FLAT, tmp_path)
     totals = write_instance_results(FLAT, tmp_path)
-    with (tmp_path / "exceptions.csv").open() as stream:
+    with (tmp_path / "exceptions.csv").open(encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
 
     assert (totals.regular, totals.exceptions, len(rows)) == (0, 3, 3)
     for k, row in enumerate(rows):
         assert (row["instance"], row["pattern"], row["unstable"]) == (str(k), "2 2", "")
         assert certreg.verify(tmp_path / row["certificate"]).proved
-        document = json.loads((tmp_path / row["certificate"]).read_text())
+        document = json.loads((tmp_path / row["certificate"]).read_text("utf-8"))
         assert document["about"]["instance"] == k
     _, made = next(pieces(FLAT.manifest(), 0))
     problem = certreg.RegistrationProblem(made.sources[1], made.targets[1])
     assert document["problem"]["digest"] != problem.digest()
-    second = json.loads((tmp_path / rows[1]["certificate"]).read_text())
+    second = json.loads((tmp_path / rows[1]["certificate"]).read_text("utf-8"))
     assert second["problem"]["digest"] == problem.digest()
 
 
@@ -431,10 +431,10 @@ def test_the_table_is_the_same_in_both_formats(tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet")
     finish(FEW, tmp_path)
     write_instance_results(FEW, tmp_path, parquet=True)
-    with (tmp_path / "summary.csv").open() as stream:
+    with (tmp_path / "summary.csv").open(encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
     table = parquet.read_table(tmp_path / "summary.parquet")
-    with (tmp_path / "columns.csv").open() as stream:
+    with (tmp_path / "columns.csv").open(encoding="utf-8") as stream:
         described = list(csv.DictReader(stream))
 
     assert len(rows) == table.num_rows == FEW.count
@@ -514,9 +514,9 @@ def test_many_runs_of_reproduce_are_a_campaign_that_goes_on(tmp_path, monkeypatc
     assert run.out.startswith("1,500 of 1,500 random instances have four equilibria, with 0, 1, 2")
     assert "a second; without making them" in run.out
     assert again.err.startswith("note: 1,500 of 1,500 instances were there already")
-    settings = json.loads((tmp_path / "campaign" / "campaign.json").read_text())["settings"]
+    settings = json.loads((tmp_path / "campaign" / "campaign.json").read_text("utf-8"))["settings"]
     assert {settings[name] for name in ("points", "sigma", "seed", "damping")} == {5, 0.1, 4, 2.0}
-    table = (tmp_path / "campaign" / "summary.csv").read_text()
+    table = (tmp_path / "campaign" / "summary.csv").read_text("utf-8")
     assert table.count("\n") == 1501
 
 
@@ -587,7 +587,7 @@ def test_a_shard_that_is_there_twice_is_made_one(tmp_path):
 def test_a_file_that_is_no_shard_is_left_alone(tmp_path):
     finish(SMALL, tmp_path)
     for name in (".nfs0001", "notes.txt", "00000001-mine.npz"):
-        (tmp_path / SHARDS / name).write_text("mine")
+        (tmp_path / SHARDS / name).write_text("mine", "utf-8")
     before = tree(tmp_path)
 
     assert finish(SMALL, tmp_path) == []

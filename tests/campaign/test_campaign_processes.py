@@ -32,7 +32,7 @@ def children(parent: int) -> set[int]:
     found = set()
     for stat in Path("/proc").glob("[0-9]*/stat"):
         try:
-            _, _, rest = stat.read_text().rpartition(")")
+            _, _, rest = stat.read_text("utf-8").rpartition(")")
         except OSError:
             continue
         if int(rest.split()[1]) == parent and rest.split()[0] != "Z":
@@ -42,7 +42,7 @@ def children(parent: int) -> set[int]:
 
 def is_running(pid: int) -> bool:
     try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+        return Path(f"/proc/{pid}/stat").read_text("utf-8").rpartition(")")[2].split()[0] != "Z"
     except OSError:
         return False
 
@@ -76,6 +76,7 @@ def worker(address: str):
         text=True,
         env=environment,
         start_new_session=True,
+        encoding="utf-8",
     )
     assert process.stdout is not None
     try:

@@ -36,7 +36,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def rows(folder: Path, *lines: str) -> list[PairRow]:
-    (folder / "pairs.csv").write_text("\n".join([*lines, ""]))
+    (folder / "pairs.csv").write_text("\n".join([*lines, ""]), "utf-8")
     return list(read_listing(folder / "pairs.csv").rows())
 
 
@@ -81,8 +81,8 @@ def test_a_number_that_is_none_is_told_with_its_line_and_column(folder: Path, co
 def test_the_files_of_a_row_lie_beside_the_list(folder: Path):
     """Whatever the folder is in which the command runs."""
     weights = [1.0, 2.0, 0.0, 4.0, 5.0]
-    (folder / "w.txt").write_text("\n".join(map(str, weights)))
-    (folder / "p.csv").write_text("0,4\n2,2\n4,0\n")
+    (folder / "w.txt").write_text("\n".join(map(str, weights)), "utf-8")
+    (folder / "p.csv").write_text("0,4\n2,2\n4,0\n", "utf-8")
     header = "source,target,weights,pairs,damping,match"
     (row,) = rows(folder, header, "a.csv,b.csv,w.txt,p.csv,3.5,all")
     problem, pair = pairs._problem(row, folder)

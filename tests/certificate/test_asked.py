@@ -214,7 +214,7 @@ def test_what_coq_accepts_is_proved_and_what_it_refuses_is_told_with_its_reasons
     place = tmp_path / "kept.v"
     Coq(monkeypatch, (0, "", ""), (0, "", ""))
     assert verify_with_coq(content, out=place).proved
-    assert place.read_text() == problem.theorem()
+    assert place.read_text("utf-8") == problem.theorem()
     assert verify_with_coq(content).proved
     place.unlink()
     assert not verify_with_coq(b"{}", out=place).proved
@@ -225,7 +225,7 @@ def test_coq_is_given_the_file_in_a_folder_of_its_own(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ):
     def run(command: list[str], *, cwd: str, timeout: float, **_: Any) -> Any:
-        assert Path(command[-1]).read_text() == "a source"
+        assert Path(command[-1]).read_text("utf-8") == "a source"
         assert Path(command[-1]).parent == Path(cwd)
         assert command[0] == "coqc"
         assert command[-5:-1] == [*coq.QUIET[-1:], "-R", str(tmp_path), "Certreg"]
@@ -253,7 +253,7 @@ def test_where_there_are_no_proofs_coq_is_not_asked(
         coq.proofs_folder()
     bundled = tmp_path / "certreg" / "_derivations" / "coq"
     bundled.mkdir(parents=True)
-    (bundled / "Checker.v").write_text("")
+    (bundled / "Checker.v").write_text("", "utf-8")
     assert coq.proofs_folder() == bundled
 
 

@@ -76,8 +76,8 @@ def test_no_proof_file_claims_anything_without_proof():
     ],
 )
 def test_a_planted_gap_is_seen_in_the_text(tmp_path, planted):
-    text = (PROOFS / "Vectors.v").read_text()
-    (tmp_path / "Vectors.v").write_text(f"{text}\n{planted}\n")
+    text = (PROOFS / "Vectors.v").read_text("utf-8")
+    (tmp_path / "Vectors.v").write_text(f"{text}\n{planted}\n", "utf-8")
 
     with pytest.raises(check.ProofError, match=r"Vectors\.v, line"):
         check.scan(tmp_path)
@@ -85,13 +85,13 @@ def test_a_planted_gap_is_seen_in_the_text(tmp_path, planted):
 
 def test_words_in_comments_and_hypotheses_in_sections_are_no_gaps(tmp_path):
     text = "(* Admitted (* Axiom *) Parameter *)\nSection S.\nVariable x : nat.\nEnd S.\n"
-    (tmp_path / "Vectors.v").write_text(text)
+    (tmp_path / "Vectors.v").write_text(text, "utf-8")
 
     check.scan(tmp_path)
 
 
 def test_assumptions_other_than_those_recorded_and_allowed_are_refused():
-    recorded = (PROOFS / "assumptions.txt").read_text()
+    recorded = (PROOFS / "assumptions.txt").read_text("utf-8")
     check.compare(recorded, recorded)
 
     more = recorded.replace(": ", ": Vectors.planted, ", 1)
@@ -123,7 +123,7 @@ def test_what_coqchk_lists_is_read_and_refused_if_it_is_not_allowed():
 
 
 def test_every_theorem_has_its_assumptions_recorded():
-    recorded = [line.partition(":")[0] for line in RECORDED.read_text().splitlines()]
+    recorded = [line.partition(":")[0] for line in RECORDED.read_text("utf-8").splitlines()]
 
     assert recorded == sorted(f"{name}.{theorem}" for name, theorem in check.theorems(PROOFS))
     assert {f"Coq.{axiom}" for axiom in AXIOMS} <= {
@@ -132,7 +132,7 @@ def test_every_theorem_has_its_assumptions_recorded():
 
 
 def test_the_page_shows_every_theorem_as_the_proofs_state_it():
-    text = page.PAGE.read_text()
+    text = page.PAGE.read_text("utf-8")
     listed = re.findall(r"^### (\w+)$", text, re.MULTILINE)
 
     assert page.page(text) == text, "run python3 -m derivations.coq.page"
@@ -141,7 +141,7 @@ def test_the_page_shows_every_theorem_as_the_proofs_state_it():
 
 
 def test_every_theorem_that_the_page_names_in_its_tables_exists():
-    table = page.PAGE.read_text().partition(page.MARK)[0]
+    table = page.PAGE.read_text("utf-8").partition(page.MARK)[0]
     named = set(re.findall(r"`([a-z0-9]+(?:_[a-z0-9]+)+)`", table))
     known = {theorem for _, theorem in check.theorems(PROOFS)}
 
@@ -160,7 +160,11 @@ def test_a_claim_names_theorems_that_exist_and_what_they_do_not_say(name):
 
 
 def test_the_table_of_levels_names_every_claim_and_its_theorems():
-    table = page.PAGE.read_text().partition(page.MARK)[0].partition("Every claim of the project")[2]
+    table = (
+        page.PAGE.read_text("utf-8")
+        .partition(page.MARK)[0]
+        .partition("Every claim of the project")[2]
+    )
     linked = dict[str, set[str]]()
     for row in table.splitlines():
         named = set(re.findall(r"`([a-z0-9]+(?:_[a-z0-9]+)+)`", row))
@@ -231,7 +235,9 @@ def test_verify_with_coq_without_coq_is_one_line_and_exit_code_2(tmp_path):
     environment = {"PATH": str(tmp_path), "PYTHONPATH": str(ROOT)}
     command = [sys.executable, "-m", "certreg", "verify", "--coq", str(path)]
 
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        command, env=environment, capture_output=True, text=True, check=False, encoding="utf-8"
+    )
 
     assert done.returncode == 2
     assert done.stdout == ""
@@ -265,7 +271,7 @@ def test_out_without_coq_is_wrong_usage(tmp_path):
 
 def test_a_malformed_certificate_is_refused_before_coq_is_asked(tmp_path):
     path = tmp_path / "certificate.json"
-    path.write_text("{}")
+    path.write_text("{}", "utf-8")
     done = certreg("verify", "--coq", path)
 
     assert done.code == 1
@@ -278,7 +284,7 @@ COMPILED = b"a compiled checker"
 def answering(folder: Path, axiom: str) -> str:
     """A command in the place of coqc that lists one axiom, whatever it is asked."""
     command = folder / "coqc"
-    command.write_text(f"#!/bin/sh\necho 'Axioms:'\necho '{axiom} : False'\n")
+    command.write_text(f"#!/bin/sh\necho 'Axioms:'\necho '{axiom} : False'\n", "utf-8")
     command.chmod(0o755)
     return str(command)
 
@@ -327,7 +333,7 @@ def test_proofs_of_which_a_part_is_newer_than_the_last_are_compiled_again(tmp_pa
 def test_compiled_proofs_of_other_sources_are_not_taken(tmp_path):
     for name in needed(PROOFS):
         shutil.copyfile(PROOFS / f"{name}.v", tmp_path / f"{name}.v")
-    (tmp_path / "Vectors.v").write_text("Axiom planted : 1 = 2.")
+    (tmp_path / "Vectors.v").write_text("Axiom planted : 1 = 2.", "utf-8")
     for name in needed(PROOFS):
         (tmp_path / f"{name}.vo").touch()
 
@@ -530,7 +536,9 @@ def test_coq_accepts_the_certificates_of_the_packaged_problems(proofs, tmp_path)
 
         assert done.code == 0, done.out + done.err
         assert done.out.splitlines()[-1] == "VERIFIED"
-        assert "Theorem certified : proved data" in (tmp_path / f"{story.name}.v").read_text()
+        assert "Theorem certified : proved data" in (tmp_path / f"{story.name}.v").read_text(
+            "utf-8"
+        )
 
 
 @needs_coq
@@ -622,9 +630,9 @@ GAPS = {"admitted": "admitted", "assumed": "gap", "built_on_it": "hole"}
 def test_a_planted_gap_is_seen_by_coq_although_no_one_read_the_text(proofs, tmp_path):
     for path in proofs.glob("*.v*"):
         shutil.copy2(path, tmp_path)
-    (tmp_path / "Planted.v").write_text(PLANTED)
+    (tmp_path / "Planted.v").write_text(PLANTED, "utf-8")
     command = ["coqc", *check.FLAGS, "-R", str(tmp_path), "Certreg", str(tmp_path / "Planted.v")]
-    done = subprocess.run(command, check=False, capture_output=True, text=True)
+    done = subprocess.run(command, check=False, capture_output=True, text=True, encoding="utf-8")
     assert done.returncode == 0, done.stderr
 
     found = check.assumptions(tmp_path, [("Planted", name) for name in GAPS])
@@ -634,7 +642,11 @@ def test_a_planted_gap_is_seen_by_coq_although_no_one_read_the_text(proofs, tmp_
             check.compare(line, line)
     command = ["coqchk", "-silent", "-o", "-norec", "Certreg.Planted"]
     summary = subprocess.run(
-        [*command, "-R", str(tmp_path), "Certreg"], capture_output=True, text=True, check=True
+        [*command, "-R", str(tmp_path), "Certreg"],
+        capture_output=True,
+        text=True,
+        check=True,
+        encoding="utf-8",
     )
     for gap in GAPS.values():
         assert f"Certreg.Planted.{gap}" in summary.stderr

@@ -146,6 +146,7 @@ def test_the_command_writes_a_certificate_that_the_checker_accepts_alone(data, t
         capture_output=True,
         text=True,
         check=False,
+        encoding="utf-8",
     )
 
     assert run.code == 0

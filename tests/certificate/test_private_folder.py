@@ -55,7 +55,7 @@ def test_a_link_is_judged_by_what_it_names(folder, tmp_path):
 
 @pytest.mark.parametrize("place", ["file", "file/below"])
 def test_a_folder_that_cannot_be_made_is_a_message(place, folder):
-    (folder / "file").write_text("in the way")
+    (folder / "file").write_text("in the way", "utf-8")
 
     assert str(folder / place) in refusal(folder / place)
 

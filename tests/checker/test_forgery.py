@@ -472,7 +472,9 @@ def test_hostile_files_are_refused_within_bounds_of_time_and_memory(tmp_path):
         names.add(name)
     command = [sys.executable, "-I", "-S", "-c", CHILD, checker.__file__, tmp_path, str(MEMORY)]
 
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    done = subprocess.run(
+        command, capture_output=True, text=True, check=False, timeout=60, encoding="utf-8"
+    )
 
     assert done.stderr == ""
     lines = [line.split("|") for line in done.stdout.splitlines()]
@@ -489,7 +491,9 @@ def test_the_checker_says_so_when_the_memory_is_too_small(tmp_path):
     path.write_bytes(oracle.dump({**GENERIC, "about": {"x": "y" * 60 * 10**6}}))
     command = [sys.executable, "-I", "-S", "-c", CHILD, checker.__file__, tmp_path, str(10**8)]
 
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    done = subprocess.run(
+        command, capture_output=True, text=True, check=False, timeout=60, encoding="utf-8"
+    )
 
     assert done.stderr == "" or "MemoryError" in done.stderr.splitlines()[-1]  # reading the file
     assert "True" not in done.stdout

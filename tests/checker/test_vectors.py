@@ -72,6 +72,7 @@ def test_the_vectors_are_made_anew_byte_for_byte(tmp_path: Path):
         check=False,
         cwd=ROOT,
         env={"PYTHONPATH": str(ROOT)},
+        encoding="utf-8",
     )
 
     assert (run.returncode, run.stdout, run.stderr) == (0, "", "")

@@ -65,7 +65,9 @@ def without_data(certificate):
 def run(*arguments, code=0):
     """The file alone, isolated, without site packages and with an empty environment."""
     command = [sys.executable, "-I", "-S", str(FILE), *map(str, arguments)]
-    done = subprocess.run(command, capture_output=True, text=True, env={}, check=False, timeout=60)
+    done = subprocess.run(
+        command, capture_output=True, text=True, env={}, check=False, timeout=60, encoding="utf-8"
+    )
     assert "Traceback" not in done.stderr
     assert done.returncode == code, done.stdout + done.stderr
     return done

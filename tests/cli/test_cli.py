@@ -105,7 +105,7 @@ each_specimen = pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: sp
 def validator(schema: str) -> Any:
     """Of the published schema with that name: the only contract."""
     file = files("certreg.report") / "schemas" / f"{schema.replace('/', '-')}.json"
-    return Draft202012Validator(json.loads(file.read_text()))
+    return Draft202012Validator(json.loads(file.read_text("utf-8")))
 
 
 def nulls(value: Any, path: str = "") -> Iterator[str]:
@@ -195,6 +195,7 @@ def test_python_m_certreg_is_the_same_command(tmp_path: Path):
             text=True,
             check=False,
             cwd=CHECKER.parents[1],
+            encoding="utf-8",
         )
 
     ambiguous = spawn("equilibria", line, bent)  # does not load the solver
@@ -333,7 +334,7 @@ def test_nothing_is_written_without_out(data: Path, tmp_path: Path, monkeypatch)
     monkeypatch.chdir(tmp_path)
     for command in ("certify", "equilibria"):
         assert certreg(command, *SURVEY.paths(data)).code == 0
-    (tmp_path / "pose.txt").write_text("1 0 0 0 0 0 0\n")
+    (tmp_path / "pose.txt").write_text("1 0 0 0 0 0 0\n", "utf-8")
     assert certreg("assess", *SURVEY.paths(data), "--pose", "pose.txt").code == 1
 
     assert [path.name for path in tmp_path.iterdir()] == ["pose.txt"]
@@ -355,7 +356,7 @@ def test_weights_and_sigma_are_those_of_the_maximum_likelihood_objective(tmp_pat
         write_csv(tmp_path / "b.csv", problem.target.tolist()),
     )
     text, binary = tmp_path / "w.txt", tmp_path / "w.npy"
-    text.write_text("\n".join(map(repr, problem.weights.tolist())) + "\n")
+    text.write_text("\n".join(map(repr, problem.weights.tolist())) + "\n", "utf-8")
     np.save(binary, problem.weights)
     runs = [certreg("certify", *clouds, "--weights", path, "--json") for path in (text, binary)]
     scaled = [certreg("certify", *clouds, *sigma, "--json") for sigma in ([], ["--sigma", "0.5"])]
@@ -406,7 +407,9 @@ def test_extreme_damping_is_answered_in_numbers_or_with_a_reason(data: Path, dam
 
 def test_columns_that_are_not_used_are_noted_once(tmp_path: Path):
     source, target = tmp_path / "a.csv", write_csv(tmp_path / "b.csv", BENT)
-    source.write_text("x,colour,y,z\n" + "\n".join(f"{x},red,{y},{z}" for x, y, z in BENT) + "\n")
+    source.write_text(
+        "x,colour,y,z\n" + "\n".join(f"{x},red,{y},{z}" for x, y, z in BENT) + "\n", "utf-8"
+    )
     run = certreg("certify", source, target)
 
     assert run.code == 0
@@ -495,7 +498,9 @@ def test_the_demo_names_commands_that_run(tmp_path: Path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     alone = next(line for line in certreg("demo").out.splitlines() if "python3 -I" in line)
     program, *arguments = shlex.split(alone)
-    done = subprocess.run([sys.executable, *arguments], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, *arguments], capture_output=True, text=True, check=False, encoding="utf-8"
+    )
 
     assert program == "python3"
     assert (done.returncode, done.stdout.rstrip().endswith("VERIFIED")) == (0, True)
@@ -569,7 +574,7 @@ def test_each_option_of_pairing_works_alone(tmp_path: Path):
             own = {"label": f"p{k}", "weight": str(1 + k)}
             lines.append(",".join([*(own[c] for c in columns), f"{y},{z},{x + k / 10}"]))
         path = tmp_path / name
-        path.write_text("\n".join([*lines, *more]) + "\n")
+        path.write_text("\n".join([*lines, *more]) + "\n", "utf-8")
         return path
 
     def found(*arguments: object) -> Any:
@@ -605,7 +610,9 @@ def test_one_method_shows_the_columns_of_all(data: Path, method: str):
 def alone(*arguments: object) -> subprocess.CompletedProcess[str]:
     """The checker as a stranger runs it: nothing installed, no environment."""
     command = [sys.executable, "-I", "-S", str(CHECKER), *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False, env={})
+    return subprocess.run(
+        command, capture_output=True, text=True, check=False, env={}, encoding="utf-8"
+    )
 
 
 @pytest.fixture(scope="module")
@@ -683,11 +690,11 @@ def test_no_certificate_of_the_zoo_survives_a_stronger_claim(specimen, tmp_path:
 
 def test_verify_binds_the_certificate_to_the_points(data: Path, survey: Path, tmp_path: Path):
     certificate, (source, target) = survey / "certificate.json", SURVEY.paths(data)
-    lines = target.read_text().splitlines()
+    lines = target.read_text("utf-8").splitlines()
     shuffled, moved = tmp_path / "shuffled.csv", tmp_path / "moved.csv"
-    shuffled.write_text("\n".join([lines[0], *reversed(lines[1:])]) + "\n")
-    moved.write_text("\n".join(lines).replace("3039.947", "3039.948") + "\n")
-    assert moved.read_text() != target.read_text()
+    shuffled.write_text("\n".join([lines[0], *reversed(lines[1:])]) + "\n", "utf-8")
+    moved.write_text("\n".join(lines).replace("3039.947", "3039.948") + "\n", "utf-8")
+    assert moved.read_text("utf-8") != target.read_text("utf-8")
 
     assert certreg("verify", certificate, source, target).code == 0
     assert certreg("verify", certificate, source, shuffled).code == 0
@@ -731,7 +738,7 @@ def test_verify_reads_clouds_of_numpy(data: Path, survey: Path, tmp_path: Path):
 def test_verify_takes_the_noise_or_the_weights_that_were_certified(tmp_path: Path):
     problem = random_problem(np.random.default_rng(6), n=5, noise=0.1)
     weights = tmp_path / "w.txt"
-    weights.write_text("1\n2\n3\n4\n5\n")
+    weights.write_text("1\n2\n3\n4\n5\n", "utf-8")
     suffixes = {".csv": write_csv, ".npy": lambda path, points: np.save(path, np.array(points))}
     for suffix, write in suffixes.items():
         clouds = tmp_path / f"a{suffix}", tmp_path / f"b{suffix}"
@@ -1014,7 +1021,7 @@ def lines(rows: Any) -> str:
 
 def pose_forms(folder: Path) -> dict[str, str]:
     """The certified pose in every form that a tool might write."""
-    result = json.loads((folder / "result.json").read_text())
+    result = json.loads((folder / "result.json").read_text("utf-8"))
     pose = result["pose"]
     R, t, q = pose["rotation"], pose["translation"], pose["quaternion_wxyz"]
     T = np.loadtxt(folder / "pose.txt").tolist()
@@ -1032,14 +1039,14 @@ def pose_forms(folder: Path) -> dict[str, str]:
         "JSON matrix": json.dumps({"rotation": R, "translation": t}),
         "JSON quaternion": json.dumps({"quaternion_wxyz": q, "translation": t}),
         "JSON of Windows": "\ufeff" + json.dumps({"pose": {"rotation": R, "translation": t}}),
-        "result": (folder / "result.json").read_text(),
+        "result": (folder / "result.json").read_text("utf-8"),
     }
 
 
 def test_every_form_of_a_pose_is_read(data: Path, survey: Path, tmp_path: Path):
     for name, text in pose_forms(survey).items():
         file = tmp_path / "pose"
-        file.write_text(text)
+        file.write_text(text, "utf-8")
         run = certreg("assess", *SURVEY.paths(data), "--pose", file, "--json")
 
         assert (run.code, run.err) == (0, ""), name
@@ -1087,7 +1094,7 @@ WRONG_POSES = {
 def test_a_wrong_pose_file_is_one_clear_line(data: Path, tmp_path: Path, name: str):
     text, word = WRONG_POSES[name]
     file = tmp_path / "given.pose"
-    file.write_text(text)
+    file.write_text(text, "utf-8")
     run = certreg("assess", *SURVEY.paths(data), "--pose", file)
 
     assert (run.code, run.out) == (2, "")
@@ -1129,7 +1136,7 @@ def test_apply_moves_a_cloud_onto_the_optimum(data: Path, survey: Path, tmp_path
             dropped = f"{moved} without their labels: a .csv file keeps them\n"
             told = {"moved.csv": header, "moved.txt": dropped, "moved.npy": f"{moved}\n"}
             assert run.out.startswith(f"4 points written to {told[out]}")
-            assert out != "moved.csv" or moved.read_text().startswith("label,x,y,z\n")
+            assert out != "moved.csv" or moved.read_text("utf-8").startswith("label,x,y,z\n")
             assert points == pytest.approx(problem.source @ R.T + t, abs=1e-9)
             assert rmse(points, problem.target) == pytest.approx(SURVEY.rmse[0], abs=1e-6)
             assert certreg("certify", moved, target, "--json").document["rmse"] == pytest.approx(
@@ -1142,8 +1149,8 @@ def test_apply_moves_a_cloud_onto_the_optimum(data: Path, survey: Path, tmp_path
 def test_apply_moves_points_whatever_their_columns_of_noise_hold(
     tmp_path: Path, column: str, value: str
 ):
-    (tmp_path / "pose.txt").write_text("1 0 0 1\n0 1 0 2\n0 0 1 3\n")
-    (tmp_path / "a.csv").write_text(f"x,y,z,{column}\n1,2,3,{value}\n4,5,6,1\n")
+    (tmp_path / "pose.txt").write_text("1 0 0 1\n0 1 0 2\n0 0 1 3\n", "utf-8")
+    (tmp_path / "a.csv").write_text(f"x,y,z,{column}\n1,2,3,{value}\n4,5,6,1\n", "utf-8")
     run = certreg("apply", tmp_path / "pose.txt", tmp_path / "a.csv", "--out", tmp_path / "b.csv")
 
     assert (run.code, run.err) == (0, "")
@@ -1197,7 +1204,9 @@ def test_apply_refuses_points_that_leave_the_doubles(survey: Path, tmp_path: Pat
     far = tmp_path / "far.npy"
     np.save(far, [[1.7e308, 1.7e308, 1.7e308], [-1.7e308, 1.7e308, 1.7e308]])
     turn = tmp_path / "turn.txt"
-    turn.write_text("0.9238795325112867 0 0 0.3826834323650898 0 0 0\n")  # 45 degrees about z
+    turn.write_text(
+        "0.9238795325112867 0 0 0.3826834323650898 0 0 0\n", "utf-8"
+    )  # 45 degrees about z
     for name in ("out.npy", "out.csv"):
         run = certreg("apply", turn, far, "--out", tmp_path / name)
 

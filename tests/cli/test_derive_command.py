@@ -67,7 +67,7 @@ def test_out_takes_the_latex_and_the_code(tmp_path: Path):
     run = certreg("derive", "davenport", "--out", tmp_path / "proofs")
 
     assert run.code == 0
-    assert r"\section{Davenport's matrix}" in (tmp_path / "proofs/claims.tex").read_text()
+    assert r"\section{Davenport's matrix}" in (tmp_path / "proofs/claims.tex").read_text("utf-8")
     made = tmp_path / "proofs/generated/dynamics.c"
     assert made.read_bytes() == (GENERATED / "dynamics.c").read_bytes()
 
@@ -94,7 +94,7 @@ def test_the_sources_are_written_whole(tmp_path: Path):
 
 
 def test_a_file_in_the_way_is_told(tmp_path: Path):
-    (tmp_path / "file").write_text("")
+    (tmp_path / "file").write_text("", "utf-8")
 
     run = certreg("codegen", "--out", tmp_path / "file" / "folder")
 

@@ -54,9 +54,11 @@ def test_libraries_that_do_not_load_are_a_message(ends, monkeypatch):
 def test_what_loads_in_a_process_of_its_own_is_loaded_here(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
-    memory.require_loadable("with open('loaded', 'a') as file: print('once', file=file)")
+    memory.require_loadable(
+        "with open('loaded', 'a', encoding='utf-8') as file: print('once', file=file)"
+    )
 
-    assert (tmp_path / "loaded").read_text() == "once\n" * 2
+    assert (tmp_path / "loaded").read_text("utf-8") == "once\n" * 2
 
 
 @pytest.mark.parametrize("limit", [None, 1 << 40])
@@ -101,6 +103,7 @@ def test_a_real_limit_ends_in_the_message(size, data):
         text=True,
         check=False,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
+        encoding="utf-8",
     )
 
     assert (run.returncode, run.stdout) == (2, "")

@@ -98,7 +98,7 @@ def test_the_header_of_what_was_moved_is_told_where_it_has_one(
     tmp_path: Path, name: str, header: str
 ):
     a = write_csv(tmp_path / "a.csv", POINTS)
-    (tmp_path / "pose.txt").write_text("1 0 0 1\n0 1 0 2\n0 0 1 3\n")
+    (tmp_path / "pose.txt").write_text("1 0 0 1\n0 1 0 2\n0 0 1 3\n", "utf-8")
     run = certreg("apply", tmp_path / "pose.txt", a, "--out", tmp_path / name)
 
     assert run.out.splitlines()[0] == f"5 points written to {tmp_path / name}{header}"
@@ -126,7 +126,7 @@ def test_a_pose_is_judged_with_the_labels_of_the_rows(tmp_path: Path):
     names = [f"P{k}" for k in range(12)]
     a = write_csv(tmp_path / "a.csv", source.tolist(), names)
     b = write_csv(tmp_path / "b.csv", target.tolist(), names)
-    (tmp_path / "pose.txt").write_text("1 0 0 0\n0 1 0 0\n0 0 1 0\n")
+    (tmp_path / "pose.txt").write_text("1 0 0 0\n0 1 0 0\n0 0 1 0\n", "utf-8")
 
     assert (
         "row 4 (P4), counting from 0, does"
@@ -155,7 +155,7 @@ def test_what_loads_first_is_given_the_limit_less_what_a_command_needs(
 
 def test_each_limit_of_a_batch_is_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     write_csv(tmp_path / "a.csv", POINTS)
-    (tmp_path / "list.csv").write_text("source,target\na.csv,a.csv\n")
+    (tmp_path / "list.csv").write_text("source,target\na.csv,a.csv\n", "utf-8")
     asked: list[PairCampaign] = []
 
     def keep(campaign: PairCampaign, _scheduler: str | None) -> Tally:

@@ -61,7 +61,9 @@ def test_a_command_that_needs_a_library_names_it_in_one_line(
     name: str, without, tmp_path: Path, certificate: Path
 ):
     arguments, remedy = COMMANDS[name]
-    (tmp_path / "pairs.csv").write_text("source,target\n" + ",".join(map(str, CLOUDS)) + "\n")
+    (tmp_path / "pairs.csv").write_text(
+        "source,target\n" + ",".join(map(str, CLOUDS)) + "\n", "utf-8"
+    )
     places = {
         "A": CLOUDS[0],
         "B": CLOUDS[1],
@@ -159,7 +161,11 @@ def blocked(allowed: tuple[str, ...], *lines: tuple[object, ...]) -> tuple[list[
     every = (*ORIGINS, "markupsafe", "mpmath") if "jinja2" not in allowed else (*ORIGINS,)
     code = CORE.format(allowed=allowed, every=every, lines=[[*map(str, line)] for line in lines])
     run = subprocess.run(
-        [sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=False
+        [sys.executable, "-W", "error", "-c", code],
+        capture_output=True,
+        text=True,
+        check=False,
+        encoding="utf-8",
     )
     return [line.split()[1] for line in run.stdout.splitlines() if line[:5] == "CODE "], run.stderr
 

@@ -199,7 +199,7 @@ def write_site(folder: Path, pages: dict[str, str], settings: str, builder: str)
 
 def finished(folder: Path) -> Site:
     return Site(
-        code=int((folder / "code").read_text()),
+        code=int((folder / "code").read_text("utf-8")),
         words=(folder / "words").read_text("utf-8"),
         pages={page.stem: page.read_text("utf-8") for page in folder.glob("html/*.html")},
     )

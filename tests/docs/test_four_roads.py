@@ -11,7 +11,7 @@ import pytest
 
 PAGE = Path(__file__).parents[2] / "docs" / "four-roads.md"
 CELLS = re.findall(
-    r"```\{code-cell\} python3\n(?::tags:[^\n]*\n)?(.*?)```", PAGE.read_text(), re.DOTALL
+    r"```\{code-cell\} python3\n(?::tags:[^\n]*\n)?(.*?)```", PAGE.read_text("utf-8"), re.DOTALL
 )
 
 

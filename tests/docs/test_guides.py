@@ -36,7 +36,7 @@ each_guide = pytest.mark.parametrize("guide", GUIDES, ids=lambda path: path.stem
 
 
 def blocks(guide: Path, language: str) -> list[str]:
-    return [body for found, body in FENCE.findall(guide.read_text()) if found == language]
+    return [body for found, body in FENCE.findall(guide.read_text("utf-8")) if found == language]
 
 
 PRIVATE = re.compile(r"^\s*(?:from|import) (certreg\.\w+\.\w[\w.]*)", re.MULTILINE)
@@ -73,7 +73,7 @@ def imported(text: str) -> list[str]:
 
 @pytest.mark.parametrize("page", TAUGHT, ids=lambda path: path.stem)
 def test_a_guide_teaches_public_names_only(page):
-    text = page.read_text()
+    text = page.read_text("utf-8")
     code = "\n".join(body for language, body in FENCE.findall(text) if language != "sh")
     names = {word.split(".")[1] for word in WORDS.findall(code)}
 
@@ -92,7 +92,7 @@ def test_the_python_of_a_guide_runs(guide):
     for block in written:
         exec(compile(block, guide.name, "exec"), namespace)  # noqa: S102 - our own page
 
-    assert len(written) == guide.read_text().count("```python")  # none is passed over
+    assert len(written) == guide.read_text("utf-8").count("```python")  # none is passed over
     assert bool(written) == bool(namespace)
 
 
@@ -110,7 +110,7 @@ def test_open3d_is_judged_as_the_guide_says():
 
 def scratch(page: Path) -> dict[str, str]:
     """The files that a page writes before its commands."""
-    return dict(SCRATCH.findall(page.read_text()))
+    return dict(SCRATCH.findall(page.read_text("utf-8")))
 
 
 def test_open3d_finds_the_pairs_that_the_guide_shows(tmp_path, monkeypatch):
@@ -120,15 +120,15 @@ def test_open3d_finds_the_pairs_that_the_guide_shows(tmp_path, monkeypatch):
     assert set(files) == {"source.xyz", "target.xyz", "pairs.txt", "pose.txt"}
     pytest.importorskip("open3d", reason="no peer is installed: `make peers`")
     for name in ("source.xyz", "target.xyz"):
-        (tmp_path / name).write_text(files[name])
+        (tmp_path / name).write_text(files[name], "utf-8")
     monkeypatch.chdir(tmp_path)
     (block,) = blocks(page, "py")
     exec(compile(block, page.name, "exec"), {})  # noqa: S102 - our own page
 
-    assert (tmp_path / "pairs.txt").read_text() == files["pairs.txt"]
+    assert (tmp_path / "pairs.txt").read_text("utf-8") == files["pairs.txt"]
     shown, made = (
         np.loadtxt(text.splitlines())
-        for text in (files["pose.txt"], (tmp_path / "pose.txt").read_text())
+        for text in (files["pose.txt"], (tmp_path / "pose.txt").read_text("utf-8"))
     )
     assert made == pytest.approx(shown, abs=1e-12)
 
@@ -159,7 +159,7 @@ def test_the_commands_of_a_guide_run(guide, tmp_path, data):
     (tmp_path / "bin").mkdir()
     for name in ("certreg", "dask"):
         command = tmp_path / "bin" / name
-        command.write_text(f'#!/bin/sh\nexec {sys.executable} -m {name} "$@"\n')
+        command.write_text(f'#!/bin/sh\nexec {sys.executable} -m {name} "$@"\n', "utf-8")
         command.chmod(0o755)
     path = f"{tmp_path / 'bin'}{os.pathsep}{os.environ['PATH']}"
 
@@ -171,6 +171,7 @@ def test_the_commands_of_a_guide_run(guide, tmp_path, data):
         text=True,
         check=False,
         env={**os.environ, "PATH": path, "PYTHONPATH": str(ROOT)},
+        encoding="utf-8",
     )
 
     assert (run.returncode, run.stderr) == (0, "")
@@ -205,12 +206,14 @@ def test_the_vectors_of_the_guide_compile_and_step(tmp_path):
         }
     }
     """
-    (tmp_path / "lanes.c").write_text(lanes + main)
+    (tmp_path / "lanes.c").write_text(lanes + main, "utf-8")
     include = f"-I{ROOT / 'certreg' / 'native' / 'generated'}"
     flags = ["-std=gnu11", "-O2", "-Wno-psabi", include]
     program = str(tmp_path / "lanes")
     subprocess.run([*compiler, *flags, str(tmp_path / "lanes.c"), "-lm", "-o", program], check=True)
-    printed = subprocess.run([program], capture_output=True, text=True, check=True).stdout
+    printed = subprocess.run(
+        [program], capture_output=True, text=True, check=True, encoding="utf-8"
+    ).stdout
     for k, line in enumerate(printed.splitlines()):
         state = np.array([0.25 * i - k for i in range(18)])
         body = np.array([1.0 + 0.125 * i * k for i in range(23)])

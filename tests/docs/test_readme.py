@@ -93,7 +93,11 @@ def test_its_commands_print_what_it_shows():
         else:
             assert program == "python3"
             run = subprocess.run(
-                [sys.executable, *arguments], capture_output=True, text=True, check=True
+                [sys.executable, *arguments],
+                capture_output=True,
+                text=True,
+                check=True,
+                encoding="utf-8",
             )
             printed = run.stdout
         assert shows(shown, printed), (command, printed)

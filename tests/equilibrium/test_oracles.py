@@ -37,7 +37,9 @@ def program(name):
 
 
 def told(words, text=None):
-    done = subprocess.run(words, input=text, capture_output=True, text=True, check=True, timeout=60)
+    done = subprocess.run(
+        words, input=text, capture_output=True, text=True, check=True, timeout=60, encoding="utf-8"
+    )
     return done.stdout
 
 
@@ -109,7 +111,7 @@ def test_singular_finds_dimension_and_degree_of_every_row(specimen):
 def test_msolve_isolates_the_same_four_real_roots(seed, tmp_path):
     msolve, C = program("msolve"), generic(seed)
     file = tmp_path / "system.ms"
-    file.write_text(as_msolve(quaternion_system(C, chart=True)))
+    file.write_text(as_msolve(quaternion_system(C, chart=True)), "utf-8")
     answer = told([msolve, "-f", str(file), "-o", "/dev/stdout", "-p", "100"])
     pairs = re.findall(r"\[(-?\d+)(?: / 2\^(\d+))?, (-?\d+)(?: / 2\^(\d+))?\]", answer)
     middles = [
@@ -126,9 +128,11 @@ def test_msolve_isolates_the_same_four_real_roots(seed, tmp_path):
 def test_phcpack_finds_the_same_four_roots(seed, tmp_path):
     phc, C = program("phc"), generic(seed)
     source, target = tmp_path / "system", tmp_path / "solutions"
-    source.write_text(as_phcpack(multiplier_system(davenport_matrix(C), unit=value_unit(C))))
+    source.write_text(
+        as_phcpack(multiplier_system(davenport_matrix(C), unit=value_unit(C))), "utf-8"
+    )
     told([phc, "-b", f"-0{seed + 1}", str(source), str(target)])
-    text = target.read_text()
+    text = target.read_text("utf-8")
     text = text[text.rindex("THE SOLUTIONS") :]
     roots = [
         [float(re.search(rf"^ {name} :\s+(\S+)\s", block, re.MULTILINE)[1]) for name in "wxyz"]  # pyright: ignore[reportOptionalSubscript]

@@ -103,7 +103,7 @@ def differences(base: Path, head: Path) -> Iterator[Difference]:
 
 def read_meant(path: Path = MEANT) -> tuple[Meant, ...]:
     """The list of differences that are meant."""
-    entries = tomllib.loads(path.read_text()).get("meant", [])
+    entries = tomllib.loads(path.read_text("utf-8")).get("meant", [])
     return tuple(Meant(**entry) for entry in entries)
 
 

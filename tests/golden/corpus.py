@@ -68,8 +68,8 @@ def write_corpus(folder: Path) -> None:
     _write_formats(folder / "formats")
     _write_vectors(folder / "vectors")
     _write_list(folder / "list")
-    (folder / "rough-pose.txt").write_text("0.7 0.1 -0.1 0.7 1 2 3\n")
-    (folder / "scaled-pose.txt").write_text("2 0 0 0\n0 2 0 0\n0 0 2 0\n0 0 0 1\n")
+    (folder / "rough-pose.txt").write_text("0.7 0.1 -0.1 0.7 1 2 3\n", "utf-8")
+    (folder / "scaled-pose.txt").write_text("2 0 0 0\n0 2 0 0\n0 0 2 0\n0 0 0 1\n", "utf-8")
     (folder / "junk.json").write_bytes(b'{"format": "certreg-certificate/1"')
 
 
@@ -146,8 +146,8 @@ def _write_pair(
     folder: Path, name: str, source: NDArray[np.float64], target: NDArray[np.float64]
 ) -> None:
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / f"{name}-source.csv").write_text(text(source))
-    (folder / f"{name}-target.csv").write_text(text(target))
+    (folder / f"{name}-source.csv").write_text(text(source), "utf-8")
+    (folder / f"{name}-target.csv").write_text(text(target), "utf-8")
 
 
 def _write_packaged(folder: Path) -> None:
@@ -163,12 +163,14 @@ def _write_random(folder: Path, number: int) -> None:
     _write_pair(folder, name, source, target)
     rng = np.random.default_rng([number, 1])
     weights = 10.0 ** rng.uniform(-3, 3, size=len(source))
-    (folder / f"{name}-weights.txt").write_text("".join(f"{w!r}\n" for w in weights.tolist()))
+    (folder / f"{name}-weights.txt").write_text(
+        "".join(f"{w!r}\n" for w in weights.tolist()), "utf-8"
+    )
     turn = rotation(rng)
     shift = target.mean(axis=0) - turn @ source.mean(axis=0)
     matrix = np.vstack([np.column_stack([turn, shift]), [0.0, 0.0, 0.0, 1.0]])
     lines = (" ".join(map(repr, row)) for row in matrix.tolist())
-    (folder / f"{name}-pose.txt").write_text("\n".join(lines) + "\n")
+    (folder / f"{name}-pose.txt").write_text("\n".join(lines) + "\n", "utf-8")
 
 
 def _write_bad(folder: Path, bad: Bad) -> None:
@@ -185,32 +187,32 @@ def _write_formats(folder: Path) -> None:
     source, target = random_pair(14)
     n, rows = len(source), source.tolist()
     lines = [" ".join(map(repr, row)) for row in rows]
-    (folder / "target.csv").write_text(text(target))
-    (folder / "a.txt").write_text("# by hand\n" + "\n".join(lines) + "\n")
-    (folder / "plain.xyz").write_text("\n".join(lines) + "\n")
+    (folder / "target.csv").write_text(text(target), "utf-8")
+    (folder / "a.txt").write_text("# by hand\n" + "\n".join(lines) + "\n", "utf-8")
+    (folder / "plain.xyz").write_text("\n".join(lines) + "\n", "utf-8")
     atoms = "\n".join(f"C {line}" for line in lines)
-    (folder / "chemical.xyz").write_text(f"{n}\na comment\n{atoms}\n")
+    (folder / "chemical.xyz").write_text(f"{n}\na comment\n{atoms}\n", "utf-8")
     axes = "".join(f"property double {axis}\n" for axis in "xyz")
     ply = f"ply\nformat ascii 1.0\nelement vertex {n}\n{axes}end_header\n"
-    (folder / "ascii.ply").write_text(ply + "\n".join(lines) + "\n")
+    (folder / "ascii.ply").write_text(ply + "\n".join(lines) + "\n", "utf-8")
     binary = ply.replace("ascii", "binary_little_endian").encode()
     (folder / "binary.ply").write_bytes(binary + source.astype("<f8").tobytes())
     fields = "VERSION .7\nFIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nCOUNT 1 1 1\n"
     pcd = f"{fields}WIDTH {n}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {n}\nDATA "
-    (folder / "ascii.pcd").write_text(f"{pcd}ascii\n" + "\n".join(lines) + "\n")
+    (folder / "ascii.pcd").write_text(f"{pcd}ascii\n" + "\n".join(lines) + "\n", "utf-8")
     (folder / "binary.pcd").write_bytes(f"{pcd}binary\n".encode() + source.astype("<f8").tobytes())
     np.save(folder / "double.npy", source)
     np.save(folder / "single.npy", source.astype(np.float32))
     np.savez(folder / "points.npz", points=source)
     labels = [f"p{k}" for k in range(n)]
-    (folder / "labelled.csv").write_text(text(source, labels))
-    (folder / "reversed.csv").write_text(text(target[::-1], labels[::-1]))
-    (folder / "fewer.csv").write_text(text(target[2:], labels[2:]))
+    (folder / "labelled.csv").write_text(text(source, labels), "utf-8")
+    (folder / "reversed.csv").write_text(text(target[::-1], labels[::-1]), "utf-8")
+    (folder / "fewer.csv").write_text(text(target[2:], labels[2:]), "utf-8")
     (folder / "extra.csv").write_text(
-        "x,y,z,red\n" + "".join(f"{line.replace(' ', ',')},7\n" for line in lines)
+        "x,y,z,red\n" + "".join(f"{line.replace(' ', ',')},7\n" for line in lines), "utf-8"
     )
-    (folder / "pairs.txt").write_text("".join(f"{k} {k}\n" for k in range(1, n)))
-    (folder / "weights.txt").write_text("".join(f"{1 + k}\n" for k in range(n)))
+    (folder / "pairs.txt").write_text("".join(f"{k} {k}\n" for k in range(1, n)), "utf-8")
+    (folder / "weights.txt").write_text("".join(f"{1 + k}\n" for k in range(n)), "utf-8")
 
 
 def _write_vectors(folder: Path) -> None:
@@ -220,7 +222,9 @@ def _write_vectors(folder: Path) -> None:
         shutil.copy(path, folder)
         for k in range(MUTANTS):
             rng = np.random.default_rng([k, *path.name.encode()])
-            (folder / f"mutant-{k}-of-{path.name}").write_text(_mutant(path.read_text(), rng))
+            (folder / f"mutant-{k}-of-{path.name}").write_text(
+                _mutant(path.read_text("utf-8"), rng), "utf-8"
+            )
 
 
 def _mutant(certificate: str, rng: np.random.Generator) -> str:
@@ -247,6 +251,6 @@ def _write_list(folder: Path) -> None:
         lines.append(f"pair {number},{pair},{options},-")
     lines += ["missing,nowhere.csv,nowhere.csv,,,,", "row,../rows/22-source.csv,,,,,"]
     lines += [f"{name},../rows/{name}-source.csv,../rows/{name}-target.csv,,,," for name in ROWS]
-    (folder / "pairs.csv").write_text("\n".join(lines) + "\n")
-    (folder / "empty.csv").write_text("name,source,target\n")
-    (folder / "misspelt.csv").write_text("source,target,sigm\na.csv,b.csv,1\n")
+    (folder / "pairs.csv").write_text("\n".join(lines) + "\n", "utf-8")
+    (folder / "empty.csv").write_text("name,source,target\n", "utf-8")
+    (folder / "misspelt.csv").write_text("source,target,sigm\na.csv,b.csv,1\n", "utf-8")

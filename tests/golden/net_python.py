@@ -248,7 +248,7 @@ def weaken(certificate: str, weaker: str, pattern: str = "kept") -> str:
     if pattern == "none":
         claims |= {"sin2_half_angle": None, "basin": None, "unstable": None}
     text = json.dumps(document, indent=1, sort_keys=True)
-    Path(weaker).write_text(f"{text}\n")
+    Path(weaker).write_text(f"{text}\n", "utf-8")
     return f"{weaker} written"
 
 
@@ -256,7 +256,7 @@ def renamed(certificate: str, other: str) -> str:
     """The same certificate with another `about`, which is not proved."""
     document = json.loads(Path(certificate).read_bytes())
     document["about"] = {"damping": "much", "labels": [1], "source": 3}
-    Path(other).write_text(json.dumps(document, indent=1, sort_keys=True) + "\n")
+    Path(other).write_text(json.dumps(document, indent=1, sort_keys=True) + "\n", "utf-8")
     return f"{other} written"
 
 
@@ -264,7 +264,7 @@ def bared(certificate: str, other: str) -> str:
     """The same certificate without the points, which it is about by their digest."""
     document = json.loads(Path(certificate).read_bytes())
     document["problem"]["data"] = None
-    Path(other).write_text(json.dumps(document, indent=1, sort_keys=True) + "\n")
+    Path(other).write_text(json.dumps(document, indent=1, sort_keys=True) + "\n", "utf-8")
     return f"{other} written"
 
 
@@ -382,7 +382,7 @@ def bad_files() -> str:
         place = Path(slug(name))
         place.mkdir()
         for side in ("source", "target"):
-            (place / f"{side}.csv").write_text("0,0,0\n1,0,0\n0,2,0\n0,0,3\n")
+            (place / f"{side}.csv").write_text("0,0,0\n1,0,0\n0,2,0\n0,0,3\n", "utf-8")
         for file, content in bad.files.items():
             (place / file).write_bytes(content)
         run = certreg("certify", *bad_arguments(bad, str(place)), "--no-simulation")

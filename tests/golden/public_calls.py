@@ -118,7 +118,7 @@ def certify() -> None:
             verdict = certreg.verify("certificate.json", problem)
             told = [verdict.ruling, verdict.proved, verdict.words, verdict.theorems, repr(verdict)]
             tell(name, told)
-            tell(name, Path("certificate.json").read_text())
+            tell(name, Path("certificate.json").read_text("utf-8"))
         found = certreg.assess(problem, np.eye(3), result.pose.translation)
         fields = ("verdict", "words", "objective", "rmse", "gap_lower", "gap_upper", "hint")
         more = ("angle_to_optimum", "nearest_index", "nearest_angle")

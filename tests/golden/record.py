@@ -54,7 +54,9 @@ class Recorder:
             code, out, err = self.run(step, place)
             words = " ".join((step.how.value, *step.arguments))
             told = f"$ {words}\nexit code {code}\n--- stdout\n{out}--- stderr\n{err}"
-            (folder / f"step-{k:02}.txt").write_text(told, errors="surrogateescape")
+            (folder / f"step-{k:02}.txt").write_text(
+                told, errors="surrogateescape", encoding="utf-8"
+            )
         for path in sorted(place.rglob("*")):
             if path.is_file():
                 self.keep(path, folder / "files" / stable_name(f"{path.relative_to(place)}"))
@@ -64,7 +66,7 @@ class Recorder:
         text = stable_file(path.name, path.read_bytes(), self.places())
         title = "" if path.name == kept.name else f"name: {path.name}\n"
         kept.parent.mkdir(parents=True, exist_ok=True)
-        kept.with_name(f"{kept.name}.txt").write_text(f"{title}{text}")
+        kept.with_name(f"{kept.name}.txt").write_text(f"{title}{text}", "utf-8")
 
     def run(self, step: Step, place: Path) -> tuple[int, str, str]:
         """Exit code, stdout and stderr of a step, the texts without what is volatile."""
@@ -153,11 +155,11 @@ def load(recorder: Recorder) -> None:
             sys.argv = ["certreg", *command, *sides]
             with contextlib.suppress(SystemExit):
                 recorder.main()
-        listing.write_text("\n".join(sys.modules))
+        listing.write_text("\n".join(sys.modules), "utf-8")
 
     with Path(os.devnull).open("wb") as nothing:
         forked(names, recorder.work, nothing.fileno(), nothing.fileno())
-    for name in listing.read_text().split():
+    for name in listing.read_text("utf-8").split():
         with contextlib.suppress(ImportError):  # some libraries list names that are no modules
             import_module(name)
     gc.freeze()  # no fork touches, and so copies, what stands here

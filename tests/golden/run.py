@@ -80,11 +80,11 @@ def record_all(sides: Mapping[Path, Path], begun: Path, only: str) -> None:
 def is_marked(folder: Path, mark: str) -> bool:
     """Whether the folder was written whole, and from what the mark stands for."""
     file = folder.with_suffix(".mark")
-    return file.exists() and file.read_text() == mark
+    return file.exists() and file.read_text("utf-8") == mark
 
 
 def mark_as(folder: Path, mark: str) -> None:
-    folder.with_suffix(".mark").write_text(mark)
+    folder.with_suffix(".mark").write_text(mark, "utf-8")
 
 
 def git(*arguments: str) -> bytes:
@@ -97,7 +97,7 @@ def git(*arguments: str) -> bytes:
 def check_out(commit: str, folder: Path) -> None:
     """The files of a commit, without git."""
     shutil.rmtree(folder, ignore_errors=True)
-    with tarfile.open(fileobj=io.BytesIO(git("archive", commit))) as archive:
+    with tarfile.open(fileobj=io.BytesIO(git("archive", commit)), encoding="utf-8") as archive:
         archive.extractall(folder, filter="data")
     script = folder / "build_kernels.py"
     if script.exists():  # earlier ones compile when they are first used
@@ -129,7 +129,7 @@ def record(checkout: Path, out: Path, *options: str | Path) -> None:
 def told(found: Comparison, *, whole: bool) -> int:
     """The comparison in words; 1 where something differs that is not meant."""
     report = BUILD / "differences.diff"
-    report.write_text("".join(difference.diff for difference in found.unmeant))
+    report.write_text("".join(difference.diff for difference in found.unmeant), "utf-8")
     for difference in found.unmeant:
         lines = difference.diff.splitlines(keepends=True)
         sys.stdout.write("".join(lines[:SHOWN]))

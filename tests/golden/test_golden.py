@@ -28,8 +28,8 @@ def records(tmp_path: Path) -> tuple[Path, Path]:
     for side in ("base", "head"):
         folder = tmp_path / side / "info" / "files"
         folder.mkdir(parents=True)
-        (folder.parent / "step-00.txt").write_text(TOLD)
-        (folder / "pose.txt.txt").write_text("1 0 0 0\n")
+        (folder.parent / "step-00.txt").write_text(TOLD, "utf-8")
+        (folder / "pose.txt.txt").write_text("1 0 0 0\n", "utf-8")
     return tmp_path / "base", tmp_path / "head"
 
 
@@ -51,7 +51,7 @@ def test_two_records_that_are_the_same_have_no_difference(records):
     ids=["exit code", "character", "blank", "line", "end of the last line"],
 )
 def test_whatever_is_printed_differently_is_a_difference(records, old, new):
-    (records[1] / "info" / "step-00.txt").write_text(TOLD.replace(old, new))
+    (records[1] / "info" / "step-00.txt").write_text(TOLD.replace(old, new), "utf-8")
     (difference,) = compare(*records).unmeant
 
     assert difference.path == "info/step-00.txt"
@@ -79,10 +79,10 @@ def test_an_empty_file_is_not_the_same_as_none(records):
 def test_a_difference_that_is_meant_passes_and_one_beside_it_does_not(records):
     step = records[1] / "info" / "step-00.txt"
     meant = Meant(path="info/*", found=r"certreg 0\.1\.\d", reason="a new version")
-    step.write_text(TOLD.replace("0.1.0", "0.1.1"))
+    step.write_text(TOLD.replace("0.1.0", "0.1.1"), "utf-8")
     passed = compare(*records, meant=[meant])
     for old, new in (("code 0", "code 2"), ("0.1.0", "0.2.0"), ("0.1.0\n", "0.1.1 \n")):
-        step.write_text(TOLD.replace(old, new, 1))
+        step.write_text(TOLD.replace(old, new, 1), "utf-8")
         failed = compare(*records, meant=[meant])
         assert [each.path for each in failed.unmeant] == ["info/step-00.txt"]
 
@@ -90,8 +90,8 @@ def test_a_difference_that_is_meant_passes_and_one_beside_it_does_not(records):
 
 
 def test_a_line_or_a_file_that_is_meant_may_be_new(records):
-    (records[1] / "info" / "step-00.txt").write_text(f"{TOLD}note: more\n")
-    (records[1] / "info" / "new.txt").write_text("whatever\n")
+    (records[1] / "info" / "step-00.txt").write_text(f"{TOLD}note: more\n", "utf-8")
+    (records[1] / "info" / "new.txt").write_text("whatever\n", "utf-8")
     meant = (
         Meant(path="info/step-*", found=r"note: .*\n", reason="it says more"),
         Meant(path="info/new.txt", found=r"(?s).*", reason="it writes more"),
@@ -103,14 +103,14 @@ def test_a_line_or_a_file_that_is_meant_may_be_new(records):
 
 
 def test_a_difference_that_is_meant_elsewhere_does_not_pass(records):
-    (records[1] / "info" / "step-00.txt").write_text(TOLD.replace("0.1.0", "0.1.1"))
+    (records[1] / "info" / "step-00.txt").write_text(TOLD.replace("0.1.0", "0.1.1"), "utf-8")
     meant = Meant(path="help/*", found="certreg .*", reason="")
 
     assert len(compare(*records, meant=[meant]).unmeant) == 1
 
 
 def test_an_entry_of_the_list_that_meets_nothing_is_told(records):
-    (records[1] / "info" / "step-00.txt").write_text(TOLD.replace("code 0", "code 1"))
+    (records[1] / "info" / "step-00.txt").write_text(TOLD.replace("code 0", "code 1"), "utf-8")
     meant = Meant(path="*", found="certreg .*", reason="")
 
     assert compare(*records, meant=[meant]).unmet == (meant,)

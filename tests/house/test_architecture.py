@@ -67,7 +67,7 @@ def module_name(path: Path) -> str:
 
 
 def sources() -> dict[str, str]:
-    return {module_name(path): path.read_text() for path in sorted(PACKAGE.rglob("*.py"))}
+    return {module_name(path): path.read_text("utf-8") for path in sorted(PACKAGE.rglob("*.py"))}
 
 
 def wing(module: str) -> str:
@@ -209,7 +209,7 @@ def test_few_imports_stand_within_functions():
 
 
 def test_the_checker_is_a_common_part_and_a_section_for_each_kind():
-    text = (PACKAGE / "verify.py").read_text()
+    text = (PACKAGE / "verify.py").read_text("utf-8")
     sections = re.findall(
         r"^# --- kind: (\w+) -+\n(.*?)^# --- end of kind: \1 -+\n", text, re.DOTALL | re.MULTILINE
     )
@@ -223,7 +223,7 @@ def test_the_checker_is_a_common_part_and_a_section_for_each_kind():
 
 def test_a_section_of_the_checker_is_read_beside_the_common_part_alone():
     """No kind uses a name of another's section, and the common part only that of the first kind."""
-    text = (PACKAGE / "verify.py").read_text()
+    text = (PACKAGE / "verify.py").read_text("utf-8")
     parts = re.split(r"^# --- (?:end of )?kind: .*\n", text, flags=re.MULTILINE)
     common, sections = "".join(parts[::2]), parts[1::2]
     own = [

@@ -131,7 +131,9 @@ def test_one_core_is_one_core():
     """Of the process that measures: what it loads sees one, and starts no more threads."""
     words = "from benchmarks import comparing as c; c.tie_to_one_core(); print(c._cores())"
     script = [sys.executable, "-c", words]
-    done = subprocess.run(script, cwd=ROOT, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        script, cwd=ROOT, capture_output=True, text=True, check=True, encoding="utf-8"
+    )
 
     assert int(done.stdout) == (1 if hasattr(os, "sched_setaffinity") else os.cpu_count())
 

@@ -98,7 +98,7 @@ def calls(folder: Path) -> list[tuple[str, str, set[str]]]:
     names = {kind.__name__ for kind in KINDS}
     made: list[tuple[str, str, set[str]]] = []
     for path in sorted(folder.rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text())):
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
             if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Name)):
                 continue
             if node.func.id in names:
@@ -259,7 +259,7 @@ def test_a_word_in_the_place_of_a_number_is_found_by_file_and_line(
     word = word.strip()
     lines[number] = lines[number].replace(str(ROWS[row][2]), word)
     path = tmp_path_factory.mktemp("words") / f"a.{suffix}"
-    path.write_text("".join(lines))
+    path.write_text("".join(lines), "utf-8")
     error = raised(InvalidFileError, read_cloud, path)
 
     assert evidence(error) == {"path": path, "line": number + 1, "value": word}
@@ -301,7 +301,7 @@ def test_a_number_that_is_not_finite_is_found_by_file_and_row(tmp_path_factory, 
 )  # fmt: skip
 def test_what_is_wrong_with_a_file_is_in_the_fields(tmp_path, name, content, act, expected):
     path = tmp_path / name
-    path.write_text(content)
+    path.write_text(content, "utf-8")
     error = raised(InvalidFileError, act, path)
 
     assert evidence(error).items() >= ({"path": path} | expected).items()
@@ -315,8 +315,8 @@ def test_a_file_that_is_not_there_is_named():
 
 def test_the_label_in_the_way_is_named_with_its_file(tmp_path):
     paths = tmp_path / "a.csv", tmp_path / "b.csv"
-    paths[0].write_text("label,x,y,z\np,1,2,3\nq,4,5,6\n")
-    paths[1].write_text("label,x,y,z\np,1,2,3\nr,4,5,6\n")
+    paths[0].write_text("label,x,y,z\np,1,2,3\nq,4,5,6\n", "utf-8")
+    paths[1].write_text("label,x,y,z\np,1,2,3\nr,4,5,6\n", "utf-8")
     error = raised(InvalidFileError, read_problem, *paths)
 
     assert evidence(error) == {"path": paths[1], "column": "label", "value": "q", "limit": 1}

@@ -48,6 +48,7 @@ def top_level_modules(code: str) -> set[str]:
         text=True,
         check=False,
         cwd=ROOT,
+        encoding="utf-8",
     )
     assert (run.returncode, run.stderr) == (0, "")
     return set(json.loads(run.stdout.splitlines()[-1]))
@@ -88,7 +89,9 @@ def test_help_and_verify_load_no_numerical_library(tmp_path: Path):
     assert made is not None
     made.save(certificate)
     for name, points in (("a.csv", problem.source), ("b.csv", problem.target)):
-        (tmp_path / name).write_text("\n".join(",".join(map(str, p)) for p in points) + "\n")
+        (tmp_path / name).write_text(
+            "\n".join(",".join(map(str, p)) for p in points) + "\n", "utf-8"
+        )
 
     for arguments in (
         ("--help",),

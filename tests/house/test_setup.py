@@ -164,7 +164,13 @@ def make(*arguments: str, path: str | None = None) -> subprocess.CompletedProces
         environment["PATH"] = path
     command = ["make", *arguments]
     return subprocess.run(
-        command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False
+        command,
+        cwd=ROOT,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+        encoding="utf-8",
     )
 
 
@@ -204,7 +210,10 @@ def test_a_set_up_that_was_cut_short_leaves_no_stamp(tmp_path: Path, arguments: 
 
     assert steps[0] == f"rm -f {runs} {stamp}"
     assert steps.index(f"touch {runs}") < steps.index(f"rm -f {stamp}")
-    assert steps[-2:] == [f"touch {stamp}", f"{tmp_path / 'absent'}/bin/python -m pytest"]
+    assert steps[-2:] == [
+        f"touch {stamp}",
+        f"{tmp_path / 'absent'}/bin/python -X warn_default_encoding -m pytest",
+    ]
 
 
 @pytest.mark.parametrize("arguments", [["UV="], ["UV=uv"]], ids=["pip", "uv"])

@@ -120,7 +120,7 @@ def test_bad_input_is_one_clear_line_and_nothing_is_written(tmp_path: Path, name
 def test_every_command_that_reads_clouds_refuses_the_same(tmp_path: Path, name: str):
     bad = BAD[name]
     pose = tmp_path / "pose.txt"
-    pose.write_text("1 0 0 0 0 0 0\n")
+    pose.write_text("1 0 0 0 0 0 0\n", "utf-8")
     for command, options in (("equilibria", ()), ("assess", ("--pose", str(pose)))):
         more = Bad(bad.files, bad.says, (*bad.options, *options), bad.arguments)
         run = run_on(tmp_path, more, command)
@@ -149,12 +149,12 @@ def test_a_folder_is_no_cloud_and_one_cloud_is_no_pair(tmp_path: Path):
 
 
 def test_a_demo_into_an_unwritable_place_is_one_clear_line(tmp_path: Path):
-    (tmp_path / "file").write_text("kept")
+    (tmp_path / "file").write_text("kept", "utf-8")
     run = certreg("demo", "--out", tmp_path / "file" / "out")
 
     assert (run.code, run.out) == (2, "")
     assert re.fullmatch(r"certreg: [^\n]*file[^\n]*: choose another place\n", run.err)
-    assert (tmp_path / "file").read_text() == "kept"
+    assert (tmp_path / "file").read_text("utf-8") == "kept"
 
 
 # Degenerate, but not bad: a clear answer ---------------------------------------------------------
@@ -312,7 +312,7 @@ def test_any_real_npy_file_gives_the_answer_of_its_numbers(tmp_path: Path, array
 
 def test_a_file_name_does_not_steer_the_terminal(tmp_path: Path):
     name = tmp_path / "s\x1b[31m.bad"
-    name.write_text("1,2,3\n")
+    name.write_text("1,2,3\n", "utf-8")
     run = certreg("certify", name, name)
 
     assert run.code == 2

@@ -230,7 +230,7 @@ def test_noise_goes_with_its_rows_by_label_and_by_pairs(tmp_path: Path, column: 
     )
     noise: dict[str, Any] = {"sigma" if column == "sigma" else "weights": SIGMA}
     expected = RegistrationProblem(HERE, THERE, **noise).digest()
-    (tmp_path / "p.csv").write_text("".join(f"{k},{order.index(k)}\n" for k in range(5)))
+    (tmp_path / "p.csv").write_text("".join(f"{k},{order.index(k)}\n" for k in range(5)), "utf-8")
     quick = ("--no-relaxation", "--no-simulation", "--out", tmp_path / "out")
 
     assert read_problem(source, target)[0].digest() == expected

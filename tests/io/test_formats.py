@@ -317,8 +317,8 @@ def test_an_xyz_file_is_plain_or_chemical(text: str, points, ignored):
 def test_xyz_clouds_are_verified_without_numpy(tmp_path: Path):
     rows = ["O 0 0 0", "H 1 0 0", "H 0 2 0", "C 0 0 3"]
     source, target = tmp_path / "a.xyz", tmp_path / "b.xyz"
-    source.write_text("\n".join(["4", "by hand", *rows]))
-    target.write_text("\n".join(row[2:] for row in rows))
+    source.write_text("\n".join(["4", "by hand", *rows]), "utf-8")
+    target.write_text("\n".join(row[2:] for row in rows), "utf-8")
     assert certreg("certify", source, target, "--out", tmp_path / "out").code == 0
     code = (
         "import sys\nfrom certreg.cli.main import main\n"
@@ -331,7 +331,7 @@ def test_xyz_clouds_are_verified_without_numpy(tmp_path: Path):
         ((source, source, "--match", "all"), "False"),
     ):
         command = [sys.executable, "-c", code, "verify", certificate, *files_]
-        done = subprocess.run(command, capture_output=True, text=True, check=True)
+        done = subprocess.run(command, capture_output=True, text=True, check=True, encoding="utf-8")
         assert done.stdout.splitlines()[-2:] == ["VERIFIED", f"0 {word}"]
 
 
@@ -724,7 +724,7 @@ def test_pairs_tell_which_row_is_which(tmp_path: Path, clouds, kind: str):
     name, encode = PAIR_FILES[kind]
     (tmp_path / name).write_bytes(encode([(row, order[row]) for row in rows]))
     weights = [1.0, 2, 3, 4, 5, 6]
-    (tmp_path / "w.txt").write_text("\n".join(map(repr, weights)))
+    (tmp_path / "w.txt").write_text("\n".join(map(repr, weights)), "utf-8")
     told = ("--pairs", tmp_path / name)
     options = (*told, "--weights", tmp_path / "w.txt")
     run = certreg("certify", source, target, *options, "--json", "--out", tmp_path / "out")
@@ -743,7 +743,7 @@ def test_pairs_tell_which_row_is_which(tmp_path: Path, clouds, kind: str):
 
 def test_every_command_on_clouds_takes_pairs(tmp_path: Path, clouds):
     source, target, order = clouds
-    (tmp_path / "p.csv").write_text("".join(f"{i},{j}\n" for i, j in enumerate(order)))
+    (tmp_path / "p.csv").write_text("".join(f"{i},{j}\n" for i, j in enumerate(order)), "utf-8")
     told = ("--pairs", tmp_path / "p.csv")
     found = pose(certreg("certify", source, target, *told, "--json"))
     matrix = np.eye(4)
@@ -819,7 +819,7 @@ def labelled(tmp_path: Path) -> tuple[Path, Path]:
 
 def test_match_common_keeps_the_labels_of_both_in_the_order_of_the_source(tmp_path: Path, labelled):
     weights = [1.0, 2, 3, 4, 5, 0, 0, 0]
-    (tmp_path / "w.csv").write_text("\n".join(map(repr, weights)))
+    (tmp_path / "w.csv").write_text("\n".join(map(repr, weights)), "utf-8")
     options = ("--match", "common", "--weights", tmp_path / "w.csv")
     run = certreg("certify", *labelled, *options, "--json", "--out", tmp_path / "out")
     certificate = tmp_path / "out" / "certificate.json"
@@ -865,7 +865,7 @@ def test_labels_that_cannot_be_matched_are_refused_in_one_line(tmp_path: Path):
 def test_pairs_win_over_labels_and_exclude_match_common(tmp_path: Path):
     cloud = write_csv(tmp_path / "a.csv", POINTS, LABELS)
     turned = write_csv(tmp_path / "b.csv", POINTS[::-1], LABELS)
-    (tmp_path / "p.csv").write_text("0,3\n1,2\n2,1\n3,0\n")
+    (tmp_path / "p.csv").write_text("0,3\n1,2\n2,1\n3,0\n", "utf-8")
     told = ("--pairs", tmp_path / "p.csv")
     run = certreg("equilibria", cloud, turned, *told, "--json")
 
@@ -880,7 +880,7 @@ def test_pairs_win_over_labels_and_exclude_match_common(tmp_path: Path):
 
 
 def test_weights_are_counted_by_the_rows_of_the_file(tmp_path: Path, labelled):
-    (tmp_path / "w.csv").write_text("1\n1\n1\n1\n1\n")
+    (tmp_path / "w.csv").write_text("1\n1\n1\n1\n1\n", "utf-8")
     options = ("--match", "common", "--weights", tmp_path / "w.csv")
     run = certreg("equilibria", *labelled, *options)
 
@@ -909,12 +909,14 @@ def test_every_format_states_the_same_problem(tmp_path: Path, suffix: str):
 
     assert pose(run)["digest"] == pose(plain)["digest"]
     assert certreg("verify", tmp_path / "out" / "certificate.json", *clouds).code == 0
-    assert json.loads((tmp_path / "out" / "certificate.json").read_text())["problem"]["n"] == 6
+    assert (
+        json.loads((tmp_path / "out" / "certificate.json").read_text("utf-8"))["problem"]["n"] == 6
+    )
 
 
 def test_a_cloud_is_moved_into_a_ply_file(tmp_path: Path):
     cloud = write_csv(tmp_path / "a.csv", POINTS)
-    (tmp_path / "pose.txt").write_text("1 0 0 0 1 2 3\n")
+    (tmp_path / "pose.txt").write_text("1 0 0 0 1 2 3\n", "utf-8")
     run = certreg("apply", tmp_path / "pose.txt", cloud, "--out", tmp_path / "b.ply")
 
     assert run.code == 0

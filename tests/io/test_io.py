@@ -206,15 +206,15 @@ def test_a_table_is_read_as_it_is_meant(tmp_path: Path, name: str):
 )
 def test_plain_text_is_read_as_it_is_meant(tmp_path: Path, text: str):
     file = tmp_path / "a.txt"
-    file.write_text(text)
+    file.write_text(text, "utf-8")
 
     assert read_cloud(file).points.tolist() == [[1, 2, 3], [4, 5, 6]]
 
 
 def test_weights_are_read_from_text_and_npy(tmp_path: Path):
     weights = [1.0, 0.0, 2.5e-300, 3.0]
-    (tmp_path / "w.txt").write_text("# weights\n" + "\n".join(map(repr, weights)) + "\n")
-    (tmp_path / "w.csv").write_text("\n".join(map(repr, weights)) + "\n")
+    (tmp_path / "w.txt").write_text("# weights\n" + "\n".join(map(repr, weights)) + "\n", "utf-8")
+    (tmp_path / "w.csv").write_text("\n".join(map(repr, weights)) + "\n", "utf-8")
     np.save(tmp_path / "w.npy", np.array(weights))
 
     for suffix in NUMBERS:
@@ -388,7 +388,7 @@ def test_a_pickle_is_never_run(tmp_path: Path):
 
 
 def unfinished(path: Path, age: float) -> Path:
-    path.write_text("half")
+    path.write_text("half", "utf-8")
     os.utime(path, (0.0, time.time() - age))
     return path
 
@@ -410,7 +410,7 @@ def test_files_that_killed_processes_left_are_swept_and_no_others(tmp_path: Path
     write_atomically(tmp_path / "a.bin", b"new")
 
     assert not left.exists()
-    assert all(path.read_text() == "half" for path in kept)
+    assert all(path.read_text("utf-8") == "half" for path in kept)
     assert len(list(tmp_path.iterdir())) == len(kept) + 3
 
     own = unfinished(left, atomic.STALE + 60.0)
@@ -483,8 +483,8 @@ def test_a_place_that_cannot_be_written_is_named(tmp_path: Path):
 
 def test_files_of_an_earlier_run_that_are_not_written_again_go(tmp_path: Path):
     kept, gone = tmp_path / "a.txt", tmp_path / "b.txt"
-    kept.write_text("old")
-    gone.write_text("old")
+    kept.write_text("old", "utf-8")
+    gone.write_text("old", "utf-8")
     contents: Any = {kept: b"new"}
     write_together(contents, obsolete=[gone, tmp_path / "never.txt"])
 
@@ -495,7 +495,7 @@ def test_files_of_an_earlier_run_that_are_not_written_again_go(tmp_path: Path):
 def test_of_a_pose_with_a_quaternion_the_quaternion_is_judged(tmp_path: Path):
     file = tmp_path / "pose.json"
     quaternion = [0.5000000000000001, 0.5, -0.5, 0.4999999999999999]
-    file.write_text(json.dumps({"quaternion_wxyz": quaternion, "translation": [1, 2, 3]}))
+    file.write_text(json.dumps({"quaternion_wxyz": quaternion, "translation": [1, 2, 3]}), "utf-8")
 
     assert read_pose(file).turn.tolist() == quaternion
 
@@ -507,9 +507,9 @@ def test_files_that_belong_together_are_not_written_through_a_link(
 ):
     precious, link = tmp_path / "precious", tmp_path / "b.txt"
     if exists:
-        precious.write_text("mine")
+        precious.write_text("mine", "utf-8")
     link.symlink_to(precious)
-    (tmp_path / "a.txt").write_text("old")
+    (tmp_path / "a.txt").write_text("old", "utf-8")
     contents = {tmp_path / "a.txt": b"new"} | ({} if obsolete else {link: b"new"})
 
     with pytest.raises(
@@ -519,13 +519,13 @@ def test_files_that_belong_together_are_not_written_through_a_link(
 
     assert link.is_symlink()
     assert precious.exists() == exists
-    assert not exists or precious.read_text() == "mine"
-    assert (tmp_path / "a.txt").read_text() == "old"
+    assert not exists or precious.read_text("utf-8") == "mine"
+    assert (tmp_path / "a.txt").read_text("utf-8") == "old"
 
 
 def test_a_link_put_there_meanwhile_is_replaced_and_not_followed(tmp_path: Path):
     precious, first, second = (tmp_path / name for name in ("precious", "a.txt", "b.txt"))
-    precious.write_text("mine")
+    precious.write_text("mine", "utf-8")
 
     def pieces() -> Iterator[bytes]:
         second.symlink_to(precious)
@@ -533,24 +533,28 @@ def test_a_link_put_there_meanwhile_is_replaced_and_not_followed(tmp_path: Path)
 
     write_together({first: pieces(), second: b"new"}, obsolete=[])
 
-    assert (second.is_symlink(), second.read_text(), precious.read_text()) == (False, "new", "mine")
+    assert (second.is_symlink(), second.read_text("utf-8"), precious.read_text("utf-8")) == (
+        False,
+        "new",
+        "mine",
+    )
 
 
 def test_writing_through_a_link_keeps_the_link(tmp_path: Path):
     target, link = tmp_path / "real.csv", tmp_path / "link.csv"
-    target.write_text("old")
+    target.write_text("old", "utf-8")
     link.symlink_to(target)
     write_cloud(link, np.zeros((1, 3)), None)
 
     assert link.is_symlink()
-    assert target.read_text() == "x,y,z\n0.0,0.0,0.0\n"
+    assert target.read_text("utf-8") == "x,y,z\n0.0,0.0,0.0\n"
 
 
 def test_what_is_left_out_is_told_of_the_file_that_has_it(tmp_path: Path):
     texts = {"a": "pqrs", "b": "rqtuvw"}  # of each, two of the other and more
     for name, labels in texts.items():
         rows = [f"{label},{k},0,0" for k, label in enumerate(labels)]
-        (tmp_path / f"{name}.csv").write_text("\n".join(("label,x,y,z", *rows)) + "\n")
+        (tmp_path / f"{name}.csv").write_text("\n".join(("label,x,y,z", *rows)) + "\n", "utf-8")
     files = tmp_path / "a.csv", tmp_path / "b.csv"
     pair = read_pair(*files, Pairing(match=Match.COMMON))
 

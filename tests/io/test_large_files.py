@@ -253,7 +253,7 @@ def test_the_problem_and_its_certificate_are_those_of_small_files(tmp_path, monk
 @pytest.mark.parametrize("suffix", ["npy", "ply", "csv"])
 def test_a_large_cloud_is_moved_block_by_block_to_the_same_bytes(tmp_path, suffix, monkeypatch):
     np.save(tmp_path / "a.npy", POINTS)
-    (tmp_path / "pose.txt").write_text("0.5 0.5 0.5 0.5 1 2 3\n")
+    (tmp_path / "pose.txt").write_text("0.5 0.5 0.5 0.5 1 2 3\n", "utf-8")
     words = ("apply", tmp_path / "pose.txt", tmp_path / "a.npy", "--out")
     first = certreg(*words, tmp_path / f"small.{suffix}")
     monkeypatch.setattr("certreg.problem.arrays.BLOCK_POINTS", 100)
@@ -272,7 +272,7 @@ def test_a_moved_row_beyond_the_doubles_is_named_and_nothing_is_written(tmp_path
     points = POINTS.astype(float)
     points[417] = 1.7e308
     np.save(tmp_path / "a.npy", points)
-    (tmp_path / "pose.txt").write_text("1 0 0 0 1.7e308 0 0\n")
+    (tmp_path / "pose.txt").write_text("1 0 0 0 1.7e308 0 0\n", "utf-8")
     monkeypatch.setattr("certreg.problem.arrays.BLOCK_POINTS", 100)
     run = certreg("apply", tmp_path / "pose.txt", tmp_path / "a.npy", "--out", tmp_path / "b.npy")
 
@@ -317,6 +317,7 @@ def test_two_files_are_registered_in_a_fraction_of_their_size(tmp_path):
         capture_output=True,
         text=True,
         check=True,
+        encoding="utf-8",
     )
 
     assert run.stdout.split() == ["2.0"] * 3

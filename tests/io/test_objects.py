@@ -185,7 +185,7 @@ def test_files_in_another_order_are_paired_or_refused_in_python_as_by_the_comman
             f"{x!r} {y!r} {z!r} {k}" for (x, y, z), k in zip(points.tolist(), labels, strict=True)
         ]
         path = tmp_path / name
-        path.write_text("\n".join([*head, *rows]) + "\n")
+        path.write_text("\n".join([*head, *rows]) + "\n", "utf-8")
         return path
 
     numbers = [3, 1, 4, 5, 9, 2]
@@ -479,7 +479,7 @@ def test_the_logger_says_what_was_chosen_and_is_silent_unless_asked(caplog, caps
 
 
 def test_a_cloud_is_an_array_of_its_points(tmp_path):
-    (tmp_path / "a.csv").write_text("x,y,z\n1,2,3\n4,5,6\n")
+    (tmp_path / "a.csv").write_text("x,y,z\n1,2,3\n4,5,6\n", "utf-8")
     cloud = certreg.load(tmp_path / "a.csv")
 
     assert np.asarray(cloud).tolist() == [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]

@@ -49,8 +49,8 @@ def test_weights_are_one_for_each_row_of_the_source_and_go_with_it(
     sides: tuple[Path, Path], tmp_path: Path
 ):
     listing, weights = tmp_path / "pairs.csv", tmp_path / "w.txt"
-    listing.write_text("Source,TARGET\n3,5\n0,1\n2,2\n")  # any case
-    weights.write_text("1\n2\n3\n4\n")
+    listing.write_text("Source,TARGET\n3,5\n0,1\n2,2\n", "utf-8")  # any case
+    weights.write_text("1\n2\n3\n4\n", "utf-8")
     pairing = Pairing(pairs=listing)
     problem, pair = read_problem(*sides, weights=weights, pairing=pairing)
 
@@ -58,7 +58,7 @@ def test_weights_are_one_for_each_row_of_the_source_and_go_with_it(
     assert problem.source.tolist() == [FOUR[k] for k in (3, 0, 2)]
     assert problem.target.tolist() == [SIX[k] for k in (5, 1, 2)]
     assert (pair.sizes, pair.left_out) == ((4, 6), (1, 3))
-    weights.write_text("1\n" * 6)
+    weights.write_text("1\n" * 6, "utf-8")
     error = refusal(read_problem, *sides, weights=weights, pairing=pairing)
     assert (error.path, error.value, error.limit) == (weights, 6, 4)
     assert f"{weights}: holds 6 weights, {sides[0]} has 4 points" in str(error)
@@ -95,7 +95,7 @@ def test_a_format_that_is_not_written_is_named(tmp_path: Path, suffix: str, name
 def test_labels_in_a_certificate_are_those_of_either_cloud_if_they_are_short(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    (tmp_path / "pairs.csv").write_text("2,3\n0,3\n")
+    (tmp_path / "pairs.csv").write_text("2,3\n0,3\n", "utf-8")
     for name in ("s.csv", "t.csv"):
         write_cloud(tmp_path / name, np.array(FOUR), None)
     by_rows = read_pair(
@@ -172,7 +172,7 @@ def test_a_list_of_an_unknown_type_is_no_property(tmp_path: Path):
     head = "ply\nformat ascii 1.0\nelement vertex 1\n"
     head += "".join(f"property float {axis}\n" for axis in "xyz")
     for types, good in (("uint8 int", True), ("uint8 nothing", False), ("nothing int", False)):
-        path.write_text(f"{head}property list {types} more\nend_header\n1 2 3 0\n")
+        path.write_text(f"{head}property list {types} more\nend_header\n1 2 3 0\n", "utf-8")
         if good:
             assert read_cloud(path).points.tolist() == [[1.0, 2.0, 3.0]]
         else:
@@ -201,7 +201,7 @@ def test_an_archive_has_at_most_its_arrays_and_its_bytes(
 
 def test_a_file_without_pairs_says_what_it_needs(tmp_path: Path):
     path = tmp_path / "pairs.csv"
-    path.write_text("source,target\n")
+    path.write_text("source,target\n", "utf-8")
     error = refusal(pairs.read_pairs, path, (4, 4))
 
     assert (error.path, error.value, error.limit) == (path, 0, 1)
@@ -211,7 +211,7 @@ def test_a_file_without_pairs_says_what_it_needs(tmp_path: Path):
 def test_the_longest_line_is_shorter_than_its_limit(tmp_path: Path, spare: int):
     path, rest = tmp_path / "cloud.csv", ",1,2,3\n"
     label = "p" * (MAX_LINE_BYTES - len(rest) - spare)
-    path.write_text(f"label,x,y,z\n{label}{rest}")
+    path.write_text(f"label,x,y,z\n{label}{rest}", "utf-8")
 
     assert MAX_LINE_BYTES == 65536
     if spare:
@@ -282,14 +282,14 @@ def test_what_every_refusal_of_these_tests_is_held_to(evidence: dict[str, Any], 
 
 def test_columns_of_noise_are_read_where_no_other_noise_is_given(tmp_path: Path):
     cloud, weights = tmp_path / "cloud.csv", tmp_path / "weights.txt"
-    cloud.write_text("x,y,z,sigma\n0,0,0,2\n1,0,0,2\n0,1,0,4\n")
-    weights.write_text("5\n6\n7\n")
+    cloud.write_text("x,y,z,sigma\n0,0,0,2\n1,0,0,2\n0,1,0,4\n", "utf-8")
+    weights.write_text("5\n6\n7\n", "utf-8")
     plain = write_csv(tmp_path / "plain.csv", [[0, 0, 0], [1, 0, 0], [0, 1, 0]])
     given: tuple[dict[str, Any], ...] = ({}, {"sigma": 0.5}, {"weights": weights})
     masses = [read_clouds(plain, cloud, **one)[0].weights for one in given]
 
     assert [list(one or ()) for one in masses] == [[0.25, 0.25, 0.0625], [4.0] * 3, [5.0, 6.0, 7.0]]
-    cloud.write_text("x,y,z,sigma\n0,0,0,much\n1,0,0,2\n0,1,0,4\n")
+    cloud.write_text("x,y,z,sigma\n0,0,0,much\n1,0,0,2\n0,1,0,4\n", "utf-8")
     for one in given[1:]:
         assert read_clouds(plain, cloud, **one)[0].weights is not None
     with pytest.raises(InvalidFileError, match="much"):

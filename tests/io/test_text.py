@@ -305,7 +305,7 @@ def named(path, header, names):
 
 def both_ways(tmp_path, source, target):
     """`equilibria`, which reads arrays, and `verify`, which reads text by itself."""
-    (tmp_path / "c.json").write_text("{}")
+    (tmp_path / "c.json").write_text("{}", "utf-8")
     return (
         certreg("equilibria", source, target),
         certreg("verify", tmp_path / "c.json", source, target),
@@ -325,7 +325,7 @@ def test_the_same_points_in_another_order_are_not_paired_by_row(tmp_path, first,
             "(counting from 0) is 'q' and 's': rename the column that names them to label in both "
             "files, or give pairs"
         )
-    (tmp_path / "pairs.csv").write_text("0,0\n1,3\n2,2\n3,1\n")
+    (tmp_path / "pairs.csv").write_text("0,0\n1,3\n2,2\n3,1\n", "utf-8")
     assert certreg("equilibria", source, target, "--pairs", tmp_path / "pairs.csv").code in {0, 3}
 
 
@@ -343,7 +343,7 @@ def test_the_same_order_or_other_points_are_paired_by_row_with_a_note(tmp_path, 
 def test_labels_in_one_file_only_are_told_to_be_of_no_use(tmp_path):
     full = named(tmp_path / "a.csv", "label", "pqrs")
     bare = tmp_path / "b.csv"
-    bare.write_text("0,0,0\n1,1,1\n2,4,8\n3,9,27\n")
+    bare.write_text("0,0,0\n1,1,1\n2,4,8\n3,9,27\n", "utf-8")
     note = f"note: {full}: labels not used, as {bare} has none: row i pairs with row i\n"
     for clouds in ((full, bare), (bare, full)):
         assert [run.err for run in both_ways(tmp_path, *clouds)] == [note, note]

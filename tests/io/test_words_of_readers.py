@@ -400,8 +400,10 @@ def test_labels_are_kept_in_a_certificate_up_to_what_its_checker_reads():
 
 def test_columns_of_noise_are_left_where_sigma_is_given(tmp_path: Path):
     """They are not used, and told so; also where they could not be."""
-    (tmp_path / "a.csv").write_text("x,y,z,sigma,weight\n1,2,3,-1,2\n4,5,6,0,2\n7,8,1,1,2\n")
-    (tmp_path / "b.csv").write_text("1,2,3\n4,5,6\n7,8,1\n")
+    (tmp_path / "a.csv").write_text(
+        "x,y,z,sigma,weight\n1,2,3,-1,2\n4,5,6,0,2\n7,8,1,1,2\n", "utf-8"
+    )
+    (tmp_path / "b.csv").write_text("1,2,3\n4,5,6\n7,8,1\n", "utf-8")
     problem, read = read_problem(tmp_path / "a.csv", tmp_path / "b.csv", sigma=0.5)
 
     assert problem.weights.tolist() == [4.0] * 3

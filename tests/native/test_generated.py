@@ -40,7 +40,7 @@ FILES = (
     "layout.json",
     "signatures.json",
 )
-PYTHON = (GENERATED / "dynamics.py").read_text()
+PYTHON = (GENERATED / "dynamics.py").read_text("utf-8")
 
 
 def library_or_skip() -> Library:
@@ -90,7 +90,7 @@ def test_the_generated_python_gives_the_bits_of_casadi(name, definitions):
 
 
 def test_the_python_has_the_statements_of_the_c():
-    c = re.sub(r"CERTREG_CONSTANT\((.*?)\)", r"\1", (GENERATED / "dynamics.c").read_text())
+    c = re.sub(r"CERTREG_CONSTANT\((.*?)\)", r"\1", (GENERATED / "dynamics.c").read_text("utf-8"))
     c = c.replace("CERTREG_SQRT", "sqrt")
     statements = [re.findall(r"^ +(\S+=.*?);?$", text, re.MULTILINE) for text in (c, PYTHON)]
 
@@ -112,7 +112,9 @@ def test_where_c_has_infinity_or_no_number_the_evaluator_has_the_same():
     assert beyond
 
 
-@pytest.mark.parametrize("name", sorted(json.loads((GENERATED / "signatures.json").read_text())))
+@pytest.mark.parametrize(
+    "name", sorted(json.loads((GENERATED / "signatures.json").read_text("utf-8")))
+)
 def test_the_compiled_code_and_the_evaluator_agree(name):
     rng = np.random.default_rng(3)
     compiled, interpreted = library_or_skip(), evaluator()
@@ -187,7 +189,7 @@ def test_terms_with_equal_coefficients_are_multiplied_once():
 
 
 def test_an_euler_step_divides_once():
-    text = (GENERATED / "dynamics.c").read_text()
+    text = (GENERATED / "dynamics.c").read_text("utf-8")
     start = text.index("void certreg_euler_step")
     end = text.index("void certreg_quaternion_energies")
 
@@ -207,14 +209,16 @@ def test_the_sources_to_embed_compile_without_a_warning_and_reproduce_a_trajecto
         capture_output=True,
         text=True,
         check=False,
+        encoding="utf-8",
     )
     assert (built.returncode, built.stderr) == (0, "")
     run = subprocess.run(
         [str(folder / "example")],
-        input=(folder / "survey.txt").read_text(),
+        input=(folder / "survey.txt").read_text("utf-8"),
         capture_output=True,
         text=True,
         check=True,
+        encoding="utf-8",
     )
     steps, *state = run.stdout.split()
     trajectory = simulate(Isotropic(exact_moments(stated(STORIES[0]))), stated(STORIES[0]).damping)
@@ -231,7 +235,12 @@ def test_the_example_says_what_it_expects(tmp_path):
     subprocess.run([*compiler, *units, "-lm", "-o", str(tmp_path / "example")], check=True)
 
     run = subprocess.run(
-        [str(tmp_path / "example")], input="1 2 3", capture_output=True, text=True, check=False
+        [str(tmp_path / "example")],
+        input="1 2 3",
+        capture_output=True,
+        text=True,
+        check=False,
+        encoding="utf-8",
     )
 
     assert run.returncode == 2

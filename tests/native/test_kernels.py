@@ -109,7 +109,9 @@ def test_a_variant_that_the_processor_does_not_run_cannot_be_named(copied, monke
 
 @pytest.mark.skipif(not X86 or sys.platform != "linux", reason="x86-64 and /proc/cpuinfo only")
 def test_the_level_is_what_the_system_says_of_the_processor(built):
-    words = set(Path("/proc/cpuinfo").read_text().partition("flags")[2].partition("\n")[0].split())
+    words = set(
+        Path("/proc/cpuinfo").read_text("utf-8").partition("flags")[2].partition("\n")[0].split()
+    )
     third = {"avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe", "sse4_2", "xsave"}
     fourth = {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"}
     expected = 1 if not third <= words else 3 if not fourth <= words else 4
@@ -249,7 +251,12 @@ def test_nothing_is_written_to_or_read_from_the_user_s_folders(tmp_path, built):
     )
     given = {"HOME": str(home), "TMPDIR": str(home), "PYTHONPATH": str(ROOT), "PATH": ""}
     run = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=False, env=given
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=given,
+        encoding="utf-8",
     )
 
     assert (run.returncode, run.stderr) == (0, "")
@@ -278,7 +285,7 @@ def pretend(built: Built, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
             f'  *) cp {made / built.variants[BASELINE]} "$target";;',
             "esac",
         ]
-        script.write_text("\n".join(lines) + "\n")
+        script.write_text("\n".join(lines) + "\n", "utf-8")
         script.chmod(0o755)
         monkeypatch.setenv("CC", str(script))
         return script.with_suffix(".log")
@@ -289,7 +296,7 @@ def pretend(built: Built, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
 def test_a_build_fills_the_folder_and_removes_what_stood_there(pretend, folder):
     pretend()
     folder.mkdir()
-    (folder / "kernels-of-yesterday.so").write_text("old")
+    (folder / "kernels-of-yesterday.so").write_text("old", "utf-8")
     found = build_kernels.renewed()
 
     assert found == kernels.record_of(folder)
@@ -325,7 +332,7 @@ def test_only_what_changed_is_compiled_again(pretend, folder, tmp_path, monkeypa
 
     assert folder.exists()
     assert after.digest != before.digest
-    units = re.findall(r" -c (\S+)", log.read_text())
+    units = re.findall(r" -c (\S+)", log.read_text("utf-8"))
     assert units == [str(changed)] * len(after.variants)
     objects = list((tmp_path / "objects").iterdir())
     assert len(objects) == len(kernels.UNITS) * len(after.variants)
@@ -475,7 +482,7 @@ def test_a_wheel_with_libraries_is_for_this_platform_and_any_python(pretend, tmp
 def test_no_integer_that_c_and_python_share_has_a_width_of_the_system():
     """`long` has 32 bits on 64-bit Windows, where ctypes.c_long and NumPy's int_ follow it."""
     for path in (*kernels.UNITS, *kernels.HEADERS, kernels.PROCESSOR):
-        code = re.sub(r"/\*.*?\*/", "", path.read_text(), flags=re.DOTALL)
+        code = re.sub(r"/\*.*?\*/", "", path.read_text("utf-8"), flags=re.DOTALL)
         assert not re.search(r"\blong\b|\bsize_t \w+[;,]", code), path.name
     for path in (ROOT / "certreg").rglob("*.py"):
         assert not re.search(r"\bc_u?long\b|\bc_s?size_t\b|np\.int_\b", path.read_text("utf-8")), (

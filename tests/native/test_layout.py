@@ -46,11 +46,13 @@ def printed(folder, lines: list[str], include=GENERATED) -> list[int]:
     top = [f'#include "{name}"' for name in headers]
     top += ["#include <stddef.h>", "#include <stdio.h>", "int main(void)", "{"]
     body = [f'    printf("%ld\\n", (long)({line}));' for line in lines]
-    (folder / "program.c").write_text("\n".join([*top, *body, "    return 0;", "}", ""]))
+    (folder / "program.c").write_text("\n".join([*top, *body, "    return 0;", "}", ""]), "utf-8")
     places = [f"-I{include}", f"-I{HERE}"]
     command = [*compiler, *places, str(folder / "program.c"), "-o", str(folder / "program")]
     subprocess.run(command, check=True)
-    run = subprocess.run([str(folder / "program")], capture_output=True, text=True, check=True)
+    run = subprocess.run(
+        [str(folder / "program")], capture_output=True, text=True, check=True, encoding="utf-8"
+    )
     return [int(line) for line in run.stdout.split()]
 
 

@@ -45,7 +45,12 @@ each_integrator = pytest.mark.parametrize("integrator", loops.Integrator)
 def python(code: str, **environment: str) -> subprocess.CompletedProcess[str]:
     given = {**os.environ, "PYTHONPATH": str(ROOT), **environment}
     return subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=False, env=given
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=given,
+        encoding="utf-8",
     )
 
 

@@ -49,7 +49,7 @@ RUNS = 5
 ROWS = {row.number: row for row in derivation.paper_claims()}
 PROVED = Verdict(ruling=Ruling.PROVED, words="taken as proved")
 SCHEMA = json.loads(
-    (files("certreg.report") / "schemas" / "certreg-reproduction-1.json").read_text()
+    (files("certreg.report") / "schemas" / "certreg-reproduction-1.json").read_text("utf-8")
 )
 
 
@@ -669,7 +669,7 @@ def test_bad_usage_is_exit_code_2(arguments, tmp_path: Path):
 
 def test_a_file_in_the_way_is_told_before_anything_is_run(tmp_path: Path, monkeypatch):
     monkeypatch.setattr(verdicts, "observe", None)
-    (tmp_path / "file").write_text("")
+    (tmp_path / "file").write_text("", "utf-8")
 
     run = certreg("reproduce", "--out", tmp_path / "file" / "folder")
 

@@ -519,6 +519,7 @@ def test_without_compiled_code_the_pose_is_the_same_within_rounding(tmp_path):
             capture_output=True,
             text=True,
             check=True,
+            encoding="utf-8",
         )
         assert done.stderr == ""
         words.append(done.stdout.split())

@@ -175,11 +175,13 @@ def test_the_command_line_asks_for_a_fit(clouds):
 def test_a_list_names_its_poor_pairs(clouds, tmp_path: Path, monkeypatch):
     monkeypatch.setattr("certreg.cli.campaigns.workers_at", lambda _: InProcess(1))
     listing = tmp_path / "list.csv"
-    listing.write_text("name,source,target\nfine,source.csv,target.csv\nbad,source.csv,wrong.csv\n")
+    listing.write_text(
+        "name,source,target\nfine,source.csv,target.csv\nbad,source.csv,wrong.csv\n", "utf-8"
+    )
     run = certreg("batch", listing, "--out", tmp_path / "out")
     with (tmp_path / "out" / "summary.csv").open(encoding="utf-8") as stream:
         table = list(csv.DictReader(stream))
-    lines = (tmp_path / "out" / "results.jsonl").read_text().splitlines()
+    lines = (tmp_path / "out" / "results.jsonl").read_text("utf-8").splitlines()
     fine, bad = (json.loads(line) for line in lines)
 
     assert run.code == 0
@@ -197,11 +199,15 @@ def test_what_is_asked_of_the_fit_may_change_when_a_campaign_goes_on(
 ):
     monkeypatch.setattr("certreg.cli.campaigns.workers_at", lambda _: InProcess(1))
     listing, out = tmp_path / "list.csv", tmp_path / "out"
-    listing.write_text("name,source,target\nfine,source.csv,target.csv\nbad,source.csv,wrong.csv\n")
+    listing.write_text(
+        "name,source,target\nfine,source.csv,target.csv\nbad,source.csv,wrong.csv\n", "utf-8"
+    )
 
     def codes(*options: str) -> tuple[int, list[int], list[str]]:
         run = certreg("batch", listing, "--out", out, *options)
-        lines = [json.loads(line) for line in (out / "results.jsonl").read_text().splitlines()]
+        lines = [
+            json.loads(line) for line in (out / "results.jsonl").read_text("utf-8").splitlines()
+        ]
         with (out / "summary.csv").open(encoding="utf-8") as stream:
             table = [row["exit_code"] for row in csv.DictReader(stream)]
         return run.code, [line["exit_code"] for line in lines], table

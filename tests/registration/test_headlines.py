@@ -280,7 +280,7 @@ def test_a_list_of_pairs_has_the_same_limits(tmp_path: Path):
     for name in names:
         write_csv(tmp_path / name, getattr(problem, name.removesuffix(".csv")))
     listing = tmp_path / "list.csv"
-    listing.write_text(f"source,target\n{','.join(names)}\n")
+    listing.write_text(f"source,target\n{','.join(names)}\n", "utf-8")
     identities = set[str]()
     for limits, code in ((Limits(), 0), (Limits(max_angle=1e-30), 4), (Limits(max_gap=0.0), 4)):
         campaign = PairCampaign(listing=read_listing(listing), certificates=False, limits=limits)
@@ -333,7 +333,7 @@ def test_every_headline_is_listed():
 
 
 def test_a_headline_rests_on_claims_and_figures_that_exist():
-    schemas = [json.loads((SCHEMAS / f"certreg-{n}-1.json").read_text()) for n in KINDS]
+    schemas = [json.loads((SCHEMAS / f"certreg-{n}-1.json").read_text("utf-8")) for n in KINDS]
     for headline in HEADLINES:
         for name in headline.rests_on:
             figure = any(has_path(schema, name.split(".")) for schema in schemas)

@@ -388,6 +388,7 @@ def test_nothing_is_printed_or_warned_and_nothing_is_loaded_before_it_is_used():
         text=True,
         check=False,
         cwd=PACKAGE.parent,
+        encoding="utf-8",
     )
 
     assert (run.returncode, run.stdout, run.stderr) == (0, "", "")

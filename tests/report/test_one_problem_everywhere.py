@@ -288,9 +288,9 @@ def test_screen_card_and_page_tell_the_numbers_of_the_document(case: Case):
 
 
 def _add_column(path: Path, name: str, values: list[float]) -> None:
-    lines = path.read_text().splitlines()
+    lines = path.read_text("utf-8").splitlines()
     cells = [name, *map(repr, values)]
-    path.write_text("".join(f"{a},{b}\n" for a, b in zip(lines, cells, strict=True)))
+    path.write_text("".join(f"{a},{b}\n" for a, b in zip(lines, cells, strict=True)), "utf-8")
 
 
 def test_a_line_of_a_batch_and_its_table_hold_the_same_numbers(
@@ -308,9 +308,11 @@ def test_a_line_of_a_batch_and_its_table_hold_the_same_numbers(
     elif sigma is not None:
         header, row = f"{header},sigma", f"{row},{sigma!r}"
     if "weights" in case.noise:
-        (tmp_path / "w.txt").write_text("\n".join(map(repr, case.noise["weights"].tolist())))
+        (tmp_path / "w.txt").write_text(
+            "\n".join(map(repr, case.noise["weights"].tolist())), "utf-8"
+        )
         header, row = f"{header},weights", f"{row},w.txt"
-    (tmp_path / "list.csv").write_text(f"{header}\n{row}\n")
+    (tmp_path / "list.csv").write_text(f"{header}\n{row}\n", "utf-8")
     monkeypatch.setattr(pairs, "certify", partial(certify, relaxation=False, simulation=False))
     (line,) = read_listing(tmp_path / "list.csv").rows()
     entry, _ = pairs._entry(line, tmp_path, Limits())

@@ -173,7 +173,9 @@ def test_an_asset_that_would_end_its_own_element_is_refused():
 
 def test_html_is_written_in_templates_alone():
     def tags(path: Path) -> list[str]:
-        return re.findall(r"</?(?:a|b|p|div|li|td|tr|span|table|svg|html)[ >]", path.read_text())
+        return re.findall(
+            r"</?(?:a|b|p|div|li|td|tr|span|table|svg|html)[ >]", path.read_text("utf-8")
+        )
 
     modules = [path for path in (ROOT / "certreg").rglob("*.py") if path.name != "markup.py"]
     found = {path: tags(path) for path in modules}
@@ -181,7 +183,9 @@ def test_html_is_written_in_templates_alone():
 
     assert {path: words for path, words in found.items() if words} == {}
     assert all(tags(path) for path in templates)
-    assert not any(re.search(r"\|\s*safe|autoescape", path.read_text()) for path in templates)
+    assert not any(
+        re.search(r"\|\s*safe|autoescape", path.read_text("utf-8")) for path in templates
+    )
 
 
 def test_the_policy_admits_these_two_texts_and_nothing_else(survey: Registration):
@@ -258,7 +262,7 @@ def test_every_theorem_has_its_page_under_its_title():
 
     names = {name for chapter in CHAPTERS for name in chapter.names}
     for name, title in THEOREMS.items():
-        text = (ROOT / "docs" / "proofs" / f"{name}.md").read_text()
+        text = (ROOT / "docs" / "proofs" / f"{name}.md").read_text("utf-8")
         assert name in names
         assert f"# {title}\n" in text
 
@@ -283,7 +287,7 @@ def test_the_report_again_is_the_same_and_says_how_the_motion_is_computed(
         assert certreg("certify", *pair, *options, "--out", tmp_path).code == 0
         first = (tmp_path / "report.html").read_bytes()
         for name in ("result.json", "trajectory.npz"):
-            (tmp_path / name).write_text("not read")
+            (tmp_path / name).write_text("not read", "utf-8")
         run = certreg("report", tmp_path / "certificate.json", "--out", tmp_path / "again.html")
 
         assert run.code == 0
@@ -325,7 +329,7 @@ def test_an_old_certificate_gets_its_report(folder: Path):
     file = folder / "certificate.json"
     document = json.loads(file.read_bytes())
     del document["about"]["damping"], document["about"]["integrator"]
-    file.write_text(json.dumps(document))
+    file.write_text(json.dumps(document), "utf-8")
     first = Outline((folder / "report.html").read_bytes())
     run = certreg("report", file)
 
@@ -341,7 +345,7 @@ def test_the_report_of_a_certificate_without_points_asks_for_them(folder: Path, 
     file = folder / "certificate.json"
     document = json.loads(file.read_bytes())
     document["problem"]["data"] = None
-    file.write_text(json.dumps(document))
+    file.write_text(json.dumps(document), "utf-8")
     first = Outline((folder / "report.html").read_bytes())
 
     run = certreg("report", file)
@@ -402,7 +406,7 @@ def test_no_more_is_said_to_be_proved_than_the_certificate_in_the_page_proves(
     strong = re.sub(r"\s+", " ", Outline((folder / "report.html").read_bytes()).words)
     document = json.loads(file.read_bytes())
     weaken(document)
-    file.write_text(json.dumps(document))
+    file.write_text(json.dumps(document), "utf-8")
     assert certreg("report", file).code == 0
     outline = Outline((folder / "report.html").read_bytes())
     words = re.sub(r"\s+", " ", outline.words)
@@ -577,9 +581,9 @@ def test_the_damping_of_the_result_is_kept(data: Path, tmp_path: Path):
 
 def test_a_refused_certificate_gives_no_report(folder: Path):
     file = folder / "certificate.json"
-    document = json.loads(file.read_text())
+    document = json.loads(file.read_text("utf-8"))
     document["claims"]["pattern"] = [1, 2, 1]
-    file.write_text(json.dumps(document))
+    file.write_text(json.dumps(document), "utf-8")
     (folder / "report.html").unlink()
     run = certreg("report", file)
 
@@ -608,7 +612,7 @@ def test_labels_stand_in_the_certificate_unless_they_are_too_many(tmp_path: Path
         quoted = ['"' + name.replace('"', '""') + '"' for name in names]
         source = write_csv(tmp_path / "a.csv", points, quoted)
         run = certreg("certify", source, source, "--out", tmp_path / "out", "--no-relaxation")
-        about = json.loads((tmp_path / "out" / "certificate.json").read_text())["about"]
+        about = json.loads((tmp_path / "out" / "certificate.json").read_text("utf-8"))["about"]
 
         assert run.code == 0
         assert about["source"] == "a.csv"
@@ -692,7 +696,7 @@ def test_a_large_certificate_is_named_in_the_page_and_not_carried(
 
 
 def test_three_js_comes_with_its_licence():
-    script = (files("certreg.report") / "assets" / "report.js").read_text()
+    script = (files("certreg.report") / "assets" / "report.js").read_text("utf-8")
 
     assert "Copyright © 2010-20" in script[:400]
     assert "Permission is hereby granted, free of charge" in script[:600]

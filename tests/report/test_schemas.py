@@ -25,7 +25,7 @@ each_specimen = pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: sp
 @cache
 def validator(kind: str) -> Any:
     kind = "equilibria" if kind == "roads" else kind
-    text = (files("certreg.report") / "schemas" / f"certreg-{kind}-1.json").read_text()
+    text = (files("certreg.report") / "schemas" / f"certreg-{kind}-1.json").read_text("utf-8")
     return Draft202012Validator(json.loads(text))
 
 
@@ -96,7 +96,7 @@ def test_a_pose_far_off_and_one_that_is_none_are_valid_assessments(data: Path, t
     pair = data / "survey_source.csv", data / "survey_target.csv"
     for name, pose in {"far": "1 0 0 0 0 0 0", "none": "[[1,2,3],[4,5,6],[7,8,9]]"}.items():
         file = tmp_path / name
-        file.write_text(pose)
+        file.write_text(pose, "utf-8")
         run = certreg("assess", *pair, "--pose", file, "--json")
         if run.code == 1:
             assert validator("assessment").is_valid(run.document)

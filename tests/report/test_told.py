@@ -321,7 +321,7 @@ def test_what_the_script_reads_is_what_was_computed():
 
 def test_what_is_no_certificate_is_named_with_its_file(tmp_path: Path):
     path = tmp_path / "wrong.json"
-    path.write_text("{}")
+    path.write_text("{}", "utf-8")
     with pytest.raises(CertregError, match=r"wrong\.json"):
         report_of(path)
     count = next((Path(__file__).parents[2] / "vectors").glob("accept-*count*.json"))

@@ -299,7 +299,7 @@ def test_the_document_and_the_pose_file_hold_the_numbers(given, tmp_path: Path):
     assert np.array_equal(told["rotation_deg"], np.degrees(sigma[3:]))
     assert told["degrees_of_freedom"] == 30
     assert certreg("certify", source, target, *quick, "--out", tmp_path / "out").code == 0
-    pose = json.loads((tmp_path / "out" / "pose.json").read_text())
+    pose = json.loads((tmp_path / "out" / "pose.json").read_text("utf-8"))
     assert pose["uncertainty"] == told
     assert pose["words"] == [f"{name}: {words}" for name, words in uncertainty_rows(given)]
     assert np.array_equal(pose["T_target_source"], np.loadtxt(tmp_path / "out" / "pose.txt"))

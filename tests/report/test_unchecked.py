@@ -44,7 +44,7 @@ def folder(written: Path, tmp_path: Path) -> Path:
 def edited(file: Path, change: Callable[[Any], None]) -> None:
     document = json.loads(file.read_bytes())
     change(document)
-    file.write_text(json.dumps(document))
+    file.write_text(json.dumps(document), "utf-8")
 
 
 def known(page: Path) -> dict[str, str]:
