@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from certreg.geometry.so3 import is_reflection as is_reflection
     from certreg.geometry.so3 import quadratic_form as quadratic_form
     from certreg.geometry.so3 import quaternion_from_matrix as quaternion_from_matrix
+    from certreg.geometry.so3 import quaternion_of_rotation as quaternion_of_rotation
     from certreg.geometry.so3 import quaternions_from_matrices as quaternions_from_matrices
     from certreg.geometry.so3 import rotation_matrices as rotation_matrices
     from certreg.geometry.so3 import rotation_matrix as rotation_matrix
@@ -72,6 +73,7 @@ __getattr__ = lazy_face(
             "is_reflection",
             "quadratic_form",
             "quaternion_from_matrix",
+            "quaternion_of_rotation",
             "quaternions_from_matrices",
             "rotation_matrices",
             "rotation_matrix",

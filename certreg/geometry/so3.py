@@ -112,7 +112,7 @@ def squared_norm(v: Sequence[T]) -> T:
 
 def canonical(q: NDArray[np.float64]) -> NDArray[np.float64]:
     """The one of q and -q whose first nonzero entry is positive; no zero of it is negative."""
-    for entry in q:
+    for entry in q.tolist():
         if entry != 0.0:
             return (q if entry > 0.0 else -q) + 0.0
     return np.zeros_like(q)
@@ -125,6 +125,19 @@ def quaternion_from_matrix(rotation: NDArray[np.float64]) -> NDArray[np.float64]
     rotation it is the quaternion of the nearest rotation in the Frobenius norm.
     """
     return canonical(np.linalg.eigh(np.array(davenport_matrix(rotation.tolist())))[1][:, -1])
+
+
+def quaternion_of_rotation(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The same of a matrix that is a rotation up to rounding, without an eigenvalue problem.
+
+    The Davenport matrix is 4 q q^T - I then: its k-th column, with 1 more on the diagonal, is
+    4 q_k q. The longest of the four is taken: its length is at least 2.
+    """
+    columns = davenport_matrix(rotation.tolist())
+    k = max(range(4), key=lambda i: columns[i][i])
+    q = [entry + (i == k) for i, entry in enumerate(columns[k])]
+    length = math.hypot(*q)
+    return canonical(np.array([entry / length for entry in q]))
 
 
 def quaternions_from_matrices(rotations: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -42,7 +42,7 @@ static void turned(const double cross[9], double pose[CERTREG_POSE])
 
 void certreg_pose(struct certreg_points *points, double pose[CERTREG_POSE])
 {
-    double sums[CERTREG_SUMS][2], total[CERTREG_SUMS], cross[9];
+    double sums[CERTREG_SUMS][2], total[CERTREG_SUMS], *cross = pose + CERTREG_POSE_CROSS;
     int negative;
     near_mean(&points->source, points->count, points->origin);
     near_mean(&points->target, points->count, points->origin + 3);

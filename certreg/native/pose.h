@@ -6,7 +6,8 @@
 
 /* The pose, then what decides whether it is one: the mass; squared lengths of the sums of the deviations
  * and sums of their squares; l1 - l2 of Davenport's matrix, its Frobenius norm, the residual of its
- * eigenvectors. Where a weight has the sign of -1 the mass is NaN. */
+ * eigenvectors; at the end the cross-covariance, by rows. Where a weight has the sign of -1 the mass is
+ * NaN. */
 enum {
     CERTREG_POSE_QUATERNION = 0,
     CERTREG_POSE_ROTATION = 4,
@@ -19,7 +20,8 @@ enum {
     CERTREG_POSE_GAP,
     CERTREG_POSE_NORM,
     CERTREG_POSE_RESIDUAL,
-    CERTREG_POSE
+    CERTREG_POSE_CROSS,
+    CERTREG_POSE = CERTREG_POSE_CROSS + 9
 };
 
 /* The origin is written, too. */

@@ -29,8 +29,9 @@ from certreg.problem.moments import (
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-NUMBERS, NUMBERS_OF_POSE = 24, 16  # CERTREG_POSE and its first parts, as in native/pose.h
+NUMBERS = 33  # CERTREG_POSE, as in native/pose.h, and its parts
 QUATERNION, ROTATION, TRANSLATION = slice(4), slice(4, 13), slice(13, 16)
+DECIDING, CROSS = slice(16, 24), slice(24, 33)
 
 
 _Numbers = ctypes.c_double * NUMBERS
@@ -42,11 +43,13 @@ class FloatingPose:
 
     gap: between the two largest eigenvalues of the Davenport matrix; error: how far these may be
         off, the residual of eigenvectors that LAPACK did not find included.
+    cross_covariance: (3, 3), sum w (y - mean)(x - mean)^T.
     """
 
     pose: Pose
     gap: float
     error: float
+    cross_covariance: NDArray[np.float64]
 
 
 def floating_pose(
@@ -67,7 +70,7 @@ def floating_pose(
     points = CloudPoints(len(source), *chain.from_iterable(map(columns_of, arrays)))
     posed(ctypes.byref(points), ctypes.byref(content))
     numbers: NDArray[np.float64] = np.frombuffer(content)
-    found: list[float] = numbers[NUMBERS_OF_POSE:].tolist()
+    found: list[float] = numbers[DECIDING].tolist()
     mass, here, scatter, there, spread, gap, norm, residual = found
     if not all(LEAST_SUM <= size <= MOST_SUM for size in (mass, scatter, spread)):
         return None
@@ -82,6 +85,7 @@ def floating_pose(
         ),
         gap=gap,
         error=residual + davenport_error(rounding_of(math.sqrt(scatter * spread)), norm),
+        cross_covariance=numbers[CROSS].reshape(3, 3),
     )
 
 

@@ -12,13 +12,11 @@ from certreg.dynamics import SimulationStatus
 from certreg.errors import ContradictionError
 from certreg.exact import power_of_two
 from certreg.native import MATRIX_STATE, named
-from certreg.problem import floating_moments, lift
+from certreg.problem import floating_moments, floating_pose, lift
 from certreg.registration.closed_form import arun, horn
 from certreg.results import Absent, Explained
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     from certreg.certificate import IsotropicBody
@@ -55,7 +53,6 @@ def agreement(
     trajectory: Trajectory | Absent,
 ) -> Agreement:
     """How well the methods agree. Raises ContradictionError if one ends where it must not."""
-    sums = floating_moments(problem).cross_covariance
     relaxed = None
     if not isinstance(relaxation, Absent) and relaxation.quaternion_wxyz is not None:
         name, place = "the semidefinite relaxation", relaxation.quaternion_wxyz
@@ -67,10 +64,7 @@ def agreement(
         simulated = _angle(objective, "the simulation", place, allowed)
     not_taken = {"relaxation": relaxation, "simulation": trajectory}
     return Agreement(
-        closed_form=max(
-            _closed_form_angle(objective, "Horn's closed form", horn, sums),
-            _closed_form_angle(objective, "Arun's closed form", arun, sums),
-        ),
+        closed_form=_closed_form_angle(problem, objective),
         relaxation=relaxed,
         simulation=simulated,
         absent={name: why for name, why in not_taken.items() if isinstance(why, Absent)},
@@ -112,18 +106,22 @@ def _rounded_covariance(objective: Isotropic) -> NDArray[np.float64]:
     return np.array([[entry / (1 << shift) for entry in row] for row in objective.moments.cross])
 
 
-def _closed_form_angle(
-    objective: Isotropic,
-    method: str,
-    form: Callable[[NDArray[np.float64]], NDArray[np.float64]],
-    sums: NDArray[np.float64],
-) -> float:
-    """The angle of a closed form's rotation, from the cross-covariance in doubles."""
-    place = _placed(objective, form(sums))
-    if place.loss > CLOSED_FORM_LOSS:
-        # weights or lengths more than 300 decades apart vanish from sums of doubles
-        place = _placed(objective, form(_rounded_covariance(objective)))
-    return _angle(objective, method, place, CLOSED_FORM_LOSS)
+def _closed_form_angle(problem: RegistrationProblem, objective: Isotropic) -> float:
+    """The larger angle of the rotations of both closed forms, from sums in doubles."""
+    found = floating_pose(problem.source, problem.target, problem.weights)
+    if found is None:
+        sums = floating_moments(problem).cross_covariance
+        proposed = horn(sums)
+    else:
+        sums, proposed = found.cross_covariance, found.pose.quaternion_wxyz
+    angles: list[float] = []
+    for method, form, quaternion in (("Horn", horn, proposed), ("Arun", arun, arun(sums))):
+        place = _placed(objective, quaternion)
+        if place.loss > CLOSED_FORM_LOSS:
+            # weights or lengths more than 300 decades apart vanish from sums of doubles
+            place = _placed(objective, form(_rounded_covariance(objective)))
+        angles.append(_angle(objective, f"{method}'s closed form", place, CLOSED_FORM_LOSS))
+    return max(angles)
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,7 @@ from certreg.geometry import (
     canonical,
     davenport_matrix,
     is_reflection,
-    quaternion_from_matrix,
+    quaternion_of_rotation,
     rotation_matrix,
 )
 from certreg.problem import (
@@ -133,4 +133,4 @@ def arun(cross_covariance: NDArray[np.float64]) -> NDArray[np.float64]:
     """
     u, _, vt = np.linalg.svd(cross_covariance)
     sign = -1.0 if is_reflection(u) != is_reflection(vt) else 1.0
-    return quaternion_from_matrix((u * np.array([1.0, 1.0, sign])) @ vt)
+    return quaternion_of_rotation((u * (1.0, 1.0, sign)) @ vt)

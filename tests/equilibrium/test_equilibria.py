@@ -16,7 +16,14 @@ from certreg.equilibrium import presentation
 from certreg.equilibrium.spectral import by_eigenspaces
 from certreg.equilibrium.stability import Curvature, _oscillator, spring_ratios
 from certreg.exact.eigenbasis import integer_eigenbasis
-from certreg.geometry.so3 import angle_between, davenport_matrix, dot, quaternion_from_matrix
+from certreg.geometry.so3 import (
+    angle_between,
+    davenport_matrix,
+    dot,
+    quaternion_from_matrix,
+    quaternion_of_rotation,
+    rotation_matrix,
+)
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments, floating_moments
 from certreg.registration.closed_form import arun, horn
@@ -342,10 +349,18 @@ def test_quaternions_and_matrices_go_back_and_forth():
     rng = np.random.default_rng(2)
     for _ in range(50):
         R = strategies.random_rotation(rng)
-        q = quaternion_from_matrix(R)
-        from certreg.geometry.so3 import rotation_matrix
+        for found in (quaternion_from_matrix, quaternion_of_rotation):
+            q = found(R)
 
-        assert np.abs(np.array(rotation_matrix(q.tolist())) - R).max() < 1e-14
+            assert np.abs(np.array(rotation_matrix(q.tolist())) - R).max() < 1e-14
+            assert next(entry for entry in q if entry) > 0.0
+
+
+def test_half_turns_have_quaternions():
+    for q in ([0.0, 0.6, -0.8, 0.0], [0.0, 0.0, 0.6, 0.8], [0.0, 0.0, 0.0, 1.0], [0.5] * 4):
+        R = np.array(rotation_matrix(q))
+
+        assert quaternion_of_rotation(R) == pytest.approx(q, abs=1e-15)
 
 
 def test_the_working_precision_grows_only_where_it_must():

@@ -134,9 +134,10 @@ def test_numbers_that_c_and_python_share_are_equal(tmp_path):
         "CERTREG_AT_REST",
         "CERTREG_PERTURBED",
         "CERTREG_POSE",
-        "CERTREG_POSE_MASS",
         "CERTREG_POSE_ROTATION",
         "CERTREG_POSE_TRANSLATION",
+        "CERTREG_POSE_MASS",
+        "CERTREG_POSE_CROSS",
     ]
 
     assert printed(tmp_path, lines) == [
@@ -153,9 +154,10 @@ def test_numbers_that_c_and_python_share_are_equal(tmp_path):
             )
         ),
         posing.NUMBERS,
-        posing.NUMBERS_OF_POSE,
         posing.ROTATION.start,
         posing.TRANSLATION.start,
+        posing.DECIDING.start,
+        posing.CROSS.start,
     ]
 
 

@@ -152,9 +152,11 @@ def test_the_numbers_that_decide_are_what_they_are_called(n):
         *(first - second, np.linalg.norm(davenport)),
     ]
 
-    *found, residual = by_one_call(x, y, w)[posing.NUMBERS_OF_POSE :]
+    numbers = by_one_call(x, y, w)
+    *found, residual = numbers[posing.DECIDING]
 
     np.testing.assert_allclose(found, told, rtol=1e-11)
+    np.testing.assert_allclose(numbers[posing.CROSS].reshape(3, 3), cross, rtol=1e-11, atol=1e-12)
     assert 0.0 < residual < 1e-13 * told[-1]
 
 
@@ -164,7 +166,7 @@ def test_what_rounding_takes_from_the_sum_of_each_block_is_added_at_the_end():
     ]  # each block under half an ulp
     cloud = np.random.default_rng(0).normal(size=(len(weights), 3))
 
-    mass = by_one_call(cloud, cloud, weights)[posing.NUMBERS_OF_POSE]
+    mass = by_one_call(cloud, cloud, weights)[posing.DECIDING][0]
 
     assert abs(mass - math.fsum(weights)) <= math.ulp(mass)
     assert mass > 2.0**68 + 2.0**16

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from fractions import Fraction
 from importlib import import_module
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +14,7 @@ from strategies import random_rotation
 
 from certreg.errors import ContradictionError
 from certreg.geometry import rotation_matrix
-from certreg.problem import RegistrationProblem, floating_moments, lift
+from certreg.problem import FloatingPose, RegistrationProblem, floating_moments, lift
 from certreg.registration import certify
 from certreg.registration.agreement import CLOSED_FORM_LOSS
 from certreg.registration.closed_form import arun, horn
@@ -26,6 +28,22 @@ def test_the_closed_form_that_ended_farther_is_told(monkeypatch: pytest.MonkeyPa
     """A turn of 1e-6 about x costs 1e-13 of the range: no contradiction, and told."""
     roads = import_module("certreg.registration.agreement")
     monkeypatch.setattr(roads, off, lambda _: np.array([1.0, 5e-7, 0.0, 0.0]))
+    monkeypatch.setattr(roads, "floating_pose", lambda *_: None)
+    found = certify(RegistrationProblem(AXES, AXES), relaxation=False, simulation=False)
+
+    assert found.solution.agreement.closed_form == pytest.approx(1e-6)
+
+
+def test_the_pose_of_one_call_is_told_where_it_ended_farther(monkeypatch: pytest.MonkeyPatch):
+    roads = import_module("certreg.registration.agreement")
+    called = roads.floating_pose
+
+    def turned(*clouds: Any) -> FloatingPose:
+        found = called(*clouds)
+        pose = replace(found.pose, quaternion_wxyz=np.array([1.0, 5e-7, 0.0, 0.0]))
+        return replace(found, pose=pose)
+
+    monkeypatch.setattr(roads, "floating_pose", turned)
     found = certify(RegistrationProblem(AXES, AXES), relaxation=False, simulation=False)
 
     assert found.solution.agreement.closed_form == pytest.approx(1e-6)
