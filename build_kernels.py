@@ -21,6 +21,7 @@ import subprocess
 import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -101,14 +102,18 @@ def renewed(*, set_up: bool = True) -> Built:
 def build(folder: Path, *, checkout: bool, set_up: bool = True) -> Built:
     """Fill the folder; what stood there is gone once the new is whole."""
     folder.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix="certreg-build-") as scratch:
+    # Windows does not remove what this process has loaded: the one that tells the level.
+    with tempfile.TemporaryDirectory(
+        prefix="certreg-build-", ignore_cleanup_errors=True
+    ) as scratch:
         built = _by_any_compiler(Path(scratch), checkout=checkout, set_up=set_up)
         for name in _names(built):
             _put((Path(scratch) / name).read_bytes(), folder / name)
     _put(json.dumps(asdict(built), indent=1, sort_keys=True).encode(), folder / kernels.RECORD)
     for path in folder.glob(f"*{SUFFIX}"):  # nothing that another process is writing
         if path.name not in _names(built):
-            path.unlink(missing_ok=True)
+            with suppress(PermissionError):  # on Windows, of one that another process has loaded
+                path.unlink(missing_ok=True)
     if set_up:
         words = f"certreg's C code is compiled: {', '.join(built.variants)}, by {built.compiler}"
         print(built.why or words)

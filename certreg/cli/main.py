@@ -7,7 +7,6 @@ load no numerical library.
 
 from __future__ import annotations
 
-import io
 import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -135,8 +134,9 @@ def cli() -> None:
 
 def _escape_what_cannot_be_encoded() -> None:
     """As Python does on stderr: a name may have letters that the encoding of a console lacks."""
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="backslashreplace")
+    reconfigure = getattr(sys.stdout, "reconfigure", None)
+    if reconfigure is not None:  # not of a stream that a notebook or a test put there
+        reconfigure(errors="backslashreplace")
 
 
 def main() -> NoReturn:

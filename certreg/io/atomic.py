@@ -89,7 +89,7 @@ def written_atomically(path: str | os.PathLike[str], *, follow: bool = True) -> 
         message = f"{target}: cannot be written ({error.strerror}): choose another place"
         raise InvalidFileError(message, path=target) from error
     finally:
-        with contextlib.suppress(FileNotFoundError, NotADirectoryError):
+        with contextlib.suppress(OSError):  # gone, or held by another program: swept some day
             temporary.unlink()
 
 
