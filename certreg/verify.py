@@ -2,9 +2,9 @@
 
     python3 -I -S verify.py [--max-angle RAD] [--max-gap SHARE] certificate.json
 
-prints each theorem that it established about the data, then VERIFIED or REFUSED and the reason
-(exit code 0 or 1; 2: unreadable file, wrong usage). It recomputes everything from the points: what
-a certificate holds makes the proof short and is never believed. No floating point decides.
+prints the theorems proved of the data, then VERIFIED or REFUSED and why; of a .jsonl file, with a
+certificate a line, the refused lines and a total (exit code 0 or 1; 2: unreadable file or usage).
+All is computed anew from the points: what a certificate holds is never believed. No float decides.
 
 Pairs x_i (source), y_i (target), weights w_i >= 0, M = sum w_i > 0; C = sum w_i y_i x_i^T and
 S2 = sum w_i x_i x_i^T, both after subtracting the weighted means; J = tr(S2) I - S2. The objective
@@ -82,17 +82,14 @@ class Clouds:
 
 
 class Statement(Protocol):
-    """A well-formed certificate: each kind is a dataclass of entries, read by names and types.
-
-    n, digest, data: the number of points, what binds them, perhaps themselves. `about`: never read.
-    """
+    """A well-formed certificate: each kind is a dataclass of entries, read by names and types."""
 
     kind: ClassVar[str]
-    keys: ClassVar[dict[str, str]]  # as `entries_of` takes them
+    keys: ClassVar[dict[str, str]]  # as `entries_of` takes them; `about` is never read
     prefix: ClassVar[bytes] = b"certreg-problem/1\0"  # of what the digest is taken of
-    n: int
-    digest: str
-    data: str | None
+    n: int  # of points
+    digest: str  # what binds them
+    data: str | None  # perhaps themselves
 
     def prove(self, m: Matrix, e: int, *, equal: bool) -> Outcome:
         """Theorems about points with these `moments`; RefusalError if a claim does not follow."""
@@ -266,9 +263,8 @@ def cross(m: Matrix) -> Matrix:
     return [[m[0][0] * m[j][k] - m[0][j] * m[0][k] for j in (1, 2, 3)] for k in (4, 5, 6)]
 
 
-def inertia(m: Matrix) -> Matrix:
-    """J over the same."""
-    xyz = (1, 2, 3)
+def inertia(m: Matrix, xyz: Sequence[int] = (1, 2, 3)) -> Matrix:
+    """J over the same, of the columns xyz."""
     S = [[m[0][0] * m[min(j, k)][max(j, k)] - m[0][j] * m[0][k] for k in xyz] for j in xyz]
     trace = S[0][0] + S[1][1] + S[2][2]
     return [[trace * (i == j) - S[i][j] for j in range(3)] for i in range(3)]
@@ -312,9 +308,8 @@ def rounded(value: Fraction, digits: int, rounding: str = ROUND_CEILING) -> Deci
 
 
 def root_up(value: Fraction) -> Fraction:
-    """An upper bound of the root of a value >= 0, to about twenty digits."""
-    context = Context(prec=20)  # whose root is rounded to nearest
-    return Fraction(context.next_plus(context.sqrt(rounded(value, 20))))
+    """An upper bound of the root of a value >= 0, to twenty digits: `sqrt` rounds to nearest."""
+    return Fraction(rounded(value, 20).sqrt(Context(prec=20)).next_plus(Context(prec=20)))
 
 
 def shown(text: object) -> str:
@@ -331,15 +326,20 @@ def main(argv: list[str]) -> int:
     except (GetoptError, ValueError, RefusalError):
         sys.stderr.write("usage: verify.py [--max-angle RAD] [--max-gap SHARE] CERTIFICATE\n")
         return 0 if argv == ["--help"] else 2
+    good, total, text, many = 0, 0, b"", path.endswith(".jsonl")
     try:
         with Path(path).open("rb") as file:
-            outcome = check(file.read(FILE_MAX + 1), limits=limits)
+            read = file.readline if many else file.read  # of what is too long the end is not sought
+            while len(text) <= FILE_MAX and ((text := read(FILE_MAX + 1)) or not (many or total)):
+                total, good = total + 1, good + (outcome := check(text, limits=limits)).verified
+                verdict = "VERIFIED" if outcome.verified else f"REFUSED: {outcome.reason}"
+                if not (many and outcome.verified):
+                    print(*outcome.theorems, f"line {total}: " * many + verdict, sep="\n")
     except (OSError, ValueError) as error:
         sys.stderr.write(f"{shown(path)}: {shown(error)}: give a readable file\n")
         return 2
-    verdict = "VERIFIED" if outcome.verified else f"REFUSED: {outcome.reason}"
-    print(*outcome.theorems, verdict, sep="\n")
-    return 0 if outcome.verified else 1
+    sys.stdout.write(f"{good} of {total} certificates VERIFIED\n" * many)
+    return 0 if 0 < good == total else 1
 
 
 # --- kind: isotropic ----------------------------------------------------------------------------

@@ -1166,10 +1166,12 @@ def command_cases() -> Iterator[Case]:
     for name, content, limit, answer in (
         ("verified", text, None, "0 .*VERIFIED\n$"),
         ("refused", text.replace(b'"kind"', b'"Kind"'), None, "1 REFUSED: the certificate must"),
+        ("empty", b"", None, "1 REFUSED: the certificate is not JSON .*"),
         ("at most", text, len(text), "0 .*VERIFIED\n$"),
         ("a byte more", with_space, len(text), "1 REFUSED: the certificate is too large\n$"),
     ):
         yield Case(f"command: {name}", run_on(content, limit), answer)
+    yield from line_cases(json.dumps(json.loads(text)).encode())
     for options, answer in (
         (["--max-gap", "1e-13"], "0 .*VERIFIED\n$"),
         (["--max-gap=1e-13", "--max-angle=1e-5"], "0 .*VERIFIED\n$"),
@@ -1203,20 +1205,56 @@ def command_cases() -> Iterator[Case]:
         yield Case(shown, value_of(lambda checker, value=value: checker.shown(value)), answer)
 
 
-def run_on(content: bytes | None, limit: int | None, arguments: list[str] | None = None) -> Ask:
+def line_cases(good: bytes) -> Iterator[Case]:
+    """Files with a certificate a line."""
+    bad = good.replace(b'"kind"', b'"Kind"')
+    key, text = "the certificate must have exactly .*", "the certificate is not JSON .*"
+    for name, lines, limit, answer in (
+        ("one", [good], None, "0 1 of 1 certificates VERIFIED\n$"),
+        ("three", [good, good, good], None, "0 3 of 3 certificates VERIFIED\n$"),
+        ("none", [], None, "1 0 of 0 certificates VERIFIED\n$"),
+        ("bad", [bad], None, f"1 line 1: REFUSED: {key}\n0 of 1 certificates VERIFIED\n$"),
+        (
+            "some bad",
+            [good, bad, good, b"", good + b"\r"],
+            None,
+            f"1 line 2: REFUSED: {key}\nline 4: REFUSED: {text}\n3 of 5 certificates VERIFIED\n$",
+        ),
+        ("two in a line", [good + good], None, f"1 line 1: REFUSED: {text}\n0 of 1 .*"),
+        ("as long as may be", [good, good], len(good) + 1, "0 2 of 2 certificates VERIFIED\n$"),
+        (
+            "too long: no more is read",
+            [good, good + b" ", good],
+            len(good) + 1,
+            "1 line 2: REFUSED: the certificate is too large\n1 of 2 certificates VERIFIED\n$",
+        ),
+    ):
+        content = b"".join(line + b"\n" for line in lines)
+        yield Case(f"lines: {name}", run_on(content, limit, named="many.jsonl"), answer)
+    options = ["--max-gap", "1e-14", "FILE"]
+    answer = "1 line 1: REFUSED: proved bound on the share: .*\n0 of 1 certificates VERIFIED\n$"
+    yield Case("lines: asked", run_on(good, None, options, named="many.jsonl"), answer)
+
+
+def run_on(
+    content: bytes | None,
+    limit: int | None,
+    arguments: list[str] | None = None,
+    named: str = "certificate.json",
+) -> Ask:
     """Exit code, standard output and standard error of the command."""
 
     def ask(checker: Any) -> str:
         kept, given = checker.FILE_MAX, ["FILE"] if arguments is None else arguments
         out, err = io.StringIO(), io.StringIO()
         with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(out):
-            path = Path(folder) / "certificate.json"
+            path = Path(folder) / named
             path.write_bytes(content or b"")
             checker.FILE_MAX = kept if limit is None else limit
             try:
                 with contextlib.redirect_stderr(err):
-                    named = [str(path) if each == "FILE" else each for each in given]
-                    code = checker.main(named)
+                    typed = [str(path) if each == "FILE" else each for each in given]
+                    code = checker.main(typed)
             finally:
                 checker.FILE_MAX = kept
         return f"{code} {out.getvalue()}{err.getvalue()}"

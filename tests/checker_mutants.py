@@ -47,7 +47,7 @@ LIMITS = mutants(
     ("NODES_MAX = 50_000", "NODES_MAX = 50_001", "NODES_MAX = 49_999"),
     ("DIGITS_MAX, EXPONENT_MAX = 4300", "DIGITS_MAX, EXPONENT_MAX = 4301"),
     (", EXPONENT_MAX = 4300, 32768", ", EXPONENT_MAX = 4300, 32769"),
-    ("len(text) <= FILE_MAX", "len(text) < FILE_MAX"),
+    ("len(text) <= FILE_MAX and nodes", "len(text) < FILE_MAX and nodes"),
     ("nodes <= NODES_MAX", "nodes < NODES_MAX"),
     ('(b",", b"[", b"{")', '(b",", b"[")', '(b",", b"{")', '(b"[", b"{")'),
     ("len(digits) <= DIGITS_MAX", "len(digits) < DIGITS_MAX", "True"),
@@ -55,7 +55,8 @@ LIMITS = mutants(
     ("len(pairs) == len(dict(pairs))", "True"),
     ("value.__class__ is TYPES.get(kind)", "isinstance(value, TYPES.get(kind, ()))"),
     ("MODULUS_MAX = 2**64", "MODULUS_MAX = 2**63", "MODULUS_MAX = 2**65"),
-    ("file.read(FILE_MAX + 1)", "file.read(FILE_MAX)"),
+    ("read(FILE_MAX + 1)", "read(FILE_MAX)"),
+    ("len(text) <= FILE_MAX and ((text", "(True) and ((text"),
 )
 DATA = mutants(
     ("1 <= n < 2**40", "0 <= n < 2**40", "1 < n < 2**40", "1 <= n <= 2**40", "1 <= n < 2**39"),
@@ -250,7 +251,7 @@ WORTH = mutants(
         "root_up(gap * weight)",
         "root_up(self.gap / weight)",
     ),
-    ("context.next_plus(context.sqrt(", "context.next_minus(context.sqrt("),
+    (".next_plus(Context", ".next_minus(Context"),
     ('Fraction("57.295779514")', 'Fraction("28.6478897566")'),
     ("rounded(w.minimum, 12, ROUND_FLOOR)", "rounded(w.minimum, 12)"),
     (
@@ -274,7 +275,14 @@ WORTH = mutants(
     ("all(limit >= 0 for", "all(True for", "all(limit > 0 for"),
     ("getattr(outcome.worth, name, None)", "getattr(outcome.worth, 'share', None)"),
     ("return within(stated.prove(", "return (lambda outcome, limits: outcome)(stated.prove("),
-    ("file.read(FILE_MAX + 1), limits=limits", "file.read(FILE_MAX + 1)"),
+    ("check(text, limits=limits)", "check(text)"),
+    ("0 < good == total", "0 < total", "0 < good", "good == total"),
+    ("or not (many or total)", ""),
+    ("if not (many and outcome.verified)", "if not many", "if not outcome.verified", "if True"),
+    ("file.readline if many", "file.read if many"),
+    ('path.endswith(".jsonl")', "False", "True"),
+    ('VERIFIED\\n" * many', 'VERIFIED\\n"', 'VERIFIED\\n" * (not many)'),
+    ('f"line {total}: " * many', '""', 'f"line {good}: " * many'),
     ('"max-angle": "angle", "max-gap": "share"', '"max-angle": "share", "max-gap": "angle"'),
     ("Fraction(repr(float(text)))", "Fraction(float(text))", "Fraction(text)"),
 )

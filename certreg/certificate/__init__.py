@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from certreg.certificate.checking import check_own as check_own
     from certreg.certificate.checking import require_accepted as require_accepted
     from certreg.certificate.checking import verify as verify
+    from certreg.certificate.checking import verify_lines as verify_lines
     from certreg.certificate.checking import verify_with_coq as verify_with_coq
     from certreg.certificate.count import AT_MOST as AT_MOST
     from certreg.certificate.count import CountBody as CountBody
@@ -43,6 +44,7 @@ __getattr__ = lazy_face(
             "check_own",
             "require_accepted",
             "verify",
+            "verify_lines",
             "verify_with_coq",
         ),
         "count": (

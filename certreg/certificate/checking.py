@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from array import array
 from dataclasses import dataclass, replace
@@ -12,10 +13,9 @@ from certreg.certificate.envelope import certificate_bytes
 from certreg.errors import InvalidProblemError, RefusedCertificateError
 from certreg.io import write_atomically
 from certreg.results import Ruling, Shown, Verdict
-from certreg.verify import INLINE_MAX, Clouds, Outcome, check
+from certreg.verify import INLINE_MAX, LIMITS, Clouds, Outcome, check, main
 
 if TYPE_CHECKING:
-    import os
     from pathlib import Path
 
     from certreg.certificate.envelope import Certificate, CertificateBody
@@ -63,6 +63,19 @@ def verify(
     from certreg.certificate.blockwise import check_in_blocks  # loads NumPy, for large ones alone
 
     return as_verdict(check_in_blocks(content, problem, limits))
+
+
+def verify_lines(
+    path: str | os.PathLike[str],
+    *,
+    max_angle: float | Fraction | None = None,
+    max_gap: float | Fraction | None = None,
+) -> int:
+    """What `verify.py` prints of a file with a certificate a line, and its exit code."""
+    limits = _limits(angle=max_angle, share=max_gap)
+    given = ((option, limits.get(name)) for option, name in LIMITS.items())
+    options = [f"--{option}={float(limit)!r}" for option, limit in given if limit is not None]
+    return main([*options, "--", os.fspath(path)])
 
 
 def _limits(**limits: float | Fraction | None) -> Limits:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from certreg.certificate import verify as checked
-from certreg.certificate import verify_with_coq
+from certreg.certificate import verify_lines, verify_with_coq
 from certreg.cli.options import CLOUD, bound_clouds
 from certreg.registration import DONE, REFUSED
 
@@ -48,7 +48,8 @@ def verify(
 
     With SOURCE and TARGET it must also be about exactly those points, paired and weighted as they
     were: of weight 1 without --sigma, --weights or --any-weight. With --coq, Coq's kernel
-    checks it instead, by a checker that is proved correct.
+    checks it instead, by a checker that is proved correct. Of a .jsonl file, with a certificate a
+    line, the refused lines are told, and how many of them are verified.
     """
     if out is not None and not coq:
         message = "--out goes with --coq"
@@ -56,6 +57,11 @@ def verify(
     if coq and not (max_angle is None and max_gap is None):
         message = "--max-angle and --max-gap go without --coq, which decides on the claims alone"
         raise click.UsageError(message)
+    if certificate.suffix == ".jsonl":
+        if coq or clouds is not None:
+            message = "a file of many certificates goes without SOURCE TARGET and --coq"
+            raise click.UsageError(message)
+        return verify_lines(certificate, max_angle=max_angle, max_gap=max_gap)
     if coq:
         verdict = verify_with_coq(certificate, clouds, out=out)
     else:
