@@ -28,6 +28,7 @@ from unittest import mock
 
 import net_inputs
 import net_python
+import net_shown
 import numpy as np
 from campaign_work import InProcess
 from commands import certreg
@@ -90,7 +91,8 @@ def _step(step: str) -> str:
         text = Path(arguments[0]).read_text("utf-8")
         return f"=== {step}\n{net_python.sentences_of(page(text))}\n"
     if name == "python":
-        text = getattr(net_python, arguments[0])(*arguments[1:])
+        call = net_shown.STEPS.get(arguments[0]) or getattr(net_python, arguments[0])
+        text = call(*arguments[1:])
         return f"$ {step}\n{canonical(STYLE.sub('', text))}\n"
     run = certreg(name, *arguments)
     if name == "info":

@@ -158,10 +158,10 @@ CASES = (
         )
     ),
     NetCase(
-        "page-of-a-circle",
+        "circle",
         (
             "certify 22-source.csv 22-target.csv --out o",
-            "file o/report.html o/pose.json",
+            "file o/pose.json",
             "certify 31-source.csv 31-target.csv --out o --json",
         ),
     ),
@@ -404,6 +404,29 @@ CASES = (
             *("bad_files", "formats", "fits", "runs"),
         )
     ),
+    *(
+        NetCase(f"shown-{name.split(' ', 1)[0]}", (f"python shown {name}",))
+        for name in (
+            "rows 'twelve rows' 'on two poses' mirrored",
+            "scales 'with sigma' beyond",
+            "noise 'each its own' one",
+            "ties 'needle, scaled' 'rod, sure' 'narrow, a row'",
+            "sizes 'a line far' 'at rest'",
+            "patterns plain 121 13 211 22 31 4 'half a turn' small euler tilted",
+        )
+    ),
+    NetCase(
+        "judged",
+        (
+            "python judged 0 0",
+            "python judged 0 0.01 right quaternion inverse doubled turned 'three decimals'",
+            "python judged 0 0.01 'turned a little' 'shifted a little' 'scalar last'",
+            "python judged 5e6 0.01 'six decimals' right",
+            "python judged 5e6 0 right shifted 'three decimals' 'centred source' doubled inverse",
+        ),
+    ),
+    NetCase("equilibria-of-rows", ("python listed patterns", "python spurious")),
+    NetCase("altered", ("python altered",)),
     NetCase(
         "about",
         (

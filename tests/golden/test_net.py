@@ -11,6 +11,7 @@ import json
 import pytest
 from net import RECORDS, SHOWN, canonical, difference, record_of, recorded
 from net_cases import CASES, NetCase
+from net_shown import Short
 
 import certreg
 
@@ -18,7 +19,9 @@ MEANT = (
     "What users see has changed (- the record, + now). If that is meant, `make record`, look at "
     "the difference of tests/golden/records, and commit it with the change."
 )
+SHOWN_SLOWLY = {f"shown-{name}" for name in ("rows", "scales", "noise", "ties", "patterns")}
 SLOW = {"batch", "certify-out", "certify-units", "python-formats", "python-pages", "weak"}
+SLOW |= SHOWN_SLOWLY
 
 
 def marked(case: NetCase):
@@ -91,8 +94,36 @@ def test_every_record_is_of_a_case_and_none_is_long():
     kept = {path.stem: path.stat().st_size for path in RECORDS.glob("*")}
 
     assert set(kept) == {case.name for case in CASES}
-    assert sum(kept.values()) <= 420 * 1024
+    assert sum(kept.values()) <= 700 * 1024
     assert len(CASES) == len(kept)
+
+
+def test_a_line_that_was_there_is_its_place_and_its_numbers():
+    text = "Row 3 of 12\nIn all\nWell\n{\n12"
+    long = " ".join(map(str, range(20)))
+    told = list(Short(text).lines(f"Row 4 of 12\nIn all\nWell\nAll {long}\nAll {long}\nOther"))
+
+    assert told[:2] == ["@0 4 12", "@1-@2"]
+    assert told[2].startswith("All # # #")
+    assert told[3:] == ["@3 20: 190 2660", "Other"]
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        "Row 5 of 12\nWell",
+        "Row 4 in 12\nWell",
+        "Row 4 of 12",
+        "Well\nRow 4 of 12",
+        "Row 4 of 12\nWel",
+    ],
+)
+def test_no_line_changes_unseen_for_having_been_there(other: str):
+    told = [
+        "\n".join(Short("Well\nRow 1 of 2\n").lines(text)) for text in ("Row 4 of 12\nWell", other)
+    ]
+
+    assert difference(*told) != []
 
 
 def test_nothing_of_this_machine_is_recorded():
