@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 
     from certreg.registration import FitDemands
 
+REMEDY = '; "remedy" beside it says what to do'
+
 
 @click.command(epilog=EXIT_CODES)
 @click.argument("manifest", type=CLOUD)
@@ -85,16 +87,16 @@ def batch(
 def _tell(tally: Tally, count: int, *, kept: bool) -> None:
     """Says on stderr which pairs failed or are warned of; the first by name if lines are kept."""
     said = {
-        "error": (tally.errors, tally.first_errors, "could not be registered"),
-        "warning": (tally.poor, tally.first_poor, "have a warning"),
+        "error": (tally.errors, tally.first_errors, "could not be registered", ""),
+        "warning": (tally.poor, tally.first_poor, "have a warning", REMEDY),
     }
-    for kind, (number, first, what) in said.items():
+    for kind, (number, first, what, then) in said.items():
         if number:
             for words in first if kept else ():
                 click.echo(f"{kind}: {printable(words)}", err=True)
             more = ", of which the first are above" if number > len(first) and kept else ""
             total = f"{number} of {count} pairs {what}{more}"
-            click.echo(f'certreg: {total}: look for "{kind}" in the results', err=True)
+            click.echo(f'certreg: {total}: look for "{kind}" in the results{then}', err=True)
 
 
 def _streamed(campaign: PairCampaign, scheduler: str | None) -> Tally:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from certreg.cli.numbers import NUMBER
 from certreg.cli.options import CLOUD, EXIT_CODES, cloud_options
 from certreg.dynamics import Record
 from certreg.io import write_atomically
@@ -89,7 +90,7 @@ def _write_count(problem: RegistrationProblem, out: Path) -> None:
     default="euler",
     show_default=True,
 )
-@click.option("--step", type=float, help="Largest step, in the time unit of the springs.")
+@click.option("--step", type=NUMBER, help="Largest step, in the time unit of the springs.")
 @click.option(
     "--out", type=CLOUD, help="File to write the trajectory to, .npz: times, states, energies."
 )

@@ -17,6 +17,7 @@ import click
 
 # Of these wings names are asked where they are needed: they load NumPy, `certreg verify` does not.
 from certreg import io, registration
+from certreg.cli.numbers import FROM_ZERO, NUMBER
 from certreg.errors import SlowSimulationWarning
 from certreg.io import TEXT_FORMATS, read_clouds
 from certreg.report import printable
@@ -95,7 +96,7 @@ def limit_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
     @click.option(
         "--max-gap",
-        type=click.FloatRange(min=0.0),
+        type=FROM_ZERO,
         metavar="SHARE",
         default=MAX_GAP,
         show_default=True,
@@ -103,7 +104,7 @@ def limit_options(command: Callable[..., Any]) -> Callable[..., Any]:
     )
     @click.option(
         "--max-angle",
-        type=click.FloatRange(min=0.0),
+        type=FROM_ZERO,
         metavar="RAD",
         default=MAX_ANGLE,
         show_default=True,
@@ -126,7 +127,7 @@ def fit_options(command: Callable[..., Any]) -> Callable[..., Any]:
     @click.option("--require-fit", is_flag=True, help="Code 4 where the fit has a warning.")
     @click.option(
         "--max-rmse",
-        type=click.FloatRange(min=0.0),
+        type=FROM_ZERO,
         metavar="X",
         help="Code 4 where the RMSE is larger, in the clouds' unit.",
     )
@@ -151,7 +152,7 @@ def bound_clouds(*, lightly: bool) -> Callable[[Callable[..., Any]], Callable[..
     def decorated(command: Callable[..., Any]) -> Callable[..., Any]:
         @click.argument("paths", type=CLOUD, nargs=-1, metavar="[SOURCE TARGET]")
         @click.option(
-            "--sigma", type=float, help="With SOURCE TARGET: the noise that was certified."
+            "--sigma", type=NUMBER, help="With SOURCE TARGET: the noise that was certified."
         )
         @click.option(
             "--weights", type=CLOUD, help="With SOURCE TARGET: the weights that were certified."
@@ -239,7 +240,7 @@ def _damping(context: click.Context, parameter: click.Parameter, value: Any) -> 
         return None
     if value.lower() == OPTIMAL:
         return OPTIMAL
-    return float(click.FLOAT.convert(value, parameter, context))
+    return NUMBER.convert(value, parameter, context)
 
 
 def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -248,7 +249,7 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
     @click.argument("source", type=CLOUD)
     @click.argument("target", type=CLOUD)
     @click.option(
-        "--sigma", type=float, help="Standard deviation of the noise, in the clouds' unit."
+        "--sigma", type=NUMBER, help="Standard deviation of the noise, in the clouds' unit."
     )
     @click.option("--weights", type=CLOUD, help="File of weights, one per row of SOURCE.")
     @pairing_options

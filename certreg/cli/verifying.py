@@ -8,6 +8,7 @@ import click
 
 from certreg.certificate import verify as checked
 from certreg.certificate import verify_lines, verify_with_coq
+from certreg.cli.numbers import NUMBER
 from certreg.cli.options import CLOUD, bound_clouds
 from certreg.registration import DONE, REFUSED
 
@@ -24,13 +25,13 @@ if TYPE_CHECKING:
 @click.option(
     "--max-angle",
     metavar="RAD",
-    type=float,
+    type=NUMBER,
     help="Refuse unless all optima are proved to be within this angle of the pose.",
 )
 @click.option(
     "--max-gap",
     metavar="SHARE",
-    type=float,
+    type=NUMBER,
     help="Refuse unless the gap is proved to be at most this share of the range of energies.",
 )
 @click.option("--coq", is_flag=True, help="Let Coq decide, by the proofs in derivations/coq.")

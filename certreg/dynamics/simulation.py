@@ -123,6 +123,19 @@ class Trajectory(Explained):
         return f"<Trajectory: {self.status.name} after {how}>"
 
     @property
+    def energy_left(self) -> float:
+        """The share, at the end, of the energy above the optimum that the body began with.
+
+        Near 0 where it came to the optimum; a body that is slow because of its damping, or not yet
+        under way, has much of it left. 0 where it began with no more than rounding.
+        """
+        above = self.potential + self.kinetic
+        above = above - self.moving.energies(_at_rest(self.basin.optimum)).potential
+        if not above[0] > RATE_END * self.moving.spread:
+            return 0.0
+        return max(0.0, float(above[-1] / above[0]))
+
+    @property
     def converged(self) -> bool:
         """Whether the body came to rest where it had to."""
         return self.status in {SimulationStatus.CONVERGED, SimulationStatus.AT_REST}

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from certreg.exact import nearest_root
 from certreg.geometry import UNNOTED_DEFECT, rotation_defect
-from certreg.registration.ambiguity import ambiguous_words, narrow_words
+from certreg.registration.ambiguity import DISTINGUISHABLE, ambiguous_words, narrow_words
 from certreg.registration.findings import GOOD, rules_out
 from certreg.registration.headlines import (
     NEAR_OPTIMAL_NOT_UNIQUE,
@@ -83,7 +83,9 @@ def _spurious_headline(facts: Findings) -> str:
     worst = "the worst rotation there is" if single else "the worst rotations there are"
     end = f": {worst}" if last else ""
     near = f"{math.degrees(facts.angles[facts.nearest]):.2g}"
-    return SPURIOUS.said(near=near, name=name, end=end)
+    apart = _apart(facts)
+    shift = "" if apart is None else f", and {apart:.2g} between the centroids,"
+    return SPURIOUS.said(near=near, shift=shift, name=name, end=end)
 
 
 def words_of_pose(facts: Findings, verdict: PoseVerdict) -> str:
@@ -106,7 +108,7 @@ def words_of_pose(facts: Findings, verdict: PoseVerdict) -> str:
         matters = Fraction(Limits().max_gap) * facts.energy_range
         remedy = rounding_remedy(facts.registration.solution.moments, matters)
         words += f" The rounding of its numbers to doubles can cost that much: {remedy}."
-    return words
+    return f"{words}{_doubt_words(facts)}"
 
 
 def _the_optimum(facts: Findings) -> str:
@@ -146,17 +148,38 @@ def _spurious_words(facts: Findings) -> str:
         how = f"the energy falls in {many}"
     return (
         f"Forces and torques balance there, but {how}, and the pose is "
-        f"{math.degrees(facts.away):.6g} degrees from {_the_optimum(facts)}."
+        f"{math.degrees(facts.away):.6g} degrees from {_the_optimum(facts)}.{_doubt_words(facts)}"
     )
+
+
+def _doubt_words(facts: Findings) -> str:
+    """What speaks for a pose that is judged badly: that the data hardly tell it from the optimum.
+
+    With sigma the objective is twice the negative log-likelihood: 25 more are five deviations.
+    """
+    registration, words = facts.registration, ""
+    if registration.equilibria.nearly_ambiguous:
+        words = " The optimum itself is nearly ambiguous: its rotation is not to be relied on."
+    elif loose := loose_words(registration):
+        words = f" The optimum's rotation is hardly determined: {loose}."
+    given = registration.problem.noise_given and not registration.fit.warnings
+    if given and facts.bounds.greatest_gap < DISTINGUISHABLE:
+        words += " At the sigma given five standard deviations do not rule this pose out."
+    return words
 
 
 def _shift_words(facts: Findings) -> str:
     """How far the centroids are apart, where that is more than rounding."""
+    apart = _apart(facts)
+    return "" if apart is None else f" and the centroids {apart:.6g} apart"
+
+
+def _apart(facts: Findings) -> float | None:
+    """The distance of the centroids; None where it is rounding."""
     moments = facts.registration.solution.moments
     if facts.translation_energy <= UNNOTED_SHIFT**2 * facts.energy_range:
-        return ""
-    shift = nearest_root(facts.translation_energy / moments.total_weight)
-    return "" if shift is None else f" and the centroids {shift:.6g} apart"
+        return None
+    return nearest_root(facts.translation_energy / moments.total_weight)
 
 
 def note_on(given: GivenPose) -> str:

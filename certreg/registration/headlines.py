@@ -204,7 +204,7 @@ OF_DATA = {  # of the certified optimum: of a pose that is optimal, and of one t
 }
 SPURIOUS = Headline(
     stamp="SPURIOUS-EQUILIBRIUM",
-    words="{near} degrees from {name}{end}.",
+    words="{near} degrees{shift} from {name}{end}.",
     rests_on=("eigenvectors", "unstable_count", "nearest.angle_deg", "nearest.morse_index"),
     code=1,
 )

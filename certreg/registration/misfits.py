@@ -55,7 +55,7 @@ LEVEL = 1e-6  # of each test; a hundredth of what is promised, for what is not l
 MOST_LEFT = Fraction(1, 2)  # of E by a remedy: real clouds often have a certain scale, for 1 % of E
 LEAST_EXPLAINED = Fraction(1, 2)
 MIRROR_EXPLAINED = Fraction(9, 10)  # by a reflection
-ALIKE = 0.1  # of the trace: second moments of two clouds of one shape
+ALIKE = 0.2  # of the size: lengths along the axes of two clouds of one shape, a tenth of it noise
 CHANCE = 1e-3  # random pairings that may be as good as a shuffled one
 RANDOM_PAIRINGS = 4096
 SMALL = 1e-3  # off one: a scale whose digits are in what it is off
@@ -389,7 +389,8 @@ def _as_random(sums: FitSums, rows: RowFit) -> bool:
     effectively; it is taken as Gaussian. Rotations of either cloud change no singular value.
     """
     here, there = rows.second_moments
-    if not abs(here - there).max() <= ALIKE:  # nor if one is not a number: a point has no shape
+    longer = abs(np.sqrt(here) - np.sqrt(there))
+    if not longer.max() <= ALIKE:  # nor if one is not a number: a point has no shape
         return False
     rng = np.random.default_rng(0)
     spread = np.outer(there / there.sum(), here) / max(rows.effective_rows - 1.0, 1.0)

@@ -68,7 +68,7 @@ class RowFit:
     largest_over_median: of the residuals at the optimum; None where the median is zero.
     far: rows more than FAR medians away from a pose that most rows agree on, the worst first, at
         most LISTED; far_rows: how many there are. tied: whether as many rows agree on another pose,
-        as closely, so that nothing tells which are wrong.
+        within as many medians: counts do not tell which are wrong.
     left: the objective of the other rows at that pose, over the least objective of all rows.
     second_moments: (3,) of source and of target, along the principal axes in rising order, without
         weights and over the trace of the source's.

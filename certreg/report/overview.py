@@ -6,9 +6,23 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from certreg.registration import FitCode, at_most, headline_of, proved_degrees, share_words
+from certreg.registration import (
+    FitCode,
+    at_most,
+    headline_of,
+    headline_words,
+    proved_degrees,
+    share_words,
+)
 from certreg.report.remedies import why_warned
-from certreg.report.summary import explained_words, margin_words, number, percent_words
+from certreg.report.summary import (
+    explained_words,
+    margin_words,
+    number,
+    percent_words,
+    unit_words,
+    warnings,
+)
 from certreg.report.uncertainty import (
     centre_words,
     chi2_words,
@@ -21,7 +35,7 @@ from certreg.report.uncertainty import (
     uncertainty_rows,
 )
 from certreg.report.words import motion_words, turn_of
-from certreg.results import Absent
+from certreg.results import Absent, Optimality
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -32,10 +46,13 @@ if TYPE_CHECKING:
 WIDE = 1e9  # larger translations are written with an exponent
 BASIS = "± is"  # the row that says where the deviations come from
 WHOSE = "Rotation: about the source's axes. Centre: where the source's mean goes."
+SAME = "not known, as that of the rotation"
 NO_PROOF = "Statistics, not proved."
 QUIET = (
     "The tests for a wrong scale, outlying rows, shuffled rows and a mirror image raise no warning."
 )
+
+ABOVE = "The one above is not of the pairs' distances."
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,7 +100,7 @@ class Overview:
     @classmethod
     def of(cls, registration: Registration) -> Overview:
         """Of a registration with a certificate."""
-        mark, tests = _judged(registration.fit, good=headline_of(registration).good)
+        mark, tests = _judged(registration)
         return cls(
             pose=_pose(registration),
             fit=tuple(_fit(registration)),
@@ -115,15 +132,16 @@ def _pose(registration: Registration) -> PoseFacts:
 def _sure(registration: Registration, covariance: PoseCovariance) -> list[Fact]:
     """Rotation, centre and translation, each with its deviation in the next line."""
     pose, shift = registration.pose, shift_words(covariance, "")
+    turn = rotation_words(covariance, "")
     centre = ", ".join(centre_words(registration, covariance))
     return [
         _rotation(pose, covariance),
         *_axis(pose),
-        Fact(name="Rotation ±", value="", words=rotation_words(covariance, "")),
+        Fact(name="Rotation ±", value="", words=turn),
         Fact(name="Centre", value=f"({centre})"),
         Fact(name="Centre ±", value="", words=sigma_words(covariance)),
         _translation(pose, covariance),
-        Fact(name="Translation ±", value="", words=shift),
+        Fact(name="Translation ±", value="", words=SAME if shift == turn else shift),
     ]
 
 
@@ -173,7 +191,7 @@ def _fit(registration: Registration) -> Iterator[Fact]:
     yield Fact(
         name="RMSE",
         value=number(registration.rmse),
-        words=f"in the unit of the clouds{', at rounding' if at_rounding else ''}",
+        words=f"in the {unit_words(fit)}{_whose(registration, at_rounding=at_rounding)}",
     )
     yield _explained(fit)
     if fit.largest_over_median_residual is not None:
@@ -183,6 +201,13 @@ def _fit(registration: Registration) -> Iterator[Fact]:
     if chi2 is not None:
         value, _, words = chi2.partition(" ")
         yield Fact(name="Chi-squared", value=value, words=words.replace("p = ", "p\u00a0=\u00a0"))
+
+
+def _whose(registration: Registration, *, at_rounding: bool) -> str:
+    """Of which pose the RMSE is, where the printed one is not the optimum that the scene shows."""
+    rounding = ", at rounding" if at_rounding else ""
+    bounded = registration.status is Optimality.BOUNDED
+    return f"{rounding}{', of the pose as printed' if bounded else ''}"
 
 
 def _explained(fit: Fit) -> Fact:
@@ -203,15 +228,18 @@ def _explained(fit: Fit) -> Fact:
     )
 
 
-def _judged(fit: Fit, *, good: bool) -> tuple[Mark, str]:
-    """Whether a fit is warned of, and by which tests; good: whether the verdict is."""
-    count = len(fit.warnings)
+def _judged(registration: Registration) -> tuple[Mark, str]:
+    """Whether a fit is warned of, and by which tests; green only where nothing is, above it."""
+    fit, headline = registration.fit, headline_words(registration)
+    count, good = len(fit.warnings), headline_of(registration).good
     if count:
         words = f"{count} warning{'s' * (count > 1)}, above"
         return Mark(kind="open", words=words), "Statistics: what is proved holds nevertheless."
     tested = fit.stated("scale_p")
     if isinstance(tested, Absent):
         return Mark(kind="plain", words="not tested"), f"Not tested: {tested.reason}."
+    if warnings(registration, headline):
+        return Mark(kind="open", words="see the warning above"), f"{QUIET} {ABOVE}"
     return Mark(kind="good" if good else "plain", words="no warning"), QUIET
 
 

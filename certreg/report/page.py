@@ -13,7 +13,7 @@ from certreg import __version__
 from certreg.registration import WEAK, ambiguous_words, headline_of, is_green
 from certreg.report.markup import asset, inert, inert_json, printable, rendered
 from certreg.report.overview import Overview
-from certreg.report.remedies import TODO, remedies
+from certreg.report.remedies import remedies
 from certreg.report.summary import verdict_words, warnings
 from certreg.report.viewer import (
     Names,
@@ -155,7 +155,7 @@ def _head(report: Report) -> dict[str, Any]:
         "good": report.headline is not WEAK and is_green(registration),
         "headline": _sentence(said),
         "further": [_begun(words) for words in further],
-        "todo": [_begun(words.removeprefix(TODO)) for words in remedies(registration)],
+        "todo": [_begun(words) for words in remedies(registration)],
         "warnings": [_sentence(words) for words in warnings(registration, headline)],
         "overview": Overview.of(registration),
     }

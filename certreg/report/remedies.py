@@ -13,9 +13,13 @@ from certreg.registration import FitCode, is_loose
 if TYPE_CHECKING:
     from certreg.registration import Fit, Registration
 
-TODO = "What to do: "
+TODO = "What to do: "  # before a remedy in text; a page sets it apart
 GIVE_SIGMA = "give sigma, which may rule the other pose out; or "
 TELL_APART = "add pairs off the axis of the turn to the other pose: they may tell the two apart"
+WIDEN = (
+    "check the pairs, a few wrong ones being enough; or add pairs off the axis of the turn to the "
+    "other pose: they may widen the margin"
+)
 SINGLE_OUT = "add pairs off the line, plane or symmetry of these: they may single one pose out"
 FIX_TURN = "add pairs farther from that axis: they may fix the turn about it"
 WHY_BOTH = {  # a warning, and half of the target's spread or more explained
@@ -36,9 +40,11 @@ def remedies(registration: Registration) -> list[str]:
         told.append(f"{'' if helpless else GIVE_SIGMA}{TELL_APART}")
     elif registration.equilibria.classification.unique and is_loose(registration):
         told.append(FIX_TURN)
+    elif registration.equilibria.classification.unique and registration.equilibria.narrow:
+        told.append(WIDEN)
     elif not registration.equilibria.classification.unique and not told:
         told.append(SINGLE_OUT)
-    return [f"{TODO}{words}." for words in told]
+    return [f"{words}." for words in told]
 
 
 def why_warned(fit: Fit) -> str:

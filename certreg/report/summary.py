@@ -15,6 +15,7 @@ from certreg.registration import (
     FIT_WARNED,
     HARDLY_DETERMINED,
     NOT_ASKED,
+    FitCode,
     TooLarge,
     ambiguous_words,
     at_most,
@@ -26,6 +27,7 @@ from certreg.registration import (
     share_words,
 )
 from certreg.report.remedies import TODO, remedies, why_warned
+from certreg.report.thinning import kicked_words, unspent_words
 from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import Absent, ComponentKind, Guarantee, Limits, Optimality, present
 
@@ -63,11 +65,11 @@ def registration_summary(registration: Registration) -> str:
     fit = registration.fit
     exact = number(registration.equilibria.components[0].rmse)
     differs = fit.rounded and number(registration.rmse) != exact
-    weighted = f"weighted, unit of the clouds{OF_PRINTED if differs else ''}"
+    weighted = f"weighted, {unit_words(fit)}{OF_PRINTED if differs else ''}"
     return "\n".join(
         (
             *status,
-            *remedies(registration),
+            *(f"{TODO}{words}" for words in remedies(registration)),
             "",
             f"  correspondences   {registration.problem.n}",
             f"  rotation (wxyz)   {' '.join(map(repr, pose.quaternion_wxyz.tolist()))}",
@@ -93,7 +95,8 @@ def _uncertainty_lines(registration: Registration) -> list[str]:
 
 def simulation_summary(simulated: SimulatedRegistration) -> str:
     """The result of `simulate`, readable; energies in objective units."""
-    trajectory = simulated.trajectory
+    trajectory, unspent = simulated.trajectory, unspent_words(simulated.trajectory)
+    end = _away(simulated.angle_to_optimum, unique=simulated.unique)
     initial, final = (present(energy) for energy in simulated.energies)
     proved = "Proved" if simulated.in_certified_basin else "Not proved"
     which = "the" if simulated.unique else "an"
@@ -108,7 +111,8 @@ def simulation_summary(simulated: SimulatedRegistration) -> str:
             f"  final energy      {number(final)}",
             f"  residual          {trajectory.speed:.3g}  (norm of the 18 rates of change)",
             f"  decay rate        {_rate_words(trajectory)}",
-            f"  end               {_away(simulated.angle_to_optimum, unique=simulated.unique)}",
+            f"  end               {end if unspent is None else f'its rotation {end}'}",
+            *([] if unspent is None else [f"  not there yet     {unspent}"]),
             f"{proved}: from its last state the exact motion ends at {which} optimum.",
         )
     )
@@ -222,7 +226,7 @@ def _judged_lines(assessment: Assessment, energies: JudgedEnergies) -> list[str]
         for energy in (energies.objective, energies.optimum)
     )
     return [
-        f"  RMSE               {rmse}  (weighted, unit of the clouds)",
+        f"  RMSE               {rmse}  (weighted, {unit_words(assessment.fit)})",
         f"  of the optimum     {of_optimum}",
         f"  objective          {exact_number(energies.objective)}",
         f"  of the optimum     {exact_number(energies.optimum)}",
@@ -325,8 +329,11 @@ def _method_lines(registration: Registration) -> list[str]:
         basin = solution.certificate is not None and solution.certificate.body.claims.basin
         where = ", proved in the basin of the optimum" if basin else ""
         away = _away(agreement.simulation, unique=unique)
-        kicked = _kicked_words(trajectory.escapes)
-        lines.append(f"  simulation        {trajectory.steps} steps{kicked}, {away}{where}")
+        kicked = kicked_words(trajectory.escapes)
+        steps = f"{trajectory.steps} step{'s' * (trajectory.steps != 1)}{kicked}"
+        if (left := unspent_words(trajectory)) is not None:
+            away = f"then {left}; its rotation {away}"
+        lines.append(f"  simulation        {steps}, {away}{where}")
         if not trajectory.converged:
             words = " ".join((trajectory.status.value, *trajectory.notes))
             lines.append(f"                    NOT CONVERGED: {words}")
@@ -340,13 +347,6 @@ def _method_lines(registration: Registration) -> list[str]:
         if isinstance(part, Absent) and part != NOT_ASKED
     ]
     return lines
-
-
-def _kicked_words(escapes: int) -> str:
-    """That a body did not find its way alone."""
-    if not escapes:
-        return ""
-    return f" (kicked off a saddle {'once' if escapes == 1 else f'{escapes} times'})"
 
 
 def explained_words(fit: Fit) -> str:
@@ -411,6 +411,11 @@ def _row(component: Component, *, sure: bool) -> tuple[str, ...]:
         ("undefined" if unstable is None else str(unstable)) if sure else "-",
         ("optimal" if sure else "best found") if component.optimal else "",
     )
+
+
+def unit_words(fit: Fit) -> str:
+    """Whose unit a length has: where the clouds' may differ, the one that the pose leads to."""
+    return f"unit of the {'target' if FitCode.SCALE in fit.codes else 'clouds'}"
 
 
 def number(value: float | None) -> str:

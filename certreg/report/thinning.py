@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 FRAMES = 240  # of a motion; the page interpolates between them
 VISIBLE_ENERGY = 1e-8  # of what a run loses: 1e-4 of the first displacement
 PUSH = 0.02  # radians off a saddle: hardly seen, and soon on its way
+UNSPENT = 0.01  # of its energy above the optimum: a tenth of the way, still to go
 ESCAPE_STEPS = 20_000  # of explicit Euler; some five hundred are usual
 
 
@@ -37,7 +38,8 @@ class Run:
     times (F,), in the time unit of the springs; quaternions (F, 4); offsets (F, 3), of the source's
     centroid from the target's, over 2^length_exponent; potential, kinetic (F,), per unit of mass,
     over 4^length_exponent. last: when the simulation ended, seen or not; end: its last quaternion.
-    converged: whether it came to rest; escapes: how often it was kicked off a saddle.
+    converged: whether it was slow enough to be at rest; left: the share of its energy above the
+    optimum that it then still had; escapes: how often it was kicked off a saddle.
     """
 
     start: int | None
@@ -50,6 +52,7 @@ class Run:
     last: float
     end: NDArray[np.float64]
     converged: bool
+    left: float
     escapes: int
 
     @property
@@ -85,6 +88,7 @@ def thinned(trajectory: Trajectory, start: int | None = None) -> Run:
         last=float(times[-1]),
         end=trajectory.quaternion,
         converged=trajectory.converged,
+        left=trajectory.energy_left,
         escapes=trajectory.escapes,
     )
 
@@ -128,6 +132,31 @@ def _escape(solution: Solution, damping: float, index: int, axis: NDArray[np.flo
     pushed = component.rotation @ np.array(rotation_matrix(turn.tolist()))
     start, limits = state_at_rest(pushed), SimulationSettings(max_steps=ESCAPE_STEPS)
     return thinned(simulate(solution.objective, damping, start=start, settings=limits), index)
+
+
+def left_words(left: float) -> str:
+    """What a body that is slow has still to lose; left: its share, as in `Run`.
+
+    >>> left_words(0.25)
+    'with 25 % of its energy above the optimum left'
+    """
+    percent = "over 99.9" if left > 0.999 else f"{100.0 * left:.3g}"
+    return f"with {percent} % of its energy above the optimum left"
+
+
+def unspent_words(trajectory: Trajectory) -> str | None:
+    """That a body is slow before it has come down to the optimum; None where it has, or is not."""
+    left = trajectory.energy_left
+    if not trajectory.converged or left <= UNSPENT:
+        return None
+    return f"slower than the tolerance, {left_words(left)}"
+
+
+def kicked_words(escapes: int) -> str:
+    """That a body did not find its way alone."""
+    if not escapes:
+        return ""
+    return f" (kicked off a saddle {'once' if escapes == 1 else f'{escapes} times'})"
 
 
 def _packed(values: NDArray[np.float64]) -> str:

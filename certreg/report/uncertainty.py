@@ -28,8 +28,8 @@ MOST_DECIMALS, PLAIN_BELOW = 12, 1e15  # of a number without an exponent
 MOST_DIGITS = 16  # and more: all that the double has
 OF_ORIGIN = "of the source's origin, along the target's axes"
 SWUNG = Absent("the turn swings the source's origin too far for a first order")
-WARNED = "the fit may hold more than noise (see the warning), and +/- would be of noise alone"
-TOO_LARGE = "the residuals are larger than sigma says (see the warning), and +/- would be of sigma"
+WARNED = "the fit may hold more than noise (see the warning), and ± would be of noise alone"
+TOO_LARGE = "the residuals are larger than sigma says (see the warning), and ± would be of sigma"
 
 
 def uncertainty_rows(registration: Registration) -> list[tuple[str, str]]:
@@ -39,12 +39,11 @@ def uncertainty_rows(registration: Registration) -> list[tuple[str, str]]:
     source's origin goes, which in map coordinates lies far from them. Where there is no uncertainty
     to tell: one row that says why.
     """
-    covariance = covariance_of(registration)
-    if isinstance(covariance, Absent):
-        return [("uncertainty", f"not known: {covariance.reason}")]
-    chi2 = chi2_words(registration)
-    centre = " ".join(centre_words(registration, covariance))
+    covariance, chi2 = covariance_of(registration), chi2_words(registration)
     tested = [] if chi2 is None else [("chi-squared", chi2)]
+    if isinstance(covariance, Absent):
+        return [("uncertainty", f"not known: {covariance.reason}"), *tested]
+    centre = " ".join(centre_words(registration, covariance))
     doubt = more_than_noise(registration.fit)
     if doubt is not None:
         return [("uncertainty", f"not known: {doubt}"), *tested]
@@ -99,7 +98,7 @@ def covariance_of(registration: Registration) -> PoseCovariance | Absent:
 
 
 def more_than_noise(fit: Fit) -> str | None:
-    """Why +/- would say too little of a pose whose fit is warned of; None where it is not."""
+    """Why ± would say too little of a pose whose fit is warned of; None where it is not."""
     if not fit.warnings:
         return None
     return TOO_LARGE if fit.codes == (FitCode.CHI2,) else WARNED
@@ -180,7 +179,8 @@ def _basis_words(registration: Registration, covariance: PoseCovariance) -> str:
     sigma = _two_digits(covariance.centre_sigma * math.sqrt((degrees + 6) / 3))  # of N points
     equal = registration.problem.equally_weighted
     mean = "" if equal else " at the mean weight"
-    sure = f"± {100.0 / math.sqrt(2.0 * degrees):.0f} %, {degrees} degrees of freedom"
+    percent = 100.0 / math.sqrt(2.0 * degrees)
+    sure = f"± {percent:{'.0f' if percent >= 1.0 else '.1g'}} %, {degrees} degrees of freedom"
     assumed = "independent errors" if equal else "independent errors as large as its weight says"
     return f"{told}from the residuals: sigma {sigma}{mean} {sure}, if each row has {assumed}"
 

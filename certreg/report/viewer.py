@@ -18,7 +18,7 @@ from certreg.exact import nearest_double
 from certreg.problem import lift
 from certreg.report.markup import printable
 from certreg.report.summary import margin_words, number
-from certreg.report.thinning import Run, shown_motion, simulated_escapes
+from certreg.report.thinning import UNSPENT, Run, left_words, shown_motion, simulated_escapes
 from certreg.report.words import component_name, component_words, factor_words, lie_words
 from certreg.results import Absent, Optimality
 
@@ -168,13 +168,17 @@ def _rmse(registration: Registration, component: Component) -> float | None:
 def colours_end(registration: Registration) -> dict[str, Any]:
     """The distance at the end of the colours at the optimum, None: the largest; and what it is.
 
-    Red is what a sound fit does not have. Without sigma and without a warning six medians are far,
-    as for outlying rows; a fit that is warned of shows which pairs are the farthest.
+    Red is what a sound fit does not have: ten sigma, or the largest where it is more, so that one
+    wrong row is told from those that it pulls off. Without sigma and without a warning six medians
+    are far, as for outlying rows; a fit that is warned of shows which pairs are the farthest.
     """
     problem, fit = registration.problem, registration.fit
     if problem.noise_given and problem.equally_weighted:
-        end = FAR_SIGMAS / math.sqrt(problem.weights[0])
-        return {"end": end, "words": f"{FAR_SIGMAS} σ"}
+        sigma = 1.0 / math.sqrt(problem.weights[0])
+        most = fit.worst[0].residual / sigma if fit.worst else 0.0
+        if most <= FAR_SIGMAS:
+            return {"end": FAR_SIGMAS * sigma, "words": f"{FAR_SIGMAS} σ"}
+        return {"end": None, "words": f"the largest, {most:.3g} σ"}
     ratio = fit.largest_over_median_residual
     if ratio is not None and ratio <= FAR_MEDIANS and not fit.warnings:
         end = FAR_MEDIANS / ratio * fit.worst[0].residual
@@ -187,6 +191,8 @@ def ended_words(solution: Solution, run: Run) -> str:
     """Where a run ended, and how."""
     unique = solution.equilibria.classification.unique
     kicked = "It stood at a saddle and was kicked off. " if run.escapes else ""
+    if run.converged and run.left > UNSPENT:
+        return f"{kicked}It is slower than the tolerance, {left_words(run.left)}."
     if run.converged:
         return f"{kicked}It comes to rest at {'the optimum' if unique else 'one of the optima'}."
     away = math.degrees(solution.objective.angle_to_optimum(lift(run.end).integers))

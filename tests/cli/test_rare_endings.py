@@ -169,3 +169,26 @@ def test_each_limit_of_a_batch_is_its_own(tmp_path: Path, monkeypatch: pytest.Mo
     (campaign,) = asked
     assert (campaign.limits.max_gap, campaign.limits.max_angle) == (1e-7, 1e-5)
     assert (campaign.demands.max_rmse, campaign.certificates) == (2.0, False)
+
+
+@pytest.mark.parametrize(
+    ("option", "typed", "pointed"),
+    [
+        ("--sigma", "0,5", "0.5"),
+        ("--damping", ",5", ".5"),
+        ("--max-rmse", "1,25e-3", "1.25e-3"),
+        ("--max-gap", "0,1", "0.1"),
+    ],
+)
+def test_a_decimal_comma_is_answered_by_the_number_to_type(
+    tmp_path: Path, option: str, typed: str, pointed: str
+):
+    cloud = write_csv(tmp_path / "a.csv", POINTS)
+    run = certreg("certify", cloud, cloud, option, typed)
+    words = (
+        f"Invalid value for '{option}': '{typed}' has a comma: with a decimal point type {pointed}"
+    )
+
+    assert (run.code, run.out) == (2, "")
+    assert words in run.err
+    assert "is not a valid float" in certreg("certify", cloud, cloud, option, "1,2,3").err

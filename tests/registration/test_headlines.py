@@ -324,6 +324,21 @@ def test_the_page_of_headlines_is_that_of_the_program():
         assert int(row["code"]) == headline.code
 
 
+def test_the_page_says_of_every_brace_how_it_is_rounded():
+    text = PAGE.read_text("utf-8").split("## The numbers in braces")[1].split("## ")[0]
+    listed_braces = re.findall(r"`\{(\w+)\}`", text)
+    braces = {name for one in HEADLINES for name in re.findall(r"\{(\w+)\}", one.words)}
+    bounds = next(row for row in text.splitlines() if "`{gap}`" in row)
+
+    assert sorted(listed_braces) == sorted(braces)
+    assert re.findall(r"\{(\w+)\}", bounds) == ["gap", "share", "degrees"]
+    assert listed.at_most(1.001) == "1.01"  # rounded up
+    far = proof_of(attack())
+    shifted = assess(far.problem, far.equilibria.components[3].rotation)
+    near = float(shifted.headline.split(": ")[1].split()[0])
+    assert near == float(f"{math.degrees(checked(shifted.nearest_angle)):.2g}")  # to nearest
+
+
 def test_every_headline_is_listed():
     defined = {value for value in vars(listed).values() if isinstance(value, listed.Headline)}
     of_poses = {one for pair in (*listed.OF_DATA.values(), listed.RULED_OUT) for one in pair}

@@ -420,3 +420,16 @@ def test_the_cloud_at_fault_is_named():
         with pytest.raises(InvalidProblemError, match=f"^{name} has shape") as caught:
             register(*clouds)
         assert caught.value.array == name
+
+
+@pytest.mark.parametrize(("longer", "alike"), [(0.1999, True), (0.2001, False)])
+def test_clouds_are_of_one_shape_where_they_are_as_long_along_each_axis(
+    longer: float, *, alike: bool, monkeypatch: pytest.MonkeyPatch
+):
+    """Flat against thick: squared lengths hide it, 0.2^2 being 0.04 of the size."""
+    monkeypatch.setattr(misfits, "RANDOM_PAIRINGS", 64)
+    flat, thick = np.array([0.0, 0.3, 0.7]), np.array([longer**2, 0.3, 0.7])
+    rows: Any = SimpleNamespace(second_moments=(flat, thick), effective_rows=5.0)
+    sums: Any = SimpleNamespace(explained=0.0)
+
+    assert misfits._as_random(sums, rows) == alike

@@ -7,6 +7,7 @@ import math
 import re
 from dataclasses import replace
 from fractions import Fraction
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,7 +26,7 @@ from certreg.report import (
     summary,
 )
 from certreg.report.page import ASSETS
-from certreg.report.thinning import thinned
+from certreg.report.thinning import thinned, unspent_words
 from certreg.report.viewer import WATCH, Names, ended_words, scene_document, viewer_words
 from certreg.report.words import component_words, lie_words, trap_words
 from certreg.verify import check
@@ -192,3 +193,89 @@ def test_the_checker_counts_one_pair_and_bounds_no_angle_where_all_are_optimal()
     assert "n = 1 pair, all of one weight" in words
     assert "every rotation is optimal" in words
     assert "No angle is bounded" not in words
+
+
+def test_a_body_that_hardly_moved_is_not_said_to_have_come_to_the_optimum():
+    problem = RegistrationProblem(CLOUD, CLOUD + 5.0, damping=1e9)
+    slow = certify(problem, relaxation=False)
+    usual = certify(RegistrationProblem(CLOUD, CLOUD + 5.0), relaxation=False)
+    trajectory: Any = slow.solution.trajectory
+    left = "slower than the tolerance, with over 99.9 % of its energy above the optimum left"
+
+    assert trajectory.converged
+    assert trajectory.energy_left > 0.999
+    assert f"1 step, then {left}; its rotation " in registration_summary(slow)
+    (told,) = {run["ended"] for run in scene_document(slow, NAMES)["runs"] if run["start"] is None}
+    assert told.startswith("It is slower than the tolerance, with ")
+    words = simulation_summary(simulated(problem, "splitting"))
+    assert f"\n  not there yet     {left}\n" in words
+    assert "\n  end               its rotation " in words
+    assert "left" not in registration_summary(usual)
+
+
+@pytest.mark.parametrize(("left", "told"), [(0.0100001, True), (0.01, False), (0.0, False)])
+def test_what_is_left_of_the_energy_is_told_from_a_hundredth_on(left: float, *, told: bool):
+    slow: Any = SimpleNamespace(converged=True, energy_left=left)
+    running: Any = SimpleNamespace(converged=False, energy_left=left)
+
+    assert (unspent_words(slow) is not None) == told
+    assert unspent_words(running) is None
+
+
+def test_what_is_left_is_a_share_of_what_there_was():
+    trajectory: Any = proof(CLOUD, CLOUD + 5.0, simulation=True).solution.trajectory
+    still: Any = proof(CLOUD, CLOUD, simulation=True).solution.trajectory
+    level = trajectory.moving.energies(trajectory.states[-1]).potential
+    half = np.array([4.0, 1.0]) * trajectory.moving.spread
+    begun = replace(trajectory, potential=level + half, kinetic=np.zeros(2))
+
+    assert trajectory.energy_left < 1e-3
+    assert begun.energy_left == pytest.approx(0.25, rel=1e-3)
+    assert still.energy_left == 0.0
+
+
+def test_a_bad_verdict_says_where_the_optimum_is_hardly_better():
+    """A needle: the next equilibrium, and a pose beside it, are not ruled out by the noise."""
+    rng = np.random.default_rng(3)
+    needle = np.outer(np.linspace(-1.0, 1.0, 12), [1.0, 0.0, 0.0])
+    needle = needle + 0.004 * rng.standard_normal((12, 3)) * [0.0, 1.0, 1.0]
+    target = needle + 0.005 * rng.standard_normal((12, 3))
+    problem = RegistrationProblem(needle, target, sigma=0.005)
+    following = certify(problem, relaxation=False, simulation=False).equilibria.components[1]
+    near = assess(problem, following.rotation)
+    far = assess(problem, np.diag([-1.0, -1.0, 1.0]))
+    plain = assess(RegistrationProblem(CLOUD, NOISY, sigma=0.01), np.diag([-1.0, -1.0, 1.0]))
+    open_ = " At the sigma given five standard deviations do not rule this pose out."
+    tie = " The optimum itself is nearly ambiguous: its rotation is not to be relied on."
+
+    assert near.headline.startswith("SPURIOUS-EQUILIBRIUM")
+    assert f"{tie}{open_}" in near.words
+    assert tie in far.words
+    assert open_ not in plain.words + far.words
+    assert tie not in plain.words
+
+
+def test_a_bad_verdict_says_where_a_turn_is_open():
+    problem = RegistrationProblem(CLOUD, NOISY, sigma=5.0)
+    words = assess(problem, np.eye(3), [9.0, 0.0, 0.0]).words
+
+    assert " The optimum's rotation is hardly determined: five standard deviations of the " in words
+
+
+@pytest.mark.parametrize(("times", "told"), [(0.9999, True), (1.0001, False)])
+def test_five_standard_deviations_rule_a_pose_out(times: float, *, told: bool):
+    """A shift by d costs n d^2 / sigma^2: 25 and no less rules it out."""
+    problem = RegistrationProblem(CLOUD, CLOUD, sigma=0.1)
+    words = assess(problem, np.eye(3), [times * 0.5 / math.sqrt(len(CLOUD)), 0.0, 0.0]).words
+
+    assert ("do not rule this pose out" in words) == told
+
+
+def test_a_spurious_pose_tells_how_far_its_translation_is():
+    apart = CLOUD - CLOUD.mean(axis=0)
+    problem = RegistrationProblem(apart, apart)
+    turn = certify(problem, relaxation=False, simulation=False).equilibria.components[3].rotation
+    lines = [assess(problem, turn, [shift, 0.0, 0.0]).headline for shift in (0.0, 5e-4)]
+
+    assert re.fullmatch(r"SPURIOUS-EQ\w+: \S+ degrees from the index-3 .*", lines[0])
+    assert " degrees, and 0.0005 between the centroids, from the index-3 equilibrium" in lines[1]

@@ -14,9 +14,9 @@ from certreg.problem import RegistrationProblem
 from certreg.registration import assess, certify
 from certreg.report import registration_summary, result_document
 from certreg.report.cards import registration_card
-from certreg.report.overview import Overview
+from certreg.report.overview import ABOVE, SAME, Overview
 from certreg.report.page import Report, html_page
-from certreg.report.remedies import FIX_TURN, GIVE_SIGMA, SINGLE_OUT, TELL_APART, remedies
+from certreg.report.remedies import FIX_TURN, GIVE_SIGMA, SINGLE_OUT, TELL_APART, WIDEN, remedies
 from certreg.report.summary import OF_PRINTED, assessment_summary, number
 from certreg.report.viewer import FAR_MEDIANS, FAR_SIGMAS, Names, colours_end, scene_document
 from certreg.results import Limits
@@ -85,7 +85,7 @@ def test_it_stands_in_text_page_card_json_and_assessment():
     line = f"What to do: {remedy}."
     page = html_page(Report.of(poor)).decode().split("<main>")[0]
 
-    assert remedies(poor) == [line]
+    assert remedies(poor) == [f"{remedy}."]
     assert f"\n{line}\n" in registration_summary(poor)
     assert f"<b>What to do:</b> C{remedy[1:]}." in page
     assert line in registration_card(poor)
@@ -101,8 +101,8 @@ def test_a_rotation_that_hardly_stands_has_advice_too():
     page = html_page(Report.of(near)).decode()
 
     assert near.equilibria.nearly_ambiguous
-    assert remedies(near) == [f"What to do: {GIVE_SIGMA}{TELL_APART}."]
-    assert remedies(known) == [f"What to do: {TELL_APART}."]
+    assert remedies(near) == [f"{GIVE_SIGMA}{TELL_APART}."]
+    assert remedies(known) == [f"{TELL_APART}."]
     assert (
         "<h1>A very different pose costs little more beside the range of energies: do not rely "
         "on the rotation.</h1>" in page
@@ -115,8 +115,8 @@ def test_a_loose_turn_has_advice_too():
 
     line = np.outer(np.arange(5.0), [1.0, 2.0, 3.0])
 
-    assert remedies(loose) == [f"What to do: {FIX_TURN}."]
-    assert remedies(proved(line, line)) == [f"What to do: {SINGLE_OUT}."]
+    assert remedies(loose) == [f"{FIX_TURN}."]
+    assert remedies(proved(line, line)) == [f"{SINGLE_OUT}."]
 
 
 @pytest.mark.parametrize(
@@ -173,3 +173,64 @@ def test_one_rmse_is_told_where_all_are_rounding():
     assert math.isclose(
         float(scene_document(bounded, NAMES)["components"][0]["rmse"]), best, abs_tol=1e-6
     )
+
+
+def test_a_small_margin_has_a_remedy_and_no_green_word_beside_it():
+    thin = CLOUD * [1.0, 0.02, 0.02]
+    narrow, sound = proved(thin, thin + 0.01 * NOISE), proved(CLOUD, GOOD)
+    told = Overview.of(narrow)
+
+    assert narrow.equilibria.narrow
+    assert not narrow.equilibria.nearly_ambiguous
+    assert remedies(narrow) == [f"{WIDEN}."]
+    assert (told.mark.kind, told.mark.words) == ("open", "see the warning above")
+    assert told.tests.endswith(ABOVE)
+    assert (Overview.of(sound).mark.kind, Overview.of(sound).mark.words) == ("good", "no warning")
+
+
+def test_colours_end_at_ten_sigma_or_beyond_it_at_the_largest():
+    """One wrong row pulls others off by more than ten sigma: it is to be told from them."""
+    wrong = proved(CLOUD, moved(5), sigma=0.01)
+    far = wrong.fit.worst[0].residual / 0.01
+    worst = proved(CLOUD, GOOD, sigma=0.01).fit.worst[0].residual
+
+    assert colours_end(wrong) == {"end": None, "words": f"the largest, {far:.3g} σ"}
+    inside = proved(CLOUD, GOOD, sigma=worst / FAR_SIGMAS * 1.000001)
+    outside = proved(CLOUD, GOOD, sigma=worst / FAR_SIGMAS * 0.999999)
+    assert colours_end(inside)["words"] == "10 σ"
+    assert colours_end(outside) == {"end": None, "words": "the largest, 10 σ"}
+
+
+def test_a_length_has_the_unit_of_the_target_where_the_clouds_may_have_two():
+    other, same = proved(CLOUD, 1000.0 * GOOD), proved(CLOUD, GOOD)
+
+    assert "(weighted, unit of the target)" in registration_summary(other)
+    assert "(weighted, unit of the clouds)" in registration_summary(same)
+    assert "(weighted, unit of the target)" in assessment_summary(assess(other.problem, other.pose))
+    assert [Overview.of(one).fit[0].words for one in (other, same)] == [
+        "in the unit of the target",
+        "in the unit of the clouds",
+    ]
+
+
+def test_the_rmse_of_a_bounded_pose_is_said_to_be_that_of_the_printed_one():
+    bounded = replace(proved(CLOUD, GOOD), limits=Limits(max_gap=0.0))
+
+    assert Overview.of(bounded).fit[0].words == "in the unit of the clouds, of the pose as printed"
+
+
+def test_a_deviation_that_is_not_known_for_the_same_reason_says_so_once():
+    loose = Overview.of(proved(CLOUD, GOOD, sigma=10.0)).pose.facts
+    told = {fact.name: fact.words for fact in loose}
+
+    assert told["Rotation ±"].startswith("not known: the turn about ")
+    assert told["Translation ±"] == SAME
+
+
+def test_the_numbers_of_a_pose_stay_on_their_line_in_a_card():
+    lines = registration_card(proved(CLOUD, GOOD)).splitlines()
+    style = {line.split(">")[2].split("<")[0]: line for line in lines if line.startswith("<tr>")}
+
+    for name in ("rotation (wxyz)", "translation"):
+        assert '<div style="overflow-x:auto;white-space:pre">' in style[name]
+    assert "<div" not in style["explained"]

@@ -294,6 +294,7 @@ def test_what_the_script_reads_is_what_was_computed():
         last=9.0,
         end=np.eye(4)[0],
         converged=True,
+        left=0.0,
         escapes=0,
     )
     most = float(np.finfo(np.float32).max)

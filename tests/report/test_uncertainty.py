@@ -136,7 +136,7 @@ def test_of_a_poor_fit_no_deviation_is_told():
 
 def test_of_a_sigma_that_is_too_small_alone_it_is_not_said_that_there_is_more_than_noise():
     small = registered(CLOUD + 0.01 * NOISE, sigma=1e-9)
-    reason = "the residuals are larger than sigma says (see the warning), and +/- would be of sigma"
+    reason = "the residuals are larger than sigma says (see the warning), and ± would be of sigma"
 
     assert small.fit.codes == (FitCode.CHI2,)
     assert rows(small)["uncertainty"] == f"not known: {reason}"
@@ -252,7 +252,9 @@ def test_where_there_is_none_the_reason_stands_in_its_place(estimated):
     rounded = certify(exact, simulation=False, relaxation=False)
     told = certify(replace_sigma(exact), simulation=False, relaxation=False)
 
-    assert rows(circle) == {"uncertainty": "not known: the optimum is not unique"}
+    none = "not known: the optimum is not unique"
+    exactly = "0 with 7 degrees of freedom, p = 1: the residuals are smaller than sigma says"
+    assert rows(circle) == {"uncertainty": none, "chi-squared": exactly}
     none = "not known: the residuals are so near rounding that they tell no noise: give sigma"
     assert rows(rounded) == {"uncertainty": none}
     assert rows(told)["± is"].endswith("of the sigma given: 0.1")

@@ -18,7 +18,15 @@ from scipy.spatial.transform import Rotation
 from certreg.geometry import given_pose
 from certreg.problem import MAX_DAMPING, MIN_DAMPING, RegistrationProblem
 from certreg.registration import CROSS_CHECK, certify, enumerated, judged, simulate
-from certreg.report import assessment_document, methods, page, result_document, summary, viewer
+from certreg.report import (
+    assessment_document,
+    methods,
+    page,
+    result_document,
+    summary,
+    thinning,
+    viewer,
+)
 from certreg.report.cards import assessment_card, registration_card
 from certreg.report.document import NOT_A_BOUND
 from certreg.report.page import Report
@@ -107,7 +115,7 @@ def test_whether_a_turn_is_loose_is_said_beside_a_warning_where_the_noise_was_gi
     ],
 )
 def test_kicks_are_counted(escapes: int, words: str):
-    assert summary._kicked_words(escapes) == words
+    assert thinning.kicked_words(escapes) == words
 
 
 @pytest.mark.parametrize("n", [1, 9, 10, 11, 20, 21])
