@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from certreg.native.codegen.emit import C_FILE as C_FILE
     from certreg.native.codegen.emit import HEADER_FILE as HEADER_FILE
     from certreg.native.codegen.emit import generated_files as generated_files
+    from certreg.native.eigenbasis import FIXED_BITS as FIXED_BITS
+    from certreg.native.eigenbasis import fixed_eigenbasis as fixed_eigenbasis
     from certreg.native.engine import current_engine as current_engine
     from certreg.native.kernels import GENERATED as GENERATED
     from certreg.native.kernels import HERE as HERE
@@ -54,6 +56,10 @@ __getattr__ = lazy_face(
             "C_FILE",
             "HEADER_FILE",
             "generated_files",
+        ),
+        "eigenbasis": (
+            "FIXED_BITS",
+            "fixed_eigenbasis",
         ),
         "engine": ("current_engine",),
         "kernels": (

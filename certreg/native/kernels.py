@@ -31,6 +31,7 @@ UNITS = (
     HERE / "single.c",
     HERE / "lanes.c",
     HERE / "exact.c",
+    HERE / "eigenbasis.c",
     HERE / "pose.c",
     HERE / "stationary.c",
     HERE / "sums.c",
@@ -42,7 +43,7 @@ HEADERS = (
         HERE / name
         for name in (
             *("loops.h", "lanes.h", "loop.h", "exact.h"),
-            *("eigen.h", "pose.h", "stationary.h", "sums.h"),
+            *("eigen.h", "eigenbasis.h", "pose.h", "stationary.h", "sums.h"),
         )
     ),
 )
@@ -56,6 +57,7 @@ WRITTEN = (  # by hand, not generated
     "certreg_splitting_single",
     "certreg_splitting_lanes",
     "certreg_midpoint_single",
+    "certreg_eigenbasis",
     "certreg_exact_sums",
     "certreg_pose",
     "certreg_stationary_poses",

@@ -22,6 +22,7 @@ from certreg.geometry import (
     rotation_matrix,
     squared_norm,
 )
+from certreg.native import FIXED_BITS, fixed_eigenbasis
 from certreg.objective.classification import classify, with_pattern
 from certreg.objective.polynomials import multiplier_system
 from certreg.problem import trace
@@ -229,10 +230,21 @@ class Isotropic(Brief):
         return resolved(self._spaces_at)
 
     def _spaces_at(self, bits: int) -> tuple[Space, ...]:
-        basis = integer_eigenbasis(self.davenport, bits)
+        values, vectors = self._eigenbasis(bits)
         shape = self.classification
         groups = [slice(s, s + m) for s, m in zip(shape.indices, shape.pattern, strict=True)]
-        return tuple(Space(values=basis.values[g], vectors=basis.vectors[g]) for g in groups)
+        return tuple([Space(values=values[g], vectors=vectors[g]) for g in groups])
+
+    def _eigenbasis(self, bits: int) -> tuple[tuple[int, ...], tuple[tuple[int, ...], ...]]:
+        """Values over 2^shift and unit vectors, with so many fractional bits: by C where it can."""
+        if bits == FIXED_BITS:
+            up, down = max(bits - self.shift, 0), max(self.shift - bits, 0)
+            scaled = [[entry << up >> down for entry in row] for row in self.davenport]
+            found = fixed_eigenbasis(scaled)
+            if found is not None:
+                return found
+        basis = integer_eigenbasis(self.davenport, bits)
+        return basis.values, basis.vectors
 
     @property
     def quaternions(self) -> tuple[IntegerQuaternion, ...]:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from engines import c_compiler
 
-from certreg.native import layout, library
+from certreg.native import eigenbasis, layout, library
 from certreg.native.codegen.records import RecordLayout, layout_files
 from certreg.native.engine import current_engine
 from certreg.native.kernels import GENERATED, HERE
@@ -42,7 +42,7 @@ STRUCTS = {  # of handwritten headers, as Python passes them
 def printed(folder, lines: list[str], include=GENERATED) -> list[int]:
     """The integers that C expressions are worth."""
     compiler = c_compiler()
-    headers = ("layout.h", "loops.h", "stationary.h", "sums.h", "exact.h", "pose.h")
+    headers = ("layout.h", "loops.h", "stationary.h", "sums.h", "exact.h", "pose.h", "eigenbasis.h")
     top = [f'#include "{name}"' for name in headers]
     top += ["#include <stddef.h>", "#include <stdio.h>", "int main(void)", "{"]
     body = [f'    printf("%ld\\n", (long)({line}));' for line in lines]
@@ -126,6 +126,7 @@ def test_structs_that_python_passes_are_those_of_the_headers(tmp_path):
 
 def test_numbers_that_c_and_python_share_are_equal(tmp_path):
     lines = [
+        "CERTREG_FIXED_WORDS",
         "CERTREG_EXACT_WORDS",
         "CERTREG_NOT_FINITE",
         "CERTREG_SCRATCH",
@@ -141,6 +142,7 @@ def test_numbers_that_c_and_python_share_are_equal(tmp_path):
     ]
 
     assert printed(tmp_path, lines) == [
+        eigenbasis.FIXED_WORDS,
         library.EXACT_WORDS,
         library.NOT_FINITE,
         library.SCRATCH,
