@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from certreg.io.clouds import Pairing as Pairing
     from certreg.io.clouds import read_cloud as read_cloud
     from certreg.io.clouds import read_problem as read_problem
-    from certreg.io.clouds import write_cloud as write_cloud
     from certreg.io.labels import csv_field as csv_field
     from certreg.io.objects import load as load
     from certreg.io.objects import pair as pair
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
     from certreg.io.text import TEXT_FORMATS as TEXT_FORMATS
     from certreg.io.text import parse_rows as parse_rows
     from certreg.io.text import read_clouds as read_clouds
+    from certreg.io.written_clouds import write_cloud as write_cloud
 
 __getattr__ = lazy_face(
     __name__,
@@ -49,7 +49,6 @@ __getattr__ = lazy_face(
             "Pairing",
             "read_cloud",
             "read_problem",
-            "write_cloud",
         ),
         "labels": ("csv_field",),
         "objects": (
@@ -71,5 +70,6 @@ __getattr__ = lazy_face(
             "parse_rows",
             "read_clouds",
         ),
+        "written_clouds": ("write_cloud",),
     },
 )

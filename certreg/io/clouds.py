@@ -1,34 +1,30 @@
-"""Clouds and weights from files, and clouds to files. Strict: what is read is what was meant."""
+"""Clouds and weights from files. Strict: what is read is what was meant."""
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass, replace
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
 from certreg.errors import InvalidFileError
-from certreg.io.atomic import write_atomically
 from certreg.io.cif import parse_cif
 from certreg.io.labels import (
     Match,
     are_short,
     classes_note,
-    csv_field,
     named_by_rows,
     rows_by_label,
     unused_labels_note,
 )
 from certreg.io.noise import noise_of_columns
-from certreg.io.npy import doubles, parse_array, read_array, write_array
+from certreg.io.npy import doubles, parse_array, read_array
 from certreg.io.npz import parse_npz
 from certreg.io.optional import unknown_format
 from certreg.io.pairs import read_pairs, repeated_rows_note
 from certreg.io.pcd import parse_pcd
-from certreg.io.ply import parse_ply, write_ply
+from certreg.io.ply import parse_ply
 from certreg.io.row_numbers import RowNumbers, require_same_rows
 from certreg.io.scans import parse_e57, parse_las
 from certreg.io.standard_input import is_standard_input, standard_input
@@ -37,22 +33,18 @@ from certreg.io.streams import reading
 from certreg.io.text import TEXT_FORMATS, notes_on, parse_points, read_numbers
 from certreg.problem import (
     RegistrationProblem,
-    contiguous,
     first_row,
-    row_blocks,
 )
 from certreg.results import Brief
 from certreg.verify import shown
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
 
     from numpy.typing import ArrayLike, NDArray
 
     from certreg.io.parsed import Parsed
-
-    Motion = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 PARSERS = {
     ".ply": parse_ply,
@@ -64,7 +56,6 @@ PARSERS = {
     ".e57": parse_e57,
 }
 FORMATS = (*TEXT_FORMATS, ".npy", *PARSERS)
-WRITTEN_FORMATS = (".csv", ".txt", ".ply", ".npy")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -356,80 +347,6 @@ def read_weights(path: str | os.PathLike[str]) -> NDArray[np.float64]:
         message = f"{file}: all weights are zero: give a positive weight to the points that count"
         raise InvalidFileError(message, path=file, value=0.0)
     return weights
-
-
-def write_cloud(
-    path: str | os.PathLike[str],
-    points: NDArray[np.float64],
-    labels: tuple[str, ...] | None,
-    *,
-    move: Motion | None = None,
-) -> None:
-    """Write a cloud as .csv (labels kept), .txt, .ply or .npy, every double as it is.
-
-    move: takes points (k, 3) to where they are to be written, if not where they are. That is done
-    block by block: mapped points stay in their file.
-    """
-    file = Path(path)
-    suffix = file.suffix.lower()
-    if suffix not in WRITTEN_FORMATS:
-        what = f"the format {shown(suffix) or '(none)'} cannot be written"
-        message = f"{shown(file)}: {what}: use {' '.join(WRITTEN_FORMATS)}"
-        raise InvalidFileError(message, path=file, value=suffix, limit=WRITTEN_FORMATS)
-    pieces = _written(file, points, move)
-    if suffix == ".npy":
-        write_array(file, pieces, len(points))
-    elif suffix == ".ply":
-        write_ply(file, pieces, len(points))
-    else:
-        _write_text(file, pieces, labels)
-
-
-def _written(
-    file: Path, points: NDArray[np.float64], move: Motion | None
-) -> Iterator[NDArray[np.float64]]:
-    """The points, block by block, in doubles. Raises InvalidFileError where one is not finite."""
-    for rows in row_blocks(len(points)):
-        part = contiguous(points, rows)
-        with np.errstate(over="ignore", invalid="ignore"):  # it is refused in one line
-            part = part if move is None else move(part)
-        finite = np.isfinite(part).all(axis=1)
-        if not finite.all():
-            row = int(np.argmin(finite))
-            message = (
-                f"{file}: row {rows.start + row} (counting from 0) would be {part[row].tolist()}, "
-                "beyond the doubles: change the unit of length"
-            )
-            raise InvalidFileError(
-                message, path=file, row=rows.start + row, value=part[row].tolist()
-            )
-        yield part
-
-
-def _write_text(
-    file: Path, pieces: Iterable[NDArray[np.float64]], labels: tuple[str, ...] | None
-) -> None:
-    comma = file.suffix.lower() == ".csv"
-    rows = ((",".join if comma else " ".join)(map(repr, row)) for p in pieces for row in p.tolist())
-    if comma and labels is not None:
-        names = [_quoted(file, label) for label in labels]
-        rows = (f"{name},{row}" for name, row in zip(names, rows, strict=True))
-    top = ["x,y,z" if labels is None else "label,x,y,z"] if comma else []
-    write_atomically(file, (f"{row}\n".encode() for row in chain(top, rows)))
-
-
-def _quoted(file: Path, label: str) -> str:
-    """A label as a field of a .csv file; refused where the reader would not give it back."""
-    kept = label == label.strip() and "\n\ufeff" not in label
-    kept = kept and label == label.encode(errors="ignore").decode()
-    if not kept or len(label) >= csv.field_size_limit():  # PLAIN may come before it
-        message = (
-            f"{file}: the label '{shown(label)}' cannot be written: use labels of Unicode text "
-            "without spaces at their ends"
-        )
-        raise InvalidFileError(message, path=file, column="label", value=label)
-    field = csv_field(label)
-    return f'"{field}"' if field.startswith("\ufeff") else field  # or it would be a mark of order
 
 
 def _taken(cloud: Cloud, rows: NDArray[np.int64]) -> Cloud:

@@ -25,9 +25,10 @@ from hypothesis import strategies as st
 
 from certreg.errors import InvalidFileError
 from certreg.io import scans as packed_scans
-from certreg.io.clouds import Pairing, parse_cloud, read_cloud, read_problem, write_cloud
+from certreg.io.clouds import Pairing, parse_cloud, read_cloud, read_problem
 from certreg.io.labels import Match
 from certreg.io.pcd import decompress
+from certreg.io.written_clouds import write_cloud
 
 DOUBLES = st.floats(allow_nan=False, allow_infinity=False)
 POINTS = [[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]]

@@ -16,9 +16,10 @@ from refusals import wrong_evidence
 from certreg.errors import InvalidFileError, InvalidProblemError
 from certreg.io import atomic, clouds, labels, npz, pairs
 from certreg.io.atomic import write_files, write_together
-from certreg.io.clouds import Cloud, Pair, Pairing, read_cloud, read_pair, read_problem, write_cloud
+from certreg.io.clouds import Cloud, Pair, Pairing, read_cloud, read_pair, read_problem
 from certreg.io.streams import MAX_LINE_BYTES, Place, typed_number
 from certreg.io.text import notes_on, read_clouds
+from certreg.io.written_clouds import write_cloud
 
 FOUR = [[float(x), 0.5 * x * x, -1.0 * x] for x in range(4)]
 SIX = [[float(x), 2.0 - x, 0.25 * x * x] for x in range(6)]
