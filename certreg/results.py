@@ -167,8 +167,17 @@ class Ruling(enum.Enum):
 class Verdict(Brief):
     """The answer of a check, in words; never a bare bool.
 
-    `theorems` are the sentences that were established; empty unless `ruling` is PROVED.
+    Attributes
+    ----------
+    ruling
+        One of three: what is not proved is not false.
+    words
+        The reason.
+    theorems
+        The sentences that were established; empty unless `ruling` is PROVED.
 
+    Examples
+    --------
     >>> Verdict(ruling=Ruling.REFUTED, words="the digest is not that of the data")
     <Verdict.REFUTED: 'the digest is not that of the data'>
     """
@@ -227,7 +236,18 @@ class Explained(Brief):
         object.__setattr__(self, "absent", missing)
 
     def stated(self, name: str) -> Any:
-        """The attribute of that name, or the Absent that stands for it."""
+        """The attribute of that name, or the Absent that stands for it.
+
+        Parameters
+        ----------
+        name
+            Of an attribute that may be None.
+
+        Returns
+        -------
+        Any
+            Its value; where that is None, the reason.
+        """
         value = getattr(self, name)
         return self.absent[name] if value is None else value
 

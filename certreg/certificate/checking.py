@@ -47,14 +47,29 @@ def verify(
 ) -> CertificateVerdict:
     """Re-check a certificate in exact arithmetic: a path, the bytes of the file, or as made.
 
-    problem: if given, the certificate must be about exactly these points and weights; needed where
-        the certificate is too large to carry its points.
-    max_angle, max_gap: refuse where the proved bound on the angle to the optima, in radians, or on
-        the gap, as a share of the range of energies, is larger, or where there is none.
-    PROVED carries the theorems and their numbers; REFUTED means that the certificate does not prove
-    its claims, which is not a proof that they are false. Raises InvalidFileError if the file cannot
-    be read, InvalidProblemError where a limit is no number, or below 0, or a mapped cloud is spoilt
-    meanwhile.
+    Parameters
+    ----------
+    certificate
+        What is to be checked; nothing in it is trusted.
+    problem
+        If given, the certificate must be about exactly these points and weights; needed where the
+        certificate is too large to carry its points.
+    max_angle, max_gap
+        Refuse where the proved bound on the angle to the optima, in radians, or on the gap, as a
+        share of the range of energies, is larger, or where there is none.
+
+    Returns
+    -------
+    CertificateVerdict
+        PROVED carries the theorems and their numbers; REFUTED means that the certificate does not
+        prove its claims, which is not a proof that they are false.
+
+    Raises
+    ------
+    InvalidFileError
+        If the file cannot be read.
+    InvalidProblemError
+        Where a limit is no number, or below 0, or a mapped cloud is spoilt meanwhile.
     """
     content = certificate_bytes(certificate)
     limits = _limits(angle=max_angle, share=max_gap)

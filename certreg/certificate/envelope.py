@@ -49,11 +49,17 @@ AnyBody_co = TypeVar("AnyBody_co", bound=CertificateBody, covariant=True)
 class Certificate(Brief, Generic[AnyBody_co]):
     """A proof object for one problem.
 
-    n, digest: number of points, and SHA-256 of `RegistrationProblem.data_bytes`.
-    inline: what has the bytes that are hashed into the digest: these, or the problem, which
-        is not copied before they are asked for; None where it is too large to inline.
-    body: what is claimed and what proves it, of one of `KINDS`.
-    about: names and settings; nothing in it is proved.
+    Attributes
+    ----------
+    n, digest
+        Number of points, and SHA-256 of `RegistrationProblem.data_bytes`.
+    inline
+        What has the bytes that are hashed into the digest: these, or the problem, which is not
+        copied before they are asked for; None where it is too large to inline.
+    body
+        What is claimed and what proves it, of one of `KINDS`.
+    about
+        Names and settings; nothing in it is proved.
     """
 
     n: int
@@ -73,11 +79,25 @@ class Certificate(Brief, Generic[AnyBody_co]):
 
     @classmethod
     def load(cls, certificate: str | os.PathLike[str] | bytes) -> Certificate[CertificateBody]:
-        """The certificate in a file, a path or its bytes. Proves nothing: ask `certreg.verify`.
+        """The certificate in a file. Proves nothing: ask `certreg.verify`.
 
         As strict as the checker: it must have all keys of its kind, of the right types and sizes,
         and no others. Stricter in one thing: a state in `basin` is there or null, not null in part.
-        Raises InvalidFileError where the file cannot be read or is not well-formed.
+
+        Parameters
+        ----------
+        certificate
+            A path, or the bytes of the file.
+
+        Returns
+        -------
+        Certificate[CertificateBody]
+            As it was before it was saved.
+
+        Raises
+        ------
+        InvalidFileError
+            Where the file cannot be read or is not well-formed.
         """
         content = certificate_bytes(certificate)
         name = "the certificate" if isinstance(certificate, bytes) else shown(certificate)
@@ -117,7 +137,18 @@ class Certificate(Brief, Generic[AnyBody_co]):
         return b"".join(self.pieces())
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the file; under a temporary name first, so that it is never half there."""
+        """Write the file; under a temporary name first, so that it is never half there.
+
+        Parameters
+        ----------
+        path
+            Of the file.
+
+        Raises
+        ------
+        InvalidFileError
+            Where it cannot be written.
+        """
         write_atomically(path, self.pieces())
 
 

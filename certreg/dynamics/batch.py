@@ -106,10 +106,27 @@ def bodies_of(
 ) -> Bodies:
     """The bodies of many problems, each released at rest where its source is.
 
-    sources, targets: (count, N, 3), or (N, 3) for the same in all; weights: (count, N) or (N,),
-    not negative; damping: mu > 0. Raises InvalidProblemError for others and what is not finite,
-    DegenerateProblemError where a source is collinear: its dynamics is undefined, or where its
-    springs are too weak for doubles.
+    Parameters
+    ----------
+    sources, targets
+        (count, N, 3), or (N, 3) for the same in all.
+    weights
+        (count, N) or (N,), not negative.
+    damping
+        mu > 0.
+
+    Returns
+    -------
+    Bodies
+        For `simulate_many`.
+
+    Raises
+    ------
+    InvalidProblemError
+        For others and what is not finite.
+    DegenerateProblemError
+        Where a source is collinear: its dynamics is undefined, or where its springs are too weak
+        for doubles.
     """
     damping = checked_damping(damping)
     poses = stationary_poses(clouds(sources, targets, weights))
@@ -142,10 +159,28 @@ def simulate_many(
 ) -> Ends:
     """Every body simulated to its end, on `settings.threads` threads.
 
-    integrator: also by name, as in `certreg.simulate`. progress: called with the number of bodies
-        that are done and that of all; the ends are the same. The interpreter's lock is free
-        meanwhile.
-    Raises DegenerateProblemError where a body is too stiff for explicit Euler.
+    The interpreter's lock is free meanwhile.
+
+    Parameters
+    ----------
+    bodies
+        Of `bodies_of`.
+    integrator
+        Also by name, as in `certreg.simulate`.
+    settings
+        None: as `SimulationSettings()` has it.
+    progress
+        Called with the number of bodies that are done and that of all; the ends are the same.
+
+    Returns
+    -------
+    Ends
+        The last state of each, and how it came there.
+
+    Raises
+    ------
+    DegenerateProblemError
+        Where a body is too stiff for explicit Euler.
     """
     integrator, settings = Integrator(integrator), settings or SimulationSettings()
     batch = Batch.of(

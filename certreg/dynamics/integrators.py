@@ -42,16 +42,31 @@ SPLITTING_HALVINGS = 8  # of the step, from the start, where a fast spin lost th
 class SimulationSettings:
     """What may be set of a simulation.
 
-    step: the largest, in the time unit of the springs; None: each integrator's own.
-    max_steps: after which a run ends all the same.
-    speed_tolerance: of the norm of the 18 rates of change, below which a body is slow.
-    rest_angle: radians from the optimum, beyond which a body that stopped would never get.
-    first_perturbation: radians, of a slow body off a saddle; while it stays slow, the next ones are
-        ten times as large.
-    least_step: of explicit Euler; a body that is too stiff for it is refused.
-    threads: for many bodies at once.
-    Raises ValueError for numbers that make no sense.
+    Parameters
+    ----------
+    step
+        The largest, in the time unit of the springs; None: each integrator's own.
+    max_steps
+        After which a run ends all the same.
+    speed_tolerance
+        Of the norm of the 18 rates of change, below which a body is slow.
+    rest_angle
+        Radians from the optimum, beyond which a body that stopped would never get.
+    first_perturbation
+        Radians, of a slow body off a saddle; while it stays slow, the next ones are ten times as
+        large.
+    least_step
+        Of explicit Euler; a body that is too stiff for it is refused.
+    threads
+        For many bodies at once.
 
+    Raises
+    ------
+    ValueError
+        For numbers that make no sense.
+
+    Examples
+    --------
     >>> SimulationSettings(step=0.1, max_steps=1000).speed_tolerance
     0.0001
     """

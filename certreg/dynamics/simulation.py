@@ -91,14 +91,29 @@ class Trajectory(Explained):
     The rates are computed when they are first asked for; why there is none is stated, and not in
     `absent`.
 
-    times (L,), in the time unit of the springs; states (L, 18) with lengths over
-    2^length_exponent; potential and kinetic (L,), V_p / M and V_k / M over 4^length_exponent.
-    quaternion: (4,), angular_velocity: (3,), of the last state: what the basin proof is about.
-    step: the largest; steps: how many; escapes: how often the body was perturbed off a saddle.
-    speed: |s'| at the end, the residual of the equilibrium equations.
-    notes: what else is to be known: a step that was not taken as given, perturbations that did the
+    Attributes
+    ----------
+    integrator, status
+        Which, and how it ended.
+    times
+        (L,), in the time unit of the springs.
+    states, length_exponent
+        (L, 18) with lengths over 2^length_exponent.
+    potential, kinetic
+        (L,), V_p / M and V_k / M over 4^length_exponent.
+    quaternion, angular_velocity
+        (4,) and (3,), of the last state: what the basin proof is about.
+    step, steps, escapes
+        The largest; how many; how often the body was perturbed off a saddle.
+    speed
+        |s'| at the end, the residual of the equilibrium equations.
+    notes
+        What else is to be known: a step that was not taken as given, perturbations that did the
         work of the springs, and, where the steps ran out, what makes them too few.
-    moving, basin: the body, and what is certified of it.
+    moving, basin
+        The body, and what is certified of it.
+    absent
+        Why an attribute is None, by its name.
     """
 
     integrator: Integrator
@@ -161,7 +176,18 @@ class Trajectory(Explained):
         return self.basin.barrier > 0.0
 
     def stated(self, name: str) -> Any:
-        """The attribute of that name, or the Absent that stands for it."""
+        """The attribute of that name, or the Absent that stands for it.
+
+        Parameters
+        ----------
+        name
+            Of an attribute that may be None.
+
+        Returns
+        -------
+        Any
+            Its value; where that is None, the reason.
+        """
         if name in RATES and getattr(self, name) is None:
             return TOO_FEW_SAMPLES if self._unique else NO_RATE
         return Explained.stated(self, name)

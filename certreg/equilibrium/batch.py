@@ -146,10 +146,32 @@ def solve_many(  # noqa: PLR0913 - each is one question, and has its usual answe
 ) -> Solutions:
     """The equilibria of many problems, on so many threads; the same numbers on any.
 
-    sources, targets: (count, N, 3), or (N, 3) for the same in all; weights: (count, N) or (N,), not
-    negative. spectrum: the eigenvalues, too. progress: called with the number of problems that are
-    done and that of all. The interpreter's lock is free most of the time.
-    Raises InvalidProblemError, which names the instance, for other shapes and values.
+    The interpreter's lock is free most of the time.
+
+    Parameters
+    ----------
+    sources, targets
+        (count, N, 3), or (N, 3) for the same in all.
+    weights
+        (count, N) or (N,), not negative.
+    damping
+        mu > 0.
+    threads
+        How many.
+    spectrum
+        Whether the eigenvalues are computed, too.
+    progress
+        Called with the number of problems that are done and that of all.
+
+    Returns
+    -------
+    Solutions
+        And for which problems doubles decide.
+
+    Raises
+    ------
+    InvalidProblemError
+        For other shapes and values; it names the instance.
     """
     given = clouds(sources, targets, weights)
     damping, threads = checked_damping(damping), checked_threads(threads)

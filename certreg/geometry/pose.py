@@ -22,12 +22,19 @@ if TYPE_CHECKING:
 class Pose(Brief):
     """The motion that takes the source to the target: `y = rotation @ x + translation`.
 
-    rotation: (3, 3), a rotation matrix up to the rounding of its entries.
-    translation: (3,), in the user's unit.
-    quaternion_wxyz: (4,), unit, scalar first, first nonzero entry positive.
+    Poses compose as their 4x4 matrices do, and move points.
 
-    Poses compose as their 4x4 matrices do, and move points:
+    Parameters
+    ----------
+    rotation
+        (3, 3), a rotation matrix up to the rounding of its entries.
+    translation
+        (3,), in the user's unit.
+    quaternion_wxyz
+        (4,), unit, scalar first, first nonzero entry positive.
 
+    Examples
+    --------
     >>> import numpy as np
     >>> turn = Pose.from_matrix([[0, -1, 0, 5], [1, 0, 0, 0], [0, 0, 1, 0]])
     >>> turn @ [1.0, 0.0, 0.0]
@@ -49,10 +56,24 @@ class Pose(Brief):
 
     @classmethod
     def from_matrix(cls, matrix: ArrayLike) -> Pose:
-        """The pose of a matrix (4, 4) with last row 0 0 0 1, or (3, 4): [R | t].
+        """The pose of a homogeneous matrix.
 
-        R may be off a rotation by what five printed decimals lose; off by more than the rounding of
-        doubles, the nearest rotation is taken. Raises InvalidProblemError for anything else.
+        Parameters
+        ----------
+        matrix
+            (4, 4) with last row 0 0 0 1, or (3, 4): [R | t]. R may be off a rotation by what five
+            printed decimals lose; off by more than the rounding of doubles, the nearest rotation is
+            taken.
+
+        Returns
+        -------
+        Pose
+            With the translation as it stands.
+
+        Raises
+        ------
+        InvalidProblemError
+            For anything else.
         """
         rotation, translation = split_matrix(doubles_of(matrix, "matrix"), "matrix")
         fault = why_no_rotation(rotation)
@@ -87,9 +108,22 @@ class Pose(Brief):
         )
 
     def apply(self, points: ArrayLike) -> NDArray[np.float64]:
-        """The moved points: (N, 3), each row R x + t; of one point (3,) the same.
+        """The points moved: each row x becomes R x + t.
 
-        Infinite or NaN where they leave the doubles. Raises InvalidProblemError for other shapes.
+        Parameters
+        ----------
+        points
+            (N, 3), or one point, (3,).
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Of the same shape; infinite or NaN where they leave the doubles.
+
+        Raises
+        ------
+        InvalidProblemError
+            For other shapes.
         """
         given = doubles_of(points, "points")
         if given.ndim not in {1, 2} or given.shape[-1] != 3:
@@ -117,7 +151,18 @@ class Pose(Brief):
         return _posed(product / np.linalg.norm(product), _finite(shift))
 
     def as_scipy(self) -> Any:
-        """The rotation as `scipy.spatial.transform.Rotation` Raises MissingToolError."""
+        """The rotation, as SciPy has it.
+
+        Returns
+        -------
+        scipy.spatial.transform.Rotation
+            Of the same quaternion.
+
+        Raises
+        ------
+        MissingToolError
+            Where SciPy is not installed.
+        """
         Rotation = library("scipy.spatial.transform", "as_scipy").Rotation
 
         return Rotation.from_quat(self.quaternion_wxyz, scalar_first=True)

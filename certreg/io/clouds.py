@@ -148,9 +148,24 @@ class Pair(Brief):
 
 
 def read_cloud(path: str | os.PathLike[str], *, noise: bool = True) -> Cloud:
-    """A cloud from a file of any of FORMATS, or `-`. Raises InvalidFileError: file, place, remedy.
+    """A cloud from a file.
 
-    noise: whether columns `sigma` and `weight` are read, too.
+    Parameters
+    ----------
+    path
+        Of any of FORMATS, told by its ending, or `-` for standard input.
+    noise
+        Whether columns `sigma` and `weight` are read, too.
+
+    Returns
+    -------
+    Cloud
+        Points, labels and noise, where the file has them.
+
+    Raises
+    ------
+    InvalidFileError
+        File, place, remedy.
     """
     if is_standard_input(path):
         return parse_cloud(*standard_input(), noise=noise)
@@ -284,8 +299,30 @@ def read_problem(
 ) -> tuple[RegistrationProblem, Pair]:
     """The problem that two cloud files state, and how they were read.
 
-    sigma, weights: one weight per row of the source's file; they go with their rows, whatever the
-    pairing. Without them a column `sigma` or `weight` of one of the clouds is used, and noted.
+    Parameters
+    ----------
+    source, target
+        Files, as `read_cloud` takes them.
+    sigma
+        Standard deviation of the noise, one for all.
+    weights
+        A file with one weight per row of the source's file; they go with their rows, whatever the
+        pairing. Without sigma and weights a column `sigma` or `weight` of one of the clouds is
+        used, and noted.
+    damping
+        As of `RegistrationProblem`.
+    pairing
+        Which rows belong together; by label, where both clouds have labels, if nothing is given.
+
+    Returns
+    -------
+    tuple[RegistrationProblem, Pair]
+        The problem, and the pair with its notes.
+
+    Raises
+    ------
+    InvalidFileError, InvalidProblemError
+        File, place, remedy.
     """
     bare = sigma is None and weights is None
     pair = read_pair(source, target, pairing, noise=bare)

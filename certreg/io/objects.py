@@ -32,8 +32,23 @@ if TYPE_CHECKING:
 def load(path: str | os.PathLike[str]) -> Cloud:
     """A cloud from a file: points, labels, sigma or weights where the file has them.
 
-    The formats are those of the command line. Raises InvalidFileError: file, place, remedy.
+    Parameters
+    ----------
+    path
+        The formats are those of the command line.
 
+    Returns
+    -------
+    Cloud
+        For `pair` and `certify`.
+
+    Raises
+    ------
+    InvalidFileError
+        File, place, remedy.
+
+    Examples
+    --------
     >>> from importlib.resources import files
     >>> cloud = load(files("certreg") / "data" / "survey_source.csv")
     >>> cloud.points.shape, len(cloud.labels)
@@ -45,13 +60,26 @@ def load(path: str | os.PathLike[str]) -> Cloud:
 def pair(source: Any, target: Any, *, match: str = "all") -> Pair:
     """Two clouds in correspondence: by label where both have labels, else row i with row i.
 
-    source, target: files, clouds of `certreg.load`, arrays (N, 3) of any library, or data frames,
-        whose labels are a column `label`, else an index that is not 0, 1, 2, ...
-    match: "all", or "common" to leave out labels that are in one cloud only.
+    Parameters
+    ----------
+    source, target
+        Files, clouds of `certreg.load`, arrays (N, 3) of any library, or data frames, whose labels
+        are a column `label`, else an index that is not 0, 1, 2, ...
+    match
+        "all", or "common" to leave out labels that are in one cloud only.
 
-    Gives both clouds when unpacked, and what the user should know in `notes`. Raises
-    InvalidFileError and InvalidProblemError, as the commands do.
+    Returns
+    -------
+    Pair
+        Both clouds when unpacked, and what the user should know in `notes`.
 
+    Raises
+    ------
+    InvalidFileError, InvalidProblemError
+        As the commands do.
+
+    Examples
+    --------
     >>> first, second = pair([[0, 0, 0], [1, 0, 0]], [[5, 0, 0], [5, 1, 0]])
     >>> first.points.shape
     (2, 3)

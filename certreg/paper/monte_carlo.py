@@ -1,4 +1,4 @@
-"""A campaign over random instances as the paper makes them: do they have the paper's equilibria?
+"""A campaign over random instances as the paper makes them: whether they have its equilibria.
 
 Shard k draws from child k of `numpy.random.SeedSequence(seed).spawn(...)`, so its instances depend
 on the manifest alone. Doubles decide almost all of them; an instance that they do not decide, or

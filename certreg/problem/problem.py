@@ -44,22 +44,34 @@ MIN_DAMPING, MAX_DAMPING = 1e-150, 1e150  # their squares, in the spectrum, are 
 class RegistrationProblem(Brief):
     """Find the rigid motion that takes `source` to `target`, row i to row i.
 
-    source, target: (N, 3) arrays of numbers, N >= 1, in one unit of length, of any library that
-        NumPy reads; or any object with `.points` (Open3D), `.vertices` (trimesh) or `.xyz` (laspy);
-        or data frames. Those with labels must have the same in the same order: `certreg.pair`
-        brings them into one.
-    sigma: standard deviation of the noise per coordinate, a scalar or (N,), > 0, same unit; the
-        weight is the double nearest to 1/sigma^2.
-    weights: instead of sigma, (N,) or a scalar, >= 0, not all zero.
-    damping: viscous damping per mass, mu > 0, per time unit of the virtual springs; where none is
-        given sqrt(8), but `certify` takes the one of the fastest decay.
-
     The arrays are copied and read-only. Only those that are mapped from a file for reading
     (`numpy.load(file, mmap_mode="r")`) stay in the file, of whatever type, and are read block by
     block whenever they are needed, so that a cloud may be larger than the memory. Nobody may
     change the file meanwhile. Where it happens all the same, the certificate is refused, or holds
-    for the points that its digest names. Raises InvalidProblemError.
+    for the points that its digest names.
 
+    Parameters
+    ----------
+    source, target
+        (N, 3) arrays of numbers, N >= 1, in one unit of length, of any library that NumPy reads; or
+        any object with `.points` (Open3D), `.vertices` (trimesh) or `.xyz` (laspy); or data frames.
+        Those with labels must have the same in the same order: `certreg.pair` brings them into one.
+    sigma
+        Standard deviation of the noise per coordinate, a scalar or (N,), > 0, same unit; the weight
+        is the double nearest to 1/sigma^2.
+    weights
+        Instead of sigma, (N,) or a scalar, >= 0, not all zero.
+    damping
+        Viscous damping per mass, mu > 0, per time unit of the virtual springs; where none is given
+        sqrt(8), but `certify` takes the one of the fastest decay.
+
+    Raises
+    ------
+    InvalidProblemError
+        For what states no problem: array, row and remedy.
+
+    Examples
+    --------
     >>> RegistrationProblem([[0, 0, 0], [1, 0, 0], [0, 2, 0]], [[0, 0, 0], [1, 0, 0], [0, 2, 0]]).n
     3
     """
@@ -114,7 +126,23 @@ class RegistrationProblem(Brief):
         return f"<RegistrationProblem: n={self.n}{noise}>"
 
     def damped(self, damping: float) -> RegistrationProblem:
-        """The same problem with another damping mu > 0; raises InvalidProblemError for others."""
+        """The same problem with another damping.
+
+        Parameters
+        ----------
+        damping
+            mu > 0.
+
+        Returns
+        -------
+        RegistrationProblem
+            Of the same arrays.
+
+        Raises
+        ------
+        InvalidProblemError
+            For others.
+        """
         other = copy.copy(self)
         object.__setattr__(other, "damping", checked_damping(damping))
         object.__setattr__(other, "damping_given", True)
@@ -141,7 +169,20 @@ class RegistrationProblem(Brief):
     def block(self, rows: slice) -> Block:
         """Some of the points in doubles, contiguous.
 
-        Raises InvalidProblemError where a file holds no proper points any more.
+        Parameters
+        ----------
+        rows
+            Of the points.
+
+        Returns
+        -------
+        Block
+            Source, target and weights of these rows.
+
+        Raises
+        ------
+        InvalidProblemError
+            Where a file holds no proper points any more.
         """
         weights = contiguous(self.weights, rows, "weights")
         if not (weights >= 0).all():

@@ -53,22 +53,38 @@ NOTHING_TO_EXPLAIN = Absent("the pose is (nearly) optimal: there is no slip to n
 class Assessment(Explained, Presented):
     """What is known of a given pose.
 
-    objective, rmse: at the pose; None where it is no rotation, or beyond the doubles.
-    gap_lower, gap_upper: proved bounds on objective - minimum; None where it is no rotation.
-    gap_share: gap_upper over the range of energies; None where that is zero, too.
-    rounding_cost: what rounding the numbers of the optimal pose to doubles can cost.
-    angle_to_optimum: radians, to the nearest optimum, computed; angle_upper: proved, rounded up;
-        None where the optimum is not unique.
-    nearest_index, nearest_angle: Morse index of the nearest component of equilibria; radians.
-    sigma_distance: how far the pose is from the optimum in standard deviations; None without sigma.
-    slip: the usual slip that explains a bad verdict, if any does: without it the pose is optimal.
-    optimum, optimum_objective, optimum_rmse: the certified pose beside the judged one, and what the
-        optimum costs itself, not rounded; where it is not unique, the one nearest the identity.
-    fit: what the optimum is worth as a fit: a pose can be optimal and the fit poor.
-    headline: the verdict, with what is proved and what speaks against it; words: what else is to be
-        said of it, in a sentence or two. green: whether its card is: that of a pose that is optimal
-        to rounding, with nothing against it.
-    energies: all that are told, exactly; None where it is no rotation.
+    Attributes
+    ----------
+    verdict, headline, words
+        The verdict; with what is proved and what speaks against it; what else is to be said of it,
+        in a sentence or two.
+    optimum, optimum_objective, optimum_rmse
+        The certified pose beside the judged one, and what the optimum costs itself, not rounded;
+        where it is not unique, the one nearest the identity.
+    fit
+        What the optimum is worth as a fit: a pose can be optimal and the fit poor.
+    objective, rmse
+        At the pose; None where it is no rotation, or beyond the doubles.
+    gap_lower, gap_upper, gap_share
+        Proved bounds on objective - minimum; None where it is no rotation. The share: gap_upper
+        over the range of energies; None where that is zero, too.
+    rounding_cost
+        What rounding the numbers of the optimal pose to doubles can cost.
+    angle_to_optimum, angle_upper
+        Radians, to the nearest optimum, computed; proved, rounded up; None where the optimum is not
+        unique.
+    nearest_index, nearest_angle
+        Morse index of the nearest component of equilibria; radians.
+    sigma_distance
+        How far the pose is from the optimum in standard deviations; None without sigma.
+    slip
+        The usual slip that explains a bad verdict, if any does: without it the pose is optimal.
+    green
+        Whether its card is: that of a pose that is optimal to rounding, with nothing against it.
+    energies
+        All that are told, exactly; None where it is no rotation.
+    absent
+        Why an attribute is None, by its name.
     """
 
     verdict: PoseVerdict
@@ -122,6 +138,10 @@ def assess(
 ) -> Assessment:
     """The assessment of a pose y = R x + t, as any tool returned it.
 
+    A quaternion is normalised and judged exactly. A matrix that is a rotation up to its printed
+    digits is judged as the nearest rotation, turned about the source's centroid, so that its
+    rounding does not move the cloud.
+
     Parameters
     ----------
     problem
@@ -134,13 +154,23 @@ def assess(
     translation
         (3,), a column or a row, beside a rotation. A rotation alone is judged with the best
         translation for it, and `words` say so.
+    settings
+        Where the words change; None: as `AssessmentSettings()` has it.
 
-    A quaternion is normalised and judged exactly. A matrix that is a rotation up to its printed
-    digits is judged as the nearest rotation, turned about the source's centroid, so that its
-    rounding does not move the cloud. Raises InvalidProblemError for arrays of other shapes or with
-    values that are not finite, and UndecidedError where the optimum could not be certified, so that
-    nothing is proved of any pose.
+    Returns
+    -------
+    Assessment
+        The verdict, the proved bounds on what the pose costs, and the optimum beside it.
 
+    Raises
+    ------
+    InvalidProblemError
+        For arrays of other shapes or with values that are not finite.
+    UndecidedError
+        Where the optimum could not be certified, so that nothing is proved of any pose.
+
+    Examples
+    --------
     >>> import numpy as np
     >>> from certreg import RegistrationProblem
     >>> cloud = np.diag([3.0, 2.0, 1.0])

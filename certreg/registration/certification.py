@@ -92,19 +92,41 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
     Which equilibria there are is decided here; their numbers, the covariance and the fit are
     computed when they are first asked for, of clouds that are mapped from a file at once.
 
-    problem: a `RegistrationProblem`; or source and target, as `certreg.pair` takes them: files,
-        arrays, data frames, paired by label where both have labels. Beside these sigma, weights
-        and damping may be given, as for a problem; what is noted of the pairs goes to the logger.
-    relaxation, simulation: whether to take these two methods, too; all else is the same. Instead of
-        True, the relaxation's solver by CVXPY's name for it; settings of the simulation, or the
-        name of its integrator. Where the problem names no damping, that of the fastest decay is
-        taken.
-    about: what else the certificate is to hold, unproved, besides damping and integrator.
-    max_gap, max_angle: what must be proved of the pose to call it certified, see `Limits`.
-    progress: called with the number of parts that are done and that of all: exact sums, relaxation,
+    Parameters
+    ----------
+    problem, target
+        A `RegistrationProblem`; or source and target, as `certreg.pair` takes them: files, arrays,
+        data frames, paired by label where both have labels.
+    relaxation
+        Whether to take the relaxation, too; all else is the same. Instead of True, its solver by
+        CVXPY's name for it.
+    simulation
+        Whether to simulate, too; instead of True, settings, or the name of the integrator. Where
+        the problem names no damping, that of the fastest decay is taken.
+    about
+        What else the certificate is to hold, unproved, besides damping and integrator.
+    max_gap, max_angle
+        What must be proved of the pose to call it certified, see `Limits`.
+    progress
+        Called with the number of parts that are done and that of all: exact sums, relaxation,
         simulation, certificate and checker.
-    Raises ContradictionError or RefusedCertificateError where certreg contradicts itself, and
-    OutOfRangeError where no double can hold the pose.
+    **statement
+        `sigma`, `weights` and `damping`, as for a problem, beside source and target; what is noted
+        of the pairs goes to the logger.
+
+    Returns
+    -------
+    Registration
+        The pose, what is proved of it, all equilibria, and the certificate.
+
+    Raises
+    ------
+    InvalidProblemError, InvalidFileError
+        For what states no problem.
+    ContradictionError, RefusedCertificateError
+        Where certreg contradicts itself.
+    OutOfRangeError
+        Where no double can hold the pose.
     """
     stated, named = _stated(problem, target, statement)
     limits = Limits(max_gap=max_gap, max_angle=max_angle)
@@ -191,13 +213,30 @@ def simulate(
 ) -> Trajectory:
     """The trajectory of the damped body, released at rest where the source was given.
 
-    integrator: "euler", explicit with projection; "midpoint", whose energy never rises;
-        "splitting", a few large steps.
-    step: in the time unit of the springs, None for the integrator's own; less is taken, and noted
-        in the trajectory, where this is not stable or gains nothing.
-    settings: what else may be set; a step given beside them comes before theirs.
-    Raises ValueError for other integrators or steps, and DegenerateProblemError where the dynamics
-    is not defined or too stiff.
+    Parameters
+    ----------
+    problem
+        Its damping is that of the body.
+    integrator
+        "euler", explicit with projection; "midpoint", whose energy never rises; "splitting", a few
+        large steps.
+    step
+        In the time unit of the springs, None for the integrator's own; less is taken, and noted in
+        the trajectory, where this is not stable or gains nothing.
+    settings
+        What else may be set; a step given beside them comes before theirs.
+
+    Returns
+    -------
+    Trajectory
+        Whether it converged is in its `status`.
+
+    Raises
+    ------
+    ValueError
+        For other integrators or steps.
+    DegenerateProblemError
+        Where the dynamics is not defined or too stiff.
     """
     chosen, settings = Integrator(integrator), _with_step(settings, step)
     trajectory = run(Isotropic(exact_moments(problem)), problem.damping, chosen, settings=settings)

@@ -46,15 +46,32 @@ def register(
     For those who need only the pose, fast: one pass over the points, with no copy of them, then
     Horn's closed form [Horn1987]. `certreg.certify` proves its pose, and finds all equilibria.
 
-    source, target: (N, 3) in one unit of length. Arrays of float64 and float32 are read where they
-        stand, with any strides: slices, transposes of 3xN arrays (`cloud.T`), arrays that are
-        mapped from files. weights: (N,), >= 0; None: all are one. threads: the pose is the same to
-        the bit for every number of them.
+    Parameters
+    ----------
+    source, target
+        (N, 3) in one unit of length. Arrays of float64 and float32 are read where they stand, with
+        any strides: slices, transposes of 3xN arrays (`cloud.T`), arrays that are mapped from
+        files.
+    weights
+        (N,), >= 0; None: all are one.
+    threads
+        How many; the pose is the same to the bit for every number of them.
 
-    Raises InvalidProblemError for arrays that are no clouds in correspondence or a number of
-    threads below 1, and DegenerateProblemError where rounding may turn the pose by more than
-    1e-3 rad: above all where the best rotation is not unique, as for points on one line.
+    Returns
+    -------
+    Pose
+        In doubles.
 
+    Raises
+    ------
+    InvalidProblemError
+        For arrays that are no clouds in correspondence or a number of threads below 1.
+    DegenerateProblemError
+        Where rounding may turn the pose by more than 1e-3 rad: above all where the best rotation is
+        not unique, as for points on one line.
+
+    Examples
+    --------
     >>> pose = register([[0, 0, 0], [1, 0, 0], [0, 2, 0]], [[5, 0, 0], [5, 1, 0], [3, 0, 0]])
     >>> pose.translation.round(9)
     array([5., 0., 0.])

@@ -64,12 +64,30 @@ def equilibria(
 ) -> EquilibriumSet:
     """All equilibria of the registration dynamics of a problem.
 
-    method: "spectral", the eigenspaces of the Davenport matrix; "groebner", exact elimination of
-        the torque quadratics; "homotopy", continuation in floating point, each root proved in ball
-        arithmetic; "all", every one of them, held against each other. Raises ValueError for others.
-    progress: called with the number of searches that are done and that of all.
-    Raises UndecidedError where the homotopy comes to no list, and ContradictionError where two
-    methods disagree.
+    Parameters
+    ----------
+    problem
+        Points, weights and damping.
+    method
+        "spectral", the eigenspaces of the Davenport matrix; "groebner", exact elimination of the
+        torque quadratics; "homotopy", continuation in floating point, each root proved in ball
+        arithmetic; "all", every one of them, held against each other.
+    progress
+        Called with the number of searches that are done and that of all.
+
+    Returns
+    -------
+    EquilibriumSet
+        With energies, indices and stability.
+
+    Raises
+    ------
+    ValueError
+        For other methods.
+    UndecidedError
+        Where the homotopy comes to no list.
+    ContradictionError
+        Where two methods disagree.
     """
     return ListedEquilibria.of(enumerated(problem, method, progress=progress))
 

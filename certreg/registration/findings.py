@@ -44,6 +44,16 @@ class AssessmentSettings:
 
     What is optimal is no choice: the gap is then at most what rounding the pose can cost, and
     within what `certify` calls certified (`Limits`).
+
+    Parameters
+    ----------
+    rotation_tolerance
+        How far, in the norm of R^T R - I, a matrix may be off a rotation.
+    near_optimal_gap, near_optimal_angle
+        A share of the range of energies, and radians: what is nearer than both is near optimal.
+    equilibrium_angle, equilibrium_shift
+        Radians, and a distance of the centroids relative to the clouds' radius: what is nearer than
+        both to another equilibrium is told to be there.
     """
 
     rotation_tolerance: float = ROTATION_TOLERANCE  # |R^T R - I|, as for poses in files

@@ -46,15 +46,35 @@ def certify_many(
 ) -> list[Any]:
     """The results of `certify` for many problems, in their order.
 
-    problems: each a `RegistrationProblem`, or a pair (source, target). options: as of `certify`,
-        the same for all.
-    errors: "raise" the first, with a note that says of which problem, counted from 0; or "keep"
-        it in the place of the result.
-    progress: called with the number that is done and that of all, None where nobody knows it.
-
     One process, one problem at a time: for files on many processors, that survives a kill, take
     `certreg batch`; for millions of small problems in floating point, `certreg.solve_many`.
 
+    Parameters
+    ----------
+    problems
+        Each a `RegistrationProblem`, or a pair (source, target).
+    errors
+        "raise" the first, with a note that says of which problem, counted from 0; or "keep" it in
+        the place of the result.
+    progress
+        Called with the number that is done and that of all, None where nobody knows it.
+    **options
+        As of `certify`, the same for all.
+
+    Returns
+    -------
+    list[Any]
+        A `Registration` of each problem; of one that is refused the error, where these are kept.
+
+    Raises
+    ------
+    CertregError
+        That of the first problem that `certify` refuses, where errors are not kept.
+    ValueError
+        For other words in `errors`.
+
+    Examples
+    --------
     >>> cloud = [[0, 0, 0], [1, 0, 0], [0, 2, 0]]
     >>> certify_many([(cloud, cloud)], simulation=False, progress=print)
     1 1

@@ -158,12 +158,24 @@ class SimulatedRegistration(Brief):
 class Registration(Explained, Presented):
     """The result of `certify`: a solution and what the checker has accepted of it.
 
-    objective: sum w |y - R x - t|^2 at `pose`; None where no double holds it.
-    rmse: sqrt(objective / sum w), in the unit of length.
-    bounds: proved of `pose` as reported, rounding included; None if nothing is proved.
-    limits: of the bounds, within which the pose is called certified.
-    verdict: the checker's, with the theorems in its words; None if there is no certificate.
-    timings: seconds per phase.
+    Attributes
+    ----------
+    problem, solution
+        What was asked, and what was found.
+    objective
+        sum w |y - R x - t|^2 at `pose`; None where no double holds it.
+    rmse
+        sqrt(objective / sum w), in the unit of length.
+    bounds
+        Proved of `pose` as reported, rounding included; None if nothing is proved.
+    limits
+        Of the bounds, within which the pose is called certified.
+    verdict
+        The checker's, with the theorems in its words; None if there is no certificate.
+    timings
+        Seconds per phase.
+    absent
+        Why an attribute is None, by its name.
     """
 
     problem: RegistrationProblem
@@ -217,7 +229,18 @@ class Registration(Explained, Presented):
         return self.solution.fit
 
     def stated(self, name: str) -> Any:
-        """The attribute of that name, or the Absent that stands for it."""
+        """The attribute of that name, or the Absent that stands for it.
+
+        Parameters
+        ----------
+        name
+            Of an attribute that may be None.
+
+        Returns
+        -------
+        Any
+            Its value; where that is None, the reason.
+        """
         if name == "covariance":
             return self.solution.stated(name)
         return Explained.stated(self, name)
@@ -230,24 +253,62 @@ class Registration(Explained, Presented):
         return np.concatenate([residual_distances(block, pose) for block in blocks])
 
     def report(self, path: str | os.PathLike[str]) -> Path:
-        """Write one HTML file that shows the registration and its proof, offline; its path.
+        """Write one HTML file that shows the registration and its proof, offline.
 
-        Raises InvalidFileError where there is no certificate, or the file cannot be written.
+        Parameters
+        ----------
+        path
+            Of the file; it is written whole or not at all.
+
+        Returns
+        -------
+        Path
+            Of the file.
+
+        Raises
+        ------
+        InvalidFileError
+            Where there is no certificate, or the file cannot be written.
         """
         return presenter().report(self, path)
 
     def save(self, folder: str | os.PathLike[str]) -> Path | None:
-        """Write what `certify --out` writes; the certificate's path, None where there is none.
+        """Write what `certify --out` writes.
 
-        Raises InvalidFileError where the files cannot be written.
+        Parameters
+        ----------
+        folder
+            Made if it is missing.
+
+        Returns
+        -------
+        Path | None
+            Of the certificate; None where there is none.
+
+        Raises
+        ------
+        InvalidFileError
+            Where the files cannot be written.
         """
         return presenter().save(self, folder)
 
     def plot(self, axes: Any = None) -> Any:
-        """The clouds at the pose, drawn by Matplotlib; returns the axes.
+        """The clouds at the pose, drawn by Matplotlib.
 
-        axes: to draw into, of a flat projection; None for a figure of its own.
-        Raises MissingToolError without Matplotlib.
+        Parameters
+        ----------
+        axes
+            To draw into, of a flat projection; None for a figure of its own.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            What was drawn into.
+
+        Raises
+        ------
+        MissingToolError
+            Without Matplotlib.
         """
         return presenter().plot(self, axes)
 

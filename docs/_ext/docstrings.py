@@ -1,8 +1,9 @@
 """Docstrings of this project are prose: here they become reStructuredText that autodoc can set.
 
-Nothing in them is markup but `code` in backticks. A line `name, name: ...` with its indented
-continuation describes arguments or fields, an indented block is an equation or a piece of text to
-be kept as it is, and `>>>` begins an example (which the tests run).
+Nothing in them is markup but `code` in backticks. Of what is public they have numpydoc's sections,
+underlined, with a name and its indented description for each argument or error. Elsewhere a line
+`name, name: ...` with its indented continuation describes arguments or fields. An indented block is
+an equation or a piece of text to be kept as it is, and `>>>` begins an example (the tests run it).
 """
 
 from __future__ import annotations
@@ -32,6 +33,8 @@ def marked_up(lines: list[str]) -> list[str]:
 
 
 def _block(block: list[str]) -> list[str]:
+    if len(block) > 1 and set(block[1]) == {"-"}:
+        return [f".. rubric:: {block[0]}", "", *_section(block[2:])]
     if block[0].lstrip().startswith(">>>"):
         return block
     if all(line.startswith("    ") for line in block):
@@ -50,6 +53,14 @@ def _block(block: list[str]) -> list[str]:
             result.append(escaped(line))
             fields = False
     return result
+
+
+def _section(lines: list[str]) -> list[str]:
+    if lines[0].startswith(">>>"):
+        return lines
+    return [
+        f"    {escaped(line.strip())}" if line.startswith(" ") else f"``{line}``" for line in lines
+    ]
 
 
 def escaped(text: str) -> str:

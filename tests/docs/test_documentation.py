@@ -311,6 +311,30 @@ def test_a_docstring_is_prose_with_fields_equations_and_examples(extension: Call
     assert extension("docstrings").marked_up([">>> f(*x)", "1"])[1:3] == [">>> f(*x)", "1"]
 
 
+def test_a_section_of_a_docstring_is_a_heading_with_definitions(extension: Callable[[str], Any]):
+    lines = [
+        "Raises",
+        "------",
+        "KeyError, **x",
+        "    Of `q`,",
+        "    |q|.",
+        "",
+        "Examples",
+        "--------",
+    ]
+    marked = extension("docstrings").marked_up([*lines, ">>> f(*x)", "1"])
+
+    assert [line for line in marked if line] == [
+        ".. rubric:: Raises",
+        "``KeyError, **x``",
+        "    Of ``q``,",
+        r"    \|q\|.",
+        ".. rubric:: Examples",
+        ">>> f(*x)",
+        "1",
+    ]
+
+
 def test_the_keys_of_a_schema_are_listed_with_their_paths(extension: Callable[[str], Any]):
     inner = {"properties": {"b": {"type": ["number", "null"], "description": "B."}}}
     schema = {"properties": {"a": {"anyOf": [inner, {"type": "null"}]}, "c": {"const": 1}}}

@@ -258,4 +258,5 @@ def test_functions_and_modules_keep_to_the_sizes_of_the_house():
         for node, _ in statements(ast.parse(source)):
             if isinstance(node, ast.FunctionDef):
                 lines = (node.end_lineno or 0) - node.lineno + 1
-                assert lines <= 60, f"{module}.{node.name}"
+                told = ast.get_docstring(node, clean=False) or ""  # whose sections are long
+                assert lines - len(told.splitlines()) <= 55, f"{module}.{node.name}"
