@@ -1,0 +1,89 @@
+"""What a card draws and lists, and where a motion of the page begins: each at its own place."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from certreg import RegistrationProblem, certify
+from certreg.geometry import rotation_matrix
+from certreg.report.cards import equilibria_card, registration_card
+from certreg.report.picture import SOURCE, registration_picture
+from certreg.report.thinning import PUSH, simulated_escapes
+
+if TYPE_CHECKING:
+    from certreg.registration import Registration
+
+AXES = np.array([[3, 0, 0], [-3, 0, 0], [0, 2, 0], [0, -2, 0], [0, 0, 1], [0, 0, -1]], float)
+TURN = Rotation.from_rotvec([0.4, -0.7, 1.1]).as_matrix()
+OFF = 4  # the row whose target is moved
+
+
+@pytest.fixture(scope="module")
+def found() -> Registration:
+    target = AXES @ TURN.T
+    target[OFF] += 6.0 * TURN[:, 2]
+    return certify(RegistrationProblem(AXES, target), relaxation=False, simulation=False)
+
+
+def test_a_body_is_pushed_about_its_own_axis(found: Registration):
+    """Not about the axis of space that has the same three numbers: the pose is no axis' own."""
+    components = found.equilibria.components
+    for run in simulated_escapes(found.solution, 2.0):
+        assert run.start is not None
+        component = components[run.start]
+        axis = component.witness
+        assert axis is not None
+        begun = Rotation.from_matrix(rotation_matrix(run.quaternions[0].tolist()))
+        rest = Rotation.from_matrix(component.rotation)
+
+        assert (rest.inv() * begun).as_rotvec() == pytest.approx(PUSH * axis, abs=1e-9)
+        assert (begun * rest.inv()).as_rotvec() != pytest.approx(PUSH * axis, abs=1e-3)
+
+
+def test_rings_are_the_target_and_dots_the_moved_source(found: Registration):
+    """The row that is off is off in the target: its ring is farther from the others than its dot."""
+    picture = registration_picture(found)
+    assert picture is not None
+    rings, dots = (np.array(each, float) for each in (picture.rings, picture.dots))
+    springs = np.array(picture.springs, float)
+    spokes = np.array(picture.spokes, float)
+
+    away = [np.linalg.norm(each[OFF] - np.delete(each, OFF, 0).mean(0)) for each in (rings, dots)]
+    assert away[0] > 1.5 * away[1]
+    assert (springs == np.hstack([rings, dots])).all()
+    assert (spokes[:, 2:] == rings).all()
+    assert spokes[:, :2] == pytest.approx(np.tile(rings.mean(0), (len(AXES), 1)), abs=0.1)
+
+
+def test_a_card_draws_rings_empty_and_dots_in_the_colour_of_the_source(found: Registration):
+    picture = registration_picture(found)
+    assert picture is not None
+    drawn = {
+        re.sub(r'.*fill="([^"]*)".*', r"\1", head): re.findall(r'cx="([^"]*)" cy="([^"]*)"', body)
+        for head, body in re.findall(r"(<g [^>]*fill[^>]*>)(.*?)</g>", registration_card(found))
+    }
+
+    assert drawn["none"] == list(picture.rings)
+    assert drawn[SOURCE] == list(picture.dots)
+
+
+def test_the_columns_of_a_card_are_what_their_heads_say(found: Registration):
+    card = equilibria_card(found.equilibria)
+    heads = re.findall(r"<th[^>]*>(.*?)</th>", card)
+    cells = np.array(re.findall(r"<td[^>]*>(.*?)</td>", card)).reshape(-1, len(heads))
+    columns = dict(zip(heads, cells.T.tolist(), strict=True))
+    parts = found.equilibria.components
+
+    assert heads == ["index", "kind", "RMSE", "energy", "to the optimum"]
+    assert columns["index"] == [str(part.morse_index) for part in parts]
+    assert columns["kind"] == ["point"] * 4
+    assert [float(each) for each in columns["RMSE"]] == pytest.approx([p.rmse for p in parts])
+    assert [float(each) for each in columns["energy"]] == pytest.approx([p.energy for p in parts])
+    assert [float(each.removesuffix(" degrees")) for each in columns["to the optimum"]] == (
+        pytest.approx([np.degrees(p.angle_to_optimum) for p in parts], rel=1e-5)
+    )
