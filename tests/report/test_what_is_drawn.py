@@ -46,7 +46,7 @@ def test_a_body_is_pushed_about_its_own_axis(found: Registration):
 
 
 def test_rings_are_the_target_and_dots_the_moved_source(found: Registration):
-    """The row that is off is off in the target: its ring is farther from the others than its dot."""
+    """The row that is off is off in the target: its ring is farther off than its dot."""
     picture = registration_picture(found)
     assert picture is not None
     rings, dots = (np.array(each, float) for each in (picture.rings, picture.dots))
