@@ -144,9 +144,11 @@ def check_own(
     Of many points it does not add up all products again, which takes a stranger 15 seconds for a
     million: its proofs are run on exact sums by another method than those that it is made of. That
     is as good: parser, digest and every proof are the checker's, and of the sums, integers on which
-    no rounding acts, each method is the other's test. They share no step: compiled code adds up
-    products by their exponents, NumPy multiplies matrices of limbs. Only where both err alike, in
-    one integer, would a wrong certificate pass; and `certreg verify` adds up anew, always.
+    no rounding acts, each method is the other's test. Both are compiled, and share nothing that
+    multiplies or adds: one keeps an accumulator for every exponent of a product of signed integers,
+    the other multiplies digits in fixed point, without signs and exponents (`problem.exact_sums`);
+    what does not fit there goes by NumPy, in matrices of limbs. Only where both err alike, in one
+    integer, would a wrong certificate pass; and `certreg verify` adds up anew, always.
     """
     if problem.n <= PYTHON_POINTS:
         return verify(certificate.to_json(), problem)

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from certreg.native.layout import plain as plain
     from certreg.native.layout import symmetric as symmetric
     from certreg.native.layout import width as width
+    from certreg.native.library import FixedSums as FixedSums
     from certreg.native.library import Library as Library
     from certreg.native.library import library_if_any as library_if_any
     from certreg.native.library import loaded_library as loaded_library
@@ -85,6 +86,7 @@ __getattr__ = lazy_face(
             "width",
         ),
         "library": (
+            "FixedSums",
             "Library",
             "library_if_any",
             "loaded_library",

@@ -32,6 +32,7 @@ UNITS = (
     HERE / "lanes.c",
     HERE / "exact.c",
     HERE / "eigenbasis.c",
+    HERE / "fixed.c",
     HERE / "pose.c",
     HERE / "stationary.c",
     HERE / "sums.c",
@@ -42,7 +43,7 @@ HEADERS = (
     *(
         HERE / name
         for name in (
-            *("loops.h", "lanes.h", "loop.h", "exact.h"),
+            *("loops.h", "lanes.h", "loop.h", "exact.h", "fixed.h"),
             *("eigen.h", "eigenbasis.h", "pose.h", "stationary.h", "sums.h"),
         )
     ),
@@ -59,6 +60,9 @@ WRITTEN = (  # by hand, not generated
     "certreg_midpoint_single",
     "certreg_eigenbasis",
     "certreg_exact_sums",
+    "certreg_fixed_sums",
+    "certreg_fixed_fits",
+    "certreg_fixed_vectors",
     "certreg_pose",
     "certreg_stationary_poses",
     "certreg_sums",

@@ -39,6 +39,8 @@ if TYPE_CHECKING:
     from certreg.native.stationary import ManyClouds
 
 EXACT_WORDS, NOT_FINITE, NOWHERE = 101, 2, 2**63 - 1  # as in exact.h
+FIXED_PLACES, FIXED_NOT_FINITE = 6, 2  # as in fixed.h
+DIGIT_BITS = 52
 SCRATCH = 56  # doubles per point: CERTREG_SCRATCH of native/stationary.h
 PORTION = 512  # bodies that one call takes: Ctrl-C is answered within milliseconds
 _POINTER = ctypes.c_void_p
@@ -139,6 +141,51 @@ class Library:
             lowest=tuple(None if bit == NOWHERE else bit for bit in lowest.tolist()),
         )
 
+    @property
+    def multiplies_digits(self) -> bool:
+        """Whether this processor multiplies eight pairs of 52 bits at once."""
+        return bool(self.handle.certreg_fixed_vectors())
+
+    def fixed_point_fits(
+        self,
+        source: NDArray[np.float64],
+        target: NDArray[np.float64],
+        weights: NDArray[np.float64] | None,
+    ) -> bool:
+        """Whether `fixed_sums` would take these points."""
+        count, pointers, _ = _points(source, target, weights)
+        return self.handle.certreg_fixed_fits(count, *pointers) == 0
+
+    def fixed_sums(
+        self,
+        source: NDArray[np.float64],
+        target: NDArray[np.float64],
+        weights: NDArray[np.float64] | None,
+    ) -> FixedSums | None:
+        """Sums over contiguous points in fixed point; weights: None if all are one.
+
+        None where the numbers are of too many sizes, or a weight is negative, or the compiled code
+        has no integers of 128 bits. Raises ValueError for other arrays and for numbers that are not
+        finite.
+        """
+        count, pointers, arrays = _points(source, target, weights)
+        sums = np.empty((width(EXACT_SUMS), FIXED_PLACES, 2), dtype="<u8")
+        about = np.empty(8, dtype=np.int64)
+        found = [_POINTER(array.ctypes.data) for array in (sums, about)]
+        refused = self.handle.certreg_fixed_sums(count, *pointers, *found)
+        del arrays
+        if refused == FIXED_NOT_FINITE:
+            raise ValueError("a number is not finite")
+        if refused:
+            return None
+        numbers = about.tolist()
+        return FixedSums(
+            integers=tuple(_joined(places) for places in sums.reshape(len(sums), -1).tolist()),
+            units=tuple(numbers[:3]),
+            biases=tuple(numbers[3:5]),
+            lowest=tuple(None if bit < 0 else bit for bit in numbers[5:]),
+        )
+
     def stationary_poses(self, clouds: ManyClouds) -> StationaryPoses:
         """What doubles say of the stationary poses of many problems."""
         given = (clouds.sources, clouds.targets, clouds.weights)
@@ -198,6 +245,21 @@ class ExactSums:
     lowest: tuple[int | None, ...]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FixedSums:
+    """Sums by native/fixed.c, of integers that are not negative.
+
+    With source = X 2^a, target = Y 2^b, weights = W 2^c and the integers X + 2^p, Y + 2^q, W,
+    `integers` are the 28 sums; units: a, b, c; biases: p, q. lowest: the lowest bits set in X,
+    Y, W; None: all are zero. Without weights W = 1, also for points of zeros that were added.
+    """
+
+    integers: tuple[int, ...]
+    units: tuple[int, ...]
+    biases: tuple[int, ...]
+    lowest: tuple[int | None, ...]
+
+
 @dataclass(frozen=True, slots=True)
 class Signature:
     """Sizes of the arguments and results of a generated function."""
@@ -213,6 +275,27 @@ class Signature:
         if sizes != self.arguments:
             raise ValueError(f"{name} takes {self.arguments} numbers, not {sizes}")
         return given
+
+
+def _points(
+    source: NDArray[np.float64], target: NDArray[np.float64], weights: NDArray[np.float64] | None
+) -> tuple[ctypes.c_int64, list[ctypes.c_void_p], list[NDArray[np.float64]]]:
+    """How many points, where they are, and the arrays that must live as long."""
+    given = [array for array in (source, target, weights) if array is not None]
+    arrays = [np.ascontiguousarray(array, dtype=float) for array in given]
+    shapes, k = [array.shape for array in arrays], len(source)
+    if shapes != [(k, 3), (k, 3), (k,)][: len(arrays)]:
+        raise ValueError(f"points of shapes {shapes}: expected (k, 3), (k, 3), (k,)")
+    pointers = [_POINTER(array.ctypes.data) for array in arrays]
+    return ctypes.c_int64(k), [*pointers, *[_POINTER()] * (3 - len(arrays))], arrays
+
+
+def _joined(words: list[int]) -> int:
+    """One number of totals by place, each of two words, low first."""
+    value = 0
+    for k in range(len(words) - 2, -1, -2):
+        value = (value << DIGIT_BITS) + (words[k + 1] << 64) + words[k]
+    return value
 
 
 def _settings(rules: Rules) -> _Settings:

@@ -1,7 +1,14 @@
-"""Sums of w, w a and w a b over the points, exactly, by three methods that give the same integers.
+"""Sums of w, w a and w a b over the points, exactly, by four methods that give the same integers.
 
-Python's own integers for few points; compiled code for many; and NumPy, which cuts coordinates into
-limbs so short that a product of matrices of doubles adds them up without rounding [Ozaki2012].
+Python's own integers for few points; two of compiled code for many; and NumPy, which cuts
+coordinates into limbs so short that a product of matrices of doubles adds them up without rounding
+[Ozaki2012].
+
+The two of compiled code are each other's test, and share no step. By exponents (native/exact.c), a
+double stays an integer with sign times a power of two, and the sum of the exponents tells which of
+1534 accumulators takes a product. In fixed point (native/fixed.c) the numbers of a block lie over
+one power of two, are shifted until none is negative, and cut into digits of 52 bits; exponents and
+signs are gone, and what the shift adds to a sum is taken off here.
 """
 
 from __future__ import annotations
@@ -25,9 +32,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.native import Library
+    from certreg.native import FixedSums, Library
     from certreg.problem.problem import Block, RegistrationProblem
 
+FIXED_POINTS = 512  # from here on fixed point: below, its own set-up takes longer
 FEW_POINTS = 16  # below, Python's own integers take no longer than a call of compiled code
 MANY_POINTS = 2048  # from here on limbs, where nothing is compiled: 25 ms of integers
 THREADS = 2  # so many blocks at once, by compiled code and by NumPy
@@ -39,13 +47,20 @@ LEAST_EXPONENT = -1074  # every double is an integer times 2^-1074
 # Of each sum, how many factors are coordinates of the source and of the target; w is always one.
 FACTORS = ((0, 0), *[(1, 0)] * 3, *[(0, 1)] * 3, *[(1, 1)] * 9, *[(2, 0)] * 6, *[(0, 2)] * 6)
 UPPER = tuple((i, j) for i in range(3) for j in range(i, 3))
+# Of which two of the columns x, y the sums of products are.
+PRODUCTS = (
+    *((3 + i, j) for i in range(3) for j in range(3)),
+    *UPPER,
+    *((3 + i, 3 + j) for i, j in UPPER),
+)
 
 
 class SumMethod(enum.Enum):
     """How the sums are taken."""
 
     INTEGERS = "Python's integers"
-    COMPILED = "compiled code"
+    BY_EXPONENT = "compiled code, by exponents"
+    FIXED_POINT = "compiled code, in fixed point"
     LIMBS = "matrix products of limbs"
 
 
@@ -97,25 +112,34 @@ def sums(problem: RegistrationProblem) -> Sums:
 
 
 def fastest_method(problem: RegistrationProblem) -> SumMethod:
-    """The fastest method on this machine for so many points."""
-    if problem.n >= FEW_POINTS and _compiled() is not None:
-        return SumMethod.COMPILED
-    return SumMethod.INTEGERS if problem.n < MANY_POINTS else SumMethod.LIMBS
+    """The fastest method on this machine for such points."""
+    compiled = _compiled() if problem.n >= FEW_POINTS else None
+    if compiled is None:
+        return SumMethod.INTEGERS if problem.n < MANY_POINTS else SumMethod.LIMBS
+    fixed = problem.n >= FIXED_POINTS and compiled.multiplies_digits and _fits(compiled, problem)
+    return SumMethod.FIXED_POINT if fixed else SumMethod.BY_EXPONENT
 
 
 def second_method(problem: RegistrationProblem) -> SumMethod:
-    """Another method than the fastest one, for a second opinion."""
-    fastest = fastest_method(problem)
-    return SumMethod.LIMBS if fastest is SumMethod.COMPILED else SumMethod.INTEGERS
+    """Another method than the fastest one, for a second opinion; the two share no step."""
+    second = {
+        SumMethod.FIXED_POINT: SumMethod.BY_EXPONENT,
+        SumMethod.BY_EXPONENT: SumMethod.FIXED_POINT,
+    }
+    return second.get(fastest_method(problem), SumMethod.INTEGERS)
 
 
 def sums_by(method: SumMethod, problem: RegistrationProblem, *, threads: int = THREADS) -> Sums:
     """The sums over all points by one method. Raises MissingLibraryError.
 
+    Blocks with numbers of too many sizes for fixed point go by limbs, and where these would be too
+    many, by Python's integers: never by exponents.
     threads: how many may work at once; Python's integers are added by one.
     """
-    if method is SumMethod.COMPILED:
-        return _on_threads(partial(_by_compiled, loaded_library()), problem, threads)
+    if method is SumMethod.BY_EXPONENT:
+        return _on_threads(partial(_by_exponent, loaded_library()), problem, threads)
+    if method is SumMethod.FIXED_POINT:
+        return _on_threads(partial(_by_fixed_point, loaded_library()), problem, threads)
     if method is SumMethod.LIMBS:
         return _on_threads(_by_limbs, problem, threads)
     return _on_threads(_by_integers, problem, 1)
@@ -159,10 +183,57 @@ def _compiled() -> Library | None:
     return compiled
 
 
-def _by_compiled(compiled: Library, block: Block) -> Sums:
+def _fits(compiled: Library, problem: RegistrationProblem) -> bool:
+    """Whether the first block fits into fixed point."""
+    block = problem.block(next(iter(row_blocks(problem.n))))
+    return compiled.fixed_point_fits(block.source, block.target, _unequal(block.weights))
+
+
+def _unequal(weights: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    """The weights; None where they are all the same."""
+    return None if (weights == weights[0]).all() else weights
+
+
+def _by_exponent(compiled: Library, block: Block) -> Sums:
     raw = compiled.exact_sums(block.source, block.target, block.weights)
     a, b, c = (None if bit is None else bit + LEAST_EXPONENT for bit in raw.lowest)
     return _stated(raw.integers, (LEAST_EXPONENT,) * 3, (a, b, c))
+
+
+def _by_fixed_point(compiled: Library, block: Block) -> Sums:
+    weights = _unequal(block.weights)
+    raw = compiled.fixed_sums(block.source, block.target, weights)
+    if raw is None:
+        return _by_limbs(block)
+    a, b, c = (
+        None if bit is None else unit + bit for unit, bit in zip(raw.units, raw.lowest, strict=True)
+    )
+    integers = _without_biases(raw)
+    if weights is not None:
+        return _stated(integers, raw.units, (a, b, c))
+    one = lift(block.weights[:1])
+    (weight,), unit = one.integers, one.exponent
+    many = (len(block.weights), *integers[1:])
+    return _stated(
+        [weight * k for k in many], (*raw.units[:2], unit), (a, b, unit if weight else None)
+    )
+
+
+def _without_biases(raw: FixedSums) -> list[int]:
+    """Sums of W, W X, ... from those of W, W (X + p), ...
+
+    With P = 2^p and Q = 2^q, sum W X = sum W (X + P) - P sum W, and for the products
+    sum W Y X = sum W (Y + Q)(X + P) - P sum W Y - Q sum W X - P Q sum W.
+    """
+    mass, *others = raw.integers
+    p, q = raw.biases
+    biases = (p, p, p, q, q, q)
+    single = [k - (mass << bias) for k, bias in zip(others, biases, strict=False)]
+    products = [
+        k - (single[i] << biases[j]) - (single[j] << biases[i]) - (mass << biases[i] + biases[j])
+        for k, (i, j) in zip(others[6:], PRODUCTS, strict=True)
+    ]
+    return [mass, *single, *products]
 
 
 def _by_integers(block: Block) -> Sums:

@@ -22,6 +22,7 @@ from certreg.problem.exact_sums import (
     UPPER,
     SumMethod,
     fastest_method,
+    second_method,
     sums,
     sums_by,
 )
@@ -83,7 +84,7 @@ def values(found):
 def test_every_method_gives_the_same_integers_and_they_are_those_of_the_definition(problem):
     one, *others = (sums_by(method, problem) for method in SumMethod)
 
-    assert others == [one, one]
+    assert others == [one] * 3
     assert values(one) == by_definition(problem)
 
 
@@ -117,7 +118,7 @@ def test_accumulators_do_not_overflow_where_all_numbers_are_extreme(source, weig
     one = RegistrationProblem(np.full((1, 3), source), np.full((1, 3), LARGEST), weights=weight)
     expected = [n * value for value in values(sums_by(SumMethod.INTEGERS, one))]
 
-    for method in (SumMethod.COMPILED, SumMethod.LIMBS):
+    for method in (SumMethod.BY_EXPONENT, SumMethod.FIXED_POINT, SumMethod.LIMBS):
         assert values(sums_by(method, problem)) == expected
 
 
@@ -129,7 +130,9 @@ def test_many_points_of_many_scales_on_threads_sum_up_to_the_same_integers(monke
     monkeypatch.setattr("certreg.problem.arrays.BLOCK_POINTS", 1000)
     monkeypatch.setattr(exact_sums, "LIMB_POINTS", 777)
 
-    assert [sums_by(method, problem, threads=3) for method in SumMethod] == [expected] * 3
+    assert [sums_by(method, problem, threads=3) for method in SumMethod] == [expected] * len(
+        SumMethod
+    )
 
 
 def test_products_of_the_largest_limbs_do_not_round():
@@ -168,19 +171,68 @@ def test_limbs_are_used_where_they_are_said_to_be(monkeypatch):
 
 
 @pytest.mark.usefixtures("compiled")
-def test_the_method_is_chosen_by_the_number_of_points_and_what_is_compiled(monkeypatch):
-    n, integers = exact_sums.MANY_POINTS, SumMethod.INTEGERS
-    sizes = (exact_sums.FEW_POINTS - 1, n - 1, n)
+@pytest.mark.parametrize("fast", [True, False])
+def test_the_method_is_chosen_by_the_number_of_points_and_what_is_compiled(fast, monkeypatch):
+    monkeypatch.setattr(native.Library, "multiplies_digits", fast)
+    sizes = (
+        exact_sums.FEW_POINTS - 1,
+        exact_sums.FIXED_POINTS - 1,
+        exact_sums.FIXED_POINTS,
+        exact_sums.MANY_POINTS - 1,
+        exact_sums.MANY_POINTS,
+    )
     problems = [RegistrationProblem(np.eye(size, 3), np.eye(size, 3)) for size in sizes]
+    integers, limbs = SumMethod.INTEGERS, SumMethod.LIMBS
+    exponents, fixed = SumMethod.BY_EXPONENT, SumMethod.FIXED_POINT
+    first, second = (fixed, exponents) if fast else (exponents, fixed)
 
-    compiled = [integers, SumMethod.COMPILED, SumMethod.COMPILED]
-    assert [fastest_method(problem) for problem in problems] == compiled
+    chosen = [fastest_method(problem) for problem in problems]
+    assert chosen == [integers, exponents, first, first, first]
+    others = [second_method(problem) for problem in problems]
+    assert others == [integers, fixed, second, second, second]
     monkeypatch.setattr(exact_sums, "_compiled", lambda: None)
-    assert [fastest_method(problem) for problem in problems] == [
-        integers,
-        integers,
-        SumMethod.LIMBS,
-    ]
+    chosen = [fastest_method(problem) for problem in problems]
+    assert chosen == [*[integers] * 4, limbs]
+    assert {second_method(problem) for problem in problems} == {integers}
+
+
+@pytest.mark.usefixtures("compiled")
+def test_what_does_not_fit_into_fixed_point_is_never_added_up_twice_by_exponents(monkeypatch):
+    """The second opinion would be the first one otherwise."""
+    problem = strategies.random_problem(np.random.default_rng(2), n=exact_sums.FIXED_POINTS)
+    source = problem.source.copy()
+    source[-1] *= 2.0**-200
+    wide = RegistrationProblem(source, problem.target)
+    monkeypatch.setattr(native.Library, "multiplies_digits", True)
+
+    assert fastest_method(problem) is SumMethod.FIXED_POINT
+    assert fastest_method(wide) is SumMethod.BY_EXPONENT
+    assert second_method(wide) is SumMethod.FIXED_POINT
+    expected = sums_by(SumMethod.BY_EXPONENT, wide)
+    monkeypatch.setattr(native.Library, "exact_sums", None)
+    assert sums_by(SumMethod.FIXED_POINT, wide) == expected
+
+
+@pytest.mark.usefixtures("compiled")
+def test_a_block_that_does_not_fit_goes_by_limbs_among_others_that_do(monkeypatch):
+    rng = np.random.default_rng(6)
+    source, target = rng.normal(size=(2, 3 * exact_sums.FIXED_POINTS, 3))
+    source[-1] *= 2.0**-200
+    problem = RegistrationProblem(source, target)
+    expected = sums_by(SumMethod.INTEGERS, problem)
+    monkeypatch.setattr("certreg.problem.arrays.BLOCK_POINTS", exact_sums.FIXED_POINTS)
+    monkeypatch.setattr(native.Library, "multiplies_digits", True)
+    parts, by_limbs = [], exact_sums._by_limbs
+
+    def noted(block):
+        parts.append(len(block.weights))
+        return by_limbs(block)
+
+    monkeypatch.setattr(exact_sums, "_by_limbs", noted)
+
+    assert fastest_method(problem) is SumMethod.FIXED_POINT
+    assert sums_by(SumMethod.FIXED_POINT, problem) == expected
+    assert parts == [exact_sums.FIXED_POINTS]
 
 
 def test_without_integers_of_128_bits_there_is_no_compiled_method(monkeypatch):
@@ -199,13 +251,14 @@ def test_without_integers_of_128_bits_there_is_no_compiled_method(monkeypatch):
 def test_exact_moments_of_many_points_are_those_of_integers():
     problem = strategies.random_problem(np.random.default_rng(5), n=exact_sums.MANY_POINTS)
 
-    assert fastest_method(problem) is SumMethod.COMPILED
+    assert fastest_method(problem) is not SumMethod.INTEGERS
     assert exact_moments(problem) == moments_of(sums_by(SumMethod.INTEGERS, problem), problem.n)
 
 
 @pytest.mark.usefixtures("compiled")
+@pytest.mark.parametrize("method", ["exact_sums", "fixed_sums"])
 @pytest.mark.parametrize("bad", [np.inf, -np.inf, np.nan])
-def test_the_compiled_sums_refuse_what_is_not_finite(bad):
+def test_the_compiled_sums_refuse_what_is_not_finite(bad, method):
     points = np.ones((4, 3))
     points[2, 1] = bad
     for source, target, weights in (
@@ -214,14 +267,15 @@ def test_the_compiled_sums_refuse_what_is_not_finite(bad):
         (np.ones((4, 3)), np.ones((4, 3)), points[:, 1]),
     ):
         with pytest.raises(ValueError, match="not finite"):
-            native.loaded_library().exact_sums(source, target, weights)
+            getattr(native.loaded_library(), method)(source, target, weights)
 
 
 @pytest.mark.usefixtures("compiled")
-def test_the_compiled_sums_refuse_arrays_that_do_not_belong_together():
+@pytest.mark.parametrize("method", ["exact_sums", "fixed_sums"])
+def test_the_compiled_sums_refuse_arrays_that_do_not_belong_together(method):
     for shapes in (((4, 3), (3, 3), (4,)), ((4, 2), (4, 2), (4,)), ((3, 3), (3, 3), (4,))):
         with pytest.raises(ValueError, match="expected"):
-            native.loaded_library().exact_sums(*(np.ones(shape) for shape in shapes))
+            getattr(native.loaded_library(), method)(*(np.ones(shape) for shape in shapes))
 
 
 @pytest.mark.usefixtures("compiled")
@@ -232,4 +286,4 @@ def test_a_failure_in_a_thread_ends_the_sums(monkeypatch):
     monkeypatch.setattr(native.Library, "exact_sums", fails)
     problem = strategies.random_problem(np.random.default_rng(5), n=30)
     with pytest.raises(CertregError, match="as planned"):
-        sums_by(SumMethod.COMPILED, problem)
+        sums_by(SumMethod.BY_EXPONENT, problem)

@@ -21,7 +21,7 @@ from certreg.certificate.envelope import PIECE, file_pieces
 from certreg.certificate.producing import count_certificate
 from certreg.errors import RefusedCertificateError
 from certreg.exact.dyadic import Dyadic
-from certreg.problem.exact_sums import SumMethod, sums_by
+from certreg.problem.exact_sums import SumMethod, fastest_method, second_method, sums_by
 from certreg.registration.certification import solve
 from certreg.results import Optimality, Ruling
 from certreg.verify import check, moments
@@ -117,7 +117,9 @@ def test_its_own_certificate_of_many_points_is_checked_on_sums_by_another_method
     monkeypatch.setattr(checking, "check", None)
     registration = certreg.certify(problem, relaxation=False, simulation=False)
 
-    assert methods == [SumMethod.LIMBS]
+    assert methods == [second_method(problem)]
+    assert methods != [fastest_method(problem)]
+    assert SumMethod.INTEGERS not in methods
     assert registration.status is Optimality.CERTIFIED
     assert registration.certificate is not None
     assert registration.verdict is not None
