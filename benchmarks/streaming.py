@@ -1,4 +1,7 @@
-"""Ten million points: sums beside a loop in C that only reads them, memory, accuracy, threads."""
+"""Ten million points: sums beside a loop in C that only reads them, memory, accuracy, threads.
+
+And exact sums of a million, beside the same loop.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,8 @@ import ctypes
 import os
 import subprocess
 import tempfile
+import time
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +23,8 @@ from benchmarks.reference import DIGITS, angle
 from build_kernels import find_compiler
 from certreg.geometry.so3 import davenport_matrix
 from certreg.native.kernels import FLAGS
+from certreg.native.library import loaded_library
+from certreg.problem.exact_sums import SumMethod, fastest_method, sums_by
 from certreg.problem.floating_sums import CloudPair, compiled, floating_sums
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
@@ -28,6 +35,9 @@ if TYPE_CHECKING:
 
 N = 10_000_000
 READING = 1.6  # times the loop that only reads
+REGISTERING = 1.4  # the same of `register`, on one core
+MILLION = 1_000_000
+EXACT = {"unit weights": 9.0, "weighted": 14.0}  # the same of exact sums of a million
 MEMORY = 50.0  # MB that a registration adds to the two clouds
 NEAR, FAR = 1e-14, 2e-13  # radians; at an offset of 1e8 the points themselves hold 8 digits
 SLOPE = (0.95, 1.05)  # k where the sums cost N^k
@@ -42,6 +52,8 @@ def measure() -> Iterator[Figure]:
     weights = np.random.default_rng(1).uniform(0.5, 2.0, size=N)
     yield _reading("doubles", source, target, None)
     yield _reading("doubles with weights", source, target, weights)
+    yield _registering(source, target)
+    yield from _exact(source[:MILLION], target[:MILLION], weights[:MILLION])
     yield _linear(source, target)
     yield _others(source, target)
     yield _memory(source, target, weights)
@@ -74,6 +86,43 @@ def _reading(what: str, source: Any, target: Any, weights: Any) -> Figure:
             "that is": Quantity(round(gigabytes / reading, 1), "GB/s"),
         },
     )
+
+
+def _registering(source: Any, target: Any) -> Figure:
+    reading, ours = fastest(
+        _reader([source, target]),
+        lambda: register(source, target),
+        rounds=3 * ROUNDS,
+        seconds=0.05,
+        clock=time.process_time,
+    )
+    return Figure(
+        what="register / reading",
+        value=Quantity(ours / reading, "x"),
+        bound=REGISTERING,
+        beside={"register": Quantity(ours, "s"), "reading": Quantity(reading, "s")},
+    )
+
+
+def _exact(source: Any, target: Any, weights: Any) -> Iterator[Figure]:
+    """Exact sums on one thread; a bound where the processor multiplies pairs of 52 bits."""
+    fast = loaded_library().multiplies_digits
+    for what, given in zip(EXACT, (None, weights), strict=True):
+        problem = RegistrationProblem(source, target, weights=given)
+        arrays = [array for array in (source, target, given) if array is not None]
+        methods = (SumMethod.FIXED_POINT, SumMethod.BY_EXPONENT)
+        works = [partial(sums_by, method, problem, threads=1) for method in methods]
+        reading, *times = fastest(
+            _reader(arrays), *works, rounds=ROUNDS, seconds=0.05, clock=time.process_time
+        )
+        ratios = [Quantity(seconds / reading, "x") for seconds in times]
+        beside = {method.value: ratio for method, ratio in zip(methods, ratios, strict=True)}
+        yield Figure(
+            what=f"exact sums / reading, {what}",
+            value=ratios[methods.index(fastest_method(problem))],
+            bound=EXACT[what] if fast else None,
+            beside={**beside, "reading": Quantity(reading, "s")},
+        )
 
 
 def _linear(source: Any, target: Any) -> Figure:
