@@ -133,8 +133,8 @@ INLINE void add(struct total *total, int which, lanes block)
     total->rest[which] += (before - (sum - part)) + (block - part);
 }
 
-/* Not inline, to be compiled once; it takes a copy, so that a loop's own sums stay in registers. */
-static __attribute__((noinline)) void add_block(struct total *total, const struct block *sum)
+/* Inline: a loop's own sums come in registers, and a call would have them copied twice. */
+INLINE void add_block(struct total *total, const struct block *sum)
 {
     total->signs |= sum->signs;
     add(total, CERTREG_SUMS_MASS, sum->mass);
@@ -159,8 +159,7 @@ INLINE void add_some(struct total *total, const struct certreg_points *points, i
         take(&sum, points, first + at, LANES, ANY, weighted);
     if (at < count)
         take(&sum, points, first + at, (int)(count - at), ANY, weighted);
-    struct block copy = sum;
-    add_block(total, &copy);
+    add_block(total, &sum);
 }
 
 static __attribute__((noinline)) void add_any(struct total *total, const struct certreg_points *points,
@@ -181,8 +180,7 @@ INLINE void pass(const struct certreg_points *points, enum layout layout, int we
         struct block sum = {0};
         for (int64_t at = 0; at < BLOCK; at += LANES)
             take(&sum, points, first + at, LANES, layout, weighted);
-        struct block copy = sum;
-        add_block(total, &copy);
+        add_block(total, &sum);
     }
     add_any(total, points, first, points->count - first);
 }
