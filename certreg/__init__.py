@@ -18,6 +18,7 @@ from certreg.certificate import verify as verify
 
 if TYPE_CHECKING:
     from certreg.certificate import Certificate as Certificate
+    from certreg.certificate import Certificates as Certificates
     from certreg.dynamics import SimulationSettings as SimulationSettings
     from certreg.dynamics import Trajectory as Trajectory
     from certreg.dynamics import bodies_of as bodies_of
@@ -47,6 +48,7 @@ __all__ = [
     "Assessment",
     "AssessmentSettings",
     "Certificate",
+    "Certificates",
     "CertregError",
     "Pose",
     "Registration",
@@ -74,7 +76,10 @@ __all__ = [
 __getattr__ = lazy_face(
     __name__,
     {
-        "certificate": ("Certificate",),
+        "certificate": (
+            "Certificate",
+            "Certificates",
+        ),
         "dynamics": (
             "SimulationSettings",
             "Trajectory",

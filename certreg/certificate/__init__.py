@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from certreg.certificate.isotropic import Claims as Claims
     from certreg.certificate.isotropic import IsotropicBody as IsotropicBody
     from certreg.certificate.isotropic import RotationState as RotationState
+    from certreg.certificate.many import Certificates as Certificates
+    from certreg.certificate.many import certificates_of as certificates_of
     from certreg.certificate.producing import count_certificate as count_certificate
     from certreg.certificate.producing import produce as produce
 
@@ -56,6 +58,10 @@ __getattr__ = lazy_face(
             "Claims",
             "IsotropicBody",
             "RotationState",
+        ),
+        "many": (
+            "Certificates",
+            "certificates_of",
         ),
         "producing": (
             "count_certificate",

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from certreg.problem import RegistrationProblem
 
 FORMAT = "certreg-certificate/1"
+LINE = json.JSONEncoder(sort_keys=True, allow_nan=False, separators=(",", ":"))
 PIECE = 3 << 18  # bytes of data encoded at a time: a multiple of three
 
 
@@ -123,18 +124,26 @@ class Certificate(Brief, Generic[AnyBody_co]):
 
     def pieces(self) -> Iterator[bytes]:
         """The file's content, piece by piece."""
-        document = {
+        yield from file_pieces(self._document(None), self.data)
+
+    def _document(self, data: str | None) -> dict[str, Any]:
+        return {
             "about": self.about,
             "format": FORMAT,
             "kind": self.body.KIND,
-            "problem": {"data": None, "digest": self.digest, "n": self.n},
+            "problem": {"data": data, "digest": self.digest, "n": self.n},
             **self.body.to_fields(),
         }
-        yield from file_pieces(document, self.data)
 
     def to_json(self) -> bytes:
         """The file's content."""
         return b"".join(self.pieces())
+
+    def line(self) -> bytes:
+        """The same on one line, for a file of many."""
+        data = self.data
+        text = None if data is None else base64.b64encode(data).decode()
+        return (LINE.encode(self._document(text)) + "\n").encode()
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the file; under a temporary name first, so that it is never half there.

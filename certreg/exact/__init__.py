@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from certreg.exact.balls import morse_bott_index as morse_bott_index
     from certreg.exact.balls import orthonormal as orthonormal
     from certreg.exact.balls import radius_bits as radius_bits
+    from certreg.exact.dyadic import ASIN_SLACK as ASIN_SLACK
     from certreg.exact.dyadic import Dyadic as Dyadic
     from certreg.exact.dyadic import double_above as double_above
     from certreg.exact.dyadic import double_below as double_below
@@ -47,6 +48,7 @@ __getattr__ = lazy_face(
             "radius_bits",
         ),
         "dyadic": (
+            "ASIN_SLACK",
             "Dyadic",
             "double_above",
             "double_below",

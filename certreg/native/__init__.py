@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from certreg.native.loops import Integrator as Integrator
     from certreg.native.loops import Log as Log
     from certreg.native.loops import Rules as Rules
+    from certreg.native.optima import ProvedOptima as ProvedOptima
     from certreg.native.stationary import ManyClouds as ManyClouds
     from certreg.native.stationary import StationaryPoses as StationaryPoses
 
@@ -101,6 +102,7 @@ __getattr__ = lazy_face(
             "PERTURBATION_GROWTH",
             "Rules",
         ),
+        "optima": ("ProvedOptima",),
         "stationary": (
             "ManyClouds",
             "StationaryPoses",

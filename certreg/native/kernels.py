@@ -31,6 +31,7 @@ UNITS = (
     HERE / "single.c",
     HERE / "lanes.c",
     HERE / "exact.c",
+    HERE / "certifying.c",
     HERE / "eigenbasis.c",
     HERE / "fixed.c",
     HERE / "pose.c",
@@ -43,7 +44,7 @@ HEADERS = (
     *(
         HERE / name
         for name in (
-            *("loops.h", "lanes.h", "loop.h", "exact.h", "fixed.h"),
+            *("certifying.h", "loops.h", "lanes.h", "loop.h", "exact.h", "fixed.h"),
             *("eigen.h", "eigenbasis.h", "pose.h", "stationary.h", "sums.h"),
         )
     ),
@@ -64,6 +65,7 @@ WRITTEN = (  # by hand, not generated
     "certreg_fixed_fits",
     "certreg_fixed_vectors",
     "certreg_pose",
+    "certreg_prove_optima",
     "certreg_stationary_poses",
     "certreg_sums",
 )

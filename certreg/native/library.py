@@ -30,6 +30,7 @@ from certreg.native.loops import (
     STALLED_TORQUE,
     Integrator,
 )
+from certreg.native.optima import ProvedOptima
 from certreg.native.stationary import StationaryPoses
 
 if TYPE_CHECKING:
@@ -95,6 +96,14 @@ class _Clouds(ctypes.Structure):
         *((f"{name}_step", ctypes.c_int64) for name in ("source", "target", "weight")),
         ("scratch", _POINTER),
         *((field.name, _POINTER) for field in fields(StationaryPoses)),
+    )
+
+
+class _Pairs(ctypes.Structure):
+    _fields_ = (
+        ("count", ctypes.c_int64),
+        *((name, _POINTER) for name in ("source", "target", "weights", "sizes", "starts")),
+        *((field.name, _POINTER) for field in fields(ProvedOptima)),
     )
 
 
@@ -185,6 +194,31 @@ class Library:
             biases=tuple(numbers[3:5]),
             lowest=tuple(None if bit < 0 else bit for bit in numbers[5:]),
         )
+
+    def prove_optima(
+        self,
+        clouds: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]],
+        sizes: NDArray[np.int64],
+        starts: NDArray[np.int64],
+    ) -> ProvedOptima:
+        """What is proved of the optima of many problems; rows of clouds as in `ManyPairs`.
+
+        Raises ValueError where a problem has rows that are not there.
+        """
+        arrays = [np.ascontiguousarray(array, dtype=float) for array in clouds]
+        sizes, starts = (np.ascontiguousarray(array, dtype=np.int64) for array in (sizes, starts))
+        rows = [array.size // per_row for array, per_row in zip(arrays, (3, 3, 1), strict=True)]
+        inside = starts.shape == (len(sizes), 3) and (starts >= 0).all() and (sizes >= 1).all()
+        if not (inside and (starts + sizes[:, None] <= rows).all()):
+            raise ValueError("a problem has rows that are not there")
+        proved = ProvedOptima.none(len(sizes))
+        passed = _Pairs(
+            len(sizes),
+            *[array.ctypes.data for array in (*arrays, sizes, starts)],
+            *[getattr(proved, field.name).ctypes.data for field in fields(proved)],
+        )
+        self.handle.certreg_prove_optima(ctypes.byref(passed))
+        return proved
 
     def stationary_poses(self, clouds: ManyClouds) -> StationaryPoses:
         """What doubles say of the stationary poses of many problems."""

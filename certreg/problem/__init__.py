@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from certreg.problem.exact_sums import UPPER as UPPER
     from certreg.problem.exact_sums import second_method as second_method
     from certreg.problem.exact_sums import sums_by as sums_by
+    from certreg.problem.many import ManyPairs as ManyPairs
     from certreg.problem.moments import ExactMoments as ExactMoments
     from certreg.problem.moments import Moments as Moments
     from certreg.problem.moments import davenport_error as davenport_error
@@ -65,6 +66,7 @@ __getattr__ = lazy_face(
             "second_method",
             "sums_by",
         ),
+        "many": ("ManyPairs",),
         "moments": (
             "ExactMoments",
             "Moments",

@@ -1,20 +1,33 @@
-"""Many problems, certified one after the other."""
+"""Many problems: their results one after the other, or their certificates at once."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal, overload
+from typing import TYPE_CHECKING, Any, Literal, cast, overload
 
+from certreg.certificate import certificates_of
 from certreg.errors import CertregError, InvalidProblemError
+from certreg.problem import ManyPairs
 from certreg.registration.certification import certify
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
+    from certreg.certificate import Certificates
     from certreg.problem import RegistrationProblem
     from certreg.registration.result import Registration
 
     Problem = RegistrationProblem | tuple[Any, Any]
     Progress = Callable[[int, int | None], object]
+
+
+@overload
+def certify_many(
+    problems: Any,
+    targets: Any,
+    *,
+    weights: Any = None,
+    progress: Progress | None = None,
+) -> Certificates: ...
 
 
 @overload
@@ -38,16 +51,28 @@ def certify_many(
 
 
 def certify_many(
-    problems: Iterable[Problem],
+    problems: Any,
+    targets: Any = None,
     *,
     errors: Literal["raise", "keep"] = "raise",
     progress: Progress | None = None,
     **options: Any,
-) -> list[Any]:
-    """The results of `certify` for many problems, in their order.
+) -> list[Any] | Certificates:
+    """The certificates of many problems, or all that `certify` says of them, in their order.
+
+    `certify_many(sources, targets, weights=None)`: the certificates, a hundred thousand in seconds.
+
+    sources, targets: (count, N, 3), a list of clouds (N, 3) of different N, or one (N, 3) for all.
+        weights: (count, N), a list, (N,) or a number for all; where none are given they are 1.
+        The points are copied.
+
+    `certify_many(problems, **options)`: the results of `certify`.
 
     One process, one problem at a time: for files on many processors, that survives a kill, take
     `certreg batch`; for millions of small problems in floating point, `certreg.solve_many`.
+    Certificates are proved as they are made and not checked once more, except those that compiled
+    code cannot prove: these are made one by one, as by `certify`. `verify.py` checks the file that
+    `save` writes.
 
     Parameters
     ----------
@@ -79,14 +104,19 @@ def certify_many(
     >>> certify_many([(cloud, cloud)], simulation=False, progress=print)
     1 1
     [<Registration: certified; n=3, rmse=0>]
+    >>> many = certify_many([cloud, cloud], cloud)
+    >>> many.unique.tolist(), bool((many.angles < 1e-12).all())
+    ([True, True], True)
     """
+    if targets is not None:
+        return _certificates(problems, targets, errors=errors, progress=progress, **options)
     if errors not in {"raise", "keep"}:
         message = f"errors is {errors!r}: give 'raise' or 'keep'"
         raise InvalidProblemError(message, array="errors", value=errors)
     total = len(problems) if hasattr(problems, "__len__") else None  # pyright: ignore[reportArgumentType]
     results: list[Registration | CertregError] = []
     for number, problem in enumerate(problems):
-        stated = problem if isinstance(problem, tuple) else (problem,)
+        stated = cast("tuple[Any, ...]", problem if isinstance(problem, tuple) else (problem,))
         try:
             results.append(certify(*stated, **options))
         except CertregError as error:
@@ -97,3 +127,20 @@ def certify_many(
         if progress is not None:
             progress(number + 1, total)
     return results
+
+
+def _certificates(
+    sources: Any,
+    targets: Any,
+    *,
+    errors: str,
+    progress: Progress | None,
+    weights: Any = None,
+    **options: Any,
+) -> Certificates:
+    """Of clouds. Raises InvalidProblemError for what only results have."""
+    if options or errors != "raise":
+        given = ", ".join(options) or "errors"
+        message = f"{given} beside sources and targets, whose certificates take weights alone"
+        raise InvalidProblemError(message, array=given)
+    return certificates_of(ManyPairs.of(sources, targets, weights), progress)

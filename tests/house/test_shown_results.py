@@ -50,6 +50,7 @@ def made(problem, registration) -> dict[str, Any]:
         "Assessment": certreg.assess(problem, np.eye(3), np.zeros(3)),
         "AssessmentSettings": certreg.AssessmentSettings(),
         "Certificate": registration.certificate,
+        "Certificates": certreg.certify_many([problem.source], [problem.target]),
         "CertregError": certreg.CertregError("words"),
         "Pose": pose,
         "Registration": registration,
