@@ -409,10 +409,10 @@ CASES = (
         for name in (
             "rows 'twelve rows' 'on two poses' mirrored",
             "scales 'with sigma' beyond",
-            "noise 'each its own' one",
+            "noise 'each its own'",
             "ties 'needle, scaled' 'rod, sure' 'narrow, a row'",
             "sizes 'a line far' 'at rest'",
-            "patterns plain 121 13 211 22 31 4 'half a turn' small euler tilted",
+            "patterns plain 121 13 211 22 31 4 'half a turn' small euler",
         )
     ),
     NetCase(
@@ -426,7 +426,7 @@ CASES = (
         ),
     ),
     NetCase("equilibria-of-rows", ("python listed patterns", "python spurious")),
-    NetCase("altered", ("python altered",)),
+    NetCase("altered", ("python altered", "python unsaid")),
     NetCase(
         "about",
         (

@@ -19,11 +19,12 @@ import numpy as np
 from answers import answered
 from commands import checked
 from net_inputs import clouds, rounded
+from net_python import LOST, refused
 from net_worlds import ALONE, World, moved, poses, worlds
 
-from certreg import RegistrationProblem, assess, certify
+from certreg import RegistrationProblem, assess, certify, register
 from certreg.dynamics import SimulationStatus
-from certreg.registration import code_of_registration, enumerated
+from certreg.registration import FitCode, FitWarning, code_of_registration, enumerated
 from certreg.report import (
     assessment_summary,
     html_page,
@@ -32,6 +33,7 @@ from certreg.report import (
 )
 from certreg.report.cards import assessment_card, equilibria_card, registration_card
 from certreg.report.page import Report
+from certreg.report.remedies import why_warned
 from certreg.report.summary import equilibria_words
 from certreg.results import Limits
 
@@ -215,8 +217,9 @@ def spurious() -> str:
         shift = registration.pose.translation + np.array([0.0, 0.0, 0.25])
         for component in registration.equilibria.components:
             turn = component.rotation
-            both = assess(registration, turn), assess(registration, turn, shift)
-            told = "\n".join(assessment_summary(one).partition("\n\n")[0] for one in both)
+            beside = registration.pose.translation + np.array([0.0, 0.0, 0.002])
+            each = (assess(registration, turn, given) for given in (None, shift, beside))
+            told = "\n".join(assessment_summary(one).partition("\n\n")[0] for one in each)
             lines += [f"--- {name} {component.morse_index}", *short.lines(told)]
     return "\n".join(lines)
 
@@ -246,7 +249,43 @@ def altered() -> str:
     return "\n".join(lines)
 
 
+def unsaid() -> str:
+    """What no pair of clouds brings up: wrong arguments, and a fit that explains much."""
+    plain = _certified(worlds("patterns")["plain"])
+    axes, problem = clouds()["axes"], plain.problem
+    pose: Any = problem
+    uncertified = replace(
+        plain,
+        verdict=None,
+        bounds=None,
+        solution=replace(plain.solution, certificate=None, absent={"certificate": LOST}),
+        absent={"bounds": LOST},
+    )
+    mirror = np.diag([1.0, 1.0, -1.0])
+    calls = (
+        lambda: register(axes, axes[:4]),
+        lambda: register(axes, axes, [1.0, 2.0]),
+        lambda: assess(problem, pose),
+        lambda: assess(pose.source, problem),
+        lambda: assess(uncertified, mirror, [0.0, 0.0, 0.0]).unexplained,
+    )
+    few = (_certified(worlds("noise")[name]).fit.stated("scale_p") for name in ("one", "two"))
+    told = [
+        why_warned(
+            replace(
+                plain.fit,
+                explained=explained,
+                warnings=(FitWarning(code=code, text="", remedy=""),),
+            )
+        )
+        for code in FitCode
+        for explained in (0.499, 0.5)
+    ]
+    return "\n".join((*(refused(call) for call in calls), *map(str, few), *told))
+
+
 STEPS = {
+    "unsaid": unsaid,
     "shown": shown,
     "judged": judged,
     "listed": listed,
