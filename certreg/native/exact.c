@@ -16,6 +16,7 @@
 #define HALF 56       /* bits */
 #define POWERS 1534   /* 3 * 511 + 1: a sum of three e is below, whatever the bits */
 #define PITCH 1539    /* so that the accumulators of one power do not share a place in the cache */
+#define FEW_POWERS 37 /* 4 * 36 + HALF + 2^112 and 2^15 of them: within 6 words */
 
 enum {
     MASS = CERTREG_EXACT_SUMS_MASS,
@@ -62,29 +63,30 @@ static inline void add(pair *sum, int64_t high, int64_t low, number b, int64_t e
     sum[e + b.e].low += (__int128)low * b.m;
 }
 
-static inline void add_point(pair (*sum)[PITCH], number w, const number x[3], const number y[3])
+static inline __attribute__((always_inline)) void add_point(
+    pair *sums, const int pitch, number w, const number x[3], const number y[3])
 {
     static const number one = {1, 0};
     const int64_t low_bits = (INT64_C(1) << HALF) - 1;
     int k = SOURCE, l = TARGET;
-    sum[MASS][w.e].low += w.m;
+    sums[MASS * pitch + w.e].low += w.m;
     for (int i = 0; i < 3; i++) {
         const __int128 wx = (__int128)w.m * x[i].m, wy = (__int128)w.m * y[i].m;
         const int64_t xh = (int64_t)(wx >> HALF), xl = (int64_t)wx & low_bits, xe = w.e + x[i].e;
         const int64_t yh = (int64_t)(wy >> HALF), yl = (int64_t)wy & low_bits, ye = w.e + y[i].e;
-        add(sum[FIRST + i], xh, xl, one, xe);
-        add(sum[FIRST + 3 + i], yh, yl, one, ye);
+        add(sums + (FIRST + i) * pitch, xh, xl, one, xe);
+        add(sums + (FIRST + 3 + i) * pitch, yh, yl, one, ye);
         for (int j = 0; j < 3; j++)
-            add(sum[CROSS + 3 * i + j], yh, yl, x[j], ye);
+            add(sums + (CROSS + 3 * i + j) * pitch, yh, yl, x[j], ye);
         for (int j = i; j < 3; j++) {
-            add(sum[k++], xh, xl, x[j], xe);
-            add(sum[l++], yh, yl, y[j], ye);
+            add(sums + k++ * pitch, xh, xl, x[j], xe);
+            add(sums + l++ * pitch, yh, yl, y[j], ye);
         }
     }
 }
 
-/* Add value 2^shift to a long number. */
-static void add_shifted(uint64_t *words, __int128 value, int64_t shift)
+/* Add value 2^shift to a long number of `count` words. */
+static void add_shifted(uint64_t *words, int count, __int128 value, int64_t shift)
 {
     const int bits = shift & 63;
     const uint64_t sign = value < 0 ? UINT64_MAX : 0, top = (uint64_t)(value >> 64);
@@ -92,7 +94,7 @@ static void add_shifted(uint64_t *words, __int128 value, int64_t shift)
     const uint64_t parts[3] = {
         (uint64_t)moved, (uint64_t)(moved >> 64), bits ? top >> (64 - bits) | sign << bits : sign};
     uint64_t carry = 0;
-    for (int64_t k = shift >> 6, part = 0; k < CERTREG_EXACT_WORDS; k++, part++) {
+    for (int64_t k = shift >> 6, part = 0; k < count; k++, part++) {
         const uint64_t given = part < 3 ? parts[part] : sign;
         if (part >= 3 && given + carry == 0)
             return; /* the words above stay as they are */
@@ -103,28 +105,35 @@ static void add_shifted(uint64_t *words, __int128 value, int64_t shift)
 }
 
 /* Move the accumulators of one sum, of powers in a range, to its long number. */
-static void gather(uint64_t *words, pair *sum, int64_t least, int64_t most)
+static void gather(uint64_t *words, int count, pair *sum, int64_t least, int64_t most)
 {
     for (int64_t e = least; e <= most; e++) {
         if (sum[e].low != 0)
-            add_shifted(words, sum[e].low, 4 * e);
+            add_shifted(words, count, sum[e].low, 4 * e);
         if (sum[e].high != 0)
-            add_shifted(words, sum[e].high, 4 * e + HALF);
+            add_shifted(words, count, sum[e].high, 4 * e + HALF);
         sum[e].low = sum[e].high = 0;
     }
+}
+
+/* How many factors of sum k are of the source, and of the target. */
+static inline void factors_of(int k, int *x, int *y)
+{
+    *x = *y = 0;
+    if (k >= FIRST && k < CROSS)
+        *x = k < FIRST + 3, *y = !*x;
+    else if (k >= CROSS && k < SOURCE)
+        *x = 1, *y = 1;
+    else if (k >= SOURCE)
+        *x = k < TARGET ? 2 : 0, *y = 2 - *x;
 }
 
 static void gather_all(uint64_t *sums, pair (*sum)[PITCH], const range seen[3])
 {
     for (int k = 0; k < CERTREG_EXACT_SUMS; k++) {
-        int x = 0, y = 0; /* how many factors are of the source, and of the target */
-        if (k >= FIRST && k < CROSS)
-            x = k < FIRST + 3, y = !x;
-        else if (k >= CROSS && k < SOURCE)
-            x = 1, y = 1;
-        else if (k >= SOURCE)
-            x = k < TARGET ? 2 : 0, y = 2 - x;
-        gather(sums + k * CERTREG_EXACT_WORDS, sum[k],
+        int x, y;
+        factors_of(k, &x, &y);
+        gather(sums + k * CERTREG_EXACT_WORDS, CERTREG_EXACT_WORDS, sum[k],
             seen[2].least / 4 + x * (seen[0].least / 4) + y * (seen[1].least / 4),
             seen[2].most / 4 + x * (seen[0].most / 4) + y * (seen[1].most / 4));
     }
@@ -150,7 +159,7 @@ int certreg_exact_sums(
                 x[k] = split(source[3 * i + k], &seen[0]);
                 y[k] = split(target[3 * i + k], &seen[1]);
             }
-            add_point(sum, w, x, y);
+            add_point(*sum, PITCH, w, x, y);
         }
         gather_all(sums, sum, seen);
     }
@@ -163,12 +172,71 @@ int certreg_exact_sums(
     return CERTREG_SUMMED;
 }
 
+/* The largest e - least of numbers, 0 where all are 0. */
+static inline int64_t width_of(range seen) { return seen.most < seen.least ? 0 : seen.most / 4 - seen.least / 4; }
+
+/* A number with its power counted from the least; 0 has the least. */
+static inline number counted(double value, int64_t least, range *seen)
+{
+    number found = split(value, seen);
+    found.e = found.m == 0 ? 0 : found.e - least;
+    return found;
+}
+
+int certreg_few_sums(
+    int64_t n, const double *source, const double *target, const double *weights, uint64_t *sums, int64_t places[6])
+{
+    static const range none = {INT64_MAX, 2046, 0};
+    range seen[3] = {none, none, none};
+    pair sum[CERTREG_EXACT_SUMS][FEW_POWERS];
+    int64_t least[3], width[3];
+    if (n > PORTION)
+        return CERTREG_NO_MEMORY;
+    for (int64_t i = 0; i < 3 * n; i++)
+        split(source[i], &seen[0]), split(target[i], &seen[1]);
+    for (int64_t i = 0; i < n; i++)
+        split(weights[i], &seen[2]);
+    for (int k = 0; k < 3; k++) {
+        if (seen[k].most == 2046)
+            return CERTREG_NOT_FINITE;
+        width[k] = width_of(seen[k]);
+        least[k] = seen[k].most < seen[k].least ? 0 : seen[k].least / 4;
+        places[k] = 4 * least[k], places[3 + k] = seen[k].lowest;
+    }
+    if (width[2] + 2 * (width[0] > width[1] ? width[0] : width[1]) >= FEW_POWERS)
+        return CERTREG_NO_MEMORY;
+    memset(sum, 0, sizeof sum);
+    memset(sums, 0, CERTREG_EXACT_SUMS * CERTREG_FEW_WORDS * sizeof *sums);
+    for (int64_t i = 0; i < n; i++) {
+        const number w = counted(weights[i], least[2], &seen[2]);
+        number x[3], y[3];
+        for (int k = 0; k < 3; k++) {
+            x[k] = counted(source[3 * i + k], least[0], &seen[0]);
+            y[k] = counted(target[3 * i + k], least[1], &seen[1]);
+        }
+        add_point(*sum, FEW_POWERS, w, x, y);
+    }
+    for (int k = 0; k < CERTREG_EXACT_SUMS; k++) {
+        int x, y;
+        factors_of(k, &x, &y);
+        gather(sums + k * CERTREG_FEW_WORDS, CERTREG_FEW_WORDS, sum[k], 0, width[2] + x * width[0] + y * width[1]);
+    }
+    return CERTREG_SUMMED;
+}
+
 #else
 
 int certreg_exact_sums(
     int64_t n, const double *source, const double *target, const double *weights, uint64_t *sums, int64_t lowest[3])
 {
     (void)n, (void)source, (void)target, (void)weights, (void)sums, (void)lowest;
+    return CERTREG_NO_WIDE_INTEGERS;
+}
+
+int certreg_few_sums(
+    int64_t n, const double *source, const double *target, const double *weights, uint64_t *sums, int64_t places[6])
+{
+    (void)n, (void)source, (void)target, (void)weights, (void)sums, (void)places;
     return CERTREG_NO_WIDE_INTEGERS;
 }
 

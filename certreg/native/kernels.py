@@ -61,6 +61,7 @@ WRITTEN = (  # by hand, not generated
     "certreg_midpoint_single",
     "certreg_eigenbasis",
     "certreg_exact_sums",
+    "certreg_few_sums",
     "certreg_fixed_sums",
     "certreg_fixed_fits",
     "certreg_fixed_vectors",

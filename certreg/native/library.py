@@ -39,12 +39,17 @@ if TYPE_CHECKING:
     from certreg.native.loops import Batch, Log, Rules
     from certreg.native.stationary import ManyClouds
 
-EXACT_WORDS, NOT_FINITE, NOWHERE = 101, 2, 2**63 - 1  # as in exact.h
+EXACT_WORDS, FEW_WORDS = 101, 6  # as in exact.h
+SUMMED, NOT_FINITE, NOWHERE = 0, 2, 2**63 - 1
+FEW_POINTS = 1024  # up to here memory that is not asked for is worth reading them twice
+LEAST_PLACE = -1074  # every double is an integer times 2^-1074
 FIXED_PLACES, FIXED_NOT_FINITE = 6, 2  # as in fixed.h
 DIGIT_BITS = 52
 SCRATCH = 56  # doubles per point: CERTREG_SCRATCH of native/stationary.h
 PORTION = 512  # bodies that one call takes: Ctrl-C is answered within milliseconds
 _POINTER = ctypes.c_void_p
+_LongSums, _Lowest = ctypes.c_uint64 * (width(EXACT_SUMS) * EXACT_WORDS), ctypes.c_int64 * 3
+_FewSums, _Places = ctypes.c_uint64 * (width(EXACT_SUMS) * FEW_WORDS), ctypes.c_int64 * 6
 
 
 class _Settings(ctypes.Structure):
@@ -136,19 +141,22 @@ class Library:
         shapes, k = [array.shape for array in arrays], len(weights)
         if shapes != [(k, 3), (k, 3), (k,)]:
             raise ValueError(f"points of shapes {shapes}: expected (k, 3), (k, 3), (k,)")
-        words = np.empty((width(EXACT_SUMS), EXACT_WORDS), dtype=np.uint64)
-        lowest = np.empty(3, dtype=np.int64)
-        pointers = [_POINTER(array.ctypes.data) for array in (*arrays, words, lowest)]
-        refused = self.handle.certreg_exact_sums(ctypes.c_int64(k), *pointers)
+        points = [
+            ctypes.c_int64(k),
+            *[_POINTER(array.__array_interface__["data"][0]) for array in arrays],
+        ]
+        if k <= FEW_POINTS:
+            words, places = _FewSums(), _Places()
+            if self.handle.certreg_few_sums(*points, words, places) == SUMMED:
+                numbers = list(places)
+                return ExactSums.of(words, numbers[3:], [LEAST_PLACE + k for k in numbers[:3]])
+        words, lowest = _LongSums(), _Lowest()
+        refused = self.handle.certreg_exact_sums(*points, words, lowest)
         if refused == NOT_FINITE:
             raise ValueError("a number is not finite")
         if refused:
             raise MissingLibraryError("no memory for exact sums, or no integers of 128 bits")
-        rows = (row.tobytes() for row in words.astype("<u8"))
-        return ExactSums(
-            integers=tuple(int.from_bytes(row, "little", signed=True) for row in rows),
-            lowest=tuple(None if bit == NOWHERE else bit for bit in lowest.tolist()),
-        )
+        return ExactSums.of(words, list(lowest), [LEAST_PLACE] * 3)
 
     @property
     def multiplies_digits(self) -> bool:
@@ -271,12 +279,26 @@ class Library:
 class ExactSums:
     """Sums by native/exact.c.
 
-    integers: the 28 sums, each over 2^-1074 to the power of the number of its factors.
+    integers: the 28 sums, each over 2^places of its factors. places: of source, target, weights.
     lowest: exponents over 2^-1074 of the lowest bit set in source, target, weights; None: all zero.
     """
 
     integers: tuple[int, ...]
+    places: tuple[int, ...]
     lowest: tuple[int | None, ...]
+
+    @classmethod
+    def of(cls, words: ctypes.Array[Any], lowest: list[int], places: list[int]) -> ExactSums:
+        """The sums that stand in an array of words."""
+        memory: Any = words
+        content: bytes = np.frombuffer(memory, dtype="=u8").astype("<u8", copy=False).tobytes()
+        size = ctypes.sizeof(words) // width(EXACT_SUMS)
+        parts = [content[k : k + size] for k in range(0, len(content), size)]
+        return cls(
+            integers=tuple([int.from_bytes(part, "little", signed=True) for part in parts]),
+            places=tuple(places),
+            lowest=tuple([None if bit == NOWHERE else bit for bit in lowest]),
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

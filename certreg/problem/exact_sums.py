@@ -197,7 +197,7 @@ def _unequal(weights: NDArray[np.float64]) -> NDArray[np.float64] | None:
 def _by_exponent(compiled: Library, block: Block) -> Sums:
     raw = compiled.exact_sums(block.source, block.target, block.weights)
     a, b, c = (None if bit is None else bit + LEAST_EXPONENT for bit in raw.lowest)
-    return _stated(raw.integers, (LEAST_EXPONENT,) * 3, (a, b, c))
+    return _stated(raw.integers, raw.places, (a, b, c))
 
 
 def _by_fixed_point(compiled: Library, block: Block) -> Sums:

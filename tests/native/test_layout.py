@@ -128,6 +128,8 @@ def test_numbers_that_c_and_python_share_are_equal(tmp_path):
     lines = [
         "CERTREG_FIXED_WORDS",
         "CERTREG_EXACT_WORDS",
+        "CERTREG_FEW_WORDS",
+        "CERTREG_SUMMED",
         "CERTREG_NOT_FINITE",
         "CERTREG_SCRATCH",
         "CERTREG_GO_ON",
@@ -144,6 +146,8 @@ def test_numbers_that_c_and_python_share_are_equal(tmp_path):
     assert printed(tmp_path, lines) == [
         eigenbasis.FIXED_WORDS,
         library.EXACT_WORDS,
+        library.FEW_WORDS,
+        library.SUMMED,
         library.NOT_FINITE,
         library.SCRATCH,
         *(

@@ -99,6 +99,19 @@ def test_the_integers_do_not_depend_on_how_the_points_are_divided(problem):
 
 
 @pytest.mark.usefixtures("compiled")
+@pytest.mark.parametrize("step", [2, 71, 72, 73, 74, 400])
+@pytest.mark.parametrize("n", [2, native.FEW_POINTS, native.FEW_POINTS + 1])
+def test_few_points_of_near_and_of_far_exponents_have_the_sums_of_the_definition(step: int, n: int):
+    """Squares span 16^36 at 2^72, the most that the accumulators of few points hold."""
+    sizes = np.where(np.arange(3 * n) % 5 == 0, 2.0**-step, 1.0).reshape(n, 3)
+    source, target = (4.0 - 2.0**-51) * sizes, -(4.0 - 2.0**-51) * sizes[::-1]
+    source[1] = 0.0
+    problem = RegistrationProblem(source, target, weights=np.full(n, 4.0 - 2.0**-51))
+
+    assert sums_by(SumMethod.BY_EXPONENT, problem) == sums_by(SumMethod.INTEGERS, problem)
+
+
+@pytest.mark.usefixtures("compiled")
 @pytest.mark.parametrize(
     ("source", "weight"),
     [
