@@ -8,6 +8,7 @@ from pathlib import Path
 
 from benchmarks import (
     accuracy,
+    certifying,
     checking,
     comparing,
     computing,
@@ -31,6 +32,7 @@ MEASUREMENTS = {
     for module in (
         computing,
         checking,
+        certifying,
         everyday,
         importing,
         comparing,

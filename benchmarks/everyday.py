@@ -48,12 +48,12 @@ ROUNDS = 5
 
 
 def measure() -> Iterator[Figure]:
-    yardstick = _yardstick()
+    unit = yardstick()
     works = list(_works())
     times = [(name, what, _least(work, calls)) for name, what, work, calls in works]
-    yardstick = min(yardstick, _yardstick())
-    scale = yardstick / YARDSTICK
-    yield Figure(what="yardstick: align_vectors", value=Quantity(yardstick, "s"))
+    unit = min(unit, yardstick())
+    scale = unit / YARDSTICK
+    yield Figure(what="yardstick: align_vectors", value=Quantity(unit, "s"))
     for name, what, seconds in times:
         beside = {"where the yardstick takes 100 us": Quantity(seconds / scale, "s")}
         bound = BOUNDS[name] * scale if name in BOUNDS else None
@@ -91,7 +91,7 @@ def _works() -> Iterator[tuple[str, str, Callable[[], object], int]]:
     yield "certify, a million", f"certify, N = {power_of_ten(MILLION)}", lambda: bare(million), 3
 
 
-def _yardstick() -> float:
+def yardstick() -> float:
     source, target = random_clouds(100)
     return _least(lambda: Rotation.align_vectors(target, source), YARDSTICK_CALLS)
 

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from certreg.problem import RegistrationProblem
 
 FORMAT = "certreg-certificate/1"
+FILE = json.JSONEncoder(sort_keys=True, allow_nan=False, indent=1)
 LINE = json.JSONEncoder(sort_keys=True, allow_nan=False, separators=(",", ":"))
 PIECE = 3 << 18  # bytes of data encoded at a time: a multiple of three
 
@@ -124,14 +125,14 @@ class Certificate(Brief, Generic[AnyBody_co]):
 
     def pieces(self) -> Iterator[bytes]:
         """The file's content, piece by piece."""
-        yield from file_pieces(self._document(None), self.data)
+        yield from file_pieces(self._document(), self.data)
 
-    def _document(self, data: str | None) -> dict[str, Any]:
+    def _document(self) -> dict[str, Any]:
         return {
             "about": self.about,
             "format": FORMAT,
             "kind": self.body.KIND,
-            "problem": {"data": data, "digest": self.digest, "n": self.n},
+            "problem": {"data": None, "digest": self.digest, "n": self.n},
             **self.body.to_fields(),
         }
 
@@ -141,9 +142,7 @@ class Certificate(Brief, Generic[AnyBody_co]):
 
     def line(self) -> bytes:
         """The same on one line, for a file of many."""
-        data = self.data
-        text = None if data is None else base64.b64encode(data).decode()
-        return (LINE.encode(self._document(text)) + "\n").encode()
+        return b"".join(file_pieces(self._document(), self.data, form=LINE))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the file; under a temporary name first, so that it is never half there.
@@ -161,14 +160,16 @@ class Certificate(Brief, Generic[AnyBody_co]):
         write_atomically(path, self.pieces())
 
 
-def file_pieces(document: dict[str, Any], data: bytes | None) -> Iterator[bytes]:
+def file_pieces(
+    document: dict[str, Any], data: bytes | None, *, form: json.JSONEncoder = FILE
+) -> Iterator[bytes]:
     """A certificate's file, with the data in place of the null: large, so never twice in memory."""
-    text = json.dumps(document, sort_keys=True, indent=1, allow_nan=False) + "\n"
+    text = form.encode(document) + "\n"
     if data is None:
         yield text.encode()
         return
     # Within a string the quotes would be escaped, and of the parts `problem` is the last with data.
-    before, name, after = text.rpartition('"data": ')
+    before, name, after = text.rpartition(f'"data"{form.key_separator}')
     yield (before + name + '"').encode()
     for start in range(0, len(data), PIECE):
         yield base64.b64encode(data[start : start + PIECE])
