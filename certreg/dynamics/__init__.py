@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from certreg.dynamics.body import state_at_rest as state_at_rest
     from certreg.dynamics.integrators import EULER_STEP as EULER_STEP
     from certreg.dynamics.integrators import SimulationSettings as SimulationSettings
-    from certreg.dynamics.simulation import SimulationStatus as SimulationStatus
-    from certreg.dynamics.simulation import Trajectory as Trajectory
     from certreg.dynamics.simulation import optimal_damping as optimal_damping
     from certreg.dynamics.simulation import simulate as simulate
     from certreg.dynamics.trajectories import Record as Record
+    from certreg.dynamics.trajectory import SimulationStatus as SimulationStatus
+    from certreg.dynamics.trajectory import Trajectory as Trajectory
 
 __getattr__ = lazy_face(
     __name__,
@@ -41,11 +41,13 @@ __getattr__ = lazy_face(
             "SimulationSettings",
         ),
         "simulation": (
-            "SimulationStatus",
-            "Trajectory",
             "optimal_damping",
             "simulate",
         ),
         "trajectories": ("Record",),
+        "trajectory": (
+            "SimulationStatus",
+            "Trajectory",
+        ),
     },
 )

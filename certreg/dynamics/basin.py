@@ -9,8 +9,7 @@ import numpy as np
 
 from certreg.equilibrium import unit_double
 from certreg.errors import DegenerateProblemError
-from certreg.exact import power_of_two
-from certreg.native import BASIN
+from certreg.native import BASIN, named
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -60,23 +59,23 @@ def certified_basin(objective: Isotropic, length_exponent: int) -> Basin:
 
     Raises DegenerateProblemError where doubles do not tell the optima from the other poses.
     """
-    scale = objective.moments.total_weight * power_of_two(2 * length_exponent)
-    unit = objective.eigenvalue_unit / scale
-    gaps = [drop * unit.numerator / unit.denominator for drop in objective.eigenvalue_drops]
+    moments, spaces = objective.moments, objective.eigenspaces
     optima = objective.classification.pattern[0]
-    record = np.zeros((), dtype=BASIN)
-    record["quaternions"] = [unit_double(v) for v in objective.eigenvectors]
-    record["gaps"][optima:] = gaps[optima:]
-    if (record["gaps"][optima:] < SMALLEST_BARRIER).any():
+    # One of a drop in units of the body: `eigenvalue_unit` / (total weight 4^length_exponent).
+    exponents = moments.source_exponent + moments.target_exponent - 2 * length_exponent
+    places = objective.shift - spaces.bits + exponents
+    up, over = max(places, 0), moments.mass**2 << max(-places, 0)
+    gaps = [(drop << up) / over for drop in objective.eigenvalue_drops[optima:]]
+    if any(gap < SMALLEST_BARRIER for gap in gaps):
         message = (
             "not every pose is optimal, but by less than double precision can tell: the clouds "
             "differ so much in size, or are so nearly uncorrelated, that springs hardly turn the "
             "body; bring both clouds to one unit of length"
         )
-        raise DegenerateProblemError(
-            message, value=float(record["gaps"][optima:].min()), limit=SMALLEST_BARRIER
-        )
-    return Basin(record=record)
+        raise DegenerateProblemError(message, value=min(gaps), limit=SMALLEST_BARRIER)
+    vectors = [unit_double(v).tolist() for v in objective.eigenvectors]
+    numbers = [entry for vector in vectors for entry in vector] + [0.0] * optima + gaps
+    return Basin(record=named(numbers, BASIN))
 
 
 def basins_of(

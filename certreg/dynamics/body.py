@@ -15,25 +15,27 @@ A state is 18 numbers, the parts of the record MATRIX_STATE: c, R row by row, v,
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from certreg.errors import DegenerateProblemError
-from certreg.exact import power_of_two
 from certreg.native import BODY, ENERGIES, MATRIX_STATE, current_engine, named, plain, symmetric
+from certreg.problem import trace
 from certreg.results import Brief
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import ArrayLike, NDArray
 
-    from certreg.geometry import Matrix3
     from certreg.native import Records
     from certreg.problem import ExactMoments
 
-UPPER = np.triu_indices(3)
 SMALLEST_INERTIA = 1e-14  # of the clouds' spread: below, rounding is larger than J itself
+CLEARLY_THICK = 1e-10  # far above that and all rounding
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -116,42 +118,81 @@ def body_of(moments: ExactMoments, damping: float, *, length_exponent: int | Non
     matrix is the inverse of J.
     """
     a, b, square = moments.source_exponent, moments.target_exponent, moments.mass**2
+    least = min(a, b)
+    spread = trace(moments.source_scatter) << 2 * (a - least)
+    spread += trace(moments.target_scatter) << 2 * (b - least)
     exponent = length_exponent
     if exponent is None:
-        mean = moments.spread / moments.total_weight
-        exponent = (mean.numerator.bit_length() - mean.denominator.bit_length()) // 2
-    inertia = _in_doubles(moments.inertia, 2 * (a - exponent), square)
-    thinnest = float(np.linalg.eigvalsh(inertia)[0])
+        exponent = exponent_of(spread, square, 2 * least) // 2
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = moments.inertia
+    inertia = _in_doubles((xx, xy, xz, yy, yz, zz), 2 * (a - exponent), square)
+    require_thick(inertia)
+    inverse = np.linalg.inv(_full(inertia)).tolist()
+    numbers = [
+        *_in_doubles([e for row in moments.cross for e in row], a + b - 2 * exponent, square),
+        *inertia,
+        *(inverse[i][j] for i in range(3) for j in range(i, 3)),
+        *_in_doubles([spread], 2 * (least - exponent), square),
+        damping,
+    ]
+    return Body(record=named(numbers, BODY), length_exponent=exponent)
+
+
+def exponent_of(dividend: int, divisor: int, places: int) -> int:
+    """Of a power of two next to dividend / divisor 2^places: of the reduced fraction's lengths."""
+    dividend, divisor = dividend << max(places, 0), divisor << max(-places, 0)
+    common = math.gcd(dividend, divisor)
+    return (dividend // common).bit_length() - (divisor // common).bit_length()
+
+
+def require_thick(inertia: list[float]) -> None:
+    """Raises DegenerateProblemError unless the least eigenvalue is above SMALLEST_INERTIA."""
+    if clearly_thick(inertia):
+        return
+    thinnest = float(np.linalg.eigvalsh(_full(inertia))[0])
     if not thinnest > SMALLEST_INERTIA:
         message = (
             "the source is so nearly collinear, or so small beside the target, that its inertia is "
             "singular in double precision: the dynamics cannot be simulated"
         )
         raise DegenerateProblemError(message, value=thinnest, limit=SMALLEST_INERTIA)
-    record = np.empty((), dtype=BODY)
-    record["cross"] = _in_doubles(moments.cross, a + b - 2 * exponent, square)
-    record["inertia"] = inertia[UPPER]
-    record["inertia_inverse"] = np.linalg.inv(inertia)[UPPER]
-    record["spread"] = float(moments.spread * power_of_two(-2 * exponent) / moments.total_weight)
-    record["damping"] = damping
-    return Body(record=record, length_exponent=exponent)
 
 
-def _in_doubles(matrix: Matrix3[int], places: int, over: int) -> NDArray[np.float64]:
+def clearly_thick(inertia: list[float]) -> bool:
+    """Whether the least eigenvalue is large at a glance; False says nothing.
+
+    It is at least 4 det / trace^2, as the sum of the two others is below the trace, and the
+    determinant is wrong by less than 1e-14 trace^3.
+    """
+    a, b, c, d, e, f = inertia
+    determinant = a * (d * f - e * e) - b * (b * f - c * e) + c * (b * e - c * d)
+    whole = a + d + f
+    return 4.0 * determinant > CLEARLY_THICK * whole * whole * max(1.0, whole)
+
+
+def _full(upper: list[float]) -> NDArray[np.float64]:
+    a, b, c, d, e, f = upper
+    return np.array([[a, b, c], [b, d, e], [c, e, f]])
+
+
+def _in_doubles(entries: Iterable[int], places: int, over: int) -> list[float]:
     """The integers times 2^places, over an integer, each rounded once."""
     up, over = max(places, 0), over << max(-places, 0)
-    return np.array([[(entry << up) / over for entry in row] for row in matrix])
+    return [(entry << up) / over for entry in entries]
 
 
 def start_at_rest(moments: ExactMoments, length_exponent: int) -> NDArray[np.float64]:
     """The start of [Yang2020], (18,): the source where it was given, R = I, no velocity."""
+    return state_at_rest(np.eye(3), centres_apart(moments, length_exponent))
+
+
+def centres_apart(moments: ExactMoments, length_exponent: int) -> list[float]:
+    """The source's centre of mass where it was given minus the target's, over 2^length_exponent."""
     a, b = moments.source_exponent, moments.target_exponent
     least = min(a, b)
-    places = least - length_exponent
-    up, over = max(places, 0), moments.mass << max(-places, 0)
     pairs = zip(moments.source_sum, moments.target_sum, strict=True)
-    apart = [((x << (a - least)) - (y << (b - least))) for x, y in pairs]
-    return state_at_rest(np.eye(3), [(entry << up) / over for entry in apart])
+    apart = (((x << (a - least)) - (y << (b - least))) for x, y in pairs)
+    return _in_doubles(apart, least - length_exponent, moments.mass)
 
 
 def state_at_rest(rotation: ArrayLike, c: ArrayLike = (0.0, 0.0, 0.0)) -> NDArray[np.float64]:

@@ -35,6 +35,7 @@ MIDPOINT_SHARE = 1.4  # of sqrt(2 / g_max): kills a critically damped mode in on
 MIDPOINT_MOST = 1000.0  # of that: larger steps gain nothing; halving brings them back
 SPLITTING_SHARE = 0.8  # of sqrt(2 / g_max): 12 to 23 steps from anywhere
 MOST_STEPS = 1 << 53  # the sum of two of them is a long integer of C
+IDENTITY = np.eye(3)
 SPLITTING_HALVINGS = 8  # of the step, from the start, where a fast spin lost the state
 
 
@@ -139,10 +140,15 @@ def integrate(batch: Batch, settings: SimulationSettings, log: Log | None = None
     The splitting's step suits small angular velocities. Where a nearly collinear body spins so fast
     that its state is lost, it starts anew with half the step.
     """
-    starts, rules = batch.states.copy(), settings.rules
+    rules = settings.rules
+    if batch.integrator is not Integrator.SPLITTING:
+        current_engine().run(batch, rules, log)
+        return
+    starts = batch.states.copy()
     current_engine().run(batch, rules, log)
-    halvings = SPLITTING_HALVINGS if batch.integrator is Integrator.SPLITTING else 0
-    for _ in range(halvings):
+    for _ in range(SPLITTING_HALVINGS):
+        if batch.status.all():  # none is out of steps
+            return
         unfinished = (batch.status == Ending.OUT_OF_STEPS) & (batch.taken < rules.max_steps)
         lost = np.asarray(unfinished & np.isfinite(plain(starts)).all(axis=1), dtype=np.bool_)
         if not lost.any():
@@ -160,7 +166,7 @@ def spring_ratios(bodies: Records, basins: Records) -> NDArray[np.float64]:
     """The eigenvalues of the pencil (G, J) at the optimum, ascending, (count, 3)."""
     aligned = rotation_matrices(basins["quaternions"][:, 0]).mT @ bodies["cross"]
     traces = np.trace(aligned, axis1=1, axis2=2)[:, np.newaxis, np.newaxis]
-    hessian = 2.0 * traces * np.eye(3) - aligned - aligned.mT
+    hessian = 2.0 * traces * IDENTITY - aligned - aligned.mT
     whitening = np.linalg.inv(np.linalg.cholesky(symmetric(bodies["inertia"])))
     return np.linalg.eigvalsh(whitening @ hessian @ whitening.mT).astype(np.float64)
 

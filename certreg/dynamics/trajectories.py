@@ -11,7 +11,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.dynamics.simulation import Trajectory
+    from certreg.dynamics.trajectory import Trajectory
     from certreg.problem import RegistrationProblem
 
 

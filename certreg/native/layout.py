@@ -22,7 +22,7 @@ RecordType = np.dtype[np.void]
 Records = NDArray[np.void]
 Number = TypeVar("Number")
 DOUBLE = np.dtype(np.float64)
-UPPER = (0, 1, 2, 1, 3, 4, 2, 4, 5)  # of the nine entries of a symmetric matrix
+UPPER = np.array((0, 1, 2, 1, 3, 4, 2, 4, 5))  # of the nine entries of a symmetric matrix
 
 
 def record_types(layout: Mapping[str, Mapping[str, Any]]) -> dict[str, RecordType]:
@@ -84,4 +84,4 @@ def width(record: np.dtype[Any]) -> int:
 
 def symmetric(upper: NDArray[np.float64]) -> NDArray[np.float64]:
     """Symmetric matrices (..., 3, 3) from their upper triangles (..., 6)."""
-    return upper[..., UPPER].reshape(*upper.shape[:-1], 3, 3)
+    return upper.take(UPPER, axis=-1).reshape(*upper.shape[:-1], 3, 3)

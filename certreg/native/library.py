@@ -262,12 +262,12 @@ class Library:
         name = f"certreg_{batch.integrator.value}_{'single' if single else 'lanes'}"
         record = None
         if log is not None:
-            record = _Log(log.rows.ctypes.data, len(log.rows), log.count, log.stride)
+            record = _Log(_address(log.rows), len(log.rows), log.count, log.stride)
         fields = (batch.bodies, batch.basins, batch.steps, batch.states, batch.taken)
         fields += (batch.status, batch.escapes, batch.times)
         passed = _Batch(
             len(batch.bodies),
-            *[array.ctypes.data for array in fields],
+            *[_address(array) for array in fields],
             None if record is None else ctypes.pointer(record),
         )
         getattr(self.handle, name)(ctypes.byref(passed), ctypes.byref(_settings(rules)))
@@ -354,20 +354,26 @@ def _joined(words: list[int]) -> int:
     return value
 
 
+def _address(array: NDArray[Any]) -> int:
+    """Of a contiguous, writable array that is not empty; `array.ctypes` takes thrice as long."""
+    memory: Any = array
+    return ctypes.addressof(ctypes.c_char.from_buffer(memory))
+
+
 def _settings(rules: Rules) -> _Settings:
     return _Settings(
-        squared_tolerance=rules.speed_tolerance**2,
-        basin_share=BASIN_SHARE,
-        rest_share=rules.rest_share,
-        stalled_torque=STALLED_TORQUE,
-        first_perturbation=rules.first_perturbation,
-        perturbation_growth=PERTURBATION_GROWTH,
-        largest_perturbation=LARGEST_PERTURBATION,
-        newton_tolerance=NEWTON_TOLERANCE,
-        largest_turn=LARGEST_TURN,
-        newton_steps=NEWTON_STEPS,
-        halvings=HALVINGS,
-        max_steps=rules.max_steps,
+        rules.speed_tolerance**2,
+        BASIN_SHARE,
+        rules.rest_share,
+        STALLED_TORQUE,
+        rules.first_perturbation,
+        PERTURBATION_GROWTH,
+        LARGEST_PERTURBATION,
+        NEWTON_TOLERANCE,
+        LARGEST_TURN,
+        NEWTON_STEPS,
+        HALVINGS,
+        rules.max_steps,
     )
 
 

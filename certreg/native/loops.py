@@ -141,6 +141,29 @@ class Batch:
             **{name: records.copy() for name, (records, _) in given.items()},
         )
 
+    @classmethod
+    def single(
+        cls,
+        integrator: Integrator,
+        *,
+        body: Records,
+        basin: Records,
+        steps: Records,
+        start: Records,
+    ) -> Batch:
+        """A batch of one, not copied: records () and, of steps and start, (1,)."""
+        return cls(
+            integrator=integrator,
+            bodies=body[np.newaxis],
+            basins=basin[np.newaxis],
+            steps=steps,
+            states=start,
+            taken=np.zeros(1, dtype=np.int64),
+            status=np.zeros(1, dtype=np.int32),
+            escapes=np.zeros(1, dtype=np.int32),
+            times=np.zeros(1),
+        )
+
     def part(self, which: slice) -> Batch:
         """Some of the bodies; what the loops write there, they write here."""
         return self._of(which)

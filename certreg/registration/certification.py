@@ -239,8 +239,9 @@ def simulate(
         Where the dynamics is not defined or too stiff.
     """
     chosen, settings = Integrator(integrator), _with_step(settings, step)
-    trajectory = run(Isotropic(exact_moments(problem)), problem.damping, chosen, settings=settings)
-    return ProblemTrajectory.of(problem, trajectory)
+    objective = Isotropic(exact_moments(problem))
+    trajectory = run(objective, problem.damping, chosen, settings=settings)
+    return ProblemTrajectory.of(problem, objective, trajectory)
 
 
 def simulated(
@@ -348,7 +349,7 @@ def _simulation(
         moved = run(objective, problem.damping, Integrator(integrator), settings=settings)
     except DegenerateProblemError as error:
         return Absent(str(error))
-    return ProblemTrajectory.of(problem, moved)
+    return ProblemTrajectory.of(problem, objective, moved)
 
 
 def _with_step(settings: SimulationSettings | None, step: float | None) -> SimulationSettings:

@@ -114,19 +114,27 @@ class Solution(Explained):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ProblemTrajectory(Trajectory, Presented):
-    """A trajectory with its problem: what is proved of its end is asked for when it is printed."""
+    """A trajectory with its problem: what is proved of its end is asked for when it is printed.
+
+    objective: of the problem, as the run had it.
+    """
 
     problem: RegistrationProblem
+    objective: Isotropic
 
     def __repr__(self) -> str:
         return Trajectory.__repr__(self)
 
     @classmethod
-    def of(cls, problem: RegistrationProblem, trajectory: Trajectory) -> ProblemTrajectory:
+    def of(
+        cls, problem: RegistrationProblem, objective: Isotropic, trajectory: Trajectory
+    ) -> ProblemTrajectory:
         """The same trajectory, of this problem."""
-        names = [one.name for one in fields(trajectory)]
-        kept: dict[str, Any] = {name: getattr(trajectory, name) for name in names}
-        return cls(**kept, problem=problem)
+        kept: dict[str, Any] = {name: getattr(trajectory, name) for name in _RUN}
+        return cls(**kept, problem=problem, objective=objective)
+
+
+_RUN = tuple(one.name for one in fields(Trajectory))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

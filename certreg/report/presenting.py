@@ -14,8 +14,6 @@ from certreg.certificate import CertificateVerdict
 from certreg.equilibrium import EquilibriumSet
 from certreg.errors import InvalidFileError
 from certreg.io import write_atomically
-from certreg.objective import Isotropic
-from certreg.problem import exact_moments
 from certreg.registration import (
     Assessment,
     ListedEquilibria,
@@ -68,8 +66,7 @@ class Shape:
 
 
 def _simulated(trajectory: ProblemTrajectory) -> SimulatedRegistration:
-    problem = trajectory.problem
-    return proved_end(problem, Isotropic(exact_moments(problem)), trajectory)
+    return proved_end(trajectory.problem, trajectory.objective, trajectory)
 
 
 def _trajectory_words(trajectory: ProblemTrajectory) -> str:

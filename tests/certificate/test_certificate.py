@@ -369,8 +369,10 @@ def test_a_simulation_that_says_it_arrived_and_did_not_is_not_ignored(converged)
     problem = strategies.random_problem(np.random.default_rng(0))
     solution: Any = certreg.certify(problem, relaxation=False).solution
     status = SimulationStatus.CONVERGED if converged else SimulationStatus.OUT_OF_STEPS
-    turned_on = np.roll(solution.trajectory.quaternion, 1)
-    elsewhere = replace(solution.trajectory, quaternion=turned_on, status=status)
+    course = solution.trajectory.course
+    last = course.last.copy()
+    last["q"] = np.roll(last["q"], 1, axis=-1)
+    elsewhere = replace(solution.trajectory, course=replace(course, last=last), status=status)
     parts = {"relaxation": solution.relaxation, "trajectory": elsewhere}
     if converged:
         with pytest.raises(ContradictionError, match="the simulation contradicts"):

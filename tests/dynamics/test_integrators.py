@@ -21,7 +21,8 @@ from certreg.dynamics.integrators import (
     spring_ratios,
     step_parameters,
 )
-from certreg.dynamics.simulation import SimulationStatus, optimal_damping, simulate
+from certreg.dynamics.simulation import optimal_damping, simulate
+from certreg.dynamics.trajectory import SimulationStatus
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.geometry.so3 import rotation_matrix
 from certreg.native.engine import current_engine
@@ -317,11 +318,8 @@ def test_ends_of_a_sample_are_proved(registrations):
     for k in range(20):
         problem = RegistrationProblem(clouds.sources[k], clouds.targets[k])
         found = Isotropic(exact_moments(problem))
-        end = replace(
-            simulate(found, problem.damping, Integrator.SPLITTING),
-            quaternion=ends.states["q"][k],
-            angular_velocity=ends.states["omega"][k],
-        )
+        run = simulate(found, problem.damping, Integrator.SPLITTING)
+        end = replace(run, course=replace(run.course, last=ends.states[k : k + 1]))
 
         assert proved_end(problem, found, end).body.claims.basin is True
 

@@ -20,7 +20,8 @@ from certreg.certificate.producing import produce, proves_basin
 from certreg.dynamics import integrators
 from certreg.dynamics.body import body_of, state_at_rest
 from certreg.dynamics.integrators import SimulationSettings
-from certreg.dynamics.simulation import SimulationStatus, optimal_damping, simulate
+from certreg.dynamics.simulation import optimal_damping, simulate
+from certreg.dynamics.trajectory import SimulationStatus
 from certreg.equilibrium.presentation import rotation_double, unit_double
 from certreg.equilibrium.spectral import by_eigenspaces
 from certreg.errors import ContradictionError, DegenerateProblemError
@@ -407,10 +408,11 @@ def test_planted_contradictions_are_raised():
     require_sound_trajectory(found, body, trajectory)
     minimum = trajectory.potential.min()
 
-    lower = trajectory.potential.copy()
-    lower[len(lower) // 2] = minimum * (1 - 1e-6) - 1e-9
+    lower = trajectory.course.samples.copy()
+    lower["energies"]["potential"][len(lower) // 2] = minimum * (1 - 1e-6) - 1e-9
+    course = dataclasses.replace(trajectory.course, samples=lower)
     with pytest.raises(ContradictionError, match="below the certified minimum"):
-        require_sound_trajectory(found, body, dataclasses.replace(trajectory, potential=lower))
+        require_sound_trajectory(found, body, dataclasses.replace(trajectory, course=course))
     silent = dataclasses.replace(body, claims=dataclasses.replace(body.claims, basin=None))
     with pytest.raises(ContradictionError, match="basin could not be proved"):
         require_sound_trajectory(found, silent, trajectory)

@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
 from rotations import saddle_start
 from strategies import ZOO, random_problem
 
-from certreg.dynamics import integrators, simulation
+from certreg.dynamics import integrators, trajectory
 from certreg.dynamics.basin import SMALLEST_BARRIER, basins_of, certified_basin
 from certreg.dynamics.batch import bodies_of, simulate_many
-from certreg.dynamics.body import body_of, start_at_rest, state_at_rest
+from certreg.dynamics.body import (
+    SMALLEST_INERTIA,
+    body_of,
+    clearly_thick,
+    exponent_of,
+    require_thick,
+    start_at_rest,
+    state_at_rest,
+)
 from certreg.dynamics.integrators import (
     EULER_STEP,
     SimulationSettings,
@@ -22,7 +31,7 @@ from certreg.dynamics.integrators import (
 from certreg.dynamics.simulation import optimal_damping, simulate
 from certreg.errors import DegenerateProblemError
 from certreg.geometry.so3 import rotation_matrix
-from certreg.native.layout import BODY
+from certreg.native.layout import BODY, symmetric
 from certreg.native.loops import Integrator
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
@@ -235,7 +244,7 @@ def test_a_rate_is_given_where_the_optimum_is_unique(specimen):
     assert (run.predicted_rate is not None) == objective.classification.unique
     if run.predicted_rate is None:
         assert run.decay_rate is None
-        assert run.stated("decay_rate") is run.stated("predicted_rate") is simulation.NO_RATE
+        assert run.stated("decay_rate") is run.stated("predicted_rate") is trajectory.NO_RATE
 
 
 @pytest.mark.parametrize("rate", [0.2, 1.5])
@@ -251,7 +260,39 @@ def test_the_measured_rate_is_half_the_slope_of_the_energy_in_its_tail(rate):
     above = np.exp(-4.0 * rate * np.minimum(times, knee) - 2.0 * rate * np.maximum(0, times - knee))
     energy = least + body.spread * np.maximum(above, 0.9e-13)
 
-    assert simulation._decay_rate(times, energy, body, basin) == pytest.approx(rate, rel=1e-3)
+    assert trajectory._decay_rate(times, energy, body, basin) == pytest.approx(rate, rel=1e-3)
     first = int(np.argmax(above < 1e-3))  # four samples make a line
-    assert simulation._decay_rate(times[: first + 3], energy[: first + 3], body, basin) is None
-    assert simulation._decay_rate(times[: first + 4], energy[: first + 4], body, basin) is not None
+    assert trajectory._decay_rate(times[: first + 3], energy[: first + 3], body, basin) is None
+    assert trajectory._decay_rate(times[: first + 4], energy[: first + 4], body, basin) is not None
+
+
+def test_a_source_is_thick_where_its_determinant_says_so_and_else_by_its_eigenvalues():
+    """What the quick look accepts LAPACK accepts; both sides of either limit."""
+    rng = np.random.default_rng(6)
+    quick = 0
+    for thin in (1e-15, 0.9e-14, 1.1e-14, 1e-12, 1e-10, 4e-10, 1e-3, 1.0):
+        for _ in range(8):
+            turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+            full = turn @ np.diag([thin, 1.0, rng.uniform(1.0, 2.0)]) @ turn.T
+            upper = full[np.triu_indices(3)].tolist()
+            least = float(np.linalg.eigvalsh(symmetric(np.array(upper)))[0])
+            quick += clearly_thick(upper)
+
+            assert not clearly_thick(upper) or least > 1e-11
+            if least > SMALLEST_INERTIA:
+                require_thick(upper)
+            else:
+                with pytest.raises(DegenerateProblemError, match="nearly collinear"):
+                    require_thick(upper)
+    assert 16 <= quick < 40
+
+
+@pytest.mark.parametrize("places", [-70, 0, 90])
+def test_an_exponent_is_that_of_the_reduced_fraction(places):
+    rng = np.random.default_rng(7)
+    for _ in range(50):
+        dividend, divisor = (int(k) for k in rng.integers(1, 1 << 40, size=2))
+        mean = Fraction(dividend, divisor) * Fraction(2) ** places
+        lengths = (mean.numerator.bit_length(), mean.denominator.bit_length())
+
+        assert exponent_of(dividend, divisor, places) == lengths[0] - lengths[1]

@@ -19,9 +19,9 @@ from rotations import saddle_start
 from scipy.spatial.transform import Rotation
 from strategies import ZOO, random_problem
 
+from certreg.dynamics import SimulationStatus, Trajectory, simulation
 from certreg.dynamics import body as dynamics
 from certreg.dynamics import integrators as integration
-from certreg.dynamics import simulation
 from certreg.dynamics.basin import certified_basin
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.errors import DegenerateProblemError
@@ -123,9 +123,7 @@ def test_other_warnings_stay_warnings(monkeypatch, data):
 # Both engines do the same ------------------------------------------------------------------------
 
 
-def by_both(
-    monkeypatch, *args: Any, **options: Any
-) -> tuple[simulation.Trajectory, simulation.Trajectory]:
+def by_both(monkeypatch, *args: Any, **options: Any) -> tuple[Trajectory, Trajectory]:
     found: list[Any] = []
     for machine in (engines.current_engine, evaluator):
         monkeypatch.setattr(integration, "current_engine", machine)
@@ -135,9 +133,7 @@ def by_both(
     return one, other
 
 
-def assert_same(
-    one: simulation.Trajectory, other: simulation.Trajectory, *, tolerance: float
-) -> None:
+def assert_same(one: Trajectory, other: Trajectory, *, tolerance: float) -> None:
     assert (one.status, one.steps, one.escapes) == (other.status, other.steps, other.escapes)
     for name in ("times", "states", "potential", "kinetic"):
         mine, theirs = getattr(one, name), getattr(other, name)
@@ -182,7 +178,7 @@ def test_the_evaluator_runs_out_of_steps_where_the_library_does(steps, integrato
 
     pair = by_both(monkeypatch, found, problem.damping, integrator, settings=few)
 
-    assert pair[0].status is simulation.SimulationStatus.OUT_OF_STEPS
+    assert pair[0].status is SimulationStatus.OUT_OF_STEPS
     assert_same(*pair, tolerance=1e-12)
 
 
@@ -202,7 +198,7 @@ def test_the_evaluator_goes_on_where_weak_springs_make_all_slow(
 
     one, other = by_both(monkeypatch, found, 2.8, integrator, settings=settings)
 
-    assert one.status is simulation.SimulationStatus.OUT_OF_STEPS
+    assert one.status is SimulationStatus.OUT_OF_STEPS
     assert_same(one, other, tolerance=1e-11)
     assert one.escapes == escapes
     assert one.speed < 1e-4

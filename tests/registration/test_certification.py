@@ -123,7 +123,9 @@ def test_a_trajectory_below_the_certified_minimum_is_a_contradiction(
 
     def sunk(*arguments: object, settings: SimulationSettings) -> Trajectory:
         trajectory = run(*arguments, settings=settings)
-        return replace(trajectory, potential=trajectory.potential - trajectory.potential[0])
+        samples = trajectory.course.samples.copy()
+        samples["energies"]["potential"] -= trajectory.potential[0]
+        return replace(trajectory, course=replace(trajectory.course, samples=samples))
 
     command(PROBLEM)  # type: ignore[operator]
     monkeypatch.setattr(CERTIFICATION, "run", sunk)
