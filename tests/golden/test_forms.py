@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 HERE = Path(__file__).parent
 PACKAGE = Path(certreg.__file__).parent
 WINGS = ("registration", "report")
-SENTENCE = re.compile(r"[a-z]{3,}.* |^[a-z]+ [a-z]+")  # two words, and not a name or a format
+SENTENCE = re.compile(r"^(?!\w+\[)(?=.*[a-z]{3}.* |[a-z]+ [a-z]+)")  # two words; a type is none
 NOT_RECORDED = {
     "the simulation ended where the basin could not be proved": "certreg contradicts itself",
     "the simulation went below the certified minimum": "certreg contradicts itself",
@@ -31,6 +31,7 @@ NOT_RECORDED = {
     "the content would end its own <": "a fault of an asset of the page",
     "default-src 'none'; style-src": "the page's policy, with digests of style and script",
     "; img-src data:; base-uri 'none'": "the page's policy",
+    "beside sources and targets, whose certificates": "a refusal, in tests of many problems",
     "projective planes": "of two, which no problem has",
     "the balls are too wide to tell the signs": "a search that fails",
     "the translation of the optimal pose exceeds the range": "at the end of the doubles",
