@@ -17,7 +17,7 @@ import numpy as np
 from certreg.exact import nearest_double
 from certreg.problem import lift
 from certreg.report.markup import printable
-from certreg.report.summary import margin_words, number
+from certreg.report.summary import margin_words, number, unit_words
 from certreg.report.thinning import UNSPENT, Run, left_words, shown_motion, simulated_escapes
 from certreg.report.words import component_name, component_words, factor_words, lie_words
 from certreg.results import Absent, Optimality
@@ -125,6 +125,7 @@ def scene_document(registration: Registration, names: Names) -> dict[str, Any]:
         "n": problem.n,
         "labels": names.labels,
         "rounded": registration.fit.rounded,
+        "unit": unit_words(registration.fit),
         "colours": colours_end(registration),
         "components": [
             {

@@ -207,6 +207,8 @@ def test_a_length_has_the_unit_of_the_target_where_the_clouds_may_have_two():
     assert "(weighted, unit of the target)" in registration_summary(other)
     assert "(weighted, unit of the clouds)" in registration_summary(same)
     assert "(weighted, unit of the target)" in assessment_summary(assess(other.problem, other.pose))
+    units = [scene_document(one, NAMES)["unit"] for one in (other, same)]
+    assert units == ["unit of the target", "unit of the clouds"]
     assert [Overview.of(one).fit[0].words for one in (other, same)] == [
         "in the unit of the target",
         "in the unit of the clouds",

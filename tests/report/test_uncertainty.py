@@ -308,3 +308,11 @@ def test_the_document_and_the_pose_file_hold_the_numbers(given, tmp_path: Path):
     judged = certreg("assess", source, target, "--pose", tmp_path / "out" / "pose.json")
     assert judged.code == 0
     assert judged.out.startswith("OPTIMAL")
+
+
+def test_a_deviation_of_many_rows_is_not_said_to_be_exact():
+    rng = np.random.default_rng(8)
+    many = rng.standard_normal((20_000, 3))
+    told = rows(registered(many, many + 0.1 * rng.standard_normal(many.shape)))["± is"]
+
+    assert " ± 0.3 %, 59994 degrees of freedom" in told

@@ -167,7 +167,7 @@ async function main() {
     });
   };
   const stage = openStage(clouds, scene.axes, redraw);
-  const rulers = stage && new Rulers(clouds.length);
+  const rulers = stage && new Rulers(clouds.length, scene.unit);
   stage?.hold(scene.components.map((component) => component.quaternion));
   const tags = stage && new Tags(stage, clouds, sampled ? [] : scene.named);
   const energy = energyChart(player, scene);

@@ -8,8 +8,9 @@ const NAMES = ["x", "y", "z"];
 
 /** What is read off the scene; length: one unit of the scene in the unit of the data. */
 export class Rulers {
-  constructor(length) {
-    this.length = length;
+  /** length: of the scene's unit; unit: what lengths are told in, in words. */
+  constructor(length, unit) {
+    Object.assign(this, { length, unit });
     this.scale = document.getElementById("scale");
     this.axes = document.getElementById("axes");
     this.scale.title = "At the centre of the scene: what is nearer looks larger";
@@ -20,7 +21,7 @@ export class Rulers {
     const round = roundBelow(LONGEST * pixel);
     this.scale.hidden = !(round > 0 && Number.isFinite(round));
     this.scale.firstElementChild.style.width = `${round / pixel}px`;
-    this.scale.lastElementChild.textContent = `${figure(round)} in the unit of the clouds`;
+    this.scale.lastElementChild.textContent = `${figure(round)} in the ${this.unit}`;
     const arms = stage.directions.map((arm, k) => [arm, NAMES[k]]).sort(([a], [b]) => a[2] - b[2]);
     this.axes.replaceChildren(...arms.flatMap(([[right, down], name]) => {
       const [x, y] = [ARM * right, ARM * down];
