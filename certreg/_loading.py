@@ -8,6 +8,7 @@ from __future__ import annotations
 import sys
 from dataclasses import dataclass
 from importlib import import_module
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from certreg.errors import MissingToolError
@@ -104,8 +105,10 @@ def require(*modules: str, purpose: str) -> None:
 def refusal(module: str, error: Exception, purpose: str, otherwise: str = "") -> MissingToolError:
     """What is said where a module of a library in `ORIGINS` could not be loaded."""
     name = _root(module)
+    if isinstance(error, ModuleNotFoundError):  # of the library, or of one that it needs itself
+        name = belongs(error) or name
     origin = ORIGINS[name]
-    if isinstance(error, ModuleNotFoundError) and _root(error.name or "") == name:
+    if isinstance(error, ModuleNotFoundError) and not _installed(name):
         fault = f"is not installed: {origin.remedy}"
     else:
         words = " ".join(str(error).split()) or "no reason given"
@@ -120,6 +123,14 @@ def belongs(error: ImportError) -> str | None:
     """The library in `ORIGINS` that an import missed, None if it is another one."""
     name = _root(error.name or "")
     return name if name in ORIGINS else None
+
+
+def _installed(name: str) -> bool:
+    """Whether a library is there at all, although a file of it may be lost."""
+    try:
+        return find_spec(name) is not None
+    except (ImportError, ValueError):
+        return False
 
 
 def _root(module: str) -> str:

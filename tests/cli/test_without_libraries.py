@@ -94,6 +94,28 @@ def test_without_the_solver_the_relaxation_is_null_and_says_why(name: str, witho
     assert reason in " ".join(words.out.split())
 
 
+@pytest.mark.parametrize("installed", [True, False])
+def test_a_library_that_another_one_needs_is_named_itself(
+    installed, without, monkeypatch: pytest.MonkeyPatch
+):
+    def load(_module: str):
+        raise ModuleNotFoundError("No module named 'scipy.sparse'", name="scipy.sparse")
+
+    if not installed:
+        without("scipy")
+    monkeypatch.setattr(_loading, "import_module", load)
+    with pytest.raises(MissingToolError) as caught:
+        _loading.library("cvxpy", "this")
+
+    words = str(caught.value).removeprefix("this needs scipy, which is ")
+    assert caught.value.tool == "scipy"
+    if installed:  # a file of it is lost
+        assert words.startswith("installed but does not load (ModuleNotFoundError: ")
+        assert words.endswith(": pip install --force-reinstall scipy")
+    else:
+        assert words == "not installed: pip install scipy"
+
+
 def test_info_lists_every_library_and_what_brings_it(without):
     without(*(name for name in ORIGINS if name not in {"numpy", "click"}))
     known = certreg("info").out
