@@ -41,13 +41,19 @@ UNPROVED = b"null\n"  # a line that the checker refuses
 class Certificates(Brief):
     """Certificates of many problems, in their order; `certificates[k]` is one of them.
 
-    poses: (count, 4, 4), the certified rotations with their best translations, rounded to doubles;
+    Attributes
+    ----------
+    poses
+        (count, 4, 4), the certified rotations with their best translations, rounded to doubles;
         infinite where a translation is beyond them.
-    gaps: (count,), proved: the objective at the certified rotation, best translation, exceeds the
+    gaps
+        (count,), proved: the objective at the certified rotation, best translation, exceeds the
         minimum by less. Infinite where nothing is proved.
-    angles: (count,), proved: the optimum is nearer to the certified rotation, in radians. NaN where
+    angles
+        (count,), proved: the optimum is nearer to the certified rotation, in radians. NaN where
         there are several, or nothing is proved.
-    unique: (count,), proved: there is one optimum.
+    unique
+        (count,), proved: there is one optimum.
     """
 
     poses: NDArray[np.float64]
@@ -95,7 +101,17 @@ class Certificates(Brief):
         """Write a file `.jsonl`, a certificate a line: `verify.py PATH` checks it.
 
         A problem of which nothing is proved has the line `null`, which is refused. The file is
-        never half there: it has another name until it is whole. Raises InvalidFileError.
+        never half there: it has another name until it is whole.
+
+        Parameters
+        ----------
+        path
+            Of the file.
+
+        Raises
+        ------
+        InvalidFileError
+            Where it cannot be written.
         """
         write_atomically(path, self.lines())
 

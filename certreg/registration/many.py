@@ -61,41 +61,42 @@ def certify_many(
     """The certificates of many problems, or all that `certify` says of them, in their order.
 
     `certify_many(sources, targets, weights=None)`: the certificates, a hundred thousand in seconds.
-
-    sources, targets: (count, N, 3), a list of clouds (N, 3) of different N, or one (N, 3) for all.
-        weights: (count, N), a list, (N,) or a number for all; where none are given they are 1.
-        The points are copied.
-
-    `certify_many(problems, **options)`: the results of `certify`.
-
-    One process, one problem at a time: for files on many processors, that survives a kill, take
-    `certreg batch`; for millions of small problems in floating point, `certreg.solve_many`.
-    Certificates are proved as they are made and not checked once more, except those that compiled
-    code cannot prove: these are made one by one, as by `certify`. `verify.py` checks the file that
+    They are proved as they are made and not checked once more, except those that compiled code
+    cannot prove: these are made one by one, as by `certify`. `verify.py` checks the file that
     `save` writes.
+
+    `certify_many(problems, **options)`: the results of `certify`. One process, one problem at a
+    time: for files on many processors, that survives a kill, take `certreg batch`; for millions of
+    small problems in floating point, `certreg.solve_many`.
 
     Parameters
     ----------
     problems
-        Each a `RegistrationProblem`, or a pair (source, target).
+        Each a `RegistrationProblem`, or a pair (source, target). Beside `targets` the sources:
+        (count, N, 3), a list of clouds (N, 3) of different N, or one (N, 3) for all, which are
+        copied.
+    targets
+        As the sources.
     errors
         "raise" the first, with a note that says of which problem, counted from 0; or "keep" it in
         the place of the result.
     progress
         Called with the number that is done and that of all, None where nobody knows it.
     **options
-        As of `certify`, the same for all.
+        As of `certify`, the same for all. Beside `targets` the `weights` alone: (count, N), a list,
+        (N,) or a number for all; where none are given they are 1.
 
     Returns
     -------
-    list[Any]
+    list[Any] | Certificates
         A `Registration` of each problem; of one that is refused the error, where these are kept.
+        Beside `targets` the certificates.
 
     Raises
     ------
     CertregError
         That of the first problem that `certify` refuses, where errors are not kept.
-    ValueError
+    InvalidProblemError
         For other words in `errors`.
 
     Examples

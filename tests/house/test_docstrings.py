@@ -91,6 +91,7 @@ def faults_of_class(kind: Any) -> list[str]:
         names = arguments(kind)
     else:
         names = [each.name for each in fields(kind)] if is_dataclass(kind) else []
+        names = [name for name in names if not name.startswith("_")]
     described = entries(told.get(section, []))
     found = [name for name in told if name and name not in ORDER]
     return found + sorted(set(described) ^ set(names))

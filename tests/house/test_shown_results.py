@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import enum
 import json
+import sys
 import types
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -257,7 +258,8 @@ def test_plot_draws_into_axes_of_three_dimensions(registration, monkeypatch):
 
 
 def test_plot_without_matplotlib_is_one_line(registration, monkeypatch):
-    monkeypatch.setitem(__import__("sys").modules, "matplotlib.pyplot", None)
+    for name in ("matplotlib", "matplotlib.pyplot"):
+        monkeypatch.setitem(sys.modules, name, None)
     with pytest.raises(certreg.CertregError, match=r"certreg\[figures\]") as caught:
         registration.plot()
     assert "\n" not in str(caught.value)
