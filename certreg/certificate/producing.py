@@ -176,12 +176,14 @@ def proved_multiplier(objective: Isotropic, proposal: Fraction) -> Dyadic | None
     The proposal itself, rounded up, then moved out by growing steps relative to the largest entry
     of K. None means not proved, not disproved: the proposal is far too small.
     """
-    start = max(proposal, Fraction(0))
-    first = objective.size * power_of_two(-FIRST_STEP_BITS)
-    steps = (first * power_of_two(STEP_GROWTH_BITS * k) for k in range(STEPS))
-    for step in (Fraction(0), *steps):
-        nu = dyadic_above(start + step, MULTIPLIER_BITS)
-        if proves_multiplier(objective, nu.value):
+    start, first = max(proposal, Fraction(0)), objective.size * power_of_two(-FIRST_STEP_BITS)
+    over = math.lcm(start.denominator, first.denominator)
+    least = start.numerator * (over // start.denominator)
+    step = first.numerator * (over // first.denominator)
+    reached = objective.alignment(objective.quaternions[0])  # tr(R^T C): nu is above, or refused
+    for moved in (0, *(step << STEP_GROWTH_BITS * k for k in range(STEPS))):
+        nu = dyadic_above(Fraction(least + moved, over), MULTIPLIER_BITS)
+        if nu.value > reached and proves_multiplier(objective, nu.value):
             return nu
     return None
 
@@ -192,15 +194,11 @@ def proves_multiplier(objective: Isotropic, nu: Fraction) -> bool:
     False means that nu is not above the largest eigenvalue of K.
     """
     in_units = nu / objective.moments.cross_unit
-    return is_positive_definite(
-        [
-            [
-                (in_units.numerator if i == j else 0) - in_units.denominator * entry
-                for j, entry in enumerate(row)
-            ]
-            for i, row in enumerate(objective.davenport)
-        ]
-    )
+    level, over = in_units.numerator, in_units.denominator
+    rows = [[-over * entry for entry in row] for row in objective.davenport]
+    for k, row in enumerate(rows):
+        row[k] += level
+    return is_positive_definite(rows)
 
 
 def multiplier_gap(objective: Isotropic, q: Sequence[int], nu: Dyadic) -> Fraction:

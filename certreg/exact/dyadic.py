@@ -30,7 +30,9 @@ class Dyadic:
     @property
     def value(self) -> Fraction:
         """The same number as a fraction."""
-        return self.mantissa * power_of_two(self.exponent)
+        if self.exponent >= 0:
+            return Fraction(self.mantissa << self.exponent)
+        return Fraction(self.mantissa, 1 << -self.exponent)
 
     @property
     def pair(self) -> list[int]:
@@ -65,7 +67,8 @@ def dyadic_above(value: Fraction, bits: int) -> Dyadic:
     if value == 0:
         return Dyadic(mantissa=0, exponent=0)
     exponent = _exponent(value, bits)
-    return Dyadic(mantissa=math.ceil(value / power_of_two(exponent)), exponent=exponent)
+    mantissa = -((-value.numerator << max(-exponent, 0)) // (value.denominator << max(exponent, 0)))
+    return Dyadic(mantissa=mantissa, exponent=exponent)
 
 
 def dyadic_below(value: Fraction, bits: int) -> Dyadic:
@@ -73,7 +76,8 @@ def dyadic_below(value: Fraction, bits: int) -> Dyadic:
     if value == 0:
         return Dyadic(mantissa=0, exponent=0)
     exponent = _exponent(value, bits)
-    return Dyadic(mantissa=math.floor(value / power_of_two(exponent)), exponent=exponent)
+    mantissa = (value.numerator << max(-exponent, 0)) // (value.denominator << max(exponent, 0))
+    return Dyadic(mantissa=mantissa, exponent=exponent)
 
 
 def _exponent(value: Fraction, bits: int) -> int:

@@ -55,7 +55,7 @@ class Isotropic(Brief):
     @cached_property
     def largest_entry(self) -> int:
         """Of K, without its sign."""
-        return max(abs(entry) for row in self.davenport for entry in row)
+        return max([abs(entry) for row in self.davenport for entry in row])
 
     @property
     def shift(self) -> int:
@@ -76,8 +76,9 @@ class Isotropic(Brief):
         4 (d1 + d2), and F^2 = 4 (d1^2 + d2^2 + d3^2) <= 4 (d1 + d2)^2, as d3^2 <= d1 d2. So the
         range lies between 2 F and sqrt(2) times that; both are 0 only where C is.
         """
-        squares = sum(entry * entry for row in self.davenport for entry in row)
-        return 4 * squares * self.moments.cross_unit**2
+        squares = sum([entry * entry for row in self.davenport for entry in row])
+        unit = self.moments.cross_unit
+        return Fraction(4 * squares * unit.numerator**2, unit.denominator**2)
 
     @cached_property
     def classification(self) -> Classification:
@@ -220,7 +221,8 @@ class Isotropic(Brief):
         norm, image = squared_norm(q), [dot(row, q) for row in self.davenport]
         form = dot(image, q)
         rest = [norm * a - form * b for a, b in zip(image, q, strict=True)]
-        return Fraction(squared_norm(rest), norm**3) * self.moments.cross_unit**2
+        unit = self.moments.cross_unit
+        return Fraction(squared_norm(rest) * unit.numerator**2, norm**3 * unit.denominator**2)
 
     # --- eigenspaces, refined in integer arithmetic; a proposal, but for what the pattern says
 

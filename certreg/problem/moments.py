@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -26,7 +27,6 @@ from certreg.results import Brief
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from fractions import Fraction
 
     from numpy.typing import NDArray
 
@@ -75,15 +75,16 @@ class ExactMoments(Brief):
     def cross_unit(self) -> Fraction:
         """What one unit of `cross` is worth as cross-covariance C: 2^(c+a+b) / mass."""
         exponent = self.weight_exponent + self.source_exponent + self.target_exponent
-        return power_of_two(exponent) / self.mass
+        return _dyadic_over(1, exponent, self.mass)
 
     @cached_property
     def spread(self) -> Fraction:
         """Sum of w |x - mean|^2 + w |y - mean|^2, in objective units: the scale of all energies."""
-        c = self.weight_exponent
-        source = trace(self.source_scatter) * power_of_two(c + 2 * self.source_exponent)
-        target = trace(self.target_scatter) * power_of_two(c + 2 * self.target_exponent)
-        return (source + target) / self.mass
+        a, b = 2 * self.source_exponent, 2 * self.target_exponent
+        least = min(a, b)
+        source = trace(self.source_scatter) << (a - least)
+        target = trace(self.target_scatter) << (b - least)
+        return _dyadic_over(source + target, self.weight_exponent + least, self.mass)
 
     @cached_property
     def inertia(self) -> Matrix3[int]:
@@ -93,7 +94,7 @@ class ExactMoments(Brief):
     @cached_property
     def total_weight(self) -> Fraction:
         """M, the sum of the weights, exactly."""
-        return self.mass * power_of_two(self.weight_exponent)
+        return _dyadic_over(self.mass, self.weight_exponent, 1)
 
     @cached_property
     def source_centroid(self) -> tuple[Fraction, Fraction, Fraction]:
@@ -207,6 +208,11 @@ def inertia(scatter: Matrix3[int]) -> Matrix3[int]:
 def trace(matrix: Matrix3[int]) -> int:
     """The sum of the diagonal."""
     return matrix[0][0] + matrix[1][1] + matrix[2][2]
+
+
+def _dyadic_over(number: int, exponent: int, over: int) -> Fraction:
+    """The product of number and 2^exponent, over another number: reduced once."""
+    return Fraction(number << max(exponent, 0), over << max(-exponent, 0))
 
 
 def _centroid(total: Vector3[int], mass: int, exponent: int) -> Vector3[Fraction]:

@@ -168,6 +168,12 @@ def _call(compiled: _Compiled, cost: NDArray[np.float64]) -> Any:
 
 def _matrix(triangle: NDArray[np.float64], size: int) -> NDArray[np.float64]:
     """The symmetric matrix of Clarabel's upper triangle by columns, sqrt(2) off the diagonal."""
-    matrix = np.zeros((size, size))
-    matrix[np.tril_indices(size)] = triangle / np.sqrt(2.0)
-    return matrix + matrix.T + (np.sqrt(2.0) - 2.0) * np.diag(matrix.diagonal())
+    places, over = _places(size)
+    return triangle[places] / over
+
+
+@cache
+def _places(size: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Where each entry of the matrix stands in the triangle, and over what: (size, size) both."""
+    first, last = np.sort(np.indices((size, size)), axis=0)
+    return last * (last + 1) // 2 + first, np.where(first == last, 1.0, np.sqrt(2.0))

@@ -87,6 +87,7 @@ def relax(
     if shift == 0:
         unit = moments.spread or unit
         status = RelaxationStatus.DEGENERATE if status is RelaxationStatus.SOLVED else status
+    rank, quaternion = _rank_and_quaternion(solution, form)
     return Relaxation(
         form=form,
         solver=solver_name() if solver is None else stated_name(solver),
@@ -95,8 +96,8 @@ def relax(
         unit=unit,
         value=solution.value,
         multiplier=solution.multiplier if form is Form.QUATERNION else None,
-        rank=_rank(solution),
-        quaternion_wxyz=_quaternion(solution, form),
+        rank=rank,
+        quaternion_wxyz=quaternion,
     )
 
 
@@ -112,17 +113,17 @@ def _normalised(cross: Matrix3[int], shift: int) -> NDArray[np.float64]:
     return np.array([[entry / (1 << shift) for entry in row] for row in cross])
 
 
-def _rank(solution: ConicSolution) -> int | None:
-    if solution.matrix is None:
-        return None
-    values = np.linalg.eigvalsh(solution.matrix)
-    return int((values > RANK_THRESHOLD * values[-1]).sum())
+def _rank_and_quaternion(
+    solution: ConicSolution, form: Form
+) -> tuple[int | None, NDArray[np.float64] | None]:
+    """The rank, and the top eigenvector of Z; or the rotation nearest to the R of its first column.
 
-
-def _quaternion(solution: ConicSolution, form: Form) -> NDArray[np.float64] | None:
-    """The top eigenvector of Z; or the rotation nearest to the R in its first column."""
+    None where there is no Z.
+    """
     if solution.matrix is None:
-        return None
+        return None, None
+    values, vectors = np.linalg.eigh(solution.matrix)
+    rank = int((values > RANK_THRESHOLD * values[-1]).sum())
     if form is Form.QUATERNION:
-        return canonical(np.linalg.eigh(solution.matrix)[1][:, -1])
-    return quaternion_from_matrix(solution.matrix[1:, 0].reshape(3, 3).T)
+        return rank, canonical(vectors[:, -1])
+    return rank, quaternion_from_matrix(solution.matrix[1:, 0].reshape(3, 3).T)

@@ -24,12 +24,15 @@ from hypothesis import strategies as st
 import certreg
 from certreg import RegistrationProblem
 from certreg.certificate.producing import (
+    FIRST_STEP_BITS,
     MULTIPLIER_BITS,
+    STEP_GROWTH_BITS,
+    STEPS,
     multiplier_gap,
     proved_multiplier,
     proves_multiplier,
 )
-from certreg.exact.dyadic import Dyadic, power_of_two
+from certreg.exact.dyadic import Dyadic, dyadic_above, power_of_two
 from certreg.exact.elimination import rank
 from certreg.geometry.so3 import quadratic_form, rotation_matrix, squared_norm
 from certreg.objective.isotropic import Isotropic
@@ -532,6 +535,20 @@ def test_no_number_below_the_largest_eigenvalue_is_ever_proved(problem, exponent
     assert proved is None or proved.value > largest - error
 
 
+@pytest.mark.parametrize("decades", [2, 5, 8, 12, 60])
+@pytest.mark.parametrize("side", [1, -1])
+def test_the_multiplier_is_the_first_step_of_all_that_is_proved(decades: int, side: int):
+    objective = Isotropic(exact_moments(strategies.random_problem(np.random.default_rng(1))))
+    best = objective.alignment(objective.quaternions[0])
+    proposal = best + side * best / 10**decades
+    first = objective.size * power_of_two(-FIRST_STEP_BITS)
+    steps = [Fraction(0), *(first * power_of_two(STEP_GROWTH_BITS * k) for k in range(STEPS))]
+    numbers = [dyadic_above(proposal + step, MULTIPLIER_BITS) for step in steps]
+    expected = next((nu for nu in numbers if proves_multiplier(objective, nu.value)), None)
+
+    assert proved_multiplier(objective, proposal) == expected
+
+
 def test_the_gap_is_the_energy_above_what_the_multiplier_leaves_for_the_minimum():
     moments = exact_moments(strategies.random_problem(np.random.default_rng(0), noise=1.0))
     nu, q = Dyadic(mantissa=12345, exponent=-3), (1, -2, 3, 4)
@@ -604,4 +621,4 @@ def test_the_rank_counts_eigenvalues_above_a_share_of_the_largest(values, expect
         status=RelaxationStatus.SOLVED, said="", value=0.0, multiplier=0.0, matrix=matrix
     )
 
-    assert shor._rank(solution) == expected
+    assert shor._rank_and_quaternion(solution, Form.QUATERNION)[0] == expected
