@@ -27,7 +27,7 @@ from fractions import Fraction
 from getopt import GetoptError, gnu_getopt
 from itertools import accumulate, chain
 from math import frexp, gcd, isfinite, isqrt, ldexp
-from operator import add, mul
+from operator import add, mul, neg
 from pathlib import Path
 from typing import Any, ClassVar, Protocol
 
@@ -41,7 +41,7 @@ NODES_MAX = 50_000  # commas and brackets; each costs less than 600 bytes of mem
 DIGITS_MAX, EXPONENT_MAX = 4300, 32768  # of an integer, as Python's own limit; of a dyadic
 LIMITS = {"max-angle": "angle", "max-gap": "share"}  # options, and what of Worth they limit
 BLOCK, STEP = 8192, 64  # points split at a time; their exponents are rounded to it if far apart
-PRIME, BITS, DEGREES = 2**31 - 1, 512, Fraction("57.295779514")  # in a radian: 180/pi = ...513...
+PRIME, BITS, DEGREES = 2**31 - 1, 256, Fraction("57.295779514")  # in a radian: 180/pi = ...513...
 
 
 class RefusalError(Exception):
@@ -139,7 +139,7 @@ def parse(text: bytes) -> Statement:
     entries = entries_of(document, form.keys)
     known = document["about"].__class__ is dict and form.kind == kind
     require(known and document["format"] == FORMAT, f"not a {FORMAT} of a known kind")
-    return form(**{f.name: entry(f, entries.get(f.name)) for f in fields(form)})
+    return form(*[entry(f, entries.get(f.name)) for f in fields(form)])
 
 
 def entries_of(document: Any, keys: dict[str, str]) -> dict[str, Any]:
@@ -149,11 +149,10 @@ def entries_of(document: Any, keys: dict[str, str]) -> dict[str, Any]:
     """
     entries: dict[str, Any] = {}
     for place, words in keys.items():
-        name, known = place.rstrip("?"), words.replace("?", "").split()
+        name, known = place.rstrip("?"), {*words.replace("?", "").split()}
         absent = name != place and document[name] is None
         part: Any = dict.fromkeys(known) if absent else document[name] if name else document
-        needed = {key for key in words.split() if not key.endswith("?")}
-        good = part.__class__ is dict and needed <= set(part) <= set(known)
+        good = part.__class__ is dict and known & {*words.split()} <= part.keys() <= known
         require(good, f"{name or 'the certificate'} must have exactly the keys {words}")
         entries.update(part)
     return entries
@@ -167,12 +166,12 @@ def entry(wanted: Field[Any], value: Any) -> Any:
     require(kind in LENGTHS and value.__class__ is list, f"{name} is of a wrong type")
     good = len(value) in LENGTHS[kind] and all(each.__class__ is int for each in value)
     require(good, f"{name} is not a list of integers of the right length")
-    return value[0] * _power(value[1]) if kind == "Fraction" else tuple(value)
+    return _dyadic(*value) if kind == "Fraction" else tuple(value)
 
 
-def _power(exponent: int) -> Fraction:
+def _dyadic(number: int, exponent: int) -> Fraction:
     require(abs(exponent) <= EXPONENT_MAX, "an exponent is too large")
-    return Fraction(1 << exponent) if exponent >= 0 else Fraction(1, 1 << -exponent)
+    return Fraction(number << exponent) if exponent >= 0 else Fraction(number, 1 << -exponent)
 
 
 def _unique(pairs: list[tuple[str, object]]) -> dict[str, object]:
@@ -181,7 +180,8 @@ def _unique(pairs: list[tuple[str, object]]) -> dict[str, object]:
 
 
 def _bounded(digits: str) -> int:
-    require(len(digits) <= DIGITS_MAX, f"an integer has more than {DIGITS_MAX} digits")
+    if len(digits) > DIGITS_MAX:
+        raise RefusalError(f"an integer has more than {DIGITS_MAX} digits")
     return int(digits)  # ValueError for NaN and Infinity
 
 
@@ -229,22 +229,23 @@ def moments(doubles: bytes | memoryview, n: int) -> tuple[Matrix, int]:
 
     Exact: doubles are integers times powers of two, and products with the same power are added up.
     """
-    sums: list[list[dict[int, int]]] = [[{} for _ in range(7)] for _ in range(7)]
+    sums: list[list[dict[int, int]]] = [[{} for _ in range(i, 7)] for i in range(7)]
     for start in range(0, n, BLOCK):
         count = min(BLOCK, n - start)
         x, y = (_split(doubles, first, 3 * count) for first in (3 * start, 3 * (n + start)))
         w, g = _split(doubles, 6 * n + start, count)
         require(min(w) >= 0, "a weight is negative")
-        near = all(len(set(e)) == 1 for e in (x[1], y[1], g))  # as usual
+        near = all(e.count(e[0]) == len(e) for e in (x[1], y[1], g))  # as usual
+        unit = w[0] if near and w.count(w[0]) == count else 1  # taken out of equal weights
         a = [([1] * count, [0] * count), *((k[i::3], e[i::3]) for k, e in (x, y) for i in range(3))]
         for i, (left, e) in enumerate(a):
-            weighted, powers = list(map(mul, w, left)), list(map(add, g[:1] if near else g, e))
-            for sum_, (right, f) in zip(sums[i][i:], a[i:]):  # noqa: B905 (3.9)
+            weighted, powers = left if unit > 1 else list(map(mul, w, left)), list(map(add, g, e))
+            for sum_, (right, f) in zip(sums[i], a[i:]):
                 terms = map(mul, weighted, right)
-                for power, term in zip(map(add, powers, f), [sum(terms)] if near else terms):  # noqa: B905
+                for power, term in zip(map(add, powers, f), [unit * sum(terms)] if near else terms):
                     sum_[power] = sum_.get(power, 0) + term
-    least = min(chain(*chain(*sums)))
-    return [[sum([k << e - least for e, k in sum_.items()]) for sum_ in row] for row in sums], least
+    low, of = min(chain(*chain(*sums))), enumerate(sums)
+    return [[0] * i + [sum(k << e - low for e, k in s.items()) for s in row] for i, row in of], low
 
 
 def _split(doubles: bytes | memoryview, first: int, count: int) -> tuple[list[int], list[int]]:
@@ -252,10 +253,10 @@ def _split(doubles: bytes | memoryview, first: int, count: int) -> tuple[list[in
     values, bits = (struct.unpack_from(f"<{count}{kind}", doubles, 8 * first) for kind in "dQ")
     require(all(map(isfinite, values)), "the data hold a number that is not finite")
     require(1 << 63 not in bits, "the data hold -0.0, which is not canonical")
-    exponents = [frexp(value)[1] - 53 for value in values]  # value / 2^e is an integer < 2^53
-    least, most = min(exponents), max(exponents)
-    exponents = [least] * count if most - least <= 2 * STEP else [e - e % STEP for e in exponents]
-    return [int(ldexp(value, -e)) for value, e in zip(values, exponents)], exponents  # noqa: B905
+    sizes = [*filter(None, map(abs, values))] or [0.0]  # 2^(e - 53) divides what has exponent e
+    low, high = frexp(min(sizes))[1] - 53, frexp(max(sizes))[1] - 53
+    e = [low] * count if high - low <= 2 * STEP else [frexp(v)[1] - 53 & -STEP for v in values]
+    return list(map(int, map(ldexp, values, map(neg, e)))), e
 
 
 def cross(m: Matrix) -> Matrix:
@@ -263,11 +264,11 @@ def cross(m: Matrix) -> Matrix:
     return [[m[0][0] * m[j][k] - m[0][j] * m[0][k] for j in (1, 2, 3)] for k in (4, 5, 6)]
 
 
-def inertia(m: Matrix, xyz: Sequence[int] = (1, 2, 3)) -> Matrix:
-    """J over the same, of the columns xyz."""
-    S = [[m[0][0] * m[min(j, k)][max(j, k)] - m[0][j] * m[0][k] for k in xyz] for j in xyz]
-    trace = S[0][0] + S[1][1] + S[2][2]
-    return [[trace * (i == j) - S[i][j] for j in range(3)] for i in range(3)]
+def inertia(m: Matrix) -> Matrix:
+    """J over the same."""
+    S = [[m[0][0] * m[j][k] - m[0][j] * m[0][k] for k in range(j, 4)] for j in (1, 2, 3)]
+    (a, b, c), (d, e), (f,) = S
+    return [[d + f, -b, -c], [-b, a + f, -e], [-c, -e, a + d]]
 
 
 def davenport(C: Matrix) -> Matrix:
@@ -278,28 +279,25 @@ def davenport(C: Matrix) -> Matrix:
     return [[trace, *z], *([z[i], *block[i]] for i in range(3))]
 
 
-def positive_definite(A: Matrix, previous: int = 1) -> bool:
-    """Whether the symmetric matrix A is positive definite: all leading minors > 0 (Sylvester).
-
-    They are the pivots of Bareiss' elimination, whose divisions by the previous one are exact.
-    """
-    (pivot, *right), *below = A
-    rows = [[(pivot * a - row[0] * b) // previous for a, b in zip(row[1:], right)] for row in below]  # noqa: B905
-    return pivot > 0 and (not rows or positive_definite(rows, pivot))
+def positive_definite(rows: Matrix, last: int = 1) -> bool:
+    """Whether a symmetric matrix, rows from the diagonal on, is so: all leading minors p > 0."""
+    (p, *right), *rows = rows  # Sylvester; Bareiss: divisions by the last minor are exact
+    B = [[(p * a - right[i] * b) // last for a, b in zip(r, right[i:])] for i, r in enumerate(rows)]
+    return p > 0 and (not B or positive_definite(B, p))
 
 
-def definite(A: Matrix) -> bool:
+def definite(A: Matrix, bits: int = BITS) -> bool:
     """Whether A, symmetric, at most 4x4, is positive definite: by its leading bits if these tell.
 
     A = 2^s B + E, 0 <= E_ij < 2^s, so |p^T E p| <= 4 2^s |p|^2: if B - 4 I > 0 then A > 0.
     """
-    s = max(max(chain(*A)).bit_length() - BITS, 0)
-    B = [[(entry >> s) - 4 * (i == j) for j, entry in enumerate(row)] for i, row in enumerate(A)]
-    return positive_definite(B) or positive_definite(A)
+    s = max(max(chain(*A)).bit_length() - bits, 0)
+    B = [[(a >> s) - 4 * (j == 0 < s) for j, a in enumerate(r[i:])] for i, r in enumerate(A)]
+    return positive_definite(B) or (s > 0 and definite(A, 2 * bits))
 
 
 def _form(A: Matrix, v: Sequence[int]) -> int:  # v^T A v
-    return sum(entry * sum(map(mul, row, v)) for entry, row in zip(v, A))  # noqa: B905 (3.9)
+    return sum(entry * sum(map(mul, row, v)) for entry, row in zip(v, A))
 
 
 def rounded(value: Fraction, digits: int, rounding: str = ROUND_CEILING) -> Decimal:
@@ -307,9 +305,10 @@ def rounded(value: Fraction, digits: int, rounding: str = ROUND_CEILING) -> Deci
     return Context(prec=digits, rounding=rounding).divide(*map(Decimal, value.as_integer_ratio()))
 
 
-def root_up(value: Fraction) -> Fraction:
-    """An upper bound of the root of a value >= 0, to twenty digits: `sqrt` rounds to nearest."""
-    return Fraction(rounded(value, 20).sqrt(Context(prec=20)).next_plus(Context(prec=20)))
+def root_up(n: int, d: int) -> Fraction:
+    """More than the root of n/d >= 0, by 2^-68 of it at most."""
+    s = max(70 + (d.bit_length() - n.bit_length()) // 2, 0)
+    return Fraction(isqrt((n << 2 * s) // d) + 1, 1 << s)
 
 
 def shown(text: object) -> str:
@@ -384,54 +383,54 @@ class IsotropicStatement(Statement):
         """All claims, by the functions below; what these prove stands in their docstrings."""
         good = self.delta > 0 and self.mu >= 0 and any(self.pose)
         require(good, "delta > 0, mu >= 0 and a pose other than 0 needed")
-        mass, q, norm = m[0][0], self.pose, sum(c * c for c in self.pose)
-        require(mass > 0, "no weight is positive")
-        C, J = cross(m), inertia(m)
+        weight, q, norm = _dyadic(m[0][0], e), self.pose, sum(c * c for c in self.pose)
+        require(weight > 0, "no weight is positive")
+        zeros = [(k & -k).bit_length() - 1 for k in m[0] if k]  # not in another unit of length:
+        z = min([zeros[0] // 2, *zeros[1:]])
+        m = [[m[0][0] >> 2 * z, *[k >> z for k in m[0][1:]]], *m[1:]]  # C, J over the same 2^e/M'
+        C, J, mass = cross(m), inertia(m), m[0][0]
         K, pattern, solid = davenport(C), multiplicities(C), definite(J)
-        over = max(x.denominator for x in (_power(e), self.delta, self.mu, self.nu or self.mu))
-        one, unit = mass * over, int(_power(e) * over)  # numbers times one are integers, K / unit
-        v, delta, mu = _form(K, q) * unit, int(self.delta * one), int(self.mu * one)  # v over norm
+        numbers = self.delta, self.mu, self.mu if self.nu is None else self.nu
+        over = max([-e, *[x.denominator.bit_length() - 1 for x in numbers]])
+        one, unit = mass << over, 1 << over + e  # numbers times one are integers, K / unit
+        delta, mu, nu = (x.numerator * (one // x.denominator) for x in numbers)
+        v = _form(K, q) * unit  # over norm
         level = v + (delta - mu) * norm
-        optimal = proves_level(K, unit, q, level, mu)
-        require(optimal, "delta and mu do not prove the pose optimal")
-        self._require_bounds()
+        require(proves_level(K, unit, q, level, mu), "delta and mu do not prove the pose optimal")
+        require(self.gap >= 2 * self.delta, "claims.gap is below the proved bound 2 delta")
+        angle = self.sin2_half_angle is None or (mu > 0 and self.sin2_half_angle * mu >= delta)
+        require(angle, "claims.sin2_half_angle is below the proved bound delta/mu")
         self._require_equilibria(pattern, solid=solid)
-        nu, gap = None if self.nu is None else int(self.nu * one) * norm, self.sdp_gap
-        require(nu is None or proves_level(K, unit, q, nu, 0), "sdp.nu bounds nothing")
-        bounded = gap is None or (nu is not None and gap * one * norm >= 2 * (nu - v))
+        dual, gap = self.nu is not None, self.sdp_gap
+        require(not dual or proves_level(K, unit, q, nu * norm, 0), "sdp.nu bounds nothing")
+        bounded = gap is None or (dual and gap * one * norm >= 2 * (nu * norm - v))
         require(bounded, "claims.sdp_gap is below the proved bound 2 (nu - v)")
         if self.basin:
             p, w = self.quaternion, self.angular_velocity
             inside = solid and p and w and proves_basin(K, J, Fraction(level, norm * unit), p, w)
             require(inside, "claims.basin is not proved of the state in basin")
-        worth = self._worth(m, e, K)
+        spread = sum([mass * m[k][k] - m[0][k] ** 2 for k in range(1, 7)]) * unit
+        worth = self._worth(weight, spread * norm - 2 * v, K, unit, one)
         theorems = tuple(self._words(worth, pattern, solid=solid, equal=equal))
         return Outcome(verified=True, theorems=theorems, reason="", worth=worth)
 
-    def _worth(self, m: Matrix, e: int, K: Matrix) -> Worth:
+    def _worth(self, weight: Fraction, objective: int, K: Matrix, unit: int, one: int) -> Worth:
         """The objective is sum w (|x|^2 + |y|^2) - 2 v, x and y less their means.
 
         Range: 2 (l1 - l4), K having eigenvalues l1 >= ... >= l4. As tr K = 0, the sum of squares
         F^2 = sum K_ij^2 is 4 times their variance, at most (l1 - l4)^2 (Popoviciu): range >= 2 F.
         Angle: a/2 < tan(a/2) < sqrt(s/(1 - s)) if a < pi, where sin^2(a/2) < s = delta/mu < 1.
         """
-        delta, mu, gap, mass = self.delta, self.mu, 2 * self.delta, m[0][0]
-        weight, norm = mass * _power(e), sum(c * c for c in self.pose)
-        sums = sum(mass * m[k][k] - m[0][k] ** 2 for k in range(1, 7))
-        objective = Fraction(sums * norm - 2 * _form(K, self.pose), mass * norm) * _power(e)
-        bits = max(k.bit_length() for k in chain(*K))  # of which the first will do:
-        F = isqrt(sum((abs(k) << BITS >> bits) ** 2 for k in chain(*K)))  # <= F 2^(BITS - bits)
-        share = delta * Fraction(mass, F) * _power(BITS - bits - e) if F else Fraction(0)
-        angle = 2 * root_up(delta / (mu - delta)) if mu > delta else None
-        angle = angle if angle and angle < Fraction("3.14159265") else None
-        least = max(objective - gap, Fraction(0))
-        return Worth(weight, objective, least, gap, root_up(gap / weight), share, angle)
-
-    def _require_bounds(self) -> None:
-        delta, mu, sin2 = self.delta, self.mu, self.sin2_half_angle
-        require(self.gap >= 2 * delta, "claims.gap is below the proved bound 2 delta")
-        angle = sin2 is None or (mu > 0 and sin2 * mu >= delta)
-        require(angle, "claims.sin2_half_angle is below the proved bound delta/mu")
+        delta, mu = (x.numerator * (one // x.denominator) for x in (self.delta, self.mu))
+        norm, gap = sum(c * c for c in self.pose), 2 * self.delta
+        bits = max([k.bit_length() for k in chain(*K)])  # of which the first will do:
+        F = isqrt(sum([(abs(k) << BITS >> bits) ** 2 for k in chain(*K)]))  # <= F 2^(BITS - bits)
+        share = Fraction(delta << BITS, F * unit << bits) if F else Fraction(0)
+        angle = root_up(4 * delta, mu - delta) if mu > delta else None
+        angle = angle if angle and angle < Fraction(314159265, 10**8) else None
+        least = Fraction(max(objective - 2 * delta * norm, 0), one * norm)
+        length = root_up(2 * delta * weight.denominator, one * weight.numerator)
+        return Worth(weight, Fraction(objective, one * norm), least, gap, length, share, angle)
 
     def _require_equilibria(self, true: list[int], *, solid: bool) -> None:
         good = list(self.pattern) == true
@@ -512,7 +511,7 @@ def proves_basin(
     p^T K p - w^T J w / 4 > level leaves only the optimum. K, J and level are over one unit.
     """
     *w, exponent = velocity
-    spin = Fraction(_form(J, w), 4) * _power(exponent) ** 2
+    spin = Fraction(_form(J, w), 4) * _dyadic(1, exponent) ** 2
     return any(p) and Fraction(_form(K, p), sum(c * c for c in p)) - spin > level
 
 
@@ -526,7 +525,7 @@ def multiplicities(C: Matrix) -> list[int]:
     """
     for A in ([[entry % PRIME for entry in row] for row in C], C):  # if not 0 modulo PRIME, not 0
         (a, b, c), (d, e, f), (g, h, i) = A
-        P = [sum(row[j] * row[k] for row in A) for j in range(3) for k in range(3)]  # C^T C
+        P = [sum(map(mul, u, v)) for u in zip(*A) for v in zip(*A)]  # C^T C
         D = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
         e1 = P[0] + P[4] + P[8]
         e2, e3 = (e1 * e1 - sum(map(mul, P, P))) // 2, D * D
@@ -624,7 +623,7 @@ def torques(A: Matrix, C: Matrix) -> list[int]:
     in the body's frame, twice the last three in the world's, up to order and sign.
     """
     found: list[int] = []
-    for one, other in ((list(zip(*A)), list(zip(*C))), (A, C)):  # noqa: B905 (3.9)
+    for one, other in ((list(zip(*A)), list(zip(*C))), (A, C)):
         product = [[sum(map(mul, row, column)) for column in other] for row in one]
         found += [product[i][j] - product[j][i] for i in range(3) for j in range(i + 1, 3)]
     return found
@@ -646,7 +645,7 @@ def has_full_rank(rows: Matrix, modulus: int) -> bool:
         inverse = pow(pivot[k], -1, modulus)
         for row in rows[k + 1 :]:
             factor = row[k] * inverse
-            row[:] = [(a - factor * b) % modulus for a, b in zip(row, pivot)]  # noqa: B905
+            row[:] = [(a - factor * b) % modulus for a, b in zip(row, pivot)]
     return True
 
 

@@ -122,11 +122,11 @@ def checked_alignment(K: Any, J: Any, p: Any, omega: Any) -> Any:
     ring = ring_of([*flat(K), *flat(J), *p, *omega, NORM_INVERSE, TWO_POWER])
     row, own, bound = _row(ring, p), Exponent(), Bound(ring)
 
-    def power(exponent: object) -> Any:
-        modelled(exponent is own, f"the power of {exponent!r}")
+    def power(number: object, exponent: object) -> Any:
+        modelled(number == 1 and exponent is own, f"{number!r} times the power of {exponent!r}")
         return ring.from_expr(TWO_POWER)
 
-    decide = rerouted(proves_basin, Fraction=fraction_over(_norm(row)), _power=power)
+    decide = rerouted(proves_basin, Fraction=fraction_over(_norm(row)), _dyadic=power)
     velocity = [*_row(ring, omega), own]
     decided = decide(_elements(ring, K), _elements(ring, J), bound, row, velocity)
     modelled(decided is True and bound.met, "more than one comparison decides")
@@ -172,6 +172,11 @@ def pivots_of(elimination: Callable[[Any], bool], matrix: Any) -> list[Any]:
     met: list[Any] = []
     elimination([[Pivoted(e, met) for e in row] for row in _elements(ring, matrix)])
     return met
+
+
+def upper(rows: Sequence[Sequence[Any]]) -> list[list[Any]]:
+    """The rows of a symmetric matrix from the diagonal on, as the checker's elimination takes."""
+    return [list(row[i:]) for i, row in enumerate(rows)]
 
 
 def _norm(row: Sequence[Any]) -> Any:

@@ -210,7 +210,7 @@ def modulus_cases() -> Iterator[Case]:
 
 def leading_cases() -> Iterator[Case]:
     """Matrices 2^s B + E, E >= 0, that B tells wrongly: E takes 2 2^s along (1, -1, 1, -1)."""
-    signs, size, s = (1, -1, 1, -1), 2**511, 50  # of BITS + s bits
+    signs, size, s = (1, -1, 1, -1), 2**255, 50  # of BITS + s bits
     for name, along, definite in (("inside", 2, "True"), ("outside", 1, "False")):
         B = [
             [
@@ -752,9 +752,13 @@ def _apart_cases() -> Iterator[Case]:
         "sources": [powers[0], *ones[1:]],
         "targets": [ones[0], powers[1], ones[2]],
         "weights": [*ones[:2], powers[2]],
+        "all, of one weight": powers,
+        "none, but tiny beside zeros": [2.0**-300 * ones[0], *ones[1:]],
     }.items():
         source, target = (random.normal(size=(5, 3)) * scales[k][:, None] for k in (0, 1))
+        source[0, 1] = 0.0
         weights = random.uniform(1, 2, 5) * scales[2]
+        weights = np.full(5, 3.0) if "one weight" in name else weights
         content = oracle.problem_bytes(source, target, weights)[26:]
         rows = [
             [Fraction(float(x)) for x in (1, *a, *b)] for a, b in zip(source, target, strict=True)
@@ -993,6 +997,13 @@ def word_cases() -> Iterator[Case]:
     )
     dual = changed(good, sdp={"nu": [57, -1]}, sdp_gap=[33, -5])  # 1.03125
     yield Case("rounded up", outcome_of(dual), r"VERIFIED.*dual bounds that gap by 1\.1e\+0\.")
+    long = changed(good, pose=[2, 0, 0, 0], sdp={"nu": [57, -1]}, sdp_gap=[31, -5])
+    yield Case("a dual gap, |q| = 2", outcome_of(long), r"REFUSED: claims\.sdp_gap is below")
+    nothing = stated(changed(good, sdp={"nu": [0, 0]}), Fraction(128), Fraction(64))
+    yield Case("nu = 0 beside a large mu", outcome_of(nothing), r"REFUSED: sdp\.nu bounds nothing")
+    tiny = stated(good, Fraction(1, 2**300), Fraction(16))  # 2^-299/79.196 = 1.2397e-92
+    words = r"VERIFIED.*translation: 0; both .*less than 1\.3e-92 of the range"
+    yield Case("delta 2^-300", outcome_of(tiny), words)
 
 
 def worth_cases(good: Certificate) -> Iterator[Case]:
@@ -1056,9 +1067,12 @@ def tiny_weight_cases() -> Iterator[Case]:
 def number_of_worth_cases() -> Iterator[Case]:
     """The numbers, held against sums over the points; the bounds are sharp to 18 digits."""
     long = 2.0 ** np.array([-400, *[0] * 6])[:, None]  # of one point: K has 900 bits
-    for name, scale in (("1", 1.0), ("2^300", 2.0**300), ("2^-400 of one", long)):
+    scales = {"1": 1.0, "2^300": 2.0**300, "2^-400 of one": long, "1, weights near 1": 1.0}
+    for name, scale in scales.items():
         source, target, weights = oracle.random_problem(seed=2, n=7, noise=0.3)
         source = source * scale
+        if "weights" in name:  # whose sum is 8, a power of two, while their last bits are 1
+            weights = np.array([*[1 - 2.0**-52, 1 + 2.0**-52] * 3, 2.0])
         certificate = oracle.produce(source, target, weights)
         w = [Fraction(float(c)) for c in weights]
         energy = energy_of(certificate["pose"], source, target, w)

@@ -470,15 +470,15 @@ MUTANTS = (
     Mutant(
         "another power of two",
         CHECKER,
-        "_power(exponent) ** 2",
-        "_power(exponent - 1) ** 2",
+        "_dyadic(1, exponent) ** 2",
+        "_dyadic(1, exponent - 1) ** 2",
         ("certified_basin",),
     ),
     Mutant(
         "power of two not squared",
         CHECKER,
-        "_power(exponent) ** 2",
-        "_power(exponent)",
+        "_dyadic(1, exponent) ** 2",
+        "_dyadic(1, exponent)",
         ("certified_basin",),
     ),
     Mutant(
@@ -533,8 +533,8 @@ MUTANTS = (
     Mutant(
         "an eliminated entry's sign",
         CHECKER,
-        "pivot * a - row[0] * b",
-        "pivot * a - pivot * b",
+        "p * a - right[i] * b",
+        "p * a - p * b",
         ("elimination",),
     ),
 )

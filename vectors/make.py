@@ -24,10 +24,10 @@ from certreg.verify import (
     IsotropicStatement,
     cross,
     davenport,
+    definite,
     inertia,
     moments,
     multiplicities,
-    positive_definite,
     proves_level,
 )
 
@@ -103,7 +103,7 @@ def produced(source: Points, target: Points, weights: list[float] | None = None)
     norm = sum(c * c for c in q)
     v = sum(q[i] * K[i][j] * q[j] for i in range(4) for j in range(4)) * unit / norm
     mu, delta = bounds(K, unit, q, v, unique=pattern[0] == 1)
-    solid = positive_definite(J)
+    solid = definite(J)
     nu = dyadic_above(v + delta, 64)
     inside = bool(mu) and solid
     return {

@@ -17,7 +17,7 @@ from ..algebra import Square, identity, positive
 from ..hypothesis import Standing, invertible, positive_by
 from ..kernel import Claim, Mutation, Proof, Step
 from ..notation import Matrix, scalar
-from ..shipped import pivots_of
+from ..shipped import pivots_of, upper
 
 SIZE = 4
 Elimination = Callable[[Any], bool]
@@ -78,8 +78,9 @@ def proof(
     )
     yield identity(
         r"So does the elimination of the trusted checker, `certreg.verify.positive_definite`, "
-        r"which is written independently: the same four minors.",
-        pivots_of(checker, A),
+        r"which is written independently and reads the rows from the diagonal on: the same four "
+        r"minors.",
+        pivots_of(lambda rows: checker(upper(rows)), A),
         D[1:],
     )
     yield from _sylvester(D)
@@ -143,8 +144,9 @@ def _forgetful(rows: Any) -> bool:
 
 
 def _one_short(rows: Any) -> bool:
-    """Elimination that updates one column less: j from k + 2 on."""
-    rows = [list(row) for row in rows]
+    """Elimination that updates one column less, j from k + 2 on; rows from the diagonal on."""
+    n = len(rows)
+    rows = [[rows[min(i, j)][abs(i - j)] for j in range(n)] for i in range(n)]
     previous: Any = 1
     for k in range(len(rows)):
         pivot = rows[k][k]
