@@ -56,7 +56,7 @@ def _block(block: list[str]) -> list[str]:
 
 
 def _section(lines: list[str]) -> list[str]:
-    if lines[0].startswith(">>>"):
+    if not lines or lines[0].startswith(">>>"):  # an example may stand below an empty line
         return lines
     return [
         f"    {escaped(line.strip())}" if line.startswith(" ") else f"``{line}``" for line in lines

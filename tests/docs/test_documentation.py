@@ -322,7 +322,7 @@ def test_a_section_of_a_docstring_is_a_heading_with_definitions(extension: Calla
         "Examples",
         "--------",
     ]
-    marked = extension("docstrings").marked_up([*lines, ">>> f(*x)", "1"])
+    marked = extension("docstrings").marked_up([*lines, "", ">>> f(*x)", "1"])
 
     assert [line for line in marked if line] == [
         ".. rubric:: Raises",
