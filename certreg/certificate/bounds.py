@@ -13,7 +13,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.exact import double_above, double_below, half_angle_bound, root_above
-from certreg.geometry import body_frame, squared_norm
+from certreg.geometry import body_frame, dot, squared_norm
 from certreg.problem import lift
 from certreg.results import Absent, Explained
 
@@ -144,9 +144,7 @@ def pose_energy(objective: Isotropic, pose: ExactPose) -> Fraction:
 
 def sin2_half_angle_between(p: Sequence[int], q: Sequence[int]) -> Fraction:
     """sin^2(theta/2) of the angle from R(p) to R(q), for integer quaternions, exactly."""
-    across = [
-        sum(a * b for a, b in zip(c, q, strict=True)) for c in zip(*body_frame(p), strict=True)
-    ]
+    across = [dot(column, q) for column in zip(*body_frame(p), strict=True)]
     return Fraction(squared_norm(across), squared_norm(p) * squared_norm(q))
 
 

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from certreg.exact.dyadic import nearest_quotient as nearest_quotient
     from certreg.exact.dyadic import nearest_root as nearest_root
     from certreg.exact.dyadic import power_of_two as power_of_two
+    from certreg.exact.dyadic import quotient_or_zero as quotient_or_zero
     from certreg.exact.dyadic import rational_root_above as rational_root_above
     from certreg.exact.dyadic import root_above as root_above
     from certreg.exact.dyadic import root_of_quotient as root_of_quotient
@@ -60,6 +61,7 @@ __getattr__ = lazy_face(
             "nearest_quotient",
             "nearest_root",
             "power_of_two",
+            "quotient_or_zero",
             "rational_root_above",
             "root_above",
             "root_of_quotient",

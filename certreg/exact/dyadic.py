@@ -103,10 +103,15 @@ def nearest_quotient(numerator: int, denominator: int) -> float | None:
 
 def nearest_or_zero(value: Fraction) -> float:
     """The double nearest to the value, infinite beyond the doubles: for coordinates."""
+    return quotient_or_zero(value.numerator, value.denominator)
+
+
+def quotient_or_zero(numerator: int, denominator: int) -> float:
+    """The same of a quotient of integers, in lowest terms or not; the denominator is positive."""
     try:
-        return value.numerator / value.denominator
+        return numerator / denominator
     except OverflowError:
-        return math.inf if value > 0 else -math.inf
+        return math.inf if numerator > 0 else -math.inf
 
 
 def double_above(value: Fraction) -> float:
@@ -115,7 +120,10 @@ def double_above(value: Fraction) -> float:
         nearest = value.numerator / value.denominator
     except OverflowError:
         return math.inf
-    return nearest if Fraction(nearest) >= value else math.nextafter(nearest, math.inf)
+    above, over = nearest.as_integer_ratio()
+    if above * value.denominator >= value.numerator * over:
+        return nearest
+    return math.nextafter(nearest, math.inf)
 
 
 def double_below(value: Fraction) -> float:
@@ -124,7 +132,10 @@ def double_below(value: Fraction) -> float:
         nearest = value.numerator / value.denominator
     except OverflowError:
         return math.nextafter(math.inf, 0.0)
-    return nearest if Fraction(nearest) <= value else math.nextafter(nearest, 0.0)
+    above, over = nearest.as_integer_ratio()
+    if above * value.denominator <= value.numerator * over:
+        return nearest
+    return math.nextafter(nearest, 0.0)
 
 
 def nearest_root(value: Fraction) -> float | None:

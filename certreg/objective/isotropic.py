@@ -13,7 +13,14 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from certreg.exact import Resolution, Space, integer_eigenbasis, power_of_two, resolved
+from certreg.exact import (
+    Resolution,
+    Space,
+    integer_eigenbasis,
+    power_of_two,
+    quotient_or_zero,
+    resolved,
+)
 from certreg.geometry import (
     davenport_matrix,
     dot,
@@ -165,6 +172,11 @@ class Isotropic(Brief):
         (x, y, z), unit = self._best_translation(q)
         return (x * unit, y * unit, z * unit)
 
+    def rounded_translation(self, q: Sequence[int]) -> list[float]:
+        """The same, each entry rounded once, and infinite beyond the doubles."""
+        entries, unit = self._best_translation(q)
+        return [quotient_or_zero(e * unit.numerator, unit.denominator) for e in entries]
+
     def _best_translation(self, q: Sequence[int]) -> tuple[list[int], Fraction]:
         """The same as integers, and what one of them is worth."""
         moments, norm = self.moments, squared_norm(q)
@@ -203,12 +215,14 @@ class Isotropic(Brief):
 
     def energy(self, q: Sequence[int]) -> Fraction:
         """V at R(q) and the best translation: the least sum of w |y - R x - t|^2 over t."""
-        return self.moments.spread - 2 * self.alignment(q)
+        spread, alignment = self.moments.spread, self.alignment(q)
+        a, b = spread.denominator, alignment.denominator
+        return Fraction(spread.numerator * b - 2 * alignment.numerator * a, a * b)
 
     def translation_energy(self, q: Sequence[int], translation: Sequence[Fraction]) -> Fraction:
         """M |t - best t|^2: what a translation adds to the energy at rotation R(q)."""
         best, unit = self._best_translation(q)
-        over = math.lcm(unit.denominator, *(entry.denominator for entry in translation))
+        over = math.lcm(unit.denominator, *[entry.denominator for entry in translation])
         worth, weight = unit.numerator * (over // unit.denominator), self.moments.total_weight
         offset = [
             entry.numerator * (over // entry.denominator) - own * worth

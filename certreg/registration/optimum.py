@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from certreg.equilibrium import rotation_double, unit_double
 from certreg.errors import OutOfRangeError
-from certreg.exact import nearest_or_zero
 from certreg.geometry import Pose
 
 if TYPE_CHECKING:
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 def optimal_pose(objective: Isotropic) -> Pose:
     """The representative of the optimal component, every number rounded once."""
     q = objective.quaternions[0]
-    translation = [nearest_or_zero(entry) for entry in objective.best_translation(q)]
-    if not np.isfinite(translation).all():
+    translation = objective.rounded_translation(q)
+    if not all(map(math.isfinite, translation)):
         message = (
             "the translation of the optimal pose exceeds the range of doubles: "
             "change the unit of length of both clouds"
