@@ -71,6 +71,7 @@ ORIGINS = {  # by the name under which Python knows it; as pyproject.toml has th
     "jinja2": Origin("jinja2"),
     "scipy": Origin("scipy"),
     "clarabel": Origin("clarabel"),
+    "filelock": Origin("filelock"),
     "flint": Origin("python-flint"),
     "sympy": Origin("sympy", "derive"),
     "casadi": Origin("casadi", "derive"),

@@ -17,7 +17,7 @@ import json
 import os
 import re
 import sys
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from certreg import __version__
+from certreg._loading import library
 from certreg.errors import CampaignError, InvalidFileError
 from certreg.io import TEMPORARY, write_atomically
 from certreg.verify import shown
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 
 MANIFEST, SHARDS, CERTIFICATES = "campaign.json", "shards", "certificates"  # within the folder
 FORMAT = "certreg-campaign/1"
+LOCK = f"{TEMPORARY}lock"  # on Windows: locked while a run lasts; the file itself says nothing
 MAX_MANIFEST_BYTES = 1 << 16  # a kilobyte is usual
 MAX_SHARD_BYTES = 1 << 30  # 400 kB are usual
 DIGITS = 32  # of the digest, hexadecimal: no accident makes two contents agree in 128 bits
@@ -144,7 +146,8 @@ def _prepare(folder: Path, manifest: Manifest) -> None:
     for place in (folder, folder / SHARDS, folder / CERTIFICATES):
         place.mkdir(exist_ok=True)
         for left_over in place.glob(f"{TEMPORARY}*"):
-            left_over.unlink()
+            if left_over.name != LOCK:
+                left_over.unlink()
     if MANIFEST not in names:
         write_atomically(folder / MANIFEST, manifest.to_json())
 
@@ -164,26 +167,30 @@ def _complaints(folder: Path) -> Generator[None]:
 def _locked(folder: Path) -> Generator[None]:
     """The folder locked against other processes; the lock ends with this process, however it ends.
 
-    Where there are no such locks (Windows, some network disks) two runs may do the same work,
-    and every file is still whole.
+    The system's own lock (flock, LockFileEx) of a descriptor that is opened here: the classes of
+    filelock may fall back on files that stay after a kill, its `lock_descriptor` does not. Where
+    there is no such lock (some network disks) two runs may do the same work, and every file is
+    still whole.
     """
+    locks = library("filelock", "a campaign")
+    handle = _lockable(folder)
     try:
-        import fcntl  # Windows has none
-    except ImportError:
-        yield
-        return
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as error:
+        free = True
+        with suppress(OSError):  # this disk has no locks
+            free = locks.lock_descriptor(handle, blocking=False)
+        if not free:
             message = f"{shown(folder)}: another process is at work there: wait for it, or stop it"
-            raise CampaignError(message, path=folder) from error
-        except OSError:
-            pass  # this disk has no locks
+            raise CampaignError(message, path=folder)
         yield
     finally:
         os.close(handle)
+
+
+def _lockable(folder: Path) -> int:
+    """A descriptor to lock: of the folder or, on Windows, which opens none, of a file in it."""
+    if os.name == "nt":
+        return os.open(folder / LOCK, os.O_RDWR | os.O_CREAT)
+    return os.open(folder, os.O_RDONLY)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

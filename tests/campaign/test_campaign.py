@@ -5,12 +5,14 @@ from __future__ import annotations
 import csv
 import dataclasses
 import json
+import os
 import select
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 from unittest import mock
 
 import numpy as np
@@ -35,7 +37,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import certreg
-from certreg.campaign import runner
+from certreg.campaign import runner, store
 from certreg.campaign.pairs import PAIR_COLUMNS
 from certreg.campaign.runner import completed, in_order, perform
 from certreg.campaign.store import CERTIFICATES, MANIFEST, SHARDS, Manifest, Shards, occupied
@@ -286,6 +288,35 @@ def test_two_processes_do_not_share_a_folder(tmp_path):
         occupied(tmp_path / "out", FEW.manifest()),
     ):
         pass
+
+
+@pytest.mark.parametrize("system", ["posix", "nt"])
+def test_a_folder_is_locked_by_the_system_and_free_when_its_process_ends(
+    tmp_path, monkeypatch, system
+):
+    """As the version before locked it, by flock of the folder; on Windows by a file that stays."""
+    fcntl: Any = pytest.importorskip("fcntl")
+    monkeypatch.setattr(store, "os", OtherSystem(system))
+    finish(FEW, tmp_path / "whole")
+    with store._locked(tmp_path / "whole"):
+        handle = os.open(tmp_path / "whole" / (store.LOCK if system == "nt" else "."), os.O_RDONLY)
+        with pytest.raises(BlockingIOError):
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    with pytest.raises(CampaignError, match="another process"), store._locked(tmp_path / "whole"):
+        pass
+    os.close(handle)
+    finish(FEW, tmp_path / "whole")
+
+
+class OtherSystem:
+    """The module os under another system's name."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    def __getattr__(self, name: str) -> object:
+        return getattr(os, name)
 
 
 @given(st.data())

@@ -45,6 +45,7 @@ COMMANDS = {  # what is left out, and a command that needs it: the one line
     "pyarrow": (("batch", "PAIRS", "--parquet", "--out", "OUT"), "pip install 'certreg[parquet]'"),
     "cvxpy": (("certify", "A", "B", "--solver", "SCS"), "pip install 'certreg[derive]'"),
     "flint": (("equilibria", "A", "B", "--method", "all"), "pip install python-flint"),
+    "filelock": (("batch", "PAIRS", "--out", "OUT"), "pip install filelock"),
     "jinja2": (("report", "CERTIFICATE"), "pip install jinja2"),
 }
 

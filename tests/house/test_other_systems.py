@@ -49,7 +49,7 @@ NAMES = {
 }
 LACKING = """
 import importlib, sys
-import numpy  # which asks what system this is
+import numpy, filelock  # which ask what system this is
 for name in {modules!r}:
     sys.modules[name] = None
 for name, lacking in {names!r}.items():
@@ -109,7 +109,6 @@ def test_no_name_that_windows_lacks_is_used_unasked():
         ("atomic.py", "os.getuid"),  # asks by hasattr
         ("memory.py", "import resource"),  # ImportError: no limit
         ("private_folder.py", "os.getuid"),  # as atomic.py
-        ("store.py", "import fcntl"),  # ImportError: no lock
         ("workers.py", "os.sched_getaffinity"),  # as atomic.py
     }
     assert unasked.findall("os.fork(); import fcntl") == ["os.fork", "import fcntl"]
