@@ -315,14 +315,15 @@ static int davenport_of(const wide c[9], int128 matrix[16])
         trace, difference(c[7], c[5]), difference(c[2], c[6]), difference(c[3], c[1]),
         difference(sum(c[0], c[0]), trace), sum(c[1], c[3]), sum(c[2], c[6]),
         difference(sum(c[4], c[4]), trace), sum(c[5], c[7]), difference(sum(c[8], c[8]), trace)};
-    int most = MATRIX_BITS;
+    int most = 0;
     for (int k = 0; k < 10; k++)
         most = bits_of(entries + k) > most ? bits_of(entries + k) : most;
+    const int down = most > MATRIX_BITS ? most - MATRIX_BITS : 0, up = most < MATRIX_BITS ? MATRIX_BITS - most : 0;
     for (int k = 0; k < 10; k++) {
         const int i = upper[k] / 4, j = upper[k] % 4;
-        matrix[4 * i + j] = matrix[4 * j + i] = floored(entries + k, most - MATRIX_BITS);
+        matrix[4 * i + j] = matrix[4 * j + i] = floored(entries + k, down) * ((int128)1 << up);
     }
-    return most - MATRIX_BITS;
+    return down - up; /* where that is negative, E is 0 */
 }
 
 /* A unit vector in doubles times 2^UNIT_BITS, and about half of the gap above the second eigenvalue. */
