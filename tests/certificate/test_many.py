@@ -94,6 +94,11 @@ def test_claims_are_those_of_the_slow_way_for_problems_of_every_kind(problem):
         assert np.sin(found.angles[0] / 2) ** 2 >= float(claims.sin2_half_angle.value)
 
 
+def test_small_integers_are_proved_in_compiled_code_where_there_are_four_equilibria_alone():
+    for one in ZOO:
+        assert is_proved([one.source], [one.target]) == (one.pattern == (1, 1, 1, 1)), one.name
+
+
 @pytest.mark.parametrize("specimen", ZOO, ids=lambda one: one.name)
 def test_every_pattern_is_certified_among_others(specimen):
     n = len(specimen.source)
