@@ -28,6 +28,7 @@ from certreg.certificate.checking import check_own
 from certreg.certificate.producing import count_certificate, produce, proves_optimality
 from certreg.equilibrium import by_eigenspaces
 from certreg.errors import InvalidFileError, InvalidProblemError
+from certreg.exact import is_positive_definite
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.registration.optimum import optimal_pose
@@ -177,6 +178,29 @@ def test_a_quaternion_beside_the_optimum_is_not_proved_optimal():
     assert not proves_optimality(Isotropic(moments), beside, mu, delta)
     assert not proves_optimality(Isotropic(moments), q, mu, delta / 2**40)
     assert not proves_optimality(Isotropic(moments), q, 3 * mu, delta)
+
+
+@pytest.mark.parametrize("along", [1, 2, 3, 5])
+def test_leading_bits_tell_only_what_the_whole_matrix_is(along):
+    """Of 2^s B + E, B = [J, 0; 0, J] large and `along` more on the diagonal, E cuts 2 2^s of it.
+
+    J is of ones: along (1, -1, 1, -1) all that B has is `along`, and E takes nearly 2 2^s, so that
+    1 is too little. The bits prove it from 5 on, which is more than four: up to there they are
+    silent, and never tell what is false.
+    """
+    signs, large, s = (1, -1, 1, -1), 2 ** (producing.LEADING_BITS - 1), 50
+    rows = [
+        [
+            ((large * (i // 2 == j // 2) + along * (i == j)) << s)
+            + (2**s - 1) * (signs[i] != signs[j])
+            for j in range(4)
+        ]
+        for i in range(4)
+    ]
+
+    assert is_positive_definite(rows) == (along > 1)
+    assert producing._leading_bits_tell(rows) == (along > 4)
+    assert not producing._leading_bits_tell([[4 * (i == j) for j in range(4)] for i in range(4)])
 
 
 @pytest.mark.parametrize("index", [1, 2, 3])
