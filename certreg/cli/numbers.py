@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 DECIMAL_COMMA = re.compile(r"\s*([-+]?\d*),(\d+(?:[eE][-+]?\d+)?)\s*")
 
 
-class Number(FloatParamType):
+class DecimalNumber(FloatParamType):
     """A number."""
 
     def convert(
@@ -42,7 +42,7 @@ class NumberRange(click.FloatRange):
         return float(super().convert(value, param, ctx))
 
 
-NUMBER = Number()
+NUMBER = DecimalNumber()
 FROM_ZERO = NumberRange(min=0.0)
 
 
