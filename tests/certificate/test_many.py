@@ -279,7 +279,7 @@ def test_progress_is_told_and_one_certificate_taken_by_its_number(monkeypatch):
         ({"weights": [[1.0, 2.0], [1.0]]}, "weights are of 2 problems of 1 to 2 points"),
         ({"sources": [SOURCES[0], SOURCES[1][:0]]}, r"sources\[1\] has no points"),
         ({"sources": []}, r"sources have the shape \(0,\)"),
-        ({"sigma": 1.0}, "sigma beside sources and targets"),
+        ({"sigma": 1.0}, "sigma beside sources and targets, whose certificates take weights alone"),
         ({"errors": "keep"}, "errors beside sources and targets"),
     ],
 )

@@ -448,11 +448,11 @@ def test_a_pose_without_a_certificate_ends_with_code_4(data: Path, tmp_path: Pat
 
 
 def test_two_methods_that_disagree_end_with_code_1(data: Path, monkeypatch):
-    monkeypatch.setattr(agreement, "horn", lambda _: np.array([0.0, 1.0, 0.0, 0.0]))
+    monkeypatch.setattr(agreement, "arun", lambda _: np.array([0.0, 1.0, 0.0, 0.0]))
     run = certreg("certify", *SURVEY.paths(data))
 
     assert (run.code, run.out) == (1, "")
-    assert re.fullmatch(r"certreg: Horn's closed form contradicts [^\n]*\n", run.err)
+    assert re.fullmatch(r"certreg: Arun's closed form contradicts [^\n]*\n", run.err)
 
 
 def test_a_refused_certificate_of_its_own_ends_with_code_1(data: Path, tmp_path: Path, monkeypatch):

@@ -25,7 +25,8 @@ POINTS = np.random.default_rng(5).standard_normal((5, 3)).tolist()
 def test_a_library_that_a_command_misses_is_named_and_the_command_was_misused(
     monkeypatch: pytest.MonkeyPatch, name: str
 ):
-    error = ModuleNotFoundError(f"No module named '{name}.linalg'", name=f"{name}.linalg")
+    error = ModuleNotFoundError(f"No module named '{name}'", name=name)
+    monkeypatch.setattr(_loading, "_installed", lambda _: False)
 
     def miss(**_: Any) -> None:
         raise error

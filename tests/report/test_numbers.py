@@ -131,7 +131,8 @@ def test_a_finer_motion_is_shown_only_where_it_ends(
     solution = registration.solution
     coarse: Any = solution.trajectory
     status = SimulationStatus.CONVERGED if arrived else SimulationStatus.OUT_OF_STEPS
-    fine = replace(coarse, times=2.0 * coarse.times, status=status)
+    fine = replace(coarse, status=status)
+    vars(fine)["_logged"] = replace(coarse._logged, times=2.0 * coarse.times)
     monkeypatch.setattr(thinning, "simulate", lambda *_, **__: fine)
 
     assert thinning.shown_motion(solution, coarse).last == (fine if arrived else coarse).times[-1]
