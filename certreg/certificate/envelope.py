@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import base64
 import json
+import os
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, TypeVar
@@ -20,7 +21,6 @@ from certreg.results import Brief
 from certreg.verify import FILE_MAX, RefusalError, parse, shown
 
 if TYPE_CHECKING:
-    import os
     from collections.abc import Iterator
 
     from certreg.problem import RegistrationProblem
@@ -184,6 +184,12 @@ def certificate_bytes(
         return certificate.to_json()
     if isinstance(certificate, bytes):
         return certificate
+    if os.fspath(certificate).endswith(".jsonl"):
+        message = (
+            f"{shown(certificate)}: holds a certificate a line: let `certreg verify` check them "
+            "all, or give the bytes of one line"
+        )
+        raise InvalidFileError(message, path=Path(certificate))
     try:
         with Path(certificate).open("rb") as stream:
             return stream.read(FILE_MAX + 1)

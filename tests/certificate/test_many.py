@@ -16,7 +16,7 @@ from strategies import ZOO, problems
 
 import certreg
 from certreg.certificate import produce, verify
-from certreg.errors import CertregError, InvalidProblemError
+from certreg.errors import CertregError, InvalidFileError, InvalidProblemError
 from certreg.native import ProvedOptima
 from certreg.objective import Isotropic
 from certreg.problem import ManyPairs, exact_moments
@@ -227,6 +227,12 @@ def test_a_file_holds_a_certificate_a_line_of_the_points_as_they_were(tmp_path):
     assert [check(line, first).verified for line in lines] == [True, False, False]
     document = json.loads(lines[2])
     assert lines[2].decode() == json.dumps(document, sort_keys=True, separators=(",", ":"))
+
+
+def test_a_file_of_many_is_not_taken_for_one(tmp_path):
+    for read in (certreg.verify, certreg.Certificate.load):
+        with pytest.raises(InvalidFileError, match="holds a certificate a line: let `certreg ver"):
+            read(tmp_path / "many.jsonl")
 
 
 def test_negative_zero_is_zero():
