@@ -85,6 +85,38 @@ static inline __attribute__((always_inline)) void add_point(
     }
 }
 
+/* The same without the weight. */
+static inline void add_unweighted(pair (*sum)[PITCH], const number x[3], const number y[3])
+{
+    int k = SOURCE, l = TARGET;
+    sum[MASS][0].low += 1;
+    for (int i = 0; i < 3; i++) {
+        sum[FIRST + i][x[i].e].low += x[i].m;
+        sum[FIRST + 3 + i][y[i].e].low += y[i].m;
+        for (int j = 0; j < 3; j++)
+            sum[CROSS + 3 * i + j][y[i].e + x[j].e].low += (__int128)y[i].m * x[j].m;
+        for (int j = i; j < 3; j++) {
+            sum[k++][x[i].e + x[j].e].low += (__int128)x[i].m * x[j].m;
+            sum[l++][y[i].e + y[j].e].low += (__int128)y[i].m * y[j].m;
+        }
+    }
+}
+
+/* Whether all weights are one and the same power of two, as most are: their sums are shifted at the end. */
+static int are_one_power(int64_t n, const double *weights)
+{
+    uint64_t first, bits;
+    if (n == 0)
+        return 0;
+    memcpy(&first, weights, sizeof first);
+    for (int64_t i = 1; i < n; i++) {
+        memcpy(&bits, weights + i, sizeof bits);
+        if (bits != first)
+            return 0;
+    }
+    return first << 12 == 0 && first >> 52 > 0 && first >> 52 < 2047; /* positive, too: else 2^11 is set */
+}
+
 /* Add value 2^shift to a long number of `count` words. */
 static void add_shifted(uint64_t *words, int count, __int128 value, int64_t shift)
 {
@@ -104,14 +136,14 @@ static void add_shifted(uint64_t *words, int count, __int128 value, int64_t shif
     }
 }
 
-/* Move the accumulators of one sum, of powers in a range, to its long number. */
-static void gather(uint64_t *words, int count, pair *sum, int64_t least, int64_t most)
+/* Move the accumulators of one sum, of powers in a range, to its long number, times 2^shift. */
+static void gather(uint64_t *words, int count, pair *sum, int64_t least, int64_t most, int64_t shift)
 {
     for (int64_t e = least; e <= most; e++) {
         if (sum[e].low != 0)
-            add_shifted(words, count, sum[e].low, 4 * e);
+            add_shifted(words, count, sum[e].low, 4 * e + shift);
         if (sum[e].high != 0)
-            add_shifted(words, count, sum[e].high, 4 * e + HALF);
+            add_shifted(words, count, sum[e].high, 4 * e + HALF + shift);
         sum[e].low = sum[e].high = 0;
     }
 }
@@ -128,14 +160,15 @@ static inline void factors_of(int k, int *x, int *y)
         *x = k < TARGET ? 2 : 0, *y = 2 - *x;
 }
 
-static void gather_all(uint64_t *sums, pair (*sum)[PITCH], const range seen[3])
+static void gather_all(uint64_t *sums, pair (*sum)[PITCH], const range seen[3], int one_power)
 {
+    const int64_t least = one_power ? 0 : seen[2].least / 4, most = one_power ? 0 : seen[2].most / 4;
     for (int k = 0; k < CERTREG_EXACT_SUMS; k++) {
         int x, y;
         factors_of(k, &x, &y);
         gather(sums + k * CERTREG_EXACT_WORDS, CERTREG_EXACT_WORDS, sum[k],
-            seen[2].least / 4 + x * (seen[0].least / 4) + y * (seen[1].least / 4),
-            seen[2].most / 4 + x * (seen[0].most / 4) + y * (seen[1].most / 4));
+            least + x * (seen[0].least / 4) + y * (seen[1].least / 4),
+            most + x * (seen[0].most / 4) + y * (seen[1].most / 4), one_power ? seen[2].lowest : 0);
     }
 }
 
@@ -149,6 +182,7 @@ int certreg_exact_sums(
     pair(*sum)[PITCH] = calloc(CERTREG_EXACT_SUMS, sizeof *sum);
     if (sum == NULL)
         return CERTREG_NO_MEMORY;
+    const int one_power = are_one_power(n, weights);
     memset(sums, 0, CERTREG_EXACT_SUMS * CERTREG_EXACT_WORDS * sizeof *sums);
     for (int64_t i = 0; i < n;) {
         const int64_t end = n - i > PORTION ? i + PORTION : n;
@@ -159,9 +193,12 @@ int certreg_exact_sums(
                 x[k] = split(source[3 * i + k], &seen[0]);
                 y[k] = split(target[3 * i + k], &seen[1]);
             }
-            add_point(*sum, PITCH, w, x, y);
+            if (one_power)
+                add_unweighted(sum, x, y);
+            else
+                add_point(*sum, PITCH, w, x, y);
         }
-        gather_all(sums, sum, seen);
+        gather_all(sums, sum, seen, one_power);
     }
     free(sum);
     for (int k = 0; k < 3; k++)
@@ -219,7 +256,7 @@ int certreg_few_sums(
     for (int k = 0; k < CERTREG_EXACT_SUMS; k++) {
         int x, y;
         factors_of(k, &x, &y);
-        gather(sums + k * CERTREG_FEW_WORDS, CERTREG_FEW_WORDS, sum[k], 0, width[2] + x * width[0] + y * width[1]);
+        gather(sums + k * CERTREG_FEW_WORDS, CERTREG_FEW_WORDS, sum[k], 0, width[2] + x * width[0] + y * width[1], 0);
     }
     return CERTREG_SUMMED;
 }

@@ -30,6 +30,7 @@ from certreg.problem.moments import exact_moments, moments_of
 
 finite = st.floats(allow_nan=False, allow_infinity=False, allow_subnormal=True)
 LARGEST, LEAST = np.finfo(float).max, 5e-324
+MANY = 5000  # points: more than the accumulators for few take
 
 
 @st.composite
@@ -119,6 +120,10 @@ def test_few_points_of_near_and_of_far_exponents_have_the_sums_of_the_definition
         (4.0 - 2.0**-51, 4.0 - 2.0**-51),  # 2^56 - 8 in the compiled loop: the largest there is
         (2.0**-51 - 4.0, 4.0 - 2.0**-51),
         (-LARGEST, 1.0),
+        (4.0 - 2.0**-51, 1.0),
+        (2.0**-51 - 4.0, 2.0**1023),
+        (-LARGEST, 2.0**-1022),
+        (LEAST, 2.0**-1023),  # below the normal numbers
         (LEAST, LEAST),
         (-LEAST, LARGEST),
         (2.0**-1022, 1.0 - 2.0**-53),
@@ -155,6 +160,26 @@ def test_products_of_the_largest_limbs_do_not_round():
     problem = RegistrationProblem(source, target, weights=weights)
 
     assert sums_by(SumMethod.LIMBS, problem) == sums_by(SumMethod.INTEGERS, problem)
+
+
+@pytest.mark.usefixtures("compiled")
+@pytest.mark.parametrize("row", [0, 7, -1])
+def test_one_other_weight_among_powers_of_two_counts(row):
+    source, target = np.random.default_rng(3).normal(size=(2, MANY, 3))
+    weights = np.full(MANY, 0.25)
+    weights[row] = 0.5
+    problem = RegistrationProblem(source, target, weights=weights)
+
+    assert sums_by(SumMethod.BY_EXPONENT, problem) == sums_by(SumMethod.INTEGERS, problem)
+
+
+@pytest.mark.usefixtures("compiled")
+def test_points_without_weights_count_nothing():
+    points = np.random.default_rng(3).normal(size=(MANY, 3))
+    found = native.loaded_library().exact_sums(points, points, np.zeros(MANY))
+
+    assert not any(found.integers)
+    assert found.lowest[2] is None
 
 
 @pytest.mark.parametrize("weight", [1.0, 0.1, 3e-200])
