@@ -186,11 +186,17 @@ def _alone(
 def _gaps(optima: ProvedOptima) -> Any:
     """2 delta, as doubles that are not below."""
     with np.errstate(over="ignore", under="ignore"):
-        gaps = np.ldexp(optima.delta[:, 0].astype(float), optima.delta[:, 1] + 1)
-    return np.where(gaps < np.finfo(float).tiny, np.nextafter(gaps, np.inf), gaps)
+        gaps = _doubles(optima.delta + np.array([0, 1]))
+        above: Any = np.nextafter(gaps, np.inf)
+    return np.where(gaps < np.finfo(float).tiny, above, gaps)
 
 
 def _angles(optima: ProvedOptima) -> Any:
     """As `half_angle_bound`."""
-    roots = np.sqrt(np.ldexp(optima.sine[:, 0].astype(float), optima.sine[:, 1]))
+    roots = np.sqrt(_doubles(optima.sine))
     return np.minimum(np.pi, 2.0 * np.arcsin(np.minimum(1.0, roots)) * ASIN_SLACK)
+
+
+def _doubles(dyadic: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Mantissas times two to the exponents: of 32 bits, for `ldexp` on Windows."""
+    return np.ldexp(dyadic[:, 0].astype(float), dyadic[:, 1].astype(np.int32))

@@ -103,7 +103,7 @@ def _clouds(given: Any, name: str) -> _Rows:
     if array.ndim != 3 or array.shape[2] != 3 or 0 in array.shape:
         message = f"{name} have the shape {array.shape}: give (count, N, 3), or a list of (N, 3)"
         raise InvalidProblemError(message, array=name, value=array.shape)
-    sizes = np.full(len(array), array.shape[1])
+    sizes = np.full(len(array), array.shape[1], dtype=np.int64)
     return _Rows(rows=_finite(array.reshape(-1, 3), sizes, name), sizes=sizes)
 
 
@@ -120,7 +120,7 @@ def _weights(given: Any, sizes: NDArray[np.int64]) -> _Rows:
         if array.ndim != 2 or 0 in array.shape:
             message = f"weights have the shape {array.shape}: give (count, N), (N,) or a number"
             raise InvalidProblemError(message, array=name, value=array.shape)
-        each = np.full(len(array), array.shape[1])
+        each = np.full(len(array), array.shape[1], dtype=np.int64)
         found = _Rows(rows=_finite(array.reshape(-1), each, name), sizes=each)
     counts = {len(found.sizes), len(sizes)} - {1}
     if len(counts) > 1 or (found.sizes != sizes).any():
@@ -143,7 +143,7 @@ def _counting(found: _Rows) -> _Rows:
 
 def _joined(each: list[NDArray[Any]], name: str) -> _Rows:
     """Arrays one after another; of types that doubles do not hold, one is checked at a time."""
-    sizes = np.array([len(one) for one in each])
+    sizes = np.array([len(one) for one in each], dtype=np.int64)
     if not sizes.all():
         k = int(np.argmin(sizes))
         message = f"{name}[{k}] has no rows: at least one correspondence is needed"

@@ -325,3 +325,15 @@ def test_a_forged_proof_is_refused_by_the_checker():
 def _with(found, optima):
     parts = {field: getattr(found, field) for field in found.__dataclass_fields__}
     return type(found)(**{**parts, "_optima": optima})
+
+
+@pytest.mark.parametrize("power", [-560, -530, 0, 500])
+def test_gaps_are_not_below_what_is_claimed_at_the_ends_of_the_doubles(power):
+    """Of lengths 2^power a gap is 2^(2 power + 30) or so: below the least double, and above all."""
+    found = certreg.certify_many(SOURCES * 2.0**power, TARGETS * 2.0**power, weights=2.0**120)
+    claims = [one.body.claims.gap.value for one in found if one is not None]
+
+    assert len(claims) == len(found)
+    for gap, claim in zip(found.gaps.tolist(), claims, strict=True):
+        assert gap == np.inf or Fraction(gap) >= claim
+        assert gap < np.inf or claim > 2**1023
