@@ -250,7 +250,8 @@ def moments(doubles: bytes | memoryview, n: int) -> tuple[Matrix, int]:
 
 def _split(doubles: bytes | memoryview, first: int, count: int) -> tuple[list[int], list[int]]:
     """Integers k and e such that the doubles are k 2^e; all e are the same unless far apart."""
-    values, bits = (struct.unpack_from(f"<{count}{kind}", doubles, 8 * first) for kind in "dQ")
+    values = struct.unpack_from(f"<{count}d", doubles, 8 * first)
+    bits = struct.unpack_from(f"<{count}Q", doubles, 8 * first) if 0.0 in values else ()  # or -0.0
     require(all(map(isfinite, values)), "the data hold a number that is not finite")
     require(1 << 63 not in bits, "the data hold -0.0, which is not canonical")
     sizes = [*filter(None, map(abs, values))] or [0.0]  # 2^(e - 53) divides what has exponent e

@@ -75,6 +75,7 @@ DATA = mutants(
     ("min(w) >= 0", "min(w) > 0", "True"),
     ("all(map(isfinite, values))", "True"),
     ("1 << 63 not in bits", "True", "1 << 63 not in bits[1:]"),
+    ("if 0.0 in values else ()", "if 0.0 in values[1:] else ()", "if 0.0 in values[:-1] else ()"),
     ("map(mul, weighted, right)", "map(mul, left, right)", "map(mul, weighted, left)"),
     ("map(add, powers, f)", "map(add, e, f)", "map(add, powers, e)"),
     ("list(map(add, g, e))", "g", "e"),
