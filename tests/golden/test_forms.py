@@ -31,7 +31,7 @@ NOT_RECORDED = {
     "the content would end its own <": "a fault of an asset of the page",
     "default-src 'none'; style-src": "the page's policy, with digests of style and script",
     "; img-src data:; base-uri 'none'": "the page's policy",
-    "beside sources and targets, whose certificates": "a refusal, in tests/certificate/test_many.py",
+    "beside sources and targets, whose certificates": "in tests/certificate/test_many.py",
     "projective planes": "of two, which no problem has",
     "the balls are too wide to tell the signs": "a search that fails",
     "the translation of the optimal pose exceeds the range": "at the end of the doubles",
