@@ -145,9 +145,9 @@ from sphinx.cmd.build import main
 def build(folder):
     words = os.open(folder / "words", os.O_WRONLY | os.O_CREAT)
     os.dup2(words, 1), os.dup2(words, 2)
-    builder = (folder / "builder").read_text()
+    builder = (folder / "builder").read_text("utf-8")
     code = main(["-q", "-W", "-b", builder, str(folder), str(folder / "html")])
-    (folder / "code").write_text(str(code))
+    (folder / "code").write_text(str(code), "utf-8")
     sys.stderr.flush()
 
 first, *others = map(pathlib.Path, sys.argv[1:])
