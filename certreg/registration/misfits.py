@@ -255,7 +255,10 @@ def _scale_remedy(scale: Fraction | None) -> str:
 
 def _outlier_remedy(rows: RowFit, names: RowNames) -> str:
     if rows.tied:
-        return "check all pairs; more right ones may tell which of the two poses is wrong"
+        return (
+            "check all pairs, whether both clouds show one rigid shape, and whether one is "
+            "mirrored; more right pairs may tell"
+        )
     k = rows.far_rows
     which = names.words(rows.far, k) if k <= NAMED_AGAIN else "these rows"
     they, them = ("it is", "it") if k == 1 else ("they are", "them")
@@ -331,8 +334,8 @@ def _outlier_words(rows: RowFit, names: RowNames) -> str | None:
         return None
     if rows.tied:
         return (
-            f"{n - k} of {n} rows agree on one pose, at least as many on another: some rows are "
-            f"wrong, and their number does not tell which; without {k} of them {gone}"
+            f"{n - k} of {n} rows agree on one pose, at least as many on another: their number "
+            f"does not tell which are right; without {k} of them {gone}"
         )
     does, them = ("does", "it") if k == 1 else ("do", "them")
     return (
