@@ -181,8 +181,9 @@ def _basis_words(registration: Registration, covariance: PoseCovariance) -> str:
     mean = "" if equal else " at the mean weight"
     percent = 100.0 / math.sqrt(2.0 * degrees)
     sure = f"± {percent:{'.0f' if percent >= 1.0 else '.1g'}} %, {degrees} degrees of freedom"
-    assumed = "independent errors" if equal else "independent errors as large as its weight says"
-    return f"{told}from the residuals: sigma {sigma}{mean} {sure}, if each row has {assumed}"
+    size = "of one size" if equal else "as large as the weights say"
+    assumed = f"if errors are independent, Gaussian, {size}"
+    return f"{told}from the residuals: sigma {sigma}{mean} {sure}, {assumed}"
 
 
 def _given_words(registration: Registration) -> str:

@@ -105,7 +105,9 @@ def test_without_sigma_it_comes_from_the_residuals_and_says_how_sure_it_is(estim
     basis, _, rest = told["± is"].partition(": sigma ")
     assert basis == "one standard deviation, to first order, from the residuals"
     assert near(rest, [sigma])
-    assert rest.endswith(" ± 13 %, 30 degrees of freedom, if each row has independent errors")
+    assert rest.endswith(
+        " ± 13 %, 30 degrees of freedom, if errors are independent, Gaussian, of one size"
+    )
     assert near(told["translation ±"], covariance.translation_sigma)
 
 
@@ -119,7 +121,7 @@ def test_weights_alone_are_relative_and_sigma_is_that_of_the_mean_weight(estimat
     _, _, rest = rows(uneven)["± is"].partition(": sigma ")
     assert near(rest, [sigma])
     assert " at the mean weight ± 13 %" in rest
-    assert rest.endswith(", if each row has independent errors as large as its weight says")
+    assert rest.endswith(", if errors are independent, Gaussian, as large as the weights say")
 
 
 def test_of_a_poor_fit_no_deviation_is_told():
