@@ -59,7 +59,10 @@ class Resolution(Brief):
 
     @cached_property
     def quaternions(self) -> tuple[IntegerQuaternion, ...]:
-        """The member of each space nearest to the identity, else to a half turn, in integers."""
+        """The member of each space nearest to the identity, else to a half turn, in integers.
+
+        A space whose turns are all within 2^-15 of a half turn counts as one of half turns.
+        """
         return tuple(self._representative(space) for space in self.spaces)
 
     def _representative(self, space: Space) -> IntegerQuaternion:

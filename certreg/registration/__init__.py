@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     from certreg.registration.fit import Fit as Fit
     from certreg.registration.fit import FitRow as FitRow
     from certreg.registration.fit import fit_of as fit_of
+    from certreg.registration.fit import silent_tests as silent_tests
     from certreg.registration.headlines import DEGREE_SLACK as DEGREE_SLACK
     from certreg.registration.headlines import HARDLY_DETERMINED as HARDLY_DETERMINED
     from certreg.registration.headlines import HEADLINES as HEADLINES
@@ -158,6 +159,7 @@ __getattr__ = lazy_face(
             "Fit",
             "FitRow",
             "fit_of",
+            "silent_tests",
         ),
         "headlines": (
             "DEGREE_SLACK",

@@ -42,7 +42,7 @@ NUMBERS = (
 )
 NO_SLIP = Absent(
     "no single slip of those that are tried leads to it from a pose within 0.001 radians, and a "
-    "thousandth of the size of the clouds, of the optimum; two at once are not tried"
+    "millionth of the range of energies, of the optimum; two at once are not tried"
 )
 NOT_TRIED = Absent("the optimum could not be certified, and no slip was tried")
 OF_OPTIMUM = dict.fromkeys(("optimum_objective", "optimum_rmse"), OUT_OF_RANGE)
@@ -60,7 +60,7 @@ class Assessment(Explained, Presented):
         in a sentence or two.
     optimum, optimum_objective, optimum_rmse
         The certified pose beside the judged one, and what the optimum costs itself, not rounded;
-        where it is not unique, the one nearest the identity.
+        where it is not unique, nearest the identity, to 1e-4 radians.
     fit
         What the optimum is worth as a fit: a pose can be optimal and the fit poor.
     objective, rmse

@@ -13,6 +13,9 @@ from typing import TYPE_CHECKING
 from certreg.exact import nearest_double
 from certreg.registration.headlines import beyond_first_order
 from certreg.registration.misfits import (
+    LEVEL,
+    MIRROR_EXPLAINED,
+    MOST_LEFT,
     ChiSquared,
     FitCode,
     FitSums,
@@ -20,9 +23,9 @@ from certreg.registration.misfits import (
     log_scale_p,
     misfits,
 )
-from certreg.registration.outlying import row_fit
+from certreg.registration.outlying import independent_rows, row_fit
 from certreg.registration.row_names import RowNames
-from certreg.registration.tails import log_chi2_above
+from certreg.registration.tails import log_chi2_above, log_ratio_below
 from certreg.results import OUT_OF_RANGE, Absent, Explained, present
 
 if TYPE_CHECKING:
@@ -41,6 +44,7 @@ ZERO_MEDIAN = Absent("at least half of the residuals are zero")
 ROUNDED = Absent("the residuals are at rounding: there is nothing to test")
 NO_NOISE = Absent("no noise was given: the residuals are compared with nothing")
 UNNAMED = RowNames(None)
+LEAST_ROWS = 3  # with 3 n - 6 > 0 degrees of freedom there are more
 TRANSLATION = 3  # parameters of a pose whose rotation is given
 
 
@@ -127,6 +131,22 @@ def fit_of(
             **({"chi2": chi2} if isinstance(chi2, Absent) else {}),
         },
     )
+
+
+def silent_tests(problem: RegistrationProblem, objective: Isotropic) -> tuple[FitCode, ...]:
+    """The tests that could not warn here, of a fit whose scale is tested.
+
+    Without one of three rows no degree of freedom is left; and where a rotation and a reflection
+    fit about as well, as flat clouds, neither is told from the other.
+    """
+    sums, rows = FitSums(objective), independent_rows(problem)
+    share = sums.mirrored_share
+    left = float(min(share, 1 / share)) if share else 0.0
+    best = max(sums.explained or 0, sums.mirrored_explained or 0)
+    told = left <= MOST_LEFT and best >= MIRROR_EXPLAINED
+    told = told and log_ratio_below(left, 3 * rows - 6) <= math.log(LEVEL)
+    silent = {FitCode.OUTLIER_ROWS: rows <= LEAST_ROWS, FitCode.MIRRORED: not told}
+    return tuple(code for code, is_silent in silent.items() if is_silent)
 
 
 def _scale_p(sums: FitSums, rows: RowFit | None) -> float | Absent:

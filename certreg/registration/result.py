@@ -203,7 +203,7 @@ class Registration(Explained, Presented):
 
     @property
     def pose(self) -> Pose:
-        """The optimum, rounded to doubles; where it is not unique, the one nearest the identity."""
+        """The optimum in doubles; where it is not unique, nearest the identity, to 1e-4 radians."""
         return self.solution.pose
 
     @property

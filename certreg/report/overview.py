@@ -13,6 +13,7 @@ from certreg.registration import (
     headline_words,
     proved_degrees,
     share_words,
+    silent_tests,
 )
 from certreg.report.remedies import why_warned
 from certreg.report.summary import (
@@ -48,10 +49,12 @@ BASIS = "± is"  # the row that says where the deviations come from
 WHOSE = "Rotation: about the source's axes. Centre: where the source's mean goes."
 SAME = "not known, as that of the rotation"
 NO_PROOF = "Statistics, not proved."
-QUIET = (
-    "The tests for a wrong scale, outlying rows, shuffled rows and a mirror image raise no warning."
-)
-
+TESTS = {
+    FitCode.SCALE: "a wrong scale",
+    FitCode.OUTLIER_ROWS: "outlying rows",
+    FitCode.SHUFFLED: "shuffled rows",
+    FitCode.MIRRORED: "a mirror image",
+}
 ABOVE = "The one above is not of the pairs' distances."
 
 
@@ -238,9 +241,23 @@ def _judged(registration: Registration) -> tuple[Mark, str]:
     tested = fit.stated("scale_p")
     if isinstance(tested, Absent):
         return Mark(kind="plain", words="not tested"), f"Not tested: {tested.reason}."
+    quiet = _quiet_words(registration)
     if warnings(registration, headline):
-        return Mark(kind="open", words="see the warning above"), f"{QUIET} {ABOVE}"
-    return Mark(kind="good" if good else "plain", words="no warning"), QUIET
+        return Mark(kind="open", words="see the warning above"), f"{quiet} {ABOVE}"
+    return Mark(kind="good" if good else "plain", words="no warning"), quiet
+
+
+def _quiet_words(registration: Registration) -> str:
+    """Which tests raise no warning, and which of them could not."""
+    silent = silent_tests(registration.problem, registration.solution.objective)
+    *first, last = (words for code, words in TESTS.items() if code not in silent)
+    quiet = f"The tests for {', '.join(first)} and {last} raise no warning."
+    if not silent:
+        return quiet
+    those = "Those" if len(silent) > 1 else "That"
+    return (
+        f"{quiet} {those} for {' and '.join(TESTS[one] for one in silent)} can tell nothing here."
+    )
 
 
 def _proved(registration: Registration) -> Iterator[Fact]:

@@ -271,7 +271,7 @@ def verdict_words(registration: Registration) -> list[str]:
     if ambiguity is not None:
         lines += [
             f"{ambiguity.value}.",
-            "The pose below is one of them that turns the source least, up to rounding.",
+            "The pose below is one of them that turns the source least, to within 0.002 degrees.",
         ]
     elif (tie := ambiguous_words(registration.equilibria)) is not None:
         lines.append(tie)

@@ -16,7 +16,7 @@ from certreg.problem.problem import RegistrationProblem
 from certreg.registration.certification import certify
 from certreg.registration.covariance import NO_RESIDUALS
 from certreg.report.markup import rendered
-from certreg.report.overview import QUIET, Overview
+from certreg.report.overview import Overview
 from certreg.report.page import Report, html_page
 from certreg.report.picture import BODY, registration_picture
 from certreg.report.uncertainty import chi2_words, told_to, uncertainty_rows
@@ -27,6 +27,9 @@ if TYPE_CHECKING:
     from certreg.registration import Registration
 
 NUMBER = r"[-\d.e+]+"
+QUIET = (
+    "The tests for a wrong scale, outlying rows, shuffled rows and a mirror image raise no warning."
+)
 
 
 def registered(*, n: int = 40, noise: float = 0.01, sigma: float | None = None) -> Registration:
@@ -152,6 +155,38 @@ def test_a_warned_fit_is_marked_and_its_deviations_doubted():
     assert (warned.mark.kind, warned.mark.words) == ("open", "1 warning, above")
     assert "see the warning" in warned.pose.uncertainty
     assert "warning" not in quiet.pose.uncertainty
+
+
+MIRROR = np.diag([1.0, 1.0, -1.0])
+FLAT = "The tests for a wrong scale, outlying rows and shuffled rows raise no warning. "
+
+
+@pytest.mark.parametrize(
+    ("n", "thick", "said"),
+    [
+        (3, 1.0, "The tests for a wrong scale and shuffled rows raise no warning. "),
+        (30, 0.0, FLAT),
+        (30, 1e-4, FLAT),
+        (30, 1e-2, QUIET),
+    ],
+)
+def test_a_test_that_could_not_warn_is_not_said_to_raise_no_warning(
+    n: int, thick: float, said: str
+):
+    """A flat cloud, or one no thicker than its noise, fits its mirror image as well."""
+    rng = np.random.default_rng(1)
+    source = rng.normal(size=(n, 3)) * [1.0, 1.0, thick]
+    noise = 1e-3 * rng.normal(size=(n, 3))
+    quiet, mirrored = (
+        certify(RegistrationProblem(source, each), relaxation=False, simulation=False)
+        for each in (source + noise, source @ MIRROR + noise)
+    )
+
+    tests = Overview.of(quiet).tests
+    assert tests.startswith(said)
+    rest = {3: "Those for outlying rows and a mirror image", 30: "That for a mirror image"}
+    assert tests.endswith("." if said == QUIET else f". {rest[n]} can tell nothing here.")
+    assert bool(mirrored.fit.codes) == (said == QUIET)
 
 
 def test_beside_a_verdict_that_is_not_good_no_warning_is_not_green():
