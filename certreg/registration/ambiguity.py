@@ -34,7 +34,7 @@ NEARLY_AMBIGUOUS = (
     "A very different pose costs little more beside the range of energies: do not rely on the "
     "rotation."
 )
-PAIRS_IN_DOUBT = "Wrong pairs may have turned the answer over: do not rely on the rotation."
+PAIRS_IN_DOUBT = "The poor fit may have turned the answer over: do not rely on the rotation."
 
 
 def equilibria_at(

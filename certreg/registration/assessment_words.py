@@ -97,7 +97,7 @@ def words_of_pose(facts: Findings, verdict: PoseVerdict) -> str:
     if verdict is PoseVerdict.SPURIOUS_EQUILIBRIUM:
         return _spurious_words(facts)
     nearest = equilibria.components[facts.nearest]
-    words = "This is no equilibrium: a body released here would move. "
+    words = "This is no equilibrium: a small move lowers the energy. "
     if facts.nearest > 0:
         degrees = math.degrees(facts.angles[facts.nearest])
         words += f"The nearest one has index {nearest.morse_index}, {degrees:.4g} degrees away; "

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.exact import nearest_double
-from certreg.registration.headlines import beyond_first_order
+from certreg.registration.headlines import LOOSE_SIGMA, beyond_first_order
 from certreg.registration.misfits import (
     LEVEL,
     MIRROR_EXPLAINED,
@@ -29,8 +30,6 @@ from certreg.registration.tails import log_chi2_above, log_ratio_below
 from certreg.results import OUT_OF_RANGE, Absent, Explained, present
 
 if TYPE_CHECKING:
-    from fractions import Fraction
-
     from certreg.geometry import Pose
     from certreg.objective import Isotropic
     from certreg.problem import RegistrationProblem
@@ -46,6 +45,7 @@ NO_NOISE = Absent("no noise was given: the residuals are compared with nothing")
 UNNAMED = RowNames(None)
 LEAST_ROWS = 3  # with 3 n - 6 > 0 degrees of freedom there are more
 TRANSLATION = 3  # parameters of a pose whose rotation is given
+LINE = 5  # of one that moves a line
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -178,7 +178,10 @@ def _chi2(
     value = nearest_double(sums.energy)
     if rows is None or value is None:
         return OUT_OF_RANGE
-    loose = not isinstance(covariance, Absent) and beyond_first_order(covariance) is not None
+    if isinstance(covariance, Absent):  # of a line, which turns by 1 / sqrt(Sxx)
+        loose = sums.parameters == LINE and sums.source * Fraction(LOOSE_SIGMA) ** 2 < 1
+    else:
+        loose = beyond_first_order(covariance) is not None
     dof = 3 * rows.rows - (TRANSLATION if loose else sums.parameters)
     if dof <= 0:
         return TOO_FEW

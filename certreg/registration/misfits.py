@@ -93,7 +93,7 @@ REMEDIES = {  # where the numbers of a fit add nothing to them
         "check the pairs, and whether both clouds show one rigid shape; where many pairs may be "
         "wrong, sort them out first"
     ),
-    FitCode.CHI2: "mend first what the other warning is of: it may be all, and sigma right",
+    FitCode.CHI2: "mend first what else is warned of: it may be all, and sigma right",
 }
 
 

@@ -194,7 +194,7 @@ def margin_words(equilibria: EquilibriumSet) -> str:
         return "0: the optimum is not unique"
     percent = f"{100 * margin.relative:.3g} % of the range of energies"
     if equilibria.pairs_in_doubt:
-        return f"{percent}: unique, but wrong pairs may have turned the answer over"
+        return f"{percent}: unique, but the poor fit may have turned the answer over"
     if equilibria.nearly_ambiguous:
         return f"{percent}: unique, but a small change of the data may turn the answer over"
     return f"{percent}: unique"

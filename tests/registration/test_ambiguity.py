@@ -82,10 +82,10 @@ def test_what_the_noise_rules_out_wrong_pairs_may_have_turned_over(options):
     assert "outlier-rows" in [code.value for code in registration.fit.codes]
     assert headline_of(registration) is listed.NEARLY_AMBIGUOUS
     assert PAIRS_IN_DOUBT in summary
-    assert "unique, but wrong pairs may have turned the answer over" in summary
+    assert "unique, but the poor fit may have turned the answer over" in summary
     assert PAIRS_IN_DOUBT in equilibria_words(equilibria(problem))
     assert PAIRS_IN_DOUBT in judged.words
-    assert judged.headline.endswith("; wrong pairs may have turned the answer over.")
+    assert judged.headline.endswith("; the poor fit may have turned the answer over.")
     for told in (summary, judged.words):
         assert "margin is small" not in told
         assert NEARLY_AMBIGUOUS not in told

@@ -161,6 +161,18 @@ def test_a_turn_that_sigma_leaves_open_counts_no_degree_and_p_is_a_bound():
     assert result_document(found)["fit"]["chi2"]["bound"] is True
 
 
+@pytest.mark.parametrize(("length", "dof"), [(0.01, 3), (3.53, 3), (3.54, 1)])
+def test_a_line_that_is_not_long_beside_sigma_has_open_turns_too(length: float, dof: int):
+    """The turns of two points have the deviation sqrt(2) / length: 0.4 at a length of 3.5355."""
+    line = np.array([[0.0, 0.0, 0.0], [length, 0.0, 0.0]])
+    noise = np.random.default_rng(3).standard_normal((2, 3))
+    test = registered(line + noise, sigma=1.0, source=line).fit.chi2
+
+    assert test is not None
+    assert (test.dof, test.bound) == (dof, dof == 3)
+    assert test.p == pytest.approx(chi2.sf(test.value, dof))
+
+
 def test_a_sigma_that_is_far_too_large_is_told(given):
     def words(p: float) -> str:
         made = ChiSquared(value=1.0, dof=30, p=p)
