@@ -28,6 +28,7 @@ SOURCES = RNG.normal(size=(12, 9, 3))
 TARGETS = SOURCES[:, :, [1, 2, 0]] + 0.01 * RNG.normal(size=SOURCES.shape) + 5.0
 SPOILT = np.where(SOURCES[3, 2, 1] == SOURCES, np.nan, SOURCES)
 WEIGHTS = RNG.uniform(0.1, 9.0, size=(12, 9))
+BUT_ONE = np.array([*[1.0] * 8, 0.0])  # weights that are alike up to the last row
 
 
 def compiled_or_skipped() -> Any:
@@ -49,7 +50,7 @@ def accepted(certificates) -> bool:
     return all(check(line).verified for line in certificates.lines())
 
 
-@pytest.mark.parametrize("weights", [None, 3.0, WEIGHTS[0], WEIGHTS, list(WEIGHTS)])
+@pytest.mark.parametrize("weights", [None, 3.0, BUT_ONE, BUT_ONE[::-1], WEIGHTS[0], WEIGHTS, list(WEIGHTS)])
 def test_every_line_is_accepted_by_the_checker_and_claims_one_optimum(weights):
     found = certreg.certify_many(SOURCES, TARGETS, weights=weights)
 
