@@ -237,8 +237,8 @@ def _remedy(
     if code is FitCode.OUTLIER_ROWS:
         return _outlier_remedy(rows, names)
     if code is FitCode.CHI2 and chi2 is not None:
-        times = math.sqrt(chi2.value / chi2.dof)
-        return f"check the pairs; if the noise may be larger, give {times:.3g} times this sigma"
+        shape = "check the pairs, and whether both clouds show one rigid shape"
+        return f"{shape}; if the noise may be larger, give {_times_sigma(chi2)} times this sigma"
     return REMEDIES[code]
 
 
@@ -334,13 +334,13 @@ def _outlier_words(rows: RowFit, names: RowNames) -> str | None:
         return None
     if rows.tied:
         return (
-            f"{n - k} of {n} rows agree on one pose, at least as many on another: their number "
-            f"does not tell which are right; without {k} of them {gone}"
+            f"{n - k} of {n} rows lie within six medians of one pose, at least as many of another: "
+            f"their number does not tell which are right; without {k} of them {gone}"
         )
     does, them = ("does", "it") if k == 1 else ("do", "them")
     return (
-        f"{names.words(rows.far, k)}, counting from 0, {does} not fit the pose that the others "
-        f"agree on: without {them} {gone}"
+        f"{names.words(rows.far, k)}, counting from 0, {does} not fit the best pose of the others: "
+        f"without {them} {gone}"
     )
 
 
@@ -409,10 +409,18 @@ def _chi2_words(chi2: ChiSquared | None) -> str | None:
     if chi2 is None or chi2.p > LEVEL:
         return None
     return (
-        f"the residuals are {math.sqrt(chi2.value / chi2.dof):.3g} times what sigma says "
-        f"(chi-squared {chi2.value:.6g} with {chi2.dof} degrees of freedom): the noise is larger, "
-        "pairs are wrong, or the clouds are not one rigid shape"
+        f"the residuals are {_times_sigma(chi2)} times what sigma says (chi-squared "
+        f"{chi2.value:.6g} with {chi2.dof} degrees of freedom), which independent Gaussian noise "
+        "of this sigma gives less than once in a million times"
     )
+
+
+def _times_sigma(chi2: ChiSquared) -> str:
+    """How large residuals are beside sigma, with the digits in which that differs from one."""
+    times = math.sqrt(chi2.value / chi2.dof)
+    if times >= 1.1:
+        return f"{times:.3g}"
+    return f"{times:.{1 - math.floor(math.log10(times - 1.0))}f}"
 
 
 def _unit_near(scale: float) -> tuple[float, str] | None:

@@ -248,8 +248,9 @@ def _sigma_lines(distance: SigmaDistance | Absent) -> list[str]:
     p = f"{distance.p:.2g}" if distance.p else "below 1e-300"
     return [
         f"  sigma distance     {distance.value:.4g} standard deviations, {jointly}",
-        "                     (to first order; if all pairs are right and the noise is as sigma",
-        f"                     says, the true pose is as far with probability {p})",
+        "                     (to first order; if all pairs are right and the errors independent,",
+        "                     Gaussian and of this sigma, the true pose is as far with probability",
+        f"                     {p})",
     ]
 
 

@@ -174,7 +174,7 @@ def _basis_words(registration: Registration, covariance: PoseCovariance) -> str:
     """What one standard deviation is of: the sigma that is given, or what the residuals say."""
     told = "one standard deviation, to first order, "
     if not covariance.estimated:
-        return f"{told}of the sigma given{_given_words(registration)}"
+        return f"{told}of independent errors of the sigma given{_given_words(registration)}"
     degrees = covariance.degrees_of_freedom
     sigma = _two_digits(covariance.centre_sigma * math.sqrt((degrees + 6) / 3))  # of N points
     equal = registration.problem.equally_weighted

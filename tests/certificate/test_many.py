@@ -50,7 +50,9 @@ def accepted(certificates) -> bool:
     return all(check(line).verified for line in certificates.lines())
 
 
-@pytest.mark.parametrize("weights", [None, 3.0, BUT_ONE, BUT_ONE[::-1], WEIGHTS[0], WEIGHTS, list(WEIGHTS)])
+@pytest.mark.parametrize(
+    "weights", [None, 3.0, BUT_ONE, BUT_ONE[::-1], WEIGHTS[0], WEIGHTS, list(WEIGHTS)]
+)
 def test_every_line_is_accepted_by_the_checker_and_claims_one_optimum(weights):
     found = certreg.certify_many(SOURCES, TARGETS, weights=weights)
 
@@ -270,6 +272,29 @@ def test_progress_is_told_and_one_certificate_taken_by_its_number(monkeypatch):
     assert last == same
     with pytest.raises(IndexError):
         found[12]
+
+
+def test_a_certificate_is_taken_by_its_number_from_either_end():
+    line = np.arange(9.0)[:, None] * [1.0, 2.0, 2.0]  # not proved in compiled code
+    found = certreg.certify_many([SOURCES[0], line], [TARGETS[0], line])
+
+    for last, first in zip((found[-1], found[-2]), (found[1], found[0]), strict=True):
+        assert last is not None
+        assert first is not None
+        assert last.to_json() == first.to_json()
+    for number in (2, -3):
+        with pytest.raises(IndexError):
+            found[number]
+
+
+@pytest.mark.parametrize("listed", [np.array, list])
+@pytest.mark.parametrize(("problem", "row"), [(0, 8), (1, 0)])
+def test_a_number_that_is_none_is_told_by_the_problem_and_its_row(listed, problem, row):
+    sources = SOURCES[:3].copy()
+    sources[problem, row, 1] = np.nan
+
+    with pytest.raises(InvalidProblemError, match=rf"sources\[{problem}\] row {row} "):
+        certreg.certify_many(listed(sources), TARGETS[:3])
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from certreg.problem import RegistrationProblem, exact_moments
 from certreg.problem import arrays as problems
 from certreg.registration import STORIES, misfits, outlying, stated
 from certreg.registration import fit as fit_module
-from certreg.registration.misfits import FitCode, FitSums
+from certreg.registration.misfits import ChiSquared, FitCode, FitSums
 from certreg.results import Absent
 
 RNG = np.random.default_rng(17)
@@ -68,12 +68,19 @@ def test_chi_squared_is_the_objective_under_the_given_noise():
 def test_the_noise_beyond_sigma_is_told_as_a_length():
     result = said(CLOUD, NOISY, sigma=1e-3)
     (text,) = [one.text for one in result.warnings if one.code is FitCode.CHI2]
-    assert "the noise is larger, pairs are wrong, or the clouds are not one rigid shape" in text
+    assert "independent Gaussian noise of this sigma gives less than once in a million" in text
     times = float(text.removeprefix("the residuals are ").split(" times ")[0])
 
     assert times**2 * checked(result.chi2).dof == pytest.approx(
         checked(result.chi2).value, rel=0.02
     )
+
+
+@pytest.mark.parametrize(
+    ("value", "told"), [(1.0037**2, "1.0037"), (1.04**2, "1.040"), (1.21, "1.1"), (144.0, "12")]
+)
+def test_how_much_larger_residuals_are_is_told_in_digits_that_tell_it_from_one(value, told):
+    assert misfits._times_sigma(ChiSquared(value=30 * value, dof=30, p=1e-9)) == told
 
 
 def test_worst_rows_have_labels_and_their_residuals():

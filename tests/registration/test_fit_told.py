@@ -54,7 +54,7 @@ def test_the_first_line_says_that_the_fit_is_poor_and_why(poor, good):
     assert not headline_of(poor).good
     assert words.startswith(stamp)
     assert "proved gap" in words
-    assert words.count("not fit the pose that the others agree on") == 1
+    assert words.count("not fit the best pose of the others") == 1
     assert headline_of(good) is listed.CERTIFIED
     assert "warning" not in registration_summary(good)
 

@@ -161,7 +161,7 @@ def test_outliers_are_fewer_than_half_of_the_rows(rows: RowFit):
 
     assert words(0, 8) is None
     several, one = checked(words(3, 8)), checked(words(1, 8))
-    agreed = "not fit the pose that the others agree on: without"
+    agreed = "not fit the best pose of the others: without"
     assert f"rows 0, 1, 2, counting from 0, do {agreed} them over 99.9 % of" in several
     assert f"row 0, counting from 0, does {agreed} it over 99.9 % of" in one
     assert words(4, 8) is None
@@ -242,7 +242,9 @@ def test_of_two_poses_that_as_many_rows_agree_on_no_rows_are_named(first: int, s
     (warned,) = (one for one in tied.warnings if one.code is FitCode.OUTLIER_ROWS)
     told_of = warned.text
     n = len(LINE) + first + second
-    begun = f"{n - second} of {n} rows agree on one pose, at least as many on another"
+    begun = (
+        f"{n - second} of {n} rows lie within six medians of one pose, at least as many of another"
+    )
     assert told_of.startswith(f"{begun}: their number does not tell which are right; without ")
     assert tied.outlier_rows == ()
     assert warned.remedy == (

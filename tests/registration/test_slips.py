@@ -331,7 +331,7 @@ def test_a_distance_is_told_plainly():
     text = assessment_summary(assess(noisy, R, T + np.array([0.3, 0.0, 0.0])))
 
     assert "standard deviations, rotation and translation jointly" in text
-    assert "(to first order; if all pairs are right and the noise is as sigma\n" in text
+    assert "(to first order; if all pairs are right and the errors independent,\n" in text
     assert "far with probability" in text
     assert "standard deviations, of the rotation" in assessment_summary(assess(noisy, R))
 

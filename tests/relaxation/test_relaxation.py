@@ -318,8 +318,9 @@ def test_a_solver_that_stops_short_says_so(monkeypatch):
 
 def test_a_named_solver_that_stops_short_says_so(monkeypatch):
     first, second = (SimpleNamespace(dual_value=value) for value in (3.0, 7.0))
+    asked: dict[str, Any] = {}
     solved = SimpleNamespace(
-        status="optimal_inaccurate", value=2.0, constraints=[first, second], solve=lambda **_: None
+        status="optimal_inaccurate", value=2.0, constraints=[first, second], solve=asked.update
     )
     parts = SimpleNamespace(value=np.eye(4))
     program = SimpleNamespace(problem=solved, cross_covariance=parts, solution=parts)
@@ -332,6 +333,7 @@ def test_a_named_solver_that_stops_short_says_so(monkeypatch):
 
     assert (found.status, found.said) == (RelaxationStatus.INACCURATE, solved.status)
     assert (found.value, found.multiplier) == (2.0, 3.0)
+    assert asked == {"solver": "SCS", **stated.OPTIONS["SCS"]}
 
 
 def test_a_solver_that_is_not_installed_is_a_status(monkeypatch):

@@ -55,7 +55,11 @@ CASES = {  # a spoilt target, its sigma, and the whole of what is advised
     "more": (moved(5, 7, 9, 11), None, "check these rows; if they are wrong, mend them or leave"),
     "rolled": (np.roll(GOOD, 1, axis=0), None, "check that row k of both clouds is one pair, or"),
     "mirrored": (GOOD * [1, 1, -1], None, "check the signs and the order of the axes in both"),
-    "sigma": (CLOUD + 10.0 * NOISE, 0.01, r"check the pairs; if the noise may be larger, give \d"),
+    "sigma": (
+        CLOUD + 10.0 * NOISE,
+        0.01,
+        r"check the pairs, and whether .* one rigid shape; if the noise may be larger, give \d",
+    ),
     "poor": (RNG.standard_normal((30, 3)), None, "check the pairs, and whether both clouds show"),
 }
 

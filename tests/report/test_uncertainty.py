@@ -92,7 +92,10 @@ def test_the_numbers_are_the_roots_of_the_covariance_and_sigma_is_as_given(given
     assert told["centre ±"].startswith("0.0029 along every axis  (the centre of the source lands")
     assert covariance.centre_sigma == pytest.approx(0.01 / math.sqrt(12))
     assert told["rotation ±"].endswith(" degrees  (a small turn about the source's axes)")
-    assert told["± is"] == "one standard deviation, to first order, of the sigma given: 0.01"
+    assert (
+        told["± is"]
+        == "one standard deviation, to first order, of independent errors of the sigma given: 0.01"
+    )
     p = chi2.sf(given.objective or 0.0, 30)
     assert told["chi-squared"].endswith(f" with 30 degrees of freedom, p = {p:.2g}")
 
