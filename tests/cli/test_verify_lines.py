@@ -18,7 +18,7 @@ GOOD = (
 @pytest.fixture
 def many(tmp_path):
     path = tmp_path / "many.jsonl"
-    path.write_text(GOOD + GOOD.replace('"unique": true', '"unique": 1') + GOOD)
+    path.write_text(GOOD + GOOD.replace('"unique": true', '"unique": 1') + GOOD, encoding="utf-8")
     return path
 
 
@@ -30,7 +30,7 @@ def test_refused_lines_are_told_by_their_number_and_the_others_counted(many):
 
 
 def test_lines_are_held_to_what_is_asked_of_them(many):
-    many.write_text(GOOD)
+    many.write_text(GOOD, encoding="utf-8")
 
     assert certreg("verify", many, "--max-angle", "1e-5", "--max-gap", "1e-6").code == 0
     run = certreg("verify", many, "--max-angle", "1e-60")
@@ -40,7 +40,7 @@ def test_lines_are_held_to_what_is_asked_of_them(many):
 
 def test_lines_name_their_own_points_and_no_others(many, tmp_path):
     cloud = tmp_path / "cloud.csv"
-    cloud.write_text("0,0,0\n1,0,0\n0,2,0\n")
+    cloud.write_text("0,0,0\n1,0,0\n0,2,0\n", encoding="utf-8")
 
     for more in ((cloud, cloud), ("--coq",)):
         run = certreg("verify", many, *more)
