@@ -54,7 +54,7 @@ LINES: dict[str, tuple[int, set[str], tuple[object, ...]]] = {  # code, what it 
     "batch": (0, {"numpy"}, ("batch", "pairs.csv")),
     "batch --parquet": (
         0,
-        {"numpy", "pyarrow"},
+        {"numpy", "pyarrow", "filelock"},
         ("batch", "pairs.csv", "--out", "b", "--parquet"),
     ),
     "batch --scheduler": (
