@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from certreg.registration import is_green
 from certreg.report.markup import printable, rendered
 from certreg.report.picture import energy_picture, registration_picture
-from certreg.report.remedies import TODO, remedies
+from certreg.report.remedies import ADVICE, remedies
 from certreg.report.summary import (
     KINDS,
     OF_SPREAD,
@@ -74,7 +74,7 @@ def registration_card(registration: Registration) -> str:
         notes=[
             *further,
             *(f"Warning: {words}" for words in warnings(registration, first)),
-            *(f"{TODO}{words}" for words in remedies(registration)),
+            *(f"{ADVICE}{words}" for words in remedies(registration)),
         ],
         good=is_green(registration),
         facts=[

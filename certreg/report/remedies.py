@@ -13,7 +13,7 @@ from certreg.registration import FitCode, is_loose
 if TYPE_CHECKING:
     from certreg.registration import Fit, Registration
 
-TODO = "What to do: "  # before a remedy in text; a page sets it apart
+ADVICE = "What to do: "  # before a remedy in text; a page sets it apart
 GIVE_SIGMA = "give sigma, which may rule the other pose out; or "
 TELL_APART = "add pairs off the axis of the turn to the other pose: they may tell the two apart"
 WIDEN = (

@@ -26,7 +26,7 @@ from certreg.registration import (
     rounding_remedy,
     share_words,
 )
-from certreg.report.remedies import TODO, remedies, why_warned
+from certreg.report.remedies import ADVICE, remedies, why_warned
 from certreg.report.thinning import kicked_words, unspent_words
 from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import Absent, ComponentKind, Guarantee, Limits, Optimality, present
@@ -69,7 +69,7 @@ def registration_summary(registration: Registration) -> str:
     return "\n".join(
         (
             *status,
-            *(f"{TODO}{words}" for words in remedies(registration)),
+            *(f"{ADVICE}{words}" for words in remedies(registration)),
             "",
             f"  correspondences   {registration.problem.n}",
             f"  rotation (wxyz)   {' '.join(map(repr, pose.quaternion_wxyz.tolist()))}",
@@ -213,7 +213,7 @@ def assessment_summary(assessment: Assessment) -> str:
     warned = assessment.fit.warnings
     told = [one.text for one in warned if one.text not in assessment.headline]
     lines += (f"  warning            {words}" for words in told)
-    lines += (f"{TODO}{one.remedy}." for one in warned)
+    lines += (f"{ADVICE}{one.remedy}." for one in warned)
     return "\n".join(lines)
 
 

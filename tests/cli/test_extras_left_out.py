@@ -5,13 +5,11 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 from commands import certreg
+from left_out import endings
 
 from certreg import _loading
 from certreg._loading import ORIGINS
@@ -20,23 +18,6 @@ DATA = Path(_loading.__file__).parent / "data"
 FILES = Path(__file__).parents[1] / "io" / "data"
 CLOUDS = (DATA / "survey_source.csv", DATA / "survey_target.csv")
 
-# In a process of its own: in this one the libraries are loaded.
-RUNNING = """
-import sys
-class Blocked:
-    def find_spec(self, name, path=None, target=None):
-        root = name.partition(".")[0]
-        if root in {left_out!r}:
-            raise ModuleNotFoundError(f"No module named {{root!r}}", name=root)
-sys.meta_path.insert(0, Blocked())
-from certreg.cli.main import main
-for line in {lines!r}:
-    sys.argv = ["certreg", *line]
-    try:
-        main()
-    except SystemExit as stop:
-        print("\\nCODE", stop.code, file=sys.stderr, flush=True)
-"""
 LINES: dict[str, tuple[int, set[str], tuple[object, ...]]] = {  # code, what it needs, arguments
     "certify": (0, {"numpy", "jinja2"}, ("certify", *CLOUDS, "--no-simulation", "--out", "new")),
     "certify --solver": (
@@ -77,26 +58,6 @@ LEFT_OUT: dict[str, set[str]] = {
 }
 
 
-def endings(left_out: set[str], folder: Path) -> dict[str, tuple[str, str]]:
-    """Exit code and stderr of each line, where these libraries are not installed."""
-    (folder / "pairs.csv").write_text(f"source,target\n{CLOUDS[0]},{CLOUDS[1]}\n", "utf-8")
-    lines = [[*map(str, arguments)] for *_, arguments in LINES.values()]
-    code = RUNNING.format(left_out=left_out, lines=lines)
-    run = subprocess.run(
-        [sys.executable, "-c", code],
-        capture_output=True,
-        encoding="utf-8",
-        check=False,
-        cwd=folder,
-        env={**os.environ, "PYTHONWARNDEFAULTENCODING": ""},  # dask leaves encodings open
-    )
-    told = run.stderr.split("\nCODE ")
-    assert len(told) == len(lines) + 1, run.stderr[-2000:]
-    codes = [each.partition("\n")[0] for each in told[1:]]
-    words = [told[0], *(each.partition("\n")[2] for each in told[1:-1])]
-    return dict(zip(LINES, zip(codes, words, strict=True), strict=True))
-
-
 @pytest.fixture(scope="module")
 def certified(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """What `certify --out` writes where all is installed."""
@@ -115,13 +76,16 @@ def certified(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_each_command_runs_or_ends_in_one_line(which: str, certified: Path, tmp_path: Path):
     left_out = LEFT_OUT[which]
     (tmp_path / "out").symlink_to(certified)
-    for name, (code, words) in endings(left_out, tmp_path).items():
+    (tmp_path / "pairs.csv").write_text(f"source,target\n{CLOUDS[0]},{CLOUDS[1]}\n", "utf-8")
+    lines = [arguments for *_, arguments in LINES.values()]
+    ended = endings(left_out, lines, tmp_path, strict=False)
+    for name, (code, words) in zip(LINES, ended, strict=True):
         needed = LINES[name][1] & left_out
-        lines = [each for each in words.splitlines() if each and not each.startswith("note: ")]
+        told = [each for each in words.splitlines() if each and not each.startswith("note: ")]
 
-        assert int(code) == (2 if needed else LINES[name][0]), (name, words)
+        assert code == (2 if needed else LINES[name][0]), (name, words)
         assert "Traceback" not in words, name
-        assert len(lines) == (1 if code == "2" else 0), (name, words)
+        assert len(told) == (1 if code == 2 else 0), (name, words)
         if needed:
             missing = [f" needs {ORIGINS[each].name}, which is not installed: " for each in needed]
-            assert any(each in lines[0] for each in missing), (name, words)
+            assert any(each in told[0] for each in missing), (name, words)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 from commands import certreg
+from left_out import endings
 
 from certreg import _loading
 from certreg._loading import ORIGINS
@@ -160,66 +160,42 @@ def test_a_library_that_does_not_load_is_told_from_one_that_is_not_there(
     assert str(caught.value).endswith("pip install --force-reinstall cvxpy-base")
 
 
-CORE = """
-import sys
-ALLOWED = {allowed!r}
-class Blocked:
-    def find_spec(self, name, path=None, target=None):
-        root = name.partition(".")[0]
-        if root in {every!r} and root not in ALLOWED:
-            raise ModuleNotFoundError(f"No module named {{root!r}}", name=root)
-sys.meta_path.insert(0, Blocked())
-from certreg.cli.main import main
-for line in {lines!r}:
-    sys.argv = ["certreg", *line]
-    try:
-        main()
-    except SystemExit as stop:
-        print("CODE", stop.code, flush=True)
-"""
-
-
-def blocked(allowed: tuple[str, ...], *lines: tuple[object, ...]) -> tuple[list[str], str]:
-    """Codes and stderr of commands, where only these of the libraries are installed."""
-    every = (*ORIGINS, "markupsafe", "mpmath") if "jinja2" not in allowed else (*ORIGINS,)
-    code = CORE.format(allowed=allowed, every=every, lines=[[*map(str, line)] for line in lines])
-    run = subprocess.run(
-        [sys.executable, "-W", "error", "-c", code],
-        capture_output=True,
-        text=True,
-        check=False,
-        encoding="utf-8",
-    )
-    return [line.split()[1] for line in run.stdout.splitlines() if line[:5] == "CODE "], run.stderr
+EVERY = {*ORIGINS, "markupsafe", "mpmath"}  # the last two come with Jinja and SymPy
 
 
 @pytest.mark.slow
 def test_the_main_job_needs_numpy_click_and_jinja_alone(tmp_path: Path):
-    out, found = tmp_path / "out", tmp_path / "out" / "certificate.json"
-    codes, err = blocked(
-        ("numpy", "click", "jinja2"),
-        ("certify", *CLOUDS, "--sigma", "4", "--out", out),
+    lines = (
+        ("certify", *CLOUDS, "--sigma", "4", "--out", "out"),
         ("assess", *CLOUDS, "--pose", DATA / "flipped.txt"),
-        ("verify", found),
-        ("report", found, "--out", tmp_path / "report.html"),
+        ("verify", "out/certificate.json"),
+        ("report", "out/certificate.json", "--out", "report.html"),
         ("equilibria", *CLOUDS),
         ("simulate", *CLOUDS),
         ("info",),
         ("equilibria", *CLOUDS, "--method", "homotopy"),
     )
+    left_out = EVERY - {"numpy", "click", "jinja2", "markupsafe"}
+    codes, words = zip(*endings(left_out, lines, tmp_path, strict=True), strict=True)
 
-    assert codes == ["0", "1", "0", "0", "0", "0", "0", "2"]
-    assert err.count("\n") == 2  # the first is the report's note on the motion
-    assert err.endswith(
-        "\ncertreg: the method homotopy needs python-flint, which is not installed: "
+    assert codes == (0, 1, 0, 0, 0, 0, 0, 2)
+    assert [line for line, told in zip(lines, words, strict=True) if told] == [lines[3], lines[7]]
+    assert words[3].startswith("note: ")  # on the motion
+    assert words[7] == (
+        "certreg: the method homotopy needs python-flint, which is not installed: "
         "pip install python-flint\n"
     )
     assert (tmp_path / "report.html").stat().st_size > 10_000
 
 
 @pytest.mark.slow
-def test_without_numpy_the_checker_checks_and_others_say_what_they_need(certificate: Path):
-    codes, err = blocked(("click",), ("verify", certificate), ("certify", *CLOUDS), ("info",))
+def test_without_numpy_the_checker_checks_and_others_say_what_they_need(
+    certificate: Path, tmp_path: Path
+):
+    lines = (("verify", certificate), ("certify", *CLOUDS), ("info",))
 
-    assert codes == ["0", "2", "0"]
-    assert err == ("certreg: this command needs numpy, which is not installed: pip install numpy\n")
+    assert endings(EVERY - {"click"}, lines, tmp_path, strict=True) == [
+        (0, ""),
+        (2, "certreg: this command needs numpy, which is not installed: pip install numpy\n"),
+        (0, ""),
+    ]
