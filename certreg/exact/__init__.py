@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from certreg.exact.eigenbasis import Eigenbasis as Eigenbasis
     from certreg.exact.eigenbasis import integer_eigenbasis as integer_eigenbasis
     from certreg.exact.elimination import is_positive_definite as is_positive_definite
+    from certreg.exact.elimination import nullspace as nullspace
     from certreg.exact.elimination import rank as rank
     from certreg.exact.spaces import IntegerQuaternion as IntegerQuaternion
     from certreg.exact.spaces import Resolution as Resolution
@@ -73,6 +74,7 @@ __getattr__ = lazy_face(
         ),
         "elimination": (
             "is_positive_definite",
+            "nullspace",
             "rank",
         ),
         "spaces": (

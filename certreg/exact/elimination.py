@@ -1,7 +1,8 @@
-"""Exact positive definiteness of a symmetric integer matrix."""
+"""Exact answers about integer matrices, by elimination without fractions."""
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -53,3 +54,50 @@ def rank(matrix: Sequence[Sequence[int]]) -> int:
         ]
         found += 1
     return found
+
+
+def nullspace(matrix: Sequence[Sequence[int]], columns: int) -> tuple[tuple[int, ...], ...]:
+    """A basis of the vectors that an integer matrix of so many columns takes to zero.
+
+    Each vector is of coprime integers, its last entry other than zero positive.
+
+    >>> nullspace([[1, 2, 0], [2, 4, 0]], 3)
+    ((-2, 1, 0), (0, 0, 1))
+    """
+    rows, pivots = [list(row) for row in matrix], list[int]()
+    reduced: list[list[int]] = []
+    for column in range(columns):
+        first = next((row for row in rows if row[column]), None)
+        if first is None:
+            continue
+        rows.remove(first)
+        rows, reduced = (
+            [_eliminated(row, first, column) for row in group] for group in (rows, reduced)
+        )
+        reduced.append(first)
+        pivots.append(column)
+    free = [k for k in range(columns) if k not in pivots]
+    return tuple(_solution(reduced, pivots, k, columns) for k in free)
+
+
+def _eliminated(row: list[int], first: list[int], column: int) -> list[int]:
+    """A multiple of a row with zero in a column, by a row that has another number there."""
+    if not row[column]:
+        return row
+    a, b = first[column], row[column]
+    less = [a * own - b * other for own, other in zip(row, first, strict=True)]
+    common = math.gcd(*less) or 1
+    return [entry // common for entry in less]
+
+
+def _solution(
+    reduced: Sequence[Sequence[int]], pivots: Sequence[int], free: int, columns: int
+) -> tuple[int, ...]:
+    """The vector of the kernel with one free variable, cleared of denominators."""
+    multiple = math.lcm(*(row[p] for row, p in zip(reduced, pivots, strict=True)))
+    vector = [0] * columns
+    vector[free] = multiple
+    for row, pivot in zip(reduced, pivots, strict=True):
+        vector[pivot] = -multiple // row[pivot] * row[free]
+    common = math.gcd(*vector)
+    return tuple(entry // common for entry in vector)

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from certreg.objective.isotropic import Isotropic as Isotropic
     from certreg.objective.objective import Objective as Objective
     from certreg.objective.polynomials import PolynomialSystem as PolynomialSystem
+    from certreg.objective.springs import Springs as Springs
 
 __getattr__ = lazy_face(
     __name__,
@@ -23,5 +24,6 @@ __getattr__ = lazy_face(
         "isotropic": ("Isotropic",),
         "objective": ("Objective",),
         "polynomials": ("PolynomialSystem",),
+        "springs": ("Springs",),
     },
 )

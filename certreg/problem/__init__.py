@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     from certreg.problem.moments import floating_moments as floating_moments
     from certreg.problem.moments import moments_of_clouds as moments_of_clouds
     from certreg.problem.moments import trace as trace
+    from certreg.problem.moments_of_springs import SpringMoments as SpringMoments
+    from certreg.problem.moments_of_springs import spring_moments as spring_moments
+    from certreg.problem.moments_of_springs import spring_moments_of as spring_moments_of
     from certreg.problem.posing import FloatingPose as FloatingPose
     from certreg.problem.posing import floating_pose as floating_pose
     from certreg.problem.problem import DEFAULT_DAMPING as DEFAULT_DAMPING
@@ -75,6 +78,11 @@ __getattr__ = lazy_face(
             "floating_moments",
             "moments_of_clouds",
             "trace",
+        ),
+        "moments_of_springs": (
+            "SpringMoments",
+            "spring_moments",
+            "spring_moments_of",
         ),
         "posing": (
             "FloatingPose",

@@ -1,0 +1,355 @@
+"""The objective of springs that are matrices: a quartic in the quaternion.
+
+f(R, t) = sum (y - R x - t)^T W (y - R x - t) is quadratic in z = (1, vec R, t), f = z^T H z, and
+its least value over t is quadratic in r = (1, vec R).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from itertools import combinations, product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from certreg.exact import nullspace, power_of_two, rational_root_above
+from certreg.geometry import dot, homogeneous, quadratic_form, rotation_matrix, squared_norm
+from certreg.objective import quartics
+from certreg.objective.polynomials import QUATERNION, PolynomialSystem, collected, exponents
+from certreg.problem import UPPER
+from certreg.results import Brief
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from certreg.geometry import Matrix4, SquareMatrix, T, Vector3, Vector4
+    from certreg.problem import SpringMoments
+
+ROTATION = range(1, 10)  # where vec R stands in z = (1, vec R, t)
+TRANSLATION = range(10, 13)  # where t does
+FULL = tuple(UPPER.index((min(a, b), max(a, b))) for a, b in product(range(3), repeat=2))
+FARTHEST = 8  # the largest |R - R'|^2 of two rotations, in the Frobenius norm
+FARTHEST_OF_FIVE = Fraction(25, 2)  # the same of their actions on symmetric traceless matrices
+
+
+@dataclass(frozen=True)
+class Springs(Brief):
+    """The objective of the exact moments of springs that are matrices; see `Objective`.
+
+    The translation is in units of 2^least, least the smaller exponent of both clouds.
+    """
+
+    moments: SpringMoments
+
+    # --- the translation, and what is left without it
+
+    @cached_property
+    def hessian_form(self) -> tuple[tuple[int, ...], ...]:
+        """H, 13x13, with f(R, t) = z^T H z in units of `_unit`, for z = (1, vec R, t)."""
+        m, x, y = self.moments, self._source_places, self._target_places
+        rows = [[0] * 13 for _ in range(13)]
+        rows[0][0] = m.spread << 2 * y
+        for a, b in product(range(3), repeat=2):
+            spring = FULL[3 * a + b]
+            rows[10 + a][10 + b] = m.stiffness[spring]
+            for j in range(3):
+                rows[1 + 3 * j + a][10 + b] = rows[10 + b][1 + 3 * j + a] = m.source[spring][j] << x
+                for k in range(3):
+                    entry = m.scatter[spring][FULL[3 * j + k]] << 2 * x
+                    rows[1 + 3 * j + a][1 + 3 * k + b] = entry
+            rows[0][1 + 3 * b + a] = rows[1 + 3 * b + a][0] = -m.cross[a][b] << (x + y)
+        for a in range(3):
+            rows[0][10 + a] = rows[10 + a][0] = -m.target[a] << y
+        return tuple(tuple(row) for row in rows)
+
+    @property
+    def _least(self) -> int:
+        return min(self.moments.source_exponent, self.moments.target_exponent)
+
+    @property
+    def _source_places(self) -> int:
+        return self.moments.source_exponent - self._least
+
+    @property
+    def _target_places(self) -> int:
+        return self.moments.target_exponent - self._least
+
+    @property
+    def _unit(self) -> Fraction:
+        return power_of_two(self.moments.weight_exponent + 2 * self._least)
+
+    @cached_property
+    def stiffness(self) -> tuple[tuple[int, ...], ...]:
+        """S = sum W, 3x3, over 2^weight_exponent: what resists a shift."""
+        entries = [self.moments.stiffness[k] for k in FULL]
+        return (tuple(entries[:3]), tuple(entries[3:6]), tuple(entries[6:]))
+
+    @cached_property
+    def _pivots(self) -> tuple[int, ...]:
+        """Rows of S with an invertible submatrix, as many as its rank: S is semidefinite."""
+        candidates = [c for size in (3, 2, 1, 0) for c in combinations(range(3), size)]
+        return next(c for c in candidates if _adjugate(self.stiffness, c)[0])
+
+    @cached_property
+    def _inverse(self) -> tuple[int, list[list[int]]]:
+        """The determinant of these rows and columns of S, positive, and their adjugate."""
+        return _adjugate(self.stiffness, self._pivots)
+
+    @property
+    def unit(self) -> Fraction:
+        """What 1 is worth, in units of the energy."""
+        return self._unit / self._inverse[0]
+
+    @cached_property
+    def _form(self) -> SquareMatrix[int]:
+        """Q = d (H_rr - H_rp S_pp^-1 H_pr), p the pivots, d the determinant of S_pp.
+
+        H is semidefinite, so the columns of H_tr are in the span of those of S: the energy does not
+        depend on what t is along the kernel of S, and may be had with 0 in the other rows.
+        """
+        H, (determinant, adjugate) = self.hessian_form, self._inverse
+        pivots = [TRANSLATION[k] for k in self._pivots]
+        columns = [[H[r][p] for p in pivots] for r in range(10)]
+        images = [[dot(row, column) for row in adjugate] for column in columns]
+        return tuple(
+            tuple(determinant * H[r][s] - dot(columns[r], images[s]) for s in range(10))
+            for r in range(10)
+        )
+
+    @cached_property
+    def free_translations(self) -> tuple[Vector3[Fraction], ...]:
+        """A basis of the kernel of S: shifts that no spring resists, at any rotation."""
+        return tuple(
+            (Fraction(a), Fraction(b), Fraction(c)) for a, b, c in nullspace(self.stiffness, 3)
+        )
+
+    # --- the objective
+
+    @cached_property
+    def quartic(self) -> tuple[int, ...]:
+        """The 35 coefficients of F, in the order of `quartics.MONOMIALS`."""
+        return quartics.quartic_of_form(self._form)
+
+    def form(self) -> SquareMatrix[int]:
+        """Q, 10x10, with V(R) = unit * r^T Q r for r = (1, vec R), R by columns."""
+        return self._form
+
+    def value(self, q: Sequence[T]) -> T:
+        """F(q)."""
+        return quartics.value(self.quartic, q)
+
+    def gradient(self, q: Sequence[T]) -> Vector4[T]:
+        """The four first derivatives of F."""
+        return quartics.gradient(self.quartic, q)
+
+    def hessian(self, q: Sequence[T]) -> Matrix4[T]:
+        """The second derivatives of F."""
+        return quartics.hessian(self.quartic, q)
+
+    def energy(self, q: Sequence[int]) -> Fraction:
+        """V at R(q): the least sum of (y - R x - t)^T W (y - R x - t) over t."""
+        unit, norm = self.unit, squared_norm(q)
+        return Fraction(self.value(q) * unit.numerator, norm**2 * unit.denominator)
+
+    def best_translation(self, q: Sequence[int]) -> Vector3[Fraction]:
+        """The translation of least energy at the rotation R(q), exactly.
+
+        Where `free_translations` are left, the one that does not move the source's centre of mass
+        along them, the mass of a point being the trace of its W.
+        """
+        best, free = self._solved(q), self.free_translations
+        if not free:
+            return best
+        centre, norm = self._centre, squared_norm(q)
+        moved: list[Any] = [
+            dot(row, centre) / norm + t - c
+            for row, t, c in zip(rotation_matrix(q), best, centre, strict=True)
+        ]
+        along = _projected(free, moved)
+        x, y, z = (t - a for t, a in zip(best, along, strict=True))
+        return (x, y, z)
+
+    def _solved(self, q: Sequence[int]) -> Vector3[Fraction]:
+        """The best translation that is zero in the rows that are no pivots: -S_pp^-1 H_pr r."""
+        H, (determinant, adjugate) = self.hessian_form, self._inverse
+        norm = squared_norm(q)
+        r = homogeneous(rotation_matrix(q), unit=norm)
+        sides = [-dot(H[TRANSLATION[k]][:10], r) for k in self._pivots]
+        entries = [Fraction(0)] * 3
+        for k, row in zip(self._pivots, adjugate, strict=True):
+            entries[k] = Fraction(dot(row, sides), norm * determinant) * power_of_two(self._least)
+        x, y, z = entries
+        return (x, y, z)
+
+    @cached_property
+    def _centre(self) -> Vector3[Fraction]:
+        """The mean of the source, with the traces of W as masses."""
+        m = self.moments
+        diagonal = [FULL[0], FULL[4], FULL[8]]
+        mass = sum(m.stiffness[k] for k in diagonal)
+        x, y, z = (
+            Fraction(sum(m.source[k][j] for k in diagonal), mass) * power_of_two(m.source_exponent)
+            for j in range(3)
+        )
+        return (x, y, z)
+
+    def translation_energy(self, q: Sequence[int], translation: Sequence[Fraction]) -> Fraction:
+        """What a translation adds to the energy at R(q): d^T S d, d from the best one."""
+        best = self._solved(q)
+        offset = [entry - own for entry, own in zip(translation, best, strict=True)]
+        weight = power_of_two(self.moments.weight_exponent)
+        return quadratic_form(self.stiffness, offset) * weight
+
+    def equilibrium_system(self, chart: Sequence[int]) -> PolynomialSystem:
+        """dF/dq = l q and chart . q = 1 in (w, x, y, z, l); then l q.q = 4 F(q)."""
+        rows: list[dict[tuple[int, ...], int]] = []
+        for k in range(4):
+            terms = [(exponents((k, 4), 5), -1)]
+            for monomial, coefficient in zip(quartics.MONOMIALS, self.quartic, strict=True):
+                left = list(monomial)
+                if k in left:
+                    left.remove(k)
+                    terms.append((exponents(left, 5), monomial.count(k) * coefficient))
+            rows.append(collected(terms))
+        norm = [(exponents((k,), 5), c) for k, c in enumerate(chart)]
+        rows.append(collected([*norm, ((0,) * 5, -1)]))
+        return PolynomialSystem(variables=(*QUATERNION, "l"), polynomials=tuple(rows))
+
+    # --- what is known of it exactly
+
+    @cached_property
+    def symmetry(self) -> tuple[tuple[int, ...], ...]:
+        """A basis, in integers, of the turns (a, b) with F(q + e (a q + q b)) = F(q) + O(e^2).
+
+        Each is six numbers: a turn a of the world, a turn b of the body. Their number is the
+        dimension of the group of the continuous symmetries of f: with one-parameter groups in both
+        directions, the derivative vanishes everywhere iff F is constant along the group.
+        """
+        return nullspace(quartics.derivatives_along_turns(self.quartic), 6)
+
+    @cached_property
+    def _parts(self) -> tuple[list[list[int]], list[list[int]]]:
+        """2 C, 3x3, and 36 B, 6x6: F(q)/|q|^4 = c + tr(C^T R) + sum B_ab,jk R_aj R_bk.
+
+        B is symmetric and traceless in (a, b) and in (j, k); its rows and columns are in the order
+        of UPPER. See `oscillation`.
+        """
+        Q = self._form
+        table = {
+            (a, b, j, k): Q[1 + 3 * j + a][1 + 3 * k + b]
+            for a, b, j, k in product(range(3), repeat=4)
+        }
+        linear = [[4 * Q[0][1 + 3 * j + a] for j in range(3)] for a in range(3)]
+        for a, j in product(range(3), repeat=2):
+            (b, c), (k, m) = _others(a), _others(j)
+            linear[a][j] += table[b, c, k, m] + table[c, b, m, k]
+            linear[a][j] -= table[b, c, m, k] + table[c, b, k, m]
+        even = {
+            (a, b, j, k): table[a, b, j, k]
+            + table[b, a, j, k]
+            + table[a, b, k, j]
+            + table[b, a, k, j]
+            for a, b, j, k in table
+        }
+        return linear, _traceless(even)
+
+    @property
+    def isotropic_like(self) -> bool:
+        """Whether f = const - 2 tr(R^T C) for some C: exactly where B = 0."""
+        return not any(entry for row in self._parts[1] for entry in row)
+
+    @cached_property
+    def oscillation(self) -> Fraction:
+        """An upper bound of max f - min f over all rotations, in the unit of the energy.
+
+        R_aj R_bk, made symmetric in (a, b), and so in (j, k), is a trace and what R does to
+        symmetric traceless matrices, D(R): S -> R S R^T, orthogonal in five dimensions. Made
+        skew it is a cofactor of R, so an entry of R. So f = c + <C, R> + <B, D(R)>, and
+
+            f(R) - f(R') <= |C| |R - R'| + |B| |D(R) - D(R')|
+
+        in Frobenius norms. With theta the angle of R^T R' and u = cos(theta),
+        |R - R'|^2 = 6 - 2 (1 + 2 u) <= 8, |D - D'|^2 = 10 - 2 (4 u^2 + 2 u - 1) <= 25/2, the trace
+        of D being 1 + 2 cos(theta) + 2 cos(2 theta). B = 0 leaves |C| sqrt(8).
+        """
+        linear, even = self._parts
+        ones = sum(entry**2 for row in linear for entry in row)
+        fives = sum(
+            (1 + (a != b)) * (1 + (j != k)) * even[p][s] ** 2
+            for (p, (a, b)), (s, (j, k)) in product(enumerate(UPPER), repeat=2)
+        )
+        roots = rational_root_above(Fraction(FARTHEST * ones, 2**2))
+        return self.unit * (roots + rational_root_above(FARTHEST_OF_FIVE * fives / 36**2))
+
+    # --- doubles
+
+    def floating_form(self) -> tuple[NDArray[np.float64], Fraction]:
+        """Q in doubles of at most 1, each rounded once, and what 1 is worth as an energy."""
+        entries, unit = self._rounded([entry for row in self._form for entry in row])
+        return entries.reshape(10, 10), unit
+
+    def floating_quartic(self) -> tuple[NDArray[np.float64], Fraction]:
+        """The 35 coefficients in doubles of at most 1, each rounded once, and what 1 is worth."""
+        return self._rounded(self.quartic)
+
+    def _rounded(self, entries: Sequence[int]) -> tuple[NDArray[np.float64], Fraction]:
+        places = max(abs(entry) for entry in entries).bit_length()
+        one = 1 << places
+        return np.array([entry / one for entry in entries]), self.unit * one
+
+
+def _adjugate(matrix: Sequence[Sequence[int]], rows: Sequence[int]) -> tuple[int, list[list[int]]]:
+    """The determinant and the adjugate of some rows and the same columns of a 3x3 matrix."""
+    if not rows:
+        return 1, []
+    part = [[matrix[i][j] for j in rows] for i in rows]
+    if len(rows) == 1:
+        return part[0][0], [[1]]
+    if len(rows) == 2:
+        (a, b), (c, d) = part
+        return a * d - b * c, [[d, -b], [-c, a]]
+    (a, b, c), (d, e, f), (g, h, i) = part
+    adjugate = [
+        [e * i - f * h, c * h - b * i, b * f - c * e],
+        [f * g - d * i, a * i - c * g, c * d - a * f],
+        [d * h - e * g, b * g - a * h, a * e - b * d],
+    ]
+    return a * adjugate[0][0] + b * adjugate[1][0] + c * adjugate[2][0], adjugate
+
+
+def _others(k: int) -> tuple[int, int]:
+    """The two that follow cyclically."""
+    return (k + 1) % 3, (k + 2) % 3
+
+
+def _projected(basis: Sequence[Sequence[Fraction]], vector: Sequence[Fraction]) -> list[Fraction]:
+    """The orthogonal projection of a vector onto the span of at most two vectors."""
+    orthogonal: list[list[Fraction]] = []
+    for one in basis:
+        rest = list(one)
+        for other in orthogonal:
+            part = dot(rest, other) / squared_norm(other)
+            rest = [a - part * b for a, b in zip(rest, other, strict=True)]
+        orthogonal.append(rest)
+    total = [Fraction(0)] * 3
+    for one in orthogonal:
+        part = dot(vector, one) / squared_norm(one)
+        total = [a + part * b for a, b in zip(total, one, strict=True)]
+    return total
+
+
+def _traceless(even: dict[tuple[int, int, int, int], int]) -> list[list[int]]:
+    """6x6, nine times a table symmetric in both pairs, without the traces of both."""
+    left = {
+        (a, b, j, k): 3 * entry - (a == b) * sum([even[i, i, j, k] for i in range(3)])
+        for (a, b, j, k), entry in even.items()
+    }
+    both = {
+        (a, b, j, k): 3 * entry - (j == k) * sum([left[a, b, i, i] for i in range(3)])
+        for (a, b, j, k), entry in left.items()
+    }
+    return [[both[a, b, j, k] for j, k in UPPER] for a, b in UPPER]

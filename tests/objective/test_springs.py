@@ -1,0 +1,120 @@
+"""The objective of springs that are matrices, against sums over the points in fractions."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import product
+
+import numpy as np
+import pytest
+
+from certreg.geometry.constraints import homogeneous
+from certreg.geometry.so3 import quadratic_form, rotation_matrix, squared_norm
+from certreg.objective.isotropic import Isotropic
+from certreg.objective.springs import Springs
+from certreg.problem.moments import exact_moments
+from certreg.problem.moments_of_springs import spring_moments_of
+from certreg.problem.problem import RegistrationProblem
+
+QUATERNIONS = ((1, 0, 0, 0), (2, -1, 3, 5), (0, 1, 1, 0), (-7, 3, 0, 11))
+KINDS = {"plane": 1, "line": 2, "full": 3}
+SIDES = ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2))
+
+
+def factors_of(rng, n, kind):
+    """Lower triangular factors of rank 1, 2, 3: that many columns, the others zero."""
+    factors = rng.normal(size=(n, 6))
+    columns = np.array([column for _, column in SIDES])
+    factors[:, columns >= KINDS[kind]] = 0.0
+    return factors
+
+
+def data(kind, n=7, seed=5, scale=1.0, offset=0.0):
+    rng = np.random.default_rng(seed)
+    source, target = (scale * rng.normal(size=(n, 3)) + offset for _ in range(2))
+    return source, target, factors_of(rng, n, kind)
+
+
+def energy_at(source, target, factors, q, translation):
+    """Sum of |L^T (y - R x - t)|^2 over the points, in fractions."""
+    norm, rows = squared_norm(q), rotation_matrix(q)
+    total = Fraction(0)
+    for x, y, entries in zip(source.tolist(), target.tolist(), factors.tolist(), strict=True):
+        moved = [sum(a * Fraction(b) for a, b in zip(row, x, strict=True)) / norm for row in rows]
+        rest = [Fraction(b) - m - t for b, m, t in zip(y, moved, translation, strict=True)]
+        L = dict(zip(SIDES, map(Fraction, entries), strict=True))
+        for column in range(3):
+            total += sum(L[row, column] * rest[row] for row in range(column, 3)) ** 2
+    return total
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(("scale", "offset"), [(1.0, 0.0), (1e-3, 1e8), (1e150, 0.0)])
+def test_value_form_and_energy_are_the_least_sum_over_the_points_exactly(kind, scale, offset):
+    points = data(kind, scale=scale, offset=offset)
+    springs = Springs(spring_moments_of(*points))
+    for q in QUATERNIONS:
+        norm, best = squared_norm(q), springs.best_translation(q)
+        energy = energy_at(*points, q, best)
+        form = quadratic_form(springs.form(), homogeneous(rotation_matrix(q), unit=norm))
+
+        assert springs.energy(q) == energy
+        assert springs.unit * Fraction(form, norm**2) == energy
+        assert springs.unit * Fraction(springs.value(q), norm**2) == energy
+        for shift in ((1, 0, 0), (0, 1, 0), (1, 2, 3), (-1, -1, 4)):
+            moved = [t + Fraction(scale) * s for t, s in zip(best, shift, strict=True)]
+            more = springs.translation_energy(q, moved)
+            assert more > 0
+            assert energy_at(*points, q, moved) == energy + more
+
+
+def test_a_wall_leaves_two_shifts_and_the_turn_about_its_normal():
+    source, target, _ = data("plane")
+    factors = np.tile([0.0, 0.0, 0.0, 0.0, 0.0, 0.0], (len(source), 1))
+    factors[:, 3] = 2.0  # L = (0, 0, 2)^T
+    springs = Springs(spring_moments_of(source, target, factors))
+
+    assert springs.free_translations == ((1, 0, 0), (0, 1, 0))
+    assert springs.symmetry == ((0, 0, 1, 0, 0, 0),)
+    for q in QUATERNIONS:
+        best = springs.best_translation(q)
+        assert springs.energy(q) == energy_at(source, target, factors, q, best)
+        moved = [best[0] + 1, best[1] - 2, best[2]]
+        assert springs.translation_energy(q, moved) == 0
+
+
+def test_isotropic_springs_have_the_energy_of_their_weights():
+    source, target, _ = data("full")
+    roots = np.arange(1.0, 8.0)
+    factors = np.outer(roots, [1.0, 0.0, 1.0, 0.0, 0.0, 1.0])
+    springs = Springs(spring_moments_of(source, target, factors))
+    isotropic = Isotropic(exact_moments(RegistrationProblem(source, target, weights=roots**2)))
+
+    assert springs.isotropic_like
+    assert not Springs(spring_moments_of(*data("full"))).isotropic_like
+    assert springs.symmetry == ()
+    for q in QUATERNIONS:
+        assert springs.energy(q) == isotropic.energy(q)
+        assert springs.best_translation(q) == isotropic.best_translation(q)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_no_two_energies_are_further_apart_than_the_oscillation(kind):
+    springs = Springs(spring_moments_of(*data(kind, n=20)))
+    energies = [springs.energy(q) for q in product((-2, -1, 0, 1, 2), repeat=4) if any(q)]
+
+    assert max(energies) - min(energies) <= springs.oscillation
+    assert springs.oscillation <= 3 * (max(energies) - min(energies))
+
+
+def test_derivatives_are_those_of_the_value():
+    springs = Springs(spring_moments_of(*data("line")))
+    q = (3, -1, 2, 5)
+    gradient, hessian = springs.gradient(q), springs.hessian(q)
+
+    assert sum(a * b for a, b in zip(gradient, q, strict=True)) == 4 * springs.value(q)
+    for k in range(4):
+        image = sum(a * b for a, b in zip(hessian[k], q, strict=True))
+        assert image == 3 * gradient[k]
+        by = [Fraction(a) + (i == k) * Fraction(1, 1 << 400) for i, a in enumerate(q)]
+        assert abs((springs.value(by) - springs.value(q)) * 2**400 / gradient[k] - 1) < 2**-300
