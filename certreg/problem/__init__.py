@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from certreg.problem.arrays import mapped_file as mapped_file
     from certreg.problem.arrays import real_numbers as real_numbers
     from certreg.problem.arrays import row_blocks as row_blocks
+    from certreg.problem.blocks import Block as Block
+    from certreg.problem.blocks import SpringBlock as SpringBlock
+    from certreg.problem.blocks import contiguous as contiguous
+    from certreg.problem.blocks import first_row as first_row
     from certreg.problem.exact_sums import FACTORS as FACTORS
     from certreg.problem.exact_sums import UPPER as UPPER
     from certreg.problem.exact_sums import second_method as second_method
@@ -34,12 +38,9 @@ if TYPE_CHECKING:
     from certreg.problem.problem import DEFAULT_DAMPING as DEFAULT_DAMPING
     from certreg.problem.problem import MAX_DAMPING as MAX_DAMPING
     from certreg.problem.problem import MIN_DAMPING as MIN_DAMPING
-    from certreg.problem.problem import Block as Block
     from certreg.problem.problem import RegistrationProblem as RegistrationProblem
     from certreg.problem.problem import checked_damping as checked_damping
     from certreg.problem.problem import checked_threads as checked_threads
-    from certreg.problem.problem import contiguous as contiguous
-    from certreg.problem.problem import first_row as first_row
     from certreg.problem.problem import lift as lift
     from certreg.problem.random_instances import PAPER_DAMPING as PAPER_DAMPING
     from certreg.problem.random_instances import PAPER_POINTS as PAPER_POINTS
@@ -50,6 +51,8 @@ if TYPE_CHECKING:
     from certreg.problem.row_labels import RowLabels as RowLabels
     from certreg.problem.row_labels import labels_of as labels_of
     from certreg.problem.row_labels import require_same_labels as require_same_labels
+    from certreg.problem.springs import SPRINGS_PREFIX as SPRINGS_PREFIX
+    from certreg.problem.springs import SpringSummary as SpringSummary
 
 __getattr__ = lazy_face(
     __name__,
@@ -62,6 +65,12 @@ __getattr__ = lazy_face(
             "mapped_file",
             "real_numbers",
             "row_blocks",
+        ),
+        "blocks": (
+            "Block",
+            "SpringBlock",
+            "contiguous",
+            "first_row",
         ),
         "exact_sums": (
             "FACTORS",
@@ -89,15 +98,12 @@ __getattr__ = lazy_face(
             "floating_pose",
         ),
         "problem": (
-            "Block",
             "DEFAULT_DAMPING",
             "MAX_DAMPING",
             "MIN_DAMPING",
             "RegistrationProblem",
             "checked_damping",
             "checked_threads",
-            "contiguous",
-            "first_row",
             "lift",
         ),
         "random_instances": (
@@ -112,6 +118,10 @@ __getattr__ = lazy_face(
             "RowLabels",
             "labels_of",
             "require_same_labels",
+        ),
+        "springs": (
+            "SPRINGS_PREFIX",
+            "SpringSummary",
         ),
     },
 )

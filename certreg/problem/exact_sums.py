@@ -33,7 +33,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.native import FixedSums, Library
-    from certreg.problem.problem import Block, RegistrationProblem
+    from certreg.problem.blocks import Block
+    from certreg.problem.problem import RegistrationProblem
 
 FIXED_POINTS = 512  # from here on fixed point: below, its own set-up takes longer
 FEW_POINTS = 16  # below, Python's own integers take no longer than a call of compiled code

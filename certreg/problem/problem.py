@@ -16,24 +16,25 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.errors import InvalidProblemError
-from certreg.exact import weight_of_sigma
-from certreg.problem.arrays import (
-    cloud_array,
-    finite_doubles,
-    mapped_file,
-    real_numbers,
-    row_blocks,
-)
+from certreg.problem.arrays import cloud_array, finite_doubles, mapped_file, row_blocks
+from certreg.problem.blocks import CHANGED, Block, SpringBlock, contiguous
 from certreg.problem.row_labels import require_same_labels
+from certreg.problem.springs import SPRINGS_PREFIX, GivenSprings, spring_factors, summary_of
+from certreg.problem.weighing import given_sigma, given_weights, masses
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
     from numpy.typing import ArrayLike, NDArray
 
-CHANGED = "the file of a mapped array was changed while it was read: state the problem anew"
+    from certreg.problem.springs import SpringSummary
+
 DIGEST_PREFIX = b"certreg-problem/1\0"
+NO_WEIGHTS = (
+    "this problem has general springs, a matrix for every pair and not a weight: what was asked is "
+    "for weights only"
+)
 MANTISSA_BITS = 53
 FEW = 32  # numbers that are lifted faster one by one than by twenty calls of NumPy
 DEFAULT_DAMPING = math.sqrt(8.0)  # critical damping of every mode of noise-free data: 2 sqrt(2)
@@ -61,6 +62,11 @@ class RegistrationProblem(Brief):
         is the double nearest to 1/sigma^2.
     weights
         Instead of sigma, (N,) or a scalar, >= 0, not all zero.
+    normals
+        (N, 3), of the target's surface at its points, in the target's frame: point-to-plane.
+    factors
+        (N, 6), a spring matrix W = L L^T for every pair, in the target's frame: l11, l21, l22, l31,
+        l32, l33 of a lower triangular L. `sigma` divides L, and `weights` count by their roots.
     damping
         Viscous damping per mass, mu > 0, per time unit of the virtual springs; where none is given
         sqrt(8), but `certify` takes the one of the fastest decay.
@@ -78,19 +84,23 @@ class RegistrationProblem(Brief):
 
     source: NDArray[np.float64]
     target: NDArray[np.float64]
-    weights: NDArray[np.float64]
+    factors: NDArray[np.float64] | None  # (N, 6), of general springs; None where there are weights
+    springs: SpringSummary | None  # of general springs
     damping: float
     noise_given: bool  # whether sigma was given: weights alone may be relative
     damping_given: bool
+    _weights: NDArray[np.float64] | None
     _digest: list[str]  # once it was asked for; of arrays in memory, which nobody changes
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - each kind of springs has a name of its own, a published contract
         self,
         source: Any,
         target: Any,
         *,
         sigma: ArrayLike | None = None,
         weights: ArrayLike | None = None,
+        normals: Any = None,
+        factors: Any = None,
         damping: float | None = None,
     ) -> None:
         if sigma is not None and weights is not None:
@@ -105,16 +115,18 @@ class RegistrationProblem(Brief):
                 "row i with row i, so both need the same number"
             )
             raise InvalidProblemError(message, array="target", value=len(target_points), limit=n)
-        require_same_labels(source, target=target, sigma=sigma, weights=weights)
-        masses = _weights_from_sigma(sigma, n) if sigma is not None else _given_weights(weights, n)
+        given = GivenSprings(normals=normals, factors=factors)
+        require_same_labels(source, target=target, sigma=sigma, weights=weights, **given.rows)
+        general = bool(given.rows)
         for name, value in (
             ("source", source_points),
             ("target", target_points),
-            ("weights", masses),
+            ("_weights", None if general else masses(sigma, weights, n)),
+            ("factors", _factors(given, sigma, weights, n) if general else None),
         ):
-            read_only = value.view()
-            read_only.flags.writeable = False
-            object.__setattr__(self, name, read_only)
+            object.__setattr__(self, name, None if value is None else _read_only(value))
+        springs = None if self.factors is None else summary_of(self.factors)
+        object.__setattr__(self, "springs", springs)
         chosen = DEFAULT_DAMPING if damping is None else damping
         object.__setattr__(self, "damping", checked_damping(chosen))
         object.__setattr__(self, "damping_given", damping is not None)
@@ -123,7 +135,8 @@ class RegistrationProblem(Brief):
 
     def __repr__(self) -> str:
         noise = ", sigma given" if self.noise_given else ""
-        return f"<RegistrationProblem: n={self.n}{noise}>"
+        springs = "" if self.springs is None else f", springs: {self.springs.kind}"
+        return f"<RegistrationProblem: n={self.n}{springs}{noise}>"
 
     def damped(self, damping: float) -> RegistrationProblem:
         """The same problem with another damping.
@@ -154,10 +167,19 @@ class RegistrationProblem(Brief):
         return len(self.source)
 
     @property
+    def weights(self) -> NDArray[np.float64]:
+        """(N,), one weight for each pair.
+
+        Raises InvalidProblemError where there are general springs: nobody takes them for weights.
+        """
+        if self._weights is None:
+            raise InvalidProblemError(NO_WEIGHTS, array="weights")
+        return self._weights
+
+    @property
     def mapped(self) -> bool:
         """Whether a part of the problem stays in a file, which somebody else could change."""
-        arrays = (self.source, self.target, self.weights)
-        return any(mapped_file(array) is not None for array in arrays)
+        return any(mapped_file(array) is not None for _, array in self._stated())
 
     @property
     def equally_weighted(self) -> bool:
@@ -194,6 +216,33 @@ class RegistrationProblem(Brief):
             weights=weights,
         )
 
+    def spring_block(self, rows: slice) -> SpringBlock:
+        """Some of the points of general springs in doubles, contiguous.
+
+        Parameters
+        ----------
+        rows
+            Of the points.
+
+        Returns
+        -------
+        SpringBlock
+            Source, target and factors of these rows.
+
+        Raises
+        ------
+        InvalidProblemError
+            For a problem with weights; where a file holds no proper points any more.
+        """
+        if self.factors is None:
+            message = "this problem has one weight for each pair, not general springs"
+            raise InvalidProblemError(message, array="factors")
+        return SpringBlock(
+            source=contiguous(self.source, rows, "source"),
+            target=contiguous(self.target, rows, "target"),
+            factors=contiguous(self.factors, rows, "factors"),
+        )
+
     def data_bytes(self) -> bytes:
         """The bytes that state the problem: prefix, n (u64), then all doubles, little-endian."""
         return b"".join(self._pieces())
@@ -211,45 +260,18 @@ class RegistrationProblem(Brief):
 
     def _pieces(self) -> Iterator[bytes | memoryview]:
         """What `data_bytes` holds, piece by piece."""
-        yield DIGEST_PREFIX + self.n.to_bytes(8, "little")
-        for name in ("source", "target", "weights"):
-            array = getattr(self, name)
+        prefix = DIGEST_PREFIX if self.factors is None else SPRINGS_PREFIX
+        yield prefix + self.n.to_bytes(8, "little")
+        for name, array in self._stated():
             for rows in row_blocks(len(array)):
                 yield contiguous(array, rows, name).astype("<f8", copy=False).data
 
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Block(Brief):
-    """Some of the points of a problem: source (k, 3), target (k, 3), weights (k,), contiguous."""
-
-    source: NDArray[np.float64]
-    target: NDArray[np.float64]
-    weights: NDArray[np.float64]
-
-    def part(self, rows: slice) -> Block:
-        """Some of these points."""
-        return Block(source=self.source[rows], target=self.target[rows], weights=self.weights[rows])
-
-
-def contiguous(
-    array: NDArray[np.float64], rows: slice, name: str | None = None
-) -> NDArray[np.float64]:
-    """Rows of an array of a problem as contiguous doubles, -0.0 as 0.0; `name` is for errors.
-
-    A copy where the array is mapped from a file. Raises InvalidProblemError where the file holds a
-    number that is not finite: it did not, once.
-    """
-    if mapped_file(array) is None:
-        return np.ascontiguousarray(array[rows])
-    copied = array[rows].astype(np.float64, order="C")
-    copied += 0.0  # -0.0 + 0.0 is 0.0: one point, one digest
-    finite = np.isfinite(copied)
-    if not finite.all():
-        row = rows.start + int(np.argwhere(~finite)[0][0])
-        raise InvalidProblemError(
-            CHANGED, array=name, row=row, value=copied[row - rows.start].tolist()
-        )
-    return copied
+    def _stated(self) -> list[tuple[str, NDArray[np.float64]]]:
+        """The arrays that state the problem, in the order of its digest, by name."""
+        arrays = (self.source, self.target, self._weights, self.factors)
+        names = ("source", "target", "weights", "factors")
+        pairs = zip(names, arrays, strict=True)
+        return [(name, array) for name, array in pairs if array is not None]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -321,60 +343,16 @@ def checked_threads(threads: Any) -> int:
     return count
 
 
-def _per_point(values: ArrayLike, name: str, n: int) -> NDArray[np.float64]:
-    """(n,) finite doubles, or (1,) that stands for all."""
-    array = real_numbers(values, name)
-    if array.ndim == 0:
-        return finite_doubles(array.reshape(1), name)
-    if array.shape != (n,):
-        message = f"{name} has shape {array.shape}: expected one number, or ({n},), one per point"
-        raise InvalidProblemError(message, array=name, value=array.shape, limit=(n,))
-    return finite_doubles(array, name)
+def _read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:
+    view = array.view()
+    view.flags.writeable = False
+    return view
 
 
-def first_row(
-    array: NDArray[np.float64], wrong: Callable[[NDArray[np.float64]], NDArray[np.bool_]]
-) -> int | None:
-    """The first row where something is wrong, None if nowhere."""
-    for rows in row_blocks(len(array)):
-        faults = wrong(contiguous(array, rows))
-        if faults.any():
-            return rows.start + int(np.argmax(faults))
-    return None
-
-
-def _given_weights(weights: ArrayLike | None, n: int) -> NDArray[np.float64]:
-    """(n,) weights >= 0, not all zero; equal ones take the place of one."""
-    array = np.ones(1) if weights is None else _per_point(weights, "weights", n)
-    row = first_row(array, lambda block: block < 0)
-    if row is not None:
-        message = f"weights[{row}] is {array[row]}: weights must be >= 0"
-        value = float(array[row])
-        raise InvalidProblemError(message, array="weights", row=row, value=value, limit=0.0)
-    if first_row(array, lambda block: block > 0) is None:
-        message = "all weights are zero: no correspondence counts, so every pose is as good"
-        raise InvalidProblemError(message, array="weights", value=0.0)
-    return np.broadcast_to(array, (n,))
-
-
-def _weights_from_sigma(sigma: ArrayLike, n: int) -> NDArray[np.float64]:
-    """(n,) weights in memory, even if the sigmas are mapped; equal ones take the place of one."""
-    array = _per_point(sigma, "sigma", n)
-    row = first_row(array, lambda block: block <= 0)
-    if row is not None:
-        place = "sigma" if np.ndim(sigma) == 0 else f"sigma[{row}]"
-        message = f"{place} is {array[row]}: a standard deviation must be > 0"
-        named = None if np.ndim(sigma) == 0 else row
-        value = float(array[row])
-        raise InvalidProblemError(message, array="sigma", row=named, value=value, limit=0.0)
-    distinct, inverse = np.unique(array, return_inverse=True)
-    weights = np.empty(len(distinct))
-    for i, value in enumerate(distinct.astype(float).tolist()):
-        weights[i] = weight_of_sigma(value)
-        if not 0.0 < weights[i] < math.inf:
-            message = (
-                f"sigma = {value!r} gives the weight 1/sigma^2 = {weights[i]}, outside the "
-                "doubles: change the unit of length, of clouds and sigma alike"
-            )
-            raise InvalidProblemError(message, array="sigma", value=value)
-    return np.broadcast_to(weights[inverse], (n,))
+def _factors(
+    given: GivenSprings, sigma: ArrayLike | None, weights: ArrayLike | None, n: int
+) -> NDArray[np.float64]:
+    """(n, 6): the factors of general springs over sigma, or times the roots of the weights."""
+    over = None if sigma is None else given_sigma(sigma, n)
+    times = None if weights is None else given_weights(weights, n)
+    return spring_factors(given, n, sigma=over, weights=times)

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from certreg.errors import InvalidProblemError
+from certreg.exact import weight_of_sigma
 from certreg.problem import arrays as stating
 from certreg.problem.problem import (
     DIGEST_PREFIX,
@@ -18,7 +19,6 @@ from certreg.problem.problem import (
     Lifted,
     RegistrationProblem,
     lift,
-    weight_of_sigma,
 )
 
 CLOUD = [[0.0, 0, 0], [1, 0, 0], [0, 2, 0]]
