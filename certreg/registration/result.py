@@ -15,6 +15,7 @@ from certreg.equilibrium import by_eigenspaces
 from certreg.exact import nearest_double, power_of_two
 from certreg.problem import lift, row_blocks
 from certreg.registration.ambiguity import equilibria_at
+from certreg.registration.any_registration import AnyRegistration
 from certreg.registration.covariance import pose_covariance, residual_distances
 from certreg.registration.fit import fit_of
 from certreg.registration.row_names import RowNames
@@ -26,16 +27,12 @@ from certreg.results import (
     Optimality,
     Presented,
     present,
-    presenter,
 )
 
 if TYPE_CHECKING:
-    import os
-    from pathlib import Path
-
     from numpy.typing import NDArray
 
-    from certreg.certificate import Certificate, IsotropicBody, PoseBounds
+    from certreg.certificate import Certificate, IsotropicBody
     from certreg.equilibrium import EquilibriumSet
     from certreg.geometry import Pose
     from certreg.objective import Isotropic
@@ -44,7 +41,6 @@ if TYPE_CHECKING:
     from certreg.registration.covariance import PoseCovariance
     from certreg.registration.fit import Fit
     from certreg.relaxation import Relaxation
-    from certreg.results import Limits, Verdict
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -163,7 +159,7 @@ class SimulatedRegistration(Brief):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Registration(Explained, Presented):
+class Registration(AnyRegistration):
     """The result of `certify`: a solution and what the checker has accepted of it.
 
     Attributes
@@ -186,20 +182,9 @@ class Registration(Explained, Presented):
         Why an attribute is None, by its name.
     """
 
-    problem: RegistrationProblem
     solution: Solution
-    objective: float | None
-    rmse: float | None
-    bounds: PoseBounds | None
-    limits: Limits
-    verdict: Verdict | None
-    timings: dict[str, float]
 
-    def __repr__(self) -> str:
-        rmse = "beyond doubles" if self.rmse is None else f"{self.rmse:.6g}"
-        codes = ", ".join(code.value for code in self.fit.codes)
-        warned = f"; the fit: {codes}" if codes else ""
-        return f"<Registration: {self.status.value}; n={self.problem.n}, rmse={rmse}{warned}>"
+    __repr__ = AnyRegistration.__repr__
 
     @property
     def pose(self) -> Pose:
@@ -217,11 +202,16 @@ class Registration(Explained, Presented):
         return self.solution.certificate
 
     @property
+    def unique(self) -> bool:
+        """Whether there is one optimal pose: of one weight per pair that is always decided."""
+        return self.solution.objective.classification.unique
+
+    @property
     def status(self) -> Optimality:
         """What is proved of the pose; never more than the checker has accepted."""
         if self.verdict is None or not self.verdict.proved or self.bounds is None:
             return Optimality.NOT_CERTIFIED
-        unique = self.solution.objective.classification.unique
+        unique = self.unique
         if not self.bounds.meet(self.limits, unique=unique):
             return Optimality.BOUNDED
         return Optimality.CERTIFIED if unique else Optimality.CERTIFIED_NOT_UNIQUE
@@ -259,66 +249,6 @@ class Registration(Explained, Presented):
         problem, pose = self.problem, self.pose
         blocks = (problem.block(rows) for rows in row_blocks(problem.n))
         return np.concatenate([residual_distances(block, pose) for block in blocks])
-
-    def report(self, path: str | os.PathLike[str]) -> Path:
-        """Write one HTML file that shows the registration and its proof, offline.
-
-        Parameters
-        ----------
-        path
-            Of the file; it is written whole or not at all.
-
-        Returns
-        -------
-        Path
-            Of the file.
-
-        Raises
-        ------
-        InvalidFileError
-            Where there is no certificate, or the file cannot be written.
-        """
-        return presenter().report(self, path)
-
-    def save(self, folder: str | os.PathLike[str]) -> Path | None:
-        """Write what `certify --out` writes.
-
-        Parameters
-        ----------
-        folder
-            Made if it is missing.
-
-        Returns
-        -------
-        Path | None
-            Of the certificate; None where there is none.
-
-        Raises
-        ------
-        InvalidFileError
-            Where the files cannot be written.
-        """
-        return presenter().save(self, folder)
-
-    def plot(self, axes: Any = None) -> Any:
-        """The clouds at the pose, drawn by Matplotlib.
-
-        Parameters
-        ----------
-        axes
-            To draw into, of a flat projection; None for a figure of its own.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-            What was drawn into.
-
-        Raises
-        ------
-        MissingToolError
-            Without Matplotlib.
-        """
-        return presenter().plot(self, axes)
 
 
 def exact_energy_unit(moments: ExactMoments, trajectory: Trajectory | Absent) -> Fraction:
