@@ -23,11 +23,17 @@ if TYPE_CHECKING:
     from certreg.equilibrium.methods import compare as compare
     from certreg.equilibrium.methods import method_named as method_named
     from certreg.equilibrium.methods import search as search
+    from certreg.equilibrium.paths import CriticalLines as CriticalLines
+    from certreg.equilibrium.paths import PathsOutcome as PathsOutcome
+    from certreg.equilibrium.paths import critical_lines as critical_lines
     from certreg.equilibrium.presentation import Component as Component
     from certreg.equilibrium.presentation import EquilibriumSet as EquilibriumSet
     from certreg.equilibrium.presentation import equilibrium_set as equilibrium_set
     from certreg.equilibrium.presentation import rotation_double as rotation_double
     from certreg.equilibrium.presentation import unit_double as unit_double
+    from certreg.equilibrium.quartics import Descent as Descent
+    from certreg.equilibrium.quartics import FloatingQuartic as FloatingQuartic
+    from certreg.equilibrium.quartics import descended as descended
     from certreg.equilibrium.spectral import by_eigenspaces as by_eigenspaces
     from certreg.equilibrium.stability import TRANSLATION_STIFFNESS as TRANSLATION_STIFFNESS
 
@@ -56,12 +62,22 @@ __getattr__ = lazy_face(
             "method_named",
             "search",
         ),
+        "paths": (
+            "CriticalLines",
+            "PathsOutcome",
+            "critical_lines",
+        ),
         "presentation": (
             "Component",
             "EquilibriumSet",
             "equilibrium_set",
             "rotation_double",
             "unit_double",
+        ),
+        "quartics": (
+            "Descent",
+            "FloatingQuartic",
+            "descended",
         ),
         "spectral": ("by_eigenspaces",),
         "stability": ("TRANSLATION_STIFFNESS",),

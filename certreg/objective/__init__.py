@@ -10,8 +10,16 @@ if TYPE_CHECKING:
     from certreg.objective.classification import Classification as Classification
     from certreg.objective.classification import Pattern as Pattern
     from certreg.objective.isotropic import Isotropic as Isotropic
+    from certreg.objective.levelling import Levelled as Levelled
+    from certreg.objective.levelling import LevelledExactly as LevelledExactly
+    from certreg.objective.levelling import levelled as levelled
+    from certreg.objective.levelling import levelled_exactly as levelled_exactly
+    from certreg.objective.levelling import norm_fourth as norm_fourth
     from certreg.objective.objective import Objective as Objective
     from certreg.objective.polynomials import PolynomialSystem as PolynomialSystem
+    from certreg.objective.quartics import MONOMIALS as MONOMIALS
+    from certreg.objective.quartics import PAIR_PLACE as PAIR_PLACE
+    from certreg.objective.quartics import PAIRS as PAIRS
     from certreg.objective.springs import Springs as Springs
 
 __getattr__ = lazy_face(
@@ -22,8 +30,20 @@ __getattr__ = lazy_face(
             "Pattern",
         ),
         "isotropic": ("Isotropic",),
+        "levelling": (
+            "Levelled",
+            "LevelledExactly",
+            "levelled",
+            "levelled_exactly",
+            "norm_fourth",
+        ),
         "objective": ("Objective",),
         "polynomials": ("PolynomialSystem",),
+        "quartics": (
+            "MONOMIALS",
+            "PAIRS",
+            "PAIR_PLACE",
+        ),
         "springs": ("Springs",),
     },
 )

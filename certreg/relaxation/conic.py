@@ -95,7 +95,7 @@ def solve(form: Form, C: NDArray[np.float64]) -> ConicSolution:
     """
     try:
         compiled = _compiled(form)
-        answer = _call(compiled, compiled.cost @ C.ravel())
+        answer = called(compiled, compiled.cost @ C.ravel())
     except MissingToolError as error:
         return ConicSolution(status=RelaxationStatus.UNAVAILABLE, said=str(error))
     said = str(answer.status)
@@ -107,24 +107,27 @@ def solve(form: Form, C: NDArray[np.float64]) -> ConicSolution:
         said=said,
         value=-answer.obj_val,
         multiplier=answer.z[0],
-        matrix=_matrix(np.array(answer.s[compiled.equalities :]), compiled.size),
+        matrix=matrix_of(np.array(answer.s[compiled.equalities :]), compiled.size),
     )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Compiled:
-    """Minimise (cost C) x subject to rows x + s = right, s = 0 first, then s a matrix >= 0."""
+class Cones:
+    """Minimise (cost p) x subject to rows x + s = right, s = 0 first, then s a matrix >= 0.
+
+    p: what the program depends on, the nine entries of C or the coefficients of a quartic.
+    """
 
     size: int
     equalities: int
     rows: Any
     right: NDArray[np.float64]
-    cost: NDArray[np.float64]  # (variables, 9)
+    cost: NDArray[np.float64]  # (variables, parameters)
     curvature: Any  # the program is linear: a sparse zero
 
 
 @cache
-def _compiled(form: Form) -> _Compiled:
+def _compiled(form: Form) -> Cones:
     """The unknowns are Z's upper triangle by rows; the cone's are the same by columns.
 
     There, entries off the diagonal are times sqrt(2): so Clarabel keeps the inner product.
@@ -144,7 +147,7 @@ def _compiled(form: Form) -> _Compiled:
     cone[column * (column + 1) // 2 + row, np.arange(len(times))] = -np.sqrt(times)
     right = np.zeros(len(equalities) + len(cone))
     right[0] = 1.0
-    return _Compiled(
+    return Cones(
         size=program.size,
         equalities=len(equalities),
         rows=csc_matrix(np.vstack([equalities, cone])),
@@ -154,7 +157,8 @@ def _compiled(form: Form) -> _Compiled:
     )
 
 
-def _call(compiled: _Compiled, cost: NDArray[np.float64]) -> Any:
+def called(compiled: Cones, cost: NDArray[np.float64]) -> Any:
+    """What Clarabel returns. Raises MissingToolError where it is not installed."""
     solver = library("clarabel", NEED)
     options = solver.DefaultSettings()
     options.verbose = False
@@ -166,7 +170,7 @@ def _call(compiled: _Compiled, cost: NDArray[np.float64]) -> Any:
     return solver.DefaultSolver(*data).solve()
 
 
-def _matrix(triangle: NDArray[np.float64], size: int) -> NDArray[np.float64]:
+def matrix_of(triangle: NDArray[np.float64], size: int) -> NDArray[np.float64]:
     """The symmetric matrix of Clarabel's upper triangle by columns, sqrt(2) off the diagonal."""
     places, over = _places(size)
     return triangle[places] / over

@@ -66,22 +66,9 @@ def solve_stated(form: Form, C: NDArray[np.float64], solver: str) -> ConicSoluti
 
     Raises MissingToolError where CVXPY is not installed, or finds no solver of the name.
     """
-    modelling = library("cvxpy", WHO)
-    found: list[str] = modelling.installed_solvers()
-    if solver.upper() not in found:
-        message = f"CVXPY finds no solver {solver!r}: it finds {', '.join(found)}"
-        raise MissingToolError(message, tool=solver)
     program = statement(form)
     program.cross_covariance.value = C
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of answers that are rough: their status says so
-            program.problem.solve(solver=solver.upper(), **OPTIONS.get(solver.upper(), {}))
-    except (modelling.error.SolverError, ValueError) as error:  # it may not know semidefinite cones
-        words = " ".join(str(error).split())
-        return ConicSolution(status=RelaxationStatus.FAILED, said=words)
-    said = str(program.problem.status)
-    status = status_of(said, solved="optimal", inaccurate="optimal_inaccurate")
+    status, said = outcome(program.problem, solver)
     if status is RelaxationStatus.FAILED:
         return ConicSolution(status=status, said=said)
     return ConicSolution(
@@ -91,6 +78,26 @@ def solve_stated(form: Form, C: NDArray[np.float64], solver: str) -> ConicSoluti
         multiplier=float(program.problem.constraints[0].dual_value),
         matrix=np.array(program.solution.value),
     )
+
+
+def outcome(problem: Any, solver: str) -> tuple[RelaxationStatus, str]:
+    """What a solver made of a problem whose parameters are set, and its own word.
+
+    Raises MissingToolError where CVXPY finds no solver of the name.
+    """
+    modelling = library("cvxpy", WHO)
+    found: list[str] = modelling.installed_solvers()
+    if solver.upper() not in found:
+        message = f"CVXPY finds no solver {solver!r}: it finds {', '.join(found)}"
+        raise MissingToolError(message, tool=solver)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of answers that are rough: their status says so
+            problem.solve(solver=solver.upper(), **OPTIONS.get(solver.upper(), {}))
+    except (modelling.error.SolverError, ValueError) as error:  # it may not know semidefinite cones
+        return RelaxationStatus.FAILED, " ".join(str(error).split())
+    said = str(problem.status)
+    return status_of(said, solved="optimal", inaccurate="optimal_inaccurate"), said
 
 
 def stated_name(solver: str) -> str:

@@ -1,0 +1,130 @@
+"""The rotation of least energy of general springs, in floating point: a proposal.
+
+The relaxation is asked first: where it is tight, its rotation is the optimum. Elsewhere, as with
+the several exact optima of six planes, all 40 critical lines are tracked, and from each end a
+descent begins; the best local minimum is the answer. Only a certificate says what it is worth.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from certreg.equilibrium import FloatingQuartic, critical_lines, descended
+from certreg.finding.refining import POSE_BITS, refined
+from certreg.geometry import squared_norm
+from certreg.objective import levelled_exactly
+from certreg.relaxation import RelaxationStatus, relax_quartic
+from certreg.results import Brief
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from certreg.equilibrium import CriticalLines
+    from certreg.exact import IntegerQuaternion
+    from certreg.objective import LevelledExactly, Springs
+    from certreg.relaxation import QuarticRelaxation
+
+    Reals = NDArray[np.float64]
+
+TIGHT = 1e-6  # of the largest coefficient: value of the rotation less that of the relaxation
+SAME_MINIMUM = 1e-5  # sine between quaternions: a descent is right to 1e-7 where curvature is weak
+TIGHT_WORDS = "The relaxation is tight: it found one rotation whose energy is its own value."
+CONSTANT_WORDS = "The energy is the same at every rotation: there is nothing to find."
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Found(Brief):
+    """What was found of the optimum.
+
+    quaternion: of the best local minimum, its length near 2^96, right to about 2^-96 where the
+        Hessian is not singular.
+    minima: the local minima that were met, the best first: all there are if `lines` says FOUND.
+        Of a continuum some members. Where the relaxation is tight the optimum alone.
+    relaxation: of the levelled quartic `levelled.rest`; value and Gram matrix are in its units.
+    lines: the critical lines; None where the relaxation was enough.
+    words: how it was found.
+    """
+
+    quaternion: IntegerQuaternion
+    minima: tuple[IntegerQuaternion, ...]
+    levelled: LevelledExactly
+    relaxation: QuarticRelaxation
+    lines: CriticalLines | None
+    words: str
+
+
+def find_optimum(objective: Springs, solver: str | None = None) -> Found:
+    """The best rotation that is found, and how.
+
+    solver: as in `relax_quartic`.
+    """
+    return optimum_of(objective.quartic, solver)
+
+
+def optimum_of(quartic: Sequence[int], solver: str | None = None) -> Found:
+    """The best minimum that is found of a quartic of 35 integer coefficients, and how."""
+    levelled = levelled_exactly(quartic)
+    relaxation = relax_quartic(levelled.rest, solver)
+    start = relaxation.quaternion_wxyz
+    if levelled.is_constant:
+        identity = (1 << POSE_BITS, 0, 0, 0)
+        return _found((identity,), levelled, relaxation, None, CONSTANT_WORDS)
+    form = FloatingQuartic.of(levelled.rest)
+    if start is not None and _is_tight(form, relaxation, start):
+        optimum = refined(levelled, descended(form, start[np.newaxis]).points[0].tolist())
+        return _found((optimum,), levelled, relaxation, None, TIGHT_WORDS)
+    lines = critical_lines(levelled.rest)
+    starts = [*lines.points.real, *([] if start is None else [start])]
+    minima = _minima(levelled, form, np.array(starts))
+    several = f"the best of {len(minima)} local minima" if len(minima) > 1 else "one local minimum"
+    return _found(
+        minima, levelled, relaxation, lines, f"{lines.outcome.value} They led to {several}."
+    )
+
+
+def _found(
+    minima: tuple[IntegerQuaternion, ...],
+    levelled: LevelledExactly,
+    relaxation: QuarticRelaxation,
+    lines: CriticalLines | None,
+    words: str,
+) -> Found:
+    return Found(
+        quaternion=minima[0],
+        minima=minima,
+        levelled=levelled,
+        relaxation=relaxation,
+        lines=lines,
+        words=words,
+    )
+
+
+def _is_tight(form: FloatingQuartic, relaxation: QuarticRelaxation, start: Reals) -> bool:
+    """Whether the relaxation found one rotation, with the energy that it says is the least."""
+    if relaxation.status is not RelaxationStatus.SOLVED or relaxation.rank != 1:
+        return False
+    value = form.values(start[np.newaxis])[0]
+    return relaxation.value is not None and bool(value - relaxation.value <= TIGHT)
+
+
+def _minima(
+    levelled: LevelledExactly, form: FloatingQuartic, starts: Reals
+) -> tuple[IntegerQuaternion, ...]:
+    """The different local minima below the starts, the best first by their exact energies."""
+    ends = descended(form, starts)
+    apart: list[Reals] = []
+    for q in ends.points[np.argsort(ends.values, kind="stable")]:
+        if all(np.linalg.norm(q - (p @ q) * p) > SAME_MINIMUM for p in apart):
+            apart.append(q)
+    minima = [refined(levelled, q.tolist()) for q in apart]
+    return tuple(sorted(minima, key=lambda q: _exact_value(levelled, q)))
+
+
+def _exact_value(levelled: LevelledExactly, q: IntegerQuaternion) -> Fraction:
+    return Fraction(levelled.value(q), squared_norm(q) ** 2)

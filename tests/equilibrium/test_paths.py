@@ -1,0 +1,121 @@
+"""The 40 paths: all critical lines of a quartic, told apart, and what became of each path."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+import pytest
+
+from certreg.equilibrium import paths
+from certreg.equilibrium.paths import LINES, PathsOutcome, critical_lines
+from certreg.equilibrium.quartics import FloatingQuartic, descended
+from certreg.equilibrium.tracking import REGULAR, PathStatus, TrackerSettings
+from certreg.objective.levelling import levelled, levelled_exactly, norm_fourth
+from certreg.objective.quartics import MONOMIALS, gradient, hessian, value
+
+
+def random_quartic(seed):
+    return np.random.default_rng(seed).normal(size=len(MONOMIALS))
+
+
+def diagonal(a):
+    """The sum of a_i q_i^4."""
+    quartic = np.zeros(len(MONOMIALS))
+    quartic[[MONOMIALS.index((i,) * 4) for i in range(4)]] = a
+    return quartic
+
+
+@functools.cache
+def random_lines(seed):
+    return critical_lines(random_quartic(seed))
+
+
+def test_derivatives_in_doubles_are_those_of_the_polynomial():
+    quartic, q = random_quartic(0), np.random.default_rng(1).normal(size=(3, 4))
+    form = FloatingQuartic.of(quartic)
+    for row, found, second in zip(q, form.values(q), form.hessians(q), strict=True):
+        assert found == pytest.approx(value(quartic.tolist(), row), rel=1e-13)
+        assert second == pytest.approx(
+            np.array(hessian(quartic.tolist(), row)), rel=1e-12, abs=1e-12
+        )
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_every_end_is_a_critical_line_and_real_ones_obey_the_count_of_morse(seed):
+    found = random_lines(seed)
+    form = FloatingQuartic.of(random_quartic(seed))
+    assert found.outcome is PathsOutcome.FOUND
+    for q in found.points:
+        slope = np.array(gradient(random_quartic(seed).tolist(), q))
+        assert np.abs(slope - (q.conj() @ slope) * q).max() < 1e-10  # q is of norm 1
+    indices = (form.curvatures(found.quaternions)[2] @ np.eye(3)).copy()
+    signs = np.sign(np.linalg.det(indices))
+    assert len(found.quaternions) >= 4
+    assert signs.sum() == 0  # the Euler characteristic of the rotations
+    assert np.all(np.diff(form.values(found.quaternions)) >= 0)
+
+
+def test_the_known_lines_are_found_again_40_real_ones_and_8_minima():
+    """Of sum a_i q_i^4 with a > 0 the lines of full support are the minima."""
+    quartic = diagonal((1.0, 0.9, 0.7, 0.6))
+    found = critical_lines(quartic)
+    form = FloatingQuartic.of(quartic)
+    curvatures = np.linalg.eigvalsh(form.curvatures(found.quaternions)[2])
+
+    assert (found.outcome, len(found.quaternions)) == (PathsOutcome.FOUND, LINES)
+    assert (curvatures[:, 0] > 0).sum() == 8
+
+
+def test_lines_do_not_change_with_scale_and_level():
+    there = critical_lines(1e90 * random_quartic(1) + 3e92 * norm_fourth()).quaternions
+
+    assert there == pytest.approx(random_lines(1).quaternions, abs=1e-9)
+
+
+def test_a_continuum_is_told():
+    """q^T K q |q|^2: every isotropic q is critical, too."""
+    found = critical_lines(diagonal((1.0, 1.0, 1.0, 1.0)))  # 8 of the 16 have company
+
+    assert found.outcome is PathsOutcome.FOUND  # the start itself: a = 1 is regular
+    isotropic = critical_lines(np.multiply(norm_fourth(), np.arange(35) % 7 - 3))
+    assert set(isotropic.statuses) <= set(PathStatus)
+
+
+def test_where_paths_are_lost_all_are_tried_again_and_it_is_said_if_that_does_not_help():
+    found = critical_lines(random_quartic(0), tracker=TrackerSettings(max_rounds=3))
+
+    assert found.outcome is PathsOutcome.INCOMPLETE
+    assert found.attempts <= paths.ATTEMPTS
+    assert PathStatus.LOST in found.statuses
+
+
+def test_descents_from_all_ends_reach_the_minima_and_leave_saddles():
+    quartic = random_quartic(2)
+    form, found = FloatingQuartic.of(quartic), random_lines(2)
+    curvatures = np.linalg.eigvalsh(form.curvatures(found.quaternions)[2])
+    minima = found.quaternions[curvatures[:, 0] > 0]
+    ends = descended(form, found.points.real)
+
+    assert (ends.curvatures > 0).all()
+    overlaps = np.abs(ends.points @ minima.T)
+    assert np.abs(overlaps.max(axis=1) - 1).max() < 1e-12
+    assert (found.codes == REGULAR).all()
+
+
+def test_levels_are_exact_on_integers_and_agree_with_doubles():
+    quartic = [10**40 * k + 7**k for k in range(35)]
+    exact, floating = levelled_exactly(quartic), levelled([float(c) for c in quartic])
+    q = (3, -1, 4, 1)
+    full = sum(
+        c * np.prod([q[i] for i in m], dtype=object)
+        for c, m in zip(quartic, MONOMIALS, strict=True)
+    )
+
+    assert exact.value(q) + 24 * exact.level * 27**2 == 24 * full
+    assert exact.rest * float(exact.scale) == pytest.approx(
+        floating.rest * floating.scale, rel=1e-12
+    )
+    assert 0.5 <= np.abs(exact.rest).max() <= 1.0
+    assert levelled_exactly([6 * int(c) for c in norm_fourth()]).is_constant
+    assert not levelled(0.1 * norm_fourth()).rest.any()

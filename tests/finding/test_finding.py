@@ -1,0 +1,73 @@
+"""The optimum of general springs is found, the best of several minima, to many bits."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+import numpy as np
+import pytest
+import spring_families
+
+from certreg import RegistrationProblem
+from certreg.equilibrium import PathsOutcome
+from certreg.finding.optimum import CONSTANT_WORDS, TIGHT_WORDS, find_optimum, optimum_of
+from certreg.finding.refining import POSE_BITS, refined
+from certreg.geometry.so3 import body_frame, dot, squared_norm
+from certreg.objective.levelling import levelled_exactly, norm_fourth
+from certreg.objective.springs import Springs
+from certreg.problem import spring_moments
+
+
+@functools.cache
+def springs(family, n, noise, seed=0):
+    made = getattr(spring_families, family)(np.random.default_rng(seed), n, noise)
+    return Springs(spring_moments(RegistrationProblem(made.source, made.target, **made.springs)))
+
+
+@functools.cache
+def found(family, n, noise, seed=0) -> Any:
+    return find_optimum(springs(family, n, noise, seed))
+
+
+def test_where_the_relaxation_is_tight_no_path_is_tracked():
+    optimum = found("plane", 20, 0.1)
+
+    assert (optimum.words, optimum.lines) == (TIGHT_WORDS, None)
+    assert optimum.relaxation.rank == 1
+    assert optimum.minima == (optimum.quaternion,)
+
+
+def test_six_planes_have_several_optima_and_the_best_of_all_minima_is_the_answer():
+    optimum = found("plane", 6, 0.05)
+    energies = [springs("plane", 6, 0.05).energy(q) for q in optimum.minima]
+
+    assert optimum.lines.outcome is PathsOutcome.FOUND
+    assert len(optimum.minima) > 1
+    assert energies == sorted(energies)
+    assert optimum.words.endswith(f"They led to the best of {len(optimum.minima)} local minima.")
+
+
+@pytest.mark.parametrize(("family", "n", "noise"), [("plane", 20, 0.1), ("plane", 6, 0.05)])
+def test_quaternions_are_critical_to_ninety_bits(family, n, noise):
+    """The exact gradient over the size of F; the curvature is above 2^-8 of it here."""
+    optimum = found(family, n, noise)
+    for q in optimum.minima:
+        norm, size = squared_norm(q), 1 << optimum.levelled.bits
+        slopes = [dot(c, optimum.levelled.gradient(q)) for c in zip(*body_frame(q), strict=True)]
+        assert abs(norm - (1 << 2 * POSE_BITS)) < 1 << POSE_BITS + 4
+        assert max(map(abs, slopes)) << 94 < size * norm**2
+
+
+def test_a_constant_energy_is_told():
+    assert optimum_of([3 * int(c) for c in norm_fourth()]).words == CONSTANT_WORDS
+
+
+def test_refining_stops_where_the_hessian_is_flat():
+    """w^4 + x^4 + y^4 near z: of order four, so that doubles know no step."""
+    flat = levelled_exactly([10**9 * (k in (0, 20, 30)) for k in range(35)])
+
+    q = refined(flat, (1e-3, 0.0, 0.0, 1.0))
+
+    assert abs(squared_norm(q) - (1 << 2 * POSE_BITS)) < 1 << POSE_BITS + 4
+    assert abs(q[3]) > q[0]
