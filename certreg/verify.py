@@ -20,7 +20,7 @@ import json
 import struct
 import sys
 from array import array
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import Field, dataclass, fields
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
@@ -150,7 +150,7 @@ def entries_of(document: Any, keys: dict[str, str]) -> dict[str, Any]:
     entries: dict[str, Any] = {}
     for place, words in keys.items():
         name, known = place.rstrip("?"), {*words.replace("?", "").split()}
-        absent = name != place and document[name] is None
+        absent = name != place and document.get(name) is None
         part: Any = dict.fromkeys(known) if absent else document[name] if name else document
         good = part.__class__ is dict and known & {*words.split()} <= part.keys() <= known
         require(good, f"{name or 'the certificate'} must have exactly the keys {words}")
@@ -342,6 +342,123 @@ def main(argv: list[str]) -> int:
     return 0 if 0 < good == total else 1
 
 
+# --- part: spectrum -----------------------------------------------------------------------------
+# What is proved of the eigenvalues of K, for kinds that are about K.
+
+
+def proves_level(K: Matrix, unit: int, q: Sequence[int], level: int, mu: int) -> bool:
+    """Whether A = level I - K + mu u u^T > 0; u = q/|q|, K is over 1/unit, level over |q|^2.
+
+    Where it is, mu >= 0 and level = v + delta - mu, v = u^T K u, every unit quaternion p satisfies
+        p^T K p - v < delta - mu (1 - (u.p)^2).                                              (*)
+    Gap: objective(R(u)) - objective(R(p)) = 2 (p^T K p - v) < 2 delta.
+    Angle: let p be optimal, 0 <= p^T K p - v, and R(u), R(p) be an angle a apart, so that
+    1 - (u.p)^2 = sin^2(a/2): sin^2(a/2) < delta/mu if mu > 0.
+    Unique if delta <= mu: were the largest eigenvalue of K double, its eigenspace would hold a
+    unit p orthogonal to u, for which (*) says p^T K p < v + delta - mu <= v: not the largest.
+    With mu = 0 every p^T K p < level: the gap is below 2 (level - v), the dual's own bound.
+    """
+    n, indices = sum(c * c for c in q) * unit, range(4)
+    A = [[mu * q[i] * q[j] - n * K[i][j] + level * (i == j) for j in indices] for i in indices]
+    return definite(A)
+
+
+def proves_separation(K: Matrix, unit: int, q: Sequence[int], level: int) -> bool:
+    """Whether p^T K p < level / |q|^2 for every unit p orthogonal to q; K is over 1/unit.
+
+    With level = (v - g) |q|^2, v = q^T K q / |q|^2, g > 0: the second eigenvalue of K is at most
+    the greatest p^T K p across q (Courant, Fischer), so below v - g <= the first - g.
+    """
+    most = level + (16 * max(map(abs, chain(*K))) + 1) * unit * sum(c * c for c in q)
+    return proves_level(K, unit, q, level, abs(most))
+
+
+def multiplicities(C: Matrix) -> list[int]:
+    """Multiplicities of the eigenvalues of K, from the largest on; a factor > 0 of C is no matter.
+
+    Let d1 >= d2 >= |d3| be the singular values of C, d3 with the sign of D = det C. K has the
+    eigenvalues d1+d2+d3, d1-d2-d3, -d1+d2-d3, -d1-d2+d3: neighbours coincide where d2 = -d3,
+    d1 = d2, d2 = d3. e1, e2, e3 are the symmetric functions of the d_i^2, eigenvalues of C^T C;
+    two of these coincide where the discriminant is 0, and s = 2 (b - a)^3 for (a, a, b).
+    """
+    for A in ([[entry % PRIME for entry in row] for row in C], C):  # if not 0 modulo PRIME, not 0
+        (a, b, c), (d, e, f), (g, h, i) = A
+        P = [sum(map(mul, u, v)) for u in zip(*A) for v in zip(*A)]  # C^T C
+        D = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
+        e1 = P[0] + P[4] + P[8]
+        e2, e3 = (e1 * e1 - sum(map(mul, P, P))) // 2, D * D
+        s = 2 * e1**3 - 9 * e1 * e2 + 27 * e3
+        square = e1**2 * e2**2 - 4 * e2**3 - 4 * e1**3 * e3 + 18 * e1 * e2 * e3 - 27 * e3**2
+        if square % PRIME or (A is C and square):
+            return [1, 1, 1, 1]
+    if e2 == 0:
+        return [2, 2] if e1 else [4]
+    if s == 0:
+        return [1, 3] if D > 0 else [3, 1]
+    return [1, 2, 1] if s < 0 else [1, 1, 2] if D > 0 else [2, 1, 1]
+
+
+# --- end of part: spectrum ----------------------------------------------------------------------
+# --- part: radius -------------------------------------------------------------------------------
+# Claims, beside those of a kind: how far points may move before an optimum turns by an angle.
+
+SLACK = 1 - Fraction(1, 2**60)  # `root_up` times this is less than the root
+
+
+@dataclass(frozen=True)
+class Movable:
+    """The entries of `radius`, null where it is not claimed: s = sin(a/2) < 1 of an angle a.
+
+    If every target point is off by less than `target`, or every point of both clouds by less than
+    `both`, every optimum of the moved points is within a of R. Weights stay.
+    """
+
+    both: Fraction | None
+    separation: Fraction | None  # of two eigenvalues, where the kind has any
+    sin_half_angle: Fraction | None
+    target: Fraction | None
+
+    def radii(self) -> tuple[Fraction, Fraction, Fraction]:
+        """sin_half_angle, target and both."""
+        s, target, both = self.sin_half_angle, self.target, self.both
+        if s and target and both and s > 0 < target and both > 0 and 2 * s * s <= 1:
+            return s, target, both
+        raise RefusalError("radius is not of an angle up to 90 degrees, or not positive")
+
+    def steady(self, keeps: Callable[[Fraction, Fraction], bool]) -> tuple[str, ...]:
+        """The claim in words, if keeps(x, y) proves it of source and target points off by so much.
+
+        Of all that are off by less, too.
+        """
+        s, target, both = self.radii()
+        proved = keeps(Fraction(0), target) and keeps(both, both)
+        require(proved, "radius is larger than what is proved")
+        angle = 2 * s + s**3 / 3 + Fraction(3, 20) * s**5 / (1 - s * s)  # above that series of a
+        degrees = f"within {rounded(angle * DEGREES, 4):g} degrees of R"
+        one, other = (f"{rounded(r, 3, ROUND_FLOOR):g}" for r in (target, both))
+        but = "That is sufficient, not necessary; weights and matrices stay."
+        return (
+            f"If every target point is off by less than {one}, every optimum is {degrees}.",
+            f"So it is if every point of both clouds is off by less than {other}. {but}",
+        )
+
+
+def room_of_eigenvector(g: Fraction, angle: Fraction, s: Fraction) -> Fraction:
+    """How large sum w (|y||dx| + |dy||x| + |dx||dy|) may be, all about the means: a bound.
+
+    If it is at most this, every optimum stays within a of R, s = sin(a/2), a <= 90 degrees.
+    g: the largest eigenvalue of K is alone by more. angle: from R to the optimum, at most.
+    K is linear in C, and the K of b c^T has the eigenvalues |b||c| and -|b||c|, twice each. So the
+    new K is the old plus D, |D| at most that sum. Along K + t D, 0 <= t <= 1, the largest
+    eigenvalue is alone by g - 2 |D| > 0 (Weyl), its line turns continuously, by phi, and
+    sin(2 phi) <= 2 |D| / g < 1 (Davis, Kahan): the rotation turns by 2 phi < 90 degrees. And
+    sin(a - b) >= sin a - b for 0 <= b <= a, so that g (sin a - angle) / 2 is enough.
+    """
+    sine = 2 * s * root_up(*(1 - s * s).as_integer_ratio()) * SLACK
+    return g * (sine - angle) / 2
+
+
+# --- end of part: radius ------------------------------------------------------------------------
 # --- kind: isotropic ----------------------------------------------------------------------------
 # Claims: the pose is optimal up to proved bounds; which rotations are at equilibrium; where a body
 # that moves from a given state ends.
@@ -350,12 +467,13 @@ SETS = ("", "one rotation", "a circle", "a projective plane", "all rotations")
 
 
 @dataclass(frozen=True)
-class IsotropicStatement(Statement):
+class IsotropicStatement(Movable, Statement):
     """delta, mu, nu, quaternion, angular_velocity make the proof short; the rest is claimed."""
 
     kind: ClassVar = "isotropic"
     keys: ClassVar = {
-        "": "about basin claims format kind optimality pose problem sdp",
+        "": "about basin claims format kind optimality pose problem radius? sdp",
+        "radius?": "both separation sin_half_angle target",
         "basin?": "angular_velocity quaternion",
         "sdp?": "nu",
         "claims": "basin gap pattern sdp_gap sin2_half_angle unique unstable",
@@ -410,9 +528,18 @@ class IsotropicStatement(Statement):
             p, w = self.quaternion, self.angular_velocity
             inside = solid and p and w and proves_basin(K, J, Fraction(level, norm * unit), p, w)
             require(inside, "claims.basin is not proved of the state in basin")
-        spread = sum([mass * m[k][k] - m[0][k] ** 2 for k in range(1, 7)]) * unit
-        worth = self._worth(weight, spread * norm - 2 * v, K, unit, one)
-        theorems = tuple(self._words(worth, pattern, solid=solid, equal=equal))
+        x, y = (sum([mass * m[k][k] - m[0][k] ** 2 for k in (i, i + 1, i + 2)]) for i in (1, 4))
+        worth = self._worth(weight, (x + y) * unit * norm - 2 * v, K, unit, one)
+        steady: tuple[str, ...] = ()  # unless claimed
+        if (self.both, self.sin_half_angle, self.target) != (None, None, None):
+            g, angle = self.separation or Fraction(0), worth.angle or Fraction(0)
+            level = v * g.denominator - g.numerator * one * norm
+            alone = proves_separation(K, unit * g.denominator, q, level)
+            require(g > 0 and angle and alone, "radius.separation is not proved")
+            x, y = (root_up(k, 1) * _dyadic(1, e + z) for k in (x, y))  # of M and a spread
+            room = room_of_eigenvector(g, angle, self.radii()[0])
+            steady = self.steady(lambda dx, dy: y * dx + x * dy + weight * dx * dy <= room)
+        theorems = tuple(self._words(worth, pattern, steady, solid=solid, equal=equal))
         return Outcome(verified=True, theorems=theorems, reason="", worth=worth)
 
     def _worth(self, weight: Fraction, objective: int, K: Matrix, unit: int, one: int) -> Worth:
@@ -441,7 +568,9 @@ class IsotropicStatement(Statement):
         good = self.unstable is None or list(self.unstable) == unstable
         require(good, f"claims.unstable is wrong or unproved: proved is {unstable}")
 
-    def _words(self, w: Worth, pattern: list[int], *, solid: bool, equal: bool) -> Iterator[str]:
+    def _words(
+        self, w: Worth, pattern: list[int], steady: Sequence[str] = (), *, solid: bool, equal: bool
+    ) -> Iterator[str]:
         yield f"Data: n = {self.n} pair{'s'[self.n < 2 :]}, {'NOT '[4 * equal :]}all of one weight."
         yield f"SHA-256 of their doubles is {self.digest}."
         length = isqrt(sum(c * c for c in self.pose) << 128)
@@ -481,24 +610,8 @@ class IsotropicStatement(Statement):
         if self.basin:
             end = "ends at the optimum, whatever the damping > 0."
             yield f"A body moving from the state `basin` {end}"
+        yield from steady
         yield "Not proved: anything under `about`, and where the points come from."
-
-
-def proves_level(K: Matrix, unit: int, q: Sequence[int], level: int, mu: int) -> bool:
-    """Whether A = level I - K + mu u u^T > 0; u = q/|q|, K is over 1/unit, level over |q|^2.
-
-    Where it is, mu >= 0 and level = v + delta - mu, v = u^T K u, every unit quaternion p satisfies
-        p^T K p - v < delta - mu (1 - (u.p)^2).                                              (*)
-    Gap: objective(R(u)) - objective(R(p)) = 2 (p^T K p - v) < 2 delta.
-    Angle: let p be optimal, 0 <= p^T K p - v, and R(u), R(p) be an angle a apart, so that
-    1 - (u.p)^2 = sin^2(a/2): sin^2(a/2) < delta/mu if mu > 0.
-    Unique if delta <= mu: were the largest eigenvalue of K double, its eigenspace would hold a
-    unit p orthogonal to u, for which (*) says p^T K p < v + delta - mu <= v: not the largest.
-    With mu = 0 every p^T K p < level: the gap is below 2 (level - v), the dual's own bound.
-    """
-    n, indices = sum(c * c for c in q) * unit, range(4)
-    A = [[mu * q[i] * q[j] - n * K[i][j] + level * (i == j) for j in indices] for i in indices]
-    return definite(A)
 
 
 def proves_basin(
@@ -514,31 +627,6 @@ def proves_basin(
     *w, exponent = velocity
     spin = Fraction(_form(J, w), 4) * _dyadic(1, exponent) ** 2
     return any(p) and Fraction(_form(K, p), sum(c * c for c in p)) - spin > level
-
-
-def multiplicities(C: Matrix) -> list[int]:
-    """Multiplicities of the eigenvalues of K, from the largest on; a factor > 0 of C is no matter.
-
-    Let d1 >= d2 >= |d3| be the singular values of C, d3 with the sign of D = det C. K has the
-    eigenvalues d1+d2+d3, d1-d2-d3, -d1+d2-d3, -d1-d2+d3: neighbours coincide where d2 = -d3,
-    d1 = d2, d2 = d3. e1, e2, e3 are the symmetric functions of the d_i^2, eigenvalues of C^T C;
-    two of these coincide where the discriminant is 0, and s = 2 (b - a)^3 for (a, a, b).
-    """
-    for A in ([[entry % PRIME for entry in row] for row in C], C):  # if not 0 modulo PRIME, not 0
-        (a, b, c), (d, e, f), (g, h, i) = A
-        P = [sum(map(mul, u, v)) for u in zip(*A) for v in zip(*A)]  # C^T C
-        D = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
-        e1 = P[0] + P[4] + P[8]
-        e2, e3 = (e1 * e1 - sum(map(mul, P, P))) // 2, D * D
-        s = 2 * e1**3 - 9 * e1 * e2 + 27 * e3
-        square = e1**2 * e2**2 - 4 * e2**3 - 4 * e1**3 * e3 + 18 * e1 * e2 * e3 - 27 * e3**2
-        if square % PRIME or (A is C and square):
-            return [1, 1, 1, 1]
-    if e2 == 0:
-        return [2, 2] if e1 else [4]
-    if s == 0:
-        return [1, 3] if D > 0 else [3, 1]
-    return [1, 2, 1] if s < 0 else [1, 1, 2] if D > 0 else [2, 1, 1]
 
 
 # --- end of kind: isotropic ---------------------------------------------------------------------

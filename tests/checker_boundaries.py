@@ -465,7 +465,7 @@ def form_cases() -> Iterator[Case]:
 def key_cases(good: Certificate) -> Iterator[Case]:
     must = "REFUSED: {} must have exactly the keys {}$"
     keys = {
-        "the certificate": " ".join(sorted(good)),
+        "the certificate": re.escape(" ".join(sorted([*good, "radius?"]))),
         "claims": " ".join(sorted(good["claims"])),
         "optimality": "delta mu",
         "problem": "data digest n",
@@ -1122,6 +1122,93 @@ def energy_of(q: list[int], source: Any, target: Any, weights: list[Fraction]) -
     )
 
 
+def radius_cases() -> Iterator[Case]:
+    """How far points may move. K = diag(28, 8, ...): apart by 20; M = 6, both spreads are 28.
+
+    An angle of 60 degrees, s = 1/2, and mu - delta = 10: 10 (sin 60 - 2^-19 / sqrt(10)) is left,
+    sqrt(168) of it for each cloud, and 6 more for the product.
+    """
+    good = stated(axes(), Fraction(1, 2**40), Fraction(10) + Fraction(1, 2**40))
+    room = 10 * (root(Fraction(3, 4)) - root(4 * Fraction(1, 2**40) / 10))
+    lever = root(Fraction(168))
+    target, both = room / lever, (root(lever**2 + 6 * room) - lever) / 6
+    less, more = 1 - NEAR, 1 + NEAR
+
+    def moved(**parts: Fraction | None) -> Certificate:
+        known = {"target": less * target, "both": less * both, "separation": 20 * (1 - NEAR / 16)}
+        known |= {"sin_half_angle": Fraction(1, 2), **parts}
+        short = {k: None if v is None else upward(v * (1 - NEAR / 64)) for k, v in known.items()}
+        return {**good, "radius": short}
+
+    ten = Fraction(10)
+    for name, value in (("target", target), ("both", both)):
+        yield Case(
+            f"radius {name}, inside", outcome_of(moved(**{name: less**3 * value})), "VERIFIED"
+        )
+        answer = "REFUSED: radius is larger than what is proved$"
+        yield Case(f"radius {name}, outside", outcome_of(moved(**{name: more * value})), answer)
+    refused = "REFUSED: radius.separation is not proved$"
+    for apart, answer in ((less * 20, "VERIFIED"), (more * 20, refused), (-ten, refused)):
+        small = moved(separation=apart, target=target / 9, both=both / 9)
+        for length in (1, 3):
+            longer = outcome_of({**small, "pose": [length, 0, 0, 0]})
+            yield Case(f"separation {float(apart)}, |q| = {length}", longer, answer)
+    wide = moved(separation=ten, target=less**3 * target / 2, both=both / 9)
+    yield Case("half the separation, inside", outcome_of(wide), "VERIFIED")
+    wide = moved(separation=ten, target=more * target / 2, both=both / 9)
+    too_large = "REFUSED: radius is larger than what is proved$"
+    yield Case("half the separation, outside", outcome_of(wide), too_large)
+    none = "REFUSED: radius is not of an angle up to 90 degrees, or not positive$"
+    least = {"target": Fraction(1, 2**30), "both": Fraction(1, 2**30)}
+    half = root(Fraction(1, 2))
+    for parts, answer in (
+        ({**least, "sin_half_angle": half}, "VERIFIED"),
+        ({**least, "sin_half_angle": half * more}, none),
+        ({"target": Fraction(0)}, none),
+        ({"target": -target}, none),
+        ({"both": Fraction(0)}, none),
+        ({"both": -both}, none),
+        ({"sin_half_angle": Fraction(0)}, none),
+        ({"sin_half_angle": Fraction(-1, 2)}, none),
+        ({"target": None}, none),
+        ({"both": None}, none),
+        ({"sin_half_angle": None}, none),
+        ({"separation": None}, refused),
+        ({**dict.fromkeys(("target", "both", "sin_half_angle"))}, "VERIFIED"),
+    ):
+        yield Case(f"radius {parts}", outcome_of(moved(**parts)), answer)
+    yield Case("radius null", outcome_of({**good, "radius": None}), "VERIFIED")
+    yield from _radius_words(moved(), target, both)
+    for sizes in ((2**20, 1), (1, 2**20), (3, 5)):  # zeros at the end, which the checker takes out
+        source, off = ([[k * c for c in row] for row in AXES] for k in sizes)
+        scaled = axes(source, off)
+        scaled |= {"radius": moved()["radius"]}
+        size = Fraction(sizes[0] * sizes[1])
+        scaled = stated(scaled, size / 2**40, 10 * size + size / 2**40)
+        apart = 20 * (1 - NEAR / 16) * size
+        for factor, answer in ((less**3, "VERIFIED"), (more, too_large)):
+            scaled["radius"] = {
+                **moved(separation=apart, target=factor * target * sizes[1])["radius"],
+                "both": [1, -60],
+            }
+            yield Case(f"radius of {sizes}: {answer}", outcome_of(scaled), answer)
+    loose = stated(axes(), Fraction(10), Fraction(10))
+    unsure = {**loose, "radius": moved(**least)["radius"]}
+    yield Case("radius without an angle", outcome_of(unsure), refused)
+
+
+def _radius_words(certificate: Certificate, target: Fraction, both: Fraction) -> Iterator[Case]:
+    one, other = (f"{math.floor(float(r) * 1000) / 1000:g}" for r in (target, both))
+    yield Case(
+        "radius in words",
+        outcome_of(certificate),
+        f"VERIFIED\n.*\nIf every target point is off by less than {re.escape(one)}, every optimum "
+        rf"is within 60\.\d+ degrees of R\.\nSo it is if every point of both clouds is off by less "
+        rf"than {re.escape(other)}\. That is sufficient, not necessary; weights and matrices stay\."
+        "\nNot proved",
+    )
+
+
 def limit_cases(good: Certificate, everywhere: Certificate) -> Iterator[Case]:
     """Bounds asked for: delta = 2^-40, mu = 16 prove 2^-21 / sqrt(1 - 2^-44) rad, 2^-39 / 79.2."""
     exact = stated(good, Fraction(1, 2**40), Fraction(16))
@@ -1304,6 +1391,7 @@ def _cases_by_subject() -> dict[str, list[Case]]:
         "short cuts": chain(modulus_cases(), leading_cases()),
         "basin": basin_cases(example),
         "general": general_cases(example),
+        "radius": radius_cases(),
         "form": form_cases(),
         "data": data_cases(),
         "command": command_cases(),

@@ -78,6 +78,7 @@ class CoqProblem:
     n: int
     digest: str
     definitions: str
+    beyond: str = ""  # the claim of the certificate that Coq's checker does not know
 
     def theorem(self) -> str:
         """A file with the theorem that all claims are true; Coq rejects it where they are not."""
@@ -113,7 +114,8 @@ def export(certificate: bytes, clouds: Clouds | None = None) -> CoqProblem:
     whole = minus_zero not in content or all(struct.pack("<d", x) != minus_zero for x in numbers)
     require(whole, "the data hold -0.0, which is not canonical")
     definitions = _data(numbers, n, POINTS_IN_A_LIST) + _statement(stated)
-    return CoqProblem(n=n, digest=stated.digest, definitions=definitions)
+    beyond = "" if stated.both is None else "radius"
+    return CoqProblem(n=n, digest=stated.digest, definitions=definitions, beyond=beyond)
 
 
 def _data(numbers: Sequence[float], n: int, length: int) -> str:
@@ -230,12 +232,15 @@ def decide(
 
 
 def _proved(assumed: tuple[str, ...], problem: CoqProblem) -> Verdict:
+    but, left = (
+        (f" but `{problem.beyond}`", f"`{problem.beyond}`, ") if problem.beyond else ("", "")
+    )
     theorems = (
         f"Data: n = {problem.n} pairs. SHA-256 of their doubles is {problem.digest}.",
         "Coq's kernel accepted `Theorem certified : proved data statement`: every claim of the",
-        "certificate holds of these points as real numbers (derivations/coq/Checker.v).",
+        f"certificate{but} holds of these points as real numbers (derivations/coq/Checker.v).",
         f"It assumes only axioms of Coq's library of the reals: {', '.join(assumed) or 'none'}.",
-        "Not proved: that the file was copied rightly, and LaSalle's theorem.",
+        f"Not proved: {left}that the file was copied rightly, and LaSalle's theorem.",
     )
     return Verdict(ruling=Ruling.PROVED, words="Coq accepted the theorem", theorems=theorems)
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from certreg.certificate.radius import Radius
 from certreg.exact import Dyadic, power_of_two
 from certreg.results import Brief
 
@@ -108,6 +109,7 @@ class IsotropicBody(Brief):
     quaternion: integers (w, x, y, z), the certified rotation is R(q) of the unit vector along it.
     multiplier: nu with nu I - K > 0, the dual of the semidefinite relaxation rounded outwards.
     basin: a state of the moving body from which it must end at the optimum.
+    radius: how far points may move before an optimum turns by more than an angle.
     mu, delta: (v + delta - mu) I - K + mu q q^T / |q|^2 > 0 with v = q^T K q / |q|^2.
     """
 
@@ -119,6 +121,7 @@ class IsotropicBody(Brief):
     claims: Claims
     multiplier: Dyadic | None = None
     basin: RotationState | None = None
+    radius: Radius | None = None
 
     @property
     def gap(self) -> Fraction:
@@ -133,13 +136,14 @@ class IsotropicBody(Brief):
             "optimality": {"delta": self.delta.pair, "mu": self.mu.pair},
             "pose": list(self.quaternion),
             "sdp": None if self.multiplier is None else {"nu": self.multiplier.pair},
+            **({} if self.radius is None else {"radius": self.radius.to_fields()}),
         }
 
     @classmethod
     def from_fields(cls, fields: dict[str, Any]) -> IsotropicBody:
         """The inverse of `to_fields`, of a file that the checker has found well-formed."""
         w, x, y, z = fields["pose"]
-        basin, sdp = fields["basin"], fields["sdp"]
+        basin, sdp, radius = fields["basin"], fields["sdp"], fields.get("radius")
         return cls(
             quaternion=(w, x, y, z),
             mu=Dyadic.of_pair(fields["optimality"]["mu"]),
@@ -147,6 +151,7 @@ class IsotropicBody(Brief):
             claims=Claims.from_fields(fields["claims"]),
             multiplier=None if sdp is None else _dyadic(sdp["nu"]),
             basin=None if basin is None else RotationState.from_fields(basin),
+            radius=None if radius is None else Radius.from_fields(radius),
         )
 
 

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 from certreg.certificate.count import CountBody
 from certreg.certificate.envelope import Certificate
 from certreg.certificate.isotropic import Claims, IsotropicBody, RotationState
+from certreg.certificate.radius import RADIUS_BITS, SAFE, Radius, isotropic_radius
 from certreg.exact import (
     Dyadic,
     dyadic_above,
@@ -62,12 +63,14 @@ def produce(
     *,
     proposal: Fraction | None = None,
     state: RotationState | None = None,
+    robustness_angle: float | None = None,
     about: dict[str, Any] | None = None,
 ) -> Certificate[IsotropicBody] | None:
     """A certificate of the optimum of an objective; None where no attempt passed the exact test.
 
     proposal: a multiplier of the semidefinite relaxation, made a proved bound if it can be.
     state: where a simulation ended, included if it is proved to lie in the certified basin.
+    robustness_angle: degrees; how far the points may move with every optimum within it is claimed.
     None means not proved, not disproved.
     """
     bounds = _optimality(objective)
@@ -97,8 +100,22 @@ def produce(
         ),
         multiplier=multiplier,
         basin=state if inside else None,
+        radius=None
+        if robustness_angle is None or angle is None
+        else _radius(objective, angle.value, robustness_angle),
     )
     return _enclosed(problem, body, about)
+
+
+def _radius(objective: Isotropic, sin2_half_angle: Fraction, degrees: float) -> Radius | None:
+    """How far the points may move, from a separation of the largest eigenvalue that is proved."""
+    g = dyadic_below(SAFE * objective.eigenvalue_difference(0, 1), RADIUS_BITS)
+    most = 16 * objective.size + g.value  # so much along the quaternion is enough
+    if not proves_optimality(objective, objective.quaternions[0], most, most - g.value):
+        return None
+    return isotropic_radius(
+        objective.moments, separation=g, sin2_half_angle=sin2_half_angle, degrees=degrees
+    )
 
 
 def count_certificate(problem: RegistrationProblem) -> Certificate[CountBody] | None:

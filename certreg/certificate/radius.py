@@ -1,0 +1,146 @@
+"""How far the points may move before an optimum turns by more than a stated angle.
+
+The springs stay as they are. Let every target point be off by at most r, and every source point,
+too, where both may move; a is the angle, s = sin(a/2), R the certified rotation.
+
+One weight per pair. The matrix K of the moved points is within
+beta = r (sqrt(M kx) + sqrt(M ky)) + M r^2 of the old one, by Cauchy and Schwarz, with
+kx = sum w |x - mean|^2 and ky of the target; of the first term only sqrt(M kx) is left, and no
+square, where the source stays. If the largest eigenvalue of K is alone by g > 2 beta, that of the
+moved K is simple, and its rotation is turned by at most arcsin(2 beta / g) [DavisKahan1970]. The
+certified rotation is within an angle a0 of the old optimum, so that 2 beta <= g (sin a - a0) is
+enough.
+
+Springs with matrices. With weights w >= the largest eigenvalue of each, W their sum, k = sum
+w |x - mean|^2 and the growth form f(p) >= f(u) - delta + mu sin^2(t/2), an optimum of the moved
+points at an angle t has t < a if
+(mu - 8 sqrt(k) ex) s > 4 (sqrt(k) (ex + ey) + ex (sqrt(f(u)) + ex + ey)) + delta / s,
+where ey = r sqrt(W), and ex the same or, where the source stays, 0.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+from certreg.exact import (
+    Dyadic,
+    dyadic_below,
+    power_of_two,
+    rational_root_above,
+)
+from certreg.results import Brief
+
+if TYPE_CHECKING:
+    from certreg.problem import ExactMoments
+
+RADIUS_BITS = 24  # of mantissa: short numbers, at most 2^-23 of them lost
+SAFE = 1 - power_of_two(-40)  # what is asked for is a little less than what is proved
+MOST_DEGREES = 90.0  # beyond, the sine of the angle falls again
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Radius(Brief):
+    """How far points may move, in the unit of length, with every optimum within an angle.
+
+    sin_half_angle: s = sin(a/2) of that angle, from the certified rotation.
+    target: every target point may be off by as much. both: every point of both clouds.
+    separation: of the largest eigenvalue of Davenport's matrix, at least; None for spring matrices.
+    """
+
+    sin_half_angle: Dyadic
+    target: Dyadic
+    both: Dyadic
+    separation: Dyadic | None = None
+
+    def to_fields(self) -> dict[str, Any]:
+        """The object `radius` of the file."""
+        fields = {
+            "both": self.both.pair,
+            "sin_half_angle": self.sin_half_angle.pair,
+            "target": self.target.pair,
+        }
+        alone = self.separation
+        return fields if alone is None else {**fields, "separation": alone.pair}
+
+    @classmethod
+    def from_fields(cls, fields: dict[str, Any]) -> Radius:
+        """The inverse of `to_fields`."""
+        return cls(**{name: Dyadic.of_pair(pair) for name, pair in fields.items()})
+
+
+def isotropic_radius(
+    moments: ExactMoments, *, separation: Dyadic, sin2_half_angle: Fraction, degrees: float
+) -> Radius | None:
+    """How far the points may move, for an objective with a unique optimum.
+
+    separation: g > 0, proved. sin2_half_angle: proved of the angle from the certified rotation to
+    the optimum, less than 1. degrees: of the angle within which optima are to stay.
+    None where even points that stay are not proved to keep the optimum within that angle.
+    """
+    s, sine = sines(degrees)
+    own = 2 * rational_root_above(sin2_half_angle / (1 - sin2_half_angle))  # > 2 tan: > the angle
+    most = SAFE * separation.value * (sine - own) / 2  # of beta
+    if most <= 0:
+        return None
+    source, target = (
+        rational_root_above(Fraction(sum(scatter[k][k] for k in range(3))))
+        * power_of_two(moments.weight_exponent + e)
+        for scatter, e in (
+            (moments.source_scatter, moments.source_exponent),
+            (moments.target_scatter, moments.target_exponent),
+        )
+    )
+    both, mass = source + target, moments.total_weight  # most = both r + mass r^2
+    root = rational_root_above(both**2 + 4 * mass * most)
+    return Radius(
+        sin_half_angle=s,
+        target=dyadic_below(most / source, RADIUS_BITS),
+        both=dyadic_below(2 * most / (both + root), RADIUS_BITS),
+        separation=separation,
+    )
+
+
+def growth_radius(
+    *,
+    mu: Fraction,
+    delta: Fraction,
+    value: Fraction,
+    weight: Fraction,
+    lever: Fraction,
+    degrees: float,
+) -> Radius | None:
+    """The same from a growth form, for springs with matrices.
+
+    value: the energy at the certified rotation. weight: the sum of w. lever: sum w |x - mean|^2.
+    """
+    s, _ = sines(degrees)
+    k, w, fit = (rational_root_above(x) for x in (lever, weight, value))
+    left = SAFE * (mu * s.value - delta / s.value)
+    if left <= 0 or not k:
+        return None
+    # 8 w^2 r^2 + (8 k w (1 + s) + 4 w fit) r < left
+    first, second = 8 * k * w * (1 + s.value) + 4 * w * fit, 8 * w * w
+    root = rational_root_above(first**2 + 4 * second * left)
+    return Radius(
+        sin_half_angle=s,
+        target=dyadic_below(left / (4 * k * w), RADIUS_BITS),
+        both=dyadic_below(2 * left / (first + root), RADIUS_BITS),
+    )
+
+
+@lru_cache(maxsize=64)
+def sines(degrees: float) -> tuple[Dyadic, Fraction]:
+    """Of half the angle, rounded down, and of the angle that has this sine of its half.
+
+    Raises ValueError outside of (0, 90].
+    """
+    if not 0.0 < degrees <= MOST_DEGREES:
+        message = f"the angle is {degrees!r} degrees: give more than 0, and at most 90"
+        raise ValueError(message)
+    half = dyadic_below(SAFE * Fraction(math.sin(math.radians(degrees) / 2)), RADIUS_BITS)
+    cosine = rational_root_above(1 - half.value**2) * (1 - power_of_two(-60))
+    return half, 2 * half.value * cosine
