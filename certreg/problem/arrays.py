@@ -50,6 +50,8 @@ def _held(cloud: Any) -> Any:
         return array
     for attribute in ATTRIBUTES:
         held = getattr(cloud, attribute, None)
+        if callable(held) and callable(getattr(cloud, "covs", None)):  # small_gicp: x, y, z, 1
+            return real_numbers(held(), attribute)[:, :3]
         if held is not None and not callable(held):
             return held
     tensors = getattr(cloud, "point", None)  # a point cloud of tensors, of Open3D

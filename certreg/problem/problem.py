@@ -19,7 +19,7 @@ from certreg.errors import InvalidProblemError
 from certreg.problem.arrays import cloud_array, finite_doubles, mapped_file, row_blocks
 from certreg.problem.blocks import CHANGED, Block, SpringBlock, contiguous
 from certreg.problem.row_labels import require_same_labels
-from certreg.problem.springs import SPRINGS_PREFIX, GivenSprings, spring_factors, summary_of
+from certreg.problem.springs import SPRINGS_PREFIX, GivenSprings, stated_springs
 from certreg.problem.weighing import given_sigma, given_weights, masses
 from certreg.results import Brief
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from certreg.problem.springs import SpringSummary
+    from certreg.problem.springs import SpringSummary, StatedSprings
 
 DIGEST_PREFIX = b"certreg-problem/1\0"
 NO_WEIGHTS = (
@@ -62,11 +62,15 @@ class RegistrationProblem(Brief):
         is the double nearest to 1/sigma^2.
     weights
         Instead of sigma, (N,) or a scalar, >= 0, not all zero.
-    normals
-        (N, 3), of the target's surface at its points, in the target's frame: point-to-plane.
-    factors
-        (N, 6), a spring matrix W = L L^T for every pair, in the target's frame: l11, l21, l22, l31,
-        l32, l33 of a lower triangular L. `sigma` divides L, and `weights` count by their roots.
+    normals, directions, covariances, information, factors
+        General springs, one matrix W for every pair, in the frame of the target: (N, 3) normals
+        of its surface (point to plane); (N, 3) directions of its lines; (N, 3, 3) or (N, 6)
+        matrices, xx, xy, xz, yy, yz, zz: covariances of the noise (W is their inverse) or W itself;
+        (N, 6), l11, l21, l22, l31, l32, l33, or (N, 3), its one column: a lower triangular L,
+        W = L L^T. Of several kinds each pair has one, and NaN in the rows of the others; a pair
+        with NaN in all is a point spring, L = I. Objects with such attributes (Open3D, small_gicp)
+        and tables with such columns (nx, ny, nz, ...) may be given as they are. `sigma` divides L,
+        and `weights` multiply W. With covariances alone the noise counts as given.
     damping
         Viscous damping per mass, mu > 0, per time unit of the virtual springs; where none is given
         sqrt(8), but `certify` takes the one of the fastest decay.
@@ -100,6 +104,9 @@ class RegistrationProblem(Brief):
         sigma: ArrayLike | None = None,
         weights: ArrayLike | None = None,
         normals: Any = None,
+        directions: Any = None,
+        covariances: Any = None,
+        information: Any = None,
         factors: Any = None,
         damping: float | None = None,
     ) -> None:
@@ -115,22 +122,27 @@ class RegistrationProblem(Brief):
                 "row i with row i, so both need the same number"
             )
             raise InvalidProblemError(message, array="target", value=len(target_points), limit=n)
-        given = GivenSprings(normals=normals, factors=factors)
+        given = GivenSprings(
+            normals=normals,
+            directions=directions,
+            covariances=covariances,
+            information=information,
+            factors=factors,
+        )
         require_same_labels(source, target=target, sigma=sigma, weights=weights, **given.rows)
-        general = bool(given.rows)
+        springs = _springs(given, (source, target), sigma, weights, n) if given.rows else None
         for name, value in (
             ("source", source_points),
             ("target", target_points),
-            ("_weights", None if general else masses(sigma, weights, n)),
-            ("factors", _factors(given, sigma, weights, n) if general else None),
+            ("_weights", masses(sigma, weights, n) if springs is None else None),
+            ("factors", None if springs is None else springs.factors),
         ):
             object.__setattr__(self, name, None if value is None else _read_only(value))
-        springs = None if self.factors is None else summary_of(self.factors)
-        object.__setattr__(self, "springs", springs)
+        object.__setattr__(self, "springs", None if springs is None else springs.summary)
         chosen = DEFAULT_DAMPING if damping is None else damping
         object.__setattr__(self, "damping", checked_damping(chosen))
         object.__setattr__(self, "damping_given", damping is not None)
-        object.__setattr__(self, "noise_given", sigma is not None)
+        object.__setattr__(self, "noise_given", sigma is not None or given.is_noise)
         object.__setattr__(self, "_digest", [])
 
     def __repr__(self) -> str:
@@ -349,10 +361,14 @@ def _read_only(array: NDArray[np.float64]) -> NDArray[np.float64]:
     return view
 
 
-def _factors(
-    given: GivenSprings, sigma: ArrayLike | None, weights: ArrayLike | None, n: int
-) -> NDArray[np.float64]:
-    """(n, 6): the factors of general springs over sigma, or times the roots of the weights."""
+def _springs(
+    given: GivenSprings,
+    clouds: tuple[Any, Any],
+    sigma: ArrayLike | None,
+    weights: ArrayLike | None,
+    n: int,
+) -> StatedSprings:
+    """General springs over sigma, or times the weights."""
     over = None if sigma is None else given_sigma(sigma, n)
     times = None if weights is None else given_weights(weights, n)
-    return spring_factors(given, n, sigma=over, weights=times)
+    return stated_springs(given, clouds, n, sigma=over, weights=times)

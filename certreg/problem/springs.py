@@ -2,31 +2,59 @@
 
 The energy of a pair is (y - R x - t)^T W (y - R x - t), so W stands in the frame of the target. L
 is what the digest binds and what every proof is about: exact as it stands, positive semidefinite by
-construction, of a rank that one can see. How L comes from what a user gives is written here in
-single operations on doubles (+ - * / and square roots, none fused, in this order), so that other
-languages make the same bits of it.
+construction, of a rank that one can see. `spring_factors.py` makes it of what a user gives.
 
-A column of an L is a plane: `normals` are taken as they are, one column each.
+A column of an L is a plane, so every problem is one of point to plane, of at most 3 N planes.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections import Counter
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from certreg.errors import InvalidProblemError
-from certreg.problem.arrays import finite_doubles, mapped_file, real_numbers, row_blocks
+from certreg.problem.arrays import mapped_file, row_blocks
+from certreg.problem.spring_factors import (
+    LARGEST_ENTRY,
+    SMALLEST_ENTRY,
+    covariance_factors,
+    information_factors,
+    line_factors,
+    plane_factors,
+    weigh,
+)
+from certreg.problem.spring_rows import (
+    absent_rows,
+    any_of,
+    checked_rows,
+    held_rows,
+    require,
+    require_not_of_source,
+)
 from certreg.results import Brief
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import NDArray
 
+    Rows = NDArray[np.float64]
+
 SPRINGS_PREFIX = b"certreg-springs/1\0"
-ENTRIES = ("l11", "l21", "l22", "l31", "l32", "l33")  # of L, by rows
 KINDS = {1: "plane", 2: "line", 3: "full"}  # by rank, where all pairs have the same
+POINT = (1.0, 0.0, 1.0, 0.0, 0.0, 1.0)  # the factor of a pair without a kind: L = I
+UNIT_LENGTH = 1e-3  # a normal whose length is further from 1 is told of
+BEYOND = "gives a factor outside the doubles: change the unit of length, of clouds and springs"
+NO_LENGTH = "is 0, 0, 0: a direction needs a length; remove the pair, or give it the weight 0"
+INDEFINITE = "has an eigenvalue below zero: give a matrix that is positive semidefinite"
+RANK_BELOW_3 = (
+    "has a rank below 3, to rounding: a spring is its inverse; add the noise across, or give "
+    "normals, directions or information"
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -34,13 +62,27 @@ class GivenSprings(Brief):
     """The arguments of a problem that state general springs, as the user gave them."""
 
     normals: Any = None
+    directions: Any = None
+    covariances: Any = None
+    information: Any = None
     factors: Any = None
 
     @property
     def rows(self) -> dict[str, Any]:
         """Those that were given, by name."""
-        named = {"normals": self.normals, "factors": self.factors}
+        named = {
+            "normals": self.normals,
+            "directions": self.directions,
+            "covariances": self.covariances,
+            "information": self.information,
+            "factors": self.factors,
+        }
         return {name: value for name, value in named.items() if value is not None}
+
+    @property
+    def is_noise(self) -> bool:
+        """Whether they say how large the noise is, as covariances do and other springs may not."""
+        return set(self.rows) == {"covariances"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,90 +99,167 @@ class SpringSummary(Brief):
     notes: tuple[str, ...] = ()
 
 
-def spring_factors(
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class StatedSprings(Brief):
+    """Factors (N, 6), and what the user should know of them."""
+
+    factors: Rows
+    notes: tuple[str, ...]
+
+    @property
+    def summary(self) -> SpringSummary:
+        """The kind of springs, by the exact ranks of their factors.
+
+        Raises InvalidProblemError where none counts.
+        """
+        counts = np.zeros(4, dtype=np.int64)
+        for part in row_blocks(len(self.factors)):
+            counts += np.bincount(ranks_of(self.factors[part]), minlength=4)
+        present = [rank for rank in KINDS if counts[rank]]
+        if not present:
+            message = "all springs are zero: no correspondence counts, so every pose is as good"
+            raise InvalidProblemError(message, array="factors", value=0.0)
+        kind = KINDS[present[0]] if len(present) == 1 else "mixed"
+        zero, one, two, three = counts.tolist()
+        return SpringSummary(kind=kind, ranks=(zero, one, two, three), notes=self.notes)
+
+
+def stated_springs(
     given: GivenSprings,
+    clouds: tuple[Any, Any],
     n: int,
     *,
-    sigma: NDArray[np.float64] | None = None,
-    weights: NDArray[np.float64] | None = None,
-) -> NDArray[np.float64]:
-    """(n, 6): the entries l11, l21, l22, l31, l32, l33 of every L.
+    sigma: Rows | None = None,
+    weights: Rows | None = None,
+) -> StatedSprings:
+    """The factors of the springs that a user gave for n pairs.
 
-    sigma, weights: (n,) or (1,); L is divided by sigma, or multiplied by the root of the weight.
-    Raises InvalidProblemError with the row.
+    clouds: source and target, as the user gave them. sigma, weights: (n,) or (1,); L is divided by
+    sigma, or multiplied by the root of the weight. Raises InvalidProblemError with the row.
     """
-    if len(given.rows) != 1:
-        message = f"{' and '.join(given.rows)} were given: give one kind of springs"
-        raise InvalidProblemError(message, array=next(iter(given.rows)))
-    ((name, values),) = given.rows.items()
-    array = real_numbers(values, name)
-    width = 6 if name == "factors" else 3
-    if array.shape != (n, width):
-        message = f"{name} has shape {array.shape}: expected ({n}, {width}), one row per pair"
-        raise InvalidProblemError(message, array=name, value=array.shape, limit=(n, width))
-    rows = finite_doubles(array, name)
-    if name == "factors" and mapped_file(rows) is not None and sigma is None and weights is None:
-        return rows
-    factors = np.zeros((n, 6))
+    kinds = {name: _rows_of(given, name, clouds, n) for name in given.rows}
+    given_notes = [getattr(value, "spring_note", None) for value in given.rows.values()]
+    if set(kinds) == {"factors"} and sigma is None and weights is None:
+        rows, _ = kinds["factors"]
+        if rows.shape[1] == 6 and mapped_file(rows) is not None:
+            return StatedSprings(factors=rows, notes=())
+    factors, odd = np.empty((n, 6)), _Odd()
     for part in row_blocks(n):
-        factors[part] = rows[part] if name == "factors" else plane_factors(rows[part])
-        _weigh(factors[part], part, sigma, weights)
-    if name == "normals":
-        _require_lengths(rows, name)
-    return factors
+        over, times = _part(sigma, part), _part(weights, part)
+        with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+            bare = _mixed(kinds, part, odd)
+            made = weigh(bare, over, times)
+        counts = any_of(bare) if times is None else any_of(bare) & (times > 0.0)
+        good = np.isfinite(made).all(axis=1) & (~counts | any_of(made))
+        require(next(iter(kinds)), bare, good, BEYOND, part.start)
+        factors[part] = made
+    return StatedSprings(
+        factors=factors, notes=(*(note for note in given_notes if note), *odd.notes)
+    )
 
 
-def plane_factors(normals: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(k, 6): L = (n, 0, 0), the normals (k, 3) as they are: W = n n^T."""
-    factors = np.zeros((len(normals), 6))
-    factors[:, [0, 1, 3]] = normals
-    return factors
+def _rows_of(
+    given: GivenSprings, name: str, clouds: tuple[Any, Any], n: int
+) -> tuple[Rows, NDArray[np.bool_]]:
+    """Numbers of one kind, and (n,) where it holds."""
+    source, target = clouds
+    values, several = given.rows[name], len(given.rows) > 1
+    require_not_of_source(values, source, target, name)
+    array = held_rows(values, name)
+    rows = checked_rows(array, name, n, several=several)
+    absent = absent_rows(array.reshape(n, -1)) if several else np.zeros(n, dtype=bool)
+    return rows, ~absent
 
 
-def _weigh(
-    factors: NDArray[np.float64],
-    part: slice,
-    sigma: NDArray[np.float64] | None,
-    weights: NDArray[np.float64] | None,
-) -> None:
-    """Divides by sigma, or multiplies by the root of the weight, in place: the last operation."""
-    if sigma is not None:
-        factors /= sigma[part, np.newaxis] if len(sigma) > 1 else sigma[0]
-    if weights is not None:
-        factors *= np.sqrt(weights[part, np.newaxis] if len(weights) > 1 else weights[0])
-    factors += 0.0  # -0.0 + 0.0 is 0.0: one problem, one digest
+@dataclass(slots=True)
+class _Odd:
+    """Rows that a note tells of, block by block: how many by its words, and which was the first."""
+
+    counts: Counter[str] = field(default_factory=Counter[str])
+    first: dict[str, int] = field(default_factory=dict[str, int])
+
+    def add(self, words: str, start: int, odd: NDArray[np.bool_]) -> None:
+        """Of a block that begins at row `start`; words: with {count} and {first}."""
+        if odd.any():
+            self.counts[words] += int(odd.sum())
+            self.first.setdefault(words, start + int(np.argmax(odd)))
+
+    @property
+    def notes(self) -> Iterable[str]:
+        return (
+            words.format(count=count, first=f"the first in row {self.first[words]} (from 0)")
+            for words, count in self.counts.items()
+        )
 
 
-def _require_lengths(rows: NDArray[np.float64], name: str) -> None:
-    for part in row_blocks(len(rows)):
-        empty = ~rows[part].any(axis=1)
-        if empty.any():
-            row = part.start + int(np.argmax(empty))
+def _mixed(
+    kinds: dict[str, tuple[Rows, NDArray[np.bool_]]], part: slice, odd: _Odd
+) -> NDArray[np.float64]:
+    """(k, 6): the factors of some pairs, each of the one kind that holds for it, or of a point."""
+    factors = np.tile(POINT, (part.stop - part.start, 1))
+    taken = np.zeros(len(factors), dtype=bool)
+    for name, (rows, present) in kinds.items():
+        here = present[part]
+        if (taken & here).any():
+            row = part.start + int(np.argmax(taken & here))
+            others = [other for other in kinds if other != name and kinds[other][1][row]]
             message = (
-                f"{name} row {row} (counting from 0) is 0, 0, 0: a direction needs a length; "
-                "remove the pair, or give it the weight 0"
+                f"row {row} (counting from 0) has {others[0]} and {name}: a pair has one kind of "
+                "spring, and NaN in the others"
             )
-            raise InvalidProblemError(message, array=name, row=row, value=[0.0] * 3)
+            raise InvalidProblemError(message, array=name, row=row)
+        taken |= here
+        chosen = np.asarray(rows[part], dtype=np.float64)
+        factors[here] = _made(name, chosen, here, part.start, odd)[here]
+    words = "{count} pairs have no kind of spring, {first}: each is a point spring"
+    odd.add(words, part.start, ~taken)
+    return factors
 
 
-def summary_of(factors: NDArray[np.float64]) -> SpringSummary:
-    """The kind of springs, by the exact ranks of their factors (N, 6).
+def _made(
+    name: str, rows: Rows, here: NDArray[np.bool_], start: int, odd: _Odd
+) -> NDArray[np.float64]:
+    """(k, 6): factors of one kind; of rows where it does not hold they mean nothing."""
+    if name in {"normals", "directions"}:
+        require(name, rows, ~here | any_of(rows), NO_LENGTH, start)
+        _note_lengths(name, rows, here, start, odd)
+        safe = np.where(here[:, np.newaxis], rows, 1.0)
+        return plane_factors(safe) if name == "normals" else line_factors(safe)
+    if name == "factors":
+        return plane_factors(rows) if rows.shape[1] == 3 else rows
+    largest = np.abs(rows).max(axis=1)
+    good = (largest == 0.0) | ((largest >= SMALLEST_ENTRY) & (largest <= LARGEST_ENTRY))
+    require(name, rows, ~here | good, BEYOND, start)
+    return _of_matrices(name, rows, here, start, odd)
 
-    Raises InvalidProblemError where none counts.
-    """
-    counts = np.zeros(4, dtype=np.int64)
-    for part in row_blocks(len(factors)):
-        counts += np.bincount(ranks_of(factors[part]), minlength=4)
-    present = [rank for rank in (1, 2, 3) if counts[rank]]
-    if not present:
-        message = "all springs are zero: no correspondence counts, so every pose is as good"
-        raise InvalidProblemError(message, array="factors", value=0.0)
-    kind = KINDS[present[0]] if len(present) == 1 else "mixed"
-    zero, one, two, three = counts.tolist()
-    return SpringSummary(kind=kind, ranks=(zero, one, two, three))
+
+def _note_lengths(name: str, rows: Rows, here: NDArray[np.bool_], start: int, odd: _Odd) -> None:
+    with np.errstate(over="ignore", under="ignore"):
+        lengths = np.sqrt((rows * rows).sum(axis=1))
+    words = f"{name}: {{count}} are not of length 1, {{first}}: springs count by its square"
+    odd.add(words, start, here & (np.abs(lengths - 1.0) > UNIT_LENGTH))
 
 
-def ranks_of(factors: NDArray[np.float64]) -> NDArray[np.int64]:
+def _of_matrices(
+    name: str, rows: Rows, here: NDArray[np.bool_], start: int, odd: _Odd
+) -> NDArray[np.float64]:
+    """Factors of information, or of the inverse of covariances."""
+    safe = np.where(here[:, np.newaxis], rows, (1.0, 0.0, 0.0, 1.0, 0.0, 1.0))
+    found = covariance_factors(safe) if name == "covariances" else information_factors(safe)
+    require(name, rows, ~found.indefinite, INDEFINITE, start)
+    if name == "covariances":
+        require(name, rows, found.ranks == 3, RANK_BELOW_3, start)
+    words = f"{name}: {{count}} are singular to rounding, {{first}}: read as of a lower rank"
+    odd.add(words, start, here & found.singular)
+    return found.factors
+
+
+def _part(values: Rows | None, part: slice) -> Rows | None:
+    """Of one number for each pair those of some; a single one as it is."""
+    return values if values is None or len(values) == 1 else np.asarray(values[part], np.float64)
+
+
+def ranks_of(factors: Rows) -> NDArray[np.int64]:
     """(k,): the exact rank of every L.
 
     Where l11 is not zero, the first column is independent of the others, which have the rank of

@@ -1,0 +1,190 @@
+"""The numbers of general springs as users hold them: arrays, tables, objects of other libraries.
+
+What comes out has one row per pair: three numbers of a normal, a direction or a column of L, six of
+a symmetric matrix or of L.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from certreg.errors import InvalidProblemError
+from certreg.problem.arrays import (
+    ATTRIBUTES,
+    data_frame,
+    finite_doubles,
+    real_numbers,
+    row_blocks,
+)
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Rows = NDArray[np.float64]
+
+SYMMETRIC = ("xx", "xy", "xz", "yy", "yz", "zz")
+LOWER = ("l11", "l21", "l22", "l31", "l32", "l33")  # by rows
+COLUMNS = {  # of tables: the names that a kind may have, the widest first
+    "normals": (("nx", "ny", "nz"),),
+    "directions": (("dx", "dy", "dz"),),
+    "covariances": (tuple(f"c{name}" for name in SYMMETRIC), SYMMETRIC),
+    "information": (SYMMETRIC,),
+    "factors": (LOWER, ("lx", "ly", "lz")),
+}
+SHAPES = {  # of the rows of arrays
+    "normals": ((3,),),
+    "directions": ((3,),),
+    "covariances": ((3, 3), (6,)),
+    "information": ((3, 3), (6,)),
+    "factors": ((6,), (3,), (3, 3)),
+}
+HELD = {  # by objects: Open3D, trimesh, PyVista; small_gicp
+    "normals": ("normals", "vertex_normals", "point_normals"),
+    "covariances": ("covariances", "covs"),
+}
+ASYMMETRY = 1e-12  # of the largest entry of a matrix
+UPPER_OF_NINE = [0, 1, 2, 4, 5, 8]
+LOWER_OF_NINE = [0, 3, 6, 4, 7, 8]
+FACTOR_OF_NINE = [0, 3, 4, 6, 7, 8]
+
+
+def held_rows(given: Any, name: str) -> NDArray[Any]:
+    """The numbers of one kind of springs, as an array of one of the shapes of their kind.
+
+    Raises InvalidProblemError where a cloud has none, or a table no such columns.
+    """
+    if data_frame(given):
+        return _of_frame(given, name)
+    held = held_by(given, name)
+    if held is None and not isinstance(given, np.ndarray) and _is_cloud(given):
+        message = f"{name}: the cloud that was given has no {name}: give those of the target"
+        raise InvalidProblemError(message, array=name)
+    array = real_numbers(given if held is None else held, name)
+    if held is not None and array.shape[1:] in {(4,), (4, 4)}:  # small_gicp: a zero behind
+        array = array[:, :3] if array.ndim == 2 else array[:, :3, :3]
+    if held is not None and len(array) == 0:
+        message = f"{name}: the cloud that was given has none: estimate them first"
+        raise InvalidProblemError(message, array=name, value=0)
+    return array
+
+
+def held_by(given: Any, name: str) -> Any:
+    """What an object has of this kind; None where it has no such attribute, or is an array."""
+    if isinstance(given, np.ndarray):
+        return None
+    for attribute in (name, *HELD.get(name, ())):
+        held = getattr(given, attribute, None)
+        if held is None:
+            held = getattr(getattr(given, "point", None), attribute, None)  # tensors, of Open3D
+        if held is not None:
+            return held() if callable(held) else held
+    return None
+
+
+def _is_cloud(given: Any) -> bool:
+    return any(hasattr(given, attribute) for attribute in (*ATTRIBUTES, "point"))
+
+
+def _of_frame(frame: Any, name: str) -> NDArray[Any]:
+    """The columns of a table that have the names of this kind, or all where none has a name."""
+    names: list[Any] = list(frame.columns)
+    plain = [one.strip().lower() if isinstance(one, str) else one for one in names]
+    for wanted in COLUMNS[name]:
+        if all(plain.count(one) == 1 for one in wanted):
+            chosen = [names[plain.index(one)] for one in wanted]
+            return np.column_stack([real_numbers(frame[column], name) for column in chosen])
+    if not any(isinstance(one, str) for one in names):
+        return real_numbers(frame.to_numpy(), name)
+    wanted = " or ".join(",".join(one) for one in COLUMNS[name])
+    message = f"{name} is a data frame without the columns {wanted}: name them so"
+    raise InvalidProblemError(message, array=name, value=names)
+
+
+def require_not_of_source(given: Any, source: Any, target: Any, name: str) -> None:
+    """That these are not what the source holds: in its frame they would turn with R."""
+    if source is target or isinstance(source, np.ndarray) or data_frame(source):
+        return
+    own = held_by(source, name)
+    same = given is source or given is own
+    if not same and own is not None and given is not target:
+        here, there = np.asarray(own), np.asarray(held_rows(given, name))
+        same = here.size > 0 and np.array_equal(here, there)
+        same = same and not np.array_equal(here, np.asarray(held_by(target, name)))
+    if same:
+        remedy = "give those of the target, or swap the clouds and invert the pose"
+        if name == "covariances":
+            remedy += "; of both sides: information=certreg.gicp_information(...)"
+        message = (
+            f"{name} are of the source: they turn with the rotation that is sought, and a spring "
+            f"stands in the frame of the target; {remedy}"
+        )
+        raise InvalidProblemError(message, array=name)
+
+
+def checked_rows(array: NDArray[Any], name: str, n: int, *, several: bool) -> Rows:
+    """(n, 3) or (n, 6) doubles, finite; zeros in rows of NaN, where several kinds are given.
+
+    Of matrices (n, 3, 3) the six numbers. (n, 6) doubles that are mapped from a file stay there.
+    Raises InvalidProblemError with the row.
+    """
+    if array.shape[:1] != (n,) or array.shape[1:] not in SHAPES[name]:
+        forms = " or ".join(str((n, *shape)) for shape in SHAPES[name])
+        message = f"{name} has shape {array.shape}: expected {forms}, one row per pair"
+        raise InvalidProblemError(message, array=name, value=array.shape, limit=n)
+    flat = array.reshape(n, -1)
+    absent = absent_rows(flat)
+    if absent.any() and not several:
+        row = int(np.argmax(absent))
+        message = (
+            f"{name} row {row} (counting from 0) is NaN: the pair has no spring; remove it from "
+            "both clouds (for a point spring give factors, too: 1, 0, 1, 0, 0, 1 in this row, and "
+            "NaN in the others)"
+        )
+        raise InvalidProblemError(message, array=name, row=row, value=flat[row].tolist())
+    rows = finite_doubles(np.where(absent[:, None], 0, flat) if absent.any() else flat, name)
+    return rows if rows.shape[1] != 9 else _six(rows, name)
+
+
+def absent_rows(rows: NDArray[Any]) -> NDArray[np.bool_]:
+    """(n,): where all numbers of a row are NaN."""
+    if rows.dtype.kind != "f":
+        return np.zeros(len(rows), dtype=bool)
+    absent = np.empty(len(rows), dtype=bool)
+    for part in row_blocks(len(rows)):
+        absent[part] = np.isnan(rows[part]).all(axis=1)
+    return absent
+
+
+def _six(rows: Rows, name: str) -> Rows:
+    """Symmetric matrices by xx, xy, xz, yy, yz, zz, the means of both sides; factors by LOWER."""
+    upper, lower = rows[:, UPPER_OF_NINE], rows[:, LOWER_OF_NINE]
+    if name == "factors":
+        require(name, rows, ~any_of(upper[:, [1, 2, 4]]), _NOT_LOWER)
+        return np.ascontiguousarray(rows[:, FACTOR_OF_NINE])
+    most = ASYMMETRY * np.abs(rows).max(axis=1)
+    require(name, rows, ~any_of(np.abs(upper - lower) > most[:, np.newaxis]), _NOT_SYMMETRIC)
+    return upper / 2.0 + lower / 2.0
+
+
+_NOT_LOWER = "has entries above its diagonal: give a lower triangular L, as numpy.linalg.cholesky"
+_NOT_SYMMETRIC = "is not symmetric up to 1e-12 of its largest entry: give (W + W^T)/2"
+
+
+def require(
+    name: str, rows: NDArray[Any], good: NDArray[np.bool_], words: str, start: int = 0
+) -> None:
+    """Raises InvalidProblemError for the first row that is not good: `words` say what it is.
+
+    start: which row of the user's the first is.
+    """
+    if not good.all():
+        k = int(np.argmin(good))
+        message = f"{name} row {start + k} (counting from 0) {words}"
+        raise InvalidProblemError(message, array=name, row=start + k, value=rows[k].tolist())
+
+
+def any_of(rows: NDArray[Any]) -> NDArray[np.bool_]:
+    """(k,): whether a row has an entry that is not zero (False)."""
+    return np.logical_or.reduce(rows.astype(bool), axis=1)
