@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from certreg.native.codegen.emit import C_FILE as C_FILE
     from certreg.native.codegen.emit import HEADER_FILE as HEADER_FILE
     from certreg.native.codegen.emit import generated_files as generated_files
+    from certreg.native.cones import ConeSearch as ConeSearch
+    from certreg.native.cones import ConesEnding as ConesEnding
+    from certreg.native.cones import search_cones as search_cones
     from certreg.native.eigenbasis import FIXED_BITS as FIXED_BITS
     from certreg.native.eigenbasis import fixed_eigenbasis as fixed_eigenbasis
     from certreg.native.engine import current_engine as current_engine
@@ -58,6 +61,11 @@ __getattr__ = lazy_face(
             "C_FILE",
             "HEADER_FILE",
             "generated_files",
+        ),
+        "cones": (
+            "ConeSearch",
+            "ConesEnding",
+            "search_cones",
         ),
         "eigenbasis": (
             "FIXED_BITS",

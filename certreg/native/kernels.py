@@ -32,6 +32,7 @@ UNITS = (
     HERE / "lanes.c",
     HERE / "exact.c",
     HERE / "certifying.c",
+    HERE / "cones.c",
     HERE / "eigenbasis.c",
     HERE / "fixed.c",
     HERE / "pose.c",
@@ -45,7 +46,7 @@ HEADERS = (
         HERE / name
         for name in (
             *("certifying.h", "loops.h", "lanes.h", "loop.h", "exact.h", "fixed.h"),
-            *("eigen.h", "eigenbasis.h", "pose.h", "stationary.h", "sums.h"),
+            *("eigen.h", "eigenbasis.h", "pose.h", "stationary.h", "sums.h", "cones.h"),
         )
     ),
 )
@@ -59,6 +60,7 @@ WRITTEN = (  # by hand, not generated
     "certreg_splitting_single",
     "certreg_splitting_lanes",
     "certreg_midpoint_single",
+    "certreg_cones",
     "certreg_eigenbasis",
     "certreg_exact_sums",
     "certreg_few_sums",
