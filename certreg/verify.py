@@ -25,7 +25,7 @@ from dataclasses import Field, dataclass, fields
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from getopt import GetoptError, gnu_getopt
-from itertools import accumulate, chain
+from itertools import accumulate, chain, repeat
 from math import frexp, gcd, isfinite, isqrt, ldexp
 from operator import add, mul, neg
 from pathlib import Path
@@ -40,7 +40,7 @@ INLINE_MAX, FILE_MAX = 10**6, 10**8  # points in a certificate, 75 MB in base64;
 NODES_MAX = 50_000  # commas and brackets; each costs less than 600 bytes of memory: < 30 MB
 DIGITS_MAX, EXPONENT_MAX = 4300, 32768  # of an integer, as Python's own limit; of a dyadic
 LIMITS = {"max-angle": "angle", "max-gap": "share"}  # options, and what of Worth they limit
-BLOCK, STEP = 8192, 64  # points split at a time; their exponents are rounded to it if far apart
+BLOCK, NEAR = 8192, 128  # points split at a time; exponents so far apart are made the same
 PRIME, BITS, DEGREES = 2**31 - 1, 256, Fraction("57.295779514")  # in a radian: 180/pi = ...513...
 
 
@@ -129,9 +129,8 @@ def parse(text: bytes) -> Statement:
     """The certificate in a file, of any kind in KINDS."""
     nodes = sum(map(text.count, (b",", b"[", b"{")))
     require(len(text) <= FILE_MAX and nodes <= NODES_MAX, "the certificate is too large")
-    hooks: dict[str, Any] = {"parse_int": _bounded, "parse_constant": _bounded}
     try:
-        document = json.loads(text.decode(), object_pairs_hook=_unique, **hooks)
+        document = JSON.decode(text.decode())
     except (ValueError, RecursionError) as error:
         raise RefusalError("the certificate is not JSON in UTF-8 of a sane depth") from error
     kind = document.get("kind") if document.__class__ is dict else None
@@ -152,7 +151,8 @@ def entries_of(document: Any, keys: dict[str, str]) -> dict[str, Any]:
         name, known = place.rstrip("?"), {*words.replace("?", "").split()}
         absent = name != place and document.get(name) is None
         part: Any = dict.fromkeys(known) if absent else document[name] if name else document
-        good = part.__class__ is dict and known & {*words.split()} <= part.keys() <= known
+        needed = known & {*words.split()} if "?" in words else known
+        good = part.__class__ is dict and needed <= part.keys() <= known
         require(good, f"{name or 'the certificate'} must have exactly the keys {words}")
         entries.update(part)
     return entries
@@ -160,12 +160,12 @@ def entries_of(document: Any, keys: dict[str, str]) -> dict[str, Any]:
 
 def entry(wanted: Field[Any], value: Any) -> Any:
     """The value of an entry, of the type that its field in a kind has; None where it may be."""
-    name, (kind, _, null) = wanted.name, str(wanted.type).partition(" | ")
+    kind, _, null = wanted.type.partition(" | ")
     if value.__class__ is TYPES.get(kind) or (null and value is None):
         return value
-    require(kind in LENGTHS and value.__class__ is list, f"{name} is of a wrong type")
-    good = len(value) in LENGTHS[kind] and all(each.__class__ is int for each in value)
-    require(good, f"{name} is not a list of integers of the right length")
+    require(kind in LENGTHS and value.__class__ is list, f"{wanted.name} is of a wrong type")
+    good = len(value) in LENGTHS[kind] and {*map(type, value)} <= {int}
+    require(good, f"{wanted.name} is not a list of integers of the right length")
     return _dyadic(*value) if kind == "Fraction" else tuple(value)
 
 
@@ -175,8 +175,8 @@ def _dyadic(number: int, exponent: int) -> Fraction:
 
 
 def _unique(pairs: list[tuple[str, object]]) -> dict[str, object]:
-    require(len(pairs) == len(dict(pairs)), "a key appears twice")
-    return dict(pairs)
+    require(len(pairs) == len(found := dict(pairs)), "a key appears twice")
+    return found
 
 
 def _bounded(digits: str) -> int:
@@ -225,39 +225,38 @@ def bound_doubles(certificate: Statement, clouds: Clouds | None) -> memoryview:
 
 
 def moments(doubles: bytes | memoryview, n: int) -> tuple[Matrix, int]:
-    """7x7 table m and e: sum w a_i a_j = m[i][j] 2^e for i <= j; a = (1, x1, x2, x3, y1, y2, y3).
-
-    Exact: doubles are integers times powers of two, and products with the same power are added up.
-    """
-    sums: list[list[dict[int, int]]] = [[{} for _ in range(i, 7)] for i in range(7)]
+    """m, e: exactly sum w a_i a_j = m[i][j] 2^e for i <= j, a = (1, x1, x2, x3, y1, y2, y3)."""
+    m, e = [[0] * 7 for _ in range(7)], 0
     for start in range(0, n, BLOCK):
         count = min(BLOCK, n - start)
         x, y = (_split(doubles, first, 3 * count) for first in (3 * start, 3 * (n + start)))
-        w, g = _split(doubles, 6 * n + start, count)
+        w, g, low = _split(doubles, 6 * n + start, count)
         require(min(w) >= 0, "a weight is negative")
-        near = all(e.count(e[0]) == len(e) for e in (x[1], y[1], g))  # as usual
-        unit = w[0] if near and w.count(w[0]) == count else 1  # taken out of equal weights
-        a = [([1] * count, [0] * count), *((k[i::3], e[i::3]) for k, e in (x, y) for i in range(3))]
-        for i, (left, e) in enumerate(a):
-            weighted, powers = left if unit > 1 else list(map(mul, w, left)), list(map(add, g, e))
-            for sum_, (right, f) in zip(sums[i], a[i:]):
+        near, old, e = not any(chain(x[1], y[1], g)), e, min(e, low + 2 * min(0, x[2], y[2]))
+        unit = w[0] if w.count(w[0]) == count else 0  # as usual: taken out
+        a = [([1] * count, [0] * count, 0)]
+        a += [(k[i::3], s[i::3], p) for k, s, p in (x, y) for i in range(3)]
+        for i, (left, s, p) in enumerate(a):
+            weighted, shifts = left if unit else list(map(mul, w, left)), list(map(add, g, s))
+            for j, (right, t, q) in enumerate(a[i:], i):
                 terms = map(mul, weighted, right)
-                for power, term in zip(map(add, powers, f), [unit * sum(terms)] if near else terms):
-                    sum_[power] = sum_.get(power, 0) + term
-    low, of = min(chain(*chain(*sums))), enumerate(sums)
-    return [[0] * i + [sum(k << e - low for e, k in s.items()) for s in row] for i, row in of], low
+                total = sum(terms if near else map(int.__lshift__, terms, map(add, shifts, t)))
+                m[i][j] = (m[i][j] << old - e) + (total * (unit or 1) << low + p + q - e)
+    return m, e
 
 
-def _split(doubles: bytes | memoryview, first: int, count: int) -> tuple[list[int], list[int]]:
-    """Integers k and e such that the doubles are k 2^e; all e are the same unless far apart."""
+def _split(doubles: bytes | memoryview, first: int, count: int) -> tuple[list[int], list[int], int]:
+    """Integers k, s and low such that the doubles are k 2^(s + low); all s >= 0, or 0 if near."""
     values = struct.unpack_from(f"<{count}d", doubles, 8 * first)
     bits = struct.unpack_from(f"<{count}Q", doubles, 8 * first) if 0.0 in values else ()  # or -0.0
     require(all(map(isfinite, values)), "the data hold a number that is not finite")
     require(1 << 63 not in bits, "the data hold -0.0, which is not canonical")
     sizes = [*filter(None, map(abs, values))] or [0.0]  # 2^(e - 53) divides what has exponent e
     low, high = frexp(min(sizes))[1] - 53, frexp(max(sizes))[1] - 53
-    e = [low] * count if high - low <= 2 * STEP else [frexp(v)[1] - 53 & -STEP for v in values]
-    return list(map(int, map(ldexp, values, map(neg, e)))), e
+    if high - low <= NEAR:
+        return list(map(int, map(ldexp, values, repeat(-low)))), [0] * count, low
+    e = [frexp(v)[1] - 53 if v else low for v in values]
+    return list(map(int, map(ldexp, values, map(neg, e)))), [k - low for k in e], low
 
 
 def cross(m: Matrix) -> Matrix:
@@ -274,10 +273,9 @@ def inertia(m: Matrix) -> Matrix:
 
 def davenport(C: Matrix) -> Matrix:
     """4x4 matrix K of the 3x3 matrix C: symmetric, q^T K q = tr(R(q)^T C) for unit q."""
-    trace = C[0][0] + C[1][1] + C[2][2]
-    z = [C[2][1] - C[1][2], C[0][2] - C[2][0], C[1][0] - C[0][1]]
-    block = [[C[i][j] + C[j][i] - trace * (i == j) for j in range(3)] for i in range(3)]
-    return [[trace, *z], *([z[i], *block[i]] for i in range(3))]
+    (a, b, c), (d, e, f), (g, h, i) = C
+    s, t, u, x, y, z = b + d, c + g, f + h, h - f, c - g, d - b
+    return [[a + e + i, x, y, z], [x, a - e - i, s, t], [y, s, e - a - i, u], [z, t, u, i - a - e]]
 
 
 def positive_definite(rows: Matrix, last: int = 1) -> bool:
@@ -298,7 +296,7 @@ def definite(A: Matrix, bits: int = BITS) -> bool:
 
 
 def _form(A: Matrix, v: Sequence[int]) -> int:  # v^T A v
-    return sum(entry * sum(map(mul, row, v)) for entry, row in zip(v, A))
+    return sum(map(mul, v, [sum(map(mul, row, v)) for row in A]))
 
 
 def rounded(value: Fraction, digits: int, rounding: str = ROUND_CEILING) -> Decimal:
@@ -500,7 +498,7 @@ class IsotropicStatement(Movable, Statement):
 
     def prove(self, m: Matrix, e: int, *, equal: bool) -> Outcome:
         """All claims, by the functions below; what these prove stands in their docstrings."""
-        good = self.delta > 0 and self.mu >= 0 and any(self.pose)
+        good = self.delta.numerator > 0 <= self.mu.numerator and any(self.pose)
         require(good, "delta > 0, mu >= 0 and a pose other than 0 needed")
         weight, q, norm = _dyadic(m[0][0], e), self.pose, sum(c * c for c in self.pose)
         require(weight > 0, "no weight is positive")
@@ -508,21 +506,21 @@ class IsotropicStatement(Movable, Statement):
         z = min([zeros[0] // 2, *zeros[1:]])
         m = [[m[0][0] >> 2 * z, *[k >> z for k in m[0][1:]]], *m[1:]]  # C, J over the same 2^e/M'
         C, J, mass = cross(m), inertia(m), m[0][0]
-        K, pattern, solid = davenport(C), multiplicities(C), definite(J)
-        numbers = self.delta, self.mu, self.mu if self.nu is None else self.nu
+        K, pattern, solid = davenport(C), multiplicities(C), definite(J, 64)
+        numbers = self.delta, self.gap, self.mu, self.mu if self.nu is None else self.nu
         over = max([-e, *[x.denominator.bit_length() - 1 for x in numbers]])
         one, unit = mass << over, 1 << over + e  # numbers times one are integers, K / unit
-        delta, mu, nu = (x.numerator * (one // x.denominator) for x in numbers)
+        delta, gap, mu, nu = [x.numerator * (one // x.denominator) for x in numbers]
         v = _form(K, q) * unit  # over norm
-        level = v + (delta - mu) * norm
+        level, angle = v + (delta - mu) * norm, self.sin2_half_angle
         require(proves_level(K, unit, q, level, mu), "delta and mu do not prove the pose optimal")
-        require(self.gap >= 2 * self.delta, "claims.gap is below the proved bound 2 delta")
-        angle = self.sin2_half_angle is None or (mu > 0 and self.sin2_half_angle * mu >= delta)
-        require(angle, "claims.sin2_half_angle is below the proved bound delta/mu")
+        require(gap >= 2 * delta, "claims.gap is below the proved bound 2 delta")
+        bounded = angle is None or angle.numerator * mu >= delta * angle.denominator  # delta > 0
+        require(bounded, "claims.sin2_half_angle is below the proved bound delta/mu")
         self._require_equilibria(pattern, solid=solid)
-        dual, gap = self.nu is not None, self.sdp_gap
+        dual, sdp = self.nu is not None, self.sdp_gap
         require(not dual or proves_level(K, unit, q, nu * norm, 0), "sdp.nu bounds nothing")
-        bounded = gap is None or (dual and gap * one * norm >= 2 * (nu * norm - v))
+        bounded = sdp is None or (dual and sdp * one * norm >= 2 * (nu * norm - v))
         require(bounded, "claims.sdp_gap is below the proved bound 2 (nu - v)")
         if self.basin:
             p, w = self.quaternion, self.angular_velocity
@@ -740,6 +738,7 @@ def has_full_rank(rows: Matrix, modulus: int) -> bool:
 
 # --- end of kind: count -------------------------------------------------------------------------
 
+JSON = json.JSONDecoder(object_pairs_hook=_unique, parse_int=_bounded, parse_constant=_bounded)
 KINDS: dict[str, type[Statement]] = {k.kind: k for k in (IsotropicStatement, CountStatement)}
 
 if __name__ == "__main__":

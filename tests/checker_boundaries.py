@@ -722,9 +722,9 @@ def number_cases() -> Iterator[Case]:
 def block_cases() -> Iterator[Case]:
     """Moments of two blocks; the points of the second have weights and places of their own."""
     random = np.random.default_rng(9)
-    for n in (1, 8192, 8193):
+    for n, scale in ((1, 1.0), (8192, 1.0), (8193, 2.0**-4), (8193, 2.0**-20)):
         source, target = random.integers(-99, 99, (2, n, 3)) * 2.0 ** -np.arange(n // 8192 + 1)[-1]
-        source[8192:] /= 16.0  # over another power of two than the first block
+        source[8192:] *= scale  # over another power of two than the first block
         weights = random.integers(1, 9, n)
         weights[-1] = 99
         content = oracle.problem_bytes(source, target, weights)[26:]
@@ -739,7 +739,7 @@ def block_cases() -> Iterator[Case]:
                 for j in range(i, 7)
             )
 
-        yield Case(f"moments of {n}", value_of(agrees), "True$")
+        yield Case(f"moments of {n}, the last times {scale:g}", value_of(agrees), "True$")
     yield from _apart_cases()
 
 
@@ -747,11 +747,13 @@ def _apart_cases() -> Iterator[Case]:
     """Moments of numbers far apart: all of them, those of one cloud, and the weights alone."""
     random = np.random.default_rng(3)
     ones, powers = np.ones((3, 5)), 2.0 ** random.integers(-300, 300, (3, 5))
+    large = 2.0 ** np.array([100, 200, 300, 300, 200])
     for name, scales in {
         "all": powers,
         "sources": [powers[0], *ones[1:]],
         "targets": [ones[0], powers[1], ones[2]],
         "weights": [*ones[:2], powers[2]],
+        "all, none small": [large, large, ones[2]],
         "all, of one weight": powers,
         "none, but tiny beside zeros": [2.0**-300 * ones[0], *ones[1:]],
     }.items():

@@ -43,7 +43,7 @@ def test_the_vectors_are_accepted_by_definition_exactly_where_the_manifest_says_
 @pytest.mark.parametrize(
     "change",
     [
-        (">= 2 * self.delta", "> 2 * self.delta"),
+        (">= 2 * delta", "> 2 * delta"),
         ("claims.gap is below", "claims.gap falls below"),
         ("The objective at R, best translation, exceeds", "The value at R exceeds"),
         ("57.295779514", "59"),
