@@ -722,7 +722,7 @@ def number_cases() -> Iterator[Case]:
 def block_cases() -> Iterator[Case]:
     """Moments of two blocks; the points of the second have weights and places of their own."""
     random = np.random.default_rng(9)
-    for n, scale in ((1, 1.0), (8192, 1.0), (8193, 2.0**-4), (8193, 2.0**-20)):
+    for n, scale in ((1, 1.0), (8192, 1.0), (8193, 2.0**-4), (8193, 2.0**-8)):
         source, target = random.integers(-99, 99, (2, n, 3)) * 2.0 ** -np.arange(n // 8192 + 1)[-1]
         source[8192:] *= scale  # over another power of two than the first block
         weights = random.integers(1, 9, n)
