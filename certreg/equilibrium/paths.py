@@ -4,7 +4,7 @@ A critical line is a complex q, up to a factor, with grad F(q) = l q. If there a
 there are (3^4 - 1) / 2 = 40, counted with multiplicity. Of G = a_1 q_1^4 + ... + a_4 q_4^4 they are
 known: q_i = 0 or a_i q_i^2 = l / 4, so 4 + 12 + 16 + 8 lines by the number of entries that are not
 zero. With random complex a_i the straight path from G to F meets no singularity before its end,
-with probability one [Sommese2005]. Each line has one point on a random complex plane chart . q = 1.
+with probability one [Sommese2005]. Of each line the point on a plane chart . q = 1 is followed.
 
 This is floating point: it proposes. What became of the paths is said.
 """
@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from itertools import combinations, product
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,11 +23,15 @@ from certreg.equilibrium.tracking import (
     DIVERGED,
     LOST,
     REGULAR,
+    Arrivals,
     PathStatus,
+    TrackedPaths,
     TrackerSettings,
+    polished,
     statuses_of,
     track,
 )
+from certreg.native import REACHED, PathRules, quartic_paths
 from certreg.objective import MONOMIALS, levelled
 from certreg.results import Brief
 
@@ -36,14 +40,28 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.equilibrium.tracking import Complexes, Indices, Reals, TrackedPaths
+    from certreg.equilibrium.tracking import Complexes, Indices, Reals
+    from certreg.native import PathEnds
 
 LINES = 40
+# One start is enough for 995 of 1000 random quartics; paths that come near each other need short
+# steps: least_step is for a square root at 1e-18 of the way.
+SETTINGS = TrackerSettings(
+    predictor_bound=0.05, predictor_aim=0.0125, corrector_bound=0.0025, least_step=1e-9
+)
 SEED = 20261  # any: with another the paths differ, and the ends do not
 ATTEMPTS = 4  # sets of a_i and charts
 SAME_LINE = 1e-6  # sine of an angle between lines: regular ends are right to 1e-10
 REAL = 1e-8  # sine of the angle between a line and its conjugate: regular ends are right to 1e-10
+POLISHED = 1e-12  # of Newton's change in C: squared, nothing is left
+POLISHINGS = 5  # two are usual; where more are needed, roots meet or nearly so
+CLEAR_CONDITION = 1e6  # where all digits but six are right, nothing is in doubt
 AXES = np.arange(4)
+CHART_MIXING = 0.3  # of random numbers to the axis in a path's chart, without compiled code
+SIGNS = np.array(
+    [signs for signs in product((0, 1, -1), repeat=4) if next(filter(None, signs), 0) == 1]
+)  # (40, 4): the first that is not zero is positive
+FOURTH_POWERS = [MONOMIALS.index((i,) * 4) for i in range(4)]
 
 
 class PathsOutcome(enum.Enum):
@@ -53,6 +71,7 @@ class PathsOutcome(enum.Enum):
     SINGULAR = (
         "Paths ended where critical lines meet: in a multiple line, in a continuum, or nearly so."
     )
+    CONSTANT = "The quartic is constant: every line is critical."
     INCOMPLETE = (
         "Some paths were lost or met, with every start that was tried: critical lines are missing."
     )
@@ -62,9 +81,10 @@ class PathsOutcome(enum.Enum):
 class CriticalLines(Brief):
     """The ends of the 40 paths.
 
-    points: (40, 4), complex, of norm 1, the largest entry positive. codes: (40,), what became of
-    each path, places in `list(PathStatus)`. quaternions: (k, 4), the real ones of the regular ends,
-    units, of ascending value. attempts: how many starts were tried.
+    points: (40, 4), complex, of norm 1, the largest entry positive; none where the quartic is
+    constant. codes: (40,), what became of each path, places in `list(PathStatus)`. quaternions:
+    (k, 4), the real ones of the regular ends, units, of ascending value. attempts: how many starts
+    were tried.
     """
 
     points: Complexes
@@ -80,25 +100,24 @@ class CriticalLines(Brief):
 
 
 class LineForm:
-    """grad F(q) = l q and chart . q = 1 in (q, l), for paths that share both."""
+    """grad F(q) = l q and chart . q = 1 in (q, l), for paths with charts of their own."""
 
-    def __init__(self, form: FloatingQuartic, chart: Complexes) -> None:
-        """chart: (4,)."""
-        self._form, self._chart = form, chart
+    def __init__(self, form: FloatingQuartic, charts: Complexes) -> None:
+        """charts: (paths, 4)."""
+        self._form, self._charts = form, charts
 
     def evaluate(self, which: Indices, x: Complexes) -> tuple[Complexes, Complexes]:
         """Values (m, 5) and Jacobians (m, 5, 5)."""
-        del which
-        q = x[:, :4]
+        q, charts = x[:, :4], self._charts[which]
         hessians = self._form.hessians(q)
         values = np.empty_like(x)
         values[:, :4] = (hessians @ q[..., None])[..., 0] / 3.0 - x[:, 4:] * q
-        values[:, 4] = q @ self._chart - 1.0
+        values[:, 4] = (charts * q).sum(axis=1) - 1.0
         jacobian = np.zeros((len(x), 5, 5), dtype=np.complex128)
         jacobian[:, :4, :4] = hessians
         jacobian[:, AXES, AXES] -= x[:, 4:]
         jacobian[:, :4, 4] = -q
-        jacobian[:, 4, :4] = self._chart
+        jacobian[:, 4, :4] = charts
         return values, jacobian
 
 
@@ -109,12 +128,15 @@ def critical_lines(
 
     Where paths are lost or meet, all are tried again with another start and more care.
     """
-    tracker = tracker or TrackerSettings()
+    tracker = tracker or SETTINGS
     rng = np.random.default_rng(SEED)
-    form = FloatingQuartic.of(levelled(coefficients).rest)
+    quartic = levelled(coefficients).rest
+    form = FloatingQuartic.of(quartic)
+    if not quartic.any():
+        return _no_lines(PathsOutcome.CONSTANT)
     best: CriticalLines | None = None
     for attempt in range(1, ATTEMPTS + 1):
-        found = _gathered(form, _followed(form, rng, tracker), attempt)
+        found = _gathered(form, _followed(quartic, rng, tracker), attempt)
         if best is None or _lost(found) < _lost(best):
             best = found
         if found.outcome is not PathsOutcome.INCOMPLETE:
@@ -124,37 +146,71 @@ def critical_lines(
     return best
 
 
-def _followed(
-    form: FloatingQuartic, rng: np.random.Generator, tracker: TrackerSettings
-) -> TrackedPaths:
-    """The paths from a start that is drawn anew."""
-    phases = np.exp(2j * np.pi * rng.uniform(size=4))
-    noise = rng.normal(size=(2, 4))
-    chart = noise[0] + 1j * noise[1]
+def _no_lines(outcome: PathsOutcome) -> CriticalLines:
+    return CriticalLines(
+        points=np.zeros((0, 4), dtype=np.complex128),
+        codes=np.zeros(0, dtype=np.int8),
+        quaternions=np.zeros((0, 4)),
+        outcome=outcome,
+        attempts=0,
+    )
+
+
+def _followed(quartic: Reals, rng: np.random.Generator, tracker: TrackerSettings) -> TrackedPaths:
+    """The paths from a start that is drawn anew, by C where there is compiled code."""
+    form, a = FloatingQuartic.of(quartic), np.exp(2j * np.pi * rng.uniform(size=4))
+    roots = _known_roots(a)
+    ends = quartic_paths(quartic, a, roots, _rules(tracker))
+    if ends is not None:
+        return _sorted_out(form, roots, ends, tracker)
     coefficients = np.zeros(len(MONOMIALS), dtype=np.complex128)
-    coefficients[[MONOMIALS.index((i,) * 4) for i in range(4)]] = phases
-    start = FloatingQuartic.of(coefficients)
-    roots = np.array([_root(line, chart) for line in _known_lines(phases)])
-    return track(LineForm(start, chart), LineForm(form, chart), roots, 1.0, tracker)
+    coefficients[FOURTH_POWERS] = a
+    noise = rng.normal(size=(2, LINES, 4))
+    charts = roots[:, :4].conj() + CHART_MIXING * (noise[0] + 1j * noise[1])
+    over = 1.0 / (charts * roots[:, :4]).sum(axis=1, keepdims=True)
+    start = roots * np.concatenate([np.repeat(over, 4, axis=1), over * over], axis=1)
+    begun = LineForm(FloatingQuartic.of(coefficients), charts)
+    return track(begun, LineForm(form, charts), start, 1.0, tracker)
 
 
-def _known_lines(a: Complexes) -> list[Complexes]:
-    """The 40 critical lines of sum a_i q_i^4: entries +-a_i^(-1/2) or 0, one of q and -q each."""
-    roots = 1.0 / np.sqrt(a)
-    lines: list[Complexes] = []
-    for count in range(1, 5):
-        for support in combinations(range(4), count):
-            for signs in product((1.0, -1.0), repeat=count - 1):
-                line = np.zeros(4, dtype=np.complex128)
-                line[list(support)] = roots[list(support)] * (1.0, *signs)
-                lines.append(line)
-    return lines
+def _rules(tracker: TrackerSettings) -> PathRules:
+    """What C needs of the settings, and by what it polishes."""
+    names = PathRules.__annotations__.keys() - {"polished", "polishings"}
+    settings = {name: getattr(tracker, name) for name in names}
+    return PathRules(**settings, polished=POLISHED, polishings=POLISHINGS)
 
 
-def _root(line: Complexes, chart: Complexes) -> Complexes:
-    """The point of a known line in the chart, and its l: 4 where a_i q_i^2 = 1."""
-    scale = 1.0 / (line @ chart)
-    return np.append(scale * line, 4.0 * scale * scale)
+def _sorted_out(
+    form: FloatingQuartic, roots: Complexes, ends: PathEnds, tracker: TrackerSettings
+) -> TrackedPaths:
+    """The ends as `track` gives them; those that C leaves in doubt are polished as there."""
+    codes = np.where(ends.codes == REACHED, REGULAR, LOST).astype(np.int8)
+    clear = (ends.changes <= POLISHED) & (ends.conditions <= CLEAR_CONDITION)
+    points, conditions = ends.points, ends.conditions
+    coranks = np.zeros(len(codes), dtype=np.int8)
+    rows = np.flatnonzero((codes == REGULAR) & ~clear)
+    if len(rows):
+        arrivals = Arrivals(
+            roots=roots[rows], points=points[rows], codes=codes[rows], rounds=ends.rounds[rows]
+        )
+        target = LineForm(form, points[rows, :4].conj())
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # ends as a status
+            doubtful = polished(target, arrivals, tracker)
+        points[rows], codes[rows] = doubtful.points, doubtful.codes
+        conditions[rows], coranks[rows] = doubtful.conditions, doubtful.coranks
+    return TrackedPaths(
+        points=points, codes=codes, conditions=conditions, coranks=coranks, rounds=ends.rounds
+    )
+
+
+def _known_roots(a: Complexes) -> Complexes:
+    """The critical lines of sum a_i q_i^4, (40, 5): units q with entries +-a_i^(-1/2) or 0, and l.
+
+    One of q and -q each. Where all a_i q_i^2 are 1 or 0, l is 4.
+    """
+    q = SIGNS / np.sqrt(a)
+    squares = (q.real**2 + q.imag**2).sum(axis=1, keepdims=True)
+    return np.concatenate([q / np.sqrt(squares), 4.0 / squares], axis=1)
 
 
 def _gathered(form: FloatingQuartic, tracked: TrackedPaths, attempt: int) -> CriticalLines:

@@ -100,7 +100,8 @@ def descended(form: FloatingQuartic, starts: Reals) -> Descent:
     """Local minima, by Newton's method on the sphere with turned signs and bounded turns."""
     q: Any = starts / np.linalg.norm(starts, axis=1, keepdims=True)
     values, gradients, hessians = form.curvatures(q)
-    radius, slack = np.full(len(q), LARGEST_TURN), ROUNDING * form.size
+    radius: Any = np.full(len(q), LARGEST_TURN)
+    slack = ROUNDING * form.size
     for _ in range(DESCENT_STEPS):
         turns = _newton_turns(gradients, hessians, radius)
         lengths = _norms(turns)
@@ -110,7 +111,8 @@ def descended(form: FloatingQuartic, starts: Reals) -> Descent:
         new /= np.linalg.norm(new, axis=1, keepdims=True)
         at_new = form.curvatures(new)
         down = at_new[0] <= values + slack
-        radius = _chosen(down, np.minimum(GROW * radius, LARGEST_TURN), SHRINK * lengths)
+        longer: Any = np.minimum(GROW * radius, LARGEST_TURN)
+        radius = _chosen(down, longer, SHRINK * lengths)
         q = _chosen(down, new, q)
         values, gradients, hessians = (
             _chosen(down, *pair) for pair in zip(at_new, (values, gradients, hessians), strict=True)
@@ -118,7 +120,7 @@ def descended(form: FloatingQuartic, starts: Reals) -> Descent:
     return Descent(points=q, values=values, curvatures=_eigenvalues(hessians))
 
 
-def _chosen(rows: Any, new: Any, old: Any) -> Any:
+def _chosen(rows: NDArray[np.bool_], new: Reals, old: Reals) -> Any:
     """The new where a row is chosen, the old elsewhere."""
     return np.where(rows.reshape(-1, *[1] * (new.ndim - 1)), new, old)
 

@@ -133,7 +133,24 @@ def track(
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # ends as a status
         while len(front.which):
             front.advance()
-        return _polished(target, front, settings)
+        arrivals = Arrivals(
+            roots=front.roots, points=front.ends, codes=front.codes, rounds=front.rounds
+        )
+        return polished(target, arrivals, settings)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Arrivals:
+    """Paths near their ends.
+
+    roots, points: (paths, n), where they began and where they are. codes: (paths,), REGULAR at
+    t = 0. rounds: (paths,).
+    """
+
+    roots: Complexes
+    points: Complexes
+    codes: NDArray[np.int8]
+    rounds: NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -249,9 +266,12 @@ class _Correction:
     last: Reals
 
 
-def _polished(target: System, front: _Front, settings: TrackerSettings) -> TrackedPaths:
-    """The ends after Newton's method on the target alone, the regular told from the singular."""
-    x, codes = front.ends, front.codes
+def polished(target: System, arrivals: Arrivals, settings: TrackerSettings) -> TrackedPaths:
+    """The ends after Newton's method on the target alone, the regular told from the singular.
+
+    Points and codes of the arrivals are changed.
+    """
+    x, codes = arrivals.points, arrivals.codes
     conditions, coranks = np.full(len(x), np.inf), np.zeros(len(x), dtype=np.int8)
     there = np.flatnonzero(codes == REGULAR)
     if len(there):
@@ -260,7 +280,7 @@ def _polished(target: System, front: _Front, settings: TrackerSettings) -> Track
         values, jacobian = target.evaluate(there, point)
         scale = np.linalg.svd(jacobian, compute_uv=False)
         # with one unknown a Jacobian has no condition of its own: the start gives the scale
-        usual = np.linalg.norm(target.evaluate(there, front.roots[there])[1], axis=(1, 2))
+        usual = np.linalg.norm(target.evaluate(there, arrivals.roots[there])[1], axis=(1, 2))
         size = np.maximum(scale[:, 0], usual)
         condition = np.where(scale[:, -1] > 0.0, size / scale[:, -1], np.inf)
         tiny = settings.singular_residual * size * np.abs(point).max(axis=1)
@@ -274,7 +294,7 @@ def _polished(target: System, front: _Front, settings: TrackerSettings) -> Track
         coranks[there] = (scale * settings.singular_condition < size[:, None]).sum(axis=1)
         x[there], conditions[there] = point, condition
     return TrackedPaths(
-        points=x, codes=codes, conditions=conditions, coranks=coranks, rounds=front.rounds
+        points=x, codes=codes, conditions=conditions, coranks=coranks, rounds=arrivals.rounds
     )
 
 

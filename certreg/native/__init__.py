@@ -51,6 +51,11 @@ if TYPE_CHECKING:
     from certreg.native.loops import Log as Log
     from certreg.native.loops import Rules as Rules
     from certreg.native.optima import ProvedOptima as ProvedOptima
+    from certreg.native.paths import REACHED as REACHED
+    from certreg.native.paths import STUCK as STUCK
+    from certreg.native.paths import PathEnds as PathEnds
+    from certreg.native.paths import PathRules as PathRules
+    from certreg.native.paths import quartic_paths as quartic_paths
     from certreg.native.stationary import ManyClouds as ManyClouds
     from certreg.native.stationary import StationaryPoses as StationaryPoses
 
@@ -111,6 +116,13 @@ __getattr__ = lazy_face(
             "Rules",
         ),
         "optima": ("ProvedOptima",),
+        "paths": (
+            "REACHED",
+            "STUCK",
+            "PathEnds",
+            "PathRules",
+            "quartic_paths",
+        ),
         "stationary": (
             "ManyClouds",
             "StationaryPoses",

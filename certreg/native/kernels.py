@@ -35,6 +35,7 @@ UNITS = (
     HERE / "cones.c",
     HERE / "eigenbasis.c",
     HERE / "fixed.c",
+    HERE / "paths.c",
     HERE / "pose.c",
     HERE / "stationary.c",
     HERE / "sums.c",
@@ -46,7 +47,7 @@ HEADERS = (
         HERE / name
         for name in (
             *("certifying.h", "loops.h", "lanes.h", "loop.h", "exact.h", "fixed.h"),
-            *("eigen.h", "eigenbasis.h", "pose.h", "stationary.h", "sums.h", "cones.h"),
+            *("cones.h", "eigen.h", "eigenbasis.h", "paths.h", "pose.h", "stationary.h", "sums.h"),
         )
     ),
 )
@@ -69,6 +70,7 @@ WRITTEN = (  # by hand, not generated
     "certreg_fixed_vectors",
     "certreg_pose",
     "certreg_prove_optima",
+    "certreg_quartic_paths",
     "certreg_stationary_poses",
     "certreg_sums",
 )

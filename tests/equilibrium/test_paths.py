@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from itertools import product
 
 import numpy as np
 import pytest
@@ -49,8 +50,7 @@ def test_every_end_is_a_critical_line_and_real_ones_obey_the_count_of_morse(seed
     for q in found.points:
         slope = np.array(gradient(random_quartic(seed).tolist(), q))
         assert np.abs(slope - (q.conj() @ slope) * q).max() < 1e-10  # q is of norm 1
-    indices = (form.curvatures(found.quaternions)[2] @ np.eye(3)).copy()
-    signs = np.sign(np.linalg.det(indices))
+    signs = np.sign(np.linalg.det(form.curvatures(found.quaternions)[2]))
     assert len(found.quaternions) >= 4
     assert signs.sum() == 0  # the Euler characteristic of the rotations
     assert np.all(np.diff(form.values(found.quaternions)) >= 0)
@@ -74,12 +74,55 @@ def test_lines_do_not_change_with_scale_and_level():
 
 
 def test_a_continuum_is_told():
-    """q^T K q |q|^2: every isotropic q is critical, too."""
-    found = critical_lines(diagonal((1.0, 1.0, 1.0, 1.0)))  # 8 of the 16 have company
+    """(R_33 - 0.3)^2: critical wherever R_33 is 0.3, 1 or -1."""
+    squares = {(0, 0): 0.7, (3, 3): 0.7, (1, 1): -1.3, (2, 2): -1.3}  # R_33 - 0.3 |q|^2
+    quartic = np.zeros(len(MONOMIALS))
+    for (one, a), (other, b) in product(squares.items(), repeat=2):
+        quartic[MONOMIALS.index(tuple(sorted((*one, *other))))] += a * b
+    found = critical_lines(quartic)
 
-    assert found.outcome is PathsOutcome.FOUND  # the start itself: a = 1 is regular
-    isotropic = critical_lines(np.multiply(norm_fourth(), np.arange(35) % 7 - 3))
-    assert set(isotropic.statuses) <= set(PathStatus)
+    assert found.outcome is not PathsOutcome.FOUND
+    assert not len(found.quaternions)
+
+
+def test_a_constant_has_no_lines_to_track():
+    found = critical_lines(0.1 * norm_fourth())
+
+    assert (found.outcome, len(found.points), found.statuses) == (PathsOutcome.CONSTANT, 0, ())
+
+
+def test_without_compiled_code_the_ends_are_the_same(monkeypatch):
+    monkeypatch.setattr(paths, "quartic_paths", lambda *_: None)
+    found = critical_lines(random_quartic(0))
+
+    assert found.outcome is PathsOutcome.FOUND
+    assert found.quaternions == pytest.approx(random_lines(0).quaternions, abs=1e-9)
+    overlaps = np.abs(found.points.conj() @ random_lines(0).points.T).max(axis=1)
+    assert overlaps == pytest.approx(np.ones(LINES), abs=1e-12)
+
+
+def test_an_end_in_doubt_is_polished_and_judged_in_numpy(monkeypatch):
+    monkeypatch.setattr(paths, "CLEAR_CONDITION", 0.0)
+    found = critical_lines(random_quartic(1))
+
+    assert found.outcome is PathsOutcome.FOUND
+    assert found.points == pytest.approx(random_lines(1).points, abs=1e-9)
+
+
+def test_ends_that_meet_are_told(monkeypatch):
+    """As if two paths had gone to the same line."""
+    usual = paths._followed
+
+    def meeting(*arguments):
+        tracked = usual(*arguments)
+        tracked.points[1] = 2j * tracked.points[0]
+        return tracked
+
+    monkeypatch.setattr(paths, "_followed", meeting)
+    found = critical_lines(random_quartic(1))
+
+    assert found.outcome is PathsOutcome.INCOMPLETE
+    assert (found.codes == REGULAR).all()
 
 
 def test_where_paths_are_lost_all_are_tried_again_and_it_is_said_if_that_does_not_help():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import itertools
 import json
 import os
 import platform
@@ -27,6 +28,7 @@ from certreg.native import kernels, library
 from certreg.native.evaluator import evaluator
 from certreg.native.kernels import BASELINE, LEVELS, Built, MissingLibraryError, chosen_library
 from certreg.native.library import Library, loaded_library
+from certreg.native.paths import PathRules, quartic_paths
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT / "certreg" / "data"
@@ -135,6 +137,38 @@ def test_every_variant_computes_what_the_generated_python_does(built):
             pairs = zip(one.evaluate(name, *given), evaluator().evaluate(name, *given), strict=True)
             for mine, other in pairs:
                 np.testing.assert_allclose(mine, other, rtol=1e-9, atol=1e-9, err_msg=one.words)
+
+
+def test_every_variant_tracks_paths_to_the_same_ends(built):
+    """Of sum a_i q_i^4 to the same with a real: each path to its own line."""
+    signs = [s for s in itertools.product((0, 1, -1), repeat=4) if next(filter(None, s), 0) == 1]
+    a, b = np.exp(1j * np.arange(4.0)), np.array([1.0, 0.8, 0.7, 0.6])
+    quartic = np.zeros(35)
+    quartic[[0, 20, 30, 34]] = b
+    rules = PathRules(
+        first_step=0.1,
+        predictor_bound=0.05,
+        predictor_aim=0.01,
+        corrector_bound=0.002,
+        least_growth=0.5,
+        most_growth=3.0,
+        shrink=0.4,
+        least_step=1e-9,
+        endgame=1e-14,
+        polished=1e-12,
+        max_rounds=300,
+        polishings=5,
+    )
+    roots, ends = (np.array(signs) / np.sqrt(numbers) for numbers in (a, b))
+    begun = np.concatenate([roots, np.full((40, 1), 4.0)], axis=1)
+    ends /= np.linalg.norm(ends, axis=1, keepdims=True)
+    for one in every_variant(built):
+        found = quartic_paths(quartic, a, begun, rules, one)
+        assert found is not None
+        assert not found.codes.any()
+        assert (found.changes <= rules.polished).all()
+        assert (found.conditions < 1e3).all()
+        assert np.abs((found.points[:, :4].conj() * ends).sum(axis=1)) == pytest.approx(1.0)
 
 
 def test_every_variant_finds_the_same_exact_sums(built):

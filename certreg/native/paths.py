@@ -1,0 +1,102 @@
+"""Paths of the critical lines of a quartic, in C; see paths.c."""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from certreg.native.library import library_if_any
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from certreg.native.library import Library
+
+REACHED, STUCK = range(2)  # as in paths.h
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PathRules:
+    """The steps of a path, as `TrackerSettings` of equilibrium/tracking.py explains them."""
+
+    first_step: float
+    predictor_bound: float
+    predictor_aim: float
+    corrector_bound: float
+    least_growth: float
+    most_growth: float
+    shrink: float
+    least_step: float
+    endgame: float
+    polished: float
+    max_rounds: int
+    polishings: int
+
+
+class _PathRules(ctypes.Structure):
+    _fields_ = tuple(
+        (name, ctypes.c_int64 if kind == "int" else ctypes.c_double)
+        for name, kind in PathRules.__annotations__.items()
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PathEnds:
+    """Where the paths ended.
+
+    points: (paths, 5), q and l, |q| = 1. codes: (paths,), REACHED or STUCK. changes: of the last
+    Newton step there, relative. conditions: of the Jacobian there. rounds: (paths,).
+    """
+
+    points: NDArray[np.complex128]
+    codes: NDArray[np.int8]
+    changes: NDArray[np.float64]
+    conditions: NDArray[np.float64]
+    rounds: NDArray[np.int64]
+
+
+def quartic_paths(
+    quartic: NDArray[np.float64],
+    a: NDArray[np.complex128],
+    roots: NDArray[np.complex128],
+    rules: PathRules,
+    library: Library | None = None,
+) -> PathEnds | None:
+    """The ends of the paths from sum a_i q_i^4 to a quartic (35,).
+
+    a: (4,). roots: (paths, 5), q and l of the start. library: None for the one of this process.
+    None where there is no compiled code.
+    """
+    library = library or library_if_any()
+    if library is None:
+        return None
+    given = [
+        np.ascontiguousarray(quartic, dtype=np.float64),
+        np.ascontiguousarray(a, dtype=np.complex128),
+    ]
+    if [array.shape for array in given] != [(35,), (4,)] or roots.shape[1:] != (5,):
+        raise ValueError("a quartic has 35 coefficients, its start 4, a point 5 entries")
+    count = len(roots)
+    ends = PathEnds(
+        points=np.array(roots, dtype=np.complex128, order="C"),
+        codes=np.empty(count, dtype=np.int8),
+        changes=np.empty(count),
+        conditions=np.empty(count),
+        rounds=np.empty(count, dtype=np.int64),
+    )
+    passed = _PathRules(*[getattr(rules, name) for name in PathRules.__annotations__])
+    found: list[Any] = [ends.points, ends.codes, ends.changes, ends.conditions, ends.rounds]
+    library.handle.certreg_quartic_paths(
+        *[_address(array) for array in given],
+        ctypes.c_int64(count),
+        ctypes.byref(passed),
+        *[_address(array) for array in found],
+    )
+    return ends
+
+
+def _address(array: NDArray[Any]) -> ctypes.c_void_p:
+    return ctypes.c_void_p(array.ctypes.data)
