@@ -9,8 +9,8 @@ import pytest
 
 from build_kernels import NoCompilerError, find_compiler
 from certreg.native.evaluator import evaluator
-from certreg.native.kernels import BUILT, PYTHON, VARIANT, MissingLibraryError, record_of
-from certreg.native.library import loaded_library
+from certreg.native.kernels import BUILT, PYTHON, VARIANT, MissingLibraryError, record_of, runnable
+from certreg.native.library import Library, loaded_library
 
 if TYPE_CHECKING:
     from certreg.native import loops
@@ -26,6 +26,17 @@ def engine(name: str) -> loops.Engine:
         if os.environ.get(VARIANT) != PYTHON and not record_of(BUILT).why:
             raise
         pytest.skip(str(error))
+
+
+def libraries_of_all_variants() -> list[Library]:
+    """The library of each variant that this processor runs, the widest last."""
+    engine("library")
+    with pytest.MonkeyPatch.context() as patch:
+        loaded: list[Library] = []
+        for name in runnable(record_of(BUILT), BUILT):
+            patch.setenv(VARIANT, name)
+            loaded.append(loaded_library.__wrapped__())
+    return loaded
 
 
 def c_compiler() -> tuple[str, ...]:

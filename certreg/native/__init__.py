@@ -56,6 +56,9 @@ if TYPE_CHECKING:
     from certreg.native.paths import PathEnds as PathEnds
     from certreg.native.paths import PathRules as PathRules
     from certreg.native.paths import quartic_paths as quartic_paths
+    from certreg.native.spring_sums import SpringIntegers as SpringIntegers
+    from certreg.native.spring_sums import springs_by_exponent as springs_by_exponent
+    from certreg.native.spring_sums import springs_by_limbs as springs_by_limbs
     from certreg.native.stationary import ManyClouds as ManyClouds
     from certreg.native.stationary import StationaryPoses as StationaryPoses
 
@@ -122,6 +125,11 @@ __getattr__ = lazy_face(
             "PathEnds",
             "PathRules",
             "quartic_paths",
+        ),
+        "spring_sums": (
+            "SpringIntegers",
+            "springs_by_exponent",
+            "springs_by_limbs",
         ),
         "stationary": (
             "ManyClouds",

@@ -6,13 +6,14 @@
  * bits, high 2^56 + low. What is added to either is at most 2^112, so that 2^15 points fit; then they
  * are gathered into one long number. */
 #include "exact.h"
+#include "exponents.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #ifdef __SIZEOF_INT128__
 
 #define PORTION 32768 /* 2^15 */
+#define STEP 2        /* 4 = 2^STEP */
 #define HALF 56       /* bits */
 #define POWERS 1534   /* 3 * 511 + 1: a sum of three e is below, whatever the bits */
 #define PITCH 1539    /* so that the accumulators of one power do not share a place in the cache */
@@ -29,32 +30,6 @@ enum {
 typedef struct {
     __int128 high, low;
 } pair;
-
-typedef struct {
-    int64_t m, e;
-} number;
-
-/* Of the numbers other than 0 in a group of columns: where the lowest bit is set, over 2^-1074; the
- * least and the largest exponent, that is 4e and what is left of it. */
-typedef struct {
-    int64_t lowest, least, most;
-} range;
-
-static inline number split(double value, range *seen)
-{
-    uint64_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    const int64_t biased = bits >> 52 & 2047, normal = biased != 0, e = biased - normal;
-    const int64_t size = (int64_t)(bits & ((UINT64_C(1) << 52) - 1)) | normal << 52;
-    const int64_t m = size << (e & 3), sign = -(int64_t)(bits >> 63);
-    if (size != 0) {
-        const int64_t lowest = e + __builtin_ctzll((uint64_t)size);
-        seen->lowest = lowest < seen->lowest ? lowest : seen->lowest;
-        seen->least = e < seen->least ? e : seen->least;
-        seen->most = e > seen->most ? e : seen->most;
-    }
-    return (number){(m ^ sign) - sign, e >> 2};
-}
 
 /* Add (high 2^HALF + low) 16^e times another number to the accumulator of their power. */
 static inline void add(pair *sum, int64_t high, int64_t low, number b, int64_t e)
@@ -117,25 +92,6 @@ static int are_one_power(int64_t n, const double *weights)
     return first << 12 == 0 && first >> 52 > 0 && first >> 52 < 2047; /* positive, too: else 2^11 is set */
 }
 
-/* Add value 2^shift to a long number of `count` words. */
-static void add_shifted(uint64_t *words, int count, __int128 value, int64_t shift)
-{
-    const int bits = shift & 63;
-    const uint64_t sign = value < 0 ? UINT64_MAX : 0, top = (uint64_t)(value >> 64);
-    const unsigned __int128 moved = (unsigned __int128)value << bits;
-    const uint64_t parts[3] = {
-        (uint64_t)moved, (uint64_t)(moved >> 64), bits ? top >> (64 - bits) | sign << bits : sign};
-    uint64_t carry = 0;
-    for (int64_t k = shift >> 6, part = 0; k < count; k++, part++) {
-        const uint64_t given = part < 3 ? parts[part] : sign;
-        if (part >= 3 && given + carry == 0)
-            return; /* the words above stay as they are */
-        const unsigned __int128 total = (unsigned __int128)words[k] + given + carry;
-        words[k] = (uint64_t)total;
-        carry = (uint64_t)(total >> 64);
-    }
-}
-
 /* Move the accumulators of one sum, of powers in a range, to its long number, times 2^shift. */
 static void gather(uint64_t *words, int count, pair *sum, int64_t least, int64_t most, int64_t shift)
 {
@@ -187,11 +143,11 @@ int certreg_exact_sums(
     for (int64_t i = 0; i < n;) {
         const int64_t end = n - i > PORTION ? i + PORTION : n;
         for (; i < end; i++) {
-            const number w = split(weights[i], &seen[2]);
+            const number w = split(weights[i], &seen[2], STEP);
             number x[3], y[3];
             for (int k = 0; k < 3; k++) {
-                x[k] = split(source[3 * i + k], &seen[0]);
-                y[k] = split(target[3 * i + k], &seen[1]);
+                x[k] = split(source[3 * i + k], &seen[0], STEP);
+                y[k] = split(target[3 * i + k], &seen[1], STEP);
             }
             if (one_power)
                 add_unweighted(sum, x, y);
@@ -215,7 +171,7 @@ static inline int64_t width_of(range seen) { return seen.most < seen.least ? 0 :
 /* A number with its power counted from the least; 0 has the least. */
 static inline number counted(double value, int64_t least, range *seen)
 {
-    number found = split(value, seen);
+    number found = split(value, seen, STEP);
     found.e = found.m == 0 ? 0 : found.e - least;
     return found;
 }
@@ -230,9 +186,9 @@ int certreg_few_sums(
     if (n > PORTION)
         return CERTREG_NO_MEMORY;
     for (int64_t i = 0; i < 3 * n; i++)
-        split(source[i], &seen[0]), split(target[i], &seen[1]);
+        split(source[i], &seen[0], STEP), split(target[i], &seen[1], STEP);
     for (int64_t i = 0; i < n; i++)
-        split(weights[i], &seen[2]);
+        split(weights[i], &seen[2], STEP);
     for (int k = 0; k < 3; k++) {
         if (seen[k].most == 2046)
             return CERTREG_NOT_FINITE;

@@ -31,6 +31,8 @@ UNITS = (
     HERE / "single.c",
     HERE / "lanes.c",
     HERE / "exact.c",
+    HERE / "exact_springs.c",
+    HERE / "limbs.c",
     HERE / "certifying.c",
     HERE / "cones.c",
     HERE / "eigenbasis.c",
@@ -47,7 +49,8 @@ HEADERS = (
         HERE / name
         for name in (
             *("certifying.h", "loops.h", "lanes.h", "loop.h", "exact.h", "fixed.h"),
-            *("cones.h", "eigen.h", "eigenbasis.h", "paths.h", "pose.h", "stationary.h", "sums.h"),
+            *("cones.h", "exact_springs.h", "exponents.h", "eigen.h", "eigenbasis.h"),
+            *("paths.h", "pose.h", "stationary.h", "sums.h"),
         )
     ),
 )
@@ -63,11 +66,13 @@ WRITTEN = (  # by hand, not generated
     "certreg_midpoint_single",
     "certreg_cones",
     "certreg_eigenbasis",
+    "certreg_exact_springs",
     "certreg_exact_sums",
     "certreg_few_sums",
     "certreg_fixed_sums",
     "certreg_fixed_fits",
     "certreg_fixed_vectors",
+    "certreg_limb_springs",
     "certreg_pose",
     "certreg_prove_optima",
     "certreg_quartic_paths",

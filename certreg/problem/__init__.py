@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from certreg.problem.moments import trace as trace
     from certreg.problem.moments_of_springs import SpringMoments as SpringMoments
     from certreg.problem.moments_of_springs import spring_moments as spring_moments
-    from certreg.problem.moments_of_springs import spring_moments_of as spring_moments_of
     from certreg.problem.posing import FloatingPose as FloatingPose
     from certreg.problem.posing import floating_pose as floating_pose
     from certreg.problem.problem import DEFAULT_DAMPING as DEFAULT_DAMPING
@@ -51,6 +50,8 @@ if TYPE_CHECKING:
     from certreg.problem.row_labels import RowLabels as RowLabels
     from certreg.problem.row_labels import labels_of as labels_of
     from certreg.problem.row_labels import require_same_labels as require_same_labels
+    from certreg.problem.spring_sums import second_spring_method as second_spring_method
+    from certreg.problem.spring_sums import spring_sums_by as spring_sums_by
     from certreg.problem.springs import SPRINGS_PREFIX as SPRINGS_PREFIX
     from certreg.problem.springs import SpringSummary as SpringSummary
 
@@ -91,7 +92,6 @@ __getattr__ = lazy_face(
         "moments_of_springs": (
             "SpringMoments",
             "spring_moments",
-            "spring_moments_of",
         ),
         "posing": (
             "FloatingPose",
@@ -118,6 +118,10 @@ __getattr__ = lazy_face(
             "RowLabels",
             "labels_of",
             "require_same_labels",
+        ),
+        "spring_sums": (
+            "second_spring_method",
+            "spring_sums_by",
         ),
         "springs": (
             "SPRINGS_PREFIX",

@@ -17,9 +17,9 @@ import enum
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
 from operator import mul
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar, Self, TypeVar
 
 import numpy as np
 
@@ -56,6 +56,9 @@ PRODUCTS = (
 )
 
 
+S = TypeVar("S", bound="Sums")
+
+
 class SumMethod(enum.Enum):
     """How the sums are taken."""
 
@@ -73,18 +76,20 @@ class Sums:
     `integers` are the 28 sums of W, W X, ... None for a, b or c: all numbers are zero.
     """
 
+    coordinates: ClassVar[tuple[tuple[int, int], ...]] = FACTORS  # of each sum, see there
+
     source_exponent: int | None
     target_exponent: int | None
     weight_exponent: int | None
     integers: tuple[int, ...]
 
-    def __add__(self, other: Sums) -> Sums:
+    def __add__(self, other: Self) -> Self:
         """The sums over the points of both."""
         a = _least(self.source_exponent, other.source_exponent)
         b = _least(self.target_exponent, other.target_exponent)
         c = _least(self.weight_exponent, other.weight_exponent)
         both = zip(self._over(a, b, c), other._over(a, b, c), strict=True)
-        return Sums(
+        return type(self)(
             source_exponent=a,
             target_exponent=b,
             weight_exponent=c,
@@ -98,8 +103,27 @@ class Sums:
         w = _difference(self.weight_exponent, c)
         if not (x or y or w):
             return self.integers
-        pairs = zip(self.integers, FACTORS, strict=True)
+        pairs = zip(self.integers, self.coordinates, strict=True)
         return [k << (w + of_source * x + of_target * y) for k, (of_source, of_target) in pairs]
+
+    @classmethod
+    def stated(
+        cls, integers: Sequence[int], units: Sequence[int], lowest: Sequence[int | None]
+    ) -> Self:
+        """Sums given over units of source, target, weights, over those of their lowest bits."""
+        x, y, w = (
+            0 if low is None else unit - low for unit, low in zip(units, lowest, strict=True)
+        )
+        shifts = (w + of_source * x + of_target * y for of_source, of_target in cls.coordinates)
+        return cls(
+            source_exponent=lowest[0],
+            target_exponent=lowest[1],
+            weight_exponent=lowest[2],
+            integers=tuple(
+                k << shift if shift >= 0 else k >> -shift
+                for k, shift in zip(integers, shifts, strict=True)
+            ),
+        )
 
 
 EMPTY = Sums(
@@ -137,38 +161,45 @@ def sums_by(method: SumMethod, problem: RegistrationProblem, *, threads: int = T
     many, by Python's integers: never by exponents.
     threads: how many may work at once; Python's integers are added by one.
     """
-    if method is SumMethod.BY_EXPONENT:
-        return _on_threads(partial(_by_exponent, loaded_library()), problem, threads)
-    if method is SumMethod.FIXED_POINT:
-        return _on_threads(partial(_by_fixed_point, loaded_library()), problem, threads)
-    if method is SumMethod.LIMBS:
-        return _on_threads(_by_limbs, problem, threads)
-    return _on_threads(_by_integers, problem, 1)
+    one_of: dict[SumMethod, Callable[[Block], Sums]] = {
+        SumMethod.INTEGERS: _by_integers,
+        SumMethod.LIMBS: _by_limbs,
+        SumMethod.BY_EXPONENT: lambda block: _by_exponent(loaded_library(), block),
+        SumMethod.FIXED_POINT: lambda block: _by_fixed_point(loaded_library(), block),
+    }
+    summed = one_of[method]
+    return over_blocks(
+        lambda rows: summed(problem.block(rows)),
+        problem.n,
+        1 if method is SumMethod.INTEGERS else threads,
+        EMPTY,
+    )
 
 
-def _on_threads(
-    summed: Callable[[Block], Sums], problem: RegistrationProblem, threads: int
-) -> Sums:
-    """Of k threads each takes every k-th block; all end when one fails, or at Ctrl-C."""
-    blocks, end = list(row_blocks(problem.n)), threading.Event()
+def over_blocks(summed: Callable[[slice], S], n: int, threads: int, empty: S) -> S:
+    """The sums over n rows: of k threads each takes every k-th block.
+
+    All end when one fails, or at Ctrl-C.
+    """
+    blocks, end = list(row_blocks(n)), threading.Event()
     count = min(threads, len(blocks))
 
-    def share(first: int) -> Sums:
-        total = EMPTY
+    def share(first: int) -> S:
+        total = empty
         for rows in blocks[first::count]:
             if end.is_set():
                 break
-            total += summed(problem.block(rows))
+            total += summed(rows)
         return total
 
     if len(blocks) == 1:
-        return summed(problem.block(blocks[0]))
+        return summed(blocks[0])
     if count == 1:
         return share(0)
     with ThreadPoolExecutor(count) as pool:
         shares = [pool.submit(share, first) for first in range(count)]
         try:
-            return sum((done.result() for done in shares), start=EMPTY)
+            return sum((done.result() for done in shares), start=empty)
         finally:
             end.set()
 
@@ -198,7 +229,7 @@ def _unequal(weights: NDArray[np.float64]) -> NDArray[np.float64] | None:
 def _by_exponent(compiled: Library, block: Block) -> Sums:
     raw = compiled.exact_sums(block.source, block.target, block.weights)
     a, b, c = (None if bit is None else bit + LEAST_EXPONENT for bit in raw.lowest)
-    return _stated(raw.integers, raw.places, (a, b, c))
+    return Sums.stated(raw.integers, raw.places, (a, b, c))
 
 
 def _by_fixed_point(compiled: Library, block: Block) -> Sums:
@@ -211,11 +242,11 @@ def _by_fixed_point(compiled: Library, block: Block) -> Sums:
     )
     integers = _without_biases(raw)
     if weights is not None:
-        return _stated(integers, raw.units, (a, b, c))
+        return Sums.stated(integers, raw.units, (a, b, c))
     one = lift(block.weights[:1])
     (weight,), unit = one.integers, one.exponent
     many = (len(block.weights), *integers[1:])
-    return _stated(
+    return Sums.stated(
         [weight * k for k in many], (*raw.units[:2], unit), (a, b, unit if weight else None)
     )
 
@@ -276,7 +307,7 @@ def _by_few_limbs(block: Block) -> Sums:
     x, y, w = (limbs for limbs in cut if limbs is not None)
     sums_of = _products(x, y, w)
     units = (x.unit, y.unit, w.unit)
-    return _stated(sums_of, units, (x.lowest, y.lowest, w.lowest))
+    return Sums.stated(sums_of, units, (x.lowest, y.lowest, w.lowest))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -379,21 +410,6 @@ def _joined(places: list[int]) -> int:
     for place in places:
         value = (value << LIMB_BITS) + place
     return value
-
-
-def _stated(integers: Sequence[int], units: Sequence[int], lowest: Sequence[int | None]) -> Sums:
-    """Sums given over units of source, target, weights, over the exponents of their lowest bits."""
-    x, y, w = (0 if low is None else unit - low for unit, low in zip(units, lowest, strict=True))
-    shifts = (w + of_source * x + of_target * y for of_source, of_target in FACTORS)
-    return Sums(
-        source_exponent=lowest[0],
-        target_exponent=lowest[1],
-        weight_exponent=lowest[2],
-        integers=tuple(
-            k << shift if shift >= 0 else k >> -shift
-            for k, shift in zip(integers, shifts, strict=True)
-        ),
-    )
 
 
 def _least(one: int | None, other: int | None) -> int | None:

@@ -8,24 +8,19 @@ enough whatever the number of points is.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import product
-from operator import mul
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from certreg.problem.exact_sums import UPPER
-from certreg.problem.problem import lift
+from certreg.problem.spring_sums import spring_sums
 from certreg.results import Brief
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    import numpy as np
-    from numpy.typing import NDArray
-
     from certreg.geometry import Matrix3, Vector3
+    from certreg.problem.problem import RegistrationProblem
+    from certreg.problem.spring_sums import SpringSums
 
 Six = tuple[int, int, int, int, int, int]
-SIDES = ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2))  # row and column of the entries of L
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,60 +51,27 @@ class SpringMoments(Brief):
     spread: int
 
 
-def spring_moments(problem: Any) -> SpringMoments:
-    """The moments of a problem whose springs are matrices, in integers: no rounding anywhere."""
-    return spring_moments_of(problem.source, problem.target, problem.factors)
+def spring_moments(problem: RegistrationProblem) -> SpringMoments:
+    """The moments of a problem of general springs, in integers: no rounding anywhere."""
+    return spring_moments_of(spring_sums(problem), problem.n)
 
 
-def spring_moments_of(
-    source: NDArray[np.float64], target: NDArray[np.float64], factors: NDArray[np.float64]
-) -> SpringMoments:
-    """The moments of points (N, 3) with the factors (N, 6) of their springs."""
-    x, y, rows = (lift(array.reshape(-1)) for array in (source, target, factors))
-    points = [x.integers[k::3] for k in range(3)]
-    ends = [y.integers[k::3] for k in range(3)]
-    springs = _springs([rows.integers[k::6] for k in range(6)])
-    by_source = [[list(map(mul, spring, column)) for column in points] for spring in springs]
-    full = [springs[_place(a, b)] for a, b in product(range(3), repeat=2)]
-    pulls = [_combined(full[3 * a : 3 * a + 3], ends) for a in range(3)]
+def spring_moments_of(sums: SpringSums, n: int) -> SpringMoments:
+    """The moments that exact sums over n points make."""
+    numbers = sums.integers
+    sixes = [_six(numbers[k : k + 6]) for k in range(24, 60, 6)]
     return SpringMoments(
-        n=len(source),
-        source_exponent=x.exponent,
-        target_exponent=y.exponent,
-        weight_exponent=2 * rows.exponent,
-        stiffness=_six([sum(spring) for spring in springs]),
-        source=tuple(_three([sum(column) for column in columns]) for columns in by_source),
-        scatter=tuple(_six([_dot(c[j], points[k]) for j, k in UPPER]) for c in by_source),
-        target=_three([sum(pull) for pull in pulls]),
-        cross=_nine([_dot(pull, column) for pull, column in product(pulls, points)]),
-        spread=sum(_dot(pull, end) for pull, end in zip(pulls, ends, strict=True)),
+        n=n,
+        source_exponent=sums.source_exponent or 0,
+        target_exponent=sums.target_exponent or 0,
+        weight_exponent=sums.weight_exponent or 0,
+        stiffness=_six(numbers[:6]),
+        source=tuple(_three(numbers[k : k + 3]) for k in range(6, 24, 3)),
+        scatter=tuple(sixes),
+        target=_three(numbers[60:63]),
+        cross=(_three(numbers[63:66]), _three(numbers[66:69]), _three(numbers[69:72])),
+        spread=numbers[72],
     )
-
-
-def _springs(factors: Sequence[Sequence[int]]) -> list[list[int]]:
-    """The six entries of L L^T, each over all points, from the six of L."""
-    of = dict(zip(SIDES, factors, strict=True))
-    return [
-        [
-            sum(pair)
-            for pair in zip(*(map(mul, of[a, k], of[b, k]) for k in range(a + 1)), strict=True)
-        ]
-        for a, b in UPPER
-    ]
-
-
-def _place(a: int, b: int) -> int:
-    return UPPER.index((min(a, b), max(a, b)))
-
-
-def _combined(rows: Sequence[Sequence[int]], columns: Sequence[Sequence[int]]) -> list[int]:
-    """The sum of the products of rows and columns, entry by entry."""
-    products = (map(mul, row, column) for row, column in zip(rows, columns, strict=True))
-    return [sum(entries) for entries in zip(*products, strict=True)]
-
-
-def _dot(a: Sequence[int], b: Sequence[int]) -> int:
-    return sum(map(mul, a, b))
 
 
 def _three(entries: Sequence[int]) -> Vector3[int]:
@@ -120,7 +82,3 @@ def _three(entries: Sequence[int]) -> Vector3[int]:
 def _six(entries: Sequence[int]) -> Six:
     a, b, c, d, e, f = entries
     return (a, b, c, d, e, f)
-
-
-def _nine(entries: Sequence[int]) -> Matrix3[int]:
-    return (_three(entries[:3]), _three(entries[3:6]), _three(entries[6:]))

@@ -13,7 +13,7 @@ from certreg.geometry.so3 import quadratic_form, rotation_matrix, squared_norm
 from certreg.objective.isotropic import Isotropic
 from certreg.objective.springs import Springs
 from certreg.problem.moments import exact_moments
-from certreg.problem.moments_of_springs import spring_moments_of
+from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
 
 QUATERNIONS = ((1, 0, 0, 0), (2, -1, 3, 5), (0, 1, 1, 0), (-7, 3, 0, 11))
@@ -35,6 +35,10 @@ def data(kind, n=7, seed=5, scale=1.0, offset=0.0):
     return source, target, factors_of(rng, n, kind)
 
 
+def problem_of(source, target, factors):
+    return RegistrationProblem(source, target, factors=factors)
+
+
 def energy_at(source, target, factors, q, translation):
     """Sum of |L^T (y - R x - t)|^2 over the points, in fractions."""
     norm, rows = squared_norm(q), rotation_matrix(q)
@@ -52,7 +56,7 @@ def energy_at(source, target, factors, q, translation):
 @pytest.mark.parametrize(("scale", "offset"), [(1.0, 0.0), (1e-3, 1e8), (1e150, 0.0)])
 def test_value_form_and_energy_are_the_least_sum_over_the_points_exactly(kind, scale, offset):
     points = data(kind, scale=scale, offset=offset)
-    springs = Springs(spring_moments_of(*points))
+    springs = Springs(spring_moments(problem_of(*points)))
     for q in QUATERNIONS:
         norm, best = squared_norm(q), springs.best_translation(q)
         energy = energy_at(*points, q, best)
@@ -72,7 +76,7 @@ def test_a_wall_leaves_two_shifts_and_the_turn_about_its_normal():
     source, target, _ = data("plane")
     factors = np.tile([0.0, 0.0, 0.0, 0.0, 0.0, 0.0], (len(source), 1))
     factors[:, 3] = 2.0  # L = (0, 0, 2)^T
-    springs = Springs(spring_moments_of(source, target, factors))
+    springs = Springs(spring_moments(problem_of(source, target, factors)))
 
     assert springs.free_translations == ((1, 0, 0), (0, 1, 0))
     assert springs.symmetry == ((0, 0, 1, 0, 0, 0),)
@@ -87,11 +91,11 @@ def test_isotropic_springs_have_the_energy_of_their_weights():
     source, target, _ = data("full")
     roots = np.arange(1.0, 8.0)
     factors = np.outer(roots, [1.0, 0.0, 1.0, 0.0, 0.0, 1.0])
-    springs = Springs(spring_moments_of(source, target, factors))
+    springs = Springs(spring_moments(problem_of(source, target, factors)))
     isotropic = Isotropic(exact_moments(RegistrationProblem(source, target, weights=roots**2)))
 
     assert springs.isotropic_like
-    assert not Springs(spring_moments_of(*data("full"))).isotropic_like
+    assert not Springs(spring_moments(problem_of(*data("full")))).isotropic_like
     assert springs.symmetry == ()
     for q in QUATERNIONS:
         assert springs.energy(q) == isotropic.energy(q)
@@ -100,7 +104,7 @@ def test_isotropic_springs_have_the_energy_of_their_weights():
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_two_energies_are_further_apart_than_the_oscillation(kind):
-    springs = Springs(spring_moments_of(*data(kind, n=20)))
+    springs = Springs(spring_moments(problem_of(*data(kind, n=20))))
     energies = [springs.energy(q) for q in product((-2, -1, 0, 1, 2), repeat=4) if any(q)]
 
     assert max(energies) - min(energies) <= springs.oscillation
@@ -108,7 +112,7 @@ def test_no_two_energies_are_further_apart_than_the_oscillation(kind):
 
 
 def test_derivatives_are_those_of_the_value():
-    springs = Springs(spring_moments_of(*data("line")))
+    springs = Springs(spring_moments(problem_of(*data("line"))))
     q = (3, -1, 2, 5)
     gradient, hessian = springs.gradient(q), springs.hessian(q)
 

@@ -6,18 +6,15 @@ number m 2^e and the smallest m' 2^f, 1 <= m, m' < 2, a cloud takes e - f + 53 b
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import numpy as np
 import pytest
-from engines import engine
+from engines import libraries_of_all_variants
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from certreg import RegistrationProblem
-from certreg.native import kernels
-from certreg.native.library import loaded_library
 from certreg.problem import exact_sums
 from certreg.problem.exact_sums import FACTORS, PRODUCTS
 
@@ -30,19 +27,7 @@ GATHERED = 1024 * VECTORS  # points until totals are gathered
 @pytest.fixture(scope="module")
 def libraries():
     """The library of each variant that this processor runs, the widest last."""
-    engine("library")
-    names = kernels.runnable(kernels.record_of(kernels.BUILT), kernels.BUILT)
-    before = os.environ.get(kernels.VARIANT)
-    loaded = []
-    try:
-        for name in names:
-            os.environ[kernels.VARIANT] = name
-            loaded.append(loaded_library.__wrapped__())
-    finally:
-        os.environ.pop(kernels.VARIANT)
-        if before is not None:
-            os.environ[kernels.VARIANT] = before
-    return loaded
+    return libraries_of_all_variants()
 
 
 def by_definition(source, target, weights):

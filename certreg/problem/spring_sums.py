@@ -1,0 +1,158 @@
+"""The sums over points whose springs are matrices, exactly, by three methods that agree.
+
+Python's own integers for few points; and two of compiled code, each other's test, that share no
+step: by exponents (native/exact_springs.c), signed integers times powers of two, an accumulator for
+each power; and by limbs (native/limbs.c), numbers cut into integers of 22 bits in doubles, whose
+products add up in vectors without rounding.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+from operator import mul
+from typing import TYPE_CHECKING, ClassVar
+
+from certreg.native import library_if_any, loaded_library, springs_by_exponent, springs_by_limbs
+from certreg.problem.exact_sums import THREADS, UPPER, SumMethod, Sums, over_blocks
+from certreg.problem.problem import lift
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from certreg.native import SpringIntegers
+    from certreg.problem.blocks import SpringBlock
+    from certreg.problem.problem import RegistrationProblem
+
+LIMB_POINTS = 128  # from here on limbs: below, they take longer than exponents
+FEW_POINTS = 6  # below, Python's own integers take no longer than a call of compiled code
+SIDES = ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2))  # row and column of the entries of L
+# Of each sum, how many factors are coordinates of the source and of the target; W is always one.
+COORDINATES = (
+    *[(0, 0)] * 6,
+    *[(1, 0)] * 18,
+    *[(2, 0)] * 36,
+    *[(0, 1)] * 3,
+    *[(1, 1)] * 9,
+    (0, 2),
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpringSums(Sums):
+    """Exact sums over points: W; W_ab x; W_ab x x^T; W y; W y x^T by rows; y^T W y.
+
+    Of symmetric matrices from the diagonal on. With source = X 2^a, target = Y 2^b, L = K 2^c in
+    integers, a, b, c as large as can be, W is over 2^(2c), the weight exponent.
+    """
+
+    coordinates: ClassVar[tuple[tuple[int, int], ...]] = COORDINATES
+
+
+EMPTY = SpringSums(
+    source_exponent=None,
+    target_exponent=None,
+    weight_exponent=None,
+    integers=(0,) * len(COORDINATES),
+)
+
+
+def spring_sums(problem: RegistrationProblem) -> SpringSums:
+    """The sums over all points, by the fastest method here."""
+    return spring_sums_by(fastest_spring_method(problem), problem)
+
+
+def fastest_spring_method(problem: RegistrationProblem) -> SumMethod:
+    """The fastest method on this machine for so many points."""
+    if library_if_any() is None or problem.n < FEW_POINTS:
+        return SumMethod.INTEGERS
+    return SumMethod.LIMBS if problem.n >= LIMB_POINTS else SumMethod.BY_EXPONENT
+
+
+def second_spring_method(problem: RegistrationProblem) -> SumMethod:
+    """Another method than the fastest one, for a second opinion; the two share no step."""
+    second = {
+        SumMethod.LIMBS: SumMethod.BY_EXPONENT,
+        SumMethod.BY_EXPONENT: SumMethod.LIMBS,
+    }
+    return second.get(fastest_spring_method(problem), SumMethod.INTEGERS)
+
+
+def spring_sums_by(
+    method: SumMethod, problem: RegistrationProblem, *, threads: int = THREADS
+) -> SpringSums:
+    """The sums over all points by one method. Raises MissingLibraryError.
+
+    Blocks with numbers of too many sizes for limbs go by Python's integers: never by exponents.
+    threads: how many may work at once; Python's integers are added by one.
+    """
+    one_of: dict[SumMethod, Callable[[SpringBlock], SpringSums]] = {
+        SumMethod.INTEGERS: _by_integers,
+        SumMethod.BY_EXPONENT: _by_exponent,
+        SumMethod.LIMBS: _by_limbs,
+    }
+    summed = one_of[method]
+    return over_blocks(
+        lambda rows: summed(problem.spring_block(rows)),
+        problem.n,
+        1 if method is SumMethod.INTEGERS else threads,
+        EMPTY,
+    )
+
+
+def _by_exponent(block: SpringBlock) -> SpringSums:
+    library = loaded_library()
+    return _named(springs_by_exponent(library, block.source, block.target, block.factors))
+
+
+def _by_limbs(block: SpringBlock) -> SpringSums:
+    library = loaded_library()
+    raw = springs_by_limbs(library, block.source, block.target, block.factors)
+    return _by_integers(block) if raw is None else _named(raw)
+
+
+def _named(raw: SpringIntegers) -> SpringSums:
+    a, b, c = raw.lowest
+    return SpringSums.stated(raw.integers, raw.units, (a, b, None if c is None else 2 * c))
+
+
+def _by_integers(block: SpringBlock) -> SpringSums:
+    x, y, rows = (lift(array.ravel()) for array in (block.source, block.target, block.factors))
+    points = [x.integers[k::3] for k in range(3)]
+    ends = [y.integers[k::3] for k in range(3)]
+    springs = _springs([rows.integers[k::6] for k in range(6)])
+    weighted = [[list(map(mul, spring, column)) for column in points] for spring in springs]
+    full = [springs[UPPER.index((min(a, b), max(a, b)))] for a, b in product(range(3), repeat=2)]
+    pulls = [_combined(full[3 * a : 3 * a + 3], ends) for a in range(3)]
+    return SpringSums(
+        source_exponent=x.exponent if any(x.integers) else None,
+        target_exponent=y.exponent if any(y.integers) else None,
+        weight_exponent=2 * rows.exponent if any(rows.integers) else None,
+        integers=(
+            *map(sum, springs),
+            *(sum(column) for columns in weighted for column in columns),
+            *(_dot(columns[j], points[k]) for columns in weighted for j, k in UPPER),
+            *map(sum, pulls),
+            *(_dot(pull, column) for pull, column in product(pulls, points)),
+            sum(map(_dot, pulls, ends)),
+        ),
+    )
+
+
+def _springs(factors: Sequence[Sequence[int]]) -> list[list[int]]:
+    """The six entries of L L^T, each over all points, from the six of L."""
+    of = dict(zip(SIDES, factors, strict=True))
+    return [
+        _combined([of[a, k] for k in range(a + 1)], [of[b, k] for k in range(a + 1)])
+        for a, b in UPPER
+    ]
+
+
+def _combined(rows: Sequence[Sequence[int]], columns: Sequence[Sequence[int]]) -> list[int]:
+    """The sum of the products of rows and columns, entry by entry."""
+    products = (map(mul, row, column) for row, column in zip(rows, columns, strict=True))
+    return [sum(entries) for entries in zip(*products, strict=True)]
+
+
+def _dot(a: Sequence[int], b: Sequence[int]) -> int:
+    return sum(map(mul, a, b))

@@ -1,0 +1,117 @@
+"""The exact sums over points whose springs are matrices: methods that share no step agree."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from engines import libraries_of_all_variants
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from certreg.native import library_if_any, springs_by_limbs
+from certreg.problem.arrays import row_blocks
+from certreg.problem.exact_sums import SumMethod
+from certreg.problem.moments_of_springs import spring_moments
+from certreg.problem.problem import RegistrationProblem
+from certreg.problem.spring_sums import (
+    fastest_spring_method,
+    second_spring_method,
+    spring_sums_by,
+)
+
+COMPILED = (SumMethod.BY_EXPONENT, SumMethod.LIMBS)
+EXPONENTS = st.integers(-1074, 1023)
+compiled = pytest.mark.skipif(library_if_any() is None, reason="nothing is compiled")
+
+
+def of(seed, n, *, planes=False, scales=(1.0, 1.0, 1.0), decades=0.0):
+    rng = np.random.default_rng(seed)
+    widths = (3, 3, 6)
+    arrays = [
+        scale * rng.normal(size=(n, width)) * 10.0 ** rng.uniform(-decades, 0.0, size=(n, width))
+        for scale, width in zip(scales, widths, strict=True)
+    ]
+    if planes:
+        arrays[2][:, [2, 4, 5]] = 0.0
+    return RegistrationProblem(arrays[0], arrays[1], factors=arrays[2])
+
+
+@compiled
+@pytest.mark.parametrize("method", COMPILED)
+@pytest.mark.parametrize(
+    "problem",
+    [
+        of(1, 1),
+        of(2, 20),
+        of(3, 257, planes=True),
+        of(4, 700, scales=(1e8, 1e-3, 1e-20)),
+        of(5, 40, scales=(1e150, 1e150, 1.0)),
+        of(6, 40, scales=(1e-150, 1e-150, 1e5)),
+        of(7, 60, decades=40.0),
+        of(8, 60, decades=290.0),
+    ],
+)
+def test_compiled_code_finds_the_integers_that_python_finds(method, problem):
+    assert spring_sums_by(method, problem) == spring_sums_by(SumMethod.INTEGERS, problem)
+
+
+@compiled
+@settings(max_examples=30)
+@given(st.lists(st.tuples(EXPONENTS, *[st.integers(-(2**53), 2**53)] * 12), min_size=1, max_size=3))
+def test_numbers_of_all_sizes_are_summed_exactly(rows):
+    numbers = np.array([[np.ldexp(float(m), e - 53) for m in row] for e, *row in rows])
+    numbers[0, 6] = 1.0  # of springs that are all zero no problem is made
+    problem = RegistrationProblem(numbers[:, :3], numbers[:, 3:6], factors=numbers[:, 6:])
+    want = spring_sums_by(SumMethod.INTEGERS, problem)
+
+    assert [spring_sums_by(method, problem) for method in COMPILED] == [want, want]
+
+
+@compiled
+@pytest.mark.parametrize("method", COMPILED)
+@pytest.mark.parametrize("size", [2.0, 4.0])
+def test_the_largest_mantissas_and_a_full_block_do_not_overflow(method, size):
+    rows = next(row_blocks(10**9)).stop
+    ones = np.full((rows, 9), np.nextafter(size, 0.0))
+    one, many = (
+        RegistrationProblem(ones[:n, :3], ones[:n, :3], factors=ones[:n, 3:]) for n in (1, rows)
+    )
+    want = spring_sums_by(SumMethod.INTEGERS, one)
+    found = spring_sums_by(method, many)
+
+    assert found.integers == tuple(rows * k for k in want.integers)
+    assert found.weight_exponent == want.weight_exponent
+
+
+@compiled
+def test_every_variant_gives_the_same_integers():
+    block = of(11, 300, scales=(3.0, 1e-4, 7.0)).spring_block(slice(300))
+    points = (block.source, block.target, block.factors)
+    found = [springs_by_limbs(library, *points) for library in libraries_of_all_variants()]
+
+    assert found[0] is not None
+    assert found == [found[0]] * len(found)
+
+
+@compiled
+def test_blocks_of_a_mapped_file_add_up_to_the_same_integers(tmp_path, monkeypatch):
+    whole = of(9, 300)
+    mapped = []
+    for name in ("source", "target", "factors"):
+        np.save(tmp_path / f"{name}.npy", getattr(whole, name))
+        mapped.append(np.load(tmp_path / f"{name}.npy", mmap_mode="r"))
+    monkeypatch.setattr("certreg.problem.arrays.BLOCK_POINTS", 64)
+    problem = RegistrationProblem(*mapped[:2], factors=mapped[2])
+    want = spring_moments(whole)
+
+    assert spring_moments(problem) == want
+    for method in COMPILED:
+        assert spring_sums_by(method, problem) == spring_sums_by(SumMethod.INTEGERS, whole)
+
+
+@compiled
+@pytest.mark.parametrize("n", [3, 20, 200])
+def test_the_second_method_is_another_one(n):
+    problem = of(10, n)
+
+    assert fastest_spring_method(problem) is not second_spring_method(problem) or n < 6
