@@ -27,7 +27,7 @@ from certreg.verify import INLINE_MAX, Clouds
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
 
-    from certreg.io import Pairing
+    from certreg.io import Pairing, SpringSource
     from certreg.problem import RegistrationProblem
 
 EXIT_CODES = """
@@ -42,6 +42,7 @@ Exit codes: 0 done and proved
 OPTIMAL = "optimal"  # the damping of the fastest decay
 SIGMA_OR_WEIGHTS = "--sigma and --weights exclude each other: give one"
 PATIENCE = 1.0  # seconds before a long run says that it is at work
+SPRING_FILES = ("normals", "directions", "covariances", "information", "factors")
 CLOUD = click.Path(dir_okay=False, path_type=Path)
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
@@ -89,6 +90,35 @@ def pairing_options(command: Callable[..., Any]) -> Callable[..., Any]:
         return command(*args, pairing=pairing, **options)
 
     return wrapped
+
+
+def spring_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """[--springs KIND] ... [--normals FILE] ..., made one argument `springs`; None for none."""
+
+    @click.option(
+        "--springs",
+        "columns",
+        type=click.Choice(["plane", "line", "full"]),
+        multiple=True,
+        help="Springs by columns of TARGET: nx,ny,nz, dx,dy,dz, or cxx,cxy,cxz,cyy,cyz,czz.",
+    )
+    @_springs_file("--normals", "Point to plane: nx,ny,nz, by row of TARGET; .csv or .npy.")
+    @_springs_file("--directions", "Point to line: dx,dy,dz.")
+    @_springs_file("--covariances", "Of the noise of each pair: xx,xy,xz,yy,yz,zz.")
+    @_springs_file("--information", "Their inverses: xx,xy,xz,yy,yz,zz.")
+    @_springs_file("--factors", "Springs L L^T: l11,l21,l22,l31,l32,l33, or lx,ly,lz.")
+    @functools.wraps(command)
+    def wrapped(*args: Any, columns: tuple[str, ...], **options: Any) -> Any:
+        given = {kind: options.pop(kind) for kind in SPRING_FILES}
+        files = {kind: path for kind, path in given.items() if path is not None}
+        springs = io.SpringSource(columns=columns, files=files) if columns or files else None
+        return command(*args, springs=springs, **options)
+
+    return wrapped
+
+
+def _springs_file(name: str, words: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    return click.option(name, type=CLOUD, help=words)
 
 
 def limit_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -163,17 +193,23 @@ def bound_clouds(*, lightly: bool) -> Callable[[Callable[..., Any]], Callable[..
             help="With SOURCE TARGET: whatever weight was certified, if all pairs have the same.",
         )
         @pairing_options
+        @spring_options
         @functools.wraps(command)
         def wrapped(
             *args: Any, paths: tuple[Path, ...], any_weight: bool, pairing: Any, **options: Any
         ) -> Any:
             noise = {name: options.pop(name) for name in ("sigma", "weights")}
-            _require_fitting(paths, noise, pairing, any_weight=any_weight)
-            clouds = None
-            if paths:
+            springs = options.pop("springs")
+            _require_fitting(paths, noise, pairing or springs, any_weight=any_weight)
+            clouds, notes = None, list[str]()
+            if paths and springs is not None:
+                pairing = pairing or io.BY_LABEL
+                clouds, pair = io.read_problem(*paths, **noise, pairing=pairing, springs=springs)
+                notes = pair.notes
+            elif paths:
                 clouds, notes = _clouds_to_bind(*paths, **noise, pairing=pairing, lightly=lightly)
-                for note in notes:
-                    click.echo(f"note: {note}", err=True)
+            for note in notes:
+                click.echo(f"note: {note}", err=True)
             if clouds is not None and any_weight:
                 clouds = _of_any_weight(clouds)
             return command(*args, clouds=clouds, **options)
@@ -184,14 +220,14 @@ def bound_clouds(*, lightly: bool) -> Callable[[Callable[..., Any]], Callable[..
 
 
 def _require_fitting(
-    paths: tuple[Path, ...], noise: dict[str, Any], pairing: Pairing | None, *, any_weight: bool
+    paths: tuple[Path, ...], noise: dict[str, Any], further: object, *, any_weight: bool
 ) -> None:
     """That what is said of clouds goes together, and with clouds."""
     given = [name for name, value in noise.items() if value is not None]
     if any_weight and (given or not paths):
         message = "--any-weight goes with SOURCE TARGET, without --sigma and --weights"
         raise click.UsageError(message)
-    if len(paths) not in {0, 2} or ((given or pairing is not None) and not paths):
+    if len(paths) not in {0, 2} or ((given or further is not None) and not paths):
         message = "give SOURCE and TARGET, or neither; the options go with them"
         raise click.UsageError(message)
     if len(given) > 1:
@@ -253,6 +289,7 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
     )
     @click.option("--weights", type=CLOUD, help="File of weights, one per row of SOURCE.")
     @pairing_options
+    @spring_options
     @click.option(
         "--damping",
         metavar="MU",
@@ -269,6 +306,7 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
         weights: Path | None,
         damping: float | str | None,
         pairing: Pairing | None,
+        springs: SpringSource | None,
         **options: Any,
     ) -> Any:
         if sigma is not None and weights is not None:
@@ -280,6 +318,7 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
             weights=weights,
             damping=damping if isinstance(damping, float) else None,
             pairing=pairing or io.BY_LABEL,
+            **({} if springs is None else {"springs": springs}),
         )
         if damping == OPTIMAL:
             stated = registration.optimally_damped(stated)

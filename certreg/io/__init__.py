@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from certreg.io.objects import stated_problem as stated_problem
     from certreg.io.poses import MAX_POSE_BYTES as MAX_POSE_BYTES
     from certreg.io.poses import read_result_pose as read_result_pose
+    from certreg.io.springs import OF_COLUMNS as OF_COLUMNS
+    from certreg.io.springs import SpringSource as SpringSource
     from certreg.io.streams import Place as Place
     from certreg.io.streams import number as number
     from certreg.io.streams import reading as reading
@@ -59,6 +61,10 @@ __getattr__ = lazy_face(
         "poses": (
             "MAX_POSE_BYTES",
             "read_result_pose",
+        ),
+        "springs": (
+            "OF_COLUMNS",
+            "SpringSource",
         ),
         "streams": (
             "Place",

@@ -27,6 +27,7 @@ from certreg.io.pcd import parse_pcd
 from certreg.io.ply import parse_ply
 from certreg.io.row_numbers import RowNumbers, require_same_rows
 from certreg.io.scans import parse_e57, parse_las
+from certreg.io.springs import NO_SPRINGS, read_springs
 from certreg.io.standard_input import is_standard_input, standard_input
 from certreg.io.stl import parse_stl
 from certreg.io.streams import reading
@@ -40,11 +41,12 @@ from certreg.verify import shown
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from numpy.typing import ArrayLike, NDArray
 
     from certreg.io.parsed import Parsed
+    from certreg.io.springs import SpringSource
 
 PARSERS = {
     ".ply": parse_ply,
@@ -74,6 +76,8 @@ class Cloud(Brief):
     numbers: RowNumbers | None = None  # what names the rows of a large file, in their place
     sigma: NDArray[np.float64] | None = None  # of the column of this name: one for each point
     weights: NDArray[np.float64] | None = None  # of the column `weight`
+    normals: NDArray[np.float64] | None = None  # of nx, ny, nz, where `load` was asked for all
+    covariances: NDArray[np.float64] | None = None  # (N, 6), of cxx, cxy, cxz, cyy, cyz, czz
     notes: tuple[str, ...] = ()  # on how the file was read
 
     def __array__(self, dtype: Any = None, *, copy: bool | None = None) -> NDArray[Any]:
@@ -97,6 +101,7 @@ class Pairing:
 
 
 BY_LABEL = Pairing()
+NONE: dict[str, Any] = {}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -288,7 +293,7 @@ def pair_of(first: Cloud, second: Cloud, pairing: Pairing = BY_LABEL) -> Pair:
     )
 
 
-def read_problem(
+def read_problem(  # noqa: PLR0913 - one for each option of the commands, each by name
     source: str | os.PathLike[str],
     target: str | os.PathLike[str],
     *,
@@ -296,6 +301,7 @@ def read_problem(
     weights: str | os.PathLike[str] | None = None,
     damping: float | None = None,
     pairing: Pairing = BY_LABEL,
+    springs: SpringSource = NO_SPRINGS,
 ) -> tuple[RegistrationProblem, Pair]:
     """The problem that two cloud files state, and how they were read.
 
@@ -313,6 +319,8 @@ def read_problem(
         As of `RegistrationProblem`.
     pairing
         Which rows belong together; by label, where both clouds have labels, if nothing is given.
+    springs
+        Columns of the target and files that state general springs.
 
     Returns
     -------
@@ -327,7 +335,8 @@ def read_problem(
     bare = sigma is None and weights is None
     pair = read_pair(source, target, pairing, noise=bare)
     numbers = None if weights is None else _paired_weights(weights, source, pair)
-    return problem_of(pair, sigma=sigma, weights=numbers, damping=damping)
+    rows, pair = read_springs(springs, source, target, pair)
+    return problem_of(pair, sigma=sigma, weights=numbers, damping=damping, springs=rows)
 
 
 def problem_of(
@@ -336,17 +345,26 @@ def problem_of(
     sigma: ArrayLike | None = None,
     weights: ArrayLike | None = None,
     damping: float | None = None,
+    springs: Mapping[str, Any] = NONE,
 ) -> tuple[RegistrationProblem, Pair]:
-    """The problem of a pair, and the pair with a note on its noise, where a column says it.
+    """The problem of a pair, and the pair with notes on its springs and on noise in a column.
 
-    sigma, weights: one number, or one for each pair.
+    sigma, weights: one number, or one for each pair. springs: rows for each pair, by kind.
     """
     if sigma is None and weights is None:
         noise = noise_of_columns(pair.source, pair.target, (pair.source.path, pair.target.path))
         pair = replace(pair, further=(*pair.further, *noise.notes))
         sigma, weights = noise.sigma, noise.weights
-    points = pair.source.points, pair.target.points
-    return RegistrationProblem(*points, sigma=sigma, weights=weights, damping=damping), pair
+    problem = RegistrationProblem(
+        pair.source.points,
+        pair.target.points,
+        sigma=sigma,
+        weights=weights,
+        damping=damping,
+        **springs,
+    )
+    told = () if problem.springs is None else problem.springs.notes
+    return problem, replace(pair, further=(*pair.further, *told))
 
 
 def _paired_weights(
@@ -398,4 +416,6 @@ def _taken(cloud: Cloud, rows: NDArray[np.int64]) -> Cloud:
         identifiers=labels,
         sigma=None if cloud.sigma is None else cloud.sigma[rows],
         weights=None if cloud.weights is None else cloud.weights[rows],
+        normals=None if cloud.normals is None else cloud.normals[rows],
+        covariances=None if cloud.covariances is None else cloud.covariances[rows],
     )

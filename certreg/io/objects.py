@@ -12,6 +12,9 @@ from certreg.errors import InvalidProblemError
 from certreg.io.clouds import Cloud, Pair, Pairing, pair_of, problem_of, read_cloud
 from certreg.io.columns import NOISE, axes_of
 from certreg.io.labels import Match
+from certreg.io.spring_tables import columns_of, read_spring_table, titles_of
+from certreg.io.springs import springs_of_pairs
+from certreg.io.standard_input import is_standard_input
 from certreg.problem import (
     LABEL,
     RegistrationProblem,
@@ -30,7 +33,7 @@ if TYPE_CHECKING:
 
 
 def load(path: str | os.PathLike[str]) -> Cloud:
-    """A cloud from a file: points, labels, sigma or weights where the file has them.
+    """A cloud from a file: points, labels, sigma or weights, normals where the file has them.
 
     Parameters
     ----------
@@ -54,7 +57,20 @@ def load(path: str | os.PathLike[str]) -> Cloud:
     >>> cloud.points.shape, len(cloud.labels)
     ((4, 3), 4)
     """
-    return read_cloud(path)
+    cloud = read_cloud(path)
+    return cloud if is_standard_input(path) else _with_springs(cloud)
+
+
+def _with_springs(cloud: Cloud) -> Cloud:
+    """With normals and covariances, where columns of a table tell them."""
+    titles = titles_of(cloud.path)
+    for kind in ("normals", "covariances"):
+        names = columns_of(titles, kind)
+        if names is not None:
+            rows = read_spring_table(cloud.path, kind).rows
+            ignored = tuple(one for one in cloud.ignored if one.strip().lower() not in names)
+            cloud = replace(cloud, ignored=ignored, **{kind: rows})
+    return cloud
 
 
 def pair(source: Any, target: Any, *, match: str = "all") -> Pair:
@@ -100,18 +116,23 @@ def stated_problem(
     sigma: Any = None,
     weights: Any = None,
     damping: float | None = None,
+    **springs: Any,
 ) -> tuple[RegistrationProblem, Pair]:
     """The problem of two clouds as `pair` takes them, and how they were paired.
 
     sigma, weights: a number, or one for each row of the source; they go with their rows.
+    springs: as of `RegistrationProblem`, or files, with a row for each row of the target.
     """
     require_same_labels(source, sigma=sigma, weights=weights)
+    require_same_labels(target, called="target", **springs)
     paired = pair(source, target)
+    rows = springs_of_pairs(springs, (source, target), paired)
     return problem_of(
         paired,
         sigma=_of_pairs(sigma, paired, "sigma"),
         weights=_of_pairs(weights, paired, "weights"),
         damping=damping,
+        springs=rows,
     )
 
 

@@ -276,6 +276,28 @@ def parse_rows(stream: BinaryIO, file: Path) -> Iterator[tuple[Place, list[str]]
     return _rows(lines(stream, file), file)
 
 
+def titled_rows(
+    stream: BinaryIO, file: Path
+) -> tuple[Place, list[str], Iterator[tuple[Place, list[str]]]]:
+    """Where the header of a table stands, its names as they are written, and the rows below it.
+
+    In .csv numbers have decimal points; else the header may be the last comment above the rows.
+    """
+    content = lines(stream, file)
+    if file.suffix.lower() == ".csv":
+        first, content = _first_row(content)
+        said, separator = "", ";" if separated_by_semicolons(first) else ","
+    else:
+        said, content = _leading_comment(content)
+        separator = ","
+    rows = _rows(content, file, separator)
+    place, titles = next(rows, (Place(file, 1), list[str]()))
+    spoken = said.replace(",", " ").split()
+    if len(spoken) == len(titles) and all(_is_number(field, None) for field in titles):
+        return place, spoken, chain([(place, titles)], rows)
+    return place, titles, rows
+
+
 def pair_by_label(source: Points, target: Points, files: tuple[Path, Path]) -> Points:
     """Target in the source's order where both have labels; otherwise as it is, of the same n.
 

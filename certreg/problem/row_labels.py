@@ -68,10 +68,11 @@ def _index(given: Any) -> Any:
     return index if hasattr(index, "tolist") else None
 
 
-def require_same_labels(source: Any, **others: Any) -> None:
+def require_same_labels(source: Any, *, called: str = "source", **others: Any) -> None:
     """That all whose rows have labels have those of the source, in its order.
 
-    Raises InvalidProblemError: the first row where they differ, and what to type.
+    called: what the first is in errors. Raises InvalidProblemError: the first row where they
+    differ, and what to type.
     """
     first = labels_of(source)
     for name, other in others.items():
@@ -80,11 +81,11 @@ def require_same_labels(source: Any, **others: Any) -> None:
         if first is None or labels is None or row is None:
             continue
         known = [None if row >= len(each.values) else each.values[row] for each in (first, labels)]
-        remedy = f"give {name}.loc[source.index]"
+        remedy = f"give {name}.loc[{called}.index]"
         if name == "target":
             remedy = "take source, target = certreg.pair(source, target), which pairs by label"
         message = (
-            f"row {row} (counting from 0) is labelled {known[0]!r} in source and {known[1]!r} in "
-            f"{name}, and rows pair in order: {remedy}"
+            f"row {row} (counting from 0) is labelled {known[0]!r} in {called} and {known[1]!r} "
+            f"in {name}, and rows pair in order: {remedy}"
         )
         raise InvalidProblemError(message, array=name, row=row, value=known[1], limit=known[0])

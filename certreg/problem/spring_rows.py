@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 SYMMETRIC = ("xx", "xy", "xz", "yy", "yz", "zz")
 LOWER = ("l11", "l21", "l22", "l31", "l32", "l33")  # by rows
-COLUMNS = {  # of tables: the names that a kind may have, the widest first
+SPRING_COLUMNS = {  # of tables: the names that a kind may have, the widest first
     "normals": (("nx", "ny", "nz"),),
     "directions": (("dx", "dy", "dz"),),
     "covariances": (tuple(f"c{name}" for name in SYMMETRIC), SYMMETRIC),
@@ -91,13 +91,13 @@ def _of_frame(frame: Any, name: str) -> NDArray[Any]:
     """The columns of a table that have the names of this kind, or all where none has a name."""
     names: list[Any] = list(frame.columns)
     plain = [one.strip().lower() if isinstance(one, str) else one for one in names]
-    for wanted in COLUMNS[name]:
+    for wanted in SPRING_COLUMNS[name]:
         if all(plain.count(one) == 1 for one in wanted):
             chosen = [names[plain.index(one)] for one in wanted]
             return np.column_stack([real_numbers(frame[column], name) for column in chosen])
     if not any(isinstance(one, str) for one in names):
         return real_numbers(frame.to_numpy(), name)
-    wanted = " or ".join(",".join(one) for one in COLUMNS[name])
+    wanted = " or ".join(",".join(one) for one in SPRING_COLUMNS[name])
     message = f"{name} is a data frame without the columns {wanted}: name them so"
     raise InvalidProblemError(message, array=name, value=names)
 
