@@ -50,12 +50,12 @@ if TYPE_CHECKING:
     from certreg.problem.row_labels import RowLabels as RowLabels
     from certreg.problem.row_labels import labels_of as labels_of
     from certreg.problem.row_labels import require_same_labels as require_same_labels
-    from certreg.problem.spring_sums import second_spring_method as second_spring_method
-    from certreg.problem.spring_sums import spring_sums_by as spring_sums_by
     from certreg.problem.spring_rows import SPRING_COLUMNS as SPRING_COLUMNS
     from certreg.problem.spring_rows import held_by as held_by
     from certreg.problem.spring_rows import held_rows as held_rows
     from certreg.problem.spring_rows import require_not_of_source as require_not_of_source
+    from certreg.problem.spring_sums import second_spring_method as second_spring_method
+    from certreg.problem.spring_sums import spring_sums_by as spring_sums_by
     from certreg.problem.springs import SPRINGS_PREFIX as SPRINGS_PREFIX
     from certreg.problem.springs import SpringSummary as SpringSummary
 
@@ -126,6 +126,7 @@ __getattr__ = lazy_face(
         "spring_sums": (
             "second_spring_method",
             "spring_sums_by",
+        ),
         "spring_rows": (
             "SPRING_COLUMNS",
             "held_by",
