@@ -109,14 +109,13 @@ def descended(form: FloatingQuartic, starts: Reals) -> Descent:
             break
         new = q + 0.5 * (_frames(q) @ turns[..., None])[..., 0]
         new /= np.linalg.norm(new, axis=1, keepdims=True)
-        at_new = form.curvatures(new)
-        down = at_new[0] <= values + slack
+        new_values, new_gradients, new_hessians = form.curvatures(new)
+        down = new_values <= values + slack
         longer: Any = np.minimum(GROW * radius, LARGEST_TURN)
         radius = _chosen(down, longer, SHRINK * lengths)
-        q = _chosen(down, new, q)
-        values, gradients, hessians = (
-            _chosen(down, *pair) for pair in zip(at_new, (values, gradients, hessians), strict=True)
-        )
+        q, values = _chosen(down, new, q), _chosen(down, new_values, values)
+        gradients = _chosen(down, new_gradients, gradients)
+        hessians = _chosen(down, new_hessians, hessians)
     return Descent(points=q, values=values, curvatures=_eigenvalues(hessians))
 
 
