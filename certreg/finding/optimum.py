@@ -1,8 +1,9 @@
 """The rotation of least energy of general springs, in floating point: a proposal.
 
 The relaxation is asked first: where it is tight, its rotation is the optimum. Elsewhere, as with
-the several exact optima of six planes, all 40 critical lines are tracked, and from each end a
-descent begins; the best local minimum is the answer. Only a certificate says what it is worth.
+the several exact optima of six planes, all 40 critical lines are tracked; the best local minimum
+is the answer. Where lines are missing, or meet, a descent begins at each end. Only a certificate
+says what it is worth.
 """
 
 from __future__ import annotations
@@ -13,11 +14,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.equilibrium import FloatingQuartic, critical_lines, descended
-from certreg.finding.refining import POSE_BITS, refined
+from certreg.equilibrium import FloatingQuartic, PathsOutcome, critical_lines, descended
+from certreg.finding.refining import POSE_BITS, refined, slope
 from certreg.geometry import squared_norm
 from certreg.objective import levelled_exactly
-from certreg.relaxation import RelaxationStatus, relax_quartic
+from certreg.relaxation import relax_quartic
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -32,7 +33,9 @@ if TYPE_CHECKING:
 
     Reals = NDArray[np.float64]
 
+CRITICAL = 1e-20  # slope over the largest coefficient: beyond what doubles reach
 TIGHT = 1e-6  # of the largest coefficient: value of the rotation less that of the relaxation
+FLAT = 1e-6  # of the largest curvature: a minimum that is nearly degenerate may seem to curve down
 SAME_MINIMUM = 1e-5  # sine between quaternions: a descent is right to 1e-7 where curvature is weak
 TIGHT_WORDS = "The relaxation is tight: it found one rotation whose energy is its own value."
 CONSTANT_WORDS = "The energy is the same at every rotation: there is nothing to find."
@@ -76,11 +79,12 @@ def optimum_of(quartic: Sequence[int], solver: str | None = None) -> Found:
         identity = (1 << POSE_BITS, 0, 0, 0)
         return _found((identity,), levelled, relaxation, None, CONSTANT_WORDS)
     form = FloatingQuartic.of(levelled.rest)
-    if start is not None and _is_tight(form, relaxation, start):
-        optimum = refined(levelled, descended(form, start[np.newaxis]).points[0].tolist())
-        return _found((optimum,), levelled, relaxation, None, TIGHT_WORDS)
+    if start is not None and relaxation.rank == 1:
+        optimum = _below(levelled, form, start)
+        if _is_tight(levelled, relaxation, optimum):
+            return _found((optimum,), levelled, relaxation, None, TIGHT_WORDS)
     lines = critical_lines(levelled.rest)
-    starts = [*lines.points.real, *([] if start is None else [start])]
+    starts = [*_starts(form, lines), *([] if start is None else [start])]
     minima = _minima(levelled, form, np.array(starts))
     several = f"the best of {len(minima)} local minima" if len(minima) > 1 else "one local minimum"
     return _found(
@@ -105,12 +109,28 @@ def _found(
     )
 
 
-def _is_tight(form: FloatingQuartic, relaxation: QuarticRelaxation, start: Reals) -> bool:
-    """Whether the relaxation found one rotation, with the energy that it says is the least."""
-    if relaxation.status is not RelaxationStatus.SOLVED or relaxation.rank != 1:
-        return False
-    value = form.values(start[np.newaxis])[0]
-    return relaxation.value is not None and bool(value - relaxation.value <= TIGHT)
+def _below(levelled: LevelledExactly, form: FloatingQuartic, start: Reals) -> IntegerQuaternion:
+    """The minimum near a start; descents in doubles help where Newton's method does not."""
+    near = refined(levelled, start.tolist())
+    if slope(levelled, near) <= CRITICAL:
+        return near
+    return refined(levelled, descended(form, start[np.newaxis]).points[0].tolist())
+
+
+def _is_tight(
+    levelled: LevelledExactly, relaxation: QuarticRelaxation, q: IntegerQuaternion
+) -> bool:
+    """Whether a rotation has the energy that the relaxation says is the least."""
+    value = levelled.value(q) / (squared_norm(q) ** 2 << levelled.bits)
+    return relaxation.value is not None and value - relaxation.value <= TIGHT
+
+
+def _starts(form: FloatingQuartic, lines: CriticalLines) -> Reals:
+    """Where minima may be: real ends that do not curve down, if all are there; else all ends."""
+    if lines.outcome is not PathsOutcome.FOUND:
+        return lines.points.real
+    curvatures = np.linalg.eigvalsh(form.curvatures(lines.quaternions)[2])
+    return lines.quaternions[curvatures[:, 0] > -FLAT * np.abs(curvatures).max()]
 
 
 def _minima(

@@ -1,13 +1,14 @@
-"""A critical quaternion of a quartic to many bits: exact gradients, one Hessian in doubles.
+"""A critical quaternion of a quartic to many bits: exact gradients, Hessians in doubles.
 
-With the Hessian H of the start and exact gradients g, a step -H^-1 g leaves about 2^-50 times the
-condition of H of the error: three or four steps make 96 bits of what doubles found.
+Newton's method, its Hessian renewed until a step is so short that the last one is right to half of
+a double's digits; after that each step of the same Hessian adds as many. From 1e-5, as a relaxation
+gives it, five steps make 96 bits.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,17 +17,20 @@ from certreg.geometry import body_frame, dot
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
     from certreg.exact import IntegerQuaternion
+    from certreg.geometry import Matrix3, Vector3
     from certreg.objective import LevelledExactly
 
 POSE_BITS = 96  # of the quaternion: far below what is proved of its angle
 GUARD_BITS = 32  # of the work beyond it
 WORK_BITS = POSE_BITS + GUARD_BITS
+COEFFICIENT_BITS = 2 * POSE_BITS  # a gradient right to 2^-192 leaves 2^-96 at a condition of 2^96
 TURN_BITS = 60  # of one step: more than a double has
-STEPS = 12  # four are usual
-FLAT = 1e-12  # of the largest curvature: along weaker axes doubles do not know the way
+STEPS = 16  # five are usual
+KEPT = 1e-8  # radians of a step: the Hessian of before is right to as much, relative to its size
+LONGEST = 0.5  # radians of a step: beyond, it leads elsewhere
+SINGULAR = 1e12  # condition of a Hessian: beyond, doubles do not know the way
+NO_WAY: Matrix3[float] = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
 def refined(quartic: LevelledExactly, start: Sequence[float]) -> IntegerQuaternion:
@@ -35,47 +39,65 @@ def refined(quartic: LevelledExactly, start: Sequence[float]) -> IntegerQuaterni
     The first entry that is not zero is positive. Where the Hessian is singular, or the start is
     not near, it is what the steps led to as long as the gradient fell.
     """
+    quartic = quartic.shortened(COEFFICIENT_BITS)
     q = _unit([round(math.ldexp(entry, WORK_BITS)) for entry in start], WORK_BITS)
-    inverse = _inverse_hessian(quartic, q)
-    gradient = _gradient(quartic, q)
+    inverse, gradient = _inverse_hessian(quartic, q), _gradient(quartic, q)
     for _ in range(STEPS):
-        turn = [-entry for entry in inverse @ np.array(gradient)]
-        if not any(turn) or math.hypot(*turn) < math.ldexp(1.0, -POSE_BITS - 2):
+        turn = [-dot(row, gradient) for row in inverse]
+        length = math.hypot(*turn)
+        if not math.ldexp(1.0, -POSE_BITS - 2) < length < LONGEST:
             break
         moved = _turned(q, turn)
         after = _gradient(quartic, moved)
         if not math.hypot(*after) < math.hypot(*gradient):
             break
         q, gradient = moved, after
+        if length > KEPT:
+            inverse = _inverse_hessian(quartic, q)
     return _canonical(_unit(q, POSE_BITS))
+
+
+def slope(quartic: LevelledExactly, q: IntegerQuaternion) -> float:
+    """The size of the gradient in rotation angle, over 2^bits of the largest coefficient."""
+    return math.hypot(*_gradient(quartic.shortened(COEFFICIENT_BITS), _unit(q, WORK_BITS)))
 
 
 def _unit(q: Sequence[int], bits: int) -> list[int]:
     """The quaternion of length 2^bits, each entry rounded."""
-    norm = math.isqrt(sum(entry * entry for entry in q))
+    norm = math.isqrt(sum([entry * entry for entry in q]))
     return [((entry << bits) + (norm >> 1)) // norm for entry in q]
 
 
-def _gradient(quartic: LevelledExactly, q: list[int]) -> list[float]:
+def _gradient(quartic: LevelledExactly, q: list[int]) -> Vector3[float]:
     """In rotation angle, at unit q: 1/2 E^T F'(q), over 2^bits of the largest coefficient."""
     full = quartic.gradient(q)
-    columns = zip(*body_frame(tuple(q)), strict=True)
     over = quartic.bits + 4 * WORK_BITS + 1
-    return [_quotient(dot(column, full), over) for column in columns]
-
-
-def _inverse_hessian(quartic: LevelledExactly, q: list[int]) -> NDArray[np.float64]:
-    """Of 1/4 (E^T F''(q) E - 4 F(q) I), in the units of the gradient; zero along flat axes."""
-    rows = quartic.hessian(q)
-    F2 = np.array(
-        [[_quotient(entry, quartic.bits + 2 * WORK_BITS) for entry in row] for row in rows]
+    a, b, c = zip(*body_frame(tuple(q)), strict=True)
+    return (
+        _quotient(dot(a, full), over),
+        _quotient(dot(b, full), over),
+        _quotient(dot(c, full), over),
     )
-    unit = np.array([math.ldexp(entry, -WORK_BITS) for entry in q])
-    E = np.array(body_frame(tuple(unit)))
-    curved = 0.25 * (E.T @ F2 @ E - (unit @ F2 @ unit) / 3.0 * np.eye(3))
-    values, axes = np.linalg.eigh(curved)
-    known = np.abs(values) > FLAT * np.abs(values).max()
-    return (axes * np.where(known, 1.0 / np.where(known, values, 1.0), 0.0)) @ axes.T
+
+
+def _inverse_hessian(quartic: LevelledExactly, q: list[int]) -> Matrix3[float]:
+    """Of 1/4 (E^T F''(q) E - 4 F(q) I), in the units of the gradient; zero where it is singular."""
+    over = quartic.bits + 2 * WORK_BITS
+    F2 = [[_quotient(entry, over) for entry in row] for row in quartic.hessian(q)]
+    unit = [math.ldexp(entry, -WORK_BITS) for entry in q]
+    columns = list(zip(*body_frame(tuple(unit)), strict=True))
+    images = [[dot(row, column) for row in F2] for column in columns]
+    value = dot(unit, [dot(row, unit) for row in F2]) / 12.0
+    curved = np.array([[0.25 * dot(column, image) for column in columns] for image in images])
+    curved -= value * np.eye(3)
+    try:
+        inverse = np.linalg.inv(curved)
+    except np.linalg.LinAlgError:
+        return NO_WAY
+    if not np.abs(curved).max() * np.abs(inverse).max() < SINGULAR:
+        return NO_WAY
+    rows: Any = inverse.tolist()
+    return rows
 
 
 def _quotient(value: int, bits: int) -> float:

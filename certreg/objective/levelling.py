@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache
 from typing import TYPE_CHECKING
@@ -73,6 +73,14 @@ class LevelledExactly(Brief):
     def is_constant(self) -> bool:
         """Whether F is level |q|^4."""
         return self.bits == 0
+
+    def shortened(self, bits: int) -> LevelledExactly:
+        """The same with integers below 2^bits, rounded down: for searches, not for proofs."""
+        surplus = self.bits - bits
+        if surplus <= 0:
+            return self
+        short = tuple([entry >> surplus for entry in self.integers])
+        return replace(self, integers=short, bits=bits)
 
     def value(self, q: Sequence[int]) -> int:
         """24 (F(q) - level |q|^4)."""

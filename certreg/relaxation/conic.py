@@ -124,6 +124,7 @@ class Cones:
     right: NDArray[np.float64]
     cost: NDArray[np.float64]  # (variables, parameters)
     curvature: Any  # the program is linear: a sparse zero
+    refinement: bool = True  # of the linear systems that the solver solves
 
 
 @cache
@@ -163,6 +164,7 @@ def called(compiled: Cones, cost: NDArray[np.float64]) -> Any:
     options = solver.DefaultSettings()
     options.verbose = False
     options.max_iter = MAX_ITERATIONS
+    options.iterative_refinement_enable = compiled.refinement
     options.tol_gap_abs = options.tol_gap_rel = GAP_TOLERANCE
     options.tol_feas = FEASIBILITY_TOLERANCE
     cones = [solver.ZeroConeT(compiled.equalities), solver.PSDTriangleConeT(compiled.size)]

@@ -98,4 +98,5 @@ def _cones() -> Cones:
         right=right,
         cost=np.eye(len(MONOMIALS)),
         curvature=csc_matrix((len(MONOMIALS),) * 2),
+        refinement=False,  # a third faster, and in 270 problems as many iterations
     )

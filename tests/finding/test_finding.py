@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import functools
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 import spring_families
+import spring_minima
 
 from certreg import RegistrationProblem
 from certreg.equilibrium import PathsOutcome
@@ -71,3 +73,30 @@ def test_refining_stops_where_the_hessian_is_flat():
 
     assert abs(squared_norm(q) - (1 << 2 * POSE_BITS)) < 1 << POSE_BITS + 4
     assert abs(q[3]) > q[0]
+
+
+@pytest.mark.parametrize("cell", spring_minima.CELLS, ids=str)
+def test_no_better_minimum_is_on_the_complete_list(cell):
+    """One of the 500 instances of `make spring-minima`, where there are several minima."""
+    outcome = spring_minima.outcome_of(cell, seed=1)
+
+    assert outcome.complete
+    assert not outcome.missed
+
+
+def test_a_minimum_that_is_missed_is_seen(monkeypatch):
+    """The worst, given out for the best: six planes are met exactly at several poses."""
+    (cell,) = [c for c in spring_minima.CELLS if (c.family, c.noise) == ("plane", 0.05)]
+    whole = spring_minima.find_optimum
+
+    def worst(objective):
+        right = whole(objective)
+        return replace(right, quaternion=right.minima[-1])
+
+    monkeypatch.setattr(spring_minima, "find_optimum", worst)
+    outcome = spring_minima.outcome_of(cell, seed=1)
+
+    assert outcome.several
+    assert outcome.missed
+    assert outcome.excess > 0
+    assert outcome.by_descent > 0
