@@ -7,9 +7,8 @@ certificate a line, the refused lines and a total (exit code 0 or 1; 2: unreadab
 All is computed anew from the points: what a certificate holds is never believed. No float decides.
 
 Pairs x_i (source), y_i (target), weights w_i >= 0, M = sum w_i > 0; C = sum w_i y_i x_i^T and
-S2 = sum w_i x_i x_i^T, both after subtracting the weighted means; J = tr(S2) I - S2. The objective
-of a rotation R is min over t of sum w_i |y_i - R x_i - t|^2 = constant - 2 tr(R^T C). Quaternions
-are (w, x, y, z). K is the symmetric matrix with q^T K q = tr(R(q)^T C) for unit q.
+S2 = sum w_i x_i x_i^T, both less the weighted means; J = tr(S2) I - S2; quaternions (w, x, y, z).
+The objective of R is min over t of sum w_i |y_i - R x_i - t|^2 = constant - 2 tr(R^T C).
 """
 
 from __future__ import annotations
@@ -24,9 +23,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import Field, dataclass, fields
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
+from functools import cache
 from getopt import GetoptError, gnu_getopt
-from itertools import accumulate, chain, repeat
-from math import frexp, gcd, isfinite, isqrt, ldexp
+from itertools import accumulate, chain, combinations_with_replacement, product, repeat
+from math import factorial, frexp, gcd, isfinite, isqrt, ldexp, prod
 from operator import add, mul, neg
 from pathlib import Path
 from typing import Any, ClassVar, Protocol
@@ -34,6 +34,7 @@ from typing import Any, ClassVar, Protocol
 Matrix = list[list[int]]
 Limits = Mapping[str, Fraction]
 TYPES = {"int": int, "bool": bool, "str": str}  # of an entry; else of how many integers it is:
+SUMS: dict[bytes, Any] = {}  # of other data, by prefix: doubles of a pair beside x, y; their sums
 LENGTHS = {"Fraction": (2,), "tuple[int, int, int, int]": (4,), "tuple[int, ...]": range(5)}
 FORMAT = "certreg-certificate/1"
 INLINE_MAX, FILE_MAX = 10**6, 10**8  # points in a certificate, 75 MB in base64; its bytes
@@ -77,7 +78,7 @@ class Clouds:
 
     source: tuple[float, ...] | array[float]
     target: tuple[float, ...] | array[float]
-    weights: array[float] | None = None  # None: all are 1
+    weights: array[float] | None = None  # or factors, 6n numbers; None: all are 1
     any_weight: bool = False  # without weights: all are equal, as in the certificate
 
 
@@ -92,7 +93,7 @@ class Statement(Protocol):
     data: str | None  # perhaps themselves
 
     def prove(self, m: Matrix, e: int, *, equal: bool) -> Outcome:
-        """Theorems about points with these `moments`; RefusalError if a claim does not follow."""
+        """Theorems about points with these sums; RefusalError if a claim does not follow."""
         ...
 
 
@@ -109,7 +110,8 @@ def check(certificate: bytes, clouds: Clouds | None = None, limits: Limits = {})
         del certificate  # as large as the points
         doubles = bound_doubles(stated, clouds)
         equal = bytes(doubles[-8 * stated.n :]) == bytes(doubles[-8:]) * stated.n  # weights
-        return within(stated.prove(*moments(doubles, stated.n), equal=equal), limits)
+        sums = SUMS.get(stated.prefix, (1, moments))[1](doubles, stated.n)
+        return within(stated.prove(*sums, equal=equal), limits)
     except (RefusalError, MemoryError) as error:
         return Outcome(verified=False, theorems=(), reason=str(error) or "not enough memory")
 
@@ -180,19 +182,19 @@ def _unique(pairs: list[tuple[str, object]]) -> dict[str, object]:
 
 
 def _bounded(digits: str) -> int:
-    if len(digits) > DIGITS_MAX:
-        raise RefusalError(f"an integer has more than {DIGITS_MAX} digits")
+    require(len(digits) <= DIGITS_MAX, f"an integer has more than {DIGITS_MAX} digits")
     return int(digits)  # ValueError for NaN and Infinity
 
 
 def bound_doubles(certificate: Statement, clouds: Clouds | None) -> memoryview:
-    """Little-endian doubles source, target, weights (7n) that the digest, SHA-256, binds.
+    """Little-endian doubles source, target, weights or factors that the digest, SHA-256, binds.
 
     From the certificate, or from `clouds` where it holds none; where both are given, they agree.
     """
     n, text, content = certificate.n, certificate.data, b""
     require(1 <= n < 2**40, "n is out of range")
-    head, size = certificate.prefix + struct.pack("<Q", n), len(certificate.prefix) + 8 + 56 * n
+    head, own = certificate.prefix + struct.pack("<Q", n), SUMS.get(certificate.prefix, (1,))[0] * n
+    size = len(head) + 48 * n + 8 * own
     if text is not None:
         require(n <= INLINE_MAX and len(text) == (size + 2) // 3 * 4, "data is not of n points")
         try:
@@ -205,20 +207,22 @@ def bound_doubles(certificate: Statement, clouds: Clouds | None) -> memoryview:
     require(content or clouds, "the certificate holds no points: give SOURCE and TARGET")
     if clouds:
         parts = [p for p in (clouds.source, clouds.target, clouds.weights) if p is not None]
-        same = [len(part) for part in parts] == [3 * n, 3 * n, n][: len(parts)]
+        same = [len(part) for part in parts] == [3 * n, 3 * n, own][: len(parts)]
         require(same, "the certificate is about another number of points or weights")
         numbers = array("d", map((0.0).__add__, chain(*parts)))  # 0.0 + -0.0 = 0.0
         if sys.byteorder == "big":
             numbers.byteswap()
         given, bare = head + numbers.tobytes(), clouds.weights is None
         content = content or given + struct.pack("<d", 1.0) * ((size - len(given)) // 8)
-        require(content.startswith(given[: size - 8 * n]), "the certificate is about other points")
-        equal, (w,) = content[-8:] * n == content[-8 * n :], struct.unpack("<d", content[-8:])
+        same = content.startswith(given[: size - 8 * own])
+        require(same, "the certificate is about other points")
+        equal, (w,) = content[-8:] * own == content[-8 * n :], struct.unpack("<d", content[-8:])
         good = equal and (clouds.any_weight or w == 1) if bare else content.startswith(given)
         sigma = float(f"{w**-0.5:.6g}") if 1e-300 < w < 1e300 else 1.0
         option = f"--sigma {sigma}" if float(1 / Fraction(sigma) ** 2) == w else "--any-weight"
         told = f"the certified weight is {w!r}, not {'1' if bare else 'as given'}: give {option}"
-        require(good, told if equal else "the certified weights are unequal: give --weights FILE")
+        ask = "weights are unequal: give --weights" if own == n else "factors: give --factors"
+        require(good, told if equal else f"the certified {ask} FILE")
     digest = hashlib.sha256(content).hexdigest()
     require(digest == certificate.digest, "the digest is not theirs (weights not given are 1)")
     return memoryview(content)[len(head) :]
@@ -293,10 +297,6 @@ def definite(A: Matrix, bits: int = BITS) -> bool:
     s = max(max(chain(*A)).bit_length() - bits, 0)
     B = [[(a >> s) - 4 * (j == 0 < s) for j, a in enumerate(r[i:])] for i, r in enumerate(A)]
     return positive_definite(B) or (s > 0 and definite(A, 2 * bits))
-
-
-def _form(A: Matrix, v: Sequence[int]) -> int:  # v^T A v
-    return sum(map(mul, v, [sum(map(mul, row, v)) for row in A]))
 
 
 def rounded(value: Fraction, digits: int, rounding: str = ROUND_CEILING) -> Decimal:
@@ -612,6 +612,10 @@ class IsotropicStatement(Movable, Statement):
         yield "Not proved: anything under `about`, and where the points come from."
 
 
+def _form(A: Matrix, v: Sequence[int]) -> int:  # v^T A v
+    return sum(map(mul, v, [sum(map(mul, row, v)) for row in A]))
+
+
 def proves_basin(
     K: Matrix, J: Matrix, level: Fraction, p: Sequence[int], velocity: Sequence[int]
 ) -> bool:
@@ -628,7 +632,6 @@ def proves_basin(
 
 
 # --- end of kind: isotropic ---------------------------------------------------------------------
-
 # --- kind: count --------------------------------------------------------------------------------
 # Claims: at most four rotations are at equilibrium. It is about the torque of the springs alone.
 
@@ -739,7 +742,283 @@ def has_full_rank(rows: Matrix, modulus: int) -> bool:
 # --- end of kind: count -------------------------------------------------------------------------
 
 JSON = json.JSONDecoder(object_pairs_hook=_unique, parse_int=_bounded, parse_constant=_bounded)
-KINDS: dict[str, type[Statement]] = {k.kind: k for k in (IsotropicStatement, CountStatement)}
+# --- part: springs ------------------------------------------------------------------------------
+# Pair i has W_i = L_i L_i^T, L_i lower triangular, given by its six entries by rows. The energy at
+# (R, t) is sum (y_i - R x_i - t)^T W_i (y_i - R x_i - t); the objective f of R is the least over t.
+# At R(q), q of any length, it is F(q)/|q|^4, F a form of degree four. Weight: sum of tr W_i / 3.
+
+Monomial = Six = tuple[int, ...]
+LENGTHS.update(Six=(6,))
+PRODUCTS: list[Monomial] = [*combinations_with_replacement(range(4), 2)]  # the ten q_i q_j
+QUARTICS: list[Monomial] = [*combinations_with_replacement(range(4), 4)]  # F has 35 coefficients
+SQUARE = [(1 + (a < c)) * (a == b and c == d) for a, b, c, d in QUARTICS]  # those of |q|^4
+ROTATION = """+00+11-22-33 +12+12+03+03 +13+13-02-02 +12+12-03-03 +00-11+22-33 +23+23+01+01
+    +13+13+02+02 +23+23-01-01 +00-11-22+33 +00+11+22+33"""  # |q|^2 R by columns, |q|^2
+
+
+@dataclass(frozen=True)
+class SpringsStatement(Statement):
+    """What all these kinds state. The digest is of source, target, factors."""
+
+    prefix: ClassVar = b"certreg-springs/1\0"
+    n: int
+    data: str | None
+    digest: str
+    pose: tuple[int, int, int, int]  # a quaternion of any length; R is its rotation
+    gap: Fraction
+    sin2_half_angle: Fraction | None
+    unique: bool | None
+    symmetry: Six | None  # with which unique is seen to be false
+
+
+def spring_moments(doubles: bytes | memoryview, n: int) -> tuple[Matrix, int]:
+    """Rows of H from its diagonal on, e: the energy is 2^e z^T H z, z = (t, R by columns, 1)."""
+    total, low = [[0] * k for k in range(13, 0, -1)], 0
+    for first in range(0, n, BLOCK):
+        count = min(BLOCK, n - first)
+        (x, y), p = _integers(doubles, [3 * first, 3 * (n + first)], 3 * count, 0)
+        (factors,), g = _integers(doubles, [6 * (n + first)], 6 * count, EXPONENT_MAX)
+        H, e, high = _energy([1 << -p] * count, x, y, factors), 2 * (g + p), low
+        low = min(e, high)
+        for old, new in zip(total, H):
+            old[:] = [(i << high - low) + (j << e - low) for i, j in zip(old, new)]
+    return total, low
+
+
+def _integers(d: bytes | memoryview, firsts: list[int], n: int, high: int) -> tuple[Matrix, int]:
+    """So many doubles from each first one on as integers times 2^e, e <= high."""
+    parts = [_split(d, first, n) for first in firsts]
+    low = min(high, *[e for _, _, e in parts])
+    return [[k << s + e - low for k, s in zip(ks, shifts)] for ks, shifts, e in parts], low
+
+
+def _energy(one: list[int], x: list[int], y: list[int], factors: list[int]) -> Matrix:
+    """H of integers: sum of r^T W r, r = y - R x - t one."""
+
+    def plus(*terms: tuple[list[int], list[int]]) -> list[int]:
+        return [*map(sum, zip(*[map(mul, u, v) for u, v in terms]))]
+
+    a, b, c, d, e, f = (factors[k::6] for k in range(6))
+    six = [plus((a, a)), plus((a, b)), plus((a, d))]  # W by rows from the diagonal on
+    six += [plus((b, b), (c, c)), plus((b, d), (c, e)), plus((d, d), (e, e), (f, f))]
+    places, u, H = ((0, 1, 2), (1, 3, 4), (2, 4, 5)), [one, x[::3], x[1::3], x[2::3]], Matrix()
+    forces = [plus(*[(six[k], y[j::3]) for j, k in enumerate(row)]) for row in places]  # W y
+    for i, left in enumerate(u):
+        products = [[*map(mul, left, right)] for right in u[i:]]
+        sums = [[sum(map(mul, w, p)) for w in six] for p in products]
+        for k, row in enumerate(places):
+            entries = [part[place] for part in sums for place in row]
+            H.append([*entries[k:], -sum(map(mul, forces[k], left))])
+    return [*H, [sum(sum(map(mul, force, y[k::3])) for k, force in enumerate(forces))]]
+
+
+@dataclass(frozen=True, repr=False)
+class Springs:
+    """The objective: at R(q) it is unit F(q)/|q|^4."""
+
+    F: list[int]  # in the order of QUARTICS
+    unit: Fraction
+    free: int  # how many independent shifts cost nothing
+    weight: Fraction
+
+    @classmethod
+    def of(cls, H: Matrix, e: int) -> Springs:
+        """Of `spring_moments`: the three entries of t are eliminated, one after the other.
+
+        Bareiss: all divisions are exact, by the last pivot. Where a pivot is 0 all beside it is, as
+        H is positive semidefinite.
+        """
+        weight, last, free, rows = sum([row[0] for row in H[:3]]), 1, 0, H
+        require(weight > 0, "all springs are 0")
+        for _ in range(3):
+            (p, *h), *rows = rows
+            of, free = enumerate(rows), free + (p == 0)
+            if p:
+                rows = [[(p * a - h[i] * b) // last for a, b in zip(r, h[i:])] for i, r in of]
+                last = p
+        form = [*chain(*rows)]
+        F = [sum([k * form[at] for at, k in terms.items()]) for terms in _quartic_terms().values()]
+        return cls(F, _dyadic(1, e) / last, free, weight * _dyadic(1, e) / 3)
+
+    def at(self, q: Sequence[int]) -> Fraction:
+        """The objective at R(q)."""
+        value = sum([c * q[i] * q[j] * q[k] * q[m] for c, (i, j, k, m) in zip(self.F, QUARTICS)])
+        return self.unit * Fraction(value, sum(c * c for c in q) ** 2)
+
+
+@cache
+def _quartic_terms() -> dict[Monomial, dict[int, int]]:
+    """Of each of QUARTICS: which entries of a 10x10 form in ROTATION, from each diagonal on."""
+    r = [[(int(t[k] + "1"), t[k + 1 : k + 3]) for k in (0, 3, 6, 9)] for t in ROTATION.split()]
+    terms: dict[Monomial, dict[int, int]] = {monomial: {} for monomial in QUARTICS}
+    for at, (left, right) in enumerate(combinations_with_replacement(r, 2)):
+        for (s, a), (t, b) in ((one, other) for one in left for other in right):
+            found = terms[tuple(map(int, sorted(a + b)))]
+            found[at] = found.get(at, 0) + s * t * (1 + (left is not right))
+    return terms
+
+
+def settled(stated: SpringsStatement, springs: Springs, bounds: tuple[Fraction, ...]) -> Outcome:
+    """What follows where every rotation S, at an angle a from R, satisfies (+).
+
+        f(S) > f(R) - delta + mu sin^2(a/2),                                                   (+)
+    mu >= 0, and max f - min f <= width; RefusalError if a claim does not follow.
+    Gap: f(R) - min f < delta. Angle: at an optimum f(S) <= f(R), so sin^2(a/2) < delta/mu.
+    Unique if 4 width delta <= mu^2, 2 mu <= width. Were there two, let q(s) run on the circle of
+    their quaternions, s the angle from the middle, the two at s = -+ b, 0 < b <= pi/2. There
+    f - min f, of degree four in cos(s/2), sin(s/2), is >= 0 and 0 at both: c (cos b - cos s)^2, and
+    c (1 + cos b)^2 <= width. If q(v) is next to R, sin^2(a/2) >= sin^2((s - v)/2), which at s or -s
+    is at least (1 - cos s)/2, 0 <= s <= pi/2: so c (cos b - cos s)^2 > mu (1 - cos s)/2 - delta. At
+    s = b: 1 - cos b < 2 delta/mu <= mu/(2 width) <= 1/4. With h = mu (1 + cos b)^2/(4 width) <= 1/2
+    at cos s = cos b - h: width h^2/(1 + cos b)^2 > mu (1 - cos b + h)/2 - delta. So delta >
+    mu (1 - cos b)/2 + mu^2 (1 + cos b)^2/(16 width) >= mu^2/(4 width): no two.
+    """
+    delta, mu, width = bounds
+    value, sin2, unique = springs.at(stated.pose), stated.sin2_half_angle, stated.unique
+    require(stated.gap >= delta, "claims.gap is not proved")  # delta > 0
+    require(sin2 is None or sin2 * mu >= delta, "claims.sin2_half_angle is not proved")
+    one = 4 * max(width, 2 * mu) * delta <= mu**2
+    several = stated.symmetry is not None and is_symmetry(springs.F, stated.symmetry)
+    require(unique is None or (one if unique else several), "claims.unique is not proved")
+    worth = _worth(springs, value, delta, mu)
+    words = tuple(_words(stated, springs, worth))
+    return Outcome(verified=True, theorems=words, reason="", worth=worth)
+
+
+def is_symmetry(F: Sequence[int], turns: Sequence[int]) -> bool:
+    """Whether F is constant along the flow q' = a q + q b, which moves every rotation.
+
+    For if |a|, |b| differ, a and b pure quaternions, q' is orthogonal to q and not 0.
+    """
+    a, b, c, d, e, f = turns
+    rows = [[0, -a - d, -b - e, -c - f], [a + d, 0, f - c, b - e]]
+    rows += [[b + e, c - f, 0, d - a], [c + f, e - b, a - d, 0]]
+    slope = dict.fromkeys(QUARTICS, 0)
+    for (k, m), at, j in product(zip(F, QUARTICS), range(4), range(4)):  # q_i: (a q + q b)_i
+        slope[tuple(sorted((*m[:at], j, *m[at + 1 :])))] += k * rows[m[at]][j]
+    return a * a + b * b + c * c != d * d + e * e + f * f and not any(slope.values())
+
+
+def _worth(springs: Springs, value: Fraction, delta: Fraction, mu: Fraction) -> Worth:
+    """The range of f is no less than how far f(R) is from its mean over all rotations.
+
+    The mean of q_i^4 is 3/24, of q_i^2 q_j^2 1/24. F = k |q|^4 is constant. Angle: a/2 < tan(a/2) <
+    sqrt(s/(1 - s)) where sin^2(a/2) < s = delta/mu < 1; the bound is below pi if s < 0.7.
+    """
+    F, s = springs.F, delta / mu if mu else Fraction(1)
+    mean = springs.unit * sum([c * (5 - 2 * k) for k, c in zip(SQUARE, F) if k]) / 24
+    flat, away = [k * F[0] for k in SQUARE] == F, abs(mean - value)
+    share = delta / away if away else Fraction(not flat)
+    angle = root_up(*(4 * s / (1 - s)).as_integer_ratio()) if s < Fraction(7, 10) else None
+    length, least = root_up(*(delta / springs.weight).as_integer_ratio()), max(value - delta, 0)
+    return Worth(springs.weight, value, Fraction(least), delta, length, share, angle)
+
+
+def _words(stated: SpringsStatement, springs: Springs, w: Worth) -> Iterator[str]:
+    yield f"Data: n = {stated.n} pair{'s'[stated.n < 2 :]}, each with a matrix W of springs."
+    yield f"SHA-256 of their doubles is {stated.digest}."
+    length = isqrt(sum(c * c for c in stated.pose) << 128)
+    unit = ", ".join(f"{(c << 64) / length:.12f}" for c in stated.pose)
+    yield f"The certified rotation R is that of the quaternion ({unit}), rounded here; w first."
+    mass, value = (f"{rounded(x, 12):g}" for x in (w.weight, w.objective))
+    yield f"Sum of tr W / 3: {mass}; objective at R, best translation: {value}; both rounded up."
+    yield f"Independent directions of shifts that cost nothing: {springs.free}."
+    gap, share = (f"{rounded(x, 2):.1e}" for x in (w.gap, w.share))
+    yield f"The objective at R exceeds the global minimum by less than {gap} (sum of r^T W r)."
+    yield f"So the minimum is at least {rounded(w.minimum, 12, ROUND_FLOOR):g}."
+    part = f"is less than {share} of" if w.share < 1 else "bounds nothing: not proved to be below"
+    all_ = "The range of energies is 0: every rotation is optimal."
+    yield f"This gap {part} the range of energies, over all rotations." if w.share else all_
+    if w.angle is not None:
+        yield f"Every global optimum is within {rounded(w.angle * DEGREES, 2):.1e} degrees of R."
+    elif w.share:
+        yield "No angle is bounded: nothing is proved of how far R is from an optimum."
+    told = "NOT unique: a motion of all rotations keeps the objective"
+    told = "unique: every other rotation has a larger objective" if stated.unique else told
+    told = told if stated.unique is not None else "unique or not: that is undecided"
+    yield f"The global optimum is {told}."
+    yield "Not proved: anything under `about`, and where the points come from."
+
+
+SUMS[SpringsStatement.prefix] = 6, spring_moments
+# --- end of part: springs -----------------------------------------------------------------------
+# --- kind: springs-sos --------------------------------------------------------------------------
+# Claims: the pose is optimal up to proved bounds, by a sum of squares of degree four.
+
+Gram = tuple[int, ...]
+LENGTHS.update(Gram=(21,))
+TIMES = [24 // prod([factorial(m.count(i)) for i in range(4)]) for m in QUARTICS]  # in (u.p)^4
+ERROR = 2 * len(QUARTICS)  # of each coefficient two parts are rounded
+
+
+@dataclass(frozen=True)
+class SpringsSosStatement(SpringsStatement):
+    """level, mu and gram make the proof, integers over 2^unit; the rest is claimed."""
+
+    kind: ClassVar = "springs-sos"
+    keys: ClassVar = {
+        "": "about claims format kind problem proof",
+        "claims": "gap sin2_half_angle unique",
+        "problem": "data digest n",
+        "proof": "gram level mu pose symmetry unit",
+    }
+
+    level: int
+    mu: int
+    unit: int
+    gram: Gram  # twenty integers, and k: they are times 2^k
+
+    def prove(self, m: Matrix, e: int, *, equal: bool) -> Outcome:
+        """All claims: f(R(p)) > 2^unit (level - ERROR + mu (1 - (u.p)^2)) for unit quaternions p.
+
+        Here u is the pose over its length. For the coefficients of f/2^unit - level |p|^4 -
+        mu (|p|^4 - (u.p)^4) exceed those of a sum of squares s^T G s/2, G > 0, s the ten
+        PRODUCTS of p, by less than 2 each, |p_i p_j p_k p_l| <= 1, and (u.p)^4 <= (u.p)^2.
+        """
+        del equal
+        springs, norm, (*gram, k) = Springs.of(m, e), sum(c * c for c in self.pose), self.gram
+        good = norm > 0 and self.mu >= 0 <= k <= BITS and abs(self.unit) <= EXPONENT_MAX
+        require(good, "mu >= 0, a pose other than 0 and small exponents needed")
+        unit, level, mu = _dyadic(1, self.unit), self.level, self.mu
+        over = springs.unit / unit
+        F = [c * over.numerator // over.denominator for c in springs.F]
+        largest = max(map(abs, (*F, *gram, level, mu)))
+        require(largest >> BITS == 0, "a number of the proof has too many bits")
+        q, at = [self.pose[i] * self.pose[j] for i, j in PRODUCTS], PRODUCTS.index
+        pairs = [(q[at(m[:2])], q[at(m[2:])]) for m in QUARTICS]
+        along = [k * i * j * mu // norm**2 for k, (i, j) in zip(TIMES, pairs)]
+        G = gram_matrix([*map(add, F, along)], [c << k for c in gram])
+        for row, (i, j) in zip(G, PRODUCTS):
+            row[0] -= 2 * (level + mu) * (1 + (i < j))  # of (level + mu) |p|^4
+        require(positive_definite(G), "level, mu and gram do not prove the pose optimal")
+        delta = springs.at(self.pose) - (level - ERROR) * unit
+        width = sum([abs(c - level * k) for c, k in zip(F, SQUARE)]) + 2 * ERROR
+        return settled(self, springs, (delta, mu * unit, width * unit))
+
+
+def gram_matrix(P: list[int], free: Sequence[int]) -> Matrix:
+    """Rows from the diagonal on of G with s^T G s = 2 P, s the ten PRODUCTS of a quaternion.
+
+    Of the products of two PRODUCTS that are the same monomial all but the first have the
+    coefficients in `free`, in the order of rows; the first has what is left.
+    """
+    left, rest, first = dict(zip(QUARTICS, P)), iter(free), dict[Monomial, tuple[int, int]]()
+    G = [[0] * k for k in range(10, 0, -1)]
+    for i, a in enumerate(PRODUCTS):
+        for j, b in enumerate(PRODUCTS[i:]):
+            monomial = tuple(sorted(a + b))
+            if first.setdefault(monomial, (i, j)) != (i, j):
+                G[i][j] = next(rest)
+                left[monomial] -= G[i][j]
+    for monomial, (i, j) in first.items():
+        G[i][j] = left[monomial]
+    return [[2 * row[0], *row[1:]] for row in G]
+
+
+# --- end of kind: springs-sos -------------------------------------------------------------------
+
+FORMS = IsotropicStatement, CountStatement, SpringsSosStatement
+KINDS: dict[str, type[Statement]] = {form.kind: form for form in FORMS}
 
 if __name__ == "__main__":
     sys.exit(main(sys.argv[1:]))

@@ -50,7 +50,7 @@ LIMITS = mutants(
     ("len(text) <= FILE_MAX and nodes", "len(text) < FILE_MAX and nodes"),
     ("nodes <= NODES_MAX", "nodes < NODES_MAX"),
     ('(b",", b"[", b"{")', '(b",", b"[")', '(b",", b"{")', '(b"[", b"{")'),
-    ("len(digits) > DIGITS_MAX", "len(digits) >= DIGITS_MAX", "False"),
+    ("len(digits) <= DIGITS_MAX", "len(digits) < DIGITS_MAX", "True"),
     ("abs(exponent) <= EXPONENT_MAX", "exponent <= EXPONENT_MAX", "abs(exponent) < EXPONENT_MAX"),
     ("len(pairs) == len(found := dict(pairs))", "(found := dict(pairs)) is not None"),
     ("value.__class__ is TYPES.get(kind)", "isinstance(value, TYPES.get(kind, ()))"),
@@ -64,13 +64,17 @@ DATA = mutants(
     ("content.startswith(head) and", ""),
     ("and text.endswith(last)", ""),
     ("len(part) for part in parts", "len(part) for part in parts[:2]"),
-    ("content.startswith(given[: size - 8 * n])", "True", "content.startswith(given[: size - 8])"),
+    (
+        "content.startswith(given[: size - 8 * own])",
+        "True",
+        "content.startswith(given[: size - 8])",
+    ),
     ("else content.startswith(given)", "else True", "else content.startswith(given[:-8])"),
     ("equal and (clouds.any_weight", "(clouds.any_weight"),
     ("told if equal else", "told if True else", "told if False else"),
     ("'1' if bare else 'as given'", "'1'", "'as given'"),
     ("bytes(doubles[-8 * stated.n :]) == bytes(doubles[-8:]) * stated.n", "True", "False"),
-    ("content[-8:] * n == content[-8 * n :]", "True", "False"),
+    ("content[-8:] * own == content[-8 * n :]", "True", "False"),
     ('digest == certificate.digest, "the', 'digest, "the'),
     ("min(w) >= 0", "min(w) > 0", "True"),
     ("all(map(isfinite, values))", "True"),
@@ -125,7 +129,7 @@ SUMS = mutants(
     ("return p > 0 and", "return p >= 0 and", "return p != 0 and", "return"),
     ("p * a - right[i] * b", "p * a + right[i] * b", "p * a - right[0] * b"),
     ("not B or", "len(B) < 2 or"),
-    ("// last", "// 1 // (last or 1) ** 2"),
+    ("right[i] * b) // last", "right[i] * b) // 1 // (last or 1) ** 2"),
 )
 ISOTROPIC = mutants(
     ("sum(c * c for c in q) * unit", "sum(c * c for c in q)", "2 * sum(c * c for c in q) * unit"),
@@ -172,7 +176,7 @@ ISOTROPIC = mutants(
     ("self.delta.numerator > 0 <= self", "self.delta.numerator >= 0 <= self", "0 <= self"),
     ("0 <= self.mu.numerator and", "0 < self.mu.numerator and", "0 and"),
     ("self.mu.numerator and any(self.pose)", "self.mu.numerator"),
-    ("require(weight > 0", "require(weight >= 0"),
+    ('require(weight > 0, "no', 'require(weight >= 0, "no'),
     *(
         (f"m[0][0] * m[j][k] - m[0][j] * m[0][k]{end}", f"m[0][0] * m[j][k]{end}", f"m[j][k]{end}")
         for end in (" for j in (1, 2, 3)", " for k in range(j, 4)")
@@ -286,7 +290,7 @@ WORTH = mutants(
     ("// d) + 1, 1 << s)", "// d), 1 << s)"),
     ("s = max(70 + (", "s = max(40 + ("),
     ('Fraction("57.295779514")', 'Fraction("28.6478897566")'),
-    ("rounded(w.minimum, 12, ROUND_FLOOR)", "rounded(w.minimum, 12)"),
+    ('least = f"{rounded(w.minimum, 12, ROUND_FLOOR)', 'least = f"{rounded(w.minimum, 12)'),
     (
         "rounding: str = ROUND_CEILING",
         "rounding: str = ROUND_FLOOR",
@@ -294,7 +298,7 @@ WORTH = mutants(
     ),
     ("if w.share >= 1", "if w.share >= 2", "if False"),
     ("yield part if w.share else", "yield part if True else"),
-    ("if w.angle is not None:", "if w.angle is not None and w.angle <= 2:"),
+    ("        if w.angle is not None:", "        if w.angle is not None and w.angle <= 2:"),
     ("self.sdp_gap * w.share >= w.gap", "self.sdp_gap >= w.gap", "False"),
     (
         "bound is not None and bound <= limit",
@@ -406,7 +410,10 @@ FORM = mutants(
     ("    unstable: tuple[int, ...] | None", "    unstable: tuple[int, ...]"),
     ("    gap: Fraction\n    mu:", "    gap: Fraction | None\n    mu:"),
     ("    sdp_gap: Fraction | None", "    sdp_gap: Fraction"),
-    ("    sin2_half_angle: Fraction | None", "    sin2_half_angle: Fraction"),
+    (
+        "    sin2_half_angle: Fraction | None\n\n",
+        "    sin2_half_angle: Fraction\n\n",
+    ),
     ("    nu: Fraction | None", "    nu: Fraction"),
     ("    delta: Fraction\n", "    delta: Fraction | None\n"),
     ('"Fraction": (2,)', '"Fraction": (2, 3)', '"Fraction": (1, 2)'),
@@ -415,14 +422,20 @@ FORM = mutants(
     ("entries.update(part)", "entries = {**part, **entries}"),
     ('"sdp?": "nu"', '"sdp": "nu"', '"sdp?": "nu?"'),
     ('"basin?": "ang', '"basin": "ang'),
-    ("    pose: tuple[int, int, int, int]", "    pose: tuple[int, int, int, int] | None"),
+    (
+        "any length; R is its rotation\n    quat",
+        "any length; R is its rotation\n    quaternion: int\n    quat",
+    ),
     (
         "    quaternion: tuple[int, int, int, int] | None",
         "    quaternion: tuple[int, int, int, int]",
     ),
     ("    chart: tuple[int, int, int, int]", "    chart: tuple[int, int, int, int] | None"),
     ("    at_most: int\n", "    at_most: int | None\n"),
-    ("for k in (IsotropicStatement, CountStatement)", "for k in (IsotropicStatement,)"),
+    (
+        "FORMS = IsotropicStatement, CountStatement",
+        "FORMS = IsotropicStatement, IsotropicStatement",
+    ),
 )
 # Beside each the subjects whose questions notice most of its mutants: these are asked first.
 GROUPS = (

@@ -29,6 +29,9 @@ if TYPE_CHECKING:
     from certreg.certificate.many import certificates_of as certificates_of
     from certreg.certificate.producing import count_certificate as count_certificate
     from certreg.certificate.producing import produce as produce
+    from certreg.certificate.producing import springs_certificate as springs_certificate
+    from certreg.certificate.springs_sos import SpringsClaims as SpringsClaims
+    from certreg.certificate.springs_sos import SpringsSosBody as SpringsSosBody
 
 __getattr__ = lazy_face(
     __name__,
@@ -66,6 +69,11 @@ __getattr__ = lazy_face(
         "producing": (
             "count_certificate",
             "produce",
+            "springs_certificate",
+        ),
+        "springs_sos": (
+            "SpringsClaims",
+            "SpringsSosBody",
         ),
     },
 )

@@ -170,11 +170,16 @@ def as_verdict(outcome: Outcome) -> CertificateVerdict:
 
 
 def _clouds(problem: RegistrationProblem) -> Clouds:
-    points = problem.block(slice(None))
+    if problem.factors is None:
+        points = problem.block(slice(None))
+        own = points.weights
+    else:
+        points = problem.spring_block(slice(None))
+        own = points.factors
     return Clouds(
         source=array("d", points.source.tobytes()),
         target=array("d", points.target.tobytes()),
-        weights=array("d", points.weights.tobytes()),
+        weights=array("d", own.tobytes()),
     )
 
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, TypeVar
 
 from certreg.certificate.count import CountBody
 from certreg.certificate.isotropic import IsotropicBody
+from certreg.certificate.springs_sos import SpringsSosBody
 from certreg.errors import InvalidFileError
 from certreg.io import write_atomically
 from certreg.results import Brief
@@ -41,8 +42,8 @@ class CertificateBody(Protocol):
         ...
 
 
-KINDS: dict[str, type[IsotropicBody | CountBody]] = {
-    body.KIND: body for body in (IsotropicBody, CountBody)
+KINDS: dict[str, type[IsotropicBody | CountBody | SpringsSosBody]] = {
+    body.KIND: body for body in (IsotropicBody, CountBody, SpringsSosBody)
 }
 AnyBody_co = TypeVar("AnyBody_co", bound=CertificateBody, covariant=True)
 

@@ -40,7 +40,9 @@ if TYPE_CHECKING:
     from typing import Any
 
     from certreg.certificate.envelope import AnyBody_co
-    from certreg.objective import Isotropic
+    from certreg.certificate.springs_sos import SpringsSosBody
+    from certreg.finding import Found
+    from certreg.objective import Isotropic, Springs
     from certreg.problem import RegistrationProblem
 
 INLINE_POINTS = 1_000_000  # the contract: beyond, the file carries the digest only
@@ -116,6 +118,23 @@ def _radius(objective: Isotropic, sin2_half_angle: Fraction, degrees: float) -> 
     return isotropic_radius(
         objective.moments, separation=g, sin2_half_angle=sin2_half_angle, degrees=degrees
     )
+
+
+def springs_certificate(
+    problem: RegistrationProblem,
+    objective: Springs,
+    found: Found,
+    *,
+    about: dict[str, Any] | None = None,
+) -> Certificate[SpringsSosBody] | None:
+    """A certificate of kind "springs-sos" of the optimum that was found; None if not proved.
+
+    None means not proved, not disproved.
+    """
+    from certreg.certificate.squares import sos_body  # loads NumPy
+
+    body = sos_body(objective, found)
+    return None if body is None else _enclosed(problem, body, about)
 
 
 def count_certificate(problem: RegistrationProblem) -> Certificate[CountBody] | None:

@@ -1,0 +1,171 @@
+"""Certificates of general springs by sums of squares: made, checked, and refused where forged."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+from importlib import import_module
+
+import numpy as np
+import pytest
+from springs_certified import certified
+
+from certreg.certificate import Certificate, verify
+from certreg.problem import RegistrationProblem
+
+checker = import_module("certreg.verify")
+CELLS = [
+    ("plane", 7, 0.1),
+    ("plane", 20, 0.1),
+    ("line", 4, 0.1),
+    ("aniso", 3, 0.1),
+    ("mixed", 6, 0.1),
+    ("wall", 20, 0.1),
+]
+
+
+def document(case):
+    return json.loads(case.certificate.to_json())
+
+
+def answer(doc, clouds=None):
+    return checker.check(json.dumps(doc).encode(), clouds)
+
+
+def sums_of(problem):
+    return checker.spring_moments(
+        problem.data_bytes()[len(checker.SpringsStatement.prefix) + 8 :], problem.n
+    )
+
+
+@pytest.mark.parametrize("cell", CELLS, ids=str)
+def test_the_optimum_is_certified_and_unique_to_many_digits(cell):
+    case = certified(*cell)
+    verdict = verify(case.certificate, case.problem)
+
+    assert verdict.proved, verdict.words
+    assert case.certificate.body.claims.unique is True
+    assert verdict.worth.angle < Fraction(1, 10**11)
+    assert verdict.worth.objective == case.objective.energy(case.certificate.body.quaternion)
+
+
+def test_a_certificate_is_read_as_it_was_saved(tmp_path):
+    made = certified("plane", 20, 0.1).certificate
+    made.save(tmp_path / "c.json")
+
+    assert Certificate.load(tmp_path / "c.json") == made
+
+
+def test_beside_its_data_a_certificate_is_below_a_kilobyte():
+    doc = document(certified("plane", 20, 0.1))
+    doc["problem"]["data"] = None
+
+    assert len(json.dumps(doc, sort_keys=True, indent=1)) <= 1024
+
+
+@pytest.mark.parametrize("cell", CELLS, ids=str)
+def test_the_checker_and_the_objective_have_the_same_quartic(cell):
+    case = certified(*cell)
+    springs = checker.Springs.of(*sums_of(case.problem))
+
+    ours = [c * springs.unit for c in springs.F]
+    assert ours == [c * case.objective.unit for c in case.objective.quartic]
+
+
+@pytest.mark.parametrize(("scale", "shift"), [(1.0, 0.0), (1e-12, 0.0), (1e12, 0.0), (1.0, 1e8)])
+def test_the_sums_are_those_of_exact_fractions(scale, shift):
+    rng = np.random.default_rng(5)
+    x, y = scale * rng.standard_normal((2, 5, 3)) + shift
+    L = rng.standard_normal((5, 6)) * 10.0 ** rng.integers(-30, 30, (5, 1))
+    L[2:4, [2, 4, 5]] = 0.0
+    problem = RegistrationProblem(x, y, factors=L)
+    R = [
+        [Fraction(2, 3), Fraction(-1, 3), Fraction(2, 3)],
+        [Fraction(2, 3), Fraction(2, 3), Fraction(-1, 3)],
+    ]
+    R.append([Fraction(-1, 3), Fraction(2, 3), Fraction(2, 3)])
+    t = [Fraction(1, 3), Fraction(-5), Fraction(7, 11)]
+    total = Fraction(0)
+    for p, q, row in zip(x.tolist(), y.tolist(), L.tolist(), strict=True):
+        r = [
+            Fraction(q[i]) - sum(R[i][j] * Fraction(p[j]) for j in range(3)) - t[i]
+            for i in range(3)
+        ]
+        a, b, c, d, e, f = map(Fraction, row)
+        total += (
+            (a * r[0] + b * r[1] + d * r[2]) ** 2 + (c * r[1] + e * r[2]) ** 2 + (f * r[2]) ** 2
+        )
+    H, e = sums_of(problem)
+    z = [*t, *(R[i][j] for j in range(3) for i in range(3)), Fraction(1)]
+    value = sum(
+        z[i] * z[i + j] * entry * (1 + (j > 0))
+        for i, row in enumerate(H)
+        for j, entry in enumerate(row)
+    )
+
+    assert value * Fraction(2) ** e == total
+
+
+def test_blocks_of_other_exponents_are_added_up(monkeypatch):
+    case = certified("plane", 20, 0.1)
+    points = [case.problem.source * 2.0**k for k in (0, 40)]
+    problem = RegistrationProblem(
+        np.concatenate(points),
+        np.concatenate(points[::-1]),
+        factors=np.concatenate([case.problem.factors] * 2),
+    )
+    H, e = sums_of(problem)
+    monkeypatch.setattr(checker, "BLOCK", 7)
+    G, d = sums_of(problem)
+    least = min(d, e)
+
+    assert [[k << e - least for k in row] for row in H] == [
+        [k << d - least for k in row] for row in G
+    ]
+
+
+def test_a_level_above_the_optimum_is_refused():
+    case = certified("plane", 20, 0.1)
+    doc = document(case)
+    body = case.certificate.body
+    value = case.objective.energy(body.quaternion) / Fraction(2) ** body.unit
+    for level in (int(value) + 1, int(value) + 10**6):
+        doc["proof"]["level"] = level
+
+        assert "do not prove" in answer(doc).reason
+
+
+@pytest.mark.parametrize("name", ["gap", "sin2_half_angle"])
+def test_a_claim_holds_at_the_proved_bound_and_not_below(name):
+    doc = document(certified("plane", 20, 0.1))
+    mantissa, exponent = doc["claims"][name]
+    doc["claims"][name] = [mantissa - 1, exponent]
+
+    assert answer(doc).reason == f"claims.{name} is not proved"
+
+
+def test_a_pose_that_is_no_optimum_is_refused():
+    doc = document(certified("plane", 20, 0.1))
+    w, x, y, z = doc["proof"]["pose"]
+    doc["proof"]["pose"] = [-x, w, -z, y]
+
+    assert not answer(doc).verified
+
+
+def test_a_certificate_is_about_its_factors_alone():
+    case = certified("plane", 20, 0.1)
+    doc = document(case)
+    doc["problem"]["data"] = None
+    problem = case.problem
+    flipped = problem.factors.copy()
+    flipped[3, 1] = -flipped[3, 1]
+    other = RegistrationProblem(problem.source, problem.target, factors=flipped)
+    plain = RegistrationProblem(problem.source, problem.target)
+
+    assert verify(json.dumps(doc).encode(), problem).proved
+    assert "digest" in verify(json.dumps(doc).encode(), other).words
+    assert "number of points" in verify(json.dumps(doc).encode(), plain).words
+    bare = checker.Clouds(
+        source=tuple(problem.source.ravel()), target=tuple(problem.target.ravel())
+    )
+    assert "give --factors" in answer(document(case), bare).reason
