@@ -41,7 +41,7 @@ TIMES = tuple(
 ROUNDING = 70  # two parts of each coefficient are rounded down, and |q_i q_j q_k q_l| <= 1
 BOUND_BITS = 32  # mantissa of what is claimed: short numbers, at most 2^-31 wasted
 RANGE_BITS = 112  # of the range of F: far below 256, which the checker allows
-FREE_BITS = 56  # of the entries that are free: rho near 2^-56, so gaps near 2^-112 / eigenvalue
+FREE_BITS = 53  # of the entries that are free: rho near 2^-53, so gaps near 2^-106 / eigenvalue
 POSE_BITS = 59  # of the quaternion: it costs as much
 POLISHING_STEPS = 3  # each gains the digits of a double
 FLAT = 1e-9  # an eigenvalue below this of the largest is not told from 0 by what a solver proposes
