@@ -3,12 +3,17 @@
  * On the cone of v_0 ... v_3 the form is a sum of terms b_m M(m) s^m over q = s_0 v_0 + ... + s_3 v_3, s >= 0, M
  * the multinomials, so it is positive there where all 35 b_m are. Where they are not, and the cone does not lie
  * in a cap, an edge is cut in the middle: by de Casteljau's rule the new coefficients are means of two, again and
- * again. A mean is rounded down, so that what is shown of these integers holds for the form itself. It is a
- * proposal all the same: caps and vertices are doubles, and the checker cuts by itself, in longer integers. */
+ * again. A mean is rounded down, so that what is shown of these integers holds for the form itself. They are those
+ * of the checker, which cuts the same cones by itself; caps and vertices are doubles here, and caps a bit smaller,
+ * so that it looks at no cone that is not looked at here. */
 #include "cones.h"
 
-#include <math.h>
+#include <stdlib.h>
 #include <string.h>
+
+#ifdef __SIZEOF_INT128__
+
+typedef __int128 wide;
 
 #define COEFFICIENTS CERTREG_CONE_COEFFICIENTS
 #define EDGES 6
@@ -28,7 +33,7 @@ struct tables {
 };
 
 struct cone {
-    int64_t bernstein[COEFFICIENTS];
+    wide bernstein[COEFFICIENTS];
     double vertices[4][4];
     int cuts;
 };
@@ -106,9 +111,9 @@ static int refutes(struct certreg_cones *search, const struct tables *tables, co
     return 0;
 }
 
-static inline int64_t bend(const int64_t *b, const int *places)
+static inline wide bend(const wide *b, const int *places)
 {
-    const int64_t second = b[places[0]] - 2 * b[places[1]] + b[places[2]];
+    const wide second = b[places[0]] - 2 * b[places[1]] + b[places[2]];
     return second < 0 ? -second : second;
 }
 
@@ -118,17 +123,17 @@ static int edge_to_cut(const struct tables *tables, const struct cone *cone)
     if (cone->cuts % ROUND == ROUND - 1)
         return cone->cuts / ROUND % EDGES;
     int best = 0;
-    int64_t most = -1;
+    wide most = -1;
     for (int k = 0; k < EDGES; k++)
         for (int a = 0; a <= 2; a++) {
-            const int64_t here = bend(cone->bernstein, tables->rows[k][ROWS - 1].places + a);
+            const wide here = bend(cone->bernstein, tables->rows[k][ROWS - 1].places + a);
             if (here > most)
                 most = here, best = k;
         }
     return best;
 }
 
-static inline int64_t mean_below(int64_t a, int64_t b) { return (a + b) >> 1; }
+static inline wide mean_below(wide a, wide b) { return (a + b) >> 1; }
 
 /* The two halves: without the second vertex of the edge, and without the first. */
 static void cut(const struct tables *tables, const struct cone *whole, int edge, struct cone *left,
@@ -140,7 +145,7 @@ static void cut(const struct tables *tables, const struct cone *whole, int edge,
     for (int a = 0; a < 4; a++)
         left->vertices[j][a] = right->vertices[i][a] = 0.5 * (whole->vertices[i][a] + whole->vertices[j][a]);
     for (const struct row *row = tables->rows[edge]; row < tables->rows[edge] + ROWS; row++) {
-        int64_t b[5];
+        wide b[5];
         for (int k = 0; k <= row->degree; k++)
             b[k] = whole->bernstein[row->places[k]];
         for (int level = 0; level <= row->degree; level++) {
@@ -152,24 +157,29 @@ static void cut(const struct tables *tables, const struct cone *whole, int edge,
     }
 }
 
-static inline int64_t least(const int64_t *b)
+static inline wide least(const wide *b)
 {
-    int64_t found = b[0];
+    wide found = b[0];
     for (int k = 1; k < COEFFICIENTS; k++)
         found = b[k] < found ? b[k] : found;
     return found;
 }
 
-int certreg_cones(struct certreg_cones *search)
+static wide integer(const uint64_t *words)
 {
-    struct cone stack[CERTREG_ORTHANTS + CERTREG_CONE_CUTS + 1];
+    return (wide)((unsigned __int128)words[1] << 64 | words[0]);
+}
+
+static int run(struct certreg_cones *search, struct cone *stack)
+{
     struct tables tables;
     int waiting = CERTREG_ORTHANTS;
     fill(&tables);
     memset(stack, 0, CERTREG_ORTHANTS * sizeof *stack);
     for (int orthant = 0; orthant < CERTREG_ORTHANTS; orthant++) {
         struct cone *cone = &stack[CERTREG_ORTHANTS - 1 - orthant];
-        memcpy(cone->bernstein, search->orthants + COEFFICIENTS * orthant, sizeof cone->bernstein);
+        for (int k = 0; k < COEFFICIENTS; k++)
+            cone->bernstein[k] = integer(search->orthants + 2 * (COEFFICIENTS * orthant + k));
         for (int i = 0; i < 4; i++)
             cone->vertices[i][i] = i && orthant >> (i - 1) & 1 ? -1 : 1;
     }
@@ -190,3 +200,21 @@ int certreg_cones(struct certreg_cones *search)
     }
     return CERTREG_CONES_POSITIVE;
 }
+
+int certreg_cones(struct certreg_cones *search)
+{
+    struct cone *stack = malloc((CERTREG_ORTHANTS + CERTREG_CONE_CUTS + 1) * sizeof *stack);
+    const int ending = stack ? run(search, stack) : CERTREG_CONES_ABSENT;
+    free(stack);
+    return ending;
+}
+
+#else
+
+int certreg_cones(struct certreg_cones *search)
+{
+    (void)search;
+    return CERTREG_CONES_ABSENT;
+}
+
+#endif

@@ -1,38 +1,46 @@
 """Whether a form of degree four in four variables is positive outside of caps, by native/cones.c.
 
-Where there is no compiled code NumPy cuts the same cones in the same integers, level by level.
+Where there is no compiled code the same cones are cut in Python's integers, a hundred times slower.
 """
 
 from __future__ import annotations
 
 import ctypes
 import enum
+import sys
 from dataclasses import dataclass
-from itertools import combinations, combinations_with_replacement, product
-from math import factorial
-from typing import TYPE_CHECKING, Any
+from functools import cache
+from itertools import combinations, combinations_with_replacement, pairwise, product
+from math import factorial, gcd, prod
+from operator import itemgetter
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from certreg.native.library import library_if_any
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from numpy.typing import NDArray
 
     from certreg.native.library import Library
 
-Array = Any  # NDArray
+    Integers = Sequence[int]
+    Vertex = Sequence[float]
+    Chosen = Callable[[Integers], Integers]
+
 MONOMIALS = tuple(combinations_with_replacement(range(4), 4))
 PLACE: dict[tuple[int, ...], int] = {monomial: k for k, monomial in enumerate(MONOMIALS)}
-VERTICES = [PLACE[(k,) * 4] for k in range(4)]
-EDGES = tuple(combinations(range(4), 2))
+CORNERS = itemgetter(*(PLACE[(k,) * 4] for k in range(4)))
+OVER_MULTINOMIALS = [prod(factorial(m.count(k)) for k in range(4)) for m in MONOMIALS]  # 24 over
 ORTHANTS = tuple((1, *signs[::-1]) for signs in product((1, -1), repeat=3))  # bit k: e_(k+1)
-COEFFICIENT_BITS = 60  # two of them and the bend of three fit in 64
-MOST_CUTS, ROUND = 128, 8  # as in cones.h, cones.c
+SIGNS = tuple(tuple(prod(signs[k] for k in m) for m in MONOMIALS) for signs in ORTHANTS)
+COEFFICIENT_BITS = 124  # the bend of three fits in 128; as in the checker
+WORD_BYTES = 16
+MOST_CUTS, ROUND = 192, 8  # as in cones.h, cones.c
 INSIDE = 1 - 2.0**-20  # the same: of a cap's sine
-CHUNK = 1 << 14  # cones looked at together: some 10 MB
+EDGES = 6
 
 
 class ConesEnding(enum.Enum):
@@ -41,12 +49,12 @@ class ConesEnding(enum.Enum):
     POSITIVE = "positive outside of the caps"
     NOT_POSITIVE = "not positive at a point outside of the caps"
     BUDGET = "more cones than allowed"
-    DEEP = "a cone became too small for these integers"
+    DEEP = "a cone became too small"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConeSearch:
-    """What a search found: a proposal, of integers of 60 bits and caps in doubles.
+    """What a search found: a proposal, as caps and vertices are in doubles.
 
     seen: cones looked at. deepest: cuts of the smallest one. vertex: where the form is not
     positive, if that is how it ended.
@@ -60,7 +68,7 @@ class ConeSearch:
 
 class _Search(ctypes.Structure):
     _fields_ = (
-        ("orthants", ctypes.c_void_p),
+        ("orthants", ctypes.c_char_p),
         ("caps", ctypes.c_void_p),
         ("cap_count", ctypes.c_int64),
         ("budget", ctypes.c_int64),
@@ -70,158 +78,156 @@ class _Search(ctypes.Structure):
     )
 
 
-def search_cones(quartic: Sequence[int], caps: NDArray[np.float64], *, budget: int) -> ConeSearch:
+def search_cones(quartic: Integers, caps: NDArray[np.float64], *, budget: int) -> ConeSearch:
     """Look for a cover by cones on each of which the form is positive, or which lie in a cap.
 
     quartic: its 35 coefficients, without multinomials. caps: (k, 5), a unit vector each and the
     squared sine of the angle that the cap reaches to.
     """
-    orthants = bernstein_on_orthants(quartic)
-    caps = np.ascontiguousarray(caps, dtype=float).reshape(-1, 5)
-    library = library_if_any()
-    if library is None:
-        return search_by_level(orthants, caps, budget)
-    return search_compiled(library, orthants, caps, budget)
+    library = library_if_any() if sys.byteorder == "little" else None
+    found = None if library is None else search_compiled(library, quartic, caps, budget)
+    return found or search_in_python(quartic, caps, budget)
 
 
-def search_compiled(library: Library, orthants: Array, caps: Array, budget: int) -> ConeSearch:
-    """By native/cones.c; orthants: contiguous, as of `bernstein_on_orthants`."""
-    search = _Search(orthants.ctypes.data, caps.ctypes.data, len(caps), budget)
+def search_compiled(
+    library: Library, quartic: Integers, caps: NDArray[np.float64], budget: int
+) -> ConeSearch | None:
+    """By native/cones.c; None where it has no integers of 128 bits."""
+    rows = bernstein_on_orthants(quartic)
+    words = [entry.to_bytes(WORD_BYTES, "little", signed=True) for row in rows for entry in row]
+    given = np.ascontiguousarray(caps, dtype=float).reshape(-1, 5)
+    search = _Search(b"".join(words), given.ctypes.data, len(given), budget)
     number: int = library.handle.certreg_cones(ctypes.byref(search))
+    if number == len(ConesEnding):
+        return None
     ending = list(ConesEnding)[number]
     vertex = tuple(search.vertex) if ending is ConesEnding.NOT_POSITIVE else None
     return ConeSearch(ending=ending, seen=search.seen, deepest=search.deepest, vertex=vertex)
 
 
-def bernstein_on_orthants(quartic: Sequence[int]) -> NDArray[np.int64]:
-    """(8, 35): Bernstein coefficients on each orthant, over a power of two and rounded down."""
-    common = [entry * (24 // _multinomial(m)) for entry, m in zip(quartic, MONOMIALS, strict=True)]
+def bernstein_on_orthants(quartic: Integers) -> list[list[int]]:
+    """8 x 35: Bernstein coefficients on each orthant, over a common factor and rounded down."""
+    common = [entry * factor for entry, factor in zip(quartic, OVER_MULTINOMIALS, strict=True)]
+    shared = gcd(*quartic) or 1
+    common = [entry // shared for entry in common]
     places = max(entry.bit_length() for entry in common) - COEFFICIENT_BITS
-    scaled = [entry << max(-places, 0) for entry in common]
-    rows = [
-        [
-            int(np.prod([signs[k] for k in m])) * entry >> max(places, 0)
-            for entry, m in zip(scaled, MONOMIALS, strict=True)
-        ]
-        for signs in ORTHANTS
-    ]
-    return np.array(rows, dtype=np.int64)
-
-
-def _multinomial(monomial: tuple[int, ...]) -> int:
-    counts = [factorial(monomial.count(k)) for k in range(4)]
-    return factorial(4) // (counts[0] * counts[1] * counts[2] * counts[3])
-
-
-def _rows(edge: tuple[int, int]) -> list[list[int]]:
-    """Places of the coefficients along an edge, its second vertex with the powers 0, 1, ..."""
-    i, j = edge
-    others = [k for k in range(4) if k not in edge]
+    common = [entry << max(-places, 0) for entry in common]
     return [
-        [
-            PLACE[tuple(sorted((*rest, *(i,) * (degree - power), *(j,) * power)))]
-            for power in range(degree + 1)
-        ]
-        for degree in range(5)
-        for rest in combinations_with_replacement(others, 4 - degree)
+        [sign * entry >> max(places, 0) for sign, entry in zip(signs, common, strict=True)]
+        for signs in SIGNS
     ]
 
 
-ROWS = tuple(_rows(edge) for edge in EDGES)  # the last row is of no other vertex
+@dataclass(frozen=True, slots=True)
+class _Cone:
+    """Bernstein coefficients, vertices, how often it was cut."""
+
+    bernstein: Integers
+    vertices: tuple[Vertex, ...]
+    cuts: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Cones:
-    """Some cones: Bernstein coefficients (k, 35), vertices (k, 4, 4), how often each was cut."""
+@dataclass(frozen=True, slots=True)
+class _Edge:
+    """Of an edge v_i, v_j: which means come next, and which are the coefficients of the halves.
 
-    bernstein: Array
-    vertices: Array
-    cuts: Array
+    along: places of the coefficients of s_i^4, s_i^3 s_j, ..., s_j^4.
+    """
 
-    def __len__(self) -> int:
-        return len(self.cuts)
-
-    def part(self, chosen: Array) -> _Cones:
-        return _Cones(self.bernstein[chosen], self.vertices[chosen], self.cuts[chosen])
-
-    @classmethod
-    def joined(cls, parts: list[_Cones]) -> _Cones:
-        return cls(
-            np.concatenate([part.bernstein for part in parts]),
-            np.concatenate([part.vertices for part in parts]),
-            np.concatenate([part.cuts for part in parts]),
-        )
+    i: int
+    j: int
+    means: tuple[tuple[int, int], ...]
+    without_j: Chosen
+    without_i: Chosen
+    along: tuple[int, ...]
 
 
-def search_by_level(orthants: Array, caps: Array, budget: int) -> ConeSearch:
-    """The same in NumPy; the last cones that were made are looked at first, many at a time."""
-    vertices = np.array([np.diag(signs) for signs in ORTHANTS], dtype=float)
-    waiting = [_Cones(orthants, vertices, np.zeros(len(ORTHANTS), dtype=np.int64))]
+def search_in_python(quartic: Integers, caps: NDArray[np.float64], budget: int) -> ConeSearch:
+    """The same, cone by cone, in the same integers."""
+    rows = bernstein_on_orthants(quartic)
+    held = [tuple(row) for row in np.reshape(caps, (-1, 5)).tolist()]
+    waiting = [_Cone(row, _corners(signs), 0) for row, signs in zip(rows, ORTHANTS, strict=True)]
+    waiting.reverse()
     seen = deepest = 0
     while waiting:
-        cones = waiting.pop()
-        seen, deepest = seen + len(cones), max(deepest, int(cones.cuts.max()))
+        cone = waiting.pop()
+        seen, deepest = seen + 1, max(deepest, cone.cuts)
         if seen > budget:
-            return ConeSearch(ending=ConesEnding.BUDGET, seen=budget, deepest=deepest)
-        cones = cones.part(cones.bernstein.min(axis=1) <= 0)
-        inside, along = _inside(cones.vertices, caps)
-        same = np.all(along * along[:, :1] > 0, axis=1)
-        left = ~np.any(np.all(inside, axis=1) & same, axis=1)
-        bare = (cones.bernstein[:, VERTICES] <= 0) & ~np.any(inside, axis=2) & left[:, np.newaxis]
-        if bare.any():
-            vertex = tuple(cones.vertices[tuple(np.argwhere(bare)[0])].tolist())
-            ending = ConesEnding.NOT_POSITIVE
-            return ConeSearch(ending=ending, seen=seen, deepest=deepest, vertex=vertex)
-        cones = cones.part(left)
-        if not len(cones):
+            return ConeSearch(ending=ConesEnding.BUDGET, seen=seen, deepest=deepest)
+        if min(cone.bernstein) > 0 or any(_holds(cap, cone.vertices) for cap in held):
             continue
-        if int(cones.cuts.max()) == MOST_CUTS:
+        for value, vertex in zip(CORNERS(cone.bernstein), cone.vertices, strict=True):
+            if value <= 0 and not any(_holds(cap, (vertex,)) for cap in held):
+                ending, point = ConesEnding.NOT_POSITIVE, tuple(vertex)
+                return ConeSearch(ending=ending, seen=seen, deepest=deepest, vertex=point)
+        if cone.cuts == MOST_CUTS:
             return ConeSearch(ending=ConesEnding.DEEP, seen=seen, deepest=deepest)
-        halves = _halves(cones)
-        waiting += [halves.part(slice(k, k + CHUNK)) for k in range(0, len(halves), CHUNK)]
+        waiting += _halves(cone)
     return ConeSearch(ending=ConesEnding.POSITIVE, seen=seen, deepest=deepest)
 
 
-def _inside(vertices: Array, caps: Array) -> tuple[Array, Array]:
-    """(k, 4, caps): whether a vertex lies in a cap or its mirror image; its product with it."""
-    centres, sines = caps[:, :4], caps[:, 4]
-    along = vertices @ centres.T
-    across = [
-        vertices[..., a, None] * centres[:, b] - vertices[..., b, None] * centres[:, a]
-        for a, b in EDGES
-    ]
-    squares = (vertices**2).sum(axis=2)[..., None]
-    return np.sum(np.square(across), axis=0) <= INSIDE * sines * squares, along
+def _corners(signs: tuple[int, ...]) -> tuple[Vertex, ...]:
+    return tuple([float(sign * (i == k)) for i in range(4)] for k, sign in enumerate(signs))
 
 
-def _halves(cones: _Cones) -> _Cones:
-    """Both halves of each cone, cut at the edge along which the coefficients bend most."""
-    ends = cones.bernstein[:, [rows[-1] for rows in ROWS]]
-    bends: Array = np.abs(ends[..., :-2] - 2 * ends[..., 1:-1] + ends[..., 2:]).max(axis=2)
-    turn: Array = bends.argmax(axis=1)
-    due = cones.cuts % ROUND == ROUND - 1
-    turn[due] = cones.cuts[due] // ROUND % len(EDGES)
-    parts: list[_Cones] = []
-    for k in range(len(EDGES)):
-        some = cones.part(turn == k)
-        if len(some):
-            parts += _cut(some, k)
-    return _Cones.joined(parts)
+def _holds(cap: tuple[float, ...], vertices: tuple[Vertex, ...]) -> bool:
+    """Whether all vertices lie in the cap, or all in its mirror image."""
+    *centre, sine = cap
+    side = 0.0
+    for vertex in vertices:
+        along = sum(a * b for a, b in zip(vertex, centre, strict=True))
+        across = sum(
+            (vertex[a] * centre[b] - vertex[b] * centre[a]) ** 2
+            for a, b in combinations(range(4), 2)
+        )
+        side = side or along
+        inside = across <= INSIDE * sine * sum(a * a for a in vertex)
+        if not (inside and (along * side > 0 or len(vertices) == 1)):
+            return False
+    return True
 
 
-def _cut(cones: _Cones, edge: int) -> list[_Cones]:
-    left, right = cones.bernstein.copy(), cones.bernstein.copy()
-    for places in ROWS[edge]:
-        b = cones.bernstein[:, places]
-        for level, place in enumerate(places):
-            left[:, place] = b[:, 0]
-            right[:, places[len(places) - 1 - level]] = b[:, -1]
-            b = (b[:, :-1] + b[:, 1:]) >> 1
-    i, j = EDGES[edge]
-    middle = (cones.vertices[:, i] + cones.vertices[:, j]) / 2
-    without_j, without_i = cones.vertices.copy(), cones.vertices.copy()
-    without_j[:, j] = without_i[:, i] = middle
-    return [
-        _Cones(left, without_j, cones.cuts + 1),
-        _Cones(right, without_i, cones.cuts + 1),
-    ]
+def _halves(cone: _Cone) -> Iterator[_Cone]:
+    """Both halves, cut at the edge along which the coefficients bend most; or which is due."""
+    b, cuts = cone.bernstein, cone.cuts
+    turn = cuts // ROUND % EDGES
+    if cuts % ROUND != ROUND - 1:
+        bends = [_bend([b[k] for k in edge.along]) for edge in _edges()]
+        turn = bends.index(max(bends))
+    edge = _edges()[turn]
+    means = list(b)
+    for first, second in edge.means:
+        means.append((means[first] + means[second]) >> 1)
+    ends = zip(cone.vertices[edge.i], cone.vertices[edge.j], strict=True)
+    middle = [(a + b) / 2 for a, b in ends]
+    for half, out in ((edge.without_j, edge.j), (edge.without_i, edge.i)):
+        vertices = (*cone.vertices[:out], middle, *cone.vertices[out + 1 :])
+        yield _Cone(half(means), vertices, cuts + 1)
+
+
+def _bend(row: Integers) -> int:
+    return max(abs(a - 2 * b + c) for a, b, c in zip(row[:-2], row[1:-1], row[2:], strict=True))
+
+
+@cache
+def _edges() -> tuple[_Edge, ...]:
+    return tuple(_edge(i, j) for i, j in combinations(range(4), 2))
+
+
+def _edge(i: int, j: int) -> _Edge:
+    count = len(MONOMIALS)
+    left, right, means = [0] * count, [0] * count, list[tuple[int, int]]()
+    row: list[int] = []
+    others = [k for k in range(4) if k not in (i, j)]
+    for degree in range(5):
+        for rest in combinations_with_replacement(others, 4 - degree):
+            powers = [(i,) * (degree - k) + (j,) * k for k in range(degree + 1)]
+            row = [PLACE[tuple(sorted(rest + some))] for some in powers]
+            level = row
+            for k in range(degree + 1):
+                left[row[k]], right[row[degree - k]] = level[0], level[-1]
+                first = count + len(means)
+                means += pairwise(level)
+                level = list(range(first, first + degree - k))
+    chosen = itemgetter(*left), itemgetter(*right)
+    return _Edge(i, j, tuple(means), *chosen, tuple(row))
