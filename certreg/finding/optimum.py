@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.equilibrium import CriticalLines
+    from certreg.equilibrium import CriticalLines, Descent
     from certreg.exact import IntegerQuaternion
     from certreg.objective import LevelledExactly, Springs
     from certreg.relaxation import QuarticRelaxation
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 
 CRITICAL = 1e-20  # slope over the largest coefficient: beyond what doubles reach
 TIGHT = 1e-6  # of the largest coefficient: value of the rotation less that of the relaxation
+MOST_MINIMA = 20  # that are refined: half of 40 lines at most, as minima are; of a continuum some
 FLAT = 1e-6  # of the largest curvature: a minimum that is nearly degenerate may seem to curve down
 SAME_MINIMUM = 1e-5  # sine between quaternions: a descent is right to 1e-7 where curvature is weak
 TIGHT_WORDS = "The relaxation is tight: it found one rotation whose energy is its own value."
@@ -85,11 +86,19 @@ def optimum_of(quartic: Sequence[int], solver: str | None = None) -> Found:
             return _found((optimum,), levelled, relaxation, None, TIGHT_WORDS)
     lines = critical_lines(levelled.rest)
     starts = [*_starts(form, lines), *([] if start is None else [start])]
-    minima = _minima(levelled, form, np.array(starts))
-    several = f"the best of {len(minima)} local minima" if len(minima) > 1 else "one local minimum"
-    return _found(
-        minima, levelled, relaxation, lines, f"{lines.outcome.value} They led to {several}."
-    )
+    ends = _apart(descended(form, np.array(starts)))
+    minima = [refined(levelled, q.tolist()) for q in ends[:MOST_MINIMA]]
+    minima.sort(key=lambda q: _exact_value(levelled, q))
+    words = f"{lines.outcome.value} {_how_many(len(ends), lines)}"
+    return _found(tuple(minima), levelled, relaxation, lines, words)
+
+
+def _how_many(minima: int, lines: CriticalLines) -> str:
+    """What the ends led to, in words."""
+    several = f"the best of {minima} local minima" if minima > 1 else "the one local minimum"
+    if lines.outcome is PathsOutcome.FOUND:
+        return f"They led to {several}."
+    return f"Descents from them led to {several} that were met."
 
 
 def _found(
@@ -133,17 +142,13 @@ def _starts(form: FloatingQuartic, lines: CriticalLines) -> Reals:
     return lines.quaternions[curvatures[:, 0] > -FLAT * np.abs(curvatures).max()]
 
 
-def _minima(
-    levelled: LevelledExactly, form: FloatingQuartic, starts: Reals
-) -> tuple[IntegerQuaternion, ...]:
-    """The different local minima below the starts, the best first by their exact energies."""
-    ends = descended(form, starts)
+def _apart(ends: Descent) -> list[Reals]:
+    """The ends of descents that differ, by ascending value."""
     apart: list[Reals] = []
     for q in ends.points[np.argsort(ends.values, kind="stable")]:
         if all(np.linalg.norm(q - (p @ q) * p) > SAME_MINIMUM for p in apart):
             apart.append(q)
-    minima = [refined(levelled, q.tolist()) for q in apart]
-    return tuple(sorted(minima, key=lambda q: _exact_value(levelled, q)))
+    return apart
 
 
 def _exact_value(levelled: LevelledExactly, q: IntegerQuaternion) -> Fraction:

@@ -31,7 +31,8 @@ static inline number inverse(number a)
 
 #define FAR 4 /* |chart| |q|: at least 1, and 1 in a chart of its own */
 
-#define LARGEST_MOVE 0.5 /* of one polishing step, relative: beyond, it leads to another root */
+#define NEARLY 1e-6 /* t where a path that is stuck is at a singular end: the residual tells */
+#define LEAST_GAIN 4 /* of Newton's changes, one over the next: at a double root it is 2 */
 
 struct system {
     double table[PAIRS][PAIRS]; /* of the products q_k q_m the entries of F'', in the same order */
@@ -272,7 +273,7 @@ static int followed(struct system *system, const struct certreg_path_rules *rule
     take_chart(system, &now.at);
     put_in_chart(system, &now);
     *at = now.at;
-    return now.t < rules->endgame ? CERTREG_REACHED : CERTREG_STUCK;
+    return now.t < NEARLY ? CERTREG_REACHED : CERTREG_STUCK;
 }
 
 /* The condition of the Jacobian of F at a point: the norms of it and of its inverse. */
@@ -297,6 +298,25 @@ static double condition(const struct system *system, const point *at)
     return size * back;
 }
 
+/* Newton's method on F from the end of a path: the last change. Where it does not converge as at a regular end,
+ * the point stays what it was, as it would wander along a continuum. */
+static double polished(const struct system *system, const struct certreg_path_rules *rules, point *at)
+{
+    point next = *at, slope;
+    double before = rules->corrector_bound, change = INFINITY;
+    for (int64_t n = 0; n < rules->polishings; n++) {
+        change = step(system, &next, 0, &slope);
+        if (change <= rules->polished) {
+            *at = next;
+            return change;
+        }
+        if (!(change <= before))
+            break;
+        before = change / LEAST_GAIN;
+    }
+    return change;
+}
+
 void certreg_quartic_paths(const double *quartic, const double *a, int64_t count,
                            const struct certreg_path_rules *rules, double *points, int8_t *codes,
                            double *changes, double *conditions, int64_t *rounds)
@@ -305,18 +325,12 @@ void certreg_quartic_paths(const double *quartic, const double *a, int64_t count
     make_table(quartic, system.table);
     memcpy(system.a, a, sizeof system.a);
     for (int64_t k = 0; k < count; k++) {
-        point at, slope;
+        point at;
         memcpy(&at, points + CERTREG_POINT * k, sizeof at);
         codes[k] = (int8_t)followed(&system, rules, &at, rounds + k);
         changes[k] = conditions[k] = INFINITY;
         if (codes[k] == CERTREG_REACHED) {
-            for (int64_t n = 0; n < rules->polishings && !(changes[k] <= rules->polished); n++) {
-                point next = at;
-                changes[k] = step(&system, &next, 0, &slope);
-                if (!(changes[k] < LARGEST_MOVE))
-                    break;
-                at = next;
-            }
+            changes[k] = polished(&system, rules, &at);
             conditions[k] = condition(&system, &at);
         }
         memcpy(points + CERTREG_POINT * k, &at, sizeof at);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import sys
 from dataclasses import replace
 from typing import Any
 
@@ -13,12 +14,20 @@ import spring_minima
 
 from certreg import RegistrationProblem
 from certreg.equilibrium import PathsOutcome
-from certreg.finding.optimum import CONSTANT_WORDS, TIGHT_WORDS, find_optimum, optimum_of
+from certreg.finding import optimum as optimum_module
+from certreg.finding.optimum import (
+    CONSTANT_WORDS,
+    MOST_MINIMA,
+    TIGHT_WORDS,
+    find_optimum,
+    optimum_of,
+)
 from certreg.finding.refining import POSE_BITS, refined
 from certreg.geometry.so3 import body_frame, dot, squared_norm
 from certreg.objective.levelling import levelled_exactly, norm_fourth
 from certreg.objective.springs import Springs
 from certreg.problem import spring_moments
+from certreg.relaxation import RelaxationStatus
 
 
 @functools.cache
@@ -100,3 +109,59 @@ def test_a_minimum_that_is_missed_is_seen(monkeypatch):
     assert outcome.missed
     assert outcome.excess > 0
     assert outcome.by_descent > 0
+
+
+def of_factors(source, target, factors):
+    rows = [factors] * len(source)
+    return Springs(spring_moments(RegistrationProblem(source, target, factors=rows)))
+
+
+def test_of_a_continuum_of_optima_some_are_found_and_the_words_do_not_count_them_as_all():
+    """One wall: turns about its normal cost nothing."""
+    rng = np.random.default_rng(0)
+    optimum = find_optimum(
+        of_factors(rng.normal(size=(20, 3)), rng.normal(size=(20, 3)), (0, 0, 0, 0, 0, 1))
+    )
+
+    assert optimum.lines is not None
+    assert optimum.lines.outcome is not PathsOutcome.FOUND
+    assert optimum.words.startswith(optimum.lines.outcome.value)
+    assert optimum.words.endswith("local minima that were met.")
+    assert len(optimum.minima) == MOST_MINIMA
+    values = [optimum.levelled.value(q) / squared_norm(q) ** 2 for q in optimum.minima]
+    assert np.ptp(values) < 1e-12 * (1 << optimum.levelled.bits)
+
+
+def test_a_minimum_of_order_four_is_reached_as_far_as_doubles_go():
+    """A sphere without noise: the Hessian at the optimum, the identity, is zero."""
+    points = spring_families.directions(np.random.default_rng(0), 20)
+    made = RegistrationProblem(points, points, normals=points)
+    optimum = find_optimum(Springs(spring_moments(made)))
+
+    assert optimum.words == TIGHT_WORDS
+    w, *axis = optimum.quaternion
+    assert sum(entry**2 for entry in axis) < 1e-6 * w**2
+
+
+def test_without_the_relaxation_s_solver_all_paths_are_tracked(monkeypatch):
+    monkeypatch.setitem(sys.modules, "clarabel", None)
+    optimum: Any = find_optimum(springs("plane", 20, 0.1))
+
+    assert optimum.relaxation.status is RelaxationStatus.UNAVAILABLE
+    assert optimum.lines.outcome is PathsOutcome.FOUND
+    assert optimum.quaternion == pytest.approx(found("plane", 20, 0.1).quaternion, rel=1e-25)
+
+
+def test_a_value_above_the_relaxation_s_is_not_taken_for_tight(monkeypatch):
+    """As where squares of degree four leave a gap: rank one may be chance."""
+    objective, whole = springs("plane", 20, 0.1), optimum_module.relax_quartic
+
+    def lower(*arguments):
+        right: Any = whole(*arguments)
+        return replace(right, value=right.value - 2e-6)
+
+    monkeypatch.setattr(optimum_module, "relax_quartic", lower)
+    optimum = find_optimum(objective)
+
+    assert optimum.lines is not None
+    assert optimum.quaternion == found("plane", 20, 0.1).quaternion
