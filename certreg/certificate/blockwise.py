@@ -7,6 +7,7 @@ A module of its own: it loads NumPy, and `checking`, which asks it, answers with
 
 from __future__ import annotations
 
+from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING
 
 from certreg.problem import (
@@ -14,12 +15,23 @@ from certreg.problem import (
     UPPER,
     row_blocks,
     second_method,
+    second_spring_method,
+    spring_sums_by,
     sums_by,
 )
-from certreg.verify import Outcome, RefusalError, bound_doubles, moments, parse, require, within
+from certreg.verify import (
+    Outcome,
+    RefusalError,
+    bound_doubles,
+    moments,
+    parse,
+    require,
+    spring_moments,
+    within,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from certreg.problem import RegistrationProblem
     from certreg.verify import Limits
@@ -81,17 +93,14 @@ def _proved(
     m, e = table(problem)
     same = not problem.mapped or problem.digest() == stated.digest
     require(same, "the clouds were changed while they were read")
-    return stated.prove(m, e, equal=problem.equally_weighted)
+    return stated.prove(m, e, equal=problem.factors is None and problem.equally_weighted)
 
 
 def _added_moments(problem: RegistrationProblem) -> tuple[Table, int]:
     """The checker's own moments, block by block."""
-    total, exponent = [[0] * 7 for _ in range(7)], 0
+    total, exponent = [[0] * k for k in _widths(problem)], 0
     for rows in row_blocks(problem.n):
-        block = problem.block(rows)
-        arrays = (block.source, block.target, block.weights)
-        content = b"".join(array.astype("<f8").tobytes() for array in arrays)
-        table, e = moments(content, len(block.weights))
+        table, e = _block_moments(problem, rows)
         least = min(e, exponent)
         total = [
             [(old << exponent - least) + (new << e - least) for old, new in zip(*pair, strict=True)]
@@ -101,8 +110,25 @@ def _added_moments(problem: RegistrationProblem) -> tuple[Table, int]:
     return total, exponent
 
 
+def _widths(problem: RegistrationProblem) -> Sequence[int]:
+    """Of the rows of the checker's table: 7x7, of general springs 13x13 from the diagonal on."""
+    return [7] * 7 if problem.factors is None else range(13, 0, -1)
+
+
+def _block_moments(problem: RegistrationProblem, rows: slice) -> tuple[Table, int]:
+    if problem.factors is None:
+        block = problem.block(rows)
+        arrays, summed = (block.source, block.target, block.weights), moments
+    else:
+        springs = problem.spring_block(rows)
+        arrays, summed = (springs.source, springs.target, springs.factors), spring_moments
+    return summed(b"".join(array.astype("<f8").tobytes() for array in arrays), len(arrays[0]))
+
+
 def _table_of_sums(problem: RegistrationProblem) -> tuple[Table, int]:
     """The same from sums by a method that the problem's moments did not take."""
+    if problem.factors is not None:
+        return _table_of_springs(problem)
     sums = sums_by(second_method(problem), problem)
     a, b, c = (e or 0 for e in (sums.source_exponent, sums.target_exponent, sums.weight_exponent))
     exponents = [c + x * a + y * b for x, y in FACTORS]
@@ -110,4 +136,28 @@ def _table_of_sums(problem: RegistrationProblem) -> tuple[Table, int]:
     total = [[0] * 7 for _ in range(7)]
     for (i, j), k, exponent in zip(PLACES, sums.integers, exponents, strict=True):
         total[i][j] = k << exponent - least
+    return total, least
+
+
+def _table_of_springs(problem: RegistrationProblem) -> tuple[Table, int]:
+    """H, 13x13 from the diagonal on, in (t, R by columns, 1)."""
+    sums = spring_sums_by(second_spring_method(problem), problem)
+    numbers = sums.integers
+    a, b, c = (e or 0 for e in (sums.source_exponent, sums.target_exponent, sums.weight_exponent))
+    least = c + min(0, 2 * a, 2 * b)  # 0 of a shift, a of an entry of R, b of the 1: twice each
+    total = [[0] * k for k in range(13, 0, -1)]
+    for i, j in combinations_with_replacement(range(13), 2):
+        (x, left), (y, right) = divmod(i - 3, 3), divmod(j - 3, 3)
+        spring = UPPER.index((min(left, right), max(left, right)))
+        if j < 3:
+            entry, exponent = numbers[spring], c
+        elif j < 12:
+            of_points = 6 + 3 * spring + y if i < 3 else 24 + 6 * spring + UPPER.index((x, y))
+            entry, exponent = numbers[of_points], c + a * (1 + (i >= 3))
+        elif i < 12:
+            at = 60 + left if i < 3 else 63 + 3 * left + x
+            entry, exponent = -numbers[at], c + b + a * (i >= 3)
+        else:
+            entry, exponent = numbers[72], c + 2 * b
+        total[i][j - i] = entry << exponent - least
     return total, least

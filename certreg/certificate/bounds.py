@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from certreg.exact import double_above, double_below, half_angle_bound, root_above
 from certreg.geometry import body_frame, dot, squared_norm
+from certreg.objective import Springs, levelled_exactly
 from certreg.problem import lift
 from certreg.results import Absent, Explained
 
@@ -24,12 +25,14 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.isotropic import IsotropicBody
+    from certreg.certificate.springs_sos import SpringsSosBody
     from certreg.objective import Isotropic
     from certreg.problem import ExactMoments
     from certreg.results import Limits
 
 NO_ANGLE = Absent("the optimum is not unique: no angle to 'the' optimum exists")
 NOT_CLAIMED = Absent("the certificate bounds no angle, though the optimum is unique")
+UNDECIDED = Absent("the certificate bounds no angle: whether the optimum is unique is not decided")
 NO_RANGE = Absent("every rotation fits equally: the range of energies is zero")
 
 
@@ -106,26 +109,58 @@ class ExactPose:
 
 
 def pose_bounds(
-    objective: Isotropic, body: IsotropicBody, pose: ExactPose, *, energy: Fraction | None = None
+    objective: Isotropic | Springs,
+    body: IsotropicBody | SpringsSosBody,
+    pose: ExactPose,
+    *,
+    energy: Fraction | None = None,
 ) -> PoseBounds:
     """Bounds on a pose; they hold if the checker accepts the certificate for these data.
 
     energy: the pose's, `pose_energy`, where it is known already.
     """
     energy = pose_energy(objective, pose) if energy is None else energy
-    above = energy - objective.energy(body.quaternion)
-    flat = not objective.least_range_squared  # then the certified rotation has the minimum itself
+    at_optimum = objective.energy(body.quaternion)
+    above, range_squared = energy - at_optimum, _range_squared(objective, at_optimum)
+    flat = not range_squared  # then the certified rotation has the minimum itself
     return PoseBounds(
         least_gap=max(Fraction(0), above),
         greatest_gap=max(Fraction(0), above if flat else above + body.gap),
         angle_upper=_angle_upper(body, pose.quaternion),
-        least_range_squared=objective.least_range_squared,
-        flat_energy=flat_energy(objective.moments),
+        least_range_squared=range_squared,
+        flat_energy=_spread(objective),
         absent={
-            "angle_upper": NOT_CLAIMED if objective.classification.unique else NO_ANGLE,
-            **({} if objective.least_range_squared else {"share_upper": NO_RANGE}),
+            "angle_upper": _no_angle(objective, body),
+            **({"share_upper": NO_RANGE} if flat else {}),
         },
     )
+
+
+def _range_squared(objective: Isotropic | Springs, at_optimum: Fraction) -> Fraction:
+    """The square of a number that the range of energies is not below; 0 iff all are equal.
+
+    Of general springs: how far the energy at the certified pose is below the mean of all.
+    """
+    if not isinstance(objective, Springs):
+        return objective.least_range_squared
+    levelled = levelled_exactly(objective.quartic)
+    return Fraction(0) if levelled.is_constant else (_mean(objective) - at_optimum) ** 2
+
+
+def _mean(objective: Springs) -> Fraction:
+    """Of the energy over all rotations."""
+    return levelled_exactly(objective.quartic).level * objective.unit
+
+
+def _spread(objective: Isotropic | Springs) -> Fraction:
+    return _mean(objective) if isinstance(objective, Springs) else flat_energy(objective.moments)
+
+
+def _no_angle(objective: Isotropic | Springs, body: IsotropicBody | SpringsSosBody) -> Absent:
+    if isinstance(objective, Springs):
+        unique = body.claims.unique
+        return NOT_CLAIMED if unique else UNDECIDED if unique is None else NO_ANGLE
+    return NOT_CLAIMED if objective.classification.unique else NO_ANGLE
 
 
 def flat_energy(moments: ExactMoments) -> Fraction:
@@ -136,7 +171,7 @@ def flat_energy(moments: ExactMoments) -> Fraction:
     return moments.total_weight * sum((c * c for c in centroids), start=Fraction(0))
 
 
-def pose_energy(objective: Isotropic, pose: ExactPose) -> Fraction:
+def pose_energy(objective: Isotropic | Springs, pose: ExactPose) -> Fraction:
     """The objective sum w |y - R x - t|^2 at exactly this pose."""
     q = pose.quaternion
     return objective.energy(q) + objective.translation_energy(q, pose.translation)
@@ -148,7 +183,7 @@ def sin2_half_angle_between(p: Sequence[int], q: Sequence[int]) -> Fraction:
     return Fraction(squared_norm(across), squared_norm(p) * squared_norm(q))
 
 
-def _angle_upper(body: IsotropicBody, q: Sequence[int]) -> float | None:
+def _angle_upper(body: IsotropicBody | SpringsSosBody, q: Sequence[int]) -> float | None:
     claimed = body.claims.sin2_half_angle
     if claimed is None:
         return None

@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from certreg.problem import RegistrationProblem
 
 INLINE_POINTS = 1_000_000  # the contract: beyond, the file carries the digest only
+INLINE_SPRINGS = 700_000  # of general springs, 128 bytes each in base64: files are below 1e8 bytes
 BOUND_BITS = 32  # mantissa of mu and delta: short numbers, at most 2^-31 wasted
 GROWTH_BITS = 16  # delta grows by 2^16 after a refused attempt
 LEAST_BITS = 8192  # delta is at least 2^-8192 of K: exponents stay in bounds
@@ -155,7 +156,7 @@ def _enclosed(
 ) -> Certificate[AnyBody_co]:
     """The body in its envelope, with the points unless they are too many."""
     inline = None
-    if problem.n <= INLINE_POINTS:
+    if problem.n <= (INLINE_POINTS if problem.factors is None else INLINE_SPRINGS):
         inline = problem.data_bytes() if problem.mapped else problem  # a file may change meanwhile
     return Certificate(
         n=problem.n,

@@ -58,7 +58,7 @@ def sos_body(objective: Springs, found: Found) -> SpringsSosBody | None:
     the optimum's, or other directions cost nothing, a gap is what is left. None means not proved,
     not disproved.
     """
-    if found.relaxation.gram is None:
+    if found.relaxation.gram is None and not found.levelled.is_constant:
         return None
     scaled = _Scaled.of(objective, found)
     proposed = scaled.integers_of(objective, found)
@@ -174,7 +174,8 @@ class _Scaled:
     @classmethod
     def of(cls, objective: Springs, found: Found) -> _Scaled:
         quaternion = _shortened(found.quaternion)
-        size = objective.unit * max(1 << found.levelled.bits, 1)
+        levelled = found.levelled
+        size = objective.unit * max(levelled.scale, abs(levelled.level) / (1 << RANGE_BITS))
         unit = size.numerator.bit_length() - size.denominator.bit_length() - RANGE_BITS
         over = objective.unit / power_of_two(unit)
         norm = squared_norm(quaternion)
@@ -192,6 +193,8 @@ class _Scaled:
         """The free entries that the solver proposes, for F."""
         scale = float(found.levelled.scale * objective.unit / self.one)
         gram: Any = found.relaxation.gram
+        if gram is None:  # of a constant
+            gram = np.zeros((10, 10))
         return [
             round(float(gram[i, j]) * (1 + (i < j)) * scale) + 2 * self.value * (i == j)
             for i, j in _places().free

@@ -10,8 +10,17 @@ import numpy as np
 import pytest
 from springs_certified import certified
 
-from certreg.certificate import Certificate, verify
-from certreg.problem import RegistrationProblem
+from certreg.certificate import (
+    Certificate,
+    ExactPose,
+    blockwise,
+    pose_bounds,
+    springs_certificate,
+    verify,
+)
+from certreg.finding import find_optimum
+from certreg.objective import Springs
+from certreg.problem import RegistrationProblem, spring_moments
 
 checker = import_module("certreg.verify")
 CELLS = [
@@ -106,6 +115,28 @@ def test_the_sums_are_those_of_exact_fractions(scale, shift):
     assert value * Fraction(2) ** e == total
 
 
+@pytest.mark.parametrize("scale", [1.0, 1e9, 1e-9])
+def test_a_certificate_of_many_points_is_checked_in_blocks_and_on_other_sums(scale, monkeypatch):
+    case = certified("plane", 20, 0.1)
+    problem = RegistrationProblem(
+        scale * case.problem.source, case.problem.target / 3, factors=case.problem.factors
+    )
+    monkeypatch.setattr(
+        blockwise, "row_blocks", lambda n: (slice(k, k + 7) for k in range(0, n, 7))
+    )
+    tables = [
+        sums_of(problem),
+        blockwise._added_moments(problem),
+        blockwise._table_of_sums(problem),
+    ]
+
+    least = min(e for _, e in tables)
+    first, *others = ([[k << e - least for k in row] for row in table] for table, e in tables)
+    assert all(other == first for other in others)
+    assert blockwise.check_in_blocks(case.certificate.to_json(), case.problem).verified
+    assert blockwise.check_on_sums(case.certificate.to_json(), case.problem).verified
+
+
 def test_blocks_of_other_exponents_are_added_up(monkeypatch):
     case = certified("plane", 20, 0.1)
     points = [case.problem.source * 2.0**k for k in (0, 40)]
@@ -169,3 +200,73 @@ def test_a_certificate_is_about_its_factors_alone():
         source=tuple(problem.source.ravel()), target=tuple(problem.target.ravel())
     )
     assert "give --factors" in answer(document(case), bare).reason
+
+
+def test_an_objective_that_is_constant_is_certified_with_no_angle():
+    points = np.array([[1.0, 2.0, 3.0]])
+    problem = RegistrationProblem(points, 2 * points, factors=[[1.0, 0.0, 1.0, 0.0, 0.0, 1.0]])
+    objective = Springs(spring_moments(problem))
+    certificate = springs_certificate(problem, objective, find_optimum(objective))
+    verdict = verify(certificate, problem)
+
+    assert verdict.proved, verdict.words
+    assert (verdict.worth.share, verdict.worth.angle) == (0, None)
+    assert "The range of energies is 0: every rotation is optimal." in verdict.theorems
+    assert certificate.body.claims.unique is False
+
+
+def wall(normals):
+    """Points of random planes with these normals alone."""
+    rng = np.random.default_rng(3)
+    x, rows = rng.standard_normal((2, 12, 3))
+    rows = np.array(normals, dtype=float)[np.arange(12) % len(normals)]
+    return RegistrationProblem(x, x @ np.diag([1.0, -1.0, -1.0]) + 0.01, normals=rows)
+
+
+def test_of_one_wall_a_gap_is_proved_and_the_optimum_proved_not_unique():
+    problem = wall([[1, 2, 2]])
+    objective = Springs(spring_moments(problem))
+    certificate = springs_certificate(problem, objective, find_optimum(objective))
+    verdict = verify(certificate, problem)
+
+    assert verdict.proved, verdict.words
+    assert "Independent directions of shifts that cost nothing: 2." in verdict.theorems
+    assert any("NOT unique" in theorem for theorem in verdict.theorems)
+    assert verdict.worth.share < 1e-6
+    doc = json.loads(certificate.to_json())
+    doc["claims"]["unique"] = True
+    assert answer(doc).reason == "claims.unique is not proved"
+    for turns in ([0] * 6, [1, 2, 2, 1, 2, 2], [1, 2, 3, 0, 0, 0], None):
+        forged = json.loads(certificate.to_json())
+        forged["proof"]["symmetry"] = turns
+        assert answer(forged).reason == "claims.unique is not proved", turns
+
+
+def test_a_pose_is_bounded_by_a_certificate_of_the_optimum():
+    case = certified("plane", 20, 0.1)
+    rng = np.random.default_rng(0)
+    for _ in range(5):
+        pose = ExactPose.of_doubles(rng.standard_normal(4), rng.standard_normal(3))
+        bounds = pose_bounds(case.objective, case.certificate.body, pose)
+        q = np.array(pose.quaternion, dtype=float)
+        u = np.array(case.certificate.body.quaternion, dtype=float)
+        angle = 2 * np.arccos(min(1.0, abs(q @ u) / np.linalg.norm(q) / np.linalg.norm(u)))
+
+        assert 0 < bounds.least_gap < bounds.greatest_gap
+        assert bounds.greatest_gap - bounds.least_gap == case.certificate.body.gap
+        assert angle - 1e-7 < bounds.angle_upper < angle + 1e-7
+        assert bounds.share_upper > 0
+
+
+def test_the_best_pose_is_within_the_gap():
+    case = certified("plane", 20, 0.1)
+    body = case.certificate.body
+    best = ExactPose(
+        quaternion=body.quaternion, translation=case.objective.best_translation(body.quaternion)
+    )
+    bounds = pose_bounds(case.objective, body, best)
+
+    assert bounds.least_gap == 0
+    assert bounds.greatest_gap == body.gap
+    assert bounds.share_upper < 1e-20
+    assert bounds.angle_upper < 1e-12
