@@ -27,7 +27,7 @@ from functools import cache
 from getopt import GetoptError, gnu_getopt
 from itertools import accumulate, chain, combinations_with_replacement, product, repeat
 from math import factorial, frexp, gcd, isfinite, isqrt, ldexp, prod
-from operator import add, mul, neg
+from operator import add, itemgetter, mul, neg
 from pathlib import Path
 from typing import Any, ClassVar, Protocol
 
@@ -858,7 +858,7 @@ def _quartic_terms() -> dict[Monomial, dict[int, int]]:
     return terms
 
 
-def settled(stated: SpringsStatement, springs: Springs, bounds: tuple[Fraction, ...]) -> Outcome:
+def settled(stated: SpringsStatement, f: Springs, *bounds: Fraction, tied: bool = False) -> Outcome:
     """What follows where every rotation S, at an angle a from R, satisfies (+).
 
         f(S) > f(R) - delta + mu sin^2(a/2),                                                   (+)
@@ -874,14 +874,14 @@ def settled(stated: SpringsStatement, springs: Springs, bounds: tuple[Fraction, 
     mu (1 - cos b)/2 + mu^2 (1 + cos b)^2/(16 width) >= mu^2/(4 width): no two.
     """
     delta, mu, width = bounds
-    value, sin2, unique = springs.at(stated.pose), stated.sin2_half_angle, stated.unique
+    value, sin2, unique = f.at(stated.pose), stated.sin2_half_angle, stated.unique
     require(stated.gap >= delta, "claims.gap is not proved")  # delta > 0
     require(sin2 is None or sin2 * mu >= delta, "claims.sin2_half_angle is not proved")
     one = 4 * max(width, 2 * mu) * delta <= mu**2
-    several = stated.symmetry is not None and is_symmetry(springs.F, stated.symmetry)
+    several = tied or (stated.symmetry is not None and is_symmetry(f.F, stated.symmetry))
     require(unique is None or (one if unique else several), "claims.unique is not proved")
-    worth = _worth(springs, value, delta, mu)
-    words = tuple(_words(stated, springs, worth))
+    worth = _worth(f, value, delta, mu)
+    words = tuple(_words(stated, f, worth))
     return Outcome(verified=True, theorems=words, reason="", worth=worth)
 
 
@@ -933,7 +933,7 @@ def _words(stated: SpringsStatement, springs: Springs, w: Worth) -> Iterator[str
         yield f"Every global optimum is within {rounded(w.angle * DEGREES, 2):.1e} degrees of R."
     elif w.share:
         yield "No angle is bounded: nothing is proved of how far R is from an optimum."
-    told = "NOT unique: a motion of all rotations keeps the objective"
+    told = "NOT unique: other rotations have the same objective"
     told = "unique: every other rotation has a larger objective" if stated.unique else told
     told = told if stated.unique is not None else "unique or not: that is undecided"
     yield f"The global optimum is {told}."
@@ -993,7 +993,7 @@ class SpringsSosStatement(SpringsStatement):
         require(positive_definite(G), "level, mu and gram do not prove the pose optimal")
         delta = springs.at(self.pose) - (level - ERROR) * unit
         width = sum([abs(c - level * k) for c, k in zip(F, SQUARE)]) + 2 * ERROR
-        return settled(self, springs, (delta, mu * unit, width * unit))
+        return settled(self, springs, delta, mu * unit, width * unit)
 
 
 def gram_matrix(P: list[int], free: Sequence[int]) -> Matrix:
@@ -1016,8 +1016,208 @@ def gram_matrix(P: list[int], free: Sequence[int]) -> Matrix:
 
 
 # --- end of kind: springs-sos -------------------------------------------------------------------
+# --- kind: springs-cones ------------------------------------------------------------------------
+# Claims: the pose is optimal up to proved bounds, by cutting the quaternions into cones.
 
-FORMS = IsotropicStatement, CountStatement, SpringsSosStatement
+CAPS_MAX, CONES_MAX, CUTS_MAX = 12, 300_000, 256  # CUTS_MAX: of an orthant down to a cone
+CONE_BITS = 124  # of Bernstein coefficients: the bend of three fits in 128
+POWERS = [prod([factorial(m.count(i)) for i in range(4)]) for m in QUARTICS]  # 24/multinomials
+Caps = tuple[int, ...]  # of each: the centre, a quaternion; mantissa and exponent of its curvature
+LENGTHS.update(Caps=range(0, 6 * CAPS_MAX + 1, 6))
+Cap = tuple[Sequence[int], int]  # its centre c; it holds v where (c.v)^2 2^BITS >= level |v|^2
+Cone = tuple[Sequence[int], Sequence[Sequence[int]], int]  # coefficients, vertices, cuts
+Half = Callable[[Sequence[int]], Sequence[int]]
+Edge = tuple[tuple[int, int], list[tuple[int, int]], tuple[Half, Half]]  # as `cutting` says
+
+
+@dataclass(frozen=True)
+class SpringsConesStatement(SpringsStatement):
+    """mu and caps make the proof, which the checker finds again by itself; the rest is claimed."""
+
+    kind: ClassVar = "springs-cones"
+    keys: ClassVar = {
+        "": "about claims format kind problem proof",
+        "claims": "gap sin2_half_angle unique",
+        "problem": "data digest n",
+        "proof": "caps mu pose symmetry",
+    }
+
+    mu: Fraction
+    caps: Caps
+
+    def prove(self, m: Matrix, e: int, *, equal: bool) -> Outcome:
+        """(+) with delta = claims.gap, in caps by their curvature and outside of them by cones.
+
+        Where a tie is claimed, delta = 0 is proved, by `>` outside of the caps: all optima lie in
+        them, and if the pose and another centre are stationary, with one value, both are optima.
+        """
+        del equal
+        springs, norm = Springs.of(m, e), sum(c * c for c in self.pose)
+        tie = self.unique is False and self.symmetry is None
+        good = norm > 0 and self.gap > 0 and (self.mu == 0 if tie else self.mu >= 0)
+        require(good, "a pose, gap > 0 and mu >= 0 needed, mu = 0 for a tie")
+        delta = Fraction(0) if tie else self.gap
+        width, value, caps, tied = spread(springs), springs.at(self.pose), list[Cap](), False
+        for at in range(0, len(self.caps), 6):
+            *centre, number, exponent = self.caps[at : at + 6]
+            curvature = _dyadic(number, exponent)
+            good = any(centre) and max(map(abs, centre)) >> BITS == 0 < curvature
+            require(good, "a cap has no centre, one of too many bits, or no curvature")
+            slope, other = local(springs, centre, curvature), springs.at(centre)
+            here = sum(c * c for c in centre) * norm == sum(map(mul, centre, self.pose)) ** 2
+            depth = delta if here else other - value + delta - self.mu
+            room = (curvature - self.mu * here) * depth
+            require(slope < room or (tie and slope == depth == 0), "a cap proves too little")
+            tied = tied or (tie and not here and other == value)
+            caps.append(cap_of(centre, curvature / width))
+        level, growth = (value - delta) / springs.unit, self.mu / springs.unit
+        form = growth_form(springs.F, self.pose, level, growth)
+        prove_positive(form, caps)
+        return settled(self, springs, self.gap, self.mu, width, tied=tied)
+
+
+def spread(springs: Springs) -> Fraction:
+    """At least max f - min f: f is unit (c + sum of (F_m - c k_m) q^m), |q| = 1, k those of |q|^4.
+
+    For any c, here the mean of f. The powers a, b, ... of q^m add up to 4, and its square is at
+    most a^a b^b .../4^4: |q^m| is at most min(16, a! b! ...)/16. It is >= 0 if k_m is.
+    """
+    mean = sum([c * (5 - 2 * k) for k, c in zip(SQUARE, springs.F) if k])  # 24 times
+    parts = [(abs(24 * c - k * mean), k, t) for c, k, t in zip(springs.F, SQUARE, POWERS)]
+    total = sum([size * (2 - (k > 0)) * min(16, times) for size, k, times in parts])
+    return springs.unit * Fraction(total, 24 * 16)
+
+
+def local(springs: Springs, c: Sequence[int], curvature: Fraction) -> Fraction:
+    """The square of the slope of f at R(c), where the Hessian there is > curvature I; by angles.
+
+    Along exp(s [d]) R(c), |d| = 1, the quaternion is u + s/2 e - s^2/8 u + ..., u = c/|c|, e = d u
+    the combination of iu, ju, ku with the coefficients d. So the derivatives of f are unit times
+    F'(u) e/2 and (e^T F''(u) e - 4 F(u))/4, as F'(u) u = 4 F(u).
+    """
+    (w, x, y, z), norm = c, sum(k * k for k in c)
+    second = [[0] * 4 for _ in c]
+    for (k, m), i, j in product(zip(springs.F, QUARTICS), range(4), range(4)):
+        rest = [c[m[a]] for a in range(4) if a not in (i, j)]
+        second[m[i]][m[j]] += k * (i != j) * prod(rest)
+    frame = [-x, w, -z, y], [-y, z, w, -x], [-z, -y, x, w]
+    images = [[sum(map(mul, row, e)) for row in second] for e in frame]
+    p, q = (4 * norm**2 * (springs.at(c) + curvature) / springs.unit).as_integer_ratio()
+    A = [[q * sum(map(mul, b, e)) - p * (b is d) for d, e in zip(images, frame)] for b in images]
+    require(definite(A), "a cap's curvature is not proved")
+    square = sum([sum(map(mul, image, c)) ** 2 for image in images])  # (3 F' e)^2
+    return springs.unit**2 * Fraction(square, 36 * norm**4)
+
+
+def cap_of(c: Sequence[int], ratio: Fraction) -> Cap:
+    """The rotations within r = ratio/8 of R(c); ratio is a curvature there over max f - min f.
+
+    Along exp(s d) R, |d| = 1, f is a trigonometric polynomial of degree 2 in s. By Bernstein's
+    inequality, for f less the middle of its range, its second derivative is at most 2 (max f -
+    min f) in size. That is a polynomial of degree 2 on the rotations, too, for every d, and again
+    by Bernstein its slope is at most 4 (max f - min f). So the Hessian within r exceeds half the
+    curvature k, k <= 2 (max f - min f), r <= 1/4: a ball that holds the geodesics between its
+    points. There f >= f(R(c)) - slope a + k a^2/4, a the angle to R(c): at least
+    f(R(c)) - slope^2/k, and above f(R(c)) - delta + mu sin^2(a/2) if slope^2 < (k - mu) delta.
+    R(q) is within r if (c.q)^2 >= cos^2(r/2) |c|^2 |q|^2, and cos^2 x <= 1 - x^2 (1 - x^2/3).
+    """
+    x = ratio / 16
+    least = (1 - x**2 * (1 - x**2 / 3)) * sum(k * k for k in c) * 2**BITS
+    return c, -(-least.numerator // least.denominator)
+
+
+def holds(cap: Cap, vertices: Sequence[Sequence[int]]) -> bool:
+    """Whether the cone of these vertices lies in the cap, or in its mirror image: all of them do.
+
+    Either is convex, {q: c.q >= k |q|} with k > 0; q and -q are the same rotation.
+    """
+    c, least = cap
+    along = [sum(map(mul, c, v)) for v in vertices[:1]]
+    if any(a * a << BITS < least * sum(map(mul, v, v)) for a, v in zip(along, vertices)):
+        return False
+    along += [sum(map(mul, c, v)) for v in vertices[1:]]
+    good = all(a * a << BITS >= least * sum(map(mul, v, v)) for a, v in zip(along, vertices))
+    return good and (min(along) > 0 or max(along) < 0)
+
+
+def growth_form(F: Sequence[int], u: Sequence[int], level: Fraction, mu: Fraction) -> list[int]:
+    """Coefficients of F - level |q|^4 - mu |q|^2 (|q|^2 - (u.q)^2/|u|^2), over some number > 0."""
+    norm = sum(k * k for k in u)
+    along = mu / norm
+    one = level.denominator * along.denominator
+    P = {m: k * one for m, k in zip(QUARTICS, F)}
+    for i, j, k in product(range(4), repeat=3):
+        entry = (level + mu) * (i == j) - along * u[i] * u[j]
+        P[tuple(sorted((i, j, k, k)))] -= int(entry * one)
+    return [*P.values()]
+
+
+def prove_positive(P: Sequence[int], caps: Sequence[Cap]) -> None:
+    """RefusalError unless the form P is > 0 at all q != 0 but in the caps, as it is seen by cones.
+
+    Each line through 0 meets one of the cones of e_0, +-e_1, +-e_2, +-e_3. On that of v_0 ... v_3,
+    P(q) = sum of b_m (24/POWERS_m) s^m, q = s_0 v_0 + ..., s >= 0: if all b_m > 0 then P > 0. Else
+    it is cut in two at v_i + v_j; b_m are then means of two, and so on (de Casteljau). Rounded down
+    they stay below the true ones, as each mean increases with both. Cuts go where the b_m along an
+    edge bend most, but every eighth round the edges, after six of which a cone is narrower.
+    """
+    shared = gcd(*P) or 1
+    entries = [k // shared * times for k, times in zip(P, POWERS)]
+    low = max([abs(k) for k in entries]).bit_length() - CONE_BITS
+    up, low, (edges, bent), cones = max(-low, 0), max(low, 0), cutting(), list[Cone]()
+    for signs in product((1,), (1, -1), (1, -1), (1, -1)):
+        b = [(k << up) * prod([signs[i] for i in m]) >> low for k, m in zip(entries, QUARTICS)]
+        vertices = [[s * (i == j) << CUTS_MAX for j in range(4)] for i, s in enumerate(signs)]
+        cones.append((b, vertices, 0))
+    for _ in range(CONES_MAX):
+        if not cones:
+            return
+        b, vertices, cuts = cones.pop()
+        if min(b) > 0 or any(holds(cap, vertices) for cap in caps):
+            continue
+        values = [k for k, m in zip(b, QUARTICS) if m[0] == m[3]]
+        bare = [v for v, value in zip(vertices, values) if value <= 0]
+        good = all(any(holds(cap, [v]) for cap in caps) for v in bare)
+        require(good, "at a rotation outside of the caps the objective is too small")
+        require(cuts < CUTS_MAX, "the gap is too small for these cones")
+        bends = [abs(b[x] - 2 * b[y] + b[z]) for x, y, z in bent]
+        turn = cuts // 8 % 6 if cuts % 8 == 7 else bends.index(max(bends)) // 3
+        (i, j), sums, halves = edges[turn]
+        middle = [(x + y) // 2 for x, y in zip(vertices[i], vertices[j])]
+        means = [*b]
+        for x, y in sums:
+            means.append(means[x] + means[y] >> 1)
+        for half, out in zip(halves, (j, i)):
+            corners = [*vertices[:out], middle, *vertices[out + 1 :]]
+            cones.append((half(means), corners, cuts + 1))
+    require(not cones, f"more than {CONES_MAX} cones are needed")
+
+
+@cache
+def cutting() -> tuple[list[Edge], list[tuple[int, ...]]]:
+    """Of each edge v_i, v_j: which means come next, and which are the halves' coefficients.
+
+    A half keeps v_i, or v_j. And of each three in turn that bend: of s_i^4, s_i^3 s_j, ..., s_j^4.
+    """
+    edges, bent = list[Edge](), list[tuple[int, ...]]()
+    for i, j in [(i, j) for i, j in PRODUCTS if i < j]:
+        left, right, sums, row = [0] * 35, [0] * 35, list[tuple[int, int]](), list[int]()
+        for degree in range(5):
+            for others in combinations_with_replacement({*range(4)} - {i, j}, 4 - degree):
+                powers = [(i,) * (degree - k) + (j,) * k for k in range(degree + 1)]
+                row = now = [QUARTICS.index(tuple(sorted(others + some))) for some in powers]
+                for k in range(degree + 1):
+                    left[row[k]], right[row[degree - k]], here = now[0], now[-1], 35 + len(sums)
+                    sums += [(now[at], now[at + 1]) for at in range(degree - k)]
+                    now = [*range(here, here + degree - k)]
+        edges.append(((i, j), sums, (itemgetter(*left), itemgetter(*right))))
+        bent += zip(row, row[1:], row[2:])
+    return edges, bent
+
+
+# --- end of kind: springs-cones -----------------------------------------------------------------
+
+FORMS = IsotropicStatement, CountStatement, SpringsSosStatement, SpringsConesStatement
 KINDS: dict[str, type[Statement]] = {form.kind: form for form in FORMS}
 
 if __name__ == "__main__":

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from certreg.certificate.producing import count_certificate as count_certificate
     from certreg.certificate.producing import produce as produce
     from certreg.certificate.producing import springs_certificate as springs_certificate
+    from certreg.certificate.springs_cones import ConesCap as ConesCap
+    from certreg.certificate.springs_cones import SpringsConesBody as SpringsConesBody
     from certreg.certificate.springs_sos import SpringsClaims as SpringsClaims
     from certreg.certificate.springs_sos import SpringsSosBody as SpringsSosBody
 
@@ -70,6 +72,10 @@ __getattr__ = lazy_face(
             "count_certificate",
             "produce",
             "springs_certificate",
+        ),
+        "springs_cones": (
+            "ConesCap",
+            "SpringsConesBody",
         ),
         "springs_sos": (
             "SpringsClaims",

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, TypeVar
 
 from certreg.certificate.count import CountBody
 from certreg.certificate.isotropic import IsotropicBody
+from certreg.certificate.springs_cones import SpringsConesBody
 from certreg.certificate.springs_sos import SpringsSosBody
 from certreg.errors import InvalidFileError
 from certreg.io import write_atomically
@@ -42,8 +43,8 @@ class CertificateBody(Protocol):
         ...
 
 
-KINDS: dict[str, type[IsotropicBody | CountBody | SpringsSosBody]] = {
-    body.KIND: body for body in (IsotropicBody, CountBody, SpringsSosBody)
+KINDS: dict[str, type[IsotropicBody | CountBody | SpringsSosBody | SpringsConesBody]] = {
+    body.KIND: body for body in (IsotropicBody, CountBody, SpringsSosBody, SpringsConesBody)
 }
 AnyBody_co = TypeVar("AnyBody_co", bound=CertificateBody, covariant=True)
 

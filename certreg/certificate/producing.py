@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from certreg.certificate.envelope import AnyBody_co
+    from certreg.certificate.springs_cones import SpringsConesBody
     from certreg.certificate.springs_sos import SpringsSosBody
     from certreg.finding import Found
     from certreg.objective import Isotropic, Springs
@@ -127,15 +128,23 @@ def springs_certificate(
     found: Found,
     *,
     about: dict[str, Any] | None = None,
-) -> Certificate[SpringsSosBody] | None:
-    """A certificate of kind "springs-sos" of the optimum that was found; None if not proved.
+) -> Certificate[SpringsSosBody] | Certificate[SpringsConesBody] | None:
+    """A certificate of the optimum that was found, by squares or by cones; None if not proved.
 
-    None means not proved, not disproved.
+    Cones are cut where squares leave open whether the optimum is unique, and kept where they prove
+    more; `about` says then how. None means not proved, not disproved.
     """
-    from certreg.certificate.squares import sos_body  # loads NumPy
+    from certreg.certificate.cones import cones_body  # loads NumPy
+    from certreg.certificate.squares import sos_body  # the same
 
-    body = sos_body(objective, found)
-    return None if body is None else _enclosed(problem, body, about)
+    squares = sos_body(objective, found)
+    if squares is not None and squares.claims.unique is not None:
+        return _enclosed(problem, squares, about)
+    cones = cones_body(objective, found.minima)
+    body = cones.body
+    if body is not None and (squares is None or body.claims.unique or body.gap < squares.gap):
+        return _enclosed(problem, body, {**(about or {}), "cones": cones.words})
+    return None if squares is None else _enclosed(problem, squares, about)
 
 
 def count_certificate(problem: RegistrationProblem) -> Certificate[CountBody] | None:
