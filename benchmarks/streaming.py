@@ -25,9 +25,11 @@ from certreg.geometry.so3 import davenport_matrix
 from certreg.native.kernels import FLAGS
 from certreg.native.library import loaded_library
 from certreg.problem.exact_sums import SumMethod, fastest_method, sums_by
+from certreg.problem.floating_springs import floating_spring_moments
 from certreg.problem.floating_sums import CloudPair, compiled, floating_sums
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.problem.spring_sums import spring_sums_by
 from certreg.registration.closed_form import register
 
 if TYPE_CHECKING:
@@ -38,6 +40,7 @@ READING = 1.6  # times the loop that only reads
 REGISTERING = 1.4  # the same of `register`, on one core
 MILLION = 1_000_000
 EXACT = {"unit weights": 9.0, "weighted": 14.0}  # the same of exact sums of a million
+PLANES = 40.0  # times the pass in doubles: exact sums of a million point-to-plane pairs
 MEMORY = 50.0  # MB that a registration adds to the two clouds
 NEAR, FAR = 1e-14, 2e-13  # radians; at an offset of 1e8 the points themselves hold 8 digits
 SLOPE = (0.95, 1.05)  # k where the sums cost N^k
@@ -54,6 +57,7 @@ def measure() -> Iterator[Figure]:
     yield _reading("doubles with weights", source, target, weights)
     yield _registering(source, target)
     yield from _exact(source[:MILLION], target[:MILLION], weights[:MILLION])
+    yield _planes(source[:MILLION], target[:MILLION])
     yield _linear(source, target)
     yield _others(source, target)
     yield _memory(source, target, weights)
@@ -123,6 +127,29 @@ def _exact(source: Any, target: Any, weights: Any) -> Iterator[Figure]:
             bound=EXACT[what] if fast else None,
             beside={**beside, "reading": Quantity(reading, "s")},
         )
+
+
+def _planes(source: Any, target: Any) -> Figure:
+    """Exact sums of springs of planes on one thread, by both methods in C."""
+    normals = np.random.default_rng(2).normal(size=source.shape)
+    problem = RegistrationProblem(source, target, normals=normals)
+    methods = (SumMethod.LIMBS, SumMethod.BY_EXPONENT)
+    works = [partial(spring_sums_by, method, problem, threads=1) for method in methods]
+    passing, *times = fastest(
+        partial(floating_spring_moments, problem),
+        *works,
+        rounds=ROUNDS,
+        seconds=0.05,
+        clock=time.process_time,
+    )
+    ratios = [Quantity(seconds / passing, "x") for seconds in times]
+    beside = {method.value: ratio for method, ratio in zip(methods, ratios, strict=True)}
+    return Figure(
+        what="exact sums of planes / the pass in doubles",
+        value=ratios[0],
+        bound=PLANES,
+        beside={**beside, "the pass in doubles": Quantity(passing, "s")},
+    )
 
 
 def _linear(source: Any, target: Any) -> Figure:

@@ -2,19 +2,8 @@
 #ifndef CERTREG_EXACT_SPRINGS_H
 #define CERTREG_EXACT_SPRINGS_H
 
-#include <stdint.h>
-
-/* Where the sums stand, symmetric matrices by 11 12 13 22 23 33: sum W; sum W_ab x; sum W_ab x x^T; sum W y;
- * sum W y x^T by rows; sum y^T W y. Factors, too, stand by 11 21 22 31 32 33. */
-enum {
-    CERTREG_SPRINGS_STIFFNESS = 0,
-    CERTREG_SPRINGS_SOURCE = 6,
-    CERTREG_SPRINGS_SCATTER = 24,
-    CERTREG_SPRINGS_TARGET = 60,
-    CERTREG_SPRINGS_CROSS = 63,
-    CERTREG_SPRINGS_SPREAD = 72,
-    CERTREG_SPRINGS = 73
-};
+/* The sums, and where they stand, are those of springs.h, over no origin but 0. */
+#include "springs.h"
 
 #define CERTREG_SPRINGS_WORDS 136 /* 64 bits each, low first, of one sum in two's complement */
 

@@ -39,6 +39,7 @@ UNITS = (
     HERE / "fixed.c",
     HERE / "paths.c",
     HERE / "pose.c",
+    HERE / "springs.c",
     HERE / "stationary.c",
     HERE / "sums.c",
 )
@@ -50,7 +51,7 @@ HEADERS = (
         for name in (
             *("certifying.h", "loops.h", "lanes.h", "loop.h", "exact.h", "fixed.h"),
             *("cones.h", "exact_springs.h", "exponents.h", "eigen.h", "eigenbasis.h"),
-            *("paths.h", "pose.h", "stationary.h", "sums.h"),
+            *("paths.h", "pose.h", "springs.h", "stationary.h", "sums.h", "unpacked.h"),
         )
     ),
 )
@@ -76,6 +77,7 @@ WRITTEN = (  # by hand, not generated
     "certreg_pose",
     "certreg_prove_optima",
     "certreg_quartic_paths",
+    "certreg_springs",
     "certreg_stationary_poses",
     "certreg_sums",
 )

@@ -43,7 +43,7 @@ typedef struct {
 typedef struct {
     column x[3][MOST], y[3][MOST], factor[6][MOST];
     column xx[6][2 * MOST], w[6][2 * MOST], p[3][3 * MOST], one, none;
-    int limbs[3], any[6]; /* limbs that are used; whether a column of factors is not all zero */
+    int nx[3], ny[3], nl[6], nxx[6], nw[6], np[3]; /* limbs that are used: of a column of zeros none */
 } block;
 
 /* A column of limbs of entry `index`, each counting 2^(-BITS place). */
@@ -105,27 +105,6 @@ static double power(int64_t exponent)
     return value;
 }
 
-/* Cut column `entry` of `width` into limbs; left[k]: whether something is left after limb k. */
-static masks cut(const double *from, int64_t count, int width, const range *of, column *limb, masks left[MOST])
-{
-    const double scale = power(1074 - of->top);
-    masks any = {0};
-    for (int step = 0; step < STEPS; step++) {
-        lanes rest = {0};
-        for (int lane = 0; lane < LANES; lane++)
-            rest[lane] = step * LANES + lane < count ? from[(step * LANES + lane) * width] : 0.0;
-        any |= rest != 0.0;
-        rest *= scale;
-        for (int k = 0; k < of->limbs; k++) {
-            rest *= 0x1p22;
-            limb[k][step] = nearest(rest);
-            rest -= limb[k][step];
-            left[k] |= rest != 0.0;
-        }
-    }
-    return any;
-}
-
 static int is_any(masks mask)
 {
     int64_t all = 0;
@@ -134,27 +113,47 @@ static int is_any(masks mask)
     return all != 0;
 }
 
-/* Cut all columns of a group; how many limbs are used. */
-static int cut_all(const double *from, int64_t count, int width, const range *of, column (*limb)[MOST], int *any)
+/* Cut one of `width` columns into limbs; how many are used. */
+static int cut(const double *from, int64_t count, int width, const range *of, column *limb)
 {
-    masks left[MOST];
-    memset(left, 0, sizeof left);
-    for (int entry = 0; entry < width; entry++) {
-        const int is = is_any(cut(from + entry, count, width, of, limb[entry], left));
-        if (any != NULL)
-            any[entry] = is;
+    const double scale = power(1074 - of->top);
+    masks left[MOST + 1] = {{0}}; /* whether something is left before limb k */
+    for (int step = 0; step < STEPS; step++) {
+        lanes rest = {0};
+        for (int lane = 0; lane < LANES; lane++)
+            rest[lane] = step * LANES + lane < count ? from[(step * LANES + lane) * width] : 0.0;
+        rest *= scale;
+        left[0] |= rest != 0.0;
+        for (int k = 0; k < of->limbs; k++) {
+            rest *= 0x1p22;
+            limb[k][step] = nearest(rest);
+            rest -= limb[k][step];
+            left[k + 1] |= rest != 0.0;
+        }
     }
     int used = of->limbs;
-    while (used > 1 && !is_any(left[used - 2]))
+    while (used > 0 && !is_any(left[used - 1]))
         used--;
     return used;
+}
+
+static void cut_all(block *in, int64_t count, const double *const from[3], const range of[3])
+{
+    for (int k = 0; k < 3; k++) {
+        in->nx[k] = cut(from[X] + k, count, 3, &of[X], in->x[k]);
+        in->ny[k] = cut(from[Y] + k, count, 3, &of[Y], in->y[k]);
+    }
+    for (int k = 0; k < 6; k++)
+        in->nl[k] = cut(from[L] + k, count, 6, &of[L], in->factor[k]);
 }
 
 /* Add the products of two numbers to a third, of a + b limbs, before they carry. */
 INLINE void multiply_known(column *product, const column *one, const int a, const column *another, const int b)
 {
+    if (a == 0 || b == 0)
+        return;
     for (int step = 0; step < STEPS; step++) {
-        lanes total[5 * MOST];
+        lanes total[3 * MOST];
         for (int k = 1; k < a + b; k++)
             total[k] = product[k][step];
         for (int i = 0; i < a; i++)
@@ -188,27 +187,45 @@ static void carry(column *number, int limbs)
         }
 }
 
-static void make_products(block *of)
+static int larger(int a, int b) { return a > b ? a : b; }
+
+/* W_ab, a <= b, from the columns of L, and how many limbs it takes. */
+static void make_spring(block *of, int a, int b)
 {
     static const int place[3][3] = {{0, 1, 3}, {0, 2, 4}, {0, 0, 5}}; /* of L by columns */
-    const int x = of->limbs[X], y = of->limbs[Y], l = of->limbs[L];
+    const int entry = upper[a][b];
+    int limbs = 0;
+    for (int k = 0; k <= a; k++)
+        if (of->nl[place[k][a]] && of->nl[place[k][b]])
+            limbs = larger(limbs, of->nl[place[k][a]] + of->nl[place[k][b]]);
+    memset(of->w[entry], 0, (size_t)limbs * sizeof(column));
+    for (int k = 0; k <= a; k++)
+        if (of->nl[place[k][a]] && of->nl[place[k][b]])
+            multiply(of->w[entry], of->factor[place[k][a]], of->nl[place[k][a]], of->factor[place[k][b]],
+                     of->nl[place[k][b]]);
+    carry(of->w[entry], limbs);
+    of->nw[entry] = limbs;
+}
+
+static void make_products(block *of)
+{
     for (int a = 0; a < 3; a++)
         for (int b = a; b < 3; b++) {
             const int entry = upper[a][b];
-            memset(of->w[entry], 0, 2 * (size_t)l * sizeof(column));
-            memset(of->xx[entry], 0, 2 * (size_t)x * sizeof(column));
-            multiply(of->xx[entry], of->x[a], x, of->x[b], x);
-            for (int k = 0; k <= a; k++)
-                if (of->any[place[k][a]] && of->any[place[k][b]])
-                    multiply(of->w[entry], of->factor[place[k][a]], l, of->factor[place[k][b]], l);
-            carry(of->xx[entry], 2 * x);
-            carry(of->w[entry], 2 * l);
+            of->nxx[entry] = of->nx[a] && of->nx[b] ? of->nx[a] + of->nx[b] : 0;
+            memset(of->xx[entry], 0, (size_t)of->nxx[entry] * sizeof(column));
+            multiply(of->xx[entry], of->x[a], of->nx[a], of->x[b], of->nx[b]);
+            carry(of->xx[entry], of->nxx[entry]);
+            make_spring(of, a, b);
         }
     for (int a = 0; a < 3; a++) {
-        memset(of->p[a], 0, (size_t)(2 * l + y) * sizeof(column));
+        of->np[a] = 0;
         for (int b = 0; b < 3; b++)
-            multiply(of->p[a], of->w[upper[a][b]], 2 * l, of->y[b], y);
-        carry(of->p[a], 2 * l + y);
+            of->np[a] = larger(of->np[a], of->nw[upper[a][b]] + of->ny[b]);
+        memset(of->p[a], 0, (size_t)of->np[a] * sizeof(column));
+        for (int b = 0; b < 3; b++)
+            multiply(of->p[a], of->w[upper[a][b]], of->nw[upper[a][b]], of->y[b], of->ny[b]);
+        carry(of->p[a], of->np[a]);
     }
 }
 
@@ -262,26 +279,25 @@ static void add_block(const block *of, totals sums)
 {
     row rows[MOST_ROWS];
     other columns[MOST_COLUMNS];
-    const int x = of->limbs[X], w = 2 * of->limbs[L], p = w + of->limbs[Y];
     int r = 0, c = 1;
     for (int entry = 0; entry < 6; entry++)
-        r += list_rows(of->w[entry], w, entry, rows + r);
+        r += list_rows(of->w[entry], of->nw[entry], entry, rows + r);
     columns[0] = (other){of->one, 0, CERTREG_SPRINGS_STIFFNESS, 1};
     for (int j = 0; j < 3; j++)
-        c += list_columns(of->x[j], x, CERTREG_SPRINGS_SOURCE + j, 3, columns + c);
+        c += list_columns(of->x[j], of->nx[j], CERTREG_SPRINGS_SOURCE + j, 3, columns + c);
     for (int jk = 0; jk < 6; jk++)
-        c += list_columns(of->xx[jk], 2 * x, CERTREG_SPRINGS_SCATTER + jk, 6, columns + c);
+        c += list_columns(of->xx[jk], of->nxx[jk], CERTREG_SPRINGS_SCATTER + jk, 6, columns + c);
     add_products(rows, r, columns, c, of->none, sums);
     r = 0, c = 1;
     for (int a = 0; a < 3; a++)
-        r += list_rows(of->p[a], p, a, rows + r);
+        r += list_rows(of->p[a], of->np[a], a, rows + r);
     columns[0] = (other){of->one, 0, CERTREG_SPRINGS_TARGET, 1};
     for (int k = 0; k < 3; k++)
-        c += list_columns(of->x[k], x, CERTREG_SPRINGS_CROSS + k, 3, columns + c);
+        c += list_columns(of->x[k], of->nx[k], CERTREG_SPRINGS_CROSS + k, 3, columns + c);
     add_products(rows, r, columns, c, of->none, sums);
     for (int a = 0; a < 3; a++) {
-        r = list_rows(of->p[a], p, 0, rows);
-        c = list_columns(of->y[a], of->limbs[Y], CERTREG_SPRINGS_SPREAD, 0, columns);
+        r = list_rows(of->p[a], of->np[a], 0, rows);
+        c = list_columns(of->y[a], of->ny[a], CERTREG_SPRINGS_SPREAD, 0, columns);
         add_products(rows, r, columns, c, of->none, sums);
     }
     for (int k = 0; k < CERTREG_SPRINGS; k++)
@@ -314,9 +330,8 @@ int certreg_limb_springs(
         in->one[step] = (lanes){0} + 1.0;
     for (int64_t i = 0; i < n; i += BLOCK) {
         const int64_t count = n - i < BLOCK ? n - i : BLOCK;
-        in->limbs[X] = cut_all(source + 3 * i, count, 3, &of[X], in->x, NULL);
-        in->limbs[Y] = cut_all(target + 3 * i, count, 3, &of[Y], in->y, NULL);
-        in->limbs[L] = cut_all(factors + 6 * i, count, 6, &of[L], in->factor, in->any);
+        const double *const rows[3] = {source + 3 * i, target + 3 * i, factors + 6 * i};
+        cut_all(in, count, rows, of);
         make_products(in);
         add_block(in, total);
     }

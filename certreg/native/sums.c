@@ -6,29 +6,10 @@
  * same for every type and layout, to the bit. */
 #include "sums.h"
 
+#include "unpacked.h"
+
 #define BLOCK 256
-#define INLINE static inline __attribute__((always_inline))
-#ifdef __AVX512F__
-#define LANES 8
-#define EACH(which, k) \
-    which(0, k), which(1, k), which(2, k), which(3, k), which(4, k), which(5, k), which(6, k), which(7, k)
-#else
-#define LANES 4
-#define EACH(which, k) which(0, k), which(1, k), which(2, k), which(3, k)
-#endif
-
-typedef double lanes __attribute__((vector_size(8 * LANES)));
 typedef float singles __attribute__((vector_size(4 * LANES)));
-typedef int64_t places __attribute__((vector_size(8 * LANES)));
-
-/* Coordinate k of point l stands at 3 l + k: in the first two vectors of three, or in the last. */
-#define EARLY(l, k) (3 * l + k < 2 * LANES ? 3 * l + k : 0)
-#define LATE(l, k) (3 * l + k < 2 * LANES ? l : 3 * l + k - LANES)
-#ifdef __clang__
-#define PICKED(a, b, which, k) __builtin_shufflevector(a, b, EACH(which, k))
-#else
-#define PICKED(a, b, which, k) __builtin_shuffle(a, b, (places){EACH(which, k)})
-#endif
 
 /* How points stand in memory; the first three are taken as vectors. */
 enum layout { ROWS, ROWS_OF_SINGLES, COLUMNS, ANY };
@@ -41,29 +22,14 @@ struct block {
 
 struct total {
     places signs;
-    lanes value[CERTREG_SUMS];
-    lanes rest[CERTREG_SUMS];
+    struct kept of[CERTREG_SUMS];
 };
-
-INLINE lanes doubles(const char *data)
-{
-    lanes values;
-    memcpy(&values, data, sizeof values);
-    return values;
-}
 
 INLINE lanes widened(const char *data)
 {
     singles values;
     memcpy(&values, data, sizeof values);
     return __builtin_convertvector(values, lanes);
-}
-
-INLINE void unpack(lanes a, lanes b, lanes c, lanes out[3])
-{
-    out[0] = PICKED(PICKED(a, b, EARLY, 0), c, LATE, 0);
-    out[1] = PICKED(PICKED(a, b, EARLY, 1), c, LATE, 1);
-    out[2] = PICKED(PICKED(a, b, EARLY, 2), c, LATE, 2);
 }
 
 /* Coordinates of LANES points less the origin; `count` of them are there, the others get 0. */
@@ -125,28 +91,20 @@ INLINE void take(struct block *sum, const struct certreg_points *points, int64_t
     }
 }
 
-/* The sum of a block, added with its rounding error. */
-INLINE void add(struct total *total, int which, lanes block)
-{
-    lanes before = total->value[which], sum = before + block, part = sum - before;
-    total->value[which] = sum;
-    total->rest[which] += (before - (sum - part)) + (block - part);
-}
-
 /* Inline: a loop's own sums come in registers, and a call would have them copied twice. */
 INLINE void add_block(struct total *total, const struct block *sum)
 {
     total->signs |= sum->signs;
-    add(total, CERTREG_SUMS_MASS, sum->mass);
-    add(total, CERTREG_SUMS_SPREAD, sum->spread);
+    keep(&total->of[CERTREG_SUMS_MASS], sum->mass);
+    keep(&total->of[CERTREG_SUMS_SPREAD], sum->spread);
     for (int k = 0; k < 3; k++) {
-        add(total, CERTREG_SUMS_SOURCE + k, sum->source[k]);
-        add(total, CERTREG_SUMS_TARGET + k, sum->target[k]);
+        keep(&total->of[CERTREG_SUMS_SOURCE + k], sum->source[k]);
+        keep(&total->of[CERTREG_SUMS_TARGET + k], sum->target[k]);
     }
     for (int k = 0; k < 6; k++)
-        add(total, CERTREG_SUMS_SCATTER + k, sum->scatter[k]);
+        keep(&total->of[CERTREG_SUMS_SCATTER + k], sum->scatter[k]);
     for (int k = 0; k < 9; k++)
-        add(total, CERTREG_SUMS_CROSS + k, sum->cross[k]);
+        keep(&total->of[CERTREG_SUMS_CROSS + k], sum->cross[k]);
 }
 
 /* At most a block of points in any layout. */
@@ -219,24 +177,12 @@ static void pass_any(const struct certreg_points *points, struct total *total)
     }
 }
 
-/* The lanes of a sum, added in the same way. */
-static void fold(const struct total *total, int which, double sum[2])
-{
-    sum[0] = sum[1] = 0.0;
-    for (int lane = 0; lane < LANES; lane++) {
-        double before = sum[0], term = total->value[which][lane];
-        sum[0] = before + term;
-        double part = sum[0] - before;
-        sum[1] += (before - (sum[0] - part)) + (term - part) + total->rest[which][lane];
-    }
-}
-
 void certreg_sums(const struct certreg_points *points, double sums[CERTREG_SUMS][2], int *negative)
 {
     struct total total = {0};
     pass_any(points, &total);
     for (int which = 0; which < CERTREG_SUMS; which++)
-        fold(&total, which, sums[which]);
+        fold(&total.of[which], sums[which]);
     if (!points->weights.data)
         sums[CERTREG_SUMS_MASS][0] = (double)points->count;
     *negative = 0;

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from certreg.problem.exact_sums import UPPER as UPPER
     from certreg.problem.exact_sums import second_method as second_method
     from certreg.problem.exact_sums import sums_by as sums_by
+    from certreg.problem.floating_springs import FloatingSpringMoments as FloatingSpringMoments
+    from certreg.problem.floating_springs import floating_spring_moments as floating_spring_moments
     from certreg.problem.many import ManyPairs as ManyPairs
     from certreg.problem.moments import ExactMoments as ExactMoments
     from certreg.problem.moments import Moments as Moments
@@ -82,6 +84,10 @@ __getattr__ = lazy_face(
             "UPPER",
             "second_method",
             "sums_by",
+        ),
+        "floating_springs": (
+            "FloatingSpringMoments",
+            "floating_spring_moments",
         ),
         "many": ("ManyPairs",),
         "moments": (

@@ -186,7 +186,7 @@ def moments_of_clouds(
     if weights is not None and weights.strides == (0,):  # one weight in the place of all
         _require_numbers("weights", weights[:1], least=0.0)
         (factor, shift), weights = math.frexp(weights[0]), None
-    origin = np.concatenate([_near_mean(source), _near_mean(target)])
+    origin = np.concatenate([near_mean(source), near_mean(target)])
     clouds = CloudPair(source=source, target=target, weights=weights, origin=origin)
     clouds, sums = _summed(clouds, threads)
     for _ in range(PASSES - 1):
@@ -249,7 +249,7 @@ def _summed(clouds: CloudPair, threads: int) -> tuple[CloudPair, FloatingSums]:
     return clouds, sums
 
 
-def _near_mean(points: NDArray[Any]) -> NDArray[np.float64]:
+def near_mean(points: NDArray[Any]) -> NDArray[np.float64]:
     """The mean of a few points, or one of them where that is beyond the doubles."""
     some = points[:: max(1, len(points) // SAMPLE_POINTS)]
     copied = np.empty(some.shape)  # the same sum for every layout

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from certreg.problem.blocks import SpringBlock
     from certreg.problem.problem import RegistrationProblem
 
-LIMB_POINTS = 128  # from here on limbs: below, they take longer than exponents
+LIMB_POINTS = 512  # from here on limbs: below, they take longer than exponents
 FEW_POINTS = 6  # below, Python's own integers take no longer than a call of compiled code
 SIDES = ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2))  # row and column of the entries of L
 # Of each sum, how many factors are coordinates of the source and of the target; W is always one.

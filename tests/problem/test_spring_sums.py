@@ -110,7 +110,7 @@ def test_blocks_of_a_mapped_file_add_up_to_the_same_integers(tmp_path, monkeypat
 
 
 @compiled
-@pytest.mark.parametrize("n", [3, 20, 200])
+@pytest.mark.parametrize("n", [3, 20, 600])
 def test_the_second_method_is_another_one(n):
     problem = of(10, n)
 
