@@ -7,15 +7,21 @@ from __future__ import annotations
 
 import contextlib
 import gc
+import logging
 import os
 import sys
 import warnings
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import HealthCheck, settings
 
 from certreg.errors import SlowSimulationWarning
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Generator
+    from contextlib import AbstractContextManager
 
 settings.register_profile(
     "certreg",
@@ -66,6 +72,24 @@ def pytest_collection_finish() -> None:
 @pytest.fixture
 def data() -> Path:
     return DATA
+
+
+@pytest.fixture
+def logged() -> Callable[[int], AbstractContextManager[list[str]]]:
+    """`with logged(logging.INFO) as messages`: what certreg logs at this level and above."""
+
+    @contextlib.contextmanager
+    def keep(level: int) -> Generator[list[str]]:
+        messages, logger = list[str](), logging.getLogger("certreg")
+        handler, before = logging.Handler(), logger.level
+        handler.emit = lambda record: messages.append(record.getMessage())
+        logger.addHandler(handler)
+        logger.setLevel(level)
+        yield messages
+        logger.setLevel(before)
+        logger.removeHandler(handler)
+
+    return keep
 
 
 @pytest.fixture

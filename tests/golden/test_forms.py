@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import html
 import re
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -44,8 +45,13 @@ def plain(text: str) -> str:
     return re.sub(r"\s+", " ", words.replace("\u00a0", " "))
 
 
-def sentences(source: str) -> Iterator[str]:
+@cache
+def sentences(source: str) -> tuple[str, ...]:
     """What is between the values in the literals of a module, its docstrings left out."""
+    return tuple(_sentences(source))
+
+
+def _sentences(source: str) -> Iterator[str]:
     tree = ast.parse(source)
     documented = {
         id(node.value)

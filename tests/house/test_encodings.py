@@ -22,7 +22,7 @@ def unstated(source: str) -> list[int]:
         named = {keyword.arg: keyword.value for keyword in node.keywords}
         word = getattr(node.func, "attr", getattr(node.func, "id", ""))
         short = word in STATED and len(node.args) <= STATED[word]
-        process = ast.unparse(named.get("text", node.func)) == "True"
+        process = getattr(named.get("text"), "value", None) is True
         if "encoding" not in named and (short or process):
             lines.append(node.lineno)
     return lines

@@ -230,12 +230,12 @@ def test_errors_of_pair_are_those_of_the_command(tmp_path):
         certreg.pair(SOURCE, TARGET, match="some")
 
 
-def test_an_index_that_nobody_chose_names_nothing(caplog):
+def test_an_index_that_nobody_chose_names_nothing(logged):
     filtered = frame(TARGET, [3, 5, 8, 9, 11, 12])
 
-    with caplog.at_level(logging.WARNING, logger="certreg"):
+    with logged(logging.WARNING) as messages:
         found = certreg.certify(frame(SOURCE), filtered, relaxation=False, simulation=False)
-    assert "target: labels not used, as source has none" in caplog.text
+    assert "target: labels not used, as source has none" in "\n".join(messages)
     assert found.rmse == pytest.approx(0.0, abs=1e-12)
     assert certreg.RegistrationProblem(frame(SOURCE), filtered).n == 6
     assert certreg.RegistrationProblem(frame(SOURCE), frame(TARGET)).n == 6
@@ -465,13 +465,14 @@ def test_many_problems_are_certified_in_their_order_and_told():
         certreg.certify_many([], errors="ignore")  # pyright: ignore[reportCallIssue, reportArgumentType]
 
 
-def test_the_logger_says_what_was_chosen_and_is_silent_unless_asked(caplog, capsys):
+def test_the_logger_says_what_was_chosen_and_is_silent_unless_asked(logged, capsys):
     problem = certreg.RegistrationProblem(SOURCE, TARGET)
-    with caplog.at_level(logging.INFO, logger="certreg"):
+    with logged(logging.INFO) as messages:
         certreg.certify(problem, simulation=False)
 
-    assert "of the fastest decay" in caplog.text
-    assert "relaxation quaternion-4 by" in caplog.text
+    told = "\n".join(messages)
+    assert "of the fastest decay" in told
+    assert "relaxation quaternion-4 by" in told
     assert any(
         isinstance(one, logging.NullHandler) for one in logging.getLogger("certreg").handlers
     )

@@ -36,12 +36,12 @@ class Heard(list[tuple[int, int]]):
     ],
 )
 def test_certify_tells_every_part_and_names_it_in_the_log(
-    caplog: pytest.LogCaptureFixture, methods: dict[str, Any], parts: int
+    logged, methods: dict[str, Any], parts: int
 ):
     heard = Heard()
-    with caplog.at_level(logging.DEBUG, "certreg"):
+    with logged(logging.DEBUG) as messages:
         certreg.certify(PROBLEM, progress=heard, **methods)
-    named = [one.message for one in caplog.records if one.message.endswith(": done")]
+    named = [one for one in messages if one.endswith(": done")]
 
     assert heard == [(k + 1, parts) for k in range(parts)]
     assert named[0] == "exact sums: done"
