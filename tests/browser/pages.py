@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import re
+from functools import cache
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from playwright.sync_api import Page
 
@@ -18,6 +19,7 @@ OPTIONS = ["--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--disabl
 PATIENCE = 20_000  # milliseconds; a page takes half a second
 ELSEWHERE = re.compile(r"^\s*(?:[a-z][a-z0-9+.-]*:)?//", re.IGNORECASE)
 ADDRESSES = {"src", "href", "srcset", "action", "poster", "data", "formaction", "xlink:href"}
+BARE = re.compile(r"\\[(\[]")  # TeX that no formula was made of
 IN_STYLES = re.compile(r"(?:url\(|@import)\s*[\"']?\s*([^\"')\s;]+)")
 
 LOADED = "() => !window.MathJax?.startup || window.MathJax.startup.promise.then(() => true)"
@@ -65,34 +67,81 @@ def _formula_faults(seen: dict[str, Any]) -> Iterator[str]:
         yield f"{seen['bare']} paragraphs show TeX instead of formulas"
 
 
-class _References(HTMLParser):
-    """Collects every address that a page names in a tag or a style."""
+Thing = tuple[str, ...]
 
-    def __init__(self) -> None:
+
+class _Contents(HTMLParser):
+    """Collects every address that a page names in a tag or a style, and every kind of thing in it.
+
+    A kind of thing: a tag with its classes, what is loaded or run, a style; not words nor links. A
+    formula, and what may be one, is of a kind of its own on each page.
+    """
+
+    def __init__(self, path: Path) -> None:
         super().__init__()
-        self.found = list[str]()
-        self._style = False
+        self.addresses = list[str]()
+        self.things = set[Thing]()
+        self._path = path
+        self._within = ""  # the tag that was begun or ended last
+        self._listings = 0  # open ones
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self._style = tag == "style"
+        self._within = tag
+        self._listings += tag == "pre"
         for name, value in attrs:
             if name in ADDRESSES and value:
-                self.found.append(value)
+                self.addresses.append(value)
+                if tag != "a":
+                    self.things.add((tag, name, str((self._path.parent / value).resolve())))
             elif name == "style" and value:
-                self.found += IN_STYLES.findall(value)
+                self.addresses += IN_STYLES.findall(value)
+                self.things.add((tag, name, value))
+            elif name.startswith("on"):
+                self.things.add((tag, name, str(value)))
+        kinds = dict(attrs).get("class") or ""
+        if not (tag == "span" and self._listings):  # a word in colour
+            self.things.add((tag, kinds))
+        if "math" in kinds.split():
+            self.things.add(("formula", str(self._path)))
+
+    def handle_endtag(self, tag: str) -> None:
+        self._within = ""
+        self._listings -= tag == "pre"
 
     def handle_data(self, data: str) -> None:
-        if self._style:
-            self.found += IN_STYLES.findall(data)
+        if self._within == "style":
+            self.addresses += IN_STYLES.findall(data)
+        if self._within in {"style", "script"}:
+            self.things.add((self._within, data))
+        elif not self._listings and BARE.search(data):
+            self.things.add(("formula", str(self._path)))
+
+
+@cache
+def _contents(path: Path) -> _Contents:
+    found = _Contents(path)
+    found.feed(path.read_text("utf-8"))
+    return found
 
 
 def elsewhere(path: Path) -> list[str]:
     """The addresses on other hosts that an HTML or CSS file refers to, links included."""
-    text = path.read_text("utf-8")
-    if path.suffix == ".css":
-        named = IN_STYLES.findall(text)
-    else:
-        parser = _References()
-        parser.feed(text)
-        named = parser.found
+    css = path.suffix == ".css"
+    named = IN_STYLES.findall(path.read_text("utf-8")) if css else _contents(path).addresses
     return [address for address in named if ELSEWHERE.match(address)]
+
+
+def covering(paths: Iterable[Path]) -> list[Path]:
+    """Some of these pages, on which every kind of thing is that is on any of them.
+
+    The others load, run and show nothing that these do not: pages of code, which one program made.
+    """
+    rest = {path: _contents(path).things for path in paths}
+    chosen, seen = list[Path](), set[Thing]()
+    while rest:
+        path = max(rest, key=lambda path: len(rest[path] - seen))
+        if rest[path] <= seen:
+            break
+        chosen.append(path)
+        seen |= rest.pop(path)
+    return chosen

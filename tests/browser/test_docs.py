@@ -1,4 +1,7 @@
-"""Every built page, opened in a headless browser without a network: `make test-browser`.
+"""The built pages, opened in a headless browser without a network: `make test-browser`.
+
+Every page that is for reading is opened; of those of code, which one program makes by the hundred
+and which all hold the same things, as many as hold each of these.
 
 That sets CERTREG_BROWSER. Without it the pages are left out, and where there is a chromium, only
 what sees their faults is tested, on planted ones.
@@ -14,7 +17,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from browser.pages import CHROMIUM, elsewhere, faults
+from browser.pages import CHROMIUM, covering, elsewhere, faults
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
@@ -22,12 +25,15 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).parents[2]
 SITE = ROOT / "docs" / "_build" / "html"
 REQUIRED = bool(os.environ.get("CERTREG_BROWSER"))
-REPORTS = sorted((SITE / "gallery").glob("*.html"))  # they are no pages of Sphinx's
-PAGES = sorted(set(SITE.rglob("*.html")) - set(REPORTS))
+REPORTS = (
+    sorted((SITE / "gallery").glob("*.html")) if REQUIRED else []
+)  # they are no pages of Sphinx's
+PAGES = sorted(set(SITE.rglob("*.html")) - set(REPORTS)) if REQUIRED else []
 READ = [path for path in PAGES if not {"_modules", "modules"} & set(path.parts)]
+OPENED = READ + covering(path for path in PAGES if path not in READ)
 NO_THEOREM = {"index.html", "moments.html", "notation.html"}
 PROOFS = [path for path in PAGES if path.parent == SITE / "proofs" and path.name not in NO_THEOREM]
-STYLES = sorted(SITE.rglob("*.css"))
+STYLES = sorted(SITE.rglob("*.css")) if REQUIRED else []
 MATHJAX = ROOT / "docs" / "_static" / "vendor" / "tex-svg-full.js"
 NOWHERE = "https://nowhere.invalid"
 
@@ -80,7 +86,7 @@ def visited(page: Page, path: Path) -> Visit:
 
 
 @site
-@pytest.mark.parametrize("path", PAGES, ids=lambda path: str(path.relative_to(SITE)))
+@pytest.mark.parametrize("path", OPENED, ids=lambda path: str(path.relative_to(SITE)))
 def test_a_page_opens_without_network_and_without_errors(page: Page, path: Path):
     assert visited(page, path).faults == []
 
@@ -218,3 +224,47 @@ def test_an_error_of_a_script_is_seen(page: Page, tmp_path: Path):
 )
 def test_an_address_on_another_host_is_seen(tmp_path: Path, body: str):
     assert elsewhere(planted(tmp_path, body)) != []
+
+
+CODE = "<!doctype html><script src=a.js></script><article>%s</article><pre>%s</pre>"
+OTHERS = (
+    '<img src="a.png">',
+    "<script>f()</script>",
+    "<p onclick='f()'>a</p>",
+    "<p style='color: red'>a</p>",
+    "<p class='other'>a</p>",
+    "<style>p { color: red }</style>",
+    "<table></table>",
+    r"<p>\(x\)</p>",
+    r"<p>\[x\]</p>",
+    "<span class='math notranslate'>x</span>",
+)
+
+
+def test_of_pages_that_hold_the_same_things_one_is_opened(tmp_path: Path):
+    words = {"a": ("<p>one</p>", "<span class=k>if</span>"), "b": ("<p>two", r"\(x"), "c": ("", "")}
+    for name, each in words.items():
+        (tmp_path / f"{name}.html").write_text(CODE % each, "utf-8")
+
+    assert [path.stem for path in covering(sorted(tmp_path.glob("*.html")))] == ["a"]
+
+
+@pytest.mark.parametrize("body", OTHERS)
+def test_a_page_that_holds_anything_else_is_opened(tmp_path: Path, body: str):
+    for name, each in {"a": "<p>a</p>", "b": body, "c": body}.items():
+        (tmp_path / f"{name}.html").write_text(CODE % (each, ""), "utf-8")
+    opened = [path.stem for path in covering(sorted(tmp_path.glob("*.html")))]
+
+    formula = "math" in body or "\\" in body
+    assert "b" in opened
+    assert ("c" in opened) is formula  # of formulas every page is
+
+
+def test_a_page_in_another_folder_that_leads_astray_is_opened(tmp_path: Path):
+    (tmp_path / "in").mkdir()
+    for name, script in {"a": "a.js", "in/b": "../a.js", "in/c": "a.js"}.items():
+        text = CODE.replace("a.js", script) % ("", "")
+        (tmp_path / f"{name}.html").write_text(text, "utf-8")
+    opened = [path.stem for path in covering(sorted(tmp_path.rglob("*.html")))]
+
+    assert opened == ["a", "c"]
