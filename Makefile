@@ -30,7 +30,7 @@ NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_E
 unexport PYTHONDONTWRITEBYTECODE
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test test-long test-lowest chromium coq test-browser open-pages test-huge test-oracles golden record proofs fuzz fit-rates spring-minima slips brackets hard compare-checkers kills generate kernels report-asset check-report-asset lint bench peers lock clean
+.PHONY: help demo docs test test-all test-long test-lowest chromium coq test-browser open-pages test-huge test-oracles golden record proofs fuzz fit-rates spring-minima slips brackets hard compare-checkers kills generate kernels report-asset check-report-asset lint bench peers lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -42,8 +42,11 @@ test: $(READY)  ## run the tests and the examples in the docstrings
 	@$(RUN) $(STRICT) -m pytest
 
 test-long: kernels  ## the rest of the samples of which `make test` takes a part (two minutes)
-	@$(RUN) $(STRICT) -m pytest -m long
-	@$(RUN) $(STRICT) -m pytest -m 'hypothesis and not long' --hypothesis-profile long
+	@$(RUN) $(STRICT) -m pytest -m 'long or hypothesis' --hypothesis-profile long
+
+# In one session, which finds and proves but once what both need.
+test-all: kernels  ## both of them: `make test` and the rest of the samples
+	@$(RUN) $(STRICT) -m pytest -m '' --hypothesis-profile long
 
 # Of the oldest versions there are wheels for the oldest Python. What they deprecate of each other is no fault of ours.
 test-lowest:  ## the quick tests on the lowest versions that pyproject.toml names (needs uv)

@@ -66,7 +66,7 @@ def pytest_collection_finish() -> None:
     """What collecting made stays to the end; tests make few cycles: garbage is rarely sought."""
     gc.collect()
     gc.freeze()
-    gc.set_threshold(20_000, 20, 20)
+    gc.set_threshold(100_000, 20, 20)
 
 
 @pytest.fixture

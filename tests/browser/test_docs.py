@@ -3,8 +3,7 @@
 Every page that is for reading is opened; of those of code, which one program makes by the hundred
 and which all hold the same things, as many as hold each of these.
 
-That sets CERTREG_BROWSER. Without it the pages are left out, and where there is a chromium, only
-what sees their faults is tested, on planted ones.
+That sets CERTREG_BROWSER. Without it no browser is started.
 """
 
 from __future__ import annotations
@@ -25,26 +24,18 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).parents[2]
 SITE = ROOT / "docs" / "_build" / "html"
 REQUIRED = bool(os.environ.get("CERTREG_BROWSER"))
-REPORTS = (
-    sorted((SITE / "gallery").glob("*.html")) if REQUIRED else []
-)  # they are no pages of Sphinx's
-PAGES = sorted(set(SITE.rglob("*.html")) - set(REPORTS)) if REQUIRED else []
+BUILT = sorted(SITE.rglob("*.*")) if REQUIRED else []
+STYLES = [path for path in BUILT if path.suffix == ".css"]
+HTML = [path for path in BUILT if path.suffix == ".html"]
+REPORTS = [path for path in HTML if path.parent == SITE / "gallery"]  # no pages of Sphinx's
+PAGES = [path for path in HTML if path not in REPORTS]
 READ = [path for path in PAGES if not {"_modules", "modules"} & set(path.parts)]
 OPENED = READ + covering(path for path in PAGES if path not in READ)
 NO_THEOREM = {"index.html", "moments.html", "notation.html"}
 PROOFS = [path for path in PAGES if path.parent == SITE / "proofs" and path.name not in NO_THEOREM]
-STYLES = sorted(SITE.rglob("*.css")) if REQUIRED else []
 MATHJAX = ROOT / "docs" / "_static" / "vendor" / "tex-svg-full.js"
 NOWHERE = "https://nowhere.invalid"
-
-
-if not REQUIRED:
-    pytest.importorskip("playwright")
-pytestmark = [
-    pytest.mark.skipif(not REQUIRED and not CHROMIUM.exists(), reason=f"no browser at {CHROMIUM}"),
-    pytest.mark.slow,  # the first of them starts the browser
-]
-site = pytest.mark.skipif(not REQUIRED, reason="opens every page: make test-browser")
+site = pytest.mark.skipif(not REQUIRED, reason="drives a browser: make test-browser")
 
 
 @site
@@ -170,16 +161,18 @@ def formula(tex: str) -> str:
     return rf'<p><span class="math notranslate nohighlight">\({tex}\)</span></p>'
 
 
-@pytest.mark.slow
+@site
 def test_a_sound_formula_is_no_fault(page: Page, tmp_path: Path):
     assert faults(page, planted(tmp_path, formula(r"q^{\mathsf T} K q"))) == []
 
 
+@site
 @pytest.mark.parametrize("tex", [r"\nosuchmacro{x}", r"x^2^2", r"\left( x", r"\frac{1}"])
 def test_a_broken_formula_is_seen(page: Page, tmp_path: Path, tex: str):
     assert any("formula error" in fault for fault in faults(page, planted(tmp_path, formula(tex))))
 
 
+@site
 def test_a_formula_that_does_not_end_is_seen(page: Page, tmp_path: Path):
     found = faults(page, planted(tmp_path, formula(r"\frac{1}{")))
 
@@ -187,6 +180,7 @@ def test_a_formula_that_does_not_end_is_seen(page: Page, tmp_path: Path):
     assert any("show TeX" in fault for fault in found)
 
 
+@site
 def test_a_formula_that_nobody_drew_is_seen(page: Page, tmp_path: Path):
     path = planted(tmp_path, formula("x"))
     path.write_text(path.read_text("utf-8").replace(MATHJAX.as_uri(), "about:blank"), "utf-8")
@@ -194,6 +188,7 @@ def test_a_formula_that_nobody_drew_is_seen(page: Page, tmp_path: Path):
     assert any("drawn" in fault for fault in faults(page, path))
 
 
+@site
 @pytest.mark.parametrize(
     "body",
     [
@@ -208,6 +203,7 @@ def test_a_request_that_fails_is_seen(page: Page, tmp_path: Path, body: str):
     assert any("request failed" in fault for fault in faults(page, planted(tmp_path, body)))
 
 
+@site
 def test_an_error_of_a_script_is_seen(page: Page, tmp_path: Path):
     for body in ("<script>console.error('no')</script>", "<script>throw Error('no')</script>"):
         assert faults(page, planted(tmp_path, body)) != []

@@ -1,6 +1,6 @@
 """The report in a browser, without a network: what it shows is what certreg computed.
 
-Part of `make test-browser`; where there is a chromium, of the usual tests only the first few.
+Part of `make test-browser`, without which no browser is started.
 """
 
 from __future__ import annotations
@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from certreg.registration.result import Registration
 
 REQUIRED = bool(os.environ.get("CERTREG_BROWSER"))
-if not REQUIRED:
-    pytest.importorskip("playwright")
 pytestmark = pytest.mark.skipif(not REQUIRED, reason="drives the report: make test-browser")
 
 HOSTILE = [
