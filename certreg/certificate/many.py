@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass, fields
+from operator import index
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -44,8 +45,9 @@ class Certificates(Brief):
     Attributes
     ----------
     poses
-        (count, 4, 4), the certified rotations with their best translations, rounded to doubles;
-        infinite where a translation is beyond them.
+        (count, 4, 4), the certified rotations with their best translations, in doubles: far from
+        the origin a translation is off by the rounding of what is subtracted, some 1e-15 of the
+        coordinates. Infinite where a translation is beyond doubles.
     gaps
         (count,), proved: the objective at the certified rotation, best translation, exceeds the
         minimum by less. Infinite where nothing is proved.
@@ -72,7 +74,7 @@ class Certificates(Brief):
 
     def __getitem__(self, number: int) -> Certificate[IsotropicBody] | None:
         """The certificate of one problem; None where nothing is proved of it."""
-        number = range(len(self))[number]
+        number = range(len(self))[index(number)]
         if number in self._others:
             return self._others[number]
         optima = self._optima

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from fractions import Fraction
 from importlib import import_module
+from operator import mul
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from strategies import ZOO, problems
 import certreg
 from certreg.certificate import produce, verify
 from certreg.errors import CertregError, InvalidFileError, InvalidProblemError
+from certreg.geometry.so3 import rotation_matrix
 from certreg.native import ProvedOptima
 from certreg.objective import Isotropic
 from certreg.problem import ManyPairs, exact_moments
@@ -285,6 +287,28 @@ def test_a_certificate_is_taken_by_its_number_from_either_end():
     for number in (2, -3):
         with pytest.raises(IndexError):
             found[number]
+    with pytest.raises(TypeError, match="slice"):
+        found[:1]  # pyright: ignore[reportArgumentType]
+
+
+def test_poses_are_the_exact_ones_to_the_rounding_of_the_coordinates():
+    """In doubles R has errors of a few 1e-16 an entry, and the mean of the source is 3.7e8."""
+    far = np.array([3e8, -1e8, 2e8])
+    sources, targets = SOURCES + far, TARGETS + 1e-3 * far
+    found = certreg.certify_many(sources, targets)
+
+    for k, line in enumerate(found.lines()):
+        q = [Fraction(entry) for entry in json.loads(line)["pose"]]
+        R = [[entry / sum(c * c for c in q) for entry in row] for row in rotation_matrix(q)]
+        x, y = (
+            [sum(map(Fraction, column)) / 9 for column in cloud[k].T.tolist()]
+            for cloud in (sources, targets)
+        )
+        moved = [sum(map(mul, row, x)) for row in R]
+        shift = [float(a - b) for a, b in zip(y, moved, strict=True)]
+        turn = np.array([[float(entry) for entry in row] for row in R])
+        np.testing.assert_allclose(found.poses[k][:3, :3], turn, rtol=0.0, atol=1e-15)
+        np.testing.assert_allclose(found.poses[k][:3, 3], shift, rtol=0.0, atol=1e-15 * 6e8)
 
 
 @pytest.mark.parametrize("listed", [np.array, list])

@@ -10,6 +10,7 @@ import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -344,3 +345,29 @@ def test_the_keys_of_a_schema_are_listed_with_their_paths(extension: Callable[[s
         ("a.b", "number | null", "B."),
         ("c", "1", ""),
     ]
+
+
+def test_pages_beside_the_navigation_have_it_drawn_once_for_each_folder(
+    extension: Callable[[str], Any],
+):
+    app = SimpleNamespace(
+        env=SimpleNamespace(toctree_includes={"index": ["a/in"]}),
+        config=SimpleNamespace(root_doc="index"),
+    )
+    keep, drawn = extension("modules").Navigation().kept, list[str]()
+
+    def page(name: str, **options: bool) -> str:
+        context = {"toctree": lambda **_: drawn.append(name) or f"as of {name}"}
+        keep(app, name, "", context, None)
+        return context["toctree"](**options)
+
+    assert [page(name) for name in ("a/b", "a/c", "a/in", "index", "d/b", "a/c")] == [
+        "as of a/b",
+        "as of a/b",
+        "as of a/in",
+        "as of index",
+        "as of d/b",
+        "as of a/b",
+    ]
+    assert page("a/c", collapse=True) == "as of a/c"
+    assert drawn == ["a/b", "a/in", "index", "d/b", "a/c"]
