@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from fractions import Fraction
 from importlib import import_module
-from operator import mul
 from typing import Any
 
 import numpy as np
@@ -301,10 +300,10 @@ def test_poses_are_the_exact_ones_to_the_rounding_of_the_coordinates():
         q = [Fraction(entry) for entry in json.loads(line)["pose"]]
         R = [[entry / sum(c * c for c in q) for entry in row] for row in rotation_matrix(q)]
         x, y = (
-            [sum(map(Fraction, column)) / 9 for column in cloud[k].T.tolist()]
+            [Fraction(sum(map(Fraction, column)), 9) for column in cloud[k].T.tolist()]
             for cloud in (sources, targets)
         )
-        moved = [sum(map(mul, row, x)) for row in R]
+        moved = [sum(a * b for a, b in zip(row, x, strict=True)) for row in R]
         shift = [float(a - b) for a, b in zip(y, moved, strict=True)]
         turn = np.array([[float(entry) for entry in row] for row in R])
         np.testing.assert_allclose(found.poses[k][:3, :3], turn, rtol=0.0, atol=1e-15)

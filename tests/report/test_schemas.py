@@ -112,7 +112,7 @@ def test_a_pose_far_off_and_one_that_is_none_are_valid_assessments(data: Path, t
             assert validator("assessment").is_valid(run.document)
 
 
-def paths_of(value: Any, path: tuple = ()):
+def paths_of(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
     yield path
     if isinstance(value, dict):
         for key, inner in value.items():
@@ -139,7 +139,7 @@ def test_no_key_may_be_missing(kind: str, good):
     free = ("about", "reasons", "timings_ms")
     for path in list(paths_of(good[kind])):
         if path and path[0] not in free[:1] and not (len(path) > 1 and path[0] in free):
-            seen = looking_first_at(kind, path[0])
+            seen = looking_first_at(kind, *path[:1])
             with changed(good[kind], path) as document:
                 assert not seen.is_valid(document), path
 
@@ -154,7 +154,7 @@ def test_no_value_may_be_of_another_type(kind: str, good):
                 if path == ("about",) and isinstance(wrong, dict):
                     continue
                 with changed(good[kind], path, wrong) as document:
-                    assert not looking_first_at(kind, path[0]).is_valid(document), path
+                    assert not looking_first_at(kind, *path[:1]).is_valid(document), path
 
 
 @pytest.mark.parametrize(
