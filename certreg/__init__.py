@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from certreg.io import read_cloud as read_cloud
     from certreg.io import read_problem as read_problem
     from certreg.problem import RegistrationProblem as RegistrationProblem
+    from certreg.problem import gicp_information as gicp_information
     from certreg.registration import Assessment as Assessment
     from certreg.registration import AssessmentSettings as AssessmentSettings
     from certreg.registration import Registration as Registration
@@ -62,6 +63,7 @@ __all__ = [
     "certify",
     "certify_many",
     "equilibria",
+    "gicp_information",
     "load",
     "pair",
     "read_cloud",
@@ -95,7 +97,10 @@ __getattr__ = lazy_face(
             "read_cloud",
             "read_problem",
         ),
-        "problem": ("RegistrationProblem",),
+        "problem": (
+            "RegistrationProblem",
+            "gicp_information",
+        ),
         "registration": (
             "Assessment",
             "AssessmentSettings",

@@ -301,7 +301,7 @@ def read_problem(  # noqa: PLR0913 - one for each option of the commands, each b
     weights: str | os.PathLike[str] | None = None,
     damping: float | None = None,
     pairing: Pairing = BY_LABEL,
-    springs: SpringSource = NO_SPRINGS,
+    springs: SpringSource | str = NO_SPRINGS,
 ) -> tuple[RegistrationProblem, Pair]:
     """The problem that two cloud files state, and how they were read.
 
@@ -320,7 +320,8 @@ def read_problem(  # noqa: PLR0913 - one for each option of the commands, each b
     pairing
         Which rows belong together; by label, where both clouds have labels, if nothing is given.
     springs
-        Columns of the target and files that state general springs.
+        General springs by columns of the target's file: "plane", "line" or "full"; of several kinds
+        and of other files a `certreg.io.SpringSource`.
 
     Returns
     -------

@@ -48,15 +48,21 @@ NO_SPRINGS = SpringSource()
 
 
 def read_springs(
-    springs: SpringSource,
+    springs: SpringSource | str,
     source: str | os.PathLike[str],
     target: str | os.PathLike[str],
     pair: Pair,
 ) -> tuple[dict[str, Any], Pair]:
     """The rows of each kind for each pair, by name, and the pair without notes on such columns.
 
-    source, target: the files of the pair. Raises InvalidFileError.
+    springs: or one kind of columns. source, target: the files of the pair. Raises InvalidFileError,
+    and InvalidProblemError for another kind.
     """
+    springs = SpringSource(columns=(springs,)) if isinstance(springs, str) else springs
+    unknown = [name for name in springs.columns if name not in OF_COLUMNS]
+    if unknown:
+        message = f"springs is {unknown[0]!r}: give one of {', '.join(OF_COLUMNS)}"
+        raise InvalidProblemError(message, array="springs", value=unknown[0])
     rows: dict[str, Any] = {}
     for name in dict.fromkeys(springs.columns):
         kind = OF_COLUMNS[name]

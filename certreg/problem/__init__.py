@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from certreg.problem.exact_sums import sums_by as sums_by
     from certreg.problem.floating_springs import FloatingSpringMoments as FloatingSpringMoments
     from certreg.problem.floating_springs import floating_spring_moments as floating_spring_moments
+    from certreg.problem.gicp import FrozenInformation as FrozenInformation
+    from certreg.problem.gicp import gicp_information as gicp_information
     from certreg.problem.many import ManyPairs as ManyPairs
     from certreg.problem.moments import ExactMoments as ExactMoments
     from certreg.problem.moments import Moments as Moments
@@ -88,6 +90,10 @@ __getattr__ = lazy_face(
         "floating_springs": (
             "FloatingSpringMoments",
             "floating_spring_moments",
+        ),
+        "gicp": (
+            "FrozenInformation",
+            "gicp_information",
         ),
         "many": ("ManyPairs",),
         "moments": (

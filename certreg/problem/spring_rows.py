@@ -45,9 +45,16 @@ HELD = {  # by objects: Open3D, trimesh, PyVista; small_gicp
     "covariances": ("covariances", "covs"),
 }
 ASYMMETRY = 1e-12  # of the largest entry of a matrix
-UPPER_OF_NINE = [0, 1, 2, 4, 5, 8]
-LOWER_OF_NINE = [0, 3, 6, 4, 7, 8]
-FACTOR_OF_NINE = [0, 3, 4, 6, 7, 8]
+SIX_OF_NINE = [0, 1, 2, 4, 5, 8]
+MIRRORED_OF_NINE = [0, 3, 6, 4, 7, 8]
+LOWER_OF_NINE = [0, 3, 4, 6, 7, 8]
+ABOVE_OF_NINE = [1, 2, 5]
+ALONE = (
+    "the pair has no spring; remove it from both clouds (for a point spring give factors, too: 1, "
+    "0, 1, 0, 0, 1 in this row, and NaN in the others)"
+)
+NOT_LOWER = "has entries above its diagonal: give a lower triangular L, as numpy.linalg.cholesky"
+NOT_SYMMETRIC = "is not symmetric up to 1e-12 of its largest entry: give (W + W^T)/2"
 
 
 def held_rows(given: Any, name: str) -> NDArray[Any]:
@@ -123,28 +130,29 @@ def require_not_of_source(given: Any, source: Any, target: Any, name: str) -> No
         raise InvalidProblemError(message, array=name)
 
 
-def checked_rows(array: NDArray[Any], name: str, n: int, *, several: bool) -> Rows:
+def checked_rows(
+    array: NDArray[Any], kind: str, n: int, *, several: bool, called: str | None = None
+) -> Rows:
     """(n, 3) or (n, 6) doubles, finite; zeros in rows of NaN, where several kinds are given.
 
     Of matrices (n, 3, 3) the six numbers. (n, 6) doubles that are mapped from a file stay there.
-    Raises InvalidProblemError with the row.
+    called: in errors, if not by the kind. Raises InvalidProblemError with the row.
     """
-    if array.shape[:1] != (n,) or array.shape[1:] not in SHAPES[name]:
-        forms = " or ".join(str((n, *shape)) for shape in SHAPES[name])
+    name = called or kind
+    if array.shape[:1] != (n,) or array.shape[1:] not in SHAPES[kind]:
+        forms = " or ".join(str((n, *shape)) for shape in SHAPES[kind])
         message = f"{name} has shape {array.shape}: expected {forms}, one row per pair"
         raise InvalidProblemError(message, array=name, value=array.shape, limit=n)
     flat = array.reshape(n, -1)
     absent = absent_rows(flat)
     if absent.any() and not several:
         row = int(np.argmax(absent))
-        message = (
-            f"{name} row {row} (counting from 0) is NaN: the pair has no spring; remove it from "
-            "both clouds (for a point spring give factors, too: 1, 0, 1, 0, 0, 1 in this row, and "
-            "NaN in the others)"
-        )
+        message = f"{name} row {row} (counting from 0) is NaN: {ALONE}"
         raise InvalidProblemError(message, array=name, row=row, value=flat[row].tolist())
     rows = finite_doubles(np.where(absent[:, None], 0, flat) if absent.any() else flat, name)
-    return rows if rows.shape[1] != 9 else _six(rows, name)
+    if rows.shape[1] == 9:
+        return _lower(rows, name) if kind == "factors" else _symmetric(rows, name)
+    return rows
 
 
 def absent_rows(rows: NDArray[Any]) -> NDArray[np.bool_]:
@@ -157,19 +165,18 @@ def absent_rows(rows: NDArray[Any]) -> NDArray[np.bool_]:
     return absent
 
 
-def _six(rows: Rows, name: str) -> Rows:
-    """Symmetric matrices by xx, xy, xz, yy, yz, zz, the means of both sides; factors by LOWER."""
-    upper, lower = rows[:, UPPER_OF_NINE], rows[:, LOWER_OF_NINE]
-    if name == "factors":
-        require(name, rows, ~any_of(upper[:, [1, 2, 4]]), _NOT_LOWER)
-        return np.ascontiguousarray(rows[:, FACTOR_OF_NINE])
+def _lower(rows: Rows, name: str) -> Rows:
+    """Lower triangular matrices by l11, l21, l22, l31, l32, l33."""
+    require(name, rows, ~any_of(rows[:, ABOVE_OF_NINE]), NOT_LOWER)
+    return np.ascontiguousarray(rows[:, LOWER_OF_NINE])
+
+
+def _symmetric(rows: Rows, name: str) -> Rows:
+    """Symmetric matrices by xx, xy, xz, yy, yz, zz, the means of both sides."""
+    upper, lower = rows[:, SIX_OF_NINE], rows[:, MIRRORED_OF_NINE]
     most = ASYMMETRY * np.abs(rows).max(axis=1)
-    require(name, rows, ~any_of(np.abs(upper - lower) > most[:, np.newaxis]), _NOT_SYMMETRIC)
+    require(name, rows, ~any_of(np.abs(upper - lower) > most[:, np.newaxis]), NOT_SYMMETRIC)
     return upper / 2.0 + lower / 2.0
-
-
-_NOT_LOWER = "has entries above its diagonal: give a lower triangular L, as numpy.linalg.cholesky"
-_NOT_SYMMETRIC = "is not symmetric up to 1e-12 of its largest entry: give (W + W^T)/2"
 
 
 def require(

@@ -214,6 +214,29 @@ def test_one_kind_comes_from_one_place_and_from_a_file_that_can_be_read(write: W
     assert "nx" not in " ".join(_read(source, target, normals=target)[1].notes)
 
 
+def test_one_kind_is_named_by_its_word(write: Write) -> None:
+    source = write("a.csv", "x,y,z", X)
+    target = write("b.csv", "x,y,z,nx,ny,nz", np.column_stack([Y, N]))
+
+    assert certreg.read_problem(source, target, springs="plane")[0].digest() == PLANES.digest()
+    with pytest.raises(InvalidProblemError, match="springs is 'planes': give one of plane, line"):
+        certreg.read_problem(source, target, springs="planes")
+
+
+def test_frozen_weights_are_told_of_whatever_brings_their_rows_in_order(write: Write) -> None:
+    source, target = (
+        write("a.csv", "x,y,z", X, NAMES),
+        write("b.csv", "x,y,z", Y[BACK], NAMES[BACK]),
+    )
+    frozen = certreg.gicp_information(SPD[BACK], SPD[BACK], np.eye(3))
+
+    problem, pair = stated_problem(source, target, information=frozen)
+
+    back = certreg.RegistrationProblem(X, Y, information=np.asarray(frozen)[BACK])
+    assert problem.digest() == back.digest()
+    assert [note for note in pair.notes if note.startswith("weights frozen at this rotation")]
+
+
 def test_the_command_says_what_is_wrong_in_one_line(write: Write) -> None:
     source, target = write("a.csv", "x,y,z", X), write("b.csv", "x,y,z", Y)
 
@@ -221,3 +244,14 @@ def test_the_command_says_what_is_wrong_in_one_line(write: Write) -> None:
 
     assert (run.code, run.out, run.err.count("\n")) == (2, "", 1)
     assert "names no normals: add columns nx,ny,nz" in run.err
+
+
+def test_the_packaged_springs_are_planes(data: Path) -> None:
+    lidar, pair = _read(data / "lidar_car_source.csv", data / "lidar_car_target.csv", "plane")
+    form = data / "choi_lam_target.csv"
+    choi_lam, other = _read(data / "choi_lam_source.csv", form, factors=form)
+
+    for problem, n in ((lidar, 2500), (choi_lam, 68)):
+        assert problem.springs is not None
+        assert (problem.springs.kind, problem.springs.ranks) == ("plane", (0, n, 0, 0))
+    assert (pair.notes, other.notes) == ([], [])
