@@ -65,6 +65,7 @@ def made(problem, registration) -> dict[str, Any]:
         "certify": registration,
         "certify_many": certreg.certify_many([problem], relaxation=False, simulation=False),
         "equilibria": certreg.equilibria(problem, "all"),
+        "gicp_information": certreg.gicp_information(np.eye(3)[None], np.eye(3)[None], np.eye(3)),
         "load": certreg.load(FILES[0]),
         "pair": certreg.pair(*FILES),
         "read_cloud": certreg.read_cloud(FILES[0]),
