@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+from operator import mul
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+PRIME = 2**61 - 1  # a matrix loses rank modulo it once in 2^61, and then only time is lost
 
 
 def is_positive_definite(matrix: Sequence[Sequence[int]]) -> bool:
@@ -59,11 +62,41 @@ def rank(matrix: Sequence[Sequence[int]]) -> int:
 def nullspace(matrix: Sequence[Sequence[int]], columns: int) -> tuple[tuple[int, ...], ...]:
     """A basis of the vectors that an integer matrix of so many columns takes to zero.
 
-    Each vector is of coprime integers, its last entry other than zero positive.
+    Each vector is of coprime integers, its last entry other than zero positive. Rows that are
+    independent modulo a prime are independent; what these take to zero is tried on all.
 
     >>> nullspace([[1, 2, 0], [2, 4, 0]], 3)
     ((-2, 1, 0), (0, 0, 1))
     """
+    some = [matrix[k] for k in _independent(matrix, columns)]
+    if len(some) == columns:
+        return ()
+    basis = _nullspace(some, columns)
+    if all(sum(map(mul, row, vector)) == 0 for row in matrix for vector in basis):
+        return basis
+    return _nullspace(matrix, columns)
+
+
+def _independent(matrix: Sequence[Sequence[int]], columns: int) -> list[int]:
+    """Numbers of rows that are independent modulo `PRIME`, as many as are."""
+    found, pivots = list[int](), list[tuple[int, list[int]]]()
+    for number, entries in enumerate(matrix):
+        row = [entry % PRIME for entry in entries]
+        for column, pivot in pivots:
+            factor = row[column]
+            if factor:
+                row = [(a - factor * b) % PRIME for a, b in zip(row, pivot, strict=True)]
+        column = next((k for k, entry in enumerate(row) if entry), None)
+        if column is not None:
+            inverse = pow(row[column], -1, PRIME)
+            pivots.append((column, [entry * inverse % PRIME for entry in row]))
+            found.append(number)
+        if len(found) == columns:
+            break
+    return found
+
+
+def _nullspace(matrix: Sequence[Sequence[int]], columns: int) -> tuple[tuple[int, ...], ...]:
     rows, pivots = [list(row) for row in matrix], list[int]()
     reduced: list[list[int]] = []
     for column in range(columns):

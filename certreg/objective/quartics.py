@@ -79,18 +79,27 @@ def derivatives_along_turns(quartic: Sequence[int]) -> tuple[tuple[int, ...], ..
     Columns: along i q, j q, k q, turns in the world, and along q i, q j, q k, turns in the body.
     These six directions are a basis of so(4): a combination that vanishes leaves F as it is.
     """
-    columns = [_along(quartic, turn) for turn in _TURNS]
-    return tuple(zip(*columns, strict=True))
+    return tuple(
+        tuple(sum([multiple * quartic[k] for k, multiple in terms]) for terms in row)
+        for row in _turn_terms()
+    )
 
 
-def _along(quartic: Sequence[int], turn: Sequence[tuple[int, int]]) -> list[int]:
+@cache
+def _turn_terms() -> tuple[tuple[tuple[tuple[int, int], ...], ...], ...]:
+    """For each monomial and each turn: which coefficients go into it, how many times."""
+    columns = [_along(turn) for turn in _TURNS]
+    return tuple(tuple(tuple(terms.items()) for terms in row) for row in zip(*columns, strict=True))
+
+
+def _along(turn: Sequence[tuple[int, int]]) -> list[Counter[int]]:
     """Of sum_k dF/dq_k (A q)_k: row k of A has but one entry, `turn[k]` = (sign, column)."""
-    total = [0] * len(MONOMIALS)
-    for monomial, coefficient in zip(MONOMIALS, quartic, strict=True):
+    total: list[Counter[int]] = [Counter() for _ in MONOMIALS]
+    for number, monomial in enumerate(MONOMIALS):
         for place, k in enumerate(monomial):
             sign, column = turn[k]
             moved = (*monomial[:place], column, *monomial[place + 1 :])
-            total[PLACE[tuple(sorted(moved))]] += sign * coefficient
+            total[PLACE[tuple(sorted(moved))]][number] += sign
     return total
 
 

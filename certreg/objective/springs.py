@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 ROTATION = range(1, 10)  # where vec R stands in z = (1, vec R, t)
 TRANSLATION = range(10, 13)  # where t does
 FULL = tuple(UPPER.index((min(a, b), max(a, b))) for a, b in product(range(3), repeat=2))
+DIAGONAL = (0, 3, 5)  # among the six entries of a symmetric matrix
 FARTHEST = 8  # the largest |R - R'|^2 of two rotations, in the Frobenius norm
 FARTHEST_OF_FIVE = Fraction(25, 2)  # the same of their actions on symmetric traceless matrices
 
@@ -114,11 +115,13 @@ class Springs(Brief):
         H, (determinant, adjugate) = self.hessian_form, self._inverse
         pivots = [TRANSLATION[k] for k in self._pivots]
         columns = [[H[r][p] for p in pivots] for r in range(10)]
-        images = [[dot(row, column) for row in adjugate] for column in columns]
-        return tuple(
-            tuple(determinant * H[r][s] - dot(columns[r], images[s]) for s in range(10))
-            for r in range(10)
-        )
+        rows = [[0] * 10 for _ in range(10)]
+        for s, column in enumerate(columns):
+            image = [dot(row, column) for row in adjugate]
+            for r in range(s + 1):
+                entry = determinant * H[r][s] - dot(columns[r], image)
+                rows[r][s] = rows[s][r] = entry
+        return tuple(tuple(row) for row in rows)
 
     @cached_property
     def free_translations(self) -> tuple[Vector3[Fraction], ...]:
@@ -232,58 +235,57 @@ class Springs(Brief):
         return nullspace(quartics.derivatives_along_turns(self.quartic), 6)
 
     @cached_property
-    def _parts(self) -> tuple[list[list[int]], list[list[int]]]:
-        """2 C, 3x3, and 36 B, 6x6: F(q)/|q|^4 = c + tr(C^T R) + sum B_ab,jk R_aj R_bk.
+    def part_sizes(self) -> tuple[Fraction, Fraction]:
+        """The squared norms of C and B in f = c + <C, R> + <B, D(R)>; see `oscillation`.
 
-        B is symmetric and traceless in (a, b) and in (j, k); its rows and columns are in the order
-        of UPPER. See `oscillation`.
+        In the unit of the energy, squared. Over all rotations f has the variance of one over 3 and
+        the other over 5. With E the table Q_aj,bk made symmetric in (a, b), that of B is
+
+            sum E_ab,jk^2 - sum (E_aa,jk)^2 / 3 - sum (E_ab,jj)^2 / 3 + (E_aa,jj)^2 / 9
+
+        where repeated indices within a bracket are summed: traces are orthogonal to the rest.
         """
         Q = self._form
-        table = {
-            (a, b, j, k): Q[1 + 3 * j + a][1 + 3 * k + b]
-            for a, b, j, k in product(range(3), repeat=4)
-        }
-        linear = [[4 * Q[0][1 + 3 * j + a] for j in range(3)] for a in range(3)]
+        linear, even = list[int](), list[list[int]]()
         for a, j in product(range(3), repeat=2):
             (b, c), (k, m) = _others(a), _others(j)
-            linear[a][j] += table[b, c, k, m] + table[c, b, m, k]
-            linear[a][j] -= table[b, c, m, k] + table[c, b, k, m]
-        even = {
-            (a, b, j, k): table[a, b, j, k]
-            + table[b, a, j, k]
-            + table[a, b, k, j]
-            + table[b, a, k, j]
-            for a, b, j, k in table
-        }
-        return linear, _traceless(even)
+            skew = _entry(Q, b, c, k, m) + _entry(Q, c, b, m, k)
+            skew -= _entry(Q, b, c, m, k) + _entry(Q, c, b, k, m)
+            linear.append(4 * Q[0][1 + 3 * j + a] + skew)
+        for a, b in UPPER:
+            even.append([2 * _entry(Q, a, b, j, k) + 2 * _entry(Q, a, b, k, j) for j, k in UPPER])
+        rows = [sum([row[s] for s in DIAGONAL]) for row in even]
+        columns = [sum([even[p][s] for p in DIAGONAL]) for s in range(6)]
+        trace = sum([rows[p] for p in DIAGONAL])
+        total = 9 * _weighed([_weighed([e * e for e in row]) for row in even]) + trace**2
+        total -= 3 * _weighed([e * e for e in rows]) + 3 * _weighed([e * e for e in columns])
+        unit = self.unit**2
+        return Fraction(sum([e * e for e in linear]), 2**2) * unit, Fraction(total, 12**2) * unit
 
     @property
     def isotropic_like(self) -> bool:
         """Whether f = const - 2 tr(R^T C) for some C: exactly where B = 0."""
-        return not any(entry for row in self._parts[1] for entry in row)
+        return self.part_sizes[1] == 0
 
     @cached_property
     def oscillation(self) -> Fraction:
         """An upper bound of max f - min f over all rotations, in the unit of the energy.
 
-        R_aj R_bk, made symmetric in (a, b), and so in (j, k), is a trace and what R does to
-        symmetric traceless matrices, D(R): S -> R S R^T, orthogonal in five dimensions. Made
-        skew it is a cofactor of R, so an entry of R. So f = c + <C, R> + <B, D(R)>, and
+        Of the products R_aj R_bk, the part skew in (a, b) is skew in (j, k), too, and a cofactor
+        of R, which is an entry of R; the part that is symmetric in both is a trace, delta_jk or
+        delta_ab, and the rest: what R does to symmetric traceless matrices, D(R): S -> R S R^T,
+        orthogonal in five dimensions. So f = c + <C, R> + <B, D(R)>, B symmetric and traceless in
+        both pairs, and
 
-            f(R) - f(R') <= |C| |R - R'| + |B| |D(R) - D(R')|
+            f(R) - f(R') <= norm(C) norm(R - R') + norm(B) norm(D(R) - D(R'))
 
-        in Frobenius norms. With theta the angle of R^T R' and u = cos(theta),
-        |R - R'|^2 = 6 - 2 (1 + 2 u) <= 8, |D - D'|^2 = 10 - 2 (4 u^2 + 2 u - 1) <= 25/2, the trace
-        of D being 1 + 2 cos(theta) + 2 cos(2 theta). B = 0 leaves |C| sqrt(8).
+        in Frobenius norms. With theta the angle of R^T R' and u = cos(theta), the traces of R^T R'
+        and of D(R^T R') are 1 + 2 u and 1 + 2 cos(theta) + 2 cos(2 theta) = 4 u^2 + 2 u - 1. So
+        norm(R - R')^2 = 6 - 2 (1 + 2 u) <= 8, norm(D - D')^2 = 10 - 2 (4 u^2 + 2 u - 1) <= 25/2,
+        the largest at u = -1/4.
         """
-        linear, even = self._parts
-        ones = sum(entry**2 for row in linear for entry in row)
-        fives = sum(
-            (1 + (a != b)) * (1 + (j != k)) * even[p][s] ** 2
-            for (p, (a, b)), (s, (j, k)) in product(enumerate(UPPER), repeat=2)
-        )
-        roots = rational_root_above(Fraction(FARTHEST * ones, 2**2))
-        return self.unit * (roots + rational_root_above(FARTHEST_OF_FIVE * fives / 36**2))
+        linear, even = self.part_sizes
+        return rational_root_above(FARTHEST * linear) + rational_root_above(FARTHEST_OF_FIVE * even)
 
     # --- doubles
 
@@ -321,6 +323,17 @@ def _adjugate(matrix: Sequence[Sequence[int]], rows: Sequence[int]) -> tuple[int
     return a * adjugate[0][0] + b * adjugate[1][0] + c * adjugate[2][0], adjugate
 
 
+def _entry(form: SquareMatrix[int], a: int, b: int, j: int, k: int) -> int:
+    """The coefficient of R_aj R_bk in a form."""
+    return form[1 + 3 * j + a][1 + 3 * k + b]
+
+
+def _weighed(entries: Sequence[int]) -> int:
+    """The sum of nine entries of a symmetric matrix, of which six are given."""
+    a, b, c, d, e, f = entries
+    return a + d + f + 2 * (b + c + e)
+
+
 def _others(k: int) -> tuple[int, int]:
     """The two that follow cyclically."""
     return (k + 1) % 3, (k + 2) % 3
@@ -340,16 +353,3 @@ def _projected(basis: Sequence[Sequence[Fraction]], vector: Sequence[Fraction]) 
         part = dot(vector, one) / squared_norm(one)
         total = [a + part * b for a, b in zip(total, one, strict=True)]
     return total
-
-
-def _traceless(even: dict[tuple[int, int, int, int], int]) -> list[list[int]]:
-    """6x6, nine times a table symmetric in both pairs, without the traces of both."""
-    left = {
-        (a, b, j, k): 3 * entry - (a == b) * sum([even[i, i, j, k] for i in range(3)])
-        for (a, b, j, k), entry in even.items()
-    }
-    both = {
-        (a, b, j, k): 3 * entry - (j == k) * sum([left[a, b, i, i] for i in range(3)])
-        for (a, b, j, k), entry in left.items()
-    }
-    return [[both[a, b, j, k] for j, k in UPPER] for a, b in UPPER]
