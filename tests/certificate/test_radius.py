@@ -3,6 +3,7 @@
 import json
 import math
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,12 +22,12 @@ NOT_AN_ANGLE = "radius is not of an angle up to 90 degrees, or not positive"
 def instance(seed, n, flat=1.0, noise=0.1):
     rng = np.random.default_rng(seed)
     source = rng.standard_normal((n, 3)) * (1.0, flat, flat**2)
-    turn = Rotation.random(random_state=rng).as_matrix()
+    turn = Rotation.random(rng=rng).as_matrix()
     target = source @ turn.T + noise * rng.standard_normal((n, 3)) * flat
     return source, target, np.exp(rng.standard_normal(n))
 
 
-def certificate_of(source, target, weights, degrees):
+def certificate_of(source, target, weights, degrees) -> Any:
     problem = RegistrationProblem(source, target, weights=weights)
     return produce(problem, Isotropic(exact_moments(problem)), robustness_angle=degrees)
 
