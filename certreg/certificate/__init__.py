@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from certreg.certificate.producing import count_certificate as count_certificate
     from certreg.certificate.producing import produce as produce
     from certreg.certificate.producing import springs_certificate as springs_certificate
+    from certreg.certificate.radius import MOST_DEGREES as MOST_DEGREES
+    from certreg.certificate.radius import Radius as Radius
     from certreg.certificate.springs_cones import ConesCap as ConesCap
     from certreg.certificate.springs_cones import SpringsConesBody as SpringsConesBody
     from certreg.certificate.springs_sos import SpringsClaims as SpringsClaims
@@ -72,6 +74,10 @@ __getattr__ = lazy_face(
             "count_certificate",
             "produce",
             "springs_certificate",
+        ),
+        "radius": (
+            "MOST_DEGREES",
+            "Radius",
         ),
         "springs_cones": (
             "ConesCap",

@@ -14,6 +14,7 @@ from certreg import __version__
 from certreg.cli.options import (
     EXIT_CODES,
     FOLDER,
+    NUMBER,
     cloud_options,
     fit_options,
     limit_options,
@@ -21,6 +22,7 @@ from certreg.cli.options import (
 from certreg.registration import (
     DONE,
     REFUSED,
+    ROBUSTNESS_ANGLE,
     STORIES,
     code_of_registration,
     differences,
@@ -62,6 +64,14 @@ if TYPE_CHECKING:
     show_default=True,
     help="Of the simulation.",
 )
+@click.option(
+    "--robustness-angle",
+    type=NUMBER,
+    metavar="DEG",
+    default=ROBUSTNESS_ANGLE,
+    show_default=True,
+    help="Prove how far the points may be off with the optimum within this angle, at most 90.",
+)
 @click.option("--out", type=FOLDER, help="Folder to write to.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def certify(
@@ -74,6 +84,7 @@ def certify(
     integrator: str,
     max_gap: float,
     max_angle: float,
+    robustness_angle: float,
     demands: FitDemands,
     out: Path | None,
     as_json: bool,
@@ -89,6 +100,7 @@ def certify(
         about={"certreg": __version__, **pair.about},
         max_gap=max_gap,
         max_angle=max_angle,
+        robustness_angle=robustness_angle,
     )
     path = None if out is None else write_folder(registration, out, notes=pair.notes)
     if as_json:

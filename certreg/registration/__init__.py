@@ -83,6 +83,8 @@ if TYPE_CHECKING:
     from certreg.registration.result import Registration as Registration
     from certreg.registration.result import SimulatedRegistration as SimulatedRegistration
     from certreg.registration.result import Solution as Solution
+    from certreg.registration.robustness import ROBUSTNESS_ANGLE as ROBUSTNESS_ANGLE
+    from certreg.registration.robustness import Robustness as Robustness
     from certreg.registration.rounding import rounding_remedy as rounding_remedy
     from certreg.registration.row_names import RowNames as RowNames
     from certreg.registration.slips import Slip as Slip
@@ -192,6 +194,10 @@ __getattr__ = lazy_face(
             "Registration",
             "SimulatedRegistration",
             "Solution",
+        ),
+        "robustness": (
+            "ROBUSTNESS_ANGLE",
+            "Robustness",
         ),
         "rounding": ("rounding_remedy",),
         "row_names": ("RowNames",),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from certreg.registration.robustness import Robustness
 from certreg.results import Explained, Optimality, Presented, presenter
 
 if TYPE_CHECKING:
@@ -71,6 +72,14 @@ class AnyRegistration(Explained, Presented):
     def fit(self) -> Fit:
         """What the optimum is worth as a fit, by statistics; nothing of it is proved."""
         raise NotImplementedError
+
+    @property
+    def robustness(self) -> Robustness | None:
+        """How far the points may be off, proved; None where that is not, or not asked for."""
+        certificate = self.certificate
+        if certificate is None or certificate.body.radius is None:
+            return None
+        return Robustness.of(certificate.body.radius)
 
     @property
     def status(self) -> Optimality:

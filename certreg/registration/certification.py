@@ -41,6 +41,7 @@ from certreg.registration.result import (
     exact_energy_unit,
     final_state,
 )
+from certreg.registration.robustness import ROBUSTNESS_ANGLE, checked_angle
 from certreg.relaxation import relax
 from certreg.results import (
     MAX_ANGLE,
@@ -84,6 +85,7 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
     about: dict[str, Any] | None = None,
     max_gap: float = MAX_GAP,
     max_angle: float = MAX_ANGLE,
+    robustness_angle: float | None = ROBUSTNESS_ANGLE,
     progress: Progress | None = None,
     **statement: Unpack[ProblemOptions],
 ) -> Registration:
@@ -107,6 +109,9 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
         What else the certificate is to hold, unproved, besides damping and integrator.
     max_gap, max_angle
         What must be proved of the pose to call it certified, see `Limits`.
+    robustness_angle
+        Degrees, at most 90: how far the points may be off with the optimum proved to stay within
+        that angle; None to leave it out.
     progress
         Called with the number of parts that are done and that of all: exact sums, relaxation,
         simulation, certificate and checker.
@@ -135,6 +140,7 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
         relaxation=relaxation,
         integrator=_integrator(simulation) if simulation else None,
         settings=simulation if isinstance(simulation, SimulationSettings) else None,
+        robustness_angle=checked_angle(robustness_angle),
         about={**named, **(about or {})},
         done=counted(progress, PARTS + bool(relaxation) + bool(simulation)),
     )
@@ -167,12 +173,13 @@ def _integrator(simulation: str | SimulationSettings | Literal[True]) -> str:
     return Integrator(simulation).value if isinstance(simulation, str) else CROSS_CHECK.value
 
 
-def certified(
+def certified(  # noqa: PLR0913 - as above
     problem: RegistrationProblem,
     *,
     relaxation: bool | str,
     integrator: str | None,
     settings: SimulationSettings | None = None,
+    robustness_angle: float | None = None,
     about: dict[str, Any] | None = None,
     done: Callable[[str], None] = logged,
 ) -> Registration:
@@ -187,6 +194,7 @@ def certified(
             relaxation=relaxation,
             integrator=integrator,
             settings=settings,
+            robustness_angle=robustness_angle,
             about=about,
             done=done,
         )
@@ -275,12 +283,13 @@ def proved_end(
     )
 
 
-def solve(
+def solve(  # noqa: PLR0913 - as above
     problem: RegistrationProblem,
     *,
     relaxation: bool | str = False,
     integrator: str | None = None,
     settings: SimulationSettings | None = None,
+    robustness_angle: float | None = None,
     about: dict[str, Any] | None = None,
     done: Callable[[str], None] = logged,
 ) -> Solution:
@@ -301,6 +310,7 @@ def solve(
         objective,
         proposal=None if isinstance(relaxed, Absent) else relaxed.proposal,
         state=None if isinstance(trajectory, Absent) else final_state(trajectory),
+        robustness_angle=robustness_angle,
         about={**(about or {}), "damping": problem.damping, "integrator": integrator},
     )
     done("certificate")

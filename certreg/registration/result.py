@@ -18,6 +18,7 @@ from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.any_registration import AnyRegistration
 from certreg.registration.covariance import pose_covariance, residual_distances
 from certreg.registration.fit import fit_of
+from certreg.registration.robustness import NONE_PROVED
 from certreg.registration.row_names import RowNames
 from certreg.results import (
     OUT_OF_RANGE,
@@ -241,6 +242,8 @@ class Registration(AnyRegistration):
         """
         if name == "covariance":
             return self.solution.stated(name)
+        if name == "robustness":
+            return self.robustness or NONE_PROVED
         return Explained.stated(self, name)
 
     @property

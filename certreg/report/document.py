@@ -70,6 +70,7 @@ def result_document(
                 **_margin(registration.equilibria),
                 "hardly_determined": _hardly_determined(registration),
             },
+            "robustness": _robustness(registration),
             "relaxation": _relaxation(registration),
             "simulation": _simulation(registration),
             "agreement": {
@@ -231,6 +232,17 @@ def _optimality(registration: Registration) -> Document:
     if classification.ambiguity is not None:
         document["ambiguity"] = classification.ambiguity.value
     return document
+
+
+def _robustness(registration: Registration) -> Document | Absent:
+    found = registration.stated("robustness")
+    if isinstance(found, Absent):
+        return found
+    return {
+        "angle_deg": found.angle,
+        "radius_target": found.target,
+        "radius_both": found.both,
+    }
 
 
 def _pose(registration: Registration) -> Document:

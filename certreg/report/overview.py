@@ -18,6 +18,7 @@ from certreg.registration import (
 from certreg.report.remedies import why_warned
 from certreg.report.summary import (
     explained_words,
+    length_below,
     margin_words,
     number,
     percent_words,
@@ -281,6 +282,15 @@ def _proved(registration: Registration) -> Iterator[Fact]:
         value="infinitely many" if others is None else str(others),
         words="where the springs balance and the fit is not the best",
     )
+    found = registration.robustness
+    if found is not None:
+        yield Fact(
+            name="Robustness",
+            value=f"{length_below(found.target)}",
+            words=f"by less than this every target point may be off, and no optimum turns by more "
+            f"than {found.angle:g}°; points of both clouds by less than "
+            f"{length_below(found.both)} (sufficient, not sharp)",
+        )
     value, words = split(margin_words(equilibria))
     yield Fact(name="Ambiguity margin", value=value, words=f"{words} (computed)")
 

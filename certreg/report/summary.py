@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal
+from decimal import MAX_EMAX, MIN_EMIN, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -78,12 +78,30 @@ def registration_summary(registration: Registration) -> str:
             f"  RMSE              {number(registration.rmse)}  ({weighted})",
             f"  explained         {explained_words(fit)}{why_warned(fit)}",
             f"  ambiguity margin  {margin_words(registration.equilibria)}",
+            f"  robustness        {robustness_words(registration)}",
             *_method_lines(registration),
             *(f"  warning           {words}" for words in warnings(registration, status[0])),
             "",
             equilibria_summary(registration.equilibria),
         )
     )
+
+
+def robustness_words(registration: Registration) -> str:
+    """How far points may be off, proved, in one line."""
+    found = registration.robustness
+    if found is None:
+        return "not proved"
+    return (
+        f"no optimum turns by more than {found.angle:g} degrees as long as every target point is "
+        f"off by less than {length_below(found.target)}; points of both clouds, "
+        f"{length_below(found.both)} (sufficient, not sharp)"
+    )
+
+
+def length_below(length: float) -> str:
+    """A length in three digits, rounded down."""
+    return f"{Context(prec=3, rounding=ROUND_FLOOR).create_decimal_from_float(length):g}"
 
 
 def _uncertainty_lines(registration: Registration) -> list[str]:

@@ -81,7 +81,12 @@ def test_reasons_stand_in_the_stated_order_wherever_the_values_stand():
 def test_a_result_explains_exactly_what_is_none_and_can_be_missing(specimen: Specimen):
     registration = certreg.certify(specimen.problem, relaxation=False)
     solution = registration.solution
-    later = {"covariance", "predicted_rate", "decay_rate"}  # asked for, and so in no `absent`
+    later = {
+        "covariance",
+        "robustness",
+        "predicted_rate",
+        "decay_rate",
+    }  # asked for, and so in no `absent`
     with_reasons: list[Any] = [registration, solution, solution.trajectory]
     for one in with_reasons:
         for name in later & set(dir(one)):

@@ -1,0 +1,59 @@
+"""How far the points may be off with the optimum proved to turn by no more than an angle."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from decimal import ROUND_CEILING, Context, Decimal
+from typing import TYPE_CHECKING
+
+from certreg.certificate import MOST_DEGREES
+from certreg.errors import InvalidProblemError
+from certreg.exact import double_below
+from certreg.results import Absent, Brief
+
+if TYPE_CHECKING:
+    from certreg.certificate import Radius
+
+ROBUSTNESS_ANGLE = 5.0  # degrees, unless another is asked for
+NONE_PROVED = Absent("no error of the points is proved to be harmless, or that was not asked for")
+DIGITS = Context(prec=6, rounding=ROUND_CEILING)  # of the angle, which is told in degrees
+ASIN_SLACK = 1.0 + 1e-12  # the arcsine of the C library errs by an ulp or two
+
+
+def checked_angle(degrees: float | None) -> float | None:
+    """An angle of more than 0 and at most 90 degrees, or None; InvalidProblemError for others."""
+    if degrees is None or 0.0 < degrees <= MOST_DEGREES:
+        return degrees
+    message = f"the angle of robustness is {degrees!r} degrees: give more than 0, and at most 90"
+    raise InvalidProblemError(message, array="robustness_angle", value=degrees, limit=MOST_DEGREES)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Robustness(Brief):
+    """Proved: as long as points are off by less, every optimum stays within the angle.
+
+    Attributes
+    ----------
+    angle
+        Degrees, from the certified rotation.
+    target
+        Every target point may be off by less than this length, in the unit of the target.
+    both
+        Or every point of both clouds by less than this one. Both are sufficient, not sharp; the
+        springs stay as they are.
+    """
+
+    angle: float
+    target: float
+    both: float
+
+    @classmethod
+    def of(cls, radius: Radius) -> Robustness:
+        """What a certificate claims, lengths rounded down and the angle up."""
+        half = math.asin(double_below(radius.sin_half_angle.value)) * ASIN_SLACK
+        return cls(
+            angle=float(DIGITS.plus(Decimal(2.0 * math.degrees(half)))),
+            target=double_below(radius.target.value),
+            both=double_below(radius.both.value),
+        )
