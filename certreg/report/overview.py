@@ -16,9 +16,9 @@ from certreg.registration import (
     silent_tests,
 )
 from certreg.report.remedies import why_warned
+from certreg.report.robustness import length_below
 from certreg.report.summary import (
     explained_words,
-    length_below,
     margin_words,
     number,
     percent_words,

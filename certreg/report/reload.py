@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable
 
-    from certreg.registration import Registration
+    from certreg.registration import Registration, Solution
 
 PAIR = 7 * 8  # bytes of two points and a weight; the data end with these, after a header
 WEAKER = 1e3  # times the bounds that certreg proves: the page warns of such a certificate
@@ -105,13 +105,26 @@ def report_of(
     )
     given = _bounds(body, registration)
     return Report(
-        registration=replace(registration, bounds=given, verdict=verdict),
+        registration=replace(
+            registration,
+            solution=_with_radius(registration.solution, body),
+            bounds=given,
+            verdict=verdict,
+        ),
         certificate=replace(loaded, body=body),
         content=content,
         verdict=verdict,
         name=file.name,
         weak=_weaker(given, registration.bounds),
     )
+
+
+def _with_radius(solution: Solution, given: IsotropicBody) -> Solution:
+    """The solution that was computed anew, with what the one given proves of robustness."""
+    own = solution.certificate
+    if own is None:
+        return solution
+    return replace(solution, certificate=replace(own, body=replace(own.body, radius=given.radius)))
 
 
 def _loaded(content: bytes) -> Certificate[Any] | None:

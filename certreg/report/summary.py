@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from decimal import MAX_EMAX, MIN_EMIN, ROUND_FLOOR, Context, Decimal
+from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -27,6 +27,7 @@ from certreg.registration import (
     share_words,
 )
 from certreg.report.remedies import ADVICE, remedies, why_warned
+from certreg.report.robustness import robustness_words
 from certreg.report.thinning import kicked_words, unspent_words
 from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import Absent, ComponentKind, Guarantee, Limits, Optimality, present
@@ -87,27 +88,9 @@ def registration_summary(registration: Registration) -> str:
     )
 
 
-def robustness_words(registration: Registration) -> str:
-    """How far points may be off, proved, in one line."""
-    found = registration.robustness
-    if found is None:
-        return "not proved"
-    return (
-        f"no optimum turns by more than {found.angle:g} degrees as long as every target point is "
-        f"off by less than {length_below(found.target)}; points of both clouds, "
-        f"{length_below(found.both)} (sufficient, not sharp)"
-    )
-
-
-def length_below(length: float) -> str:
-    """A length in three digits, rounded down."""
-    return f"{Context(prec=3, rounding=ROUND_FLOOR).create_decimal_from_float(length):g}"
-
-
 def _uncertainty_lines(registration: Registration) -> list[str]:
     """The rows of `uncertainty_rows`, in ASCII."""
-    rows = uncertainty_rows(registration)
-    plain = ([part.replace("±", "+/-") for part in row] for row in rows)
+    plain = ([part.replace("±", "+/-") for part in row] for row in uncertainty_rows(registration))
     return [f"  {name:<17} {words}" for name, words in plain]
 
 

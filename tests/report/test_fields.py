@@ -14,6 +14,7 @@ import pytest
 from commands import checked
 from strategies import random_problem
 
+from certreg.exact import double_below
 from certreg.registration import SimulatedRegistration, certify, enumerated, headline_of, is_green
 from certreg.registration import headlines as listed
 from certreg.registration.covariance import worst_residuals
@@ -49,6 +50,7 @@ def test_every_field_of_a_result_is_the_number_of_its_name(registration: Registr
     relaxed: Any = solution.relaxation
     run: Any = solution.trajectory
     bounds, claims = checked(registration.bounds), checked(registration.certificate).body.claims
+    radius = checked(checked(registration.certificate).body.radius)
     covariance, equilibria = checked(solution.covariance), registration.equilibria
     ends = [Fraction(float(e)) for e in (run.potential + run.kinetic)[[0, -1]]]
     told = result_document(registration, "a path", notes=["as read"])
@@ -89,6 +91,11 @@ def test_every_field_of_a_result_is_the_number_of_its_name(registration: Registr
             "relative": equilibria.margin.relative,
             "nearly_ambiguous": False,
             "hardly_determined": False,
+        },
+        "robustness": {
+            "angle_deg": 5.0,
+            "radius_target": double_below(radius.target.value),
+            "radius_both": double_below(radius.both.value),
         },
         "relaxation": {
             "solver": relaxed.solver.split(" ")[0].upper(),

@@ -382,6 +382,7 @@ def weak_claims(document: dict[str, Any]) -> None:
     """Claims of less, of the same proof."""
     document["claims"] |= {"gap": [1, 61], "sin2_half_angle": [1, -2], "unstable": None}
     document["claims"] |= {"basin": None, "sdp_gap": None}
+    document["radius"] = None
 
 
 def weak_proof(document: dict[str, Any]) -> None:
