@@ -62,6 +62,10 @@ class Visit:
     verdict: str
 
 
+def name_of(path: Path) -> str:
+    return str(path.relative_to(SITE))
+
+
 @functools.cache
 def visited(page: Page, path: Path) -> Visit:
     found = faults(page, path)
@@ -77,15 +81,13 @@ def visited(page: Page, path: Path) -> Visit:
 
 
 @site
-@pytest.mark.parametrize("path", OPENED, ids=lambda path: str(path.relative_to(SITE)))
+@pytest.mark.parametrize("path", OPENED, ids=map(name_of, OPENED))
 def test_a_page_opens_without_network_and_without_errors(page: Page, path: Path):
     assert visited(page, path).faults == []
 
 
 @site
-@pytest.mark.parametrize(
-    "path", PAGES + REPORTS + STYLES, ids=lambda path: str(path.relative_to(SITE))
-)
+@pytest.mark.parametrize("path", HTML + STYLES, ids=map(name_of, HTML + STYLES))
 def test_a_file_refers_to_no_other_host(path: Path):
     assert elsewhere(path) == []
 
