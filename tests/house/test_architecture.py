@@ -275,3 +275,12 @@ def test_functions_and_modules_keep_to_the_sizes_of_the_house():
                 lines = (node.end_lineno or 0) - node.lineno + 1
                 told = ast.get_docstring(node, clean=False) or ""  # whose sections are long
                 assert lines - len(told.splitlines()) <= 55, f"{module}.{node.name}"
+
+
+def test_no_two_test_files_have_the_same_name():
+    """Pytest would refuse the second, and with it all tests; a folder that is a package may."""
+    files = Path(__file__).parents[1].rglob("test_*.py")
+    names = [path.name for path in files if not path.with_name("__init__.py").exists()]
+
+    assert len(names) > 100
+    assert sorted(names) == sorted(set(names))
