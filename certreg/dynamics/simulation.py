@@ -177,7 +177,7 @@ def _trajectory(
         notes=tuple(_notes(basin, batch, settings)),
         moving=moving,
         basin=basin,
-        course=Course(samples=log.samples.copy(), last=batch.states, time=float(batch.times[0])),
+        course=Course(samples=log.samples, last=batch.states, time=float(batch.times[0])),
     )
 
 

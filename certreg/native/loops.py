@@ -20,6 +20,8 @@ from certreg.native.layout import (
     QUATERNION_STATE,
     SPLITTING_STEP,
     STEP,
+    named,
+    plain,
 )
 
 if TYPE_CHECKING:
@@ -207,8 +209,8 @@ class Log:
 
     @property
     def samples(self) -> Records:
-        """The filled rows."""
-        return self.rows[: self.count]
+        """A copy of the filled rows: of doubles, as NumPy copies records part by part."""
+        return named(plain(self.rows[: self.count]).copy(), self.rows.dtype)
 
 
 class Engine(Protocol):

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from certreg.problem import ExactMoments
 
 Pattern = tuple[int, ...]
+PRIME = 2**30 - 35  # one digit of Python: what it does not divide is quickly seen not to be 0
 
 
 class Ambiguity(Enum):
@@ -185,6 +186,9 @@ def pattern_of(C: Sequence[Sequence[int]]) -> Pattern:
     ... )
     ((1, 1, 1, 1), (3, 1))
     """
+    small = invariants([[entry % PRIME for entry in row] for row in C])
+    if small.discriminant % PRIME:  # so it is not 0
+        return (1, 1, 1, 1)
     return decide(invariants(C))
 
 
