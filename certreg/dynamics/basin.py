@@ -59,6 +59,14 @@ def certified_basin(objective: Isotropic, length_exponent: int) -> Basin:
 
     Raises DegenerateProblemError where doubles do not tell the optima from the other poses.
     """
+    optima, gaps = objective.classification.pattern[0], basin_gaps(objective, length_exponent)
+    vectors = [unit_double(v).tolist() for v in objective.eigenvectors]
+    numbers = [entry for vector in vectors for entry in vector] + [0.0] * optima + gaps
+    return Basin(record=named(numbers, BASIN))
+
+
+def basin_gaps(objective: Isotropic, length_exponent: int) -> list[float]:
+    """l1 - lk over the mass, of the eigenvectors below the optima; raises as `certified_basin`."""
     moments, spaces = objective.moments, objective.eigenspaces
     optima = objective.classification.pattern[0]
     # One of a drop in units of the body: `eigenvalue_unit` / (total weight 4^length_exponent).
@@ -73,9 +81,7 @@ def certified_basin(objective: Isotropic, length_exponent: int) -> Basin:
             "body; bring both clouds to one unit of length"
         )
         raise DegenerateProblemError(message, value=min(gaps), limit=SMALLEST_BARRIER)
-    vectors = [unit_double(v).tolist() for v in objective.eigenvectors]
-    numbers = [entry for vector in vectors for entry in vector] + [0.0] * optima + gaps
-    return Basin(record=named(numbers, BASIN))
+    return gaps
 
 
 def basins_of(

@@ -117,6 +117,25 @@ def body_of(moments: ExactMoments, damping: float, *, length_exponent: int | Non
     the root-mean-square radius of both clouds. Raises DegenerateProblemError where no double
     matrix is the inverse of J.
     """
+    core = core_of(moments, length_exponent)
+    inverse = np.linalg.inv(_full(core.inertia)).tolist()
+    upper = [inverse[i][j] for i in range(3) for j in range(i, 3)]
+    numbers = [*core.cross, *core.inertia, *upper, core.spread, damping]
+    return Body(record=named(numbers, BODY), length_exponent=core.length_exponent)
+
+
+@dataclass(frozen=True, slots=True)
+class Core:
+    """What the springs of a body are made of, as in its record: cross and inertia flat."""
+
+    length_exponent: int
+    cross: list[float]
+    inertia: list[float]
+    spread: float
+
+
+def core_of(moments: ExactMoments, length_exponent: int | None = None) -> Core:
+    """The numbers of a body that are sums over its points; as `body_of`, which adds the rest."""
     a, b, square = moments.source_exponent, moments.target_exponent, moments.mass**2
     least = min(a, b)
     spread = trace(moments.source_scatter) << 2 * (a - least)
@@ -127,15 +146,13 @@ def body_of(moments: ExactMoments, damping: float, *, length_exponent: int | Non
     (xx, xy, xz), (_, yy, yz), (_, _, zz) = moments.inertia
     inertia = _in_doubles((xx, xy, xz, yy, yz, zz), 2 * (a - exponent), square)
     require_thick(inertia)
-    inverse = np.linalg.inv(_full(inertia)).tolist()
-    numbers = [
-        *_in_doubles([e for row in moments.cross for e in row], a + b - 2 * exponent, square),
-        *inertia,
-        *(inverse[i][j] for i in range(3) for j in range(i, 3)),
-        *_in_doubles([spread], 2 * (least - exponent), square),
-        damping,
-    ]
-    return Body(record=named(numbers, BODY), length_exponent=exponent)
+    cross = [entry for row in moments.cross for entry in row]
+    return Core(
+        exponent,
+        cross=_in_doubles(cross, a + b - 2 * exponent, square),
+        inertia=inertia,
+        spread=_in_doubles([spread], 2 * (least - exponent), square)[0],
+    )
 
 
 def exponent_of(dividend: int, divisor: int, places: int) -> int:

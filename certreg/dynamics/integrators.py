@@ -6,11 +6,13 @@ Floating point proposes: a step decides how fast a run ends, never where it may 
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from certreg.dynamics.pencil import spring_ratios_of_one
 from certreg.equilibrium import TRANSLATION_STIFFNESS
 from certreg.errors import DegenerateProblemError
 from certreg.geometry import rotation_matrices
@@ -164,6 +166,11 @@ def integrate(batch: Batch, settings: SimulationSettings, log: Log | None = None
 
 def spring_ratios(bodies: Records, basins: Records) -> NDArray[np.float64]:
     """The eigenvalues of the pencil (G, J) at the optimum, ascending, (count, 3)."""
+    if len(bodies) == 1:
+        q, cross, inertia = basins["quaternions"][0, 0], bodies["cross"][0], bodies["inertia"][0]
+        with suppress(ValueError, ZeroDivisionError):  # what NumPy finds then, if anything, is told
+            ratios = spring_ratios_of_one(q.tolist(), cross.ravel().tolist(), inertia.tolist())
+            return ratios[np.newaxis]
     aligned = rotation_matrices(basins["quaternions"][:, 0]).mT @ bodies["cross"]
     traces = np.trace(aligned, axis1=1, axis2=2)[:, np.newaxis, np.newaxis]
     hessian = 2.0 * traces * IDENTITY - aligned - aligned.mT

@@ -16,16 +16,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics.basin import certified_basin
-from certreg.dynamics.body import body_of, centres_apart
+from certreg.dynamics.basin import basin_gaps, certified_basin
+from certreg.dynamics.body import body_of, centres_apart, core_of
 from certreg.dynamics.integrators import (
     SimulationSettings,
     integrate,
     spring_ratios,
     step_parameters,
 )
+from certreg.dynamics.pencil import spring_ratios_of_one
 from certreg.dynamics.trajectory import Course, SimulationStatus, Trajectory, with_matrices
-from certreg.equilibrium import TRANSLATION_STIFFNESS
+from certreg.equilibrium import TRANSLATION_STIFFNESS, unit_double
 from certreg.errors import DegenerateProblemError
 from certreg.exact import rank
 from certreg.geometry import quaternion_from_matrix
@@ -129,9 +130,10 @@ def optimal_damping(objective: Isotropic) -> float:
     if not (objective.classification.inertia_definite and objective.classification.unique):
         message = "the best damping needs a source that is not collinear and a unique optimum"
         raise DegenerateProblemError(message, rank=rank(objective.moments.source_scatter))
-    moving = body_of(objective.moments, 1.0)
-    basin = certified_basin(objective, moving.length_exponent)
-    return _best_damping(moving.record[np.newaxis], basin.record[np.newaxis])
+    core = core_of(objective.moments)
+    basin_gaps(objective, core.length_exponent)  # raises where doubles do not tell the optimum
+    optimum = unit_double(objective.eigenvectors[0]).tolist()
+    return _of_springs(spring_ratios_of_one(optimum, core.cross, core.inertia))
 
 
 def _released(moments: ExactMoments, moving: Body, integrator: Integrator) -> Records:
@@ -226,5 +228,10 @@ def _delay(basin: Basin, batch: Batch, settings: SimulationSettings) -> str:
 
 
 def _best_damping(bodies: Records, basins: Records) -> float:
-    least = float(spring_ratios(bodies, basins).min())
+    return _of_springs(spring_ratios(bodies, basins))
+
+
+def _of_springs(ratios: NDArray[np.float64]) -> float:
+    """The best damping of a body with these eigenvalues of the pencil (G, J)."""
+    least = float(ratios.min())
     return 2.0 * math.sqrt(min(TRANSLATION_STIFFNESS, max(0.0, least)))

@@ -308,10 +308,23 @@ class Isotropic(Brief):
         """
         first = sum(self.classification.pattern[:component])
         group = range(first, first + self.classification.pattern[component])
-        inside = [dot(v, q) for v in self.eigenvectors]
+        inside = self._projections(q)
         along = math.isqrt(sum(inside[k] ** 2 for k in group))
         across = math.isqrt(sum(p**2 for k, p in enumerate(inside) if k not in group))
         return 2.0 * math.atan2(across / (along + across), along / (along + across))
+
+    def _projections(self, q: Sequence[int]) -> list[int]:
+        """Of q on the eigenvectors; the last is kept: its loss and its angle are asked for both."""
+        kept, key = self._projected, tuple(q)
+        if key not in kept:
+            kept.clear()
+            kept[key] = [dot(v, q) for v in self.eigenvectors]
+        return kept[key]
+
+    @cached_property
+    def _projected(self) -> dict[tuple[int, ...], list[int]]:
+        """Of one quaternion at most."""
+        return {}
 
     def angle_to_optimum(self, q: Sequence[int]) -> float:
         """The angle in radians from R(q) to the nearest optimum."""
@@ -324,7 +337,7 @@ class Isotropic(Brief):
         """
         spaces = self.eigenspaces.spaces
         best, worst = spaces[0].value, spaces[-1].value
-        weights = [dot(v, q) ** 2 for v in self.eigenvectors]
+        weights = [inside**2 for inside in self._projections(q)]
         values = [value for space in spaces for value in space.values]
         lost = sum(w * (best - value) for w, value in zip(weights, values, strict=True))
         return max(0, lost) / (sum(weights) * (best - worst) or 1)
