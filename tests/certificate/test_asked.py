@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import subprocess
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ import numpy as np
 import pytest
 from commands import checked
 
-from certreg.certificate import checking, coq, verify, verify_with_coq
+from certreg.certificate import checking, coq, verify_with_coq
 from certreg.certificate.count import AT_MOST, CountBody
 from certreg.certificate.envelope import certificate_bytes
 from certreg.certificate.isotropic import RotationState
@@ -21,6 +22,7 @@ from certreg.errors import InvalidFileError, InvalidProblemError, MissingToolErr
 from certreg.problem import RegistrationProblem
 from certreg.registration import certify
 from certreg.results import Ruling
+from certreg.verify import check
 
 VECTORS = Path(__file__).parents[2] / "vectors"
 GOOD = sorted(path for path in VECTORS.glob("accept-*.json") if "count" not in path.name)
@@ -64,13 +66,27 @@ def test_own_certificates_of_few_points_are_checked_as_a_stranger_would(
 
     def seen(*given: Any) -> Any:
         asked.append(len(given))
-        return verify(*given)
+        return check(*given)
 
-    monkeypatch.setattr(checking, "verify", seen)
+    monkeypatch.setattr(checking, "check", seen)
     for points, times in ((6, 1), (5, 1)):
         monkeypatch.setattr(checking, "PYTHON_POINTS", points)
         assert checking.check_own(certificate, problem).proved
         assert len(asked) == times
+
+
+def test_an_own_certificate_of_few_points_is_refused_for_others():
+    problem, other = RegistrationProblem(AXES, AXES), RegistrationProblem(AXES, AXES + 1.0)
+    certificate = checked(certify(problem, relaxation=False, simulation=False).certificate)
+
+    assert checking.check_own(certificate, problem).proved
+    for given, why in (
+        (certificate, "the certificate is about other points"),
+        (replace(certificate, digest=other.digest()), "the digest is not theirs"),
+    ):
+        verdict = checking.check_own(given, other)
+        assert verdict.ruling is Ruling.REFUTED
+        assert verdict.words.startswith(why)
 
 
 def test_a_body_of_the_count_is_read_as_it_is_written():

@@ -257,6 +257,20 @@ def registrations(request) -> list[tuple[Clouds, Bodies, Ends]]:
     return found
 
 
+def test_the_springs_of_one_body_are_those_of_many():
+    """Thin ones, and one whose inertia is no matrix of a body: NumPy says so for both."""
+    clouds = random_clouds(np.random.default_rng(31), 40, 4)
+    bodies = bodies_of(clouds.sources * [1.0, 1.0, 1e-3], clouds.targets)
+    many = spring_ratios(bodies.records, bodies.basins)
+    one = [spring_ratios(bodies.records[[k]], bodies.basins[[k]])[0] for k in range(40)]
+
+    assert np.abs(np.array(one) - many).max() <= 1e-9 * many.max()
+    assert np.allclose(np.array(one)[:, 0], many[:, 0], rtol=1e-6)
+    bodies.records["inertia"][0] = -1.0
+    with pytest.raises(np.linalg.LinAlgError):
+        spring_ratios(bodies.records[[0]], bodies.basins[[0]])
+
+
 @of_many
 def test_splitting_reaches_the_optimum_and_says_so(registrations):
     """|alpha| < 1e-4 bounds the torque, G / J times the angle; at convergence it is small."""

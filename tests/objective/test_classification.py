@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from certreg.exact.elimination import is_positive_definite, rank
 from certreg.geometry.so3 import rotation_matrix
-from certreg.objective.classification import Ambiguity, classify, pattern_of
+from certreg.objective.classification import PRIME, Ambiguity, classify, pattern_of
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
 
@@ -46,6 +46,14 @@ def test_the_pattern_is_that_of_the_singular_values(d, p, q):
 def test_the_pattern_does_not_depend_on_scale_nor_on_which_cloud_moves(C):
     assert pattern_of([[1000003 * e for e in row] for row in C]) == pattern_of(C)
     assert pattern_of(list(zip(*C, strict=True))) == pattern_of(C)
+
+
+@pytest.mark.parametrize(
+    "C", [((PRIME, 0, 0), (0, 2, 0), (0, 0, 0)), ((1, 0, 0), (0, 1 + PRIME, 0), (0, 0, 5))]
+)
+def test_a_pattern_that_looks_degenerate_modulo_the_prime_is_decided_in_full(C):
+    assert pattern_of(C) == (1, 1, 1, 1)
+    assert pattern_of([[entry % PRIME for entry in row] for row in C]) != (1, 1, 1, 1)
 
 
 def test_a_relative_difference_of_a_trillionth_is_told_from_equality():
