@@ -788,7 +788,8 @@ def spring_moments(doubles: bytes | memoryview, n: int) -> tuple[Matrix, int]:
 def _integers(d: bytes | memoryview, firsts: list[int], n: int, high: int) -> tuple[Matrix, int]:
     """So many doubles from each first one on as integers times 2^e, e <= high."""
     parts = [_split(d, first, n) for first in firsts]
-    low = min(high, *[e for _, _, e in parts])
+    low, most = min(high, *[e for _, _, e in parts]), max(max(s) + e for _, s, e in parts)
+    require(most - low <= 3 * BITS, "the data hold numbers of too many sizes")
     return [[k << s + e - low for k, s in zip(ks, shifts)] for ks, shifts, e in parts], low
 
 
@@ -875,9 +876,9 @@ def settled(stated: SpringsStatement, f: Springs, *bounds: Fraction, tied: bool 
     """
     delta, mu, width = bounds
     value, sin2, unique = f.at(stated.pose), stated.sin2_half_angle, stated.unique
-    require(stated.gap >= delta, "claims.gap is not proved")  # delta > 0
-    require(sin2 is None or sin2 * mu >= delta, "claims.sin2_half_angle is not proved")
-    one = 4 * max(width, 2 * mu) * delta <= mu**2
+    require(stated.gap >= delta, "claims.gap is not proved")
+    require(sin2 is None or 0 < delta <= sin2 * mu, "claims.sin2_half_angle is not proved")
+    one = 0 < 4 * max(width, 2 * mu) * delta <= mu**2
     several = tied or (stated.symmetry is not None and is_symmetry(f.F, stated.symmetry))
     require(unique is None or (one if unique else several), "claims.unique is not proved")
     worth = _worth(f, value, delta, mu)
@@ -906,9 +907,8 @@ def _worth(springs: Springs, value: Fraction, delta: Fraction, mu: Fraction) -> 
     sqrt(s/(1 - s)) where sin^2(a/2) < s = delta/mu < 1; the bound is below pi if s < 0.7.
     """
     F, s = springs.F, delta / mu if mu else Fraction(1)
-    mean = springs.unit * sum([c * (5 - 2 * k) for k, c in zip(SQUARE, F) if k]) / 24
-    flat, away = [k * F[0] for k in SQUARE] == F, abs(mean - value)
-    share = delta / away if away else Fraction(not flat)
+    away = abs(springs.unit * sum([c * (5 - 2 * k) for k, c in zip(SQUARE, F) if k]) / 24 - value)
+    share = delta / away if away else Fraction([k * F[0] for k in SQUARE] != F)
     angle = root_up(*(4 * s / (1 - s)).as_integer_ratio()) if s < Fraction(7, 10) else None
     length, least = root_up(*(delta / springs.weight).as_integer_ratio()), max(value - delta, 0)
     return Worth(springs.weight, value, Fraction(least), delta, length, share, angle)

@@ -16,6 +16,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 from checker_boundaries import Case, quick_cases
+from springs_boundaries import springs_cases
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -423,8 +424,8 @@ FORM = mutants(
     ('"sdp?": "nu"', '"sdp": "nu"', '"sdp?": "nu?"'),
     ('"basin?": "ang', '"basin": "ang'),
     (
-        "any length; R is its rotation\n    quat",
-        "any length; R is its rotation\n    quaternion: int\n    quat",
+        "R is its rotation\n    quaternion",
+        "R is its rotation\n    pose: tuple[int, int, int, int] | None\n    quaternion",
     ),
     (
         "    quaternion: tuple[int, int, int, int] | None",
@@ -436,6 +437,68 @@ FORM = mutants(
         "FORMS = IsotropicStatement, CountStatement",
         "FORMS = IsotropicStatement, IsotropicStatement",
     ),
+)
+SPRINGS = mutants(
+    ("3 * (n + first)]", "3 * n]"),
+    ("[6 * (n + first)]", "[6 * n]"),
+    ("[1 << -p] * count", "[1] * count"),
+    ("2 * (g + p), low", "2 * (g + p), e"),
+    ("(i << high - low) +", "i +"),
+    ("(j << e - low) for", "j for"),
+    ("most - low <= 3 * BITS", "most - low < 3 * BITS", "True"),
+    ("(max(s) + e for _, s, e", "(e for _, s, e"),
+    ("plus((b, b), (c, c))", "plus((b, b))"),
+    ("plus((b, d), (c, e))", "plus((b, d), (c, c))"),
+    ("plus((d, d), (e, e), (f, f))", "plus((d, d), (e, e))"),
+    ("(1, 3, 4), (2, 4, 5))", "(1, 3, 4), (2, 3, 5))"),
+    ("-sum(map(mul, forces[k], left))", "sum(map(mul, forces[k], left))"),
+    ('require(weight > 0, "all', 'require(weight >= 0, "all'),
+    ("free + (p == 0)", "free + (p != 0)"),
+    ("(p * a - h[i] * b) // last for", "(p * a - h[i] * b) for"),
+    ("_dyadic(1, e) / last, free", "_dyadic(1, e), free"),
+    ("weight * _dyadic(1, e) / 3", "weight * _dyadic(1, e)"),
+    ("s * t * (1 + (left is not right))", "s * t"),
+    ("+13+13-02-02", "+13+13+02+02"),
+    ("sum(c * c for c in q) ** 2)", "sum(c * c for c in q))"),
+    ("require(stated.gap >= delta", "require(stated.gap > 0"),
+    (
+        "sin2 is None or 0 < delta <= sin2 * mu",
+        "sin2 is None or 0 < delta <= sin2",
+        "sin2 is None or delta <= sin2 * mu",
+        "True",
+    ),
+    ("one = 0 < 4 * max(", "one = 0 < 3 * max(", "one = 0 < 5 * max(", "one = 4 * max("),
+    ("max(width, 2 * mu)", "width"),
+    ("* delta <= mu**2", "* delta <= mu"),
+    ("(one if unique else several)", "one", "several", "(one or several)"),
+    ("stated.symmetry is not None and is_symmetry(f.F, stated.symmetry)", "True"),
+    ("e * e + f * f and not any(slope.values())", "e * e + f * f"),
+    ("return a * a + b * b + c * c != d * d + e * e + f * f and", "return"),
+    ("[a + d, 0, f - c, b - e]", "[a + d, 0, c - f, b - e]"),
+    ("(5 - 2 * k) for k, c in zip(SQUARE, F)", "1 for k, c in zip(SQUARE, F)"),
+    ("/ 24 - value)", "/ 23 - value)"),
+    ("(4 * s / (1 - s))", "(4 * s)", "(s / (1 - s))"),
+    ("s < Fraction(7, 10)", "s <= Fraction(7, 9)", "s < Fraction(1, 2)"),
+    ("max(value - delta, 0)", "value - delta", "value"),
+    ('rounded(w.minimum, 12, ROUND_FLOOR):g}."\n    part', 'rounded(w.minimum, 12):g}."\n    part'),
+    ('if w.share < 1 else "bounds', 'if w.share < 2 else "bounds'),
+    ('" if w.share else all_', '"'),
+    ("if stated.unique is not None else", "if stated.unique is None else"),
+    ("ERROR = 2 * len(QUARTICS)", "ERROR = 0", "ERROR = 2"),
+    ("norm > 0 and self.mu >= 0 <= k <= BITS", "norm > 0 and self.mu >= 0 and k <= BITS"),
+    ("self.mu >= 0 <= k <= BITS", "self.mu >= -1 <= k <= BITS", "self.mu >= 0 <= k < BITS"),
+    ("good = norm > 0 and self.mu", "good = self.mu"),
+    ("abs(self.unit) <= EXPONENT", "abs(self.unit) < EXPONENT", "self.unit <= EXPONENT"),
+    ("largest >> BITS == 0", "largest >> BITS <= 1", "largest >> BITS - 1 == 0", "True"),
+    ("(*F, *gram, level, mu)", "(*F, *gram, level)", "(*F, *gram, mu)"),
+    ("abs, (*F, *gram, level", "abs, (*F, level", "abs, (*gram, level"),
+    ("* mu // norm**2", "* mu // norm"),
+    ("2 * (level + mu) * (1 + (i < j))", "2 * level * (1 + (i < j))", "2 * (level + mu)"),
+    ("require(positive_definite(G), ", "require(G, "),
+    ("(level - ERROR) * unit", "level * unit"),
+    ("for c in gram])\n        for row", "for c in gram[::-1]])\n        for row"),
+    ("left[monomial] -= G[i][j]", "left[monomial] += G[i][j]"),
+    ("return [[2 * row[0], *row[1:]] for row in G]", "return G"),
 )
 # Beside each the subjects whose questions notice most of its mutants: these are asked first.
 GROUPS = (
@@ -450,7 +513,7 @@ GROUPS = (
     (RADIUS, ("radius",)),
     (COUNT, ("count",)),
 )
-MUTANTS = tuple(mutant for group, _ in GROUPS for mutant in group)
+MUTANTS = tuple(mutant for group, _ in GROUPS for mutant in group) + SPRINGS
 
 
 def noticed(text: str, mutant: Mutant, cases: list[Case]) -> str | None:
@@ -491,7 +554,8 @@ def answers(every: int = 1) -> dict[str, str | None]:
     for group, subjects in GROUPS:
         cases = quick_cases(*subjects)
         found |= {mutant.says: noticed(text, mutant, cases) for mutant in group[::every]}
-    return found
+    cases = springs_cases()
+    return found | {mutant.says: noticed(text, mutant, cases) for mutant in SPRINGS[::every]}
 
 
 def main() -> None:

@@ -1,4 +1,4 @@
-"""Certificates of general springs for tests: made once for each cell, seed and solver."""
+"""Certificates of general springs for tests: made once for each cell and seed."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from functools import cache
 
 from spring_families import Cell, instance, statement
 
-from certreg.certificate import Certificate, springs_certificate
+from certreg.certificate import Certificate, SpringsSosBody, springs_certificate
 from certreg.finding import find_optimum
 from certreg.objective import Springs
 from certreg.problem import RegistrationProblem, spring_moments
@@ -19,12 +19,17 @@ class Certified:
 
     problem: RegistrationProblem
     objective: Springs
-    certificate: Certificate | None
+    certificate: Certificate[SpringsSosBody] | None
+
+
+def certificate_of(problem: RegistrationProblem) -> Certificate[SpringsSosBody] | None:
+    """By a sum of squares."""
+    objective = Springs(spring_moments(problem))
+    return springs_certificate(problem, objective, find_optimum(objective))
 
 
 @cache
 def certified(family: str, n: int, noise: float, seed: int = 0) -> Certified:
+    """A problem of a family, and its certificate."""
     problem = RegistrationProblem(**statement(instance(Cell(family, n, noise), seed)))
-    objective = Springs(spring_moments(problem))
-    certificate = springs_certificate(problem, objective, find_optimum(objective))
-    return Certified(problem, objective, certificate)
+    return Certified(problem, Springs(spring_moments(problem)), certificate_of(problem))

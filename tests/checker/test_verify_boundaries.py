@@ -7,6 +7,7 @@ from importlib import import_module
 import checker_boundaries as boundaries
 import pytest
 from checker_mutants import FILE, MUTANTS, answers, failing
+from springs_boundaries import springs_cases
 
 checker = import_module("certreg.verify")
 
@@ -16,6 +17,14 @@ def test_the_checker_answers_rightly_on_either_side_of_each_of_its_inequalities(
     cases = boundaries.quick_cases()
 
     assert len(cases) > 800
+    assert [case.name for case in cases if not case.passes(checker)] == []
+
+
+@pytest.mark.slow
+def test_the_checker_answers_rightly_of_general_springs():
+    cases = springs_cases()
+
+    assert len(cases) >= 60
     assert [case.name for case in cases if not case.passes(checker)] == []
 
 
