@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from certreg import __version__
-from certreg.campaign.listing import NEEDED
+from certreg.campaign.listing import NEEDED, SPRING_FILES
 from certreg.campaign.runner import contents
 from certreg.campaign.store import Manifest, current_versions, digest_of
 from certreg.campaign.table import Block, Column, write_table
@@ -26,6 +26,7 @@ from certreg.errors import CertregError
 from certreg.io import (
     Match,
     Pairing,
+    SpringSource,
     number,
     read_problem,
     written_atomically,
@@ -52,7 +53,7 @@ if TYPE_CHECKING:
     from certreg.io import Pair
     from certreg.problem import RegistrationProblem
 
-FILES = (*NEEDED, "weights", "pairs")
+FILES = (*NEEDED, "weights", "pairs", *SPRING_FILES)
 SHARD_PAIRS = 16  # at most: a second of work
 LEAST_SHARDS = 64  # where there are so many pairs: all workers have work
 ERROR_SCHEMA = "certreg-error/1"
@@ -327,6 +328,10 @@ def _problem(row: PairRow, folder: Path) -> tuple[RegistrationProblem, Pair]:
         damping=None if damping == OPTIMAL else number(row.place.at("damping"), damping),
         pairing=Pairing(
             pairs=None if pairs is None else folder / pairs, match=Match(fields.get("match", "all"))
+        ),
+        springs=SpringSource(
+            columns=tuple(fields.get("springs", "").split()),
+            files={kind: folder / fields[kind] for kind in SPRING_FILES if kind in fields},
         ),
     )
     return optimally_damped(
