@@ -22,6 +22,7 @@ from certreg.problem import (
     data_frame,
     finite_doubles,
     labels_of,
+    mapped_file,
     real_numbers,
     require_same_labels,
 )
@@ -58,18 +59,20 @@ def load(path: str | os.PathLike[str]) -> Cloud:
     ((4, 3), 4)
     """
     cloud = read_cloud(path)
-    return cloud if is_standard_input(path) else _with_springs(cloud)
+    large = mapped_file(cloud.points) is not None
+    return cloud if large or is_standard_input(path) else _with_springs(cloud)
 
 
 def _with_springs(cloud: Cloud) -> Cloud:
-    """With normals and covariances, where columns of a table tell them."""
+    """With normals and covariances, where columns of the file tell them."""
     titles = titles_of(cloud.path)
     for kind in ("normals", "covariances"):
-        names = columns_of(titles, kind)
-        if names is not None:
-            rows = read_spring_table(cloud.path, kind).rows
-            ignored = tuple(one for one in cloud.ignored if one.strip().lower() not in names)
-            cloud = replace(cloud, ignored=ignored, **{kind: rows})
+        if columns_of(titles, kind) is not None:
+            table = read_spring_table(cloud.path, kind)
+            ignored = tuple(
+                one for one in cloud.ignored if one.strip().lower() not in table.columns
+            )
+            cloud = replace(cloud, ignored=ignored, **{kind: table.rows})
     return cloud
 
 

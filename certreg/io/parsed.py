@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import numpy as np
@@ -24,3 +24,4 @@ class Parsed:
     sigma: NDArray[np.float64] | None = None
     weights: NDArray[np.float64] | None = None
     notes: tuple[str, ...] = ()
+    further: dict[str, NDArray[Any]] = field(default_factory=dict[str, Any])  # columns asked for

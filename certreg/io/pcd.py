@@ -62,6 +62,7 @@ class Header:
     fields: list[Field]
     points: int
     data: str
+    kept: tuple[str, ...]  # the names of what is read: x, y, z first
 
     @property
     def size(self) -> int:
@@ -69,10 +70,13 @@ class Header:
         return self.points * sum(field.size for field in self.fields)
 
 
-def parse_pcd(stream: BinaryIO, file: Path) -> Parsed:
-    """The points of a .pcd file, and the names of the fields beside x, y, z."""
+def parse_pcd(stream: BinaryIO, file: Path, further: frozenset[str] = frozenset()) -> Parsed:
+    """The points of a .pcd file, and the names of the fields beside x, y, z.
+
+    further: fields of COUNT 1 that are read, too, where there are such.
+    """
     top = header(stream, file, "DATA")
-    declared = _declared(file, top)
+    declared = _declared(file, top, further)
     if declared.data == "ascii":
         columns = _from_text(stream, file, declared, len(top) + 1)
     elif declared.data == "binary":
@@ -81,10 +85,14 @@ def parse_pcd(stream: BinaryIO, file: Path) -> Parsed:
     else:
         columns = _of_blocks(_unpacked(stream, file, declared), declared)
     others = (f.name for f in declared.fields if f.name not in {"x", "y", "z", "_"})
-    return Parsed(points=points_of_columns(file, columns), ignored=tuple(others))
+    return Parsed(
+        points=points_of_columns(file, [columns[axis] for axis in "xyz"]),
+        ignored=tuple(others),
+        further={name: columns[name] for name in declared.kept[3:]},
+    )
 
 
-def _declared(file: Path, top: list[HeaderLine]) -> Header:
+def _declared(file: Path, top: list[HeaderLine], further: frozenset[str]) -> Header:
     entries: dict[str, HeaderLine] = {}
     for line in top[:-1]:
         if line.key.startswith("#") or not line.key:
@@ -110,7 +118,10 @@ def _declared(file: Path, top: list[HeaderLine]) -> Header:
     if last.words not in (["ascii"], ["binary"], ["binary_compressed"]):
         words = "unknown data: save it as ascii, binary or binary_compressed"
         raise last.place.refusal(words, column="DATA", value=" ".join(last.words))
-    return Header(_fields(entries), points, last.words[0])
+    fields = _fields(entries)
+    single = [field.name for field in fields if field.count == 1]
+    kept = (*"xyz", *(name for name in single if name in further and single.count(name) == 1))
+    return Header(fields, points, last.words[0], kept)
 
 
 def _require_plain(entries: dict[str, HeaderLine]) -> None:
@@ -156,12 +167,14 @@ def _fields(entries: dict[str, HeaderLine]) -> list[Field]:
     return fields
 
 
-def _from_text(stream: BinaryIO, file: Path, declared: Header, line: int) -> list[NDArray[Any]]:
+def _from_text(
+    stream: BinaryIO, file: Path, declared: Header, line: int
+) -> dict[str, NDArray[Any]]:
     width, slots, at = sum(field.count for field in declared.fields), dict[str, int](), 0
     for field in declared.fields:
         slots[field.name], at = at, at + field.count
     types = {field.name: field.type for field in declared.fields}
-    columns = {axis: array("d") for axis in "xyz"}
+    columns = {name: array("d") for name in declared.kept}
     held = 0
     for place, words in rows_of_words(stream, file, line):
         held += 1
@@ -177,7 +190,7 @@ def _from_text(stream: BinaryIO, file: Path, declared: Header, line: int) -> lis
             "it is truncated or corrupt; save it again"
         )
         raise InvalidFileError(message, path=file, value=held, limit=declared.points)
-    return [np.array(column) for column in columns.values()]
+    return {name: np.array(column) for name, column in columns.items()}
 
 
 def _require_size(file: Path, declared: int, held: int) -> None:
@@ -189,28 +202,30 @@ def _require_size(file: Path, declared: int, held: int) -> None:
         raise InvalidFileError(message, path=file, value=held, limit=declared)
 
 
-def _of_rows(data: bytes, declared: Header) -> list[NDArray[Any]]:
-    """Columns x, y, z of rows one behind the other."""
+def _of_rows(data: bytes, declared: Header) -> dict[str, NDArray[Any]]:
+    """The columns that are read, of rows one behind the other."""
     starts, at = dict[str, int](), 0
     for field in declared.fields:
         starts[field.name], at = at, at + field.size
     types = {field.name: f"<{field.type}" for field in declared.fields}
     rows = np.frombuffer(data, np.uint8).reshape(declared.points, at)
-    return [
-        rows[:, starts[axis] : starts[axis] + int(types[axis][2])].copy().view(types[axis])[:, 0]
-        for axis in "xyz"
-    ]
+    return {
+        name: rows[:, starts[name] : starts[name] + int(types[name][2])]
+        .copy()
+        .view(types[name])[:, 0]
+        for name in declared.kept
+    }
 
 
-def _of_blocks(data: bytes, declared: Header) -> list[NDArray[Any]]:
-    """Columns x, y, z where all of a field stands before all of the next."""
+def _of_blocks(data: bytes, declared: Header) -> dict[str, NDArray[Any]]:
+    """The columns that are read, where all of a field stands before all of the next."""
     columns: dict[str, NDArray[Any]] = {}
     at = 0
     for field in declared.fields:
-        if field.name in {"x", "y", "z"}:
+        if field.name in declared.kept:
             columns[field.name] = np.frombuffer(data, f"<{field.type}", declared.points, at)
         at += declared.points * field.size
-    return [columns[axis] for axis in "xyz"]
+    return columns
 
 
 def _unpacked(stream: BinaryIO, file: Path, declared: Header) -> bytes:

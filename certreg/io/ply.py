@@ -38,7 +38,7 @@ from certreg.io.streams import (
 from certreg.verify import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Container, Iterable, Iterator
     from pathlib import Path
 
     from numpy.typing import NDArray
@@ -56,7 +56,7 @@ NAMES = {  # of types, by those of NumPy: as in the first files, and as later wr
     "f8": ("double", "float64"),
 }
 CODES = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I", "f4": "f", "f8": "d"}
-KEPT = {*"xyz", *NOISE, LABEL, *IDENTIFIERS}
+KEPT = frozenset({*"xyz", *NOISE, LABEL, *IDENTIFIERS})
 TYPES = {name: code for code, names in NAMES.items() for name in names}
 
 
@@ -67,11 +67,7 @@ class Property:
     name: str
     type: str
     count: str | None  # type of a list's length; None: no list
-
-    @property
-    def kept(self) -> bool:
-        """Whether its values are asked for."""
-        return self.count is None and self.name in KEPT
+    kept: bool  # whether its values are asked for
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,10 +87,13 @@ class Header:
     elements: list[Element]
 
 
-def parse_ply(stream: BinaryIO, file: Path) -> Parsed:
-    """The vertices of a .ply file, their labels and noise, the names of what else is in it."""
+def parse_ply(stream: BinaryIO, file: Path, further: frozenset[str] = frozenset()) -> Parsed:
+    """The vertices of a .ply file, their labels and noise, the names of what else is in it.
+
+    further: properties of vertices that are read, too, where there are such.
+    """
     top = header(stream, file, "end_header")
-    declared = _declared(file, top)
+    declared = _declared(file, top, KEPT | further)
     vertex = _vertex(file, declared.elements)
     columns: dict[str, NDArray[Any]] = {}
     mapped = None
@@ -139,6 +138,7 @@ def parse_ply(stream: BinaryIO, file: Path) -> Parsed:
         numbers=None if mapped is None else _numbers(columns),
         sigma=columns.get("sigma"),
         weights=columns.get("weight"),
+        further={name: column for name, column in columns.items() if name in further},
     )
 
 
@@ -169,7 +169,7 @@ def write_ply(file: Path, pieces: Iterable[NDArray[np.float64]], n: int) -> None
     write_atomically(file, chain([content], doubles))
 
 
-def _declared(file: Path, top: list[HeaderLine]) -> Header:
+def _declared(file: Path, top: list[HeaderLine], kept: Container[str]) -> Header:
     if top[0].key != "ply" or len(top) < 2 or top[1].key != "format":
         words = "does not begin with 'ply' and 'format': is it a .ply file?"
         raise Place(file, 1).refusal(words, value=top[0].key)
@@ -184,7 +184,7 @@ def _declared(file: Path, top: list[HeaderLine]) -> Header:
         if line.key == "element":
             elements.append(_element(line, elements))
         elif line.key == "property" and elements:
-            elements[-1].properties.append(_property(line, elements[-1]))
+            elements[-1].properties.append(_property(line, elements[-1], kept))
         elif line.key not in {"", "comment", "obj_info"}:
             words = f"'{shown(line.key)}' is not expected here: mend the header"
             raise line.place.refusal(words, column=line.key)
@@ -199,7 +199,7 @@ def _element(line: HeaderLine, others: list[Element]) -> Element:
     return Element(line.words[0], count(line.place, line.words[1]), [])
 
 
-def _property(line: HeaderLine, element: Element) -> Property:
+def _property(line: HeaderLine, element: Element, kept: Container[str]) -> Property:
     listed = line.words[:1] == ["list"]
     *types, title = line.words[listed:] or [""]
     kinds = [TYPES.get(word, "") for word in types]
@@ -211,7 +211,7 @@ def _property(line: HeaderLine, element: Element) -> Property:
             "with types such as float or uint8, each name once"
         )
         raise line.place.refusal(words, column=line.key, value=" ".join(line.words))
-    return Property(title, kinds[-1], kinds[0] if listed else None)
+    return Property(title, kinds[-1], kinds[0] if listed else None, not listed and title in kept)
 
 
 def _vertex(file: Path, elements: list[Element]) -> Element:

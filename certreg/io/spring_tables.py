@@ -17,6 +17,8 @@ from certreg.errors import InvalidFileError
 from certreg.io.columns import LABEL
 from certreg.io.labels import text_of_field
 from certreg.io.npy import parse_npy
+from certreg.io.pcd import parse_pcd
+from certreg.io.ply import parse_ply
 from certreg.io.streams import number, reading
 from certreg.io.text import titled_rows
 from certreg.problem import SPRING_COLUMNS, as_doubles
@@ -32,6 +34,8 @@ if TYPE_CHECKING:
     from certreg.io.streams import Place
 
 TABLES = (".csv", ".txt", ".xyz", ".asc", ".pts")
+CLOUDS = {".ply": parse_ply, ".pcd": parse_pcd}
+PCL = {f"normal_{axis}": f"n{axis}" for axis in "xyz"}  # as .pcd files call them
 ABSENT = ("", "nan")
 
 
@@ -49,17 +53,19 @@ class SpringTable(Brief):
 
 
 def read_spring_table(path: Path, kind: str) -> SpringTable:
-    """One kind of springs from a table with a header, or an array in a .npy file.
+    """One kind of springs from a table with a header, an array in .npy, a cloud in .ply or .pcd.
 
     kind: as `RegistrationProblem` calls it. Raises InvalidFileError: file, line, remedy.
     """
     suffix = path.suffix.lower()
-    if suffix != ".npy" and suffix not in TABLES:
+    if suffix not in {".npy", *CLOUDS, *TABLES}:
         known = ", ".join(TABLES)
-        message = f"{shown(path)}: {kind} are read from {known} with a header, or from .npy"
+        message = f"{shown(path)}: {kind} are read from {known} with a header, .npy, .ply or .pcd"
         raise InvalidFileError(message, path=path, value=suffix)
     with reading(path) as stream:
-        return _of_array(stream, path) if suffix == ".npy" else _of_text(stream, path, kind)
+        if suffix == ".npy":
+            return _of_array(stream, path)
+        return (_of_text if suffix in TABLES else _of_cloud)(stream, path, kind)
 
 
 def columns_of(titles: Iterable[str], kind: str) -> tuple[str, ...] | None:
@@ -82,6 +88,25 @@ def _of_array(stream: BinaryIO, file: Path) -> SpringTable:
         message = f"{shown(file)}: row {row} (counting from 0) is held by no double: round it"
         raise InvalidFileError(message, path=file, row=row, value=rows[row].tolist())
     return SpringTable(path=file, rows=doubles)
+
+
+def _of_cloud(stream: BinaryIO, file: Path, kind: str) -> SpringTable:
+    """Of properties of the vertices of a .ply file, or of fields of a .pcd file."""
+    wanted = frozenset(name for names in SPRING_COLUMNS[kind] for name in names)
+    read = CLOUDS[file.suffix.lower()](stream, file, wanted | PCL.keys())
+    held = {PCL.get(name, name): name for name in read.further}
+    names = columns_of(held, kind)
+    if names is None:
+        wanted = " or ".join(",".join(one) for one in SPRING_COLUMNS[kind])
+        message = f"{shown(file)}: has no {kind} for its points: add {wanted}"
+        raise InvalidFileError(message, path=file, column=SPRING_COLUMNS[kind][0][0])
+    columns = [np.asarray(read.further[held[name]]) for name in names]
+    return SpringTable(
+        path=file,
+        rows=np.column_stack([as_doubles(column)[0] for column in columns]),
+        labels=read.labels,
+        columns=tuple(held[name] for name in names),
+    )
 
 
 def _of_text(stream: BinaryIO, file: Path, kind: str) -> SpringTable:
@@ -123,8 +148,13 @@ def _cells(place: Place, texts: list[str], names: tuple[str, ...]) -> list[float
 
 
 def titles_of(path: Path) -> list[str]:
-    """The names of the columns of a table; none of another file."""
-    if path.suffix.lower() not in TABLES:
+    """The names of the columns of a table that may be springs; none of another file."""
+    suffix = path.suffix.lower()
+    if suffix not in {*CLOUDS, *TABLES}:
         return []
     with reading(path) as stream:
-        return titled_rows(stream, path)[1]
+        if suffix in TABLES:
+            return titled_rows(stream, path)[1]
+        wanted = frozenset(name for kind in SPRING_COLUMNS.values() for one in kind for name in one)
+        further = CLOUDS[suffix](stream, path, wanted | PCL.keys()).further
+        return [PCL.get(name, name) for name in further]

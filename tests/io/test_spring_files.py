@@ -207,7 +207,7 @@ def test_one_kind_comes_from_one_place_and_from_a_file_that_can_be_read(write: W
 
     with pytest.raises(InvalidFileError, match="by columns of the target, too"):
         _read(source, target, "plane", normals=target)
-    with pytest.raises(InvalidFileError, match=r"from \.csv, .* with a header, or from \.npy"):
+    with pytest.raises(InvalidFileError, match=r"from \.csv, .* with a header, \.npy, \.ply"):
         _read(source, target, normals=write("n.obj", "nx,ny,nz", N))
     with pytest.raises(InvalidFileError, match="standard input is read once"):
         _of_target("normals", source, "-")
@@ -244,6 +244,79 @@ def test_the_command_says_what_is_wrong_in_one_line(write: Write) -> None:
 
     assert (run.code, run.out, run.err.count("\n")) == (2, "", 1)
     assert "names no normals: add columns nx,ny,nz" in run.err
+
+
+PLY = """ply
+format {order} 1.0
+element vertex 5
+property double x
+property float nx
+property double y
+property double z
+property float ny
+property float nz
+property uchar red
+end_header
+"""
+PCD = """VERSION 0.7
+FIELDS x y z normal_x normal_y normal_z curvature
+SIZE 8 8 8 4 4 4 4
+TYPE F F F F F F F
+COUNT 1 1 1 1 1 1 1
+WIDTH 5
+HEIGHT 1
+VIEWPOINT 0 0 0 1 0 0 0
+POINTS 5
+DATA {order}
+"""
+SHORT = N.astype(np.float32).astype(np.float64)
+DOUBLE, SINGLE = "<f8", "<f4"
+OF_PLY = np.dtype(",".join((DOUBLE, SINGLE, DOUBLE, DOUBLE, SINGLE, SINGLE, "u1")))
+OF_PCD = np.dtype(",".join((*[DOUBLE] * 3, *[SINGLE] * 4)))
+
+
+@pytest.mark.parametrize("order", ["ascii", "binary_little_endian"])
+def test_vertices_of_ply_files_have_normals(write: Write, tmp_path: Path, order: str) -> None:
+    columns = [Y[:, 0], SHORT[:, 0], Y[:, 1], Y[:, 2], SHORT[:, 1], SHORT[:, 2], np.full(5, 7)]
+    rows = list(zip(*(column.tolist() for column in columns), strict=True))
+    text = "".join(" ".join(f"{value!r}" for value in row) + "\n" for row in rows)
+    body = (
+        text.replace(" 7.0", " 7").encode()
+        if order == "ascii"
+        else np.array(rows, OF_PLY).tobytes()
+    )
+    target = tmp_path / "b.ply"
+    target.write_bytes(PLY.format(order=order).encode() + body)
+    source = write("a.csv", "x,y,z", X)
+
+    problem, pair = _read(source, target, "plane")
+    loaded = certreg.load(target)
+
+    planes = certreg.RegistrationProblem(X, Y, normals=SHORT).digest()
+    assert problem.digest() == planes
+    assert pair.notes == [f"{target}: not used: red"]
+    assert loaded.ignored == ("red",)
+    assert certreg.RegistrationProblem(X, loaded, normals=loaded).digest() == planes
+    with pytest.raises(InvalidFileError, match="has no covariances for its points: add cxx,cxy"):
+        _read(source, target, "full")
+
+
+@pytest.mark.parametrize("order", ["ascii", "binary"])
+def test_points_of_pcd_files_have_normals(write: Write, tmp_path: Path, order: str) -> None:
+    table = np.column_stack([Y, SHORT, np.zeros(5)])
+    kind = np.dtype([(f"f{k}", "<f8" if k < 3 else "<f4") for k in range(7)])
+    text = "".join(" ".join(map(repr, row)) + "\n" for row in table.tolist())
+    body = (
+        text.encode() if order == "ascii" else np.array([tuple(r) for r in table], kind).tobytes()
+    )
+    target = tmp_path / "b.pcd"
+    target.write_bytes(PCD.format(order=order).encode() + body)
+
+    problem, pair = _read(write("a.csv", "x,y,z", X), target, "plane")
+
+    assert problem.digest() == certreg.RegistrationProblem(X, Y, normals=SHORT).digest()
+    assert pair.notes == [f"{target}: not used: curvature"]
+    assert (certreg.load(target).normals == SHORT).all()
 
 
 def test_the_packaged_springs_are_planes(data: Path) -> None:
