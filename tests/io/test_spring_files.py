@@ -271,7 +271,7 @@ DATA {order}
 """
 SHORT = N.astype(np.float32).astype(np.float64)
 DOUBLE, SINGLE = "<f8", "<f4"
-OF_PLY = np.dtype(",".join((DOUBLE, SINGLE, DOUBLE, DOUBLE, SINGLE, SINGLE, "u1")))
+OF_PLY = np.dtype(f"{DOUBLE},{SINGLE},{DOUBLE},{DOUBLE},{SINGLE},{SINGLE},u1")
 OF_PCD = np.dtype(",".join((*[DOUBLE] * 3, *[SINGLE] * 4)))
 
 
