@@ -41,7 +41,8 @@ FARTHEST_OF_FIVE = Fraction(25, 2)  # the same of their actions on symmetric tra
 class Springs(Brief):
     """The objective of the exact moments of springs that are matrices; see `Objective`.
 
-    The translation is in units of 2^least, least the smaller exponent of both clouds.
+    The translation is in units of 2^least, least the smaller exponent of both clouds. For searches
+    in doubles take `floating_quartic`: the integers here may be beyond the doubles.
     """
 
     moments: SpringMoments

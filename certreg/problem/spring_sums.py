@@ -14,6 +14,7 @@ from operator import mul
 from typing import TYPE_CHECKING, ClassVar
 
 from certreg.native import library_if_any, loaded_library, springs_by_exponent, springs_by_limbs
+from certreg.problem.blocks import SpringBlock
 from certreg.problem.exact_sums import THREADS, UPPER, SumMethod, Sums, over_blocks
 from certreg.problem.problem import lift
 
@@ -21,10 +22,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from certreg.native import SpringIntegers
-    from certreg.problem.blocks import SpringBlock
     from certreg.problem.problem import RegistrationProblem
 
-LIMB_POINTS = 512  # from here on limbs: below, they take longer than exponents
+LIMB_POINTS = 1024  # from here on limbs: below, they take longer than exponents
+PIECE = 256  # points of one attempt where the numbers of a block are of too many sizes for limbs
 FEW_POINTS = 6  # below, Python's own integers take no longer than a call of compiled code
 SIDES = ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2))  # row and column of the entries of L
 # Of each sum, how many factors are coordinates of the source and of the target; W is always one.
@@ -63,10 +64,11 @@ def spring_sums(problem: RegistrationProblem) -> SpringSums:
 
 
 def fastest_spring_method(problem: RegistrationProblem) -> SumMethod:
-    """The fastest method on this machine for so many points."""
+    """The fastest method on this machine for such points."""
     if library_if_any() is None or problem.n < FEW_POINTS:
         return SumMethod.INTEGERS
-    return SumMethod.LIMBS if problem.n >= LIMB_POINTS else SumMethod.BY_EXPONENT
+    limbs = problem.n >= LIMB_POINTS and _fits(problem.spring_block(slice(0, PIECE)))
+    return SumMethod.LIMBS if limbs else SumMethod.BY_EXPONENT
 
 
 def second_spring_method(problem: RegistrationProblem) -> SumMethod:
@@ -83,7 +85,7 @@ def spring_sums_by(
 ) -> SpringSums:
     """The sums over all points by one method. Raises MissingLibraryError.
 
-    Blocks with numbers of too many sizes for limbs go by Python's integers: never by exponents.
+    Points with numbers of too many sizes for limbs go by Python's integers: never by exponents.
     threads: how many may work at once; Python's integers are added by one.
     """
     one_of: dict[SumMethod, Callable[[SpringBlock], SpringSums]] = {
@@ -106,9 +108,25 @@ def _by_exponent(block: SpringBlock) -> SpringSums:
 
 
 def _by_limbs(block: SpringBlock) -> SpringSums:
+    raw = springs_by_limbs(loaded_library(), block.source, block.target, block.factors)
+    if raw is not None:
+        return _named(raw)
+    count = len(block.source)
+    if count <= PIECE:
+        return _by_integers(block)
+    pieces = (slice(k, k + PIECE) for k in range(0, count, PIECE))
+    return sum((_by_limbs(_part(block, rows)) for rows in pieces), start=EMPTY)
+
+
+def _part(block: SpringBlock, rows: slice) -> SpringBlock:
+    return SpringBlock(
+        source=block.source[rows], target=block.target[rows], factors=block.factors[rows]
+    )
+
+
+def _fits(block: SpringBlock) -> bool:
     library = loaded_library()
-    raw = springs_by_limbs(library, block.source, block.target, block.factors)
-    return _by_integers(block) if raw is None else _named(raw)
+    return springs_by_limbs(library, block.source, block.target, block.factors) is not None
 
 
 def _named(raw: SpringIntegers) -> SpringSums:

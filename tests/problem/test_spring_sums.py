@@ -8,7 +8,12 @@ from engines import libraries_of_all_variants
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from certreg.native import library_if_any, springs_by_limbs
+from certreg.native import (
+    library_if_any,
+    loaded_library,
+    springs_by_exponent,
+    springs_by_limbs,
+)
 from certreg.problem.arrays import row_blocks
 from certreg.problem.exact_sums import SumMethod
 from certreg.problem.moments_of_springs import spring_moments
@@ -49,6 +54,7 @@ def of(seed, n, *, planes=False, scales=(1.0, 1.0, 1.0), decades=0.0):
         of(6, 40, scales=(1e-150, 1e-150, 1e5)),
         of(7, 60, decades=40.0),
         of(8, 60, decades=290.0),
+        of(9, 300, decades=70.0),
     ],
 )
 def test_compiled_code_finds_the_integers_that_python_finds(method, problem):
@@ -94,6 +100,18 @@ def test_every_variant_gives_the_same_integers():
 
 
 @compiled
+@pytest.mark.parametrize("method", [springs_by_exponent, springs_by_limbs])
+def test_compiled_code_refuses_what_is_not_finite_and_other_shapes(method):
+    points, factors = np.ones((4, 3)), np.ones((4, 6))
+    broken = factors.copy()
+    broken[2, 3] = np.nan
+    with pytest.raises(ValueError, match="not finite"):
+        method(loaded_library(), points, points, broken)
+    with pytest.raises(ValueError, match="expected"):
+        method(loaded_library(), points, points[:3], factors)
+
+
+@compiled
 def test_blocks_of_a_mapped_file_add_up_to_the_same_integers(tmp_path, monkeypatch):
     whole = of(9, 300)
     mapped = []
@@ -110,7 +128,18 @@ def test_blocks_of_a_mapped_file_add_up_to_the_same_integers(tmp_path, monkeypat
 
 
 @compiled
-@pytest.mark.parametrize("n", [3, 20, 600])
+def test_points_of_too_many_sizes_for_limbs_go_by_exponents_and_then_by_integers():
+    problem = of(12, 1100, decades=290.0)
+
+    assert fastest_spring_method(problem) is SumMethod.BY_EXPONENT
+    assert fastest_spring_method(of(12, 1100)) is SumMethod.LIMBS
+    block = problem.spring_block(slice(1100))
+    points = (block.source, block.target, block.factors)
+    assert springs_by_limbs(loaded_library(), *points) is None
+
+
+@compiled
+@pytest.mark.parametrize("n", [3, 20, 1100])
 def test_the_second_method_is_another_one(n):
     problem = of(10, n)
 
