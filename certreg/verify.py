@@ -440,6 +440,30 @@ class Movable:
             f"So it is if every point of both clouds is off by less than {other}. {but}",
         )
 
+    def steady_by_growth(
+        self, mu: Fraction, delta: Fraction, f: Fraction, *w: Fraction
+    ) -> list[str]:
+        """The claim, if there is one, in words; f(R) and (+) with mu and delta as in `settled`.
+
+        w: the sum of w_i, and that of w_i |x_i - mean|^2; each w_i at least what W_i has of largest
+        eigenvalue. With residuals L^T (y - S x) less their part that a shift takes away, r(S), f is
+        |r|^2, and |r(S) - r(R)| <= 2 s k, k^2 = sum w |x - mean|^2, s = sin of half the angle a of
+        S from R. Moved points add h - g(S) to r(S), |h| <= Y, |g| <= X, |g(S) - g(R)| <= 2 s X. So
+        the moved f(S) - f(R) exceeds
+            (mu - 8 k X) s^2 - 4 s (k (X + Y) + X (sqrt(f(R)) + X + Y)) - delta,
+        which, negative at s = 0 and convex, stays positive from the s on where it is.
+        """
+        if (self.both, self.sin_half_angle, self.target) == (None, None, None):
+            return []
+        s, (weight, k, fit) = self.radii()[0], [root_up(*x.as_integer_ratio()) for x in (*w, f)]
+
+        def keeps(dx: Fraction, dy: Fraction) -> bool:
+            X, Y = dx * weight, dy * weight
+            steep, slope = mu - 8 * k * X, 4 * (k * (X + Y) + X * (fit + X + Y))
+            return steep > 0 and (steep * s - slope) * s >= delta
+
+        return [*self.steady(keeps)]
+
 
 def room_of_eigenvector(g: Fraction, angle: Fraction, s: Fraction) -> Fraction:
     """How large sum w (|y||dx| + |dy||x| + |dx||dy|) may be, all about the means: a bound.
@@ -754,10 +778,16 @@ QUARTICS: list[Monomial] = [*combinations_with_replacement(range(4), 4)]  # F ha
 SQUARE = [(1 + (a < c)) * (a == b and c == d) for a, b, c, d in QUARTICS]  # those of |q|^4
 ROTATION = """+00+11-22-33 +12+12+03+03 +13+13-02-02 +12+12-03-03 +00-11+22-33 +23+23+01+01
     +13+13+02+02 +23+23-01-01 +00-11-22+33 +00+11+22+33"""  # |q|^2 R by columns, |q|^2
+SPRINGS_KEYS = {
+    "": "about claims format kind problem proof radius?",
+    "radius?": "both sin_half_angle target",
+    "claims": "gap sin2_half_angle unique",
+    "problem": "data digest n",
+}
 
 
 @dataclass(frozen=True)
-class SpringsStatement(Statement):
+class SpringsStatement(Movable, Statement):
     """What all these kinds state. The digest is of source, target, factors."""
 
     prefix: ClassVar = b"certreg-springs/1\0"
@@ -821,6 +851,7 @@ class Springs:
     unit: Fraction
     free: int  # how many independent shifts cost nothing
     weight: Fraction
+    lever: Fraction  # sum tr W |x - mean|^2, with the mean by tr W
 
     @classmethod
     def of(cls, H: Matrix, e: int) -> Springs:
@@ -831,6 +862,8 @@ class Springs:
         """
         weight, last, free, rows = sum([row[0] for row in H[:3]]), 1, 0, H
         require(weight > 0, "all springs are 0")
+        means = [sum([H[a][3 * j + 3] for a in range(3)]) for j in range(3)]  # of x, times weight
+        lever = sum([row[0] for row in H[3:12]]) - Fraction(sum([k * k for k in means]), weight)
         for _ in range(3):
             (p, *h), *rows = rows
             of, free = enumerate(rows), free + (p == 0)
@@ -839,7 +872,7 @@ class Springs:
                 last = p
         form = [*chain(*rows)]
         F = [sum([k * form[at] for at, k in terms.items()]) for terms in _quartic_terms().values()]
-        return cls(F, _dyadic(1, e) / last, free, weight * _dyadic(1, e) / 3)
+        return cls(F, _dyadic(1, e) / last, free, weight * _dyadic(1, e) / 3, lever * _dyadic(1, e))
 
     def at(self, q: Sequence[int]) -> Fraction:
         """The objective at R(q)."""
@@ -857,6 +890,12 @@ def _quartic_terms() -> dict[Monomial, dict[int, int]]:
             found = terms[tuple(map(int, sorted(a + b)))]
             found[at] = found.get(at, 0) + s * t * (1 + (left is not right))
     return terms
+
+
+SUMS[SpringsStatement.prefix] = 6, spring_moments
+# --- end of part: springs -----------------------------------------------------------------------
+# --- part: growth -------------------------------------------------------------------------------
+# What follows of an optimum of general springs from how the objective grows around it.
 
 
 def settled(stated: SpringsStatement, f: Springs, *bounds: Fraction, tied: bool = False) -> Outcome:
@@ -881,8 +920,8 @@ def settled(stated: SpringsStatement, f: Springs, *bounds: Fraction, tied: bool 
     one = 0 < 4 * max(width, 2 * mu) * delta <= mu**2
     several = tied or (stated.symmetry is not None and is_symmetry(f.F, stated.symmetry))
     require(unique is None or (one if unique else several), "claims.unique is not proved")
-    worth = _worth(f, value, delta, mu)
-    words = tuple(_words(stated, f, worth))
+    worth, steady = _worth(f, value, delta, mu), (mu, delta, value, 3 * f.weight, f.lever)
+    words = tuple(_words(stated, f, worth, stated.steady_by_growth(*steady)))
     return Outcome(verified=True, theorems=words, reason="", worth=worth)
 
 
@@ -914,7 +953,9 @@ def _worth(springs: Springs, value: Fraction, delta: Fraction, mu: Fraction) -> 
     return Worth(springs.weight, value, Fraction(least), delta, length, share, angle)
 
 
-def _words(stated: SpringsStatement, springs: Springs, w: Worth) -> Iterator[str]:
+def _words(
+    stated: SpringsStatement, springs: Springs, w: Worth, steady: list[str]
+) -> Iterator[str]:
     yield f"Data: n = {stated.n} pair{'s'[stated.n < 2 :]}, each with a matrix W of springs."
     yield f"SHA-256 of their doubles is {stated.digest}."
     length = isqrt(sum(c * c for c in stated.pose) << 128)
@@ -937,11 +978,11 @@ def _words(stated: SpringsStatement, springs: Springs, w: Worth) -> Iterator[str
     told = "unique: every other rotation has a larger objective" if stated.unique else told
     told = told if stated.unique is not None else "unique or not: that is undecided"
     yield f"The global optimum is {told}."
+    yield from steady
     yield "Not proved: anything under `about`, and where the points come from."
 
 
-SUMS[SpringsStatement.prefix] = 6, spring_moments
-# --- end of part: springs -----------------------------------------------------------------------
+# --- end of part: growth ------------------------------------------------------------------------
 # --- kind: springs-sos --------------------------------------------------------------------------
 # Claims: the pose is optimal up to proved bounds, by a sum of squares of degree four.
 
@@ -956,12 +997,7 @@ class SpringsSosStatement(SpringsStatement):
     """level, mu and gram make the proof, integers over 2^unit; the rest is claimed."""
 
     kind: ClassVar = "springs-sos"
-    keys: ClassVar = {
-        "": "about claims format kind problem proof",
-        "claims": "gap sin2_half_angle unique",
-        "problem": "data digest n",
-        "proof": "gram level mu pose symmetry unit",
-    }
+    keys: ClassVar = {**SPRINGS_KEYS, "proof": "gram level mu pose symmetry unit"}
 
     level: int
     mu: int
@@ -1035,12 +1071,7 @@ class SpringsConesStatement(SpringsStatement):
     """mu and caps make the proof, which the checker finds again by itself; the rest is claimed."""
 
     kind: ClassVar = "springs-cones"
-    keys: ClassVar = {
-        "": "about claims format kind problem proof",
-        "claims": "gap sin2_half_angle unique",
-        "problem": "data digest n",
-        "proof": "caps mu pose symmetry",
-    }
+    keys: ClassVar = {**SPRINGS_KEYS, "proof": "caps mu pose symmetry"}
 
     mu: Fraction
     caps: Caps

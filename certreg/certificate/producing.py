@@ -14,13 +14,20 @@ from __future__ import annotations
 
 import hashlib
 import math
+from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from certreg.certificate.count import CountBody
 from certreg.certificate.envelope import Certificate
 from certreg.certificate.isotropic import Claims, IsotropicBody, RotationState
-from certreg.certificate.radius import RADIUS_BITS, SAFE, Radius, isotropic_radius
+from certreg.certificate.radius import (
+    RADIUS_BITS,
+    SAFE,
+    Radius,
+    growth_radius,
+    isotropic_radius,
+)
 from certreg.exact import (
     Dyadic,
     dyadic_above,
@@ -45,6 +52,8 @@ if TYPE_CHECKING:
     from certreg.finding import Found
     from certreg.objective import Isotropic, Springs
     from certreg.problem import RegistrationProblem
+
+SpringsBody = TypeVar("SpringsBody", "SpringsSosBody", "SpringsConesBody")
 
 INLINE_POINTS = 1_000_000  # the contract: beyond, the file carries the digest only
 INLINE_SPRINGS = 700_000  # of general springs, 128 bytes each in base64: files are below 1e8 bytes
@@ -127,24 +136,43 @@ def springs_certificate(
     objective: Springs,
     found: Found,
     *,
+    robustness_angle: float | None = None,
     about: dict[str, Any] | None = None,
 ) -> Certificate[SpringsSosBody] | Certificate[SpringsConesBody] | None:
     """A certificate of the optimum that was found, by squares or by cones; None if not proved.
 
     Cones are cut where squares leave open whether the optimum is unique, and kept where they prove
-    more; `about` says then how. None means not proved, not disproved.
+    more; `about` says then how. robustness_angle: as `produce` takes it.
+    None means not proved, not disproved.
     """
     from certreg.certificate.cones import cones_body  # loads NumPy
     from certreg.certificate.squares import sos_body  # the same
 
     squares = sos_body(objective, found)
     if squares is not None and squares.claims.unique is not None:
-        return _enclosed(problem, squares, about)
+        return _enclosed(problem, _moving(objective, squares, robustness_angle), about)
     cones = cones_body(objective, found.minima)
     body = cones.body
     if body is not None and (squares is None or body.claims.unique or body.gap < squares.gap):
-        return _enclosed(problem, body, {**(about or {}), "cones": cones.words})
-    return None if squares is None else _enclosed(problem, squares, about)
+        told = {**(about or {}), "cones": cones.words}
+        return _enclosed(problem, _moving(objective, body, robustness_angle), told)
+    if squares is None:
+        return None
+    return _enclosed(problem, _moving(objective, squares, robustness_angle), about)
+
+
+def _moving(objective: Springs, body: SpringsBody, degrees: float | None) -> SpringsBody:
+    """The same body, with how far the points may move where that is proved and asked for."""
+    if degrees is None:
+        return body
+    radius = growth_radius(
+        objective.moments,
+        mu=body.growth,
+        delta=body.gap,
+        value=objective.energy(body.quaternion),
+        degrees=degrees,
+    )
+    return replace(body, radius=radius)
 
 
 def count_certificate(problem: RegistrationProblem) -> Certificate[CountBody] | None:

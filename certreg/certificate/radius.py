@@ -35,7 +35,7 @@ from certreg.exact import (
 from certreg.results import Brief
 
 if TYPE_CHECKING:
-    from certreg.problem import ExactMoments
+    from certreg.problem import ExactMoments, SpringMoments
 
 RADIUS_BITS = 24  # of mantissa: short numbers, at most 2^-23 of them lost
 SAFE = 1 - power_of_two(-40)  # what is asked for is a little less than what is proved
@@ -105,19 +105,11 @@ def isotropic_radius(
 
 
 def growth_radius(
-    *,
-    mu: Fraction,
-    delta: Fraction,
-    value: Fraction,
-    weight: Fraction,
-    lever: Fraction,
-    degrees: float,
+    moments: SpringMoments, *, mu: Fraction, delta: Fraction, value: Fraction, degrees: float
 ) -> Radius | None:
-    """The same from a growth form, for springs with matrices.
-
-    value: the energy at the certified rotation. weight: the sum of w. lever: sum w |x - mean|^2.
-    """
+    """The same from a growth form, for springs with matrices. value: the energy at the rotation."""
     s, _ = sines(degrees)
+    weight, lever = _weight_and_lever(moments)
     k, w, fit = (rational_root_above(x) for x in (lever, weight, value))
     left = SAFE * (mu * s.value - delta / s.value)
     if left <= 0 or not k:
@@ -130,6 +122,17 @@ def growth_radius(
         target=dyadic_below(left / (4 * k * w), RADIUS_BITS),
         both=dyadic_below(2 * left / (first + root), RADIUS_BITS),
     )
+
+
+def _weight_and_lever(moments: SpringMoments) -> tuple[Fraction, Fraction]:
+    """Sum of w = tr W, which is at least the largest eigenvalue of W, and sum w |x - mean|^2."""
+    diagonal = (0, 3, 5)  # of a symmetric matrix as six entries
+    weight = sum(moments.stiffness[a] for a in diagonal)
+    scatter = sum(moments.scatter[a][b] for a in diagonal for b in diagonal)
+    sums = [sum(moments.source[a][j] for a in diagonal) for j in range(3)]
+    lever = scatter - Fraction(sum(k * k for k in sums), weight)
+    unit = power_of_two(moments.weight_exponent)
+    return weight * unit, lever * unit * power_of_two(2 * moments.source_exponent)
 
 
 @lru_cache(maxsize=64)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from certreg.certificate.radius import Radius
 from certreg.certificate.springs_sos import SpringsClaims
 from certreg.exact import Dyadic
 from certreg.results import Brief
@@ -34,6 +35,7 @@ class SpringsConesBody(Brief):
     delta, mu: the objective exceeds its value here less delta by mu sin^2(theta/2), theta the angle
         to that rotation; in units of the energy. delta is the claimed gap.
     symmetry: turns (a, b) of world and body that keep the objective; where there are many optima.
+    radius: how far points may move before an optimum turns by more than an angle.
     """
 
     KIND: ClassVar[str] = "springs-cones"
@@ -43,6 +45,7 @@ class SpringsConesBody(Brief):
     caps: tuple[ConesCap, ...]
     claims: SpringsClaims
     symmetry: tuple[int, ...] | None = None
+    radius: Radius | None = None
 
     @property
     def delta(self) -> Dyadic:
@@ -69,12 +72,13 @@ class SpringsConesBody(Brief):
                 "pose": list(self.quaternion),
                 "symmetry": None if self.symmetry is None else list(self.symmetry),
             },
+            **({} if self.radius is None else {"radius": self.radius.to_fields()}),
         }
 
     @classmethod
     def from_fields(cls, fields: dict[str, Any]) -> SpringsConesBody:
         """The inverse of `to_fields`, of a file that the checker has found well-formed."""
-        proof = fields["proof"]
+        proof, radius = fields["proof"], fields.get("radius")
         w, x, y, z = proof["pose"]
         rows = [proof["caps"][k : k + 6] for k in range(0, len(proof["caps"]), 6)]
         symmetry = proof["symmetry"]
@@ -87,4 +91,5 @@ class SpringsConesBody(Brief):
             ),
             claims=SpringsClaims.from_fields(fields["claims"]),
             symmetry=None if symmetry is None else tuple(symmetry),
+            radius=None if radius is None else Radius.from_fields(radius),
         )

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from certreg.certificate.radius import Radius
 from certreg.exact import Dyadic
 from certreg.results import Brief
 
@@ -57,6 +58,7 @@ class SpringsSosBody(Brief):
     free: the twenty entries of the Gram matrix that its identity leaves free, over
         2^(unit + free_exponent).
     symmetry: turns (a, b) of world and body that keep the objective; where there are many optima.
+    radius: how far points may move before an optimum turns by more than an angle.
     """
 
     KIND: ClassVar[str] = "springs-sos"
@@ -69,6 +71,7 @@ class SpringsSosBody(Brief):
     free_exponent: int
     claims: SpringsClaims
     symmetry: tuple[int, ...] | None = None
+    radius: Radius | None = None
 
     @property
     def gap(self) -> Fraction:
@@ -92,12 +95,13 @@ class SpringsSosBody(Brief):
                 "symmetry": None if self.symmetry is None else list(self.symmetry),
                 "unit": self.unit,
             },
+            **({} if self.radius is None else {"radius": self.radius.to_fields()}),
         }
 
     @classmethod
     def from_fields(cls, fields: dict[str, Any]) -> SpringsSosBody:
         """The inverse of `to_fields`, of a file that the checker has found well-formed."""
-        proof = fields["proof"]
+        proof, radius = fields["proof"], fields.get("radius")
         w, x, y, z = proof["pose"]
         symmetry = proof["symmetry"]
         return cls(
@@ -109,4 +113,5 @@ class SpringsSosBody(Brief):
             free_exponent=proof["gram"][-1],
             claims=SpringsClaims.from_fields(fields["claims"]),
             symmetry=None if symmetry is None else tuple(symmetry),
+            radius=None if radius is None else Radius.from_fields(radius),
         )
