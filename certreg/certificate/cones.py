@@ -55,7 +55,7 @@ LEAST_GROWTH = 2.0**-90  # of W: below, 124 bits do not tell the form from 0 awa
 SLACK = 2.0**-160  # of W: a delta where the slope is 0
 FINE, COARSE = 2.0**-44, 2.0**-25  # of W, at most eight times the range: 1e-12, 1e-6 of that
 RETREATS = 12  # smaller mu, after a rotation where the growth is less
-RESTARTS = 4  # from better rotations
+RESTARTS = 12  # from better rotations: there are eight local minima at most, but for continua
 VERTEX_BITS = 60  # of a vertex, which has fewer
 FINE_WORDS = "Cones prove the gap down to 1e-12 of the range of the energy."
 COARSE_WORDS = (
@@ -86,7 +86,7 @@ class ConesProposal(Brief):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Minimum:
+class CappedMinimum:
     """A local minimum, nearly; values are those of F(q)/|q|^4.
 
     slope: square of the gradient in rotation angle. curvature: less than the least eigenvalue of
@@ -105,12 +105,12 @@ class _Minimum:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Attempt:
+class ConesAttempt:
     """A growth form to be proved with these caps; mu and delta in the units of F."""
 
     mu: Fraction
     delta: Fraction
-    capped: tuple[_Minimum, ...]
+    capped: tuple[CappedMinimum, ...]
     words: str
     tied: bool = False
 
@@ -122,7 +122,7 @@ def cones_body(objective: Springs, minima: Sequence[IntegerQuaternion]) -> Cones
     """
     known, seen = list(minima), 0
     for _ in range(RESTARTS):
-        search = _ConeProof.of(objective, known)
+        search = ConeProof.of(objective, known)
         proposal, better = search.run()
         seen += proposal.seen
         if better is None:
@@ -139,16 +139,17 @@ def _descended_from(objective: Springs, start: IntegerQuaternion) -> IntegerQuat
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _ConeProof:
+class ConeProof:
     """The best of some minima, and what is tried to prove of it. width: W, in the units of F."""
 
     objective: Springs
     width: Fraction
-    own: _Minimum
-    others: tuple[_Minimum, ...]
+    own: CappedMinimum
+    others: tuple[CappedMinimum, ...]
 
     @classmethod
-    def of(cls, objective: Springs, quaternions: Sequence[IntegerQuaternion]) -> _ConeProof:
+    def of(cls, objective: Springs, quaternions: Sequence[IntegerQuaternion]) -> ConeProof:
+        """The best of these is to be proved."""
         width = _width(objective.quartic)
         known = sorted(
             (_minimum(objective, width, q) for q in quaternions), key=lambda found: found.value
@@ -159,7 +160,7 @@ class _ConeProof:
     def run(self) -> tuple[ConesProposal, IntegerQuaternion | None]:
         """What is proved, or the quaternion of a better rotation."""
         seen, better = 0, None
-        for attempt in self._attempts():
+        for attempt in self.attempts():
             proposal, better = self._tried(attempt)
             seen += proposal.seen
             if proposal.body is not None:
@@ -168,11 +169,11 @@ class _ConeProof:
                 break
         return ConesProposal(body=None, words=NOTHING_WORDS, seen=seen), better
 
-    def _tried(self, attempt: _Attempt) -> tuple[ConesProposal, IntegerQuaternion | None]:
+    def _tried(self, attempt: ConesAttempt) -> tuple[ConesProposal, IntegerQuaternion | None]:
         """One attempt, with smaller mu where the growth turns out to be less."""
         seen, caps = 0, self._caps(attempt)
         for _ in range(RETREATS):
-            body = self._body(attempt)
+            body = self.body(attempt)
             search = search_cones(self._form(body), caps, budget=BUDGET)
             seen += search.seen
             if search.ending is ConesEnding.POSITIVE:
@@ -188,11 +189,12 @@ class _ConeProof:
             attempt = replace(attempt, mu=mu)
         return ConesProposal(body=None, words=NOTHING_WORDS, seen=seen), None
 
-    def _attempts(self) -> Iterator[_Attempt]:
+    def attempts(self) -> Iterator[ConesAttempt]:
+        """What may be proved, the strongest first."""
         own, W = self.own, self.width
         slack = Fraction(SLACK) * (W or abs(own.value) or 1)
         if not W:
-            yield _Attempt(mu=Fraction(0), delta=slack, capped=(), words=CONSTANT_WORDS)
+            yield ConesAttempt(mu=Fraction(0), delta=slack, capped=(), words=CONSTANT_WORDS)
             return
         near = [m for m in self.others if m.value - own.value <= Fraction(NEAR) * W][:CAPS]
         whole = own.curvature is not None and all(m.curvature is not None for m in near)
@@ -200,19 +202,19 @@ class _ConeProof:
             mu = min([own.curvature / 2, *[self._rise(m, near) for m in self.others]])
             if mu > slack:
                 delta = max(2 * own.slope / (own.curvature - mu), slack)
-                yield _Attempt(mu=mu, delta=delta, capped=(own, *near), words=UNIQUE_WORDS)
+                yield ConesAttempt(mu=mu, delta=delta, capped=(own, *near), words=UNIQUE_WORDS)
             if near:
                 delta = max(slack, *[2 * (own.value - m.floor) for m in (own, *near)])
                 tied = own.slope == 0 and any(m.value == own.value for m in near)
-                yield _Attempt(
+                yield ConesAttempt(
                     mu=Fraction(0), delta=delta, capped=(own, *near), words=TIED_WORDS, tied=tied
                 )
         for share, words in ((FINE, FINE_WORDS), (COARSE, COARSE_WORDS)):
             delta = Fraction(share) * W
             held = [m for m in (own, *near) if m.curvature and own.value - m.floor < delta / 2]
-            yield _Attempt(mu=Fraction(0), delta=delta, capped=tuple(held), words=words)
+            yield ConesAttempt(mu=Fraction(0), delta=delta, capped=tuple(held), words=words)
 
-    def _rise(self, other: _Minimum, near: Sequence[_Minimum]) -> Fraction:
+    def _rise(self, other: CappedMinimum, near: Sequence[CappedMinimum]) -> Fraction:
         """A growth that leaves half the room at another minimum, or at the bound in its cap."""
         if other in near:
             return (other.floor - self.own.value) / 2
@@ -228,7 +230,7 @@ class _ConeProof:
     def _value(self, q: IntegerQuaternion) -> Fraction:
         return Fraction(self.objective.value(q), squared_norm(q) ** 2)
 
-    def _body(self, attempt: _Attempt) -> SpringsConesBody:
+    def body(self, attempt: ConesAttempt) -> SpringsConesBody:
         """With all claims that follow, by the rules of the checker."""
         unit, W = self.objective.unit, self.width
         gap = dyadic_above(attempt.delta * unit, NUMBER_BITS)
@@ -273,7 +275,7 @@ class _ConeProof:
             form[place] += along * u[i] * u[j] - base * (i == j)
         return form
 
-    def _caps(self, attempt: _Attempt) -> NDArray[np.float64]:
+    def _caps(self, attempt: ConesAttempt) -> NDArray[np.float64]:
         """(k, 5), as `search_cones` takes them: the radius is curvature/(8 W), halved twice."""
         rows: list[list[float]] = []
         for m in attempt.capped:
@@ -290,7 +292,7 @@ def _moves_all(turns: Sequence[int]) -> bool:
     return squared_norm(turns[:3]) != squared_norm(turns[3:])
 
 
-def _minimum(objective: Springs, width: Fraction, q: IntegerQuaternion) -> _Minimum:
+def _minimum(objective: Springs, width: Fraction, q: IntegerQuaternion) -> CappedMinimum:
     norm = squared_norm(q)
     frame = list(zip(*body_frame(q), strict=True))
     gradient, second = objective.gradient(q), objective.hessian(q)
@@ -300,7 +302,7 @@ def _minimum(objective: Springs, width: Fraction, q: IntegerQuaternion) -> _Mini
         [dot(a, [dot(row, b) for row in second]) - 4 * value * (a is b) for b in frame]
         for a in frame
     ]
-    return _Minimum(
+    return CappedMinimum(
         quaternion=q,
         value=Fraction(value, norm**2),
         slope=slope,
