@@ -241,6 +241,114 @@ def counts() -> dict[str, tuple[Certificate, str]]:
     }
 
 
+SPRINGS_PREFIX = b"certreg-springs/1\0"
+PLANES: Points = [[0, 0, 0], [3, 1, 0], [1, 4, 1], [2, 2, 5], [-3, 1, 2]]
+PLANES += [[1, -2, 3], [4, 0, -1], [-1, 3, -2], [2, -3, 1]]
+NORMALS: Points = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0], [0, 1, 2]]
+NORMALS += [[2, 0, 1], [1, -1, 1], [1, 2, -1], [-1, 1, 2]]
+ERRORS: Points = [[1, -1, 0], [0, 1, 1], [-1, 0, 1], [1, 1, -1], [0, -1, 0]]
+ERRORS += [[1, 0, 1], [-1, 1, 0], [0, 0, 1], [1, -1, -1]]
+TURNED: Points = [  # by a quarter turn about z, and a shift; off by up to 1/8
+    [7 - y + a / 8, x + 1 + b / 8, z + 2 + c / 8]
+    for (x, y, z), (a, b, c) in zip(PLANES, ERRORS, strict=True)
+]
+# What certreg found once, with a solver: of planes in general position, and of planes all parallel.
+GENERAL: dict[str, Any] = {
+    "claims": {
+        "gap": [2205355663, -120],
+        "sin2_half_angle": [1834837094, -123],
+        "unique": True,
+    },
+    "proof": {
+        "gram": [
+            *(4005630311360905, -44344306320826, -1577503030733836, 6519920298018290),
+            *(2971695871727029, -1177302086677434, -736742296157968, -387339885892141),
+            *(2602310563760151, -336299755938355, 906200884594510, 1555385594851224),
+            *(-465101769402506, 463456242043943, 3378179327285240, 3249647832640826),
+            *(3685343170898476, -91674552630399, -1711720969856039, 4917319840272030, 59),
+        ],
+        "level": 100460988330470909566998103911,
+        "mu": 48756292349941722115310098579456,
+        "pose": [398094154348274381, 14708830154647102, 11214660839124018, 416516416144317683],
+        "symmetry": None,
+        "unit": -102,
+    },
+}
+WALL: dict[str, Any] = {
+    "claims": {"gap": [1339390824, -49], "sin2_half_angle": None, "unique": False},
+    "proof": {
+        "gram": [
+            *(5375985239963490, -832525438396608, -5668698521175186, 6339201339812834),
+            *(-1764924067368919, 545550428178562, 1228730843560079, -547047363672657),
+            *(3925234975445238, -437784424088540, 1934806811125897, 4450733085995033),
+            *(-3947961275644954, 95949535701648, 5066752627937934, 78522076184602),
+            *(4056906023888002, -4923998861118398, -2057173962991119, 5185475778827995, 58),
+        ],
+        "level": 608517483946628524789047036498,
+        "mu": 0,
+        "pose": [165481536545313904, -396509028995307290, -138461910666068051, -358513248330840990],
+        "symmetry": [1, 2, 2, 0, 0, 0],
+        "unit": -100,
+    },
+}
+
+
+def squares(found: dict[str, Any], normals: Points, **entries: Any) -> Certificate:
+    """A certificate of planes by a sum of squares, with other entries of claims and proof."""
+    factors = [[a, b, 0, c, 0, 0] for a, b, c in normals]
+    numbers = [*chain(*PLANES), *chain(*TURNED), *chain(*factors)]
+    content = SPRINGS_PREFIX + struct.pack(f"<Q{len(numbers)}d", len(PLANES), *map(float, numbers))
+    parts = {
+        part: {name: entries.get(name, value) for name, value in found[part].items()}
+        for part in ("claims", "proof")
+    }
+    head = {"about": {"made by": "vectors/make.py"}, "format": "certreg-certificate/1"}
+    return {**head, "kind": "springs-sos", "problem": stated(content, len(PLANES)), **parts}
+
+
+def springs() -> dict[str, tuple[Certificate, str]]:
+    """Certificates of general springs, and forgeries, each with the class of reason."""
+    proof, claims = GENERAL["proof"], GENERAL["claims"]
+    good, one_wall = squares(GENERAL, NORMALS), [[1.0, 2.0, 2.0]] * 9
+    w, x, y, z = proof["pose"]
+
+    def lower(pair: list[int]) -> list[int]:
+        return [pair[0] - 1, pair[1]]
+
+    def planes(**entries: Any) -> Certificate:
+        return squares(GENERAL, NORMALS, **entries)
+
+    wrong_sign = [[-1, 1, 1], *NORMALS[1:]]
+    others = {"digest": "0" * 64}
+    return {
+        "accept-springs-sos.json": (good, ""),
+        "accept-springs-sos-claims-less.json": (planes(sin2_half_angle=None, unique=None), ""),
+        "accept-springs-sos-longer-pose.json": (planes(pose=[3 * k for k in (w, x, y, z)]), ""),
+        "accept-springs-sos-wall.json": (squares(WALL, one_wall), ""),
+        "refuse-springs-gap-too-small.json": (planes(gap=lower(claims["gap"])), "claim"),
+        "refuse-springs-angle-too-small.json": (
+            planes(sin2_half_angle=lower(claims["sin2_half_angle"])),
+            "claim",
+        ),
+        "refuse-springs-unique-of-a-wall.json": (squares(WALL, one_wall, unique=True), "claim"),
+        "refuse-springs-no-symmetry.json": (
+            squares(WALL, one_wall, symmetry=[1, 2, 3, 0, 0, 0]),
+            "claim",
+        ),
+        "refuse-springs-level-too-high.json": (planes(level=2 * proof["level"]), "optimality"),
+        "refuse-springs-mu-too-large.json": (planes(mu=64 * proof["mu"]), "optimality"),
+        "refuse-springs-pose-half-a-turn-off.json": (planes(pose=[-x, w, -z, y]), "optimality"),
+        "refuse-springs-pose-zero.json": (planes(pose=[0] * 4), "optimality"),
+        "refuse-springs-gram-other.json": (
+            planes(gram=[0, *proof["gram"][1:]]),
+            "optimality",
+        ),
+        "refuse-springs-gram-too-short.json": (planes(gram=proof["gram"][1:]), "form"),
+        "refuse-springs-of-another-normal.json": (squares(GENERAL, wrong_sign), "optimality"),
+        "refuse-springs-digest.json": (good | {"problem": good["problem"] | others}, "data"),
+    }
+
+
 def vectors() -> dict[str, tuple[bytes, str]]:
     """Content and class by file name; the class of an accepted one is empty."""
     found = {
@@ -256,7 +364,7 @@ def vectors() -> dict[str, tuple[bytes, str]]:
         b'"kind": "isotropic"', b'"kind": "isotropic", "kind": "isotropic"'
     )
     found["refuse-key-twice.json"] = twice, "form"
-    for name, (certificate, reason) in counts().items():
+    for name, (certificate, reason) in (counts() | springs()).items():
         found[name] = dumped(certificate), reason
     return found
 

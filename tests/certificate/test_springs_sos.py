@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 from fractions import Fraction
 from importlib import import_module
+from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pytest
 from springs_certified import certified
@@ -23,6 +25,7 @@ from certreg.objective import Springs
 from certreg.problem import RegistrationProblem, spring_moments
 
 checker = import_module("certreg.verify")
+SCHEMAS = Path(checker.__file__).parent / "report" / "schemas"
 CELLS = [
     ("plane", 7, 0.1),
     ("plane", 20, 0.1),
@@ -63,6 +66,16 @@ def test_a_certificate_is_read_as_it_was_saved(tmp_path):
     made.save(tmp_path / "c.json")
 
     assert Certificate.load(tmp_path / "c.json") == made
+
+
+def test_a_certificate_has_the_form_of_its_schema():
+    schema = json.loads((SCHEMAS / "certreg-springs-sos-1.json").read_bytes())
+    validator = jsonschema.Draft202012Validator(schema)
+    doc = document(certified("plane", 20, 0.1))
+
+    validator.validate(doc)
+    for name, value in (("gram", [1] * 20), ("mu", -1), ("symmetry", [1, 2]), ("unit", None)):
+        assert not validator.is_valid({**doc, "proof": {**doc["proof"], name: value}})
 
 
 def test_beside_its_data_a_certificate_is_below_a_kilobyte():

@@ -49,7 +49,7 @@ def test_accepted_vectors_prove_all_eight_patterns_a_basin_a_dual_bound_and_a_co
     ]
     claims = [each["claims"] for each in accepted if each["kind"] == "isotropic"]
 
-    assert {each["kind"] for each in accepted} == {"isotropic", "count"}
+    assert {each["kind"] for each in accepted} >= {"isotropic", "count", "springs-sos"}
     assert len({tuple(claim["pattern"]) for claim in claims}) == 8
     assert any(claim["basin"] for claim in claims)
     assert any(claim["sdp_gap"] for claim in claims)
