@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.equilibrium import FloatingQuartic, PathsOutcome, critical_lines, descended
-from certreg.finding.refining import POSE_BITS, refined, slope
+from certreg.finding.refining import POSE_BITS, newton, refined
 from certreg.geometry import squared_norm
 from certreg.objective import levelled_exactly
 from certreg.relaxation import relax_quartic
@@ -120,9 +120,9 @@ def _found(
 
 def _below(levelled: LevelledExactly, form: FloatingQuartic, start: Reals) -> IntegerQuaternion:
     """The minimum near a start; descents in doubles help where Newton's method does not."""
-    near = refined(levelled, start.tolist())
-    if slope(levelled, near) <= CRITICAL:
-        return near
+    near = newton(levelled, start.tolist())
+    if near.slope <= CRITICAL:
+        return near.quaternion
     return refined(levelled, descended(form, start[np.newaxis]).points[0].tolist())
 
 

@@ -1,18 +1,20 @@
 """A critical quaternion of a quartic to many bits: exact gradients, Hessians in doubles.
 
-Newton's method, its Hessian renewed until a step is so short that the last one is right to half of
-a double's digits; after that each step of the same Hessian adds as many. From 1e-5, as a relaxation
-gives it, five steps make 96 bits.
+In doubles first, by C where there is compiled code. Then Newton's method with exact gradients, its
+Hessian renewed until a step is so short that the last one is right to half of a double's digits:
+each step of the same Hessian adds as many. One or two make 96 bits of what doubles found.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from certreg.geometry import body_frame, dot
+from certreg.native import critical_point_near
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -33,15 +35,36 @@ SINGULAR = 1e12  # condition of a Hessian: beyond, doubles do not know the way
 NO_WAY: Matrix3[float] = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
-def refined(quartic: LevelledExactly, start: Sequence[float]) -> IntegerQuaternion:
-    """The critical quaternion nearest to a start in doubles, of length near 2^POSE_BITS.
+@dataclass(frozen=True, slots=True)
+class Refined:
+    """What Newton's method reached.
 
-    The first entry that is not zero is positive. Where the Hessian is singular, or the start is
-    not near, it is what the steps led to as long as the gradient fell.
+    quaternion: of length near 2^POSE_BITS; the first entry that is not zero is positive. slope: the
+    size of the gradient in rotation angle before it was rounded, over 2^bits of the largest
+    coefficient.
     """
+
+    quaternion: IntegerQuaternion
+    slope: float
+
+
+def refined(quartic: LevelledExactly, start: Sequence[float]) -> IntegerQuaternion:
+    """The critical quaternion nearest to a start in doubles, as `newton` finds it."""
+    return newton(quartic, start).quaternion
+
+
+def newton(quartic: LevelledExactly, start: Sequence[float]) -> Refined:
+    """The critical quaternion nearest to a start in doubles, and what is left of the gradient.
+
+    Where the Hessian is singular, or the start is not near, it is what the steps led to as long as
+    the gradient fell: the slope tells.
+    """
+    near = critical_point_near(quartic.rest, start)
     quartic = quartic.shortened(COEFFICIENT_BITS)
-    q = _unit([round(math.ldexp(entry, WORK_BITS)) for entry in start], WORK_BITS)
-    inverse, gradient = _inverse_hessian(quartic, q), _gradient(quartic, q)
+    given = start if near is None else near.quaternion
+    q = _unit([round(math.ldexp(entry, WORK_BITS)) for entry in given], WORK_BITS)
+    inverse = _inverse_hessian(quartic, q) if near is None else near.inverse
+    gradient = _gradient(quartic, q)
     for _ in range(STEPS):
         turn = [-dot(row, gradient) for row in inverse]
         length = math.hypot(*turn)
@@ -54,12 +77,7 @@ def refined(quartic: LevelledExactly, start: Sequence[float]) -> IntegerQuaterni
         q, gradient = moved, after
         if length > KEPT:
             inverse = _inverse_hessian(quartic, q)
-    return _canonical(_unit(q, POSE_BITS))
-
-
-def slope(quartic: LevelledExactly, q: IntegerQuaternion) -> float:
-    """The size of the gradient in rotation angle, over 2^bits of the largest coefficient."""
-    return math.hypot(*_gradient(quartic.shortened(COEFFICIENT_BITS), _unit(q, WORK_BITS)))
+    return Refined(_canonical(_unit(q, POSE_BITS)), math.hypot(*gradient))
 
 
 def _unit(q: Sequence[int], bits: int) -> list[int]:

@@ -53,8 +53,10 @@ if TYPE_CHECKING:
     from certreg.native.optima import ProvedOptima as ProvedOptima
     from certreg.native.paths import REACHED as REACHED
     from certreg.native.paths import STUCK as STUCK
+    from certreg.native.paths import NearbyPoint as NearbyPoint
     from certreg.native.paths import PathEnds as PathEnds
     from certreg.native.paths import PathRules as PathRules
+    from certreg.native.paths import critical_point_near as critical_point_near
     from certreg.native.paths import quartic_paths as quartic_paths
     from certreg.native.spring_sums import SpringIntegers as SpringIntegers
     from certreg.native.spring_sums import springs_by_exponent as springs_by_exponent
@@ -122,8 +124,10 @@ __getattr__ = lazy_face(
         "paths": (
             "REACHED",
             "STUCK",
+            "NearbyPoint",
             "PathEnds",
             "PathRules",
+            "critical_point_near",
             "quartic_paths",
         ),
         "spring_sums": (

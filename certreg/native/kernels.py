@@ -76,6 +76,7 @@ WRITTEN = (  # by hand, not generated
     "certreg_limb_springs",
     "certreg_pose",
     "certreg_prove_optima",
+    "certreg_quartic_newton",
     "certreg_quartic_paths",
     "certreg_springs",
     "certreg_stationary_poses",

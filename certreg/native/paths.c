@@ -29,6 +29,10 @@ static inline number inverse(number a)
     return (number){a.re / size, -a.im / size};
 }
 
+#define NEWTON_ROUNDS 8 /* three are usual */
+#define LONGEST_TURN 0.1 /* radians: beyond, the start is not near */
+#define SHORTEST_TURN 1e-9 /* squared, nothing is left */
+#define LARGEST_CONDITION 1e8 /* of a Hessian: what more is singular is for slower means */
 #define FAR 4 /* |chart| |q|: at least 1, and 1 in a chart of its own */
 
 #define NEARLY 1e-6 /* t where a path that is stuck is at a singular end: the residual tells */
@@ -335,4 +339,84 @@ void certreg_quartic_paths(const double *quartic, const double *a, int64_t count
         }
         memcpy(points + CERTREG_POINT * k, &at, sizeof at);
     }
+}
+
+/* Gradient and Hessian in rotation angle at a unit q: 1/2 E^T F' and 1/4 (E^T F'' E - 4 F I), E = (q i, q j, q k). */
+static void curvature(const double table[PAIRS][PAIRS], const double q[ENTRIES], double frame[3][ENTRIES],
+                      double gradient[3], double hessian[3][3])
+{
+    const double w = q[0], x = q[1], y = q[2], z = q[3];
+    const double turned[3][ENTRIES] = {{-x, w, z, -y}, {-y, -z, w, x}, {-z, y, -x, w}};
+    double second[PAIRS] = {0}, slope[ENTRIES] = {0}, value = 0;
+    memcpy(frame, turned, sizeof turned);
+    for (int k = 0; k < ENTRIES; k++)
+        for (int m = k; m < ENTRIES; m++)
+            for (int e = 0; e < PAIRS; e++)
+                second[e] += table[pair[k][m]][e] * (q[k] * q[m]);
+    for (int i = 0; i < ENTRIES; i++) {
+        for (int j = 0; j < ENTRIES; j++)
+            slope[i] += second[pair[i][j]] * q[j] / 3;
+        value += slope[i] * q[i] / 4;
+    }
+    for (int a = 0; a < 3; a++) {
+        gradient[a] = 0;
+        for (int i = 0; i < ENTRIES; i++)
+            gradient[a] += 0.5 * frame[a][i] * slope[i];
+        for (int b = 0; b < 3; b++) {
+            hessian[a][b] = a == b ? -value : 0;
+            for (int i = 0; i < ENTRIES; i++)
+                for (int j = 0; j < ENTRIES; j++)
+                    hessian[a][b] += 0.25 * frame[a][i] * second[pair[i][j]] * frame[b][j];
+        }
+    }
+}
+
+/* The inverse of a symmetric matrix by cofactors; 0 where its condition is beyond all doubt. */
+static int inverted(const double m[3][3], double inverse[3][3])
+{
+    double size = 0, back = 0, determinant = 0;
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++) {
+            const int i = (a + 1) % 3, j = (a + 2) % 3, k = (b + 1) % 3, l = (b + 2) % 3;
+            inverse[a][b] = m[i][k] * m[j][l] - m[i][l] * m[j][k];
+            size = fmax(size, fabs(m[a][b]));
+        }
+    for (int b = 0; b < 3; b++)
+        determinant += m[0][b] * inverse[0][b];
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++) {
+            inverse[a][b] /= determinant;
+            back = fmax(back, fabs(inverse[a][b]));
+        }
+    return size * back < LARGEST_CONDITION && determinant != 0;
+}
+
+int32_t certreg_quartic_newton(const double *quartic, double *q, double *inverse)
+{
+    double table[PAIRS][PAIRS], frame[3][ENTRIES], gradient[3], hessian[3][3], back[3][3], last = LONGEST_TURN;
+    make_table(quartic, table);
+    for (int round = 0; round < NEWTON_ROUNDS; round++) {
+        double length = 0, norm = 0;
+        curvature(table, q, frame, gradient, hessian);
+        if (!inverted(hessian, back))
+            return 0;
+        for (int a = 0; a < 3; a++) {
+            const double turn = -(back[a][0] * gradient[0] + back[a][1] * gradient[1] + back[a][2] * gradient[2]);
+            length = fmax(length, fabs(turn));
+            for (int i = 0; i < ENTRIES; i++)
+                q[i] += 0.5 * turn * frame[a][i];
+        }
+        if (!(length <= last))
+            return 0;
+        for (int i = 0; i < ENTRIES; i++)
+            norm += q[i] * q[i];
+        for (int i = 0; i < ENTRIES; i++)
+            q[i] /= sqrt(norm);
+        if (length < SHORTEST_TURN) {
+            memcpy(inverse, back, sizeof back);
+            return 1;
+        }
+        last = length;
+    }
+    return 0;
 }

@@ -11,6 +11,8 @@ import numpy as np
 from certreg.native.library import library_if_any
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from certreg.native.library import Library
@@ -96,6 +98,35 @@ def quartic_paths(
         *[_address(array) for array in found],
     )
     return ends
+
+
+@dataclass(frozen=True, slots=True)
+class NearbyPoint:
+    """A critical point in doubles: its unit quaternion, and the inverse Hessian in rotation angle.
+
+    quaternion: 4 numbers. inverse: 3 rows.
+    """
+
+    quaternion: tuple[float, ...]
+    inverse: tuple[tuple[float, ...], ...]
+
+
+_Quaternion, _Inverse = ctypes.c_double * 4, ctypes.c_double * 9
+
+
+def critical_point_near(quartic: NDArray[np.float64], start: Sequence[float]) -> NearbyPoint | None:
+    """What Newton's method finds from a unit start.
+
+    quartic: (35,), contiguous. None where it does not converge at once, the Hessian is nearly
+    singular, or there is no compiled code.
+    """
+    library = library_if_any()
+    if library is None:
+        return None
+    q, inverse = _Quaternion(*start), _Inverse()
+    if not library.handle.certreg_quartic_newton(_address(quartic), q, inverse):
+        return None
+    return NearbyPoint(tuple(q), tuple(tuple(inverse[k : k + 3]) for k in (0, 3, 6)))
 
 
 def _address(array: NDArray[Any]) -> ctypes.c_void_p:

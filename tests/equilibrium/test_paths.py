@@ -11,7 +11,7 @@ import pytest
 from certreg.equilibrium import paths
 from certreg.equilibrium.paths import LINES, PathsOutcome, critical_lines
 from certreg.equilibrium.quartics import FloatingQuartic, descended
-from certreg.equilibrium.tracking import REGULAR, PathStatus, TrackerSettings
+from certreg.equilibrium.tracking import LOST, REGULAR, PathStatus, TrackerSettings
 from certreg.objective.levelling import levelled, levelled_exactly, norm_fourth
 from certreg.objective.quartics import MONOMIALS, gradient, hessian, value
 
@@ -131,6 +131,32 @@ def test_where_paths_are_lost_all_are_tried_again_and_it_is_said_if_that_does_no
     assert found.outcome is PathsOutcome.INCOMPLETE
     assert found.attempts <= paths.ATTEMPTS
     assert PathStatus.LOST in found.statuses
+
+
+def test_one_attempt_more_is_enough_where_the_first_lost_a_path(monkeypatch):
+    usual, starts = paths._followed, list[int]()
+
+    def losing(*arguments):
+        tracked = usual(*arguments)
+        starts.append(len(starts))
+        tracked.codes[3] = LOST if len(starts) == 1 else tracked.codes[3]
+        return tracked
+
+    monkeypatch.setattr(paths, "_followed", losing)
+    found = critical_lines(random_quartic(0))
+
+    assert (found.outcome, found.attempts, starts) == (PathsOutcome.FOUND, 2, [0, 1])
+    assert found.quaternions == pytest.approx(random_lines(0).quaternions, abs=1e-9)
+
+
+def test_no_step_of_a_descent_goes_up():
+    form = FloatingQuartic.of(random_quartic(2))
+    starts = np.random.default_rng(0).normal(size=(300, 4))
+    starts /= np.linalg.norm(starts, axis=1, keepdims=True)
+    ends = descended(form, starts)
+
+    assert (ends.values <= form.values(starts)).all()
+    assert np.abs(form.curvatures(ends.points)[1]).max() < 1e-12
 
 
 def test_descents_from_all_ends_reach_the_minima_and_leave_saddles():

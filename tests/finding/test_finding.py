@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import sys
 from dataclasses import replace
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -13,8 +14,9 @@ import spring_families
 import spring_minima
 
 from certreg import RegistrationProblem
-from certreg.equilibrium import PathsOutcome
+from certreg.equilibrium import FloatingQuartic, PathsOutcome
 from certreg.finding import optimum as optimum_module
+from certreg.finding import refining
 from certreg.finding.optimum import (
     CONSTANT_WORDS,
     MOST_MINIMA,
@@ -24,6 +26,7 @@ from certreg.finding.optimum import (
 )
 from certreg.finding.refining import POSE_BITS, refined
 from certreg.geometry.so3 import body_frame, dot, squared_norm
+from certreg.native import critical_point_near
 from certreg.objective.levelling import levelled_exactly, norm_fourth
 from certreg.objective.springs import Springs
 from certreg.problem import spring_moments
@@ -55,6 +58,8 @@ def test_six_planes_have_several_optima_and_the_best_of_all_minima_is_the_answer
 
     assert optimum.lines.outcome is PathsOutcome.FOUND
     assert len(optimum.minima) > 1
+    for p, q in combinations(optimum.minima, 2):
+        assert dot(p, q) ** 2 < (1 - 1e-6) * squared_norm(p) * squared_norm(q)
     assert energies == sorted(energies)
     assert optimum.words.endswith(f"They led to the best of {len(optimum.minima)} local minima.")
 
@@ -140,7 +145,7 @@ def test_a_minimum_of_order_four_is_reached_as_far_as_doubles_go():
 
     assert optimum.words == TIGHT_WORDS
     w, *axis = optimum.quaternion
-    assert sum(entry**2 for entry in axis) < 1e-6 * w**2
+    assert sum(entry**2 for entry in axis) < 1e-9 * w**2
 
 
 def test_without_the_relaxation_s_solver_all_paths_are_tracked(monkeypatch):
@@ -165,3 +170,38 @@ def test_a_value_above_the_relaxation_s_is_not_taken_for_tight(monkeypatch):
 
     assert optimum.lines is not None
     assert optimum.quaternion == found("plane", 20, 0.1).quaternion
+
+
+def test_without_compiled_code_the_same_quaternion_is_found(monkeypatch):
+    monkeypatch.setattr(refining, "critical_point_near", lambda *_: None)
+    optimum = find_optimum(springs("plane", 20, 0.1))
+
+    assert optimum.quaternion == pytest.approx(found("plane", 20, 0.1).quaternion, abs=1 << 6)
+
+
+def test_newton_in_doubles_keeps_to_what_is_near_and_not_singular():
+    """At 0.05 and at 0.5 radians from a minimum; where the curvatures are 1, 1, 1e-9."""
+    rest = found("plane", 20, 0.1).levelled.rest
+    w, x, y, z = (entry / 2**POSE_BITS for entry in found("plane", 20, 0.1).quaternion)
+    cos, sin = np.cos(0.025), np.sin(0.025)
+    near = critical_point_near(
+        rest, (cos * w - sin * x, cos * x + sin * w, cos * y + sin * z, cos * z - sin * y)
+    )
+    far = (-x, w, z, -y)
+
+    assert near is not None
+    assert near.quaternion == pytest.approx((w, x, y, z), abs=1e-15)
+    inverse = np.linalg.inv(FloatingQuartic.of(rest).curvatures(np.array([[w, x, y, z]]))[2][0])
+    assert np.array(near.inverse) == pytest.approx(inverse, rel=1e-9, abs=1e-9)
+    assert critical_point_near(rest, far) is None
+    flat = levelled_exactly([10**9 * (k in (0, 20)) + (k == 30) for k in range(35)]).rest
+    assert critical_point_near(flat, (0.0, 0.0, 0.0, 1.0)) is None
+
+
+def test_descents_begin_at_minima_alone_where_all_lines_are_known():
+    optimum = found("plane", 6, 0.05)
+    form = FloatingQuartic.of(optimum.levelled.rest)
+    starts = optimum_module._starts(form, optimum.lines)
+
+    assert len(starts) == len(optimum.minima)
+    assert (np.linalg.eigvalsh(form.curvatures(starts)[2]) > 0).all()

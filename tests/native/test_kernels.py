@@ -28,7 +28,7 @@ from certreg.native import kernels, library
 from certreg.native.evaluator import evaluator
 from certreg.native.kernels import BASELINE, LEVELS, Built, MissingLibraryError, chosen_library
 from certreg.native.library import Library, loaded_library
-from certreg.native.paths import PathRules, quartic_paths
+from certreg.native.paths import STUCK, PathRules, quartic_paths
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT / "certreg" / "data"
@@ -168,6 +168,9 @@ def test_every_variant_tracks_paths_to_the_same_ends(built):
         assert not found.codes.any()
         assert (found.changes <= rules.polished).all()
         assert (found.conditions < 1e3).all()
+        early = quartic_paths(quartic, a, begun, replace(rules, max_rounds=2), one)
+        assert early is not None
+        assert (early.codes == STUCK).all()
         assert np.abs((found.points[:, :4].conj() * ends).sum(axis=1)) == pytest.approx(1.0)
 
 
