@@ -21,6 +21,7 @@ from benchmarks import (
     relaxing,
     roads,
     simulating,
+    squares,
     streaming,
 )
 from benchmarks.machine import load, machine, versions
@@ -42,6 +43,7 @@ MEASUREMENTS = {
         relaxing,
         roads,
         simulating,
+        squares,
         streaming,
         instances,
     )

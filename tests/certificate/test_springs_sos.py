@@ -17,12 +17,14 @@ from certreg.certificate import (
     ExactPose,
     blockwise,
     pose_bounds,
+    produce,
+    sin2_half_angle_between,
     springs_certificate,
     verify,
 )
 from certreg.finding import find_optimum
-from certreg.objective import Springs
-from certreg.problem import RegistrationProblem, spring_moments
+from certreg.objective import Isotropic, Springs
+from certreg.problem import RegistrationProblem, exact_moments, spring_moments
 
 checker = import_module("certreg.verify")
 SCHEMAS = Path(checker.__file__).parent / "report" / "schemas"
@@ -283,3 +285,23 @@ def test_the_best_pose_is_within_the_gap():
     assert bounds.greatest_gap == body.gap
     assert bounds.share_upper < 1e-20
     assert bounds.angle_upper < 1e-12
+
+
+def test_isotropic_data_have_the_same_optimum_by_both_kinds():
+    rng = np.random.default_rng(4)
+    x = rng.standard_normal((10, 3))
+    y = x[:, [1, 2, 0]] + 0.1 * rng.standard_normal((10, 3))
+    general = RegistrationProblem(x, y, factors=np.tile([1.0, 0.0, 1.0, 0.0, 0.0, 1.0], (10, 1)))
+    plain = RegistrationProblem(x, y)
+    one = produce(plain, Isotropic(exact_moments(plain)))
+    objective = Springs(spring_moments(general))
+    other = springs_certificate(general, objective, find_optimum(objective))
+
+    assert verify(one, plain).proved
+    assert verify(other, general).proved
+    assert other.body.claims.unique is True
+    between = sin2_half_angle_between(one.body.quaternion, other.body.quaternion)
+    assert between < Fraction(1, 10**24)
+    assert abs(verify(other).worth.objective - verify(one).worth.objective) < Fraction(1, 10**20)
+    assert not verify(one, general).proved
+    assert not verify(other, plain).proved
