@@ -22,7 +22,7 @@ NOT_AN_ANGLE = "radius is not of an angle up to 90 degrees, or not positive"
 def instance(seed, n, flat=1.0, noise=0.1):
     rng = np.random.default_rng(seed)
     source = rng.standard_normal((n, 3)) * (1.0, flat, flat**2)
-    turn = Rotation.random(rng=rng).as_matrix()
+    turn = Rotation.from_quat(rng.normal(size=4)).as_matrix()
     target = source @ turn.T + noise * rng.standard_normal((n, 3)) * flat
     return source, target, np.exp(rng.standard_normal(n))
 

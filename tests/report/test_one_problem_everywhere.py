@@ -155,7 +155,7 @@ def case(request: pytest.FixtureRequest) -> Case:
     source = unit * (rng.standard_normal((N, 3)) * [3.0, 2.0, 1.0] + [5.0, -4.0, 3.0])
     noise = options(kind, unit, rng)
     given = np.broadcast_to(noise.get("sigma", 0.01 * unit), N)
-    turn = Rotation.random(rng=rng)
+    turn = Rotation.from_quat(rng.normal(size=4))
     target = turn.apply(source) + unit * np.array([7.0, 8.0, -9.0])
     target += given[:, None] * rng.standard_normal((N, 3))
     weights = noise.get("weights", np.ones(N)) if "sigma" not in noise else 1.0 / given**2
