@@ -120,7 +120,7 @@ class LazyGroup(click.Group):
 @click.group(
     cls=LazyGroup,
     entries=COMMANDS,
-    context_settings={"help_option_names": ["--help", "-h"]},  # the first is told where one is missed
+    context_settings={"help_option_names": ["--help", "-h"]},  # the first is named in usage
     epilog=EXIT_CODES,
 )
 @click.version_option(__version__, prog_name="certreg")
