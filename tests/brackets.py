@@ -30,8 +30,10 @@ from certreg.problem.problem import RegistrationProblem
 from certreg.registration.assessment import assess
 from certreg.registration.certification import certify
 from certreg.report.document import assessment_document, result_document
-from certreg.report.page import Report, html_page
-from certreg.report.summary import assessment_summary, registration_summary
+from certreg.report.judged_pose import assessment_summary
+from certreg.report.page import Report
+from certreg.report.pages import html_page
+from certreg.report.summary import registration_summary
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

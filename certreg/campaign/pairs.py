@@ -246,7 +246,8 @@ def _row(entry: dict[str, Any]) -> dict[str, Any]:
     if entry["schema"] == ERROR_SCHEMA:
         return row | {"status": "error", "error": entry["error"]["message"]}
     optimality, equilibria = entry["optimality"], entry["equilibria"]
-    loose = entry["margin"]["hardly_determined"]
+    margin = entry["margin"]
+    loose, near = margin["hardly_determined"], margin["nearly_ambiguous"]
     return row | {
         "status": optimality["status"],
         "n": entry["n"],
@@ -255,10 +256,10 @@ def _row(entry: dict[str, Any]) -> dict[str, Any]:
         "gap_bound": optimality["gap_bound"],
         "gap_share": optimality["gap_share"],
         "angle_bound_rad": optimality["angle_bound_rad"],
-        "margin": entry["margin"]["relative"],
-        "nearly_ambiguous": int(entry["margin"]["nearly_ambiguous"]),
+        "margin": margin["relative"],
+        "nearly_ambiguous": None if near is None else int(near),
         "hardly_determined": None if loose is None else int(loose),
-        "pattern": " ".join(map(str, equilibria["pattern"])),
+        "pattern": "" if equilibria is None else " ".join(map(str, equilibria["pattern"])),
         "certificate": entry["certificate"],
     }
 

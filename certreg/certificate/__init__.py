@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from certreg.certificate.producing import springs_certificate as springs_certificate
     from certreg.certificate.radius import MOST_DEGREES as MOST_DEGREES
     from certreg.certificate.radius import Radius as Radius
+    from certreg.certificate.spring_bounds import spring_pose_bounds as spring_pose_bounds
     from certreg.certificate.springs_cones import ConesCap as ConesCap
     from certreg.certificate.springs_cones import SpringsConesBody as SpringsConesBody
     from certreg.certificate.springs_sos import SpringsClaims as SpringsClaims
@@ -87,5 +88,6 @@ __getattr__ = lazy_face(
             "SpringsClaims",
             "SpringsSosBody",
         ),
+        "spring_bounds": ("spring_pose_bounds",),
     },
 )

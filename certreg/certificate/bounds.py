@@ -185,7 +185,10 @@ def sin2_half_angle_between(p: Sequence[int], q: Sequence[int]) -> Fraction:
 
 def _angle_upper(body: IsotropicBody | SpringsSosBody, q: Sequence[int]) -> float | None:
     claimed = body.claims.sin2_half_angle
-    if claimed is None:
-        return None
-    own = half_angle_bound(sin2_half_angle_between(body.quaternion, q))
-    return min(math.pi, math.nextafter(own + half_angle_bound(claimed.value), math.inf))
+    return None if claimed is None else angle_from(body.quaternion, q, claimed.value)
+
+
+def angle_from(certified: Sequence[int], q: Sequence[int], claimed: Fraction) -> float:
+    """A bound in radians on the angle from R(q) to the optima; claimed: sin^2 of half of theirs."""
+    own = half_angle_bound(sin2_half_angle_between(certified, q))
+    return min(math.pi, math.nextafter(own + half_angle_bound(claimed), math.inf))

@@ -108,7 +108,7 @@ def certify(
         document = result_document(registration, place, notes=pair.notes)
         click.echo(dumps(document))
     else:
-        click.echo(registration_summary(registration))
+        click.echo(registration.summary())
         if path is not None:
             place = printable(path)
             click.echo(f"\nCertificate: {place}  (re-check it: certreg verify {place})")

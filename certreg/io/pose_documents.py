@@ -10,7 +10,7 @@ import numpy as np
 
 from certreg.geometry import ROTATION_TOLERANCE, GivenPose
 from certreg.io.pose_values import finite_array, of_matrix, of_quaternion
-from certreg.verify import FORMAT, IsotropicStatement, RefusalError, parse, shown
+from certreg.verify import FORMAT, RefusalError, parse, shown
 
 if TYPE_CHECKING:
     from certreg.io.pose_values import PoseSource
@@ -48,7 +48,7 @@ def pose_of_certificate(source: PoseSource, content: bytes) -> GivenPose:
     except RefusalError as error:
         message = f"is neither a pose file nor a well-formed certificate ({shown(error)})"
         raise source.refusal(message) from error
-    q = statement.pose if isinstance(statement, IsotropicStatement) else (0,)
+    q: tuple[int, ...] = getattr(statement, "pose", (0,))  # that of a count holds none
     if not any(q):
         raise source.refusal("is a certificate that holds no pose: give a pose or a result")
     norm = math.isqrt(sum(entry * entry for entry in q) << 2 * SCALE)

@@ -11,7 +11,8 @@ if TYPE_CHECKING:
     from certreg.registration.ambiguity import NEARLY_AMBIGUOUS as NEARLY_AMBIGUOUS
     from certreg.registration.ambiguity import ambiguous_words as ambiguous_words
     from certreg.registration.ambiguity import narrow_words as narrow_words
-    from certreg.registration.assessment import Assessment as Assessment
+    from certreg.registration.any_registration import AnyRegistration as AnyRegistration
+    from certreg.registration.assessed import Assessment as Assessment
     from certreg.registration.assessment import assess as assess
     from certreg.registration.assessment import judged as judged
     from certreg.registration.c_sources import write_sources as write_sources
@@ -57,6 +58,7 @@ if TYPE_CHECKING:
     from certreg.registration.fit import FitRow as FitRow
     from certreg.registration.fit import fit_of as fit_of
     from certreg.registration.fit import silent_tests as silent_tests
+    from certreg.registration.freedom import Freedom as Freedom
     from certreg.registration.headlines import DEGREE_SLACK as DEGREE_SLACK
     from certreg.registration.headlines import HARDLY_DETERMINED as HARDLY_DETERMINED
     from certreg.registration.headlines import HEADLINES as HEADLINES
@@ -89,6 +91,21 @@ if TYPE_CHECKING:
     from certreg.registration.row_names import RowNames as RowNames
     from certreg.registration.slips import Slip as Slip
     from certreg.registration.slips import SlipCode as SlipCode
+    from certreg.registration.spring_certification import certified_springs as certified_springs
+    from certreg.registration.spring_headlines import SPRING_HEADLINES as SPRING_HEADLINES
+    from certreg.registration.spring_headlines import free_words as free_words
+    from certreg.registration.spring_headlines import is_green_spring as is_green_spring
+    from certreg.registration.spring_headlines import spring_degrees as spring_degrees
+    from certreg.registration.spring_headlines import spring_headline_of as spring_headline_of
+    from certreg.registration.spring_headlines import spring_headline_words as spring_headline_words
+    from certreg.registration.spring_result import NOT_LISTED as NOT_LISTED
+    from certreg.registration.spring_result import NOT_SIMULATED as NOT_SIMULATED
+    from certreg.registration.spring_result import SPRING_KINDS as SPRING_KINDS
+    from certreg.registration.spring_result import UNDECIDED as UNDECIDED
+    from certreg.registration.spring_result import Method as Method
+    from certreg.registration.spring_result import SpringRegistration as SpringRegistration
+    from certreg.registration.spring_result import SpringSolution as SpringSolution
+    from certreg.registration.spring_rows import pulled_to as pulled_to
 
 __getattr__ = lazy_face(
     __name__,
@@ -99,8 +116,9 @@ __getattr__ = lazy_face(
             "ambiguous_words",
             "narrow_words",
         ),
+        "any_registration": ("AnyRegistration",),
+        "assessed": ("Assessment",),
         "assessment": (
-            "Assessment",
             "assess",
             "judged",
         ),
@@ -163,6 +181,7 @@ __getattr__ = lazy_face(
             "fit_of",
             "silent_tests",
         ),
+        "freedom": ("Freedom",),
         "headlines": (
             "DEGREE_SLACK",
             "HARDLY_DETERMINED",
@@ -205,5 +224,24 @@ __getattr__ = lazy_face(
             "Slip",
             "SlipCode",
         ),
+        "spring_certification": ("certified_springs",),
+        "spring_headlines": (
+            "SPRING_HEADLINES",
+            "free_words",
+            "is_green_spring",
+            "spring_degrees",
+            "spring_headline_of",
+            "spring_headline_words",
+        ),
+        "spring_result": (
+            "NOT_LISTED",
+            "NOT_SIMULATED",
+            "SPRING_KINDS",
+            "UNDECIDED",
+            "Method",
+            "SpringRegistration",
+            "SpringSolution",
+        ),
+        "spring_rows": ("pulled_to",),
     },
 )

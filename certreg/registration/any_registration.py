@@ -10,14 +10,21 @@ from certreg.results import Explained, Optimality, Presented, presenter
 
 if TYPE_CHECKING:
     import os
+    from collections.abc import Iterator
     from pathlib import Path
 
+    import numpy as np
+    from numpy.typing import NDArray
+
     from certreg.certificate import Certificate, PoseBounds
+    from certreg.dynamics import Trajectory
     from certreg.geometry import Pose
     from certreg.problem import RegistrationProblem
-    from certreg.registration.covariance import PoseCovariance
+    from certreg.registration.covariance import PoseCovariance, Residual
     from certreg.registration.fit import Fit
     from certreg.results import Limits, Verdict
+
+    ResidualBlock = tuple[slice, NDArray[np.float64], NDArray[np.float64]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -77,13 +84,30 @@ class AnyRegistration(Explained, Presented):
     def robustness(self) -> Robustness | None:
         """How far the points may be off, proved; None where that is not, or not asked for."""
         certificate = self.certificate
-        if certificate is None or certificate.body.radius is None:
-            return None
-        return Robustness.of(certificate.body.radius)
+        radius = None if certificate is None else getattr(certificate.body, "radius", None)
+        return None if radius is None else Robustness.of(radius)
 
     @property
     def status(self) -> Optimality:
         """What is proved of the pose; never more than the checker has accepted."""
+        raise NotImplementedError
+
+    @property
+    def trajectory(self) -> Trajectory | None:
+        """The simulated motion; None where none was taken."""
+        raise NotImplementedError
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Of the residuals, all six parameters of the pose counted."""
+        raise NotImplementedError
+
+    def residual_blocks(self) -> Iterator[ResidualBlock]:
+        """All rows: slices, residuals, and these in standard deviations of weight one."""
+        raise NotImplementedError
+
+    def worst_residuals(self, count: int) -> list[Residual]:
+        """The rows that fit worst, at most so many, the worst first."""
         raise NotImplementedError
 
     def report(self, path: str | os.PathLike[str]) -> Path:

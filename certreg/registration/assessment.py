@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from certreg.errors import InvalidProblemError
 from certreg.exact import double_above, nearest_double, nearest_root
 from certreg.geometry import given_pose, why_no_rotation
 from certreg.problem import RegistrationProblem
+from certreg.registration.any_registration import AnyRegistration
+from certreg.registration.assessed import Assessment
 from certreg.registration.assessment_words import headline_of_pose, note_on, words_of_pose
 from certreg.registration.certification import certify
 from certreg.registration.findings import (
@@ -23,17 +23,18 @@ from certreg.registration.findings import (
     verdict_of,
 )
 from certreg.registration.headlines import NO_ROTATION
-from certreg.registration.result import Registration
 from certreg.registration.slips import slip_of
-from certreg.results import OUT_OF_RANGE, Absent, Explained, PoseVerdict, Presented, present
+from certreg.registration.spring_assessment import judged_on_springs
+from certreg.registration.spring_result import SpringRegistration
+from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict, present
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from certreg.certificate import PoseBounds
-    from certreg.geometry import GivenPose, Pose
-    from certreg.registration.findings import Findings, SigmaDistance
-    from certreg.registration.fit import Fit
+    from certreg.geometry import GivenPose
+    from certreg.registration.findings import Findings
+    from certreg.registration.result import Registration
     from certreg.registration.slips import Slip
 
 NUMBERS = (
@@ -49,88 +50,8 @@ OF_OPTIMUM = dict.fromkeys(("optimum_objective", "optimum_rmse"), OUT_OF_RANGE)
 NOTHING_TO_EXPLAIN = Absent("the pose is (nearly) optimal: there is no slip to name")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Assessment(Explained, Presented):
-    """What is known of a given pose.
-
-    Attributes
-    ----------
-    verdict, headline, words
-        The verdict; with what is proved and what speaks against it; what else is to be said of it,
-        in a sentence or two.
-    optimum, optimum_objective, optimum_rmse
-        The certified pose beside the judged one, and what the optimum costs itself, not rounded;
-        where it is not unique, nearest the identity, to 1e-4 radians.
-    fit
-        What the optimum is worth as a fit: a pose can be optimal and the fit poor.
-    objective, rmse
-        At the pose; None where it is no rotation, or beyond the doubles.
-    gap_lower, gap_upper, gap_share
-        Proved bounds on objective - minimum; None where it is no rotation. The share: gap_upper
-        over the range of energies; None where that is zero, too.
-    rounding_cost
-        What rounding the numbers of the optimal pose to doubles can cost.
-    angle_to_optimum, angle_upper
-        Radians, to the nearest optimum, computed; proved, rounded up; None where the optimum is not
-        unique.
-    nearest_index, nearest_angle
-        Morse index of the nearest component of equilibria; radians.
-    sigma_distance
-        How far the pose is from the optimum in standard deviations; None without sigma.
-    slip
-        The usual slip that explains a bad verdict, if any does: without it the pose is optimal.
-    green
-        Whether its card is: that of a pose that is optimal to rounding, with nothing against it.
-    energies
-        All that are told, exactly; None where it is no rotation.
-    absent
-        Why an attribute is None, by its name.
-    """
-
-    verdict: PoseVerdict
-    headline: str
-    words: str
-    optimum: Pose
-    optimum_objective: float | None
-    optimum_rmse: float | None
-    fit: Fit
-    objective: float | None = None
-    rmse: float | None = None
-    gap_lower: float | None = None
-    gap_upper: float | None = None
-    gap_share: float | None = None
-    rounding_cost: float | None = None
-    angle_upper: float | None = None
-    angle_to_optimum: float | None = None
-    nearest_index: int | None = None
-    nearest_angle: float | None = None
-    sigma_distance: SigmaDistance | None = None
-    slip: Slip | None = None
-    green: bool = False
-    energies: JudgedEnergies | None = None
-
-    def __repr__(self) -> str:
-        if self.angle_to_optimum is None:
-            return f"<Assessment: {self.verdict.value}>"
-        away = math.degrees(self.angle_to_optimum)
-        return f"<Assessment: {self.verdict.value}; {away:.6g} degrees from the optimum>"
-
-    @property
-    def hint(self) -> str | None:
-        """The slip in a sentence; None without one."""
-        return None if self.slip is None else self.slip.words
-
-    @property
-    def unexplained(self) -> str | None:
-        """That no slip explains a bad verdict, in a sentence; None where one does."""
-        slip = self.stated("slip")
-        if self.verdict in GOOD or not isinstance(slip, Absent):
-            return None
-        return f"{slip.reason[0].upper()}{slip.reason[1:]}."
-
-
 def assess(
-    problem: RegistrationProblem | Registration,
+    problem: RegistrationProblem | Registration | SpringRegistration,
     pose: Any,
     translation: ArrayLike | None = None,
     *,
@@ -179,8 +100,8 @@ def assess(
     'optimal'
     """
     stated: Any = problem  # whatever the caller gave
-    if not isinstance(stated, RegistrationProblem | Registration):
-        swapped = isinstance(pose, RegistrationProblem | Registration)
+    if not isinstance(stated, RegistrationProblem | AnyRegistration):
+        swapped = isinstance(pose, RegistrationProblem | AnyRegistration)
         found = "the two the other way round" if swapped else f"a {type(stated).__name__}"
         message = (
             "assess takes a RegistrationProblem, or what certify returned, and then the pose: "
@@ -191,16 +112,20 @@ def assess(
         message = "pose is a RegistrationProblem: that comes first, and then the pose"
         raise InvalidProblemError(message, array="pose")
     given = given_pose(pose, translation)
-    if not isinstance(problem, Registration):
+    if isinstance(problem, RegistrationProblem):
         problem = certify(problem, relaxation=False, simulation=False)
     return judged(problem, given, settings)
 
 
 def judged(
-    registration: Registration, given: GivenPose, settings: AssessmentSettings | None = None
+    registration: Registration | SpringRegistration,
+    given: GivenPose,
+    settings: AssessmentSettings | None = None,
 ) -> Assessment:
     """As `assess`, of a problem that is certified already."""
     settings = settings or AssessmentSettings()
+    if isinstance(registration, SpringRegistration):
+        return judged_on_springs(registration, given, settings)
     fault = why_no_rotation(given.turn, settings.rotation_tolerance)
     if fault is not None:
         return _no_rotation(registration, given, fault, settings)

@@ -6,7 +6,7 @@ import logging
 import time
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
+from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack, cast
 
 from certreg.certificate import (
     ExactPose,
@@ -31,6 +31,7 @@ from certreg.native import Integrator
 from certreg.objective import Isotropic
 from certreg.problem import RegistrationProblem, exact_moments, lift
 from certreg.registration.agreement import agreement, require_sound_trajectory
+from certreg.registration.alike import require_alike
 from certreg.registration.optimum import optimal_pose
 from certreg.registration.parts import counted, logged
 from certreg.registration.result import (
@@ -42,6 +43,7 @@ from certreg.registration.result import (
     final_state,
 )
 from certreg.registration.robustness import ROBUSTNESS_ANGLE, checked_angle
+from certreg.registration.spring_certification import SPRING_PARTS, certified_springs
 from certreg.relaxation import relax
 from certreg.results import (
     MAX_ANGLE,
@@ -63,6 +65,7 @@ if TYPE_CHECKING:
 
 LOG = logging.getLogger(__name__)
 PARTS = 3  # of certify, besides relaxation and simulation: sums, certificate, checker
+SIMULATED = "the motion is simulated"
 NOT_ASKED = Absent("not asked for")
 NOT_CERTIFIED = Absent("not certified")
 CROSS_CHECK = Integrator.SPLITTING  # a few large steps, however stiff the springs
@@ -122,7 +125,9 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
     Returns
     -------
     Registration
-        The pose, what is proved of it, all equilibria, and the certificate.
+        The pose, what is proved of it, all equilibria, and the certificate. Of general springs a
+        `SpringRegistration`, which has the same but no equilibria and no simulation; its relaxation
+        is a part of the search, and always taken.
 
     Raises
     ------
@@ -135,6 +140,15 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
     """
     stated, named = _stated(problem, target, statement)
     limits = Limits(max_gap=max_gap, max_angle=max_angle)
+    if stated.factors is not None:
+        found = certified_springs(
+            stated,
+            solver=relaxation if isinstance(relaxation, str) else None,
+            about={**named, **(about or {})},
+            limits=limits,
+            done=counted(progress, SPRING_PARTS),
+        )
+        return cast("Registration", found)
     registration = certified(
         stated,
         relaxation=relaxation,
@@ -247,6 +261,7 @@ def simulate(
         Where the dynamics is not defined or too stiff.
     """
     chosen, settings = Integrator(integrator), _with_step(settings, step)
+    require_alike(problem, SIMULATED)
     objective = Isotropic(exact_moments(problem))
     trajectory = run(objective, problem.damping, chosen, settings=settings)
     return ProblemTrajectory.of(problem, objective, trajectory)
@@ -260,6 +275,7 @@ def simulated(
     Raises ContradictionError or RefusedCertificateError where certreg contradicts itself.
     """
     chosen, settings = Integrator(integrator), _with_step(None, step)
+    require_alike(problem, SIMULATED)
     objective = Isotropic(exact_moments(problem))
     return proved_end(
         problem, objective, run(objective, problem.damping, chosen, settings=settings)
@@ -372,6 +388,7 @@ def optimally_damped(problem: RegistrationProblem) -> RegistrationProblem:
 
     Raises DegenerateProblemError where the dynamics is not defined or the optimum is not unique.
     """
+    require_alike(problem, "an optimal damping is computed")
     return problem.damped(optimal_damping(Isotropic(exact_moments(problem))))
 
 

@@ -166,7 +166,7 @@ def pose_covariance(problem: RegistrationProblem, objective: Isotropic) -> PoseC
     return PoseCovariance(
         matrix=present(matrix),
         translation_sigma=told[:3],
-        second_order=_second_order(rotation @ parts.turns(), arm, variances),
+        second_order=second_order(rotation @ parts.turns(), arm, variances),
         rotation_sigma=told[3:],
         loosest_sigma=loosest,
         loosest_axis=axis * np.sign(axis[np.argmax(np.abs(axis))]),
@@ -271,13 +271,15 @@ def _in_doubles(exact: RationalMatrix) -> NDArray[np.float64] | Absent:
     least = np.diag(matrix).min()  # below the normal doubles digits are lost
     if not np.isfinite(matrix).all() or least < np.finfo(np.float64).tiny:
         return OUT_OF_RANGE
-    if _least_correlation(matrix) >= LEAST_CORRELATION:
+    if least_correlation(matrix) >= LEAST_CORRELATION:
         return matrix
-    return LOOSE if _least_correlation(matrix[TURN:, TURN:]) < LEAST_CORRELATION else FAR
+    return LOOSE if least_correlation(matrix[TURN:, TURN:]) < LEAST_CORRELATION else FAR
 
 
-def _second_order(
-    turns: NDArray[np.float64], arm: NDArray[np.float64], variances: Sequence[Fraction]
+def second_order(
+    turns: NDArray[np.float64],
+    arm: NDArray[np.float64],
+    variances: Sequence[Fraction] | NDArray[np.float64],
 ) -> float:
     """The largest share of a deviation of t that the second order of the turn is; inf if beyond.
 
@@ -292,12 +294,12 @@ def _second_order(
         with np.errstate(all="ignore"):
             form = turns.T @ bend @ turns
             moved = np.sqrt(np.trace(form) ** 2 + 2.0 * np.sum(form**2)) / 2.0
-        sigma = nearest_root(variance / Fraction(unit) ** 2)
+        sigma = nearest_root(Fraction(variance) / Fraction(unit) ** 2)
         shares.append(float(moved) / sigma if sigma and np.isfinite(moved) else inf)
     return max(shares)
 
 
-def _least_correlation(matrix: NDArray[np.float64]) -> float:
+def least_correlation(matrix: NDArray[np.float64]) -> float:
     """The least eigenvalue of a covariance divided by the standard deviations."""
     sigmas = np.sqrt(np.diag(matrix))
     return float(np.linalg.eigvalsh(matrix / sigmas / sigmas[:, None])[0])

@@ -10,6 +10,7 @@ from certreg.equilibrium import METHODS, EquilibriumSet, compare, search
 from certreg.errors import UndecidedError
 from certreg.objective import Isotropic
 from certreg.problem import exact_moments
+from certreg.registration.alike import require_alike
 from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.covariance import pose_covariance
 from certreg.registration.fit import fit_of
@@ -101,6 +102,7 @@ def enumerated(
             f"method is {method!r}: this version knows {', '.join(map(repr, METHODS))} and {ALL!r}"
         )
         raise ValueError(message)
+    require_alike(problem, "equilibria are listed")
     objective = Isotropic(exact_moments(problem))
     names = tuple(METHODS) if method == ALL else (method,)
     done = counted(progress, len(names))

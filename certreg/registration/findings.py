@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from certreg.certificate import PoseBounds
     from certreg.geometry import GivenPose
     from certreg.objective import Isotropic
+    from certreg.registration.any_registration import AnyRegistration
     from certreg.registration.result import Registration, Solution
 
 GOOD = (PoseVerdict.OPTIMAL, PoseVerdict.NEAR_OPTIMAL)
@@ -108,7 +109,8 @@ class JudgedEnergies(Brief):
     """The energies of a pose and of the optimum, exactly, or between exact bounds, of any size.
 
     objective, optimum: of the two. bounds: of objective - minimum. rounding_cost: of rounding the
-    numbers of the optimal pose to doubles. total_weight: of which they are sums.
+    numbers of the optimal pose to doubles. total_weight: of which they are sums. of_what: what an
+        RMSE is of.
     """
 
     objective: Fraction
@@ -116,6 +118,7 @@ class JudgedEnergies(Brief):
     bounds: PoseBounds
     rounding_cost: Fraction
     total_weight: Fraction
+    of_what: str = "weighted"
 
     @classmethod
     def of(cls, facts: Findings) -> JudgedEnergies:
@@ -213,14 +216,14 @@ def sigma_distance(facts: Findings, given: GivenPose) -> SigmaDistance | Absent:
     return loose if loose is not None and not rules_out(facts.registration, distance) else distance
 
 
-def rules_out(registration: Registration, distance: SigmaDistance) -> bool:
+def rules_out(registration: AnyRegistration, distance: SigmaDistance) -> bool:
     """Whether the noise rules a pose out: the true one is as far with a probability below LEVEL.
 
     Of a fit without a warning, as the distance is.
     Where the residuals are larger than sigma says, so is the noise, and the distance is as much
     smaller.
     """
-    covariance = registration.solution.covariance
+    covariance = registration.covariance
     factor = None if covariance is None else covariance.variance_factor
     value = distance.value / math.sqrt(max(1.0, factor or 1.0))
     return value >= SURELY or log_chi2_above(value**2, distance.dof) <= math.log(LEVEL)

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate import PoseBounds
+    from certreg.registration.any_registration import AnyRegistration
     from certreg.registration.covariance import PoseCovariance
     from certreg.registration.fit import Fit
     from certreg.registration.result import Registration
@@ -262,9 +263,9 @@ def is_green(registration: Registration) -> bool:
     return _meets_usual(registration) and headline_of(registration).good
 
 
-def is_loose(registration: Registration) -> bool:
+def is_loose(registration: AnyRegistration) -> bool:
     """Whether the noise, given or that of a good fit, leaves a turn about some axis open."""
-    covariance, fit = registration.solution.covariance, registration.fit
+    covariance, fit = registration.covariance, registration.fit
     if covariance is None or (covariance.estimated and (fit.warnings or fit.rounded)):
         return False
     return covariance.loosest_sigma > LOOSE_SIGMA
@@ -278,9 +279,9 @@ def beyond_first_order(covariance: PoseCovariance) -> TooLarge | None:
     return TooLarge(f"the turn about {about} is hardly determined, far beyond a first order")
 
 
-def loose_words(registration: Registration) -> str:
+def loose_words(registration: AnyRegistration) -> str:
     """That the noise leaves a turn open, and about which axis; empty where it does not."""
-    covariance = registration.solution.covariance
+    covariance = registration.covariance
     if covariance is None or not is_loose(registration):
         return ""
     whose = "noise as large as the residuals" if covariance.estimated else "the sigma given"

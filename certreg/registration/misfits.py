@@ -213,7 +213,7 @@ def misfits(
     texts = {FitCode.SCALE: _scale_words(sums, rows), **_likeliest(causes, sums, rows)}
     if FitCode.MIRRORED not in texts:  # a reflection that fits pairs the rows as they are
         texts.setdefault(FitCode.SHUFFLED, _shuffled_words(sums, rows))
-    texts[FitCode.CHI2] = _chi2_words(chi2)
+    texts[FitCode.CHI2] = chi2_words(chi2)
     if not any(texts.values()):
         texts[FitCode.POOR_FIT] = _poor_words(sums)
     told = {code: text for code, text in texts.items() if text}
@@ -237,9 +237,14 @@ def _remedy(
     if code is FitCode.OUTLIER_ROWS:
         return _outlier_remedy(rows, names)
     if code is FitCode.CHI2 and chi2 is not None:
-        shape = "check the pairs, and whether both clouds show one rigid shape"
-        return f"{shape}; if the noise may be larger, give {_times_sigma(chi2)} times this sigma"
+        return chi2_remedy(chi2)
     return REMEDIES[code]
+
+
+def chi2_remedy(chi2: ChiSquared) -> str:
+    """What may be done where nothing else is warned of."""
+    shape = "check the pairs, and whether both clouds show one rigid shape"
+    return f"{shape}; if the noise may be larger, give {_times_sigma(chi2)} times this sigma"
 
 
 def _scale_remedy(scale: Fraction | None) -> str:
@@ -405,7 +410,8 @@ def _as_random(sums: FitSums, rows: RowFit) -> bool:
     return int(np.count_nonzero(alignments >= found)) > CHANCE * RANDOM_PAIRINGS
 
 
-def _chi2_words(chi2: ChiSquared | None) -> str | None:
+def chi2_words(chi2: ChiSquared | None) -> str | None:
+    """That the residuals are larger than sigma says, where they are."""
     if chi2 is None or chi2.p > LEVEL:
         return None
     return (

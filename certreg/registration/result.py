@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields
 from fractions import Fraction
 from functools import cached_property
@@ -16,7 +17,13 @@ from certreg.exact import nearest_double, power_of_two
 from certreg.problem import lift, row_blocks
 from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.any_registration import AnyRegistration
-from certreg.registration.covariance import pose_covariance, residual_distances
+from certreg.registration.covariance import (
+    PARAMETERS,
+    pose_covariance,
+    residual_distances,
+    rows_with_weight,
+    worst_residuals,
+)
 from certreg.registration.fit import fit_of
 from certreg.registration.robustness import NONE_PROVED
 from certreg.registration.row_names import RowNames
@@ -31,6 +38,8 @@ from certreg.results import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from certreg.certificate import Certificate, IsotropicBody
@@ -39,7 +48,8 @@ if TYPE_CHECKING:
     from certreg.objective import Isotropic
     from certreg.problem import ExactMoments, RegistrationProblem
     from certreg.registration.agreement import Agreement
-    from certreg.registration.covariance import PoseCovariance
+    from certreg.registration.any_registration import ResidualBlock
+    from certreg.registration.covariance import PoseCovariance, Residual
     from certreg.registration.fit import Fit
     from certreg.relaxation import Relaxation
 
@@ -218,6 +228,11 @@ class Registration(AnyRegistration):
         return Optimality.CERTIFIED if unique else Optimality.CERTIFIED_NOT_UNIQUE
 
     @property
+    def trajectory(self) -> Trajectory | None:
+        """The simulated motion; None where none was taken."""
+        return present(self.solution.trajectory)
+
+    @property
     def covariance(self) -> PoseCovariance | None:
         """Of the pose; None where the optimum is not unique or no double holds it."""
         return self.solution.covariance
@@ -249,9 +264,36 @@ class Registration(AnyRegistration):
     @property
     def residuals(self) -> NDArray[np.float64]:
         """(N,), |y - R x - t| of each correspondence at `pose`, in the unit of length."""
-        problem, pose = self.problem, self.pose
-        blocks = (problem.block(rows) for rows in row_blocks(problem.n))
-        return np.concatenate([residual_distances(block, pose) for block in blocks])
+        return np.concatenate([distances for _, distances, _ in self.residual_blocks()])
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Of the residuals, all six parameters of the pose counted."""
+        return 3 * rows_with_weight(self.problem) - PARAMETERS
+
+    def residual_blocks(self) -> Iterator[ResidualBlock]:
+        """All rows: slices, distances, and these in standard deviations of weight one."""
+        for rows in row_blocks(self.problem.n):
+            block = self.problem.block(rows)
+            distances = residual_distances(block, self.pose)
+            with np.errstate(over="ignore", invalid="ignore"):
+                strained = np.where(block.weights > 0, np.sqrt(block.weights) * distances, math.nan)
+            yield rows, distances, strained
+
+    def worst_residuals(self, count: int) -> list[Residual]:
+        """The correspondences that are farthest apart at `pose`.
+
+        Parameters
+        ----------
+        count
+            How many.
+
+        Returns
+        -------
+        list[Residual]
+            Rows and distances, the largest first; of equal ones the first row.
+        """
+        return worst_residuals(self.problem, self.pose, count)
 
 
 def exact_energy_unit(moments: ExactMoments, trajectory: Trajectory | Absent) -> Fraction:

@@ -43,9 +43,21 @@ def rounding_cost(
     the translation (3,); None where it is not written, but the best one. In the clouds' unit.
     centre: of the cloud that the pose moves, where it is written as the inverse, for the target.
     """
+    centre = objective.moments.source_centroid if centre is None else centre
+    sine, away = rounding_errors(turn, shift, centre)
+    most = rational_root_above(2 * objective.least_range_squared)  # of the range of energies
+    return most * sine + objective.moments.total_weight * away
+
+
+def rounding_errors(
+    turn: NDArray[np.float64], shift: NDArray[np.float64] | None, centre: Sequence[Fraction]
+) -> tuple[Fraction, Fraction]:
+    """Bounds on sin^2(a/2) of the turn, and on the square of how far the centre is off its place.
+
+    Of a pose each of whose numbers is rounded once; arguments as of `rounding_cost`.
+    """
     halves = [_half(entry) for entry in turn.ravel().tolist()]
     moved = [_half(entry) for entry in ([0.0] * 3 if shift is None else shift.tolist())]
-    centre = objective.moments.source_centroid if centre is None else centre
     off = _squares(halves)
     if turn.shape == MATRIX:
         sine = off / 2
@@ -54,10 +66,7 @@ def rounding_cost(
     else:
         sine = off / _squares([Fraction(entry) for entry in turn.tolist()])
         away = 2 * (_squares(moved) + 4 * sine * _squares(list(centre)))
-    if shift is None:
-        away = Fraction(0)
-    most = rational_root_above(2 * objective.least_range_squared)  # of the range of energies
-    return most * sine + objective.moments.total_weight * away
+    return sine, Fraction(0) if shift is None else away
 
 
 def rounding_remedy(moments: ExactMoments, matters: Fraction) -> str:

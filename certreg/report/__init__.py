@@ -14,13 +14,13 @@ if TYPE_CHECKING:
     from certreg.report.document import simulation_document as simulation_document
     from certreg.report.folder import REPORT as REPORT
     from certreg.report.folder import write_folder as write_folder
+    from certreg.report.judged_pose import assessment_summary as assessment_summary
     from certreg.report.markup import printable as printable
     from certreg.report.markup import rendered as rendered
     from certreg.report.methods import enumeration_summary as enumeration_summary
-    from certreg.report.page import html_page as html_page
+    from certreg.report.pages import html_page as html_page
     from certreg.report.presenting import PRESENTER as PRESENTER
     from certreg.report.reload import report_of as report_of
-    from certreg.report.summary import assessment_summary as assessment_summary
     from certreg.report.summary import equilibria_words as equilibria_words
     from certreg.report.summary import registration_summary as registration_summary
     from certreg.report.summary import simulation_summary as simulation_summary
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 __getattr__ = lazy_face(
     __name__,
     {
+        "judged_pose": ("assessment_summary",),
         "document": (
             "assessment_document",
             "dumps",
@@ -44,11 +45,10 @@ __getattr__ = lazy_face(
             "rendered",
         ),
         "methods": ("enumeration_summary",),
-        "page": ("html_page",),
+        "pages": ("html_page",),
         "presenting": ("PRESENTER",),
         "reload": ("report_of",),
         "summary": (
-            "assessment_summary",
             "equilibria_words",
             "registration_summary",
             "simulation_summary",

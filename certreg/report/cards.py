@@ -6,10 +6,16 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from certreg.registration import is_green
+from certreg.registration import is_green, is_green_spring
 from certreg.report.markup import printable, rendered
 from certreg.report.picture import energy_picture, registration_picture
 from certreg.report.remedies import ADVICE, remedies
+from certreg.report.spring_summary import (
+    spring_remedies,
+    spring_verdict_words,
+    spring_warnings,
+    springs_words,
+)
 from certreg.report.summary import (
     KINDS,
     OF_SPREAD,
@@ -28,7 +34,13 @@ if TYPE_CHECKING:
 
     from certreg.certificate import CertificateVerdict
     from certreg.equilibrium import EquilibriumSet
-    from certreg.registration import Assessment, ProblemTrajectory, Registration
+    from certreg.registration import (
+        AnyRegistration,
+        Assessment,
+        ProblemTrajectory,
+        Registration,
+        SpringRegistration,
+    )
     from certreg.report.picture import Picture
 
 GREEN, AMBER = "#1f8d3e", "#bd5f00"  # 4.2 : 1 on white and on #131416, as a page is in the dark
@@ -85,6 +97,30 @@ def registration_card(registration: Registration) -> str:
             ("RMSE", number(registration.rmse)),
             ("explained", explained_words(registration.fit).removesuffix(OF_SPREAD)),
             ("ambiguity margin", margin_words(registration.equilibria)),
+        ],
+        picture=registration_picture(registration),
+    ).html()
+
+
+def spring_card(registration: SpringRegistration) -> str:
+    """The same of a registration on general springs."""
+    first, *further = spring_verdict_words(registration)
+    pose = registration.pose
+    return Card(
+        headline=first,
+        notes=[
+            *further,
+            *(f"Warning: {words}" for words in spring_warnings(registration, first)),
+            *(f"{ADVICE}{words}" for words in spring_remedies(registration)),
+        ],
+        good=is_green_spring(registration),
+        facts=[
+            ("correspondences", f"{registration.problem.n:,}"),
+            ("springs", springs_words(registration)),
+            ("rotation (wxyz)", _numbers(pose.quaternion_wxyz.tolist())),
+            ("translation", _numbers(pose.translation.tolist())),
+            *_deviations(registration),
+            ("RMSE", f"{number(registration.rmse)} along the springs"),
         ],
         picture=registration_picture(registration),
     ).html()
@@ -148,7 +184,7 @@ def verdict_card(verdict: CertificateVerdict) -> str:
     return Card(headline=first, notes=verdict.theorems, good=verdict.proved).html()
 
 
-def _deviations(registration: Registration) -> Iterator[tuple[str, str]]:
+def _deviations(registration: AnyRegistration) -> Iterator[tuple[str, str]]:
     """One standard deviation of each part of the pose, in few words; or why there is none."""
     for name, words in uncertainty_rows(registration):
         if name == "uncertainty":

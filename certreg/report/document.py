@@ -5,19 +5,24 @@ from __future__ import annotations
 import json
 import math
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from typing import TYPE_CHECKING, cast
 
 from certreg.exact import double_above, nearest_double
-from certreg.registration import DEGREE_SLACK, SimulatedRegistration, is_loose, worst_residuals
+from certreg.registration import Method, SimulatedRegistration, SpringRegistration
 from certreg.report.encoding import Document, Noted, encoded
+from certreg.report.fields import (
+    degrees,
+    degrees_above,
+    finite,
+    fit_fields,
+    hardly_determined,
+    optimality_fields,
+    pose_fields,
+    robustness_fields,
+)
 from certreg.report.methods import methods_fields
+from certreg.report.spring_document import spring_fields
 from certreg.report.uncertainty import (
-    covariance_of,
-    more_than_noise,
-    shift_sigmas,
-    turn_sigmas,
     uncertainty_rows,
 )
 from certreg.results import OUT_OF_RANGE, Absent
@@ -26,7 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.equilibrium import Component, EquilibriumSet
-    from certreg.registration import Assessment, Enumeration, Fit, FitRow, Registration
+    from certreg.registration import AnyRegistration, Assessment, Enumeration, Registration
 
 RESULT_SCHEMA = "certreg-result/1"
 ASSESSMENT_SCHEMA = "certreg-assessment/1"
@@ -36,6 +41,8 @@ SIMULATION_SCHEMA = "certreg-simulation/1"
 
 NOT_WRITTEN = Absent("nothing is written without --out")
 NOT_A_BOUND = Absent("its multiplier could not be made a proved bound")
+ALIKE = Absent("each pair has one weight, and a spring alike in every way")
+OF_EIGENVALUES = Absent("told of general springs; here the eigenvalues say as much")
 WORST = 10  # residuals in a result: the whole list is one call away
 
 
@@ -45,40 +52,30 @@ def dumps(document: Document) -> str:
 
 
 def result_document(
-    registration: Registration, certificate_path: str | None = None, *, notes: Sequence[str] = ()
+    registration: AnyRegistration, certificate_path: str | None = None, *, notes: Sequence[str] = ()
 ) -> Document:
     """A registration as `certreg-result/1`; the path is where the certificate was saved.
 
     notes: on how the clouds were read.
     """
-    agreement = registration.solution.agreement
+    if isinstance(registration, SpringRegistration):
+        own = spring_fields(registration)
+    else:
+        own = _fields(cast("Registration", registration))
     written: str | Absent | None = certificate_path
     if written is None:
         missing = registration.certificate is None
-        written = registration.solution.stated("certificate") if missing else NOT_WRITTEN
+        written = registration.stated("bounds") if missing else NOT_WRITTEN
     return encoded(
         {
             "schema": RESULT_SCHEMA,
             "n": registration.problem.n,
             "damping": registration.problem.damping,
-            "pose": _pose(registration),
+            "pose": pose_fields(registration),
             "objective": registration.stated("objective"),
             "rmse": registration.stated("rmse"),
-            "optimality": _optimality(registration),
-            "equilibria": _equilibria(registration.equilibria),
-            "margin": {
-                **_margin(registration.equilibria),
-                "hardly_determined": _hardly_determined(registration),
-            },
-            "robustness": _robustness(registration),
-            "relaxation": _relaxation(registration),
-            "simulation": _simulation(registration),
-            "agreement": {
-                "closed_form_deg": math.degrees(agreement.closed_form),
-                "relaxation_deg": _degrees(agreement.stated("relaxation")),
-                "simulation_deg": _degrees(agreement.stated("simulation")),
-            },
-            "fit": _fit(registration.fit),
+            **own,
+            "fit": fit_fields(registration.fit),
             "residuals": _residuals(registration),
             "certificate": written,
             "digest": registration.problem.digest(),
@@ -90,13 +87,35 @@ def result_document(
     )
 
 
-def pose_document(registration: Registration) -> Document:
+def _fields(registration: Registration) -> Document:
+    """What is told of springs alike in every way."""
+    agreement = registration.solution.agreement
+    return {
+        "springs": ALIKE,
+        "optimality": _optimality(registration),
+        "equilibria": _equilibria(registration.equilibria),
+        "margin": {
+            **_margin(registration.equilibria),
+            "hardly_determined": hardly_determined(registration),
+        },
+        "robustness": robustness_fields(registration),
+        "relaxation": _relaxation(registration),
+        "simulation": _simulation(registration),
+        "agreement": {
+            "closed_form_deg": math.degrees(agreement.closed_form),
+            "relaxation_deg": degrees(agreement.stated("relaxation")),
+            "simulation_deg": degrees(agreement.stated("simulation")),
+        },
+    }
+
+
+def pose_document(registration: AnyRegistration) -> Document:
     """The pose with its uncertainty, as `certreg-pose/1`; `assess` and `apply` read it."""
     return encoded(
         {
             "schema": POSE_SCHEMA,
             "T_target_source": registration.pose.T_target_source,
-            **_pose(registration),
+            **pose_fields(registration),
             "words": [f"{name}: {words}" for name, words in uncertainty_rows(registration)],
         }
     )
@@ -131,7 +150,7 @@ def assessment_document(assessment: Assessment) -> Document:
     if not isinstance(nearest, Absent):
         nearest = {
             "morse_index": nearest,
-            "angle_deg": _degrees(assessment.stated("nearest_angle")),
+            "angle_deg": degrees(assessment.stated("nearest_angle")),
         }
     return encoded(
         {
@@ -139,11 +158,11 @@ def assessment_document(assessment: Assessment) -> Document:
             "objective": assessment.stated("objective"),
             "rmse": assessment.stated("rmse"),
             "gap_lower": assessment.stated("gap_lower"),
-            "gap_upper": _finite(assessment.stated("gap_upper")),
-            "gap_share": _finite(assessment.stated("gap_share")),
-            "rounding_cost": _finite(assessment.stated("rounding_cost")),
-            "angle_upper_deg": _degrees_above(assessment.stated("angle_upper")),
-            "angle_to_optimum_deg": _degrees(assessment.stated("angle_to_optimum")),
+            "gap_upper": finite(assessment.stated("gap_upper")),
+            "gap_share": finite(assessment.stated("gap_share")),
+            "rounding_cost": finite(assessment.stated("rounding_cost")),
+            "angle_upper_deg": degrees_above(assessment.stated("angle_upper")),
+            "angle_to_optimum_deg": degrees(assessment.stated("angle_to_optimum")),
             "nearest": nearest,
             "sigma_distance": _sigma_distance(assessment),
             "verdict": assessment.verdict.value,
@@ -158,7 +177,7 @@ def assessment_document(assessment: Assessment) -> Document:
                 "objective": assessment.stated("optimum_objective"),
                 "rmse": assessment.stated("optimum_rmse"),
             },
-            "fit": _fit(assessment.fit),
+            "fit": fit_fields(assessment.fit),
         }
     )
 
@@ -216,77 +235,13 @@ def _component(component: Component, doubt: str | None) -> Document:
 
 
 def _optimality(registration: Registration) -> Document:
-    bounds, classification = registration.stated("bounds"), registration.equilibria.classification
-    proved = not isinstance(bounds, Absent)
-    document: Document = {
-        "status": registration.status.value,
-        "gap_bound": _finite(bounds.gap_upper) if proved else bounds,
-        "gap_share": _finite(bounds.stated("share_upper")) if proved else bounds,
-        "angle_bound_rad": bounds.stated("angle_upper") if proved else bounds,
-        "limits": {
-            "gap_share": registration.limits.max_gap,
-            "angle_rad": registration.limits.max_angle,
-        },
-        "unique": classification.unique,
-    }
-    if classification.ambiguity is not None:
-        document["ambiguity"] = classification.ambiguity.value
-    return document
-
-
-def _robustness(registration: Registration) -> Document | Absent:
-    found = registration.stated("robustness")
-    if isinstance(found, Absent):
-        return found
+    ambiguity = registration.equilibria.classification.ambiguity
     return {
-        "angle_deg": found.angle,
-        "radius_target": found.target,
-        "radius_both": found.both,
+        **optimality_fields(registration),
+        **({} if ambiguity is None else {"ambiguity": ambiguity.value}),
+        "method": Method.SPECTRAL.value,
+        "growth": OF_EIGENVALUES,
     }
-
-
-def _pose(registration: Registration) -> Document:
-    pose = registration.pose
-    return {
-        "rotation": pose.rotation,
-        "translation": pose.translation,
-        "quaternion_wxyz": pose.quaternion_wxyz,
-        **_covariance(registration),
-    }
-
-
-def _covariance(registration: Registration) -> Document:
-    """Covariance in the order (translation in the target's frame, rotation in the source's)."""
-    covariance = covariance_of(registration)
-    if isinstance(covariance, Absent):
-        names = ("covariance", "covariance_scale", "variance_factor", "uncertainty")
-        return dict.fromkeys(names, covariance)
-    matrix = covariance.stated("matrix")
-    turned, moved = turn_sigmas(covariance), shift_sigmas(covariance)
-    doubt = moved.reason if isinstance(moved, Absent) else None
-    warned = more_than_noise(registration.fit)
-    known = not isinstance(turned, Absent)
-    sigmas = {
-        "translation": moved,
-        "rotation_deg": np.degrees(turned) if known else turned,
-        "centre": covariance.centre_sigma,
-        "loosest_turn": {
-            "sigma_deg": math.degrees(covariance.loosest_sigma) if known else turned,
-            "axis": covariance.loosest_axis,
-        },
-        "degrees_of_freedom": covariance.degrees_of_freedom,
-    }
-    return {
-        "covariance": _noted(matrix, warned or doubt),
-        "covariance_scale": "estimated" if covariance.estimated else "given",
-        "variance_factor": covariance.stated("variance_factor"),
-        "uncertainty": _noted(sigmas, warned),
-    }
-
-
-def _noted(value: Any, doubt: str | None) -> Any:
-    """A value that is there, with what is to be said of it, if anything."""
-    return value if doubt is None or isinstance(value, Absent) else Noted(value, doubt)
 
 
 def _relaxation(registration: Registration) -> Document | Absent:
@@ -301,9 +256,9 @@ def _relaxation(registration: Registration) -> Document | Absent:
         "form": relaxation.form.value,
         "status": relaxation.solver_word,
         "value": OUT_OF_RANGE if value is None else value,
-        "proved_gap": NOT_A_BOUND if gap is None else _finite(double_above(gap.value)),
+        "proved_gap": NOT_A_BOUND if gap is None else finite(double_above(gap.value)),
         "rank": relaxation.rank,
-        "angle_to_pose_deg": _degrees(solution.agreement.stated("relaxation")),
+        "angle_to_pose_deg": degrees(solution.agreement.stated("relaxation")),
     }
 
 
@@ -342,33 +297,9 @@ def _simulation_fields(simulated: SimulatedRegistration) -> Document:
     }
 
 
-def _fit(fit: Fit) -> Document:
-    """Statistics of the fit: nothing of it is proved."""
-    chi2 = fit.stated("chi2")
-    return {
-        "explained": fit.stated("explained"),
-        "best_scale": fit.stated("best_scale"),
-        "scale_p": fit.stated("scale_p"),
-        "largest_over_median_residual": fit.stated("largest_over_median_residual"),
-        "worst": [_fit_row(one) for one in fit.worst],
-        "chi2": chi2
-        if isinstance(chi2, Absent)
-        else {"value": chi2.value, "dof": chi2.dof, "p": chi2.p, "bound": chi2.bound},
-        "warnings": [
-            {"code": one.code.value, "text": one.text, "remedy": one.remedy} for one in fit.warnings
-        ],
-    }
-
-
-def _fit_row(one: FitRow) -> Document:
-    """A row with its label, if the points have labels."""
-    label = {} if one.label is None else {"label": one.label}
-    return {"row": one.row, **label, "residual": one.residual}
-
-
-def _residuals(registration: Registration) -> list[Document]:
+def _residuals(registration: AnyRegistration) -> list[Document]:
     """The worst correspondences, largest distance first."""
-    worst = worst_residuals(registration.problem, registration.pose, WORST)
+    worst = registration.worst_residuals(WORST)
     return [{"row": one.row, "distance": one.distance} for one in worst]
 
 
@@ -379,27 +310,3 @@ def _margin(equilibria: EquilibriumSet) -> Document:
         "relative": margin.relative if doubt is None else Absent(doubt),
         "nearly_ambiguous": equilibria.nearly_ambiguous,
     }
-
-
-def _hardly_determined(registration: Registration) -> bool | Absent:
-    """Whether the noise leaves a turn open, where it is known how large it is."""
-    covariance = covariance_of(registration)
-    if isinstance(covariance, Absent):
-        return covariance
-    doubt = more_than_noise(registration.fit)
-    if covariance.estimated and doubt is not None:
-        return Absent(doubt)
-    return is_loose(registration)
-
-
-def _finite(value: float | Absent) -> float | Absent:
-    return OUT_OF_RANGE if not isinstance(value, Absent) and math.isinf(value) else value
-
-
-def _degrees_above(angle: float | Absent) -> float | Absent:
-    """An upper bound in degrees, that stays one."""
-    return angle if isinstance(angle, Absent) else math.degrees(angle) * DEGREE_SLACK
-
-
-def _degrees(angle: float | Absent) -> float | Absent:
-    return angle if isinstance(angle, Absent) else math.degrees(angle)

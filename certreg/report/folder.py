@@ -9,16 +9,15 @@ from certreg.dynamics import Record
 from certreg.errors import InvalidFileError
 from certreg.io import write_together
 from certreg.report.document import dumps, pose_document, result_document
-from certreg.report.page import Report, html_page
+from certreg.report.pages import html_page, report_on
 from certreg.report.residual_table import residual_table
-from certreg.results import Absent
 from certreg.verify import INLINE_MAX
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterator, Sequence
 
-    from certreg.registration import Registration
+    from certreg.registration import AnyRegistration
 
 CERTIFICATE, RESULT, POSE = "certificate.json", "result.json", "pose.txt"
 SURE_POSE = "pose.json"  # with its uncertainty: in the matrix other programs read no words
@@ -26,7 +25,7 @@ TRAJECTORY, REPORT, FIT = "trajectory.npz", "report.html", "fit.csv"
 
 
 def write_folder(
-    registration: Registration, folder: str | os.PathLike[str], *, notes: Sequence[str] = ()
+    registration: AnyRegistration, folder: str | os.PathLike[str], *, notes: Sequence[str] = ()
 ) -> Path | None:
     """Write the files of a registration; the path of the certificate, None if there is none.
 
@@ -49,14 +48,14 @@ def write_folder(
         SURE_POSE: (dumps(pose_document(registration)) + "\n").encode(),
         POSE: ("\n".join(" ".join(map(repr, row)) for row in rows) + "\n").encode(),
     }
-    trajectory = registration.solution.trajectory
-    if not isinstance(trajectory, Absent):
+    trajectory = registration.trajectory
+    if trajectory is not None:
         contents[TRAJECTORY] = Record.of(registration.problem, trajectory).to_bytes()
     if registration.problem.n <= INLINE_MAX:  # as many as a certificate holds itself
         contents[FIT] = residual_table(registration)
     if registration.certificate is not None:
         contents[CERTIFICATE] = registration.certificate.to_json()
-        contents[REPORT] = html_page(Report.of(registration))
+        contents[REPORT] = html_page(report_on(registration))
     names = (CERTIFICATE, RESULT, POSE, SURE_POSE, FIT, TRAJECTORY, REPORT)
     try:
         write_together(

@@ -117,14 +117,14 @@ class Overview:
 def _pose(registration: Registration) -> PoseFacts:
     pose, covariance = registration.pose, registration.solution.stated("covariance")
     exact, sure = pose.T_target_source.tolist(), dict(uncertainty_rows(registration))
-    facts = [_rotation(pose, None), *_axis(pose), _translation(pose, None)]
+    facts = [rotation_fact(pose, None), *axis_facts(pose), translation_fact(pose, None)]
     if BASIS in sure and not isinstance(covariance, Absent):
         facts = _sure(registration, covariance)
     basis = (
         f"± is {sure[BASIS]}. {WHOSE} " if BASIS in sure else f"Uncertainty {sure['uncertainty']}. "
     )
     return PoseFacts(
-        rows=_aligned(exact),
+        rows=aligned(exact),
         facts=tuple(facts),
         uncertainty=f"{basis}{NO_PROOF if BASIS in sure else ''}".strip(),
         matrix="\n".join(" ".join(map(repr, row)) for row in exact),
@@ -139,17 +139,17 @@ def _sure(registration: Registration, covariance: PoseCovariance) -> list[Fact]:
     turn = rotation_words(covariance, "")
     centre = ", ".join(centre_words(registration, covariance))
     return [
-        _rotation(pose, covariance),
-        *_axis(pose),
+        rotation_fact(pose, covariance),
+        *axis_facts(pose),
         Fact(name="Rotation ±", value="", words=turn),
         Fact(name="Centre", value=f"({centre})"),
         Fact(name="Centre ±", value="", words=sigma_words(covariance)),
-        _translation(pose, covariance),
+        translation_fact(pose, covariance),
         Fact(name="Translation ±", value="", words=SAME if shift == turn else shift),
     ]
 
 
-def _aligned(matrix: list[list[float]]) -> tuple[str, ...]:
+def aligned(matrix: list[list[float]]) -> tuple[str, ...]:
     """The rows in few digits, in columns."""
     cells = [[*(f"{entry:.6f}" for entry in row[:3]), _short(row[3])] for row in matrix[:3]]
     cells.append(["0", "0", "0", "1"])
@@ -165,7 +165,8 @@ def _short(value: float) -> str:
     return f"{value:.9g}" if 1e-4 <= abs(value) < WIDE or not value else f"{value:.5e}"
 
 
-def _rotation(pose: Pose, covariance: PoseCovariance | None) -> Fact:
+def rotation_fact(pose: Pose, covariance: PoseCovariance | None) -> Fact:
+    """The angle that the pose turns by, as its deviation allows."""
     degrees, axis = turn_of(pose)
     told = covariance is not None and not isinstance(turn_sigmas(covariance), Absent)
     sigma = math.degrees(covariance.loosest_sigma) if covariance is not None and told else 0.0
@@ -173,7 +174,7 @@ def _rotation(pose: Pose, covariance: PoseCovariance | None) -> Fact:
     return Fact(name="Rotation", value=f"{told_to(degrees, sigma)}°", words=about)
 
 
-def _axis(pose: Pose) -> list[Fact]:
+def axis_facts(pose: Pose) -> list[Fact]:
     """On a line of its own, which holds it; none where nothing is turned."""
     _, axis = turn_of(pose)
     if axis is None:
@@ -181,7 +182,8 @@ def _axis(pose: Pose) -> list[Fact]:
     return [Fact(name="Axis", value=f"({', '.join(f'{entry:.4f}' for entry in axis)})")]
 
 
-def _translation(pose: Pose, covariance: PoseCovariance | None) -> Fact:
+def translation_fact(pose: Pose, covariance: PoseCovariance | None) -> Fact:
+    """The translation of the pose, as its deviation allows."""
     told = Absent("") if covariance is None else shift_sigmas(covariance)
     sigmas = [0.0] * 3 if isinstance(told, Absent) else told.tolist()
     shift = pose.translation.tolist()

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-import base64
-import hashlib
-import shlex
 from dataclasses import dataclass
-from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from certreg import __version__
 from certreg.registration import WEAK, ambiguous_words, headline_of, is_green
-from certreg.report.markup import asset, inert, inert_json, printable, rendered
+from certreg.report.any_report import (
+    ASSETS,
+    GUARANTEE_WORDS,
+    AnyReport,
+    begun,
+    policy,
+    required_proof,
+    sentence,
+)
+from certreg.report.markup import asset, inert, inert_json, rendered
 from certreg.report.overview import Overview
 from certreg.report.remedies import remedies
 from certreg.report.summary import verdict_words, warnings
@@ -34,42 +39,19 @@ from certreg.report.words import (
 from certreg.results import Optimality
 
 if TYPE_CHECKING:
-    from certreg.certificate import Certificate, IsotropicBody
     from certreg.registration import Headline, Registration
-    from certreg.results import Verdict
-
-ASSETS = files("certreg.report") / "assets"
-GUARANTEE_WORDS = (
-    "Exact: integer arithmetic and a theorem. Numerical: computed with rounding that nobody has "
-    "bounded. Each theorem has a page in the documentation; certreg derive NAME proves it anew."
-)
-EMBEDDED_BYTES = 8 << 20  # of a certificate in its page; a larger one is named there
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Report:
-    """What a page shows.
-
-    content: the bytes of the certificate's file, name: what it is called. verdict: the checker's,
-    on these; the registration's bounds are those that it proves. weak: they are far from what can
-    be proved. documentation: where its pages lie, to link to.
-    """
+class Report(AnyReport):
+    """What a page shows of a registration."""
 
     registration: Registration
-    certificate: Certificate[IsotropicBody]
-    content: bytes
-    verdict: Verdict
-    name: str = "certificate.json"
-    weak: bool = False
-    documentation: str | None = None
 
     @classmethod
     def of(cls, registration: Registration, *, documentation: str | None = None) -> Report:
         """The report of a registration just made. Raises ValueError where it is not certified."""
-        certificate, verdict = registration.certificate, registration.verdict
-        if certificate is None or verdict is None:
-            message = "the registration is not certified: there is no certificate to report"
-            raise ValueError(message)
+        certificate, verdict = required_proof(registration)
         return cls(
             registration=registration,
             certificate=certificate,
@@ -77,11 +59,6 @@ class Report:
             verdict=verdict,
             documentation=documentation,
         )
-
-    @property
-    def embedded(self) -> bool:
-        """Whether the page carries the certificate; a large one it only names."""
-        return len(self.content) <= EMBEDDED_BYTES
 
     @property
     def verdict_words(self) -> list[str]:
@@ -98,34 +75,23 @@ class Report:
             return WEAK
         return headline_of(self.registration)
 
-
-def html_page(report: Report) -> bytes:
-    """The file's content, in UTF-8."""
-    names = Names.of(report.certificate.about, report.registration.problem.n)
-    style, script = ((ASSETS / name).read_text("utf-8") for name in ("report.css", "report.js"))
-    whole = rendered(
-        "report/templates/report.html",
-        policy=_policy(style, script),
-        style=asset("style", style),
-        script=asset("script", script),
-        version=__version__,
-        names=names,
-        documentation=report.documentation,
-        **_head(report),
-        **_body(report),
-        **_blocks(report, names),
-    )
-    return f"{whole}\n".encode()
-
-
-def _policy(style: str, script: str) -> str:
-    """Nothing is loaded from anywhere; only these two texts are style and script."""
-    hashes = [base64.b64encode(hashlib.sha256(t.encode()).digest()) for t in (style, script)]
-    styles, scripts = (f"'sha256-{digest.decode('ascii')}'" for digest in hashes)
-    return (
-        f"default-src 'none'; style-src {styles}; script-src {scripts}; img-src data:; "
-        "base-uri 'none'; form-action 'none'"
-    )
+    def html(self) -> bytes:
+        """The file's content, in UTF-8."""
+        names = Names.of(self.certificate.about, self.registration.problem.n)
+        style, script = ((ASSETS / name).read_text("utf-8") for name in ("report.css", "report.js"))
+        whole = rendered(
+            "report/templates/report.html",
+            policy=policy(style=style, script=script),
+            style=asset("style", style),
+            script=asset("script", script),
+            version=__version__,
+            names=names,
+            documentation=self.documentation,
+            **_head(self),
+            **_body(self),
+            **_blocks(self, names),
+        )
+        return f"{whole}\n".encode()
 
 
 def _blocks(report: Report, names: Names) -> dict[str, Any]:
@@ -153,23 +119,12 @@ def _head(report: Report) -> dict[str, Any]:
         "pairs": f"{n} pair{'s' * (n != 1)}",
         "stamp": stamp,
         "good": report.headline is not WEAK and is_green(registration),
-        "headline": _sentence(said),
-        "further": [_begun(words) for words in further],
-        "todo": [_begun(words) for words in remedies(registration)],
-        "warnings": [_sentence(words) for words in warnings(registration, headline)],
+        "headline": sentence(said),
+        "further": [begun(words) for words in further],
+        "todo": [begun(words) for words in remedies(registration)],
+        "warnings": [sentence(words) for words in warnings(registration, headline)],
         "overview": Overview.of(registration),
     }
-
-
-def _begun(words: str) -> str:
-    return words[:1].upper() + words[1:]
-
-
-def _sentence(words: str) -> str:
-    """Words as a sentence that ends by itself."""
-    ended = words.removesuffix(":").removesuffix(".")
-    whole = _begun(ended if ended.endswith("?") else f"{ended}.")
-    return whole.replace(" %", "\u00a0%")  # on one line
 
 
 def _body(report: Report) -> dict[str, Any]:
@@ -183,20 +138,7 @@ def _body(report: Report) -> dict[str, Any]:
         "known": sentences(registration, report.certificate.body, angles),
         "theorems": THEOREMS,
         "not_claimed": NOT_CLAIMED,
-        "file": _file(report),
+        "file": report.file,
         "digest": registration.problem.digest(),
         "checked": report.verdict.theorems,
-    }
-
-
-def _file(report: Report) -> dict[str, Any]:
-    """The certificate's file: in the page, or named there."""
-    name = printable(report.name)
-    return {
-        "embedded": report.embedded,
-        "name": name,
-        "argument": "certificate.json" if report.embedded else shlex.quote(name),
-        "mebibytes": len(report.content) / 2**20,
-        "most": f"{EMBEDDED_BYTES / 2**20:.0f}",
-        "sha256": hashlib.sha256(report.content).hexdigest(),
     }

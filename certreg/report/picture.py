@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from certreg.registration import pulled_to
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.dynamics import Trajectory
-    from certreg.registration import Registration
+    from certreg.registration import AnyRegistration
 
 WIDTH, HEIGHT, MARGIN = 240, 160, 10  # pixels
 BODY = 30  # points: fewer are hardly seen without lines between them
@@ -30,15 +31,19 @@ class Sample(Brief):
 
     target: NDArray[np.float64]
     moved: NDArray[np.float64]
+    ends: NDArray[np.float64] | None  # of general springs, where each pulls to; None: the target
 
     @classmethod
-    def of(cls, registration: Registration, most: int) -> Sample:
+    def of(cls, registration: AnyRegistration, most: int) -> Sample:
         """At most so many rows of a registration, the first and the last among them."""
         problem, n = registration.problem, registration.problem.n
         rows = np.unique(np.linspace(0, n - 1, min(n, most)).astype(np.int64))
         with np.errstate(over="ignore", invalid="ignore"):
             moved = registration.pose.apply(problem.source[rows])
-        return cls(target=problem.target[rows].astype(np.float64), moved=moved)
+        target, ends = problem.target[rows].astype(np.float64), None
+        if problem.factors is not None and np.isfinite(moved).all():
+            ends = pulled_to(problem.factors[rows].astype(np.float64), moved, target)
+        return cls(target=target, moved=moved, ends=ends)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,24 +67,25 @@ class Picture(Brief):
     spring_colour: str = SPRING
 
 
-def registration_picture(registration: Registration) -> Picture | None:
+def registration_picture(registration: AnyRegistration) -> Picture | None:
     """Target and moved source, seen obliquely, so that no distance is hidden by the view.
 
     None where that leaves the doubles.
     """
     sample = Sample.of(registration, SHOWN)
-    flat = _flattened(np.stack([sample.target, sample.moved]))
+    clouds = [sample.target, sample.moved, *([] if sample.ends is None else [sample.ends])]
+    flat = _flattened(np.stack(clouds))
     if flat is None:
         return None
-    target, moved = flat
+    target, moved, *ends = flat
     centre = target.mean(axis=0)
     return Picture(
         words="the target as rings, the source at the pose as dots",
-        springs=_pixels(np.hstack([target, moved])),
+        springs=_pixels(np.hstack([*(ends or [target]), moved])),
         rings=_pixels(target),
         dots=_pixels(moved),
         spokes=_pixels(np.hstack([np.broadcast_to(centre, target.shape), target]))
-        if len(target) <= BODY
+        if len(target) <= BODY and not ends
         else (),
     )
 
@@ -106,7 +112,7 @@ def _pixels(rows: NDArray[np.float64]) -> tuple[tuple[str, ...], ...]:
 
 
 def _flattened(clouds: NDArray[np.float64]) -> Iterator[NDArray[np.float64]] | None:
-    """Clouds (2, k, 3) in pixels (k, 2) each: the widest direction of both across the picture.
+    """Clouds (m, k, 3) in pixels (k, 2) each: the widest direction of both across the picture.
 
     Up goes the second, and some of the thinnest: along it a mirrored cloud is off.
     """
@@ -127,4 +133,4 @@ def _flattened(clouds: NDArray[np.float64]) -> Iterator[NDArray[np.float64]] | N
     spans = np.maximum(high - low, 1e-9)
     pixels = (flat - (low + high) / 2.0) * float((room / spans).min())
     pixels += np.array([WIDTH / 2.0, HEIGHT / 2.0])
-    return iter(pixels.reshape(2, -1, 2))
+    return iter(pixels.reshape(len(clouds), -1, 2))

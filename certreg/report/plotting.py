@@ -5,17 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from certreg._loading import library
-from certreg.registration import headline_of
 from certreg.report.picture import SOURCE, SPRING, Sample
 
 if TYPE_CHECKING:
-    from certreg.registration import Registration
+    from certreg.registration import AnyRegistration
 
 PLOTTED = 5_000  # points: more are a cloud all the same, and slow to turn
 JOINED = 500  # of them: more springs hide the points
 
 
-def plotted(registration: Registration, axes: Any = None) -> Any:
+def plotted(registration: AnyRegistration, axes: Any = None) -> Any:
     """The clouds at the pose in three dimensions, and the springs between them; the axes.
 
     axes: of the projection "3d", None for a new figure. Raises MissingToolError.
@@ -28,11 +27,12 @@ def plotted(registration: Registration, axes: Any = None) -> Any:
         raise ValueError(message)
     sample = Sample.of(registration, PLOTTED)
     few = Sample.of(registration, JOINED)
-    for start, end in zip(few.target, few.moved, strict=True):
+    ends = few.target if few.ends is None else few.ends
+    for start, end in zip(ends, few.moved, strict=True):
         axes.plot(*zip(start, end, strict=True), color=SPRING, linewidth=0.8)
     axes.scatter(*sample.target.T, facecolors="none", edgecolors="0.4", label="target")
     axes.scatter(*sample.moved.T, s=8, color=SOURCE, label="source at the pose")
     axes.set_aspect("equal")
-    axes.set_title(headline_of(registration).stamp)
+    axes.set_title(str(registration).partition(":")[0])
     axes.legend()
     return axes

@@ -15,17 +15,20 @@ from certreg.equilibrium import EquilibriumSet
 from certreg.errors import InvalidFileError
 from certreg.io import write_atomically
 from certreg.registration import (
+    AnyRegistration,
     Assessment,
     ListedEquilibria,
     ProblemTrajectory,
     Registration,
     SimulatedRegistration,
+    SpringRegistration,
     proved_end,
 )
 from certreg.report.cards import (
     assessment_card,
     equilibria_card,
     registration_card,
+    spring_card,
     trajectory_card,
     verdict_card,
 )
@@ -37,11 +40,12 @@ from certreg.report.document import (
     simulation_document,
 )
 from certreg.report.folder import write_folder
+from certreg.report.judged_pose import assessment_summary
 from certreg.report.methods import enumeration_summary
-from certreg.report.page import Report, html_page
+from certreg.report.pages import html_page, report_on
 from certreg.report.plotting import plotted
+from certreg.report.spring_summary import spring_summary
 from certreg.report.summary import (
-    assessment_summary,
     equilibria_words,
     registration_summary,
     simulation_summary,
@@ -89,6 +93,7 @@ SHAPES: dict[type, Shape] = {
     Registration: Shape(
         words=registration_summary, document=result_document, card=registration_card
     ),
+    SpringRegistration: Shape(words=spring_summary, document=result_document, card=spring_card),
     Assessment: Shape(words=assessment_summary, document=assessment_document, card=assessment_card),
     ListedEquilibria: Shape(
         words=_enumeration_words, document=_enumeration_document, card=equilibria_card
@@ -117,20 +122,20 @@ class ReportPresenter:
         """HTML for a notebook."""
         return CARDS[type(result)](result)
 
-    def report(self, result: Registration, path: str | os.PathLike[str]) -> Path:
+    def report(self, result: AnyRegistration, path: str | os.PathLike[str]) -> Path:
         """Write the page of a registration; where it was written."""
         place = Path(path)
         if result.certificate is None:
             message = f"{shown(place)}: not written: there is no certificate to report"
             raise InvalidFileError(message, path=place)
-        write_atomically(place, html_page(Report.of(result)))
+        write_atomically(place, html_page(report_on(result)))
         return place
 
-    def save(self, result: Registration, folder: str | os.PathLike[str]) -> Path | None:
+    def save(self, result: AnyRegistration, folder: str | os.PathLike[str]) -> Path | None:
         """Write the files of a registration; the certificate's path."""
         return write_folder(result, folder)
 
-    def plot(self, result: Registration, axes: Any) -> Any:
+    def plot(self, result: AnyRegistration, axes: Any) -> Any:
         """Draw a registration into axes of Matplotlib; the axes."""
         return plotted(result, axes)
 

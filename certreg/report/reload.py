@@ -16,18 +16,21 @@ import numpy as np
 
 from certreg.certificate import (
     Certificate,
+    CountBody,
     ExactPose,
     IsotropicBody,
     PoseBounds,
     pose_bounds,
+    spring_pose_bounds,
     verify,
 )
 from certreg.errors import InvalidFileError, RefusedCertificateError
 from certreg.io import reading
 from certreg.native import Integrator
 from certreg.problem import MAX_DAMPING, MIN_DAMPING, RegistrationProblem
-from certreg.registration import CROSS_CHECK, certified
+from certreg.registration import CROSS_CHECK, SPRING_KINDS, certified, certified_springs
 from certreg.report.page import Report
+from certreg.report.spring_page import SpringReport
 from certreg.verify import FILE_MAX, Clouds, shown
 
 if TYPE_CHECKING:
@@ -35,7 +38,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from certreg.registration import Registration, Solution
+    from certreg.report.any_report import AnyReport
+    from certreg.results import Verdict
 
+SPRING = 12 * 8  # bytes of two points and six entries of a factor
 PAIR = 7 * 8  # bytes of two points and a weight; the data end with these, after a header
 WEAKER = 1e3  # times the bounds that certreg proves: the page warns of such a certificate
 
@@ -76,7 +82,7 @@ def report_of(
     points: RegistrationProblem | Clouds | None = None,
     *,
     noted: Callable[[str], None] | None = None,
-) -> Report:
+) -> AnyReport:
     """The report of a certificate of optimality.
 
     points: where the certificate does not hold them; where it does and both are given, it must be
@@ -93,10 +99,12 @@ def report_of(
     if loaded is None or body is None or not verdict.proved:
         message = f"{shown(file)}: REFUSED: {verdict.words}: there is nothing to report"
         raise RefusedCertificateError(message, verdict=verdict)
+    stated = points if isinstance(points, RegistrationProblem) else _problem(loaded, points)
+    if stated.factors is not None:
+        return _spring_report(stated, replace(loaded, body=body), content, verdict, file.name)
     motion = Motion.of(loaded.about)
     if noted is not None:
         noted(motion.words)
-    stated = points if isinstance(points, RegistrationProblem) else _problem(loaded, points)
     registration = certified(
         stated if motion.damping is None else stated.damped(motion.damping),
         relaxation=body.multiplier is not None,
@@ -135,10 +143,10 @@ def _loaded(content: bytes) -> Certificate[Any] | None:
         return None
 
 
-def _required_body(certificate: Certificate[Any], file: Path, *, pointless: bool) -> IsotropicBody:
+def _required_body(certificate: Certificate[Any], file: Path, *, pointless: bool) -> Any:
     """InvalidFileError for a certificate of which no report can be made, sound as it may be."""
     body = certificate.body
-    if not isinstance(body, IsotropicBody):
+    if isinstance(body, CountBody):
         what = f"is a certificate of kind {shown(body.KIND)}, which holds no pose"
         message = f"{shown(file)}: {what}: give the certificate.json that certify wrote"
         raise InvalidFileError(message, path=file)
@@ -151,6 +159,8 @@ def _required_body(certificate: Certificate[Any], file: Path, *, pointless: bool
 def _problem(certificate: Certificate[Any], clouds: Clouds | None) -> RegistrationProblem:
     """The points and weights of a certificate that the checker has accepted for the clouds."""
     n, data = certificate.n, certificate.data
+    if certificate.body.KIND in SPRING_KINDS:
+        return _spring_problem(certificate)
     if data is None and clouds is not None:
         source, target = (np.array(cloud).reshape(n, 3) for cloud in (clouds.source, clouds.target))
         weights = None if clouds.weights is None else np.array(clouds.weights)
@@ -159,6 +169,46 @@ def _problem(certificate: Certificate[Any], clouds: Clouds | None) -> Registrati
     doubles = np.frombuffer(data, dtype="<f8", offset=len(data) - PAIR * n)
     source, target, weights = np.split(doubles, [3 * n, 6 * n])
     return RegistrationProblem(source.reshape(n, 3), target.reshape(n, 3), weights=weights)
+
+
+def _spring_problem(certificate: Certificate[Any]) -> RegistrationProblem:
+    """The points and springs of a certificate that the checker has accepted for the clouds."""
+    n, data = certificate.n, certificate.data or b""
+    if not data:
+        message = "the certificate holds no springs: give the problem that it is about"
+        raise InvalidFileError(message)
+    doubles = np.frombuffer(data, dtype="<f8", offset=len(data) - SPRING * n)
+    source, target, factors = np.split(doubles, [3 * n, 6 * n])
+    return RegistrationProblem(
+        source.reshape(n, 3), target.reshape(n, 3), factors=factors.reshape(n, 6)
+    )
+
+
+def _spring_report(
+    problem: RegistrationProblem,
+    certificate: Certificate[Any],
+    content: bytes,
+    verdict: Verdict,
+    name: str,
+) -> SpringReport:
+    """The report of a certificate of general springs: its pose, and what it proves of that."""
+    registration = certified_springs(problem, about=certificate.about)
+    place = ExactPose.of_doubles(registration.pose.quaternion_wxyz, registration.pose.translation)
+    solution = registration.solution
+    given = spring_pose_bounds(solution.objective, certificate.body, place)
+    return SpringReport(
+        registration=replace(
+            registration,
+            solution=replace(solution, certificate=certificate),
+            bounds=given,
+            verdict=verdict,
+        ),
+        certificate=certificate,
+        content=content,
+        verdict=verdict,
+        name=name,
+        weak=_weaker(given, registration.bounds),
+    )
 
 
 def _bounds(body: IsotropicBody, registration: Registration) -> PoseBounds:

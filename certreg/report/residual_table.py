@@ -8,36 +8,32 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.io import csv_field
-from certreg.problem import row_blocks
-from certreg.registration import RowNames, residual_distances
+from certreg.registration import RowNames
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from certreg.registration import Registration
+    from certreg.registration import AnyRegistration
 
 HEADER = b"row,label,residual,standardised\n"
 
 
-def residual_table(registration: Registration) -> Iterator[bytes]:
+def residual_table(registration: AnyRegistration) -> Iterator[bytes]:
     """The table, block by block; a number is the shortest that reads back the same.
 
     row: of the pair, from 0; label: as far as the certificate holds labels. residual:
-    |y - R x - t|, in the clouds' unit. standardised: sqrt(w) times that, over the standard
+    |y - R x - t|, of general springs how far the pair is off along them, in the clouds' unit.
+    standardised: sqrt(w) times that, of general springs sqrt(r^T W r), over the standard
     deviation of a coordinate of weight one: 1 where sigma was given, else estimated, the root of
-    the objective over 3 n - 6. Empty where no double holds it, and where a weight is zero.
+    the objective over the degrees of freedom. Empty where no double holds it, and where a weight is
+    zero.
     """
-    problem, pose, unit = registration.problem, registration.pose, _unit(registration)
-    certificate = registration.certificate
-    names = RowNames.of({} if certificate is None else certificate.about, problem.n)
+    unit, certificate = _unit(registration), registration.certificate
+    names = RowNames.of({} if certificate is None else certificate.about, registration.problem.n)
     yield HEADER
-    for rows in row_blocks(problem.n):
-        block = problem.block(rows)
-        distances = residual_distances(block, pose)
+    for rows, distances, strained in registration.residual_blocks():
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            scaled = np.where(
-                block.weights > 0, np.sqrt(block.weights) * distances / unit, math.nan
-            )
+            scaled = strained / unit
         lines = (
             f"{row},{csv_field(names.label(row) or '')},{_cell(distance)},{_cell(share)}\n"
             for row, distance, share in zip(
@@ -47,13 +43,11 @@ def residual_table(registration: Registration) -> Iterator[bytes]:
         yield "".join(lines).encode()
 
 
-def _unit(registration: Registration) -> float:
+def _unit(registration: AnyRegistration) -> float:
     """Standard deviation of a coordinate of weight one; NaN where nothing tells it."""
-    problem, objective = registration.problem, registration.objective
-    if problem.noise_given:
+    objective, freedom = registration.objective, registration.degrees_of_freedom
+    if registration.problem.noise_given:
         return 1.0
-    blocks = (problem.block(rows).weights for rows in row_blocks(problem.n))
-    freedom = 3 * sum(int(np.count_nonzero(weights)) for weights in blocks) - 6
     if freedom <= 0 or objective is None or objective <= 0:
         return math.nan
     return math.sqrt(objective / freedom)

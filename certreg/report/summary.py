@@ -9,18 +9,14 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.certificate import flat_energy
-from certreg.exact import nearest_double, rational_root_above
+from certreg.exact import nearest_double
 from certreg.registration import (
-    DEGREE_SLACK,
-    FIT_WARNED,
     HARDLY_DETERMINED,
     NOT_ASKED,
     FitCode,
-    TooLarge,
     ambiguous_words,
     at_most,
     headline_words,
-    interval_words,
     narrow_words,
     proved_degrees,
     rounding_remedy,
@@ -30,17 +26,21 @@ from certreg.report.remedies import ADVICE, remedies, why_warned
 from certreg.report.robustness import robustness_words
 from certreg.report.thinning import kicked_words, unspent_words
 from certreg.report.uncertainty import uncertainty_rows
-from certreg.results import Absent, ComponentKind, Guarantee, Limits, Optimality, present
+from certreg.results import (
+    Absent,
+    ComponentKind,
+    Guarantee,
+    Limits,
+    Optimality,
+    present,
+)
 
 if TYPE_CHECKING:
     from certreg.dynamics import Trajectory
     from certreg.equilibrium import Component, EquilibriumSet
     from certreg.registration import (
-        Assessment,
         Fit,
-        JudgedEnergies,
         Registration,
-        SigmaDistance,
         SimulatedRegistration,
     )
 
@@ -199,68 +199,6 @@ def margin_words(equilibria: EquilibriumSet) -> str:
     if equilibria.nearly_ambiguous:
         return f"{percent}: unique, but a small change of the data may turn the answer over"
     return f"{percent}: unique"
-
-
-def assessment_summary(assessment: Assessment) -> str:
-    """The result of `assess`, readable."""
-    lines = [assessment.headline]
-    if assessment.nearest_index is not None:
-        lines.append(assessment.words)
-    explained = assessment.hint or assessment.unexplained
-    if explained is not None:
-        lines.append(explained)
-    if assessment.energies is not None:
-        lines += ["", *_judged_lines(assessment, assessment.energies)]
-    warned = assessment.fit.warnings
-    told = [one.text for one in warned if one.text not in assessment.headline]
-    lines += (f"  warning            {words}" for words in told)
-    lines += (f"{ADVICE}{one.remedy}." for one in warned)
-    return "\n".join(lines)
-
-
-def _judged_lines(assessment: Assessment, energies: JudgedEnergies) -> list[str]:
-    """Numbers of a pose that is a rotation, beside those of the optimum."""
-    away, optimum = math.degrees(assessment.angle_to_optimum or 0.0), assessment.optimum
-    cost, weight = at_most(energies.rounding_cost), energies.total_weight
-    rmse, of_optimum = (
-        exact_number(rational_root_above(energy / weight))
-        for energy in (energies.objective, energies.optimum)
-    )
-    return [
-        f"  RMSE               {rmse}  (weighted, {unit_words(assessment.fit)})",
-        f"  of the optimum     {of_optimum}",
-        f"  objective          {exact_number(energies.objective)}",
-        f"  of the optimum     {exact_number(energies.optimum)}",
-        f"  above the minimum  {interval_words(energies.bounds)} (proved)",
-        f"  angle to optimum   {away:.4g} degrees{_proved_angle(assessment)}",
-        *_sigma_lines(assessment.stated("sigma_distance")),
-        f"  rounding can cost  {cost}  (of the optimal pose, to doubles)",
-        f"  the optimum: wxyz  {' '.join(map(repr, optimum.quaternion_wxyz.tolist()))}",
-        f"    its translation  {' '.join(map(repr, optimum.translation.tolist()))}",
-    ]
-
-
-def _sigma_lines(distance: SigmaDistance | Absent) -> list[str]:
-    """The distance by the covariance, where it is known: plainly, and that it is no proof."""
-    if isinstance(distance, Absent):
-        told = isinstance(distance, TooLarge) or distance == FIT_WARNED
-        return [f"  sigma distance     not known: {distance.reason}"] if told else []
-    jointly = "rotation and translation jointly" if distance.dof == 6 else "of the rotation"
-    p = f"{distance.p:.2g}" if distance.p else "below 1e-300"
-    return [
-        f"  sigma distance     {distance.value:.4g} standard deviations, {jointly}",
-        "                     (to first order; if all pairs are right and the errors independent,",
-        "                     Gaussian and of this sigma, the true pose is as far with probability",
-        f"                     {p})",
-    ]
-
-
-def _proved_angle(assessment: Assessment) -> str:
-    """The proved bound on the angle, where there is one."""
-    angle = assessment.angle_upper
-    if angle is None or angle >= math.pi:
-        return ""
-    return f", within {at_most(math.degrees(angle) * DEGREE_SLACK)} (proved)"
 
 
 def verdict_words(registration: Registration) -> list[str]:

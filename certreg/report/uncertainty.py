@@ -7,18 +7,24 @@ derivations.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from certreg.exact import nearest_or_zero
-from certreg.registration import NO_RESIDUALS, FitCode, axis_words, beyond_first_order
+from certreg.registration import (
+    NO_RESIDUALS,
+    FitCode,
+    SpringRegistration,
+    axis_words,
+    beyond_first_order,
+)
 from certreg.results import Absent
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.registration import Fit, PoseCovariance, Registration
+    from certreg.registration import AnyRegistration, Fit, PoseCovariance, Registration
 
 FINE = math.radians(0.01)  # below it arc seconds: 36 of them
 FIRST_ORDER = 0.2  # radians, 11 degrees: turns scatter 2 % more there, 4 to 8 % at 0.3, measured;
@@ -32,7 +38,7 @@ WARNED = "the fit may hold more than noise (see the warning), and ± would be of
 TOO_LARGE = "the residuals are larger than sigma says (see the warning), and ± would be of sigma"
 
 
-def uncertainty_rows(registration: Registration) -> list[tuple[str, str]]:
+def uncertainty_rows(registration: AnyRegistration) -> list[tuple[str, str]]:
     """Names and words: the centre, rotation, translation, what ± is, and the test of a given sigma.
 
     The centre first: its deviation is that of the points, while the translation is where the
@@ -43,17 +49,26 @@ def uncertainty_rows(registration: Registration) -> list[tuple[str, str]]:
     tested = [] if chi2 is None else [("chi-squared", chi2)]
     if isinstance(covariance, Absent):
         return [("uncertainty", f"not known: {covariance.reason}"), *tested]
-    centre = " ".join(centre_words(registration, covariance))
     doubt = more_than_noise(registration.fit)
     if doubt is not None:
         return [("uncertainty", f"not known: {doubt}"), *tested]
     return [
-        ("centre ±", f"{sigma_words(covariance)}  (the centre of the source lands at {centre})"),
+        *_centre_row(registration, covariance),
         ("rotation ±", rotation_words(covariance, "  (a small turn about the source's axes)")),
         ("translation ±", shift_words(covariance, f"  ({OF_ORIGIN})")),
         ("± is", _basis_words(registration, covariance)),
         *tested,
     ]
+
+
+def _centre_row(registration: AnyRegistration, covariance: PoseCovariance) -> list[tuple[str, str]]:
+    """How sure the place of the source's centre is; on springs not alike along every axis."""
+    if isinstance(registration, SpringRegistration):
+        sigma = _two_digits(covariance.centre_sigma)
+        return [("centre ±", f"{sigma} along the axis that is least sure  (the source's mean)")]
+    centre = " ".join(centre_words(cast("Registration", registration), covariance))
+    lands = f"(the centre of the source lands at {centre})"
+    return [("centre ±", f"{sigma_words(covariance)}  {lands}")]
 
 
 def sigma_words(covariance: PoseCovariance) -> str:
@@ -89,9 +104,9 @@ def told_to(value: float, sigma: float) -> str:
     return f"{value:.{max(0, digits - 1)}e}" if value else "0"
 
 
-def covariance_of(registration: Registration) -> PoseCovariance | Absent:
+def covariance_of(registration: AnyRegistration) -> PoseCovariance | Absent:
     """The covariance where there is noise to tell it from."""
-    covariance = registration.solution.stated("covariance")
+    covariance = registration.stated("covariance")
     if isinstance(covariance, Absent):
         return covariance
     return NO_RESIDUALS if covariance.estimated and registration.fit.rounded else covariance
@@ -140,7 +155,7 @@ def shift_sigmas(covariance: PoseCovariance) -> NDArray[np.float64] | Absent:
     return covariance.translation_sigma if covariance.second_order < FIRST_ORDER else SWUNG
 
 
-def chi2_words(registration: Registration) -> str | None:
+def chi2_words(registration: AnyRegistration) -> str | None:
     """The sum of squared residuals over sigma, and how likely so large a one is; None without."""
     chi2 = registration.fit.chi2
     if chi2 is None:
@@ -170,23 +185,29 @@ def _two_digits(value: float) -> str:
     return f"{value:.{max(0, 1 - math.floor(math.log10(value)))}f}"
 
 
-def _basis_words(registration: Registration, covariance: PoseCovariance) -> str:
+def _basis_words(registration: AnyRegistration, covariance: PoseCovariance) -> str:
     """What one standard deviation is of: the sigma that is given, or what the residuals say."""
     told = "one standard deviation, to first order, "
+    springs, problem = isinstance(registration, SpringRegistration), registration.problem
+    if not covariance.estimated and springs:
+        return f"{told}of independent errors as large along the springs as these say"
     if not covariance.estimated:
         return f"{told}of independent errors of the sigma given{_given_words(registration)}"
     degrees = covariance.degrees_of_freedom
-    sigma = _two_digits(covariance.centre_sigma * math.sqrt((degrees + 6) / 3))  # of N points
-    equal = registration.problem.equally_weighted
-    mean = "" if equal else " at the mean weight"
     percent = 100.0 / math.sqrt(2.0 * degrees)
     sure = f"± {percent:{'.0f' if percent >= 1.0 else '.1g'}} %, {degrees} degrees of freedom"
-    size = "of one size" if equal else "as large as the weights say"
+    if springs:
+        factor = _two_digits(math.sqrt(covariance.variance_factor or 0.0))
+        assumed = "if errors are independent, Gaussian, as large along the springs as these say"
+        return f"{told}from the residuals: {factor} times the unit of the springs {sure}, {assumed}"
+    sigma = _two_digits(covariance.centre_sigma * math.sqrt((degrees + 6) / 3))  # of N points
+    mean = "" if problem.equally_weighted else " at the mean weight"
+    size = "of one size" if problem.equally_weighted else "as large as the weights say"
     assumed = f"if errors are independent, Gaussian, {size}"
     return f"{told}from the residuals: sigma {sigma}{mean} {sure}, {assumed}"
 
 
-def _given_words(registration: Registration) -> str:
+def _given_words(registration: AnyRegistration) -> str:
     """The value of the sigma that was given, from its weight; empty where there are several."""
     problem = registration.problem
     return f": {1.0 / math.sqrt(problem.weights[0]):.6g}" if problem.equally_weighted else ""

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from certreg.certificate import Claims, IsotropicBody
     from certreg.equilibrium import Component, EquilibriumSet
     from certreg.geometry import Pose
-    from certreg.registration import Agreement, Registration
+    from certreg.registration import Agreement, AnyRegistration, Registration
 
 THEOREMS = {  # claims of `certreg derive`, by the titles of their pages
     "optimality_certificate": "The optimality certificate",
@@ -291,11 +291,11 @@ def lie_words(registration: Registration) -> str:
     return "coincide" if one else "are on one line"
 
 
-def motion_words(registration: Registration) -> str:
+def motion_words(registration: AnyRegistration) -> str:
     """The pose as a turn about an axis and a shift."""
-    pose, unique = registration.pose, registration.equilibria.classification.unique
+    pose, unique = registration.pose, registration.unique
     which = "The pose below" if registration.status is Optimality.BOUNDED else "The best motion"
-    which = which if unique else "That pose"
+    which = which if unique or unique is None else "That pose"
     shift = ", ".join(f"{entry:.6g}" for entry in pose.translation.tolist())
     degrees, direction = turn_of(pose)
     if direction is None:

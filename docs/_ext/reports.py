@@ -19,7 +19,8 @@ from sphinx.util.docutils import SphinxDirective
 from certreg.problem import RegistrationProblem
 from certreg.registration import STORIES, certify, tell
 from certreg.report import rendered
-from certreg.report.page import Report, html_page
+from certreg.report.page import Report
+from certreg.report.pages import html_page
 from certreg.report.picture import registration_picture
 
 if TYPE_CHECKING:

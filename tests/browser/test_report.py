@@ -20,10 +20,9 @@ from certreg.certificate import producing
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.certification import certify
 from certreg.registration.examples import STORIES, tell
-from certreg.report import page as page_module
 from certreg.report import viewer
 from certreg.report.page import Report
-from certreg.report.page import html_page as page_of
+from certreg.report.pages import html_page as page_of
 from certreg.results import Absent
 
 if TYPE_CHECKING:
@@ -805,7 +804,7 @@ def test_points_that_the_certificate_does_not_hold_are_shown_as_a_sample(
 
 
 def test_a_certificate_too_large_for_its_page_is_left_out_of_it(shown, monkeypatch):
-    monkeypatch.setattr(page_module, "EMBEDDED_BYTES", 9)
+    monkeypatch.setattr("certreg.report.any_report.EMBEDDED_BYTES", 9)
     problem = problem_of(40)
     registration = certify(problem, relaxation=False)
     report = shown(registration)

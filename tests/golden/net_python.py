@@ -40,10 +40,10 @@ from certreg.registration.certification import optimally_damped
 from certreg.report import html_page, registration_summary, result_document, write_folder
 from certreg.report.cards import equilibria_card, registration_card
 from certreg.report.document import dumps, equilibria_document, set_document
+from certreg.report.judged_pose import assessment_summary
 from certreg.report.methods import enumeration_summary
 from certreg.report.page import Report
 from certreg.report.summary import (
-    assessment_summary,
     equilibria_words,
     explained_words,
 )

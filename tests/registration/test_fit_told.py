@@ -16,7 +16,8 @@ from certreg.problem import RegistrationProblem
 from certreg.registration import FitDemands, certify, code_of_registration, headline_of
 from certreg.registration import headlines as listed
 from certreg.report import registration_summary, report_of, result_document
-from certreg.report.page import Report, html_page
+from certreg.report.page import Report
+from certreg.report.pages import html_page
 from certreg.results import Limits
 
 if TYPE_CHECKING:

@@ -20,7 +20,8 @@ from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds
 from certreg.exact.dyadic import Dyadic
 from certreg.registration.certification import certify
 from certreg.report.document import result_document
-from certreg.report.page import Report, html_page
+from certreg.report.page import Report
+from certreg.report.pages import html_page
 from certreg.report.summary import registration_summary
 from certreg.verify import Worth, parse
 

@@ -19,10 +19,12 @@ from certreg.registration import SimulatedRegistration, certify, enumerated, hea
 from certreg.registration import headlines as listed
 from certreg.registration.covariance import worst_residuals
 from certreg.report import registration_summary, result_document
+from certreg.report.any_report import EMBEDDED_BYTES
 from certreg.report.document import dumps, simulation_document
 from certreg.report.methods import methods_fields, methods_summary, methods_table
 from certreg.report.overview import split
-from certreg.report.page import EMBEDDED_BYTES, Report, html_page
+from certreg.report.page import Report
+from certreg.report.pages import html_page
 from certreg.results import OUT_OF_RANGE, Absent, Limits, Optimality
 
 if TYPE_CHECKING:

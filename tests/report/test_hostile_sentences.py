@@ -25,7 +25,7 @@ from certreg.report import (
     simulation_summary,
     summary,
 )
-from certreg.report.page import ASSETS
+from certreg.report.any_report import ASSETS
 from certreg.report.thinning import thinned, unspent_words
 from certreg.report.viewer import WATCH, Names, ended_words, scene_document, viewer_words
 from certreg.report.words import component_words, lie_words, trap_words

@@ -17,7 +17,8 @@ from certreg.registration.certification import certify
 from certreg.registration.covariance import NO_RESIDUALS
 from certreg.report.markup import rendered
 from certreg.report.overview import Overview
-from certreg.report.page import Report, html_page
+from certreg.report.page import Report
+from certreg.report.pages import html_page
 from certreg.report.picture import BODY, registration_picture
 from certreg.report.uncertainty import chi2_words, told_to, uncertainty_rows
 from certreg.report.viewer import told_rmse

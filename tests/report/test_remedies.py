@@ -14,10 +14,12 @@ from certreg.problem import RegistrationProblem
 from certreg.registration import assess, certify
 from certreg.report import registration_summary, result_document
 from certreg.report.cards import registration_card
+from certreg.report.judged_pose import assessment_summary
 from certreg.report.overview import ABOVE, SAME, Overview
-from certreg.report.page import Report, html_page
+from certreg.report.page import Report
+from certreg.report.pages import html_page
 from certreg.report.remedies import FIX_TURN, GIVE_SIGMA, SINGLE_OUT, TELL_APART, WIDEN, remedies
-from certreg.report.summary import OF_PRINTED, assessment_summary, number
+from certreg.report.summary import OF_PRINTED, number
 from certreg.report.viewer import FAR_MEDIANS, FAR_SIGMAS, Names, colours_end, scene_document
 from certreg.results import Limits
 

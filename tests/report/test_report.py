@@ -31,8 +31,10 @@ from certreg.geometry import quaternion_from_matrix, quaternions_from_matrices
 from certreg.problem.problem import RegistrationProblem
 from certreg.registration.certification import certified, certify
 from certreg.registration.examples import STORIES, stated, tell
+from certreg.report.any_report import EMBEDDED_BYTES
 from certreg.report.markup import asset, coded, environment_of, inert, inert_json
-from certreg.report.page import EMBEDDED_BYTES, Report, html_page
+from certreg.report.page import Report
+from certreg.report.pages import html_page
 from certreg.report.reload import Motion, _problem, report_of
 from certreg.report.thinning import simulated_escapes, thinned
 from certreg.report.viewer import Names
@@ -681,7 +683,7 @@ def test_a_large_certificate_is_named_in_the_page_and_not_carried(
 ):
     content = (folder / "certificate.json").read_bytes()
     size = len(content) - 1
-    monkeypatch.setattr("certreg.report.page.EMBEDDED_BYTES", size)
+    monkeypatch.setattr("certreg.report.any_report.EMBEDDED_BYTES", size)
     (folder / "certificate.json").rename(folder / "my.json")
     assert certreg("report", folder / "my.json").code == 0
     made = (folder / "report.html").read_bytes()

@@ -24,7 +24,7 @@ from certreg.errors import CertregError
 from certreg.problem import RegistrationProblem
 from certreg.registration import assess, certify
 from certreg.report import assessment_summary, registration_summary, summary, words
-from certreg.report.overview import _aligned
+from certreg.report.overview import aligned
 from certreg.report.reload import report_of
 from certreg.report.thinning import Run, _packed
 from certreg.report.viewer import _pairs, packed, sample_of, viewer_words
@@ -331,7 +331,7 @@ def test_what_is_no_certificate_is_named_with_its_file(tmp_path: Path):
 
 
 def test_the_rows_of_a_matrix_stand_in_columns():
-    rows = _aligned([[1.0, -0.5, 0.0, 12345.5], [0.0, 1.0, -1.0, -2.0], [0.5, 0.5, 0.5, 0.0]])
+    rows = aligned([[1.0, -0.5, 0.0, 12345.5], [0.0, 1.0, -1.0, -2.0], [0.5, 0.5, 0.5, 0.0]])
 
     assert len({len(row) for row in rows}) == 1
     assert [row.split() for row in rows] == [

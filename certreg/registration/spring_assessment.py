@@ -1,0 +1,211 @@
+"""Judging a pose on general springs: the assessment, with its words."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from certreg.exact import double_above, nearest_double, nearest_root
+from certreg.geometry import why_no_rotation
+from certreg.registration.assessed import Assessment
+from certreg.registration.assessment_words import note_on
+from certreg.registration.findings import GOOD, rules_out
+from certreg.registration.headlines import (
+    NO_EQUILIBRIUM,
+    NO_ROTATION,
+    OF_DATA,
+    RULED_OUT,
+    SPURIOUS,
+    at_most,
+    degrees_words,
+    interval_words,
+    loose_words,
+    share_words,
+)
+from certreg.registration.spring_findings import (
+    spring_findings,
+    spring_sigma_distance,
+    spring_verdict_of,
+)
+from certreg.registration.spring_headlines import (
+    NEAR_AS_OTHERS,
+    NEAR_UNDECIDED,
+    OPTIMAL_AS_OTHERS,
+    OPTIMAL_UNDECIDED,
+    headline_of_spring_data,
+)
+from certreg.registration.spring_result import UNDECIDED
+from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict, present
+
+if TYPE_CHECKING:
+    from certreg.geometry import GivenPose
+    from certreg.registration.findings import AssessmentSettings, SigmaDistance
+    from certreg.registration.headlines import Headline
+    from certreg.registration.spring_findings import SpringFindings
+    from certreg.registration.spring_result import SpringRegistration
+
+NUMBERS = (
+    *("objective", "rmse", "gap_lower", "gap_upper", "gap_share", "rounding_cost", "angle_upper"),
+    *("angle_to_optimum", "nearest_index", "nearest_angle", "sigma_distance"),
+)
+NOT_UNIQUE = Absent("other poses are as good: no angle to 'the' optimum exists")
+NOT_MET = Absent("no equilibrium was met at the pose, and those of general springs are not listed")
+NO_SLIPS = Absent("no slip was tried: that is done for springs alike in every way alone")
+
+
+def judged_on_springs(
+    registration: SpringRegistration, given: GivenPose, settings: AssessmentSettings
+) -> Assessment:
+    """As `judged`, of general springs."""
+    fault = why_no_rotation(given.turn, settings.rotation_tolerance)
+    if fault is not None:
+        return _no_rotation(registration, fault)
+    facts = spring_findings(registration, given, settings)
+    verdict = spring_verdict_of(facts, settings)
+    distance = spring_sigma_distance(facts, given)
+    chosen, headline = _headline(facts, verdict, distance)
+    nearest = _nearest(facts, verdict)
+    numbers: dict[str, Any] = {
+        "objective": _or_beyond(nearest_double(facts.energy)),
+        "rmse": _or_beyond(nearest_root(facts.energy / facts.energies.total_weight)),
+        "gap_lower": facts.bounds.gap_lower,
+        "gap_upper": facts.bounds.gap_upper,
+        "gap_share": facts.bounds.stated("share_upper"),
+        "rounding_cost": double_above(facts.rounding_cost),
+        "angle_upper": facts.bounds.stated("angle_upper"),
+        "angle_to_optimum": _why_no_angle(registration) if facts.away is None else facts.away,
+        "nearest_index": nearest[0],
+        "nearest_angle": nearest[1],
+        "sigma_distance": distance,
+        "slip": NO_SLIPS,
+    }
+    return _assessment(
+        registration,
+        {
+            "verdict": verdict,
+            "headline": headline,
+            "green": chosen.good,
+            "energies": facts.energies,
+            "words": _words(facts, verdict) + note_on(given),
+        },
+        numbers,
+    )
+
+
+def _no_rotation(registration: SpringRegistration, fault: str) -> Assessment:
+    said = {
+        "verdict": PoseVerdict.NOT_A_ROTATION,
+        "headline": NO_ROTATION.said(fault=fault),
+        "words": fault,
+    }
+    numbers = {**dict.fromkeys(NUMBERS, Absent(fault)), "slip": NO_SLIPS}
+    return _assessment(registration, said, numbers)
+
+
+def _assessment(
+    registration: SpringRegistration, said: dict[str, Any], numbers: dict[str, Any]
+) -> Assessment:
+    """With the optimum beside the pose that is judged."""
+    solution = registration.solution
+    weight = Fraction(solution.sums.stiffness)
+    beside = {
+        "optimum_objective": _or_beyond(nearest_double(solution.least)),
+        "optimum_rmse": _or_beyond(nearest_root(solution.least / weight)),
+    }
+    told: dict[str, Any] = {**numbers, **beside}
+    return Assessment(
+        **said,
+        **_present(told),
+        optimum=registration.pose,
+        fit=registration.fit,
+        absent={name: value for name, value in told.items() if isinstance(value, Absent)},
+    )
+
+
+def _present(told: dict[str, Any]) -> dict[str, Any]:
+    return {name: present(value) for name, value in told.items()}
+
+
+def _headline(
+    facts: SpringFindings, verdict: PoseVerdict, distance: SigmaDistance | Absent
+) -> tuple[Headline, str]:
+    registration, bounds = facts.registration, facts.bounds
+    if verdict is PoseVerdict.SPURIOUS_EQUILIBRIUM and facts.critical is not None:
+        stable = not facts.critical.index
+        name = "a stable equilibrium" if stable else f"an index-{facts.critical.index} equilibrium"
+        end = ", at which a local method stops, and not the optimum" if stable else ""
+        near = f"{math.degrees(facts.critical.angle):.2g}"
+        return SPURIOUS, SPURIOUS.said(near=near, shift="", name=name, end=end)
+    if verdict not in GOOD:
+        return NO_EQUILIBRIUM, NO_EQUILIBRIUM.said(interval=interval_words(bounds))
+    chosen = _good_headline(facts, verdict, distance)
+    said = chosen.said(
+        degrees=degrees_words(bounds) or "180",
+        gap=at_most(bounds.greatest_gap),
+        share=share_words(bounds),
+        warning=next((one.text for one in registration.fit.warnings), ""),
+        loose=loose_words(registration),
+        sigmas="" if isinstance(distance, Absent) else f"{distance.value:.3g}",
+    )
+    return chosen, said
+
+
+def _good_headline(
+    facts: SpringFindings, verdict: PoseVerdict, distance: SigmaDistance | Absent
+) -> Headline:
+    registration, optimal = facts.registration, verdict is PoseVerdict.OPTIMAL
+    if registration.unique is None:
+        return OPTIMAL_UNDECIDED if optimal else NEAR_UNDECIDED
+    if not registration.unique:
+        return OPTIMAL_AS_OTHERS if optimal else NEAR_AS_OTHERS
+    of_data = OF_DATA[headline_of_spring_data(registration)]
+    if not isinstance(distance, Absent) and rules_out(registration, distance):
+        of_data = RULED_OUT
+    return of_data[0 if optimal else 1]
+
+
+def _words(facts: SpringFindings, verdict: PoseVerdict) -> str:
+    """What else is to be said of it, in a sentence or two."""
+    away = "" if facts.away is None else f"{math.degrees(facts.away):.4g} degrees from the optimum"
+    gap, cost = at_most(facts.bounds.greatest_gap), at_most(facts.rounding_cost)
+    if verdict is PoseVerdict.OPTIMAL:
+        return (
+            f"Its objective is at most {gap} above the minimum: rounding the numbers of the "
+            f"optimal pose to doubles can cost about {cost}{_of_proof(facts)}."
+        )
+    if verdict is PoseVerdict.NEAR_OPTIMAL:
+        its = f"It is {away}. " if away else ""
+        return f"{its}Rounding the numbers of the optimal pose to doubles costs about {cost}."
+    where = f" The rotation is {away}." if away else ""
+    if verdict is PoseVerdict.SPURIOUS_EQUILIBRIUM and facts.critical is not None:
+        index = facts.critical.index
+        many = f"{index} direction{'s' * (index > 1)}"
+        how = (
+            f"but the energy falls in {many}" if index else "and every small turn raises the energy"
+        )
+        return f"Forces and torques balance there, {how}.{where}"
+    return f"The pose is not optimal.{where}"
+
+
+def _of_proof(facts: SpringFindings) -> str:
+    """What the proof itself leaves open, where that is more than the rounding of the pose."""
+    own = facts.proof_gap
+    return f", and the proof itself leaves {at_most(own)}" if own > facts.rounding_cost else ""
+
+
+def _nearest(facts: SpringFindings, verdict: PoseVerdict) -> tuple[Any, Any]:
+    """Index and angle of the equilibrium that the pose is at; why there is none, twice."""
+    if verdict in GOOD and facts.away is not None:
+        return 0, facts.away
+    if verdict is PoseVerdict.SPURIOUS_EQUILIBRIUM and facts.critical is not None:
+        return facts.critical.index, facts.critical.angle
+    return NOT_MET, NOT_MET
+
+
+def _why_no_angle(registration: SpringRegistration) -> Absent:
+    return UNDECIDED if registration.solution.unique_rotation is None else NOT_UNIQUE
+
+
+def _or_beyond(value: float | None) -> float | Absent:
+    return OUT_OF_RANGE if value is None else value

@@ -1,0 +1,144 @@
+"""`certify` for general springs: find the optimum, prove what can be proved, check the proof."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from certreg.certificate import (
+    ExactPose,
+    check_own,
+    require_accepted,
+    spring_pose_bounds,
+    springs_certificate,
+)
+from certreg.equilibrium import rotation_double, unit_double
+from certreg.errors import OutOfRangeError
+from certreg.exact import nearest_double, nearest_root
+from certreg.finding import find_optimum
+from certreg.geometry import Pose
+from certreg.objective import Springs
+from certreg.problem import spring_moments
+from certreg.registration.parts import logged
+from certreg.registration.robustness import NONE_PROVED
+from certreg.registration.spring_result import (
+    SpringRegistration,
+    SpringSolution,
+)
+from certreg.results import OUT_OF_RANGE, Absent, Limits
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from certreg.problem import RegistrationProblem
+    from certreg.results import Verdict
+
+NOT_CERTIFIED = Absent("not certified")
+SPRING_PARTS = 4  # of certify: sums, optimum, certificate, checker
+
+
+def certified_springs(
+    problem: RegistrationProblem,
+    *,
+    solver: str | None = None,
+    about: dict[str, Any] | None = None,
+    limits: Limits | None = None,
+    done: Callable[[str], None] = logged,
+) -> SpringRegistration:
+    """The registration of a problem with general springs, as `certify` returns it.
+
+    solver: of the relaxation, as `certify` has it. done: called with the name of each part.
+    Raises as `certify` does.
+    """
+    timings: dict[str, float] = {}
+    start = time.perf_counter()
+    solution = _solved(problem, solver, about or {}, done)
+    timings["compute"] = time.perf_counter() - start
+    verdict = None
+    if solution.certificate is not None:
+        start = time.perf_counter()
+        verdict = check_own(solution.certificate, problem)
+        timings["check"] = time.perf_counter() - start
+        require_accepted(verdict)
+    done("checker")
+    if problem.mapped:
+        solution.complete()
+    return replace(registration_of(solution, verdict, timings), limits=limits or Limits())
+
+
+def _solved(
+    problem: RegistrationProblem,
+    solver: str | None,
+    about: dict[str, Any],
+    done: Callable[[str], None],
+) -> SpringSolution:
+    """Everything that is computed, nothing yet checked."""
+    objective = Springs(spring_moments(problem))
+    done("exact sums")
+    found = find_optimum(objective, solver)
+    done("optimum")
+    certificate = springs_certificate(problem, objective, found, about=about)
+    done("certificate")
+    quaternion = found.quaternion if certificate is None else certificate.body.quaternion
+    return SpringSolution(
+        problem=problem,
+        objective=objective,
+        found=found,
+        pose=_rounded(objective, quaternion),
+        quaternion=quaternion,
+        certificate=certificate,
+        absent={"certificate": NOT_CERTIFIED},
+    )
+
+
+def _rounded(objective: Springs, q: tuple[int, int, int, int]) -> Pose:
+    """The pose with its best translation, every number rounded once."""
+    exact = objective.best_translation(q)
+    translation = [nearest_double(entry) for entry in exact]
+    if None in translation:
+        message = (
+            "the translation of the optimal pose exceeds the range of doubles: "
+            "change the unit of length of both clouds"
+        )
+        raise OutOfRangeError(message, value=exact)
+    return Pose(
+        rotation=rotation_double(q),
+        translation=np.array(translation),
+        quaternion_wxyz=unit_double(q),
+    )
+
+
+def registration_of(
+    solution: SpringSolution, verdict: Verdict | None, timings: dict[str, float]
+) -> SpringRegistration:
+    """What a solution says of the pose as it is printed."""
+    place = ExactPose.of_doubles(solution.pose.quaternion_wxyz, solution.pose.translation)
+    energy = solution.objective.energy(place.quaternion)
+    energy += solution.objective.translation_energy(place.quaternion, place.translation)
+    bounds = None
+    if solution.certificate is not None:
+        bounds = spring_pose_bounds(solution.objective, solution.certificate.body, place)
+    stiffness = solution.sums.stiffness
+    squared = energy / Fraction(stiffness) if 0.0 < stiffness < math.inf else None
+    return SpringRegistration(
+        problem=solution.problem,
+        solution=solution,
+        objective=nearest_double(energy),
+        rmse=None if squared is None else nearest_root(squared),
+        bounds=bounds,
+        limits=Limits(),
+        verdict=verdict,
+        timings=timings,
+        absent={
+            **solution.absent,
+            "objective": OUT_OF_RANGE,
+            "rmse": OUT_OF_RANGE,
+            "bounds": NOT_CERTIFIED,
+            "robustness": NONE_PROVED,
+        },
+    )

@@ -1,0 +1,283 @@
+"""The result of `certify` for general springs: what is computed, and what the checker accepted."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from certreg.certificate import sin2_half_angle_between
+from certreg.exact import half_angle_bound
+from certreg.problem import lift
+from certreg.registration.any_registration import AnyRegistration
+from certreg.registration.freedom import Freedom
+from certreg.registration.outlying import LISTED
+from certreg.registration.row_names import RowNames
+from certreg.registration.spring_covariance import FLAT, degrees_of_freedom, spring_covariance
+from certreg.registration.spring_curvature import slope_and_curvature
+from certreg.registration.spring_fit import spring_fit
+from certreg.registration.spring_rows import SpringSums, blocks_at
+from certreg.results import Absent, Explained, Optimality, present
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+    from certreg.certificate import Certificate
+    from certreg.finding import Found
+    from certreg.geometry import Pose
+    from certreg.objective import Springs
+    from certreg.problem import RegistrationProblem
+    from certreg.registration.any_registration import ResidualBlock
+    from certreg.registration.covariance import PoseCovariance, Residual
+    from certreg.registration.fit import Fit
+
+NOT_LISTED = Absent(
+    "general springs have up to forty equilibria, which this version does not list: `certify` "
+    "proves the optimum without them"
+)
+NOT_SIMULATED = Absent("the motion on general springs is not simulated in this version")
+SOFT = 1e-6  # of the oscillation: a curvature that is told from zero is larger
+UNDECIDED = Absent("whether the optimum is unique is not decided")
+
+
+class Method(enum.Enum):
+    """How optimality is proved; the value is the word used in files."""
+
+    SPECTRAL = "spectral"  # eigenvalues, of one weight per pair
+    SQUARES = "sos-4"  # a sum of squares of degree four
+    CONES = "cones"  # branch and bound on cones of quaternions
+
+
+METHODS = {"springs-sos": Method.SQUARES, "springs-cones": Method.CONES}
+SPRING_KINDS = tuple(METHODS)  # of certificates
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SpringSolution(Explained):
+    """What is computed before anything is checked; statistics when they are first asked for.
+
+    found: the optimum as it was proposed, with the relaxation. quaternion: of the certified
+        rotation, integers. pose: the same in doubles, with its best translation.
+    """
+
+    problem: RegistrationProblem
+    objective: Springs
+    found: Found
+    pose: Pose
+    quaternion: tuple[int, int, int, int]
+    certificate: Certificate[Any] | None
+
+    @cached_property
+    def freedom(self) -> Freedom:
+        """What the springs leave undetermined, exactly."""
+        return Freedom.of(self.objective)
+
+    @cached_property
+    def least(self) -> Fraction:
+        """The objective at the certified rotation with its best translation, exactly."""
+        return self.objective.energy(self.quaternion)
+
+    @cached_property
+    def sums(self) -> SpringSums:
+        """What one look at the rows says of the pose."""
+        return SpringSums.of(self.problem, self.pose, LISTED)
+
+    @cached_property
+    def stated_covariance(self) -> PoseCovariance | Absent:
+        """The covariance of the pose, or why there is none."""
+        if self.unique is None:
+            return UNDECIDED
+        return spring_covariance(
+            self.problem, self.pose, self.least, self.sums, unique=bool(self.unique)
+        )
+
+    @cached_property
+    def fit(self) -> Fit:
+        """What the optimum is worth as a fit, by statistics; nothing of it is proved."""
+        about = {} if self.certificate is None else self.certificate.about
+        names = RowNames.of(about, self.problem.n)
+        determined = self.unique is True and self.stated_covariance != FLAT
+        return spring_fit(
+            self.problem, self.sums, least=self.least, determined=determined, names=names
+        )
+
+    @property
+    def method(self) -> Method | None:
+        """How optimality is proved; None where it is not."""
+        return None if self.certificate is None else METHODS[self.certificate.body.KIND]
+
+    @property
+    def relaxation_value(self) -> Fraction | None:
+        """The value of the relaxation, no bound, in the unit of the objective; None without one."""
+        value, levelled = self.found.relaxation.value, self.found.levelled
+        if value is None:
+            return None
+        return (Fraction(value) * levelled.scale + levelled.level) * self.objective.unit
+
+    @property
+    def angle_to_relaxation(self) -> float | Absent:
+        """Radians from the pose to the rotation that is read off the relaxation."""
+        q = self.found.relaxation.quaternion_wxyz
+        if q is None:
+            return Absent(self.found.relaxation.reason)
+        return float(half_angle_bound(sin2_half_angle_between(self.quaternion, lift(q).integers)))
+
+    @cached_property
+    def soft_axes(self) -> NDArray[np.float64]:
+        """(k, 3), the source's axes about which the energy hardly curves, in doubles."""
+        _, curvature = slope_and_curvature(self.objective, self.quaternion)
+        levels, axes = np.linalg.eigh(curvature)
+        return axes.T[levels <= SOFT]
+
+    @property
+    def near_minima(self) -> int:
+        """How many local minima that were met may be optimal, as far as is proved; one at least."""
+        if self.certificate is None:
+            return 1
+        most = self.least + self.certificate.body.gap
+        return sum(self.objective.energy(q) <= most for q in self.found.minima) or 1
+
+    @property
+    def unique_rotation(self) -> bool | None:
+        """Whether one rotation is optimal, as far as that is proved."""
+        if self.certificate is not None and self.certificate.body.claims.unique is not None:
+            return self.certificate.body.claims.unique
+        return False if self.freedom.moves_optimum else None
+
+    @property
+    def unique(self) -> bool | None:
+        """Whether one pose is optimal: a free shift makes others as good at any rotation."""
+        return False if self.freedom.translations else self.unique_rotation
+
+    def complete(self) -> None:
+        """Compute all that reads points now: later their file may hold others."""
+        _ = self.sums, self.stated_covariance, self.fit
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SpringRegistration(AnyRegistration):
+    """The result of `certify` for general springs: a solution, and what the checker accepted of it.
+
+    It has what `Registration` has, but no list of equilibria and no motion yet.
+
+    Attributes
+    ----------
+    problem, solution
+        What was asked, and what was found.
+    objective
+        sum r^T W r with r = y - R x - t at `pose`; None where no double holds it.
+    rmse
+        sqrt(objective / sum w), w the largest eigenvalue of W: in the unit of length.
+    bounds
+        Proved of `pose` as reported, rounding included; None if nothing is proved.
+    limits
+        Of the bounds, within which the pose is called certified.
+    verdict
+        The checker's, with the theorems in its words; None if there is no certificate.
+    timings
+        Seconds per phase.
+    absent
+        Why an attribute is None, by its name.
+    """
+
+    solution: SpringSolution
+
+    __repr__ = AnyRegistration.__repr__
+
+    @property
+    def pose(self) -> Pose:
+        """The optimum in doubles; of free shifts, the one that moves the source's centre least."""
+        return self.solution.pose
+
+    @property
+    def certificate(self) -> Certificate[Any] | None:
+        """The certificate that the checker has accepted; None if none was found."""
+        return self.solution.certificate
+
+    @property
+    def equilibria(self) -> None:
+        """None: this version does not list the equilibria of general springs."""
+        return
+
+    @property
+    def unique(self) -> bool | None:
+        """Whether there is one optimal pose; None where that is not decided."""
+        return self.solution.unique
+
+    @property
+    def status(self) -> Optimality:
+        """What is proved of the pose; never more than the checker has accepted."""
+        if self.verdict is None or not self.verdict.proved or self.bounds is None:
+            return Optimality.NOT_CERTIFIED
+        turned = self.solution.unique_rotation is True
+        if self.unique is None or not self.bounds.meet(self.limits, unique=turned):
+            return Optimality.BOUNDED
+        return Optimality.CERTIFIED if self.unique else Optimality.CERTIFIED_NOT_UNIQUE
+
+    @property
+    def trajectory(self) -> None:
+        """None: this version does not simulate the motion on general springs."""
+        return
+
+    @property
+    def covariance(self) -> PoseCovariance | None:
+        """Of the pose; None where the optimum is not known to be unique."""
+        return present(self.solution.stated_covariance)
+
+    @property
+    def fit(self) -> Fit:
+        """What the optimum is worth as a fit, by statistics; nothing of it is proved."""
+        return self.solution.fit
+
+    def stated(self, name: str) -> Any:
+        """The attribute of that name, or the Absent that stands for it.
+
+        Parameters
+        ----------
+        name
+            Of an attribute that may be None.
+
+        Returns
+        -------
+        Any
+            Its value; where that is None, the reason.
+        """
+        if name == "covariance":
+            return self.solution.stated_covariance
+        return NOT_LISTED if name == "equilibria" else Explained.stated(self, name)
+
+    def worst_residuals(self, count: int) -> list[Residual]:
+        """The rows that are farthest off along their springs, at most ten.
+
+        Parameters
+        ----------
+        count
+            How many.
+
+        Returns
+        -------
+        list[Residual]
+            Rows and how far they are off, the farthest first.
+        """
+        return list(self.solution.sums.worst[:count])
+
+    @property
+    def residuals(self) -> NDArray[np.float64]:
+        """(N,), how far each pair is off along its springs: the distance to its plane or line."""
+        return np.concatenate([along for _, along, _ in self.residual_blocks()])
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Of the residuals, all six parameters of the pose counted."""
+        return degrees_of_freedom(self.problem)
+
+    def residual_blocks(self) -> Iterator[ResidualBlock]:
+        """All rows: slices, how far each is off along its springs, and sqrt(r^T W r)."""
+        for rows, at in blocks_at(self.problem, self.pose):
+            yield rows, at.along, at.strained

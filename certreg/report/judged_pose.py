@@ -1,0 +1,85 @@
+"""What is known of a pose that was judged, as a person reads it in a terminal."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from certreg.exact import rational_root_above
+from certreg.registration import DEGREE_SLACK, FIT_WARNED, TooLarge, at_most, interval_words
+from certreg.report.remedies import ADVICE
+from certreg.report.summary import exact_number, unit_words
+from certreg.results import Absent, PoseVerdict
+
+if TYPE_CHECKING:
+    from certreg.registration import Assessment, JudgedEnergies, SigmaDistance
+
+
+def assessment_summary(assessment: Assessment) -> str:
+    """The result of `assess`, readable."""
+    lines = [assessment.headline]
+    if assessment.verdict is not PoseVerdict.NOT_A_ROTATION:
+        lines.append(assessment.words)
+    explained = assessment.hint or assessment.unexplained
+    if explained is not None:
+        lines.append(explained)
+    if assessment.energies is not None:
+        lines += ["", *_judged_lines(assessment, assessment.energies)]
+    warned = assessment.fit.warnings
+    told = [one.text for one in warned if one.text not in assessment.headline]
+    lines += (f"  warning            {words}" for words in told)
+    lines += (f"{ADVICE}{one.remedy}." for one in warned)
+    return "\n".join(lines)
+
+
+def _judged_lines(assessment: Assessment, energies: JudgedEnergies) -> list[str]:
+    """Numbers of a pose that is a rotation, beside those of the optimum."""
+    optimum = assessment.optimum
+    cost, weight = at_most(energies.rounding_cost), energies.total_weight
+    rmse, of_optimum = (
+        exact_number(rational_root_above(energy / weight))
+        for energy in (energies.objective, energies.optimum)
+    )
+    return [
+        f"  RMSE               {rmse}  ({energies.of_what}, {unit_words(assessment.fit)})",
+        f"  of the optimum     {of_optimum}",
+        f"  objective          {exact_number(energies.objective)}",
+        f"  of the optimum     {exact_number(energies.optimum)}",
+        f"  above the minimum  {interval_words(energies.bounds)} (proved)",
+        f"  angle to optimum   {_angle_words(assessment)}",
+        *_sigma_lines(assessment.stated("sigma_distance")),
+        f"  rounding can cost  {cost}  (of the optimal pose, to doubles)",
+        f"  the optimum: wxyz  {' '.join(map(repr, optimum.quaternion_wxyz.tolist()))}",
+        f"    its translation  {' '.join(map(repr, optimum.translation.tolist()))}",
+    ]
+
+
+def _angle_words(assessment: Assessment) -> str:
+    """How far the rotation is from the optimum; of several optima why that is not known."""
+    angle = assessment.stated("angle_to_optimum")
+    if isinstance(angle, Absent):
+        return f"not known: {angle.reason}"
+    return f"{math.degrees(angle):.4g} degrees{_proved_angle(assessment)}"
+
+
+def _sigma_lines(distance: SigmaDistance | Absent) -> list[str]:
+    """The distance by the covariance, where it is known: plainly, and that it is no proof."""
+    if isinstance(distance, Absent):
+        told = isinstance(distance, TooLarge) or distance == FIT_WARNED
+        return [f"  sigma distance     not known: {distance.reason}"] if told else []
+    jointly = "rotation and translation jointly" if distance.dof == 6 else "of the rotation"
+    p = f"{distance.p:.2g}" if distance.p else "below 1e-300"
+    return [
+        f"  sigma distance     {distance.value:.4g} standard deviations, {jointly}",
+        "                     (to first order; if all pairs are right and the errors independent,",
+        "                     Gaussian and of this sigma, the true pose is as far with probability",
+        f"                     {p})",
+    ]
+
+
+def _proved_angle(assessment: Assessment) -> str:
+    """The proved bound on the angle, where there is one."""
+    angle = assessment.angle_upper
+    if angle is None or angle >= math.pi:
+        return ""
+    return f", within {at_most(math.degrees(angle) * DEGREE_SLACK)} (proved)"

@@ -1,0 +1,191 @@
+"""A registration on general springs as plain sentences: what a person reads in a terminal."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from certreg.exact import nearest_or_zero
+from certreg.registration import (
+    Method,
+    at_most,
+    axis_words,
+    is_loose,
+    share_words,
+    spring_degrees,
+    spring_headline_words,
+)
+from certreg.report.remedies import ADVICE, FIX_TURN
+from certreg.report.summary import number
+from certreg.report.uncertainty import uncertainty_rows
+from certreg.results import Absent, Limits, Optimality
+
+if TYPE_CHECKING:
+    from certreg.registration import SpringRegistration
+
+NAMES = {
+    "plane": "planes",
+    "line": "lines",
+    "full": "full covariances",
+    "mixed": "of several kinds",
+}
+ONE_OF_MANY = "The pose below is one of those that are as good."
+LEAST_SHIFT = "The pose below is the one of them that moves the source's centre least."
+RANKS = {1: "plane", 2: "line", 3: "full"}
+HOW = {
+    Method.SQUARES: "a sum of squares of degree four",
+    Method.CONES: "branch and bound on cones of quaternions",
+}
+TIGHT = 1e-6  # of the range of energies: a relaxation that is this near is called tight
+ACROSS = "add pairs with springs across what is undetermined: they may single one pose out"
+RMSE_WORDS = "along the springs, unit of the clouds"
+NOT_LISTED_WORDS = "general springs have up to forty; the proof needs none of them"
+
+
+def spring_summary(registration: SpringRegistration) -> str:
+    """The result of `certify` for general springs, readable."""
+    pose, status = registration.pose, spring_verdict_words(registration)
+    return "\n".join(
+        (
+            *status,
+            *_proved_lines(registration),
+            *(f"{ADVICE}{words}" for words in spring_remedies(registration)),
+            "",
+            f"  correspondences   {registration.problem.n}",
+            f"  springs           {springs_words(registration)}",
+            f"  rotation (wxyz)   {' '.join(map(repr, pose.quaternion_wxyz.tolist()))}",
+            f"  translation       {' '.join(map(repr, pose.translation.tolist()))}",
+            *_uncertainty_lines(registration),
+            f"  RMSE              {number(registration.rmse)}  ({RMSE_WORDS})",
+            f"  relaxation (SDP)  {relaxation_words(registration)}",
+            *(f"  warning           {words}" for words in spring_warnings(registration, status[0])),
+            f"  equilibria        not listed: {NOT_LISTED_WORDS}",
+        )
+    )
+
+
+def spring_verdict_words(registration: SpringRegistration) -> list[str]:
+    """What is proved of the pose: a headline, then what else must be said before any number."""
+    lines = [spring_headline_words(registration)]
+    if registration.status is Optimality.NOT_CERTIFIED:
+        return lines
+    free = registration.solution.freedom
+    said = lines[0]
+    lines += [
+        _sentence(words)
+        for words in (free.turn_words(), free.shift_words())
+        if words and words not in said
+    ]
+    if registration.unique is False:
+        lines.append(ONE_OF_MANY if free.turn_words() or not free.translations else LEAST_SHIFT)
+    if registration.solution.unique_rotation is None:
+        if registration.unique is False and not free.turn_words():
+            lines.append("Whether one rotation alone is optimal is not decided.")
+        if soft := soft_words(registration):
+            lines.append(_sentence(soft))
+    if registration.status is Optimality.BOUNDED or registration.limits != Limits():
+        lines.append(_limit_words(registration))
+    return lines
+
+
+def soft_words(registration: SpringRegistration) -> str:
+    """Why it may not be decided which pose is optimal; empty where nothing is known of it."""
+    axes = registration.solution.soft_axes
+    if len(axes) == 3:
+        return "the rotation is undetermined to first order: the energy does not curve at the pose"
+    if len(axes):
+        about = " and ".join(axis_words(axis) for axis in axes)
+        return (
+            f"rotation about the source's axis {about} is undetermined to first order: the energy "
+            "does not curve there"
+        )
+    count = registration.solution.near_minima
+    if count > 1:
+        return f"{count} local minima were met that differ by no more than the proved gap"
+    return ""
+
+
+def _limit_words(registration: SpringRegistration) -> str:
+    """What is called certified, where that is asked for or not reached."""
+    limits = registration.limits
+    angle = ""
+    if registration.solution.unique_rotation:
+        angle = f" and {limits.max_angle:g} radians of the optimum"
+    elif registration.unique is None:
+        angle = ", and whether one pose is optimal decided"
+    verb = "would be" if registration.status is Optimality.BOUNDED else "means here"
+    return f"Certified {verb} within {limits.max_gap:g} of the range of energies{angle}."
+
+
+def _proved_lines(registration: SpringRegistration) -> list[str]:
+    bounds, method = registration.bounds, registration.solution.method
+    if registration.status is Optimality.NOT_CERTIFIED or bounds is None or method is None:
+        return []
+    gap = f"{at_most(bounds.greatest_gap)}, {share_words(bounds)}"
+    lines = [f"  proved gap        objective - minimum <= {gap}, at the pose below"]
+    degrees = spring_degrees(registration)
+    if degrees is not None:
+        which = "the optimum" if registration.solution.unique_rotation else "every optimum"
+        lines.append(f"  proved angle      rotation (wxyz) within {degrees} degrees of {which}")
+    return [*lines, f"  proved by         {HOW[method]}"]
+
+
+def springs_words(registration: SpringRegistration) -> str:
+    """What kind of springs there are, and how many of each."""
+    summary = registration.problem.springs
+    if summary is None:
+        return ""
+    counts = [(summary.ranks[rank], word) for rank, word in RANKS.items() if summary.ranks[rank]]
+    if len(counts) == 1:
+        return NAMES[summary.kind]
+    return ", ".join(f"{count} {word}" for count, word in counts)
+
+
+def relaxation_words(registration: SpringRegistration) -> str:
+    """What the relaxation proposed, and how far its value is below where it is not tight."""
+    solution = registration.solution
+    value, bounds, away = (
+        solution.relaxation_value,
+        registration.bounds,
+        solution.angle_to_relaxation,
+    )
+    if value is None or isinstance(away, Absent):
+        return f"no proposal: {solution.found.relaxation.reason}"
+    rank = f"rank {solution.found.relaxation.rank}"
+    below = solution.least - value
+    span = 0.0 if bounds is None else math.sqrt(nearest_or_zero(bounds.least_range_squared))
+    share = nearest_or_zero(below) / span if span else 0.0
+    if share > TIGHT:
+        return (
+            f"{rank}, not tight: its value is {100.0 * share:.3g} % of the range of energies below "
+            "the objective (computed)"
+        )
+    return f"{rank}, {math.degrees(away):.1g} degrees from the optimum"
+
+
+def spring_remedies(registration: SpringRegistration) -> list[str]:
+    """What may help where something is said against the pose."""
+    told = [one.remedy for one in registration.fit.warnings]
+    if registration.unique and is_loose(registration):
+        told.append(FIX_TURN)
+    elif registration.unique is False and not told:
+        told.append(ACROSS)
+    return [f"{words}." for words in told]
+
+
+def spring_warnings(registration: SpringRegistration, headline: str) -> list[str]:
+    """What is true of the data and should not be overlooked, and is not in the headline."""
+    summary = registration.problem.springs
+    notes = [] if summary is None else list(summary.notes)
+    return notes + [one.text for one in registration.fit.warnings if one.text not in headline]
+
+
+def _uncertainty_lines(registration: SpringRegistration) -> list[str]:
+    """The rows of `uncertainty_rows`, in ASCII."""
+    rows = uncertainty_rows(registration)
+    plain = ([part.replace("±", "+/-") for part in row] for row in rows)
+    return [f"  {name:<17} {words}" for name, words in plain]
+
+
+def _sentence(words: str) -> str:
+    return f"{words[0].upper()}{words[1:]}."

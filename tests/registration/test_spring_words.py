@@ -1,0 +1,237 @@
+"""Every configuration of general springs that leaves something open: what is said of it, exactly.
+
+All data are integers, so that what is degenerate is exactly so.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from certreg.problem import RegistrationProblem
+from certreg.registration import DONE, NOT_CERTIFIED, NOT_UNIQUE, code_of_registration
+from certreg.registration.certification import certify
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+SPHERE = [
+    (1, 2, 2),
+    (2, -1, 2),
+    (-2, 1, 2),
+    (2, 2, -1),
+    (-1, -2, 2),
+    (3, 0, 0),
+    (0, 3, 0),
+    (2, 1, -2),
+]
+CIRCLE = [(3, 4), (-4, 3), (5, 0), (0, -5), (-3, -4), (4, -3), (-5, 0), (4, 3)]
+
+
+def cloud(n: int, seed: int = 0) -> Array:
+    """Integers, so that every sum is exact."""
+    return np.random.default_rng(seed).integers(-9, 10, (n, 3)).astype(float)
+
+
+def factors_of(matrix: Array, n: int) -> Array:
+    """The same diagonal W of squares for every pair, as factors."""
+    a, b, c = np.sqrt(np.diag(matrix))
+    return np.tile([a, 0.0, b, 0.0, 0.0, c], (n, 1))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Case:
+    """A configuration, and what must be said of it.
+
+    unique: of the pose. code: the exit code. said: parts of the summary; unsaid: never.
+    """
+
+    source: Array
+    target: Array
+    springs: dict[str, Any]
+    unique: bool | None
+    code: int
+    said: tuple[str, ...]
+    free: int = 0
+    symmetry: int = 0
+
+
+def cases() -> dict[str, Case]:
+    """By name."""
+    x, rng = cloud(20), np.random.default_rng(1)
+    y = x + rng.integers(-1, 2, x.shape)
+    wall = np.tile([0.0, 0.0, 1.0], (20, 1))
+    walls, corner = wall.copy(), wall.copy()
+    walls[::2] = corner[::3] = (1.0, 0.0, 0.0)
+    corner[1::3] = (0.0, 1.0, 0.0)
+    ball = np.array(SPHERE, dtype=float)
+    tube = np.array([(a, b, h) for h, (a, b) in enumerate(CIRCLE)], dtype=float)
+    thread = np.array([(-b, a, 2.0) for a, b in CIRCLE])
+    line = np.outer(np.arange(1, 7), [1.0, 2.0, 2.0])
+    return {
+        "one wall": Case(
+            source=x,
+            target=y,
+            springs={"normals": wall},
+            unique=False,
+            code=NOT_UNIQUE,
+            free=2,
+            symmetry=1,
+            said=(
+                "CERTIFIED, BUT NOT UNIQUE: ",
+                "rotation about the normal (0, 0, 1) is undetermined",
+                "no spring resists a shift along (1, 0, 0), (0, 1, 0) or any mix of them",
+            ),
+        ),
+        "two wall directions": Case(
+            source=x,
+            target=y,
+            springs={"normals": walls},
+            unique=False,
+            code=NOT_UNIQUE,
+            free=1,
+            said=(
+                (
+                    "CERTIFIED, BUT A SHIFT IS FREE: the best rotation, and unique, to within the "
+                    "proved bounds; no spring resists a shift along (0, 1, 0)."
+                ),
+            ),
+        ),
+        "corner": Case(
+            source=x,
+            target=y,
+            springs={"normals": corner},
+            unique=True,
+            code=DONE,
+            said=("CERTIFIED: the global optimum, and unique, to within the proved bounds.",),
+        ),
+        "sphere": Case(
+            source=ball,
+            target=ball,
+            springs={"normals": ball},
+            unique=None,
+            code=NOT_CERTIFIED,
+            said=(
+                "BOUNDED: within ",
+                "is not decided.",
+                (
+                    "The rotation is undetermined to first order: the energy does not curve at the "
+                    "pose."
+                ),
+            ),
+        ),
+        "cylinder": Case(
+            source=tube,
+            target=tube,
+            springs={"normals": tube * [1.0, 1.0, 0.0]},
+            unique=False,
+            code=NOT_UNIQUE,
+            free=1,
+            said=(
+                "CERTIFIED, BUT NOT UNIQUE: ",
+                "no spring resists a shift along (0, 0, 1)",
+                "Whether one rotation alone is optimal is not decided.",
+                "undetermined to first order",
+            ),
+        ),
+        "screw": Case(
+            source=tube,
+            target=tube,
+            springs={"normals": thread},
+            unique=None,
+            code=NOT_CERTIFIED,
+            said=("BOUNDED: within ", "is not decided.", "is undetermined to first order"),
+        ),
+        "collinear": Case(
+            source=line,
+            target=y[:6],
+            springs={"factors": factors_of(np.eye(3), 6)},
+            unique=False,
+            code=NOT_UNIQUE,
+            symmetry=2,
+            said=(
+                "CERTIFIED, BUT NOT UNIQUE: ",
+                "rotation about the target's axis ",
+                " and about the source's axis (0.333, 0.667, 0.667) is undetermined.",
+            ),
+        ),
+        "two lines": Case(
+            source=x[:2],
+            target=y[:2],
+            springs={"directions": np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])},
+            unique=False,
+            code=NOT_UNIQUE,
+            symmetry=2,
+            said=("CERTIFIED, BUT NOT UNIQUE: ", "rotation about the target's axis (0, 0, 1) and"),
+        ),
+        "isotropic": Case(
+            source=x,
+            target=y,
+            springs={"factors": factors_of(np.eye(3), 20)},
+            unique=True,
+            code=DONE,
+            said=("CERTIFIED: the global optimum, and unique",),
+        ),
+        "shared 1 1 4": Case(
+            source=x,
+            target=y,
+            springs={"factors": factors_of(np.diag([1.0, 1.0, 4.0]), 20)},
+            unique=True,
+            code=DONE,
+            said=("CERTIFIED: the global optimum, and unique",),
+        ),
+        "shared 1 4 9": Case(
+            source=x,
+            target=y,
+            springs={"factors": factors_of(np.diag([1.0, 4.0, 9.0]), 20)},
+            unique=True,
+            code=DONE,
+            said=("CERTIFIED: the global optimum, and unique",),
+        ),
+        "five planes": Case(
+            source=x[:5],
+            target=y[:5],
+            springs={"normals": cloud(5, 3)},
+            unique=None,
+            code=NOT_CERTIFIED,
+            said=("BOUNDED: within ", "is not decided.", "is undetermined to first order"),
+        ),
+    }
+
+
+NAMES = list(cases())
+
+
+@cache
+def certified(name: str) -> Any:
+    case = cases()[name]
+    return certify(RegistrationProblem(case.source, case.target, **case.springs))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_degenerate_configuration_gets_exactly_its_words(name: str):
+    case, registration = cases()[name], certified(name)
+    text = str(registration)
+
+    assert [words for words in case.said if words not in text] == []
+    assert registration.unique is case.unique
+    assert code_of_registration(registration) == case.code
+    freedom = registration.solution.freedom
+    assert len(freedom.translations) == case.free
+    assert len(freedom.symmetry) == case.symmetry
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if cases()[name].unique is not True])
+def test_where_one_pose_is_not_proved_to_be_optimal_nothing_calls_it_unique(name: str):
+    registration = certified(name)
+    text = str(registration).replace("the best rotation, and unique,", "")
+
+    assert "and unique" not in text
+    assert "the one optimum" not in text
+    assert registration.to_dict()["optimality"]["unique"] is not True
