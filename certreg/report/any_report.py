@@ -48,19 +48,24 @@ class AnyReport:
     @property
     def file(self) -> dict[str, Any]:
         """The certificate's file: in the page, or named there."""
-        name = printable(self.name)
-        return {
-            "embedded": self.embedded,
-            "name": name,
-            "argument": "certificate.json" if self.embedded else shlex.quote(name),
-            "mebibytes": len(self.content) / 2**20,
-            "most": f"{EMBEDDED_BYTES / 2**20:.0f}",
-            "sha256": hashlib.sha256(self.content).hexdigest(),
-        }
+        return file_fields(self)
 
     def html(self) -> bytes:
         """The file's content, in UTF-8."""
         raise NotImplementedError
+
+
+def file_fields(report: AnyReport) -> dict[str, Any]:
+    """What the page says of the certificate's file."""
+    name = printable(report.name)
+    return {
+        "embedded": report.embedded,
+        "name": name,
+        "argument": "certificate.json" if report.embedded else shlex.quote(name),
+        "mebibytes": len(report.content) / 2**20,
+        "most": f"{EMBEDDED_BYTES / 2**20:.0f}",
+        "sha256": hashlib.sha256(report.content).hexdigest(),
+    }
 
 
 def required_proof(registration: AnyRegistration) -> tuple[Certificate[Any], Verdict]:

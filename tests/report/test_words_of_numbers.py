@@ -19,7 +19,9 @@ from certreg.geometry import given_pose
 from certreg.problem import MAX_DAMPING, MIN_DAMPING, RegistrationProblem
 from certreg.registration import CROSS_CHECK, certify, enumerated, judged, simulate
 from certreg.report import (
+    any_report,
     assessment_document,
+    assessment_summary,
     methods,
     page,
     result_document,
@@ -212,7 +214,7 @@ def test_the_file_to_check_is_the_one_that_the_page_gives(*, embedded: bool):
     report: Any = SimpleNamespace(
         name="my certificate.json", embedded=embedded, content=b"x" * (3 << 19)
     )
-    file = page._file(report)
+    file = any_report.file_fields(report)
 
     assert file["argument"] == ("certificate.json" if embedded else "'my certificate.json'")
     assert (file["name"], file["mebibytes"]) == ("my certificate.json", 1.5)
@@ -231,7 +233,7 @@ def test_a_page_without_its_certificate_shows_a_sample(
     report = Report.of(registration)
     names = viewer.Names(source="a", target="b", labels=None)
     assert page._blocks(report, names)["sample_data"] is None
-    monkeypatch.setattr(page, "EMBEDDED_BYTES", 10)
+    monkeypatch.setattr(any_report, "EMBEDDED_BYTES", 10)
     blocks = page._blocks(report, names)
     assert blocks["certificate_data"] is None
     assert blocks["sample_data"] == sample_of(registration.problem)
@@ -270,7 +272,7 @@ def test_what_the_headline_warns_of_is_told_once():
     assert summary.registration_summary(found).count(warning.text) == 1
     assert html.unescape(registration_card(found)).count(warning.text) == 1
     pose = judged(found, given_pose(found.pose.T_target_source, None))
-    assert summary.assessment_summary(pose).count(warning.text) == 1
+    assert assessment_summary(pose).count(warning.text) == 1
 
 
 def test_a_motion_is_shown_until_nothing_is_seen_to_move():
