@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -51,11 +52,12 @@ def test_no_move_within_the_radius_turns_the_optimum_further(cell):
         for off in (np.cross(axis, centred), rng.standard_normal(centred.shape)):
             unit = off / np.linalg.norm(off, axis=1, keepdims=True)
             for x, y in ((0.0, float(radius.target.value)), 2 * (float(radius.both.value),)):
-                moved = RegistrationProblem(
-                    made.source - 0.999 * x * unit @ made.rotation,
-                    made.target + 0.999 * y * unit,
-                    **made.springs,
+                disturbed = replace(
+                    made,
+                    source=made.source - 0.999 * x * unit @ made.rotation,
+                    target=made.target + 0.999 * y * unit,
                 )
+                moved = RegistrationProblem(**families.statement(disturbed))
                 assert turn(certificate.body.quaternion, optimum_of(moved)[1].quaternion) < 5.0
 
 
