@@ -87,6 +87,10 @@ CHAPTERS = (
             "translation_gap",
         ),
     ),
+    Chapter(
+        "General springs",
+        ("spring_translation",),
+    ),
 )
 
 

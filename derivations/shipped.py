@@ -16,6 +16,7 @@ from typing import Any
 import sympy
 
 from certreg.verify import (
+    Springs,
     coefficients,
     davenport,
     proves_basin,
@@ -164,6 +165,52 @@ class Pivoted:
         modelled(type(zero) is int and zero == 0, f"a comparison with {zero!r}")
         self.met.append(self.value.as_expr())
         return False
+
+
+class Entry(Pivoted):
+    """The same, with sums, integer multiples and a quotient with the last pivot."""
+
+    def __add__(self, other: Entry | int) -> Entry:
+        return Entry(self.value + (other.value if isinstance(other, Entry) else other), self.met)
+
+    __radd__ = __add__
+
+    def __mul__(self, other: Pivoted | int) -> Entry:
+        return Entry(super().__mul__(other).value, self.met)
+
+    __rmul__ = __mul__
+
+    def __sub__(self, other: Pivoted) -> Entry:
+        return Entry(super().__sub__(other).value, self.met)
+
+    def __floordiv__(self, other: Pivoted | int) -> Entry:
+        return Entry(super().__floordiv__(other).value, self.met)
+
+    def __rtruediv__(self, one: int) -> Any:
+        modelled(one == 1, f"{one!r} over a pivot")
+        return self.value.as_expr()
+
+    def __truediv__(self, other: int) -> Any:
+        return self.value.as_expr() / other
+
+
+def eliminated_springs(H: Any) -> tuple[list[Any], Any]:
+    """What `certreg.verify.Springs.of` leaves of a symbolic form, t first: entries, and over what.
+
+    Entries of what is left are by rows from the diagonal on. No pivot is taken to be zero.
+    """
+    ring, size = ring_of(flat(H)), H.rows - 3
+    met: list[Any] = []
+    rows = upper([[Entry(e, met) for e in row] for row in _elements(ring, H)])
+    places = range(size * (size + 1) // 2)
+    left = rerouted(
+        vars(Springs)["of"].__func__,
+        _quartic_terms=lambda: {at: {at: 1} for at in places},
+        _dyadic=lambda number, _: number,
+    )
+    form, over, free, _ = left(lambda *parts: parts, rows, 0)
+    modelled(free == 0, "a pivot that is zero")
+    return [entry.value.as_expr() for entry in form], over
 
 
 def pivots_of(elimination: Callable[[Any], bool], matrix: Any) -> list[Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import inspect
 import sys
 from pathlib import Path
 from typing import Any
@@ -58,8 +59,9 @@ def test_the_proof_runs_the_code_that_it_is_said_to_run(name, monkeypatch):
     claim = book.claim(name)
     for dotted in claim.runs:
         owner, _, attribute = dotted.rpartition(".")
-        function = vars(named(owner))[attribute]
+        function: Any = vars(named(owner))[attribute]
         function = function.fget if isinstance(function, property) else function
+        function = inspect.unwrap(getattr(function, "__func__", function))
         with monkeypatch.context() as patch:
             patch.setattr(function, "__code__", sabotaged.__code__)
             last = until_refuted(claim.proof)[-1]
