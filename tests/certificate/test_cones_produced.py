@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+from importlib import resources
 from typing import Any
 
 import cone_rates
+import jsonschema
 import numpy as np
 import pytest
 from cone_rates import case, document_of
@@ -24,6 +26,8 @@ from certreg.certificate.cones import cones_body
 from certreg.finding import find_optimum
 from certreg.objective import Springs
 from certreg.problem import spring_moments
+
+SCHEMAS = resources.files("certreg") / "report" / "schemas"
 
 
 def certificate_of(problem: RegistrationProblem) -> Any:
@@ -56,6 +60,17 @@ def test_a_certificate_is_read_as_it_was_written(name):
     assert document_of(made.problem, loaded.body) == made.document
     assert loaded.body.gap == loaded.body.delta.value > 0
     assert len(json.dumps(made.document["proof"])) < 2000
+
+
+@pytest.mark.parametrize("name", ["plane 7", "choi-lam", "two optima", "flat 9"])
+def test_a_certificate_has_the_form_of_its_schema(name):
+    schema = json.loads((SCHEMAS / "certreg-springs-cones-1.json").read_bytes())
+    validator, document = jsonschema.Draft202012Validator(schema), case(name, 0).document
+
+    validator.validate(document)
+    for part, entry in (("claims", "gap"), ("proof", "caps"), ("proof", "mu")):
+        other = {**document, part: {**document[part], entry: 1.5}}
+        assert not validator.is_valid(other)
 
 
 def test_choi_and_lam_with_random_planes():

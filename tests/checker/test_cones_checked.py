@@ -296,6 +296,14 @@ def test_one_rotation_by_two_quaternions_is_no_tie():
 # The parts ---------------------------------------------------------------------------------------
 
 
+def springs_of(quartic: Any, unit: Fraction) -> Any:
+    """What the checker makes of data, of which here two numbers are of matter."""
+    found = checker.Springs.__new__(checker.Springs)
+    for name, value in (("F", [*quartic]), ("unit", unit)):
+        object.__setattr__(found, name, value)
+    return found
+
+
 def random_quartic(seed: int) -> list[int]:
     return [int(entry) for entry in np.random.default_rng(seed).normal(size=35) * 2.0**40]
 
@@ -313,7 +321,7 @@ def sphere(count: int) -> Any:
 def test_the_spread_is_at_least_that_of_many_rotations():
     points = sphere(500)
     for quartic in [*map(random_quartic, range(10)), *np.eye(35, dtype=int).tolist()]:
-        springs = checker.Springs([*quartic], Fraction(1), 0, Fraction(1))
+        springs = springs_of(quartic, Fraction(1))
         found = values(quartic, points)
 
         assert checker.spread(springs) >= Fraction(float(found.max() - found.min())) * (1 - HAIR)
@@ -362,7 +370,7 @@ def test_a_cap_holds_what_is_within_its_radius_and_its_mirror_image():
 def test_the_slope_and_the_curvature_are_those_of_the_energy_along_turns():
     q = (3, -1, 2, 5)
     objective = objective_of("plane 20")
-    springs = checker.Springs([*objective.quartic], objective.unit, 0, Fraction(1))
+    springs = springs_of(objective.quartic, objective.unit)
     least = Fraction(least_curvature("plane 20", minima_of("plane 20")[0]))
     best = minima_of("plane 20")[0]
 
