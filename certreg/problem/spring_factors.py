@@ -22,9 +22,7 @@ if TYPE_CHECKING:
 
     Column = NDArray[np.float64]
 
-RELATIVE_ZERO = (
-    1e-12  # a pivot below this share of the largest entry is rounding: n n^T leaves 1e-16
-)
+RELATIVE_ZERO = 1e-12  # of the largest entry: below is rounding, which leaves 1e-16 of n n^T
 LARGEST_ENTRY = 2.0**400  # of a matrix; its products are doubles, and so are those of its inverse
 SMALLEST_ENTRY = 2.0**-400
 

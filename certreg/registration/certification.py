@@ -77,6 +77,11 @@ class ProblemOptions(TypedDict, total=False):
     sigma: ArrayLike | None
     weights: ArrayLike | None
     damping: float | None
+    normals: Any
+    directions: Any
+    covariances: Any
+    information: Any
+    factors: Any
 
 
 def certify(  # noqa: PLR0913 - each is one question, and has its usual answer

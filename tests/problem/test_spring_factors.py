@@ -76,6 +76,14 @@ def test_a_line_is_bit_by_bit_as_written_and_resists_all_but_its_direction(d) ->
     assert scalars.farthest(scalars.spring(factor), exact) <= 16 * U * square
 
 
+def test_many_lines_are_bit_by_bit_as_written() -> None:
+    directions = np.random.default_rng(2).standard_normal((500, 3))
+
+    assert _bits(line_factors(directions)) == _bits(
+        _one_by_one(lambda row: scalars.line(*row), directions)
+    )
+
+
 @given(vectors)
 def test_a_plane_is_its_normal_as_it_is(normal) -> None:
     (factor,) = plane_factors(np.array([normal]))

@@ -250,6 +250,10 @@ def test_what_the_source_holds_is_refused_with_the_reason() -> None:
             certreg.RegistrationProblem(source, target, normals=given)
     with pytest.raises(InvalidProblemError, match="gicp_information"):
         certreg.RegistrationProblem(source, target, covariances=source)
+    alike = SimpleNamespace(points=Y, normals=N.copy())
+    with pytest.raises(InvalidProblemError, match="normals are of the source"):
+        certreg.RegistrationProblem(source, alike, normals=source)
+    assert certreg.RegistrationProblem(source, alike, normals=alike).springs is not None
     assert certreg.RegistrationProblem(source, target, normals=target).springs is not None
     assert certreg.RegistrationProblem(source, source, normals=source).springs is not None
 
