@@ -14,7 +14,7 @@ def require_alike(problem: RegistrationProblem, what: str) -> None:
     """Nothing for one weight per pair; InvalidProblemError for general springs."""
     if problem.factors is not None:
         message = (
-            f"{what} not for general springs in this version: certify proves their optimum; or "
-            "leave the springs out, for one weight per pair"
+            f"not for general springs: {what} for one weight per pair alone in this version; "
+            "certify proves the optimum of general springs, too"
         )
         raise InvalidProblemError(message, array="factors")

@@ -149,6 +149,7 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
         found = certified_springs(
             stated,
             solver=relaxation if isinstance(relaxation, str) else None,
+            robustness_angle=checked_angle(robustness_angle),
             about={**named, **(about or {})},
             limits=limits,
             done=counted(progress, SPRING_PARTS),

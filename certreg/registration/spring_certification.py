@@ -46,18 +46,20 @@ def certified_springs(
     problem: RegistrationProblem,
     *,
     solver: str | None = None,
+    robustness_angle: float | None = None,
     about: dict[str, Any] | None = None,
     limits: Limits | None = None,
     done: Callable[[str], None] = logged,
 ) -> SpringRegistration:
     """The registration of a problem with general springs, as `certify` returns it.
 
-    solver: of the relaxation, as `certify` has it. done: called with the name of each part.
+    solver, robustness_angle: as `certify` has them. done: called with the name of each part.
     Raises as `certify` does.
     """
     timings: dict[str, float] = {}
     start = time.perf_counter()
-    solution = _solved(problem, solver, about or {}, done)
+    asked = {"robustness_angle": robustness_angle, "about": about}
+    solution = _solved(problem, solver, asked, done)
     timings["compute"] = time.perf_counter() - start
     verdict = None
     if solution.certificate is not None:
@@ -74,7 +76,7 @@ def certified_springs(
 def _solved(
     problem: RegistrationProblem,
     solver: str | None,
-    about: dict[str, Any],
+    asked: dict[str, Any],
     done: Callable[[str], None],
 ) -> SpringSolution:
     """Everything that is computed, nothing yet checked."""
@@ -82,7 +84,7 @@ def _solved(
     done("exact sums")
     found = find_optimum(objective, solver)
     done("optimum")
-    certificate = springs_certificate(problem, objective, found, about=about)
+    certificate = springs_certificate(problem, objective, found, **asked)
     done("certificate")
     quaternion = found.quaternion if certificate is None else certificate.body.quaternion
     return SpringSolution(

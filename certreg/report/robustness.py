@@ -6,10 +6,10 @@ from decimal import ROUND_FLOOR, Context
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from certreg.registration import Registration
+    from certreg.registration import AnyRegistration
 
 
-def robustness_words(registration: Registration) -> str:
+def robustness_words(registration: AnyRegistration) -> str:
     """How far points may be off, proved, in one line."""
     found = registration.robustness
     if found is None:

@@ -16,6 +16,7 @@ from certreg.registration import (
     spring_headline_words,
 )
 from certreg.report.remedies import ADVICE, FIX_TURN
+from certreg.report.robustness import robustness_words
 from certreg.report.summary import number
 from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import Absent, Limits, Optimality
@@ -127,6 +128,8 @@ def _proved_lines(registration: SpringRegistration) -> list[str]:
     if degrees is not None:
         which = "the optimum" if registration.solution.unique_rotation else "every optimum"
         lines.append(f"  proved angle      rotation (wxyz) within {degrees} degrees of {which}")
+    if registration.robustness is not None:
+        lines.append(f"  robustness        {robustness_words(registration)}")
     return [*lines, f"  proved by         {HOW[method]}"]
 
 
@@ -156,9 +159,11 @@ def relaxation_words(registration: SpringRegistration) -> str:
     span = 0.0 if bounds is None else math.sqrt(nearest_or_zero(bounds.least_range_squared))
     share = nearest_or_zero(below) / span if span else 0.0
     if share > TIGHT:
+        of_it = nearest_or_zero(below / solution.least) if solution.least else 0.0
+        beside = f"{100.0 * of_it:.3g} % of the objective below it, " if of_it else ""
         return (
-            f"{rank}, not tight: its value is {100.0 * share:.3g} % of the range of energies below "
-            "the objective (computed)"
+            f"{rank}, not tight: its value is {beside}{100.0 * share:.3g} % of the range of "
+            "energies (computed)"
         )
     return f"{rank}, {math.degrees(away):.1g} degrees from the optimum"
 
