@@ -25,9 +25,16 @@ from certreg.finding.optimum import (
     optimum_of,
 )
 from certreg.finding.refining import POSE_BITS, refined
-from certreg.geometry.so3 import body_frame, dot, squared_norm
+from certreg.geometry.so3 import (
+    angle_between,
+    body_frame,
+    dot,
+    quaternion_of_rotation,
+    squared_norm,
+)
 from certreg.native import critical_point_near
 from certreg.objective.levelling import levelled_exactly, norm_fourth
+from certreg.objective.quartics import MONOMIALS
 from certreg.objective.springs import Springs
 from certreg.problem import spring_moments
 from certreg.relaxation import RelaxationStatus
@@ -138,14 +145,16 @@ def test_of_a_continuum_of_optima_some_are_found_and_the_words_do_not_count_them
 
 
 def test_a_minimum_of_order_four_is_reached_as_far_as_doubles_go():
-    """A sphere without noise: the Hessian at the optimum, the identity, is zero."""
-    points = spring_families.directions(np.random.default_rng(0), 20)
-    made = RegistrationProblem(points, points, normals=points)
+    """A sphere without noise: the Hessian at the optimum is zero."""
+    rng = np.random.default_rng(0)
+    points, rotation = spring_families.directions(rng, 20), spring_families.uniform_rotation(rng)
+    normals = points @ rotation.T
+    made = RegistrationProblem(points, normals, normals=normals)
     optimum = find_optimum(Springs(spring_moments(made)))
+    q = np.array([entry / 2**POSE_BITS for entry in optimum.quaternion])
 
     assert optimum.words == TIGHT_WORDS
-    w, *axis = optimum.quaternion
-    assert sum(entry**2 for entry in axis) < 1e-9 * w**2
+    assert angle_between(q, quaternion_of_rotation(rotation)) < 1e-4
 
 
 def test_without_the_relaxation_s_solver_all_paths_are_tracked(monkeypatch):
@@ -180,22 +189,25 @@ def test_without_compiled_code_the_same_quaternion_is_found(monkeypatch):
 
 
 def test_newton_in_doubles_keeps_to_what_is_near_and_not_singular():
-    """At 0.05 and at 0.5 radians from a minimum; where the curvatures are 1, 1, 1e-9."""
-    rest = found("plane", 20, 0.1).levelled.rest
-    w, x, y, z = (entry / 2**POSE_BITS for entry in found("plane", 20, 0.1).quaternion)
-    cos, sin = np.cos(0.025), np.sin(0.025)
-    near = critical_point_near(
-        rest, (cos * w - sin * x, cos * x + sin * w, cos * y + sin * z, cos * z - sin * y)
+    """At 0.05 and at 0.5 radians from a minimum; at curvatures 1, 1 and 1e-7 or 1e-9."""
+    optimum = found("plane", 20, 0.1)
+    rest, q = (
+        optimum.levelled.rest,
+        np.array([entry / 2**POSE_BITS for entry in optimum.quaternion]),
     )
-    far = (-x, w, z, -y)
+    w, x, y, z = q.tolist()
+    turned = np.array((-x, w, z, -y))
+    near = critical_point_near(rest, np.cos(0.025) * q + np.sin(0.025) * turned)
 
     assert near is not None
-    assert near.quaternion == pytest.approx((w, x, y, z), abs=1e-15)
-    inverse = np.linalg.inv(FloatingQuartic.of(rest).curvatures(np.array([[w, x, y, z]]))[2][0])
+    assert near.quaternion == pytest.approx(q.tolist(), abs=1e-15)
+    inverse = np.linalg.inv(FloatingQuartic.of(rest).curvatures(q[np.newaxis])[2][0])
     assert np.array(near.inverse) == pytest.approx(inverse, rel=1e-9, abs=1e-9)
-    assert critical_point_near(rest, far) is None
-    flat = levelled_exactly([10**9 * (k in (0, 20)) + (k == 30) for k in range(35)]).rest
-    assert critical_point_near(flat, (0.0, 0.0, 0.0, 1.0)) is None
+    assert critical_point_near(rest, np.cos(0.25) * q + np.sin(0.25) * turned) is None
+    for least, known in ((1e-7, True), (1e-9, False)):
+        flat = np.zeros(35)
+        flat[[MONOMIALS.index((i, i, 3, 3)) for i in range(3)]] = (1.0, 1.0, least)
+        assert (critical_point_near(flat, (0.0, 0.0, 0.0, 1.0)) is not None) == known
 
 
 def test_descents_begin_at_minima_alone_where_all_lines_are_known():
@@ -205,3 +217,12 @@ def test_descents_begin_at_minima_alone_where_all_lines_are_known():
 
     assert len(starts) == len(optimum.minima)
     assert (np.linalg.eigvalsh(form.curvatures(starts)[2]) > 0).all()
+
+
+def test_where_newton_does_not_arrive_a_descent_leads_there(monkeypatch):
+    nowhere = refining.Refined((1 << POSE_BITS, 0, 0, 0), 1.0)
+    monkeypatch.setattr(optimum_module, "newton", lambda *_: nowhere)
+    optimum = find_optimum(springs("plane", 20, 0.1))
+
+    assert optimum.words == TIGHT_WORDS
+    assert optimum.quaternion == pytest.approx(found("plane", 20, 0.1).quaternion, abs=1 << 6)
