@@ -221,8 +221,8 @@ def bound_doubles(certificate: Statement, clouds: Clouds | None) -> memoryview:
         sigma = float(f"{w**-0.5:.6g}") if 1e-300 < w < 1e300 else 1.0
         option = f"--sigma {sigma}" if float(1 / Fraction(sigma) ** 2) == w else "--any-weight"
         told = f"the certified weight is {w!r}, not {'1' if bare else 'as given'}: give {option}"
-        ask = "weights are unequal: give --weights" if own == n else "factors: give --factors"
-        require(good, told if equal else f"the certified {ask} FILE")
+        ask = ("weights are unequal", "weights") if own == n else ("factors are needed", "factors")
+        require(good, told if equal else f"the certified {ask[0]}: give --{ask[1]} FILE")
     digest = hashlib.sha256(content).hexdigest()
     require(digest == certificate.digest, "the digest is not theirs (weights not given are 1)")
     return memoryview(content)[len(head) :]

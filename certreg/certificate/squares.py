@@ -44,7 +44,7 @@ RANGE_BITS = 112  # of the range of F: far below 256, which the checker allows
 FREE_BITS = 53  # of the entries that are free: rho near 2^-53, so gaps near 2^-106 / eigenvalue
 POSE_BITS = 59  # of the quaternion: it costs as much
 POLISHING_STEPS = 3  # each gains the digits of a double
-FLAT = 1e-9  # an eigenvalue below this of the largest is not told from 0 by what a solver proposes
+FLAT = 1e-13  # of the largest eigenvalue: below, rounding hides the next one; exact tests decide
 LEAST_DELTA = 64 * ROUNDING  # coefficients rounded down by less than 2: |entries of G| <= 4
 MORE = 1 + 2.0**-20  # of what doubles say of an eigenvalue, relative to itself
 ATTEMPTS = 12
