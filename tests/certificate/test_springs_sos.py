@@ -76,6 +76,9 @@ def test_a_certificate_has_the_form_of_its_schema():
     doc = document(certified("plane", 20, 0.1))
 
     validator.validate(doc)
+    validator.validate(
+        {**doc, "radius": {"both": [1, 0], "sin_half_angle": [1, -4], "target": [1, 0]}}
+    )
     for name, value in (("gram", [1] * 20), ("mu", -1), ("symmetry", [1, 2]), ("unit", None)):
         assert not validator.is_valid({**doc, "proof": {**doc["proof"], name: value}})
 
