@@ -89,7 +89,7 @@ CHAPTERS = (
     ),
     Chapter(
         "General springs",
-        ("spring_translation",),
+        ("spring_translation", "growth_form"),
     ),
 )
 
