@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
+from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -214,6 +215,7 @@ def certified(name: str) -> Any:
     return certify(RegistrationProblem(case.source, case.target, **case.springs))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_a_degenerate_configuration_gets_exactly_its_words(name: str):
     case, registration = cases()[name], certified(name)
@@ -235,3 +237,26 @@ def test_where_one_pose_is_not_proved_to_be_optimal_nothing_calls_it_unique(name
     assert "and unique" not in text
     assert "the one optimum" not in text
     assert registration.to_dict()["optimality"]["unique"] is not True
+
+
+@pytest.mark.slow
+def test_where_no_squares_reach_the_gap_is_told_and_nothing_is_called_unique():
+    """Choi and Lam's form: nonnegative, no sum of squares, with seven zeros."""
+    data = files("certreg") / "data"
+    clouds = [
+        np.loadtxt(str(data / f"choi_lam_{side}.csv"), delimiter=",", skiprows=1)
+        for side in ("source", "target")
+    ]
+    columns = clouds[1][:, 3:]
+    factors = np.zeros((len(columns), 6))
+    factors[:, [0, 1, 3]] = columns
+    problem = RegistrationProblem(clouds[0], clouds[1][:, :3], factors=factors)
+    registration: Any = certify(problem)
+    text = str(registration)
+
+    assert code_of_registration(registration) == NOT_CERTIFIED
+    assert registration.to_dict()["optimality"]["method"] == "cones"
+    assert registration.unique is None
+    assert "7 local minima were met that differ by no more than the proved gap." in text
+    assert "not tight: its value is 16.9 % of the objective below it" in text
+    assert "and unique" not in text
