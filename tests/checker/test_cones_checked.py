@@ -285,6 +285,19 @@ def test_a_rotation_that_is_nearly_tied_is_not_taken_for_a_tie():
     assert reason(changed("two optima", caps=[*caps, *moved])) == "a cap proves too little"
 
 
+def test_an_optimum_is_not_tied_with_itself():
+    """Exact planes through exact points: the identity is stationary, and the only optimum."""
+    points = np.random.default_rng(1).integers(-4, 5, size=(12, 3)).astype(float)
+    problem = RegistrationProblem(points, points, normals=np.tile(np.eye(3), (4, 1)))
+    body: Any = cones_body(Springs(spring_moments(problem)), [(1, 0, 0, 0)]).body
+    alone = document(problem, body)
+    alone["claims"] |= {"unique": False, "sin2_half_angle": None}
+    alone["proof"]["mu"] = [0, 0]
+
+    assert len(alone["proof"]["caps"]) == 6
+    assert reason(alone) == "claims.unique is not proved"
+
+
 def test_one_rotation_by_two_quaternions_is_no_tie():
     caps = made("plane 20")["proof"]["caps"]
     again = [*[-entry for entry in caps[:4]], *caps[4:]]
@@ -320,6 +333,8 @@ def sphere(count: int) -> Any:
 
 def test_the_spread_is_at_least_that_of_many_rotations():
     points = sphere(500)
+    difference = [(m == (0,) * 4) - (m == (1,) * 4) for m in checker.QUARTICS]  # from -1 to 1
+    assert checker.spread(springs_of(difference, Fraction(3))) == 6
     for quartic in [*map(random_quartic, range(10)), *np.eye(35, dtype=int).tolist()]:
         springs = springs_of(quartic, Fraction(1))
         found = values(quartic, points)
@@ -341,11 +356,32 @@ def test_cones_decide_on_the_sign_of_a_form_that_is_no_sum_of_squares(level, pro
             checker.prove_positive(form, [])
 
 
+def test_a_form_that_is_zero_at_a_vertex_is_not_positive():
+    form = [0] * 35
+    for k, j in product(range(1, 4), range(4)):  # (x^2 + y^2 + z^2) |q|^2
+        form[checker.QUARTICS.index(tuple(sorted((k, k, j, j))))] += 1
+
+    with pytest.raises(checker.RefusalError, match="outside of the caps"):
+        checker.prove_positive(form, [])
+
+
+def test_the_radius_of_a_cap_is_its_curvature_over_the_spread(monkeypatch):
+    ratios, cap_of = list[Fraction](), checker.cap_of
+    monkeypatch.setattr(
+        checker, "cap_of", lambda c, ratio: ratios.append(ratio) or cap_of(c, ratio)
+    )
+    objective = objective_of("plane 20")
+    width = checker.spread(springs_of(objective.quartic, objective.unit))
+
+    assert reason(made("plane 20")) == ""
+    assert ratios == [made_curvature("plane 20") / width]
+
+
 def test_all_orthants_are_covered():
     """A form that is negative in a small cap about any sign pattern is refused."""
     for signs in product((1, -1), repeat=4):
         u = [entry * sign for entry, sign in zip((5, 7, 11, 13), signs, strict=True)]
-        form = checker.growth_form([0] * 35, u, Fraction(99, 100), Fraction(-1))
+        form = checker.growth_form([0] * 35, u, Fraction(1, 100), Fraction(-1))
 
         with pytest.raises(checker.RefusalError, match="outside of the caps"):
             checker.prove_positive(form, [])
