@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from certreg.geometry import Pose
-    from certreg.registration import Fit, PoseCovariance, Registration
+    from certreg.registration import AnyRegistration, Fit, PoseCovariance, Registration
 
 WIDE = 1e9  # larger translations are written with an exponent
 BASIS = "± is"  # the row that says where the deviations come from
@@ -284,17 +284,22 @@ def _proved(registration: Registration) -> Iterator[Fact]:
         value="infinitely many" if others is None else str(others),
         words="where the springs balance and the fit is not the best",
     )
+    yield from robustness_facts(registration)
+    value, words = split(margin_words(equilibria))
+    yield Fact(name="Ambiguity margin", value=value, words=f"{words} (computed)")
+
+
+def robustness_facts(registration: AnyRegistration) -> Iterator[Fact]:
+    """The same as a fact of the first screen; none where nothing is proved."""
     found = registration.robustness
     if found is not None:
         yield Fact(
             name="Robustness",
-            value=f"{length_below(found.target)}",
+            value=length_below(found.target),
             words=f"by less than this every target point may be off, and no optimum turns by more "
             f"than {found.angle:g}°; points of both clouds by less than "
             f"{length_below(found.both)} (sufficient, not sharp)",
         )
-    value, words = split(margin_words(equilibria))
-    yield Fact(name="Ambiguity margin", value=value, words=f"{words} (computed)")
 
 
 def split(words: str) -> tuple[str, str]:

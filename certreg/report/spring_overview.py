@@ -20,6 +20,7 @@ from certreg.report.overview import (
     PoseFacts,
     aligned,
     axis_facts,
+    robustness_facts,
     rotation_fact,
     translation_fact,
 )
@@ -125,4 +126,5 @@ def _proved(registration: SpringRegistration) -> Iterator[Fact]:
         )
     if solution.method is not None:
         yield Fact(name="Proved by", value=HOW[solution.method])
+    yield from robustness_facts(registration)
     yield Fact(name="Relaxation", value="", words=relaxation_words(registration))
