@@ -16,7 +16,6 @@ from certreg.problem import lift
 from certreg.registration.any_registration import AnyRegistration
 from certreg.registration.freedom import Freedom
 from certreg.registration.outlying import LISTED
-from certreg.registration.robustness import NONE_PROVED
 from certreg.registration.row_names import RowNames
 from certreg.registration.spring_covariance import FLAT, degrees_of_freedom, spring_covariance
 from certreg.registration.spring_curvature import slope_and_curvature
@@ -251,8 +250,6 @@ class SpringRegistration(AnyRegistration):
         """
         if name == "covariance":
             return self.solution.stated_covariance
-        if name == "robustness":
-            return self.robustness or NONE_PROVED
         return NOT_LISTED if name == "equilibria" else Explained.stated(self, name)
 
     def worst_residuals(self, count: int) -> list[Residual]:

@@ -58,7 +58,6 @@ def spring_summary(registration: SpringRegistration) -> str:
             f"  translation       {' '.join(map(repr, pose.translation.tolist()))}",
             *_uncertainty_lines(registration),
             f"  RMSE              {number(registration.rmse)}  ({RMSE_WORDS})",
-            f"  robustness        {robustness_words(registration)}",
             f"  relaxation (SDP)  {relaxation_words(registration)}",
             *(f"  warning           {words}" for words in spring_warnings(registration, status[0])),
             f"  equilibria        not listed: {NOT_LISTED_WORDS}",
