@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from itertools import combinations_with_replacement
 from types import CodeType, FunctionType
 from typing import Any
 
@@ -28,6 +29,8 @@ from .rings import flat, ring_of
 
 UNIT = scalar("unit")  # of K: the checker holds K / unit in integers
 NORM_INVERSE = scalar("norm_inverse")  # of |q|^2
+ALL = 13  # unknowns of the energy of general springs: t, R by columns, 1
+_LEFT = [*combinations_with_replacement(range(3, ALL), 2)]  # of a form without t, by rows
 TWO_POWER = scalar("two_power")  # the power of two of the angular velocity's exponent
 
 
@@ -197,18 +200,23 @@ class Entry(Pivoted):
 def eliminated_springs(H: Any) -> tuple[list[Any], Any]:
     """What `certreg.verify.Springs.of` leaves of a symbolic form, t first: entries, and over what.
 
-    Entries of what is left are by rows from the diagonal on. No pivot is taken to be zero.
+    The form is of t and at most ten unknowns: others have zeros. Entries of what is left are by
+    rows from the diagonal on. No pivot is taken to be zero. What the checker finds besides, of the
+    lever, is left out.
     """
-    ring, size = ring_of(flat(H)), H.rows - 3
+    ring, size = ring_of(flat(H)), H.rows
     met: list[Any] = []
-    rows = upper([[Entry(e, met) for e in row] for row in _elements(ring, H)])
-    places = range(size * (size + 1) // 2)
+    filled = sympy.zeros(ALL)
+    filled[:size, :size] = H
+    rows = upper([[Entry(e, met) for e in row] for row in _elements(ring, filled)])
+    places = [at for at, pair in enumerate(_LEFT) if max(pair) < size]
     left = rerouted(
         vars(Springs)["of"].__func__,
         _quartic_terms=lambda: {at: {at: 1} for at in places},
         _dyadic=lambda number, _: number,
+        Fraction=lambda *_: Entry(ring.zero, met),
     )
-    form, over, free, _ = left(lambda *parts: parts, rows, 0)
+    form, over, free, *_ = left(lambda *parts: parts, rows, 0)
     modelled(free == 0, "a pivot that is zero")
     return [entry.value.as_expr() for entry in form], over
 
