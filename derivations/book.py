@@ -89,7 +89,7 @@ CHAPTERS = (
     ),
     Chapter(
         "General springs",
-        ("spring_translation", "growth_form", "quartic_relaxation"),
+        ("spring_translation", "growth_form", "quartic_relaxation", "growth_radius"),
     ),
 )
 
