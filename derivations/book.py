@@ -89,7 +89,13 @@ CHAPTERS = (
     ),
     Chapter(
         "General springs",
-        ("spring_translation", "growth_form", "quartic_relaxation", "growth_radius"),
+        (
+            "spring_translation",
+            "growth_form",
+            "quartic_relaxation",
+            "growth_radius",
+            "bernstein_cones",
+        ),
     ),
 )
 
