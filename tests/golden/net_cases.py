@@ -425,6 +425,64 @@ CASES = (
             "python judged 5e6 0 right shifted 'three decimals' 'centred source' doubled inverse",
         ),
     ),
+    NetCase(
+        "springs-planes",
+        (
+            "certify cloud.csv planes.csv --springs plane --out o",
+            "file o o/result.json o/pose.json o/fit.csv",
+            "page o/report.html",
+            "verify o/certificate.json",
+            "verify o/certificate.json cloud.csv planes.csv --springs plane",
+            "verify o/certificate.json cloud.csv planes.csv",
+            "report o/certificate.json --out o/again.html",
+            *(
+                f"assess cloud.csv planes.csv --springs plane --pose {pose}"
+                for pose in ("o/pose.json", "right.txt", "near.txt", "off.txt", "identity.txt")
+            ),
+            "certify cloud.csv planes.csv --springs plane --sigma 0.02",
+            "certify cloud.csv planes.csv --springs plane --sigma 0.001 --out s",
+            "page s/report.html",
+            "certify cloud.csv planes.csv --springs plane --sigma 0.02 --max-angle 1e-30 --json",
+            "simulate cloud.csv planes.csv --springs plane",
+            "equilibria cloud.csv planes.csv --springs plane",
+            "certify cloud.csv planes.csv --springs plane --damping optimal",
+            "certify cloud.csv pointless.csv --springs plane",
+        ),
+    ),
+    NetCase(
+        "springs-kinds",
+        (
+            "certify cloud.csv lines.csv --springs line",
+            "certify cloud.csv full.csv --springs full --out f",
+            "page f/report.html",
+            "assess cloud.csv full.csv --springs full --pose right.txt",
+            "certify cloud.csv noisy.csv --normals some.csv --directions rest.csv --json",
+            "certify cloud.csv noisy.csv --normals some.csv --directions rest.csv",
+        ),
+    ),
+    NetCase(
+        "springs-free",
+        (
+            *(
+                step
+                for walls in ("wall", "walls")
+                for step in (
+                    f"certify cloud.csv {walls}.csv --springs plane --out {walls}",
+                    f"page {walls}/report.html",
+                    f"verify {walls}/certificate.json",
+                    f"assess cloud.csv {walls}.csv --springs plane --pose right.txt",
+                    f"assess cloud.csv {walls}.csv --springs plane --pose {walls}/pose.json",
+                )
+            ),
+            "certify ball.csv sphere.csv --springs plane --out b",
+            "page b/report.html",
+            "assess ball.csv sphere.csv --springs plane --pose identity.txt",
+            "certify five.csv fiveplanes.csv --springs plane",
+            "certify six.csv sixplanes.csv --springs plane",
+            "certify choi_lam_source.csv choi_lam_target.csv --factors choi_lam_target.csv --out c",
+            "page c/report.html",
+        ),
+    ),
     NetCase("equilibria-of-rows", ("python listed patterns", "python spurious")),
     NetCase("altered", ("python altered", "python unsaid")),
     NetCase(

@@ -113,7 +113,7 @@ SIDES = ((0, "source"), (1, "target"))
 def files() -> Files:
     """All files, by name."""
     told = {f"{name}.csv": text(np.asarray(c, float)).encode() for name, c in clouds().items()}
-    return {**told, **_labelled(), **_formats(), **_poses(), **_lists(), **_broken()}
+    return {**told, **_labelled(), **_springs(), **_formats(), **_poses(), **_lists(), **_broken()}
 
 
 def _labelled() -> Files:
@@ -144,6 +144,45 @@ def _labelled() -> Files:
         "semicolons.csv": b"x;y;z\n0,5;0;0\n1;0;0\n0;2;0\n0;0;3\n",
         "plain.csv": b"0.5,0,0\n1,0,0\n0,2,0\n0,0,3\n",
         "again.txt": b"0 0\n0 1\n1 1\n2 2\n3 3\n",
+    }
+
+
+def _springs() -> Files:
+    """Targets with what their springs are made of in further columns, and files of these alone."""
+    source, target = clouds()["cloud"], clouds()["noisy"]
+    axes = np.eye(3)[np.arange(12) % 3]
+    normals = axes + np.eye(3)[np.arange(12) // 3 % 3]
+    walls = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])[np.arange(12) % 2]
+    half = np.array([[1.0, 2.0, 2.0], [2.0, 1.0, -2.0], [2.0, -2.0, 1.0], [3.0, 0.0, 0.0]])
+    ball = np.concatenate([half, -half])
+    wide = np.array([[1.0, 0.0, 0.0, 4.0, 0.0, 9.0], [4.0, 1.0, 0.0, 2.0, 0.0, 1.0]])[
+        np.arange(12) % 2
+    ]
+    empty = np.arange(12) % 2 == 0
+    some, others = normals.copy(), axes.copy()
+    some[empty], others[~empty] = np.nan, np.nan
+
+    def table(head: str, *columns: Any) -> bytes:
+        rows = np.column_stack(columns).tolist()
+        cells = (",".join("" if np.isnan(c) else repr(c) for c in row) for row in rows)
+        return (head + "\n" + "\n".join(cells) + "\n").encode()
+
+    planes, n = "x,y,z,nx,ny,nz", "nx,ny,nz"
+    return {
+        "planes.csv": table(planes, target, normals),
+        "wall.csv": table(planes, target, walls[:1].repeat(12, axis=0)),
+        "walls.csv": table(planes, target, walls),
+        "ball.csv": table("x,y,z", ball),
+        "sphere.csv": table(planes, ball, ball),
+        "five.csv": table("x,y,z", source[:5]),
+        "fiveplanes.csv": table(planes, target[:5], normals[:5]),
+        "six.csv": table("x,y,z", source[:6]),
+        "sixplanes.csv": table(planes, target[:6], normals[3:9]),
+        "lines.csv": table("x,y,z,dx,dy,dz", target, axes),
+        "full.csv": table("x,y,z,cxx,cxy,cxz,cyy,cyz,czz", target, wide),
+        "some.csv": table(n, some),
+        "rest.csv": table("dx,dy,dz", others),
+        "pointless.csv": table(planes, target, normals * (np.arange(12) != 7)[:, None]),
     }
 
 

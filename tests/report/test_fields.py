@@ -87,7 +87,10 @@ def test_every_field_of_a_result_is_the_number_of_its_name(registration: Registr
             "angle_bound_rad": bounds.angle_upper,
             "limits": {"gap_share": Limits().max_gap, "angle_rad": Limits().max_angle},
             "unique": True,
+            "method": "spectral",
+            "growth": None,
         },
+        "springs": None,
         "margin": {
             "eigenvalue_gap": equilibria.margin.eigenvalue_gap,
             "relative": equilibria.margin.relative,
@@ -189,6 +192,7 @@ def test_every_field_of_the_equilibria_is_the_number_of_its_name(registration: R
 def test_what_is_not_proved_or_not_written_is_null_and_says_why(registration: Registration):
     bare = certify(PROBLEM, relaxation=False, simulation=False)
     missing = replace(bare.solution, certificate=None, absent={"certificate": Absent("lost")})
+    lost = {"bounds": None, "absent": {"bounds": Absent("lost")}}
     open_ = replace(bare, bounds=None, absent={"bounds": Absent("lost")})
     huge = replace(
         bare,
@@ -197,7 +201,8 @@ def test_what_is_not_proved_or_not_written_is_null_and_says_why(registration: Re
         bounds=replace(checked(bare.bounds), greatest_gap=Fraction(10) ** 400),
         absent={"objective": Absent("a"), "rmse": Absent("b")},
     )
-    told = [result_document(one) for one in (bare, replace(bare, solution=missing), open_, huge)]
+    without = replace(bare, solution=missing, **lost)
+    told = [result_document(one) for one in (bare, without, open_, huge)]
 
     assert [one["certificate"] for one in told] == [None] * 4
     assert told[0]["reasons"]["certificate"] == "nothing is written without --out"
