@@ -85,6 +85,7 @@ CHAPTERS = (
             "covariance",
             "relaxation_tightness",
             "translation_gap",
+            "eigenvector_radius",
         ),
     ),
     Chapter(
@@ -95,6 +96,7 @@ CHAPTERS = (
             "quartic_relaxation",
             "growth_radius",
             "bernstein_cones",
+            "spring_caps",
         ),
     ),
 )
