@@ -30,7 +30,7 @@ NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_E
 unexport PYTHONDONTWRITEBYTECODE
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test test-all test-long test-lowest chromium coq test-browser open-pages test-huge test-oracles golden record proofs fuzz fit-rates acceptance spring-minima cone-rates slips brackets hard compare-checkers kills generate kernels report-asset check-report-asset lint bench peers lock clean
+.PHONY: help demo docs test test-all test-long test-lowest chromium coq test-browser open-pages test-huge test-oracles golden record proofs fuzz fit-rates acceptance radius spring-minima cone-rates slips brackets hard compare-checkers kills generate kernels report-asset check-report-asset lint bench peers lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -111,6 +111,9 @@ fit-rates: kernels  ## warnings of a fit: ten misfits, 2,000 good problems (half
 
 acceptance: kernels  ## general springs: 500 problems of each of 49 cells certified unique (five minutes)
 	@$(RUN) tests/acceptance.py
+
+radius: kernels  ## 10,000 moves of the points within the proved radius: none turns the optimum further (two minutes)
+	@$(RUN) tests/radius_moves.py
 
 spring-minima: kernels  ## the best minimum of six planes, of three lines, beside the complete list (four minutes)
 	@$(RUN) tests/spring_minima.py
