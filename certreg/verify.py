@@ -977,7 +977,7 @@ def _words(
     told = "NOT unique: other rotations have the same objective"
     told = "unique: every other rotation has a larger objective" if stated.unique else told
     told = told if stated.unique is not None else "unique or not: that is undecided"
-    yield f"The global optimum is {told}."
+    yield f"The rotation of the global optimum is {told}."
     yield from steady
     yield "Not proved: anything under `about`, and where the points come from."
 

@@ -17,9 +17,9 @@ from dataclasses import dataclass
 import spring_families as families
 
 from certreg.certificate import springs_certificate
-from certreg.finding import find_optimum
 from certreg.objective import Springs
 from certreg.problem import RegistrationProblem, spring_moments
+from certreg.relaxation import find_optimum
 from certreg.verify import check
 
 COUNT = 500  # of each cell

@@ -28,10 +28,10 @@ from certreg.certificate import Certificate, SpringsConesBody
 from certreg.certificate.cones import ConeProof, cones_body
 from certreg.certificate.squares import sos_body
 from certreg.exact import Dyadic
-from certreg.finding import find_optimum
 from certreg.geometry import dot, squared_norm
 from certreg.objective import Springs
 from certreg.problem import RegistrationProblem, spring_moments
+from certreg.relaxation import find_optimum
 
 if TYPE_CHECKING:
     from certreg.exact import IntegerQuaternion

@@ -19,9 +19,9 @@ import spring_families as families
 
 from certreg import RegistrationProblem, certify, register
 from certreg.certificate import springs_certificate
-from certreg.finding import find_optimum
 from certreg.objective import Springs
 from certreg.problem import spring_moments
+from certreg.relaxation import find_optimum
 from certreg.verify import check
 
 if TYPE_CHECKING:

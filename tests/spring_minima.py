@@ -23,10 +23,10 @@ import spring_families
 
 from certreg import RegistrationProblem
 from certreg.equilibrium import FloatingQuartic, PathsOutcome, critical_lines, descended, paths
-from certreg.finding import find_optimum
 from certreg.geometry import squared_norm
 from certreg.objective import Springs
 from certreg.problem import spring_moments
+from certreg.relaxation import find_optimum
 
 INSTANCES = 500
 CELLS = (*spring_families.MINIMAL, *(replace(c, noise=0.05) for c in spring_families.MINIMAL))

@@ -8,9 +8,9 @@ from functools import cache
 from spring_families import Cell, instance, statement
 
 from certreg.certificate import Certificate, SpringsSosBody, springs_certificate
-from certreg.finding import find_optimum
 from certreg.objective import Springs
 from certreg.problem import RegistrationProblem, spring_moments
+from certreg.relaxation import find_optimum
 
 
 @dataclass(frozen=True, eq=False)

@@ -32,10 +32,10 @@ from certreg.certificate.springs_cones import ConesCap, SpringsConesBody
 from certreg.certificate.springs_sos import SpringsClaims
 from certreg.equilibrium import FloatingQuartic, descended
 from certreg.exact import dyadic_above, dyadic_below, is_positive_definite
-from certreg.finding import refined
 from certreg.geometry import body_frame, dot, squared_norm
 from certreg.native import ConesEnding, search_cones
 from certreg.objective import MONOMIALS, levelled_exactly
+from certreg.relaxation import refined
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -118,7 +118,7 @@ class ConesAttempt:
 def cones_body(objective: Springs, minima: Sequence[IntegerQuaternion]) -> ConesProposal:
     """A body that proves the best of some local minima optimal, or a better rotation that is met.
 
-    minima: integers, as `finding` refines them, in any order.
+    minima: integers, as `relaxation` refines them, in any order.
     """
     known, seen = list(minima), 0
     for _ in range(RESTARTS):

@@ -49,9 +49,9 @@ if TYPE_CHECKING:
     from certreg.certificate.envelope import AnyBody_co
     from certreg.certificate.springs_cones import SpringsConesBody
     from certreg.certificate.springs_sos import SpringsSosBody
-    from certreg.finding import Found
     from certreg.objective import Isotropic, Springs
     from certreg.problem import RegistrationProblem
+    from certreg.relaxation import Found
 
 SpringsBody = TypeVar("SpringsBody", "SpringsSosBody", "SpringsConesBody")
 

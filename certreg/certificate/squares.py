@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.finding import Found
     from certreg.objective import Springs
+    from certreg.relaxation import Found
 
     Array = NDArray[np.float64]
 

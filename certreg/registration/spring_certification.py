@@ -20,7 +20,6 @@ from certreg.certificate import (
 from certreg.equilibrium import rotation_double, unit_double
 from certreg.errors import OutOfRangeError
 from certreg.exact import nearest_double, nearest_root
-from certreg.finding import find_optimum
 from certreg.geometry import Pose
 from certreg.objective import Springs
 from certreg.problem import spring_moments
@@ -30,6 +29,7 @@ from certreg.registration.spring_result import (
     SpringRegistration,
     SpringSolution,
 )
+from certreg.relaxation import find_optimum
 from certreg.results import OUT_OF_RANGE, Absent, Limits
 
 if TYPE_CHECKING:

@@ -18,7 +18,6 @@ from certreg.exact import (
     nearest_root,
     rational_root_above,
 )
-from certreg.finding import refined
 from certreg.geometry import squared_norm
 from certreg.registration.findings import (
     FIT_WARNED,
@@ -41,6 +40,7 @@ from certreg.registration.rounding import rounding_errors
 from certreg.registration.spring_covariance import half_hessian, source_centre
 from certreg.registration.spring_curvature import slope_and_curvature
 from certreg.registration.tails import log_chi2_above
+from certreg.relaxation import refined
 from certreg.results import OUT_OF_RANGE, Absent, Limits, PoseVerdict
 
 if TYPE_CHECKING:

@@ -29,16 +29,16 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate import Certificate
-    from certreg.finding import Found
     from certreg.geometry import Pose
     from certreg.objective import Springs
     from certreg.problem import RegistrationProblem
     from certreg.registration.any_registration import ResidualBlock
     from certreg.registration.covariance import PoseCovariance, Residual
     from certreg.registration.fit import Fit
+    from certreg.relaxation import Found
 
 NOT_LISTED = Absent(
-    "general springs have up to forty equilibria, which this version does not list: `certify` "
+    "general springs have up to forty equilibria, or infinitely many, which this version does not list: `certify` "
     "proves the optimum without them"
 )
 NOT_SIMULATED = Absent("the motion on general springs is not simulated in this version")

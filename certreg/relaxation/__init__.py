@@ -1,4 +1,7 @@
-"""Semidefinite relaxations, of the rotation problem and of a quartic: what other methods solve."""
+"""Semidefinite relaxations, of the rotation problem and of a quartic: what other methods solve.
+
+And the optimum of general springs that they propose, or else the paths to all critical lines.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +11,12 @@ from certreg._loading import lazy_face
 
 if TYPE_CHECKING:
     from certreg.relaxation.conic import RelaxationStatus as RelaxationStatus
+    from certreg.relaxation.optimum import Found as Found
+    from certreg.relaxation.optimum import find_optimum as find_optimum
+    from certreg.relaxation.optimum import optimum_of as optimum_of
     from certreg.relaxation.quartic import QuarticRelaxation as QuarticRelaxation
     from certreg.relaxation.quartic import relax_quartic as relax_quartic
+    from certreg.relaxation.refining import refined as refined
     from certreg.relaxation.shor import Relaxation as Relaxation
     from certreg.relaxation.shor import relax as relax
 
@@ -17,10 +24,16 @@ __getattr__ = lazy_face(
     __name__,
     {
         "conic": ("RelaxationStatus",),
+        "optimum": (
+            "Found",
+            "find_optimum",
+            "optimum_of",
+        ),
         "quartic": (
             "QuarticRelaxation",
             "relax_quartic",
         ),
+        "refining": ("refined",),
         "shor": (
             "Relaxation",
             "relax",

@@ -40,7 +40,9 @@ HOW = {
 TIGHT = 1e-6  # of the range of energies: a relaxation that is this near is called tight
 ACROSS = "add pairs with springs across what is undetermined: they may single one pose out"
 RMSE_WORDS = "along the springs, unit of the clouds"
-NOT_LISTED_WORDS = "general springs have up to forty; the proof needs none of them"
+NOT_LISTED_WORDS = (
+    "general springs have up to forty, or infinitely many; the proof needs none of them"
+)
 
 
 def spring_summary(registration: SpringRegistration) -> str:

@@ -22,7 +22,7 @@ NOT_CLAIMED_OF_SPRINGS = (
         "given, and so are those that an iterative method froze at the rotation of its last step;"
     ),
     (
-        "where else the springs balance: general springs have up to forty equilibria, stable ones "
+        "where else the springs balance: general springs have up to forty equilibria, or infinitely many, stable ones "
         "among them, and this page lists none."
     ),
 )

@@ -23,9 +23,9 @@ from certreg.certificate import (
 )
 from certreg.certificate import cones as producer
 from certreg.certificate.cones import cones_body
-from certreg.finding import find_optimum
 from certreg.objective import Springs
 from certreg.problem import spring_moments
+from certreg.relaxation import find_optimum
 
 SCHEMAS = resources.files("certreg") / "report" / "schemas"
 

@@ -12,9 +12,9 @@ import spring_families as families
 from scipy.spatial.transform import Rotation
 
 from certreg.certificate import Certificate, springs_certificate
-from certreg.finding import find_optimum
 from certreg.objective import Springs
 from certreg.problem import RegistrationProblem, spring_moments
+from certreg.relaxation import find_optimum
 from certreg.verify import Movable, check
 
 CELLS = [

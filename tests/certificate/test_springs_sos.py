@@ -22,9 +22,9 @@ from certreg.certificate import (
     springs_certificate,
     verify,
 )
-from certreg.finding import find_optimum
 from certreg.objective import Isotropic, Springs
 from certreg.problem import RegistrationProblem, exact_moments, spring_moments
+from certreg.relaxation import find_optimum
 
 checker = import_module("certreg.verify")
 SCHEMAS = Path(checker.__file__).parent / "report" / "schemas"

@@ -19,9 +19,9 @@ from exact_springs import LEAST, RANGE, choi_lam, perturbed, two_optima
 
 from certreg.certificate.cones import cones_body
 from certreg.exact import Dyadic, dyadic_above, dyadic_below
-from certreg.finding import find_optimum
 from certreg.objective import Springs
 from certreg.problem import RegistrationProblem, spring_moments
+from certreg.relaxation import find_optimum
 
 checker = import_module("certreg.verify")
 HAIR = Fraction(1, 2**20)

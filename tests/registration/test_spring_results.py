@@ -13,7 +13,6 @@ from spring_families import lidar, line, mixed, plane, statement
 import certreg
 from certreg.equilibrium import critical_lines, unit_double
 from certreg.errors import InvalidProblemError
-from certreg.finding import refined
 from certreg.problem import RegistrationProblem
 from certreg.registration.assessment import assess
 from certreg.registration.certification import certify, simulate
@@ -22,6 +21,7 @@ from certreg.registration.exit_codes import code_of_registration
 from certreg.registration.spring_covariance import half_hessian, source_centre
 from certreg.registration.spring_curvature import slope_and_curvature
 from certreg.registration.spring_rows import lower_triangles, pulled_to
+from certreg.relaxation import refined
 from certreg.results import PoseVerdict
 
 if TYPE_CHECKING:

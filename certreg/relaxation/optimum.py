@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.equilibrium import FloatingQuartic, PathsOutcome, critical_lines, descended
-from certreg.finding.refining import POSE_BITS, newton, refined
 from certreg.geometry import squared_norm
 from certreg.objective import levelled_exactly
-from certreg.relaxation import relax_quartic
+from certreg.relaxation.quartic import relax_quartic
+from certreg.relaxation.refining import POSE_BITS, newton, refined
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from certreg.equilibrium import CriticalLines, Descent
     from certreg.exact import IntegerQuaternion
     from certreg.objective import LevelledExactly, Springs
-    from certreg.relaxation import QuarticRelaxation
+    from certreg.relaxation.quartic import QuarticRelaxation
 
     Reals = NDArray[np.float64]
 

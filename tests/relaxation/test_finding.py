@@ -15,16 +15,6 @@ import spring_minima
 
 from certreg import RegistrationProblem
 from certreg.equilibrium import FloatingQuartic, PathsOutcome
-from certreg.finding import optimum as optimum_module
-from certreg.finding import refining
-from certreg.finding.optimum import (
-    CONSTANT_WORDS,
-    MOST_MINIMA,
-    TIGHT_WORDS,
-    find_optimum,
-    optimum_of,
-)
-from certreg.finding.refining import POSE_BITS, refined
 from certreg.geometry.so3 import (
     angle_between,
     body_frame,
@@ -37,7 +27,16 @@ from certreg.objective.levelling import levelled_exactly, norm_fourth
 from certreg.objective.quartics import MONOMIALS
 from certreg.objective.springs import Springs
 from certreg.problem import spring_moments
-from certreg.relaxation import RelaxationStatus
+from certreg.relaxation import RelaxationStatus, refining
+from certreg.relaxation import optimum as optimum_module
+from certreg.relaxation.optimum import (
+    CONSTANT_WORDS,
+    MOST_MINIMA,
+    TIGHT_WORDS,
+    find_optimum,
+    optimum_of,
+)
+from certreg.relaxation.refining import POSE_BITS, refined
 
 
 @functools.cache
