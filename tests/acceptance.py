@@ -109,4 +109,4 @@ def main(count: int = COUNT, family: str = "") -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(*map(int, sys.argv[1:2]), *sys.argv[2:3]))
+    sys.exit(main(int((*sys.argv[1:2], COUNT)[0]), (*sys.argv[2:3], "")[0]))

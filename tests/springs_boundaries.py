@@ -45,7 +45,7 @@ def good() -> Document:
     return json.loads(certified("plane", 8, 1.0).certificate.to_json())
 
 
-def other(document: Document | None = None, **entries: Any) -> Document:
+def other(document: Any = None, **entries: Any) -> Document:
     """With other entries, of claims and proof."""
     found = copy.deepcopy(document or good())
     for name, value in entries.items():

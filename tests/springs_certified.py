@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 from spring_families import Cell, instance, statement
 
-from certreg.certificate import Certificate, SpringsSosBody, springs_certificate
+from certreg.certificate import springs_certificate
 from certreg.objective import Springs
 from certreg.problem import RegistrationProblem, spring_moments
 from certreg.relaxation import find_optimum
@@ -15,14 +16,14 @@ from certreg.relaxation import find_optimum
 
 @dataclass(frozen=True, eq=False)
 class Certified:
-    """A problem of a cell with its certificate, None where no proof was found."""
+    """A problem of a cell with its certificate."""
 
-    problem: RegistrationProblem
+    problem: Any
     objective: Springs
-    certificate: Certificate[SpringsSosBody] | None
+    certificate: Any  # of a sum of squares; None where no proof was found
 
 
-def certificate_of(problem: RegistrationProblem) -> Certificate[SpringsSosBody] | None:
+def certificate_of(problem: RegistrationProblem) -> Any:
     """By a sum of squares."""
     objective = Springs(spring_moments(problem))
     return springs_certificate(problem, objective, find_optimum(objective))

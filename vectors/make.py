@@ -243,11 +243,11 @@ def counts() -> dict[str, tuple[Certificate, str]]:
 
 SPRINGS_PREFIX = b"certreg-springs/1\0"
 PLANES: Points = [[0, 0, 0], [3, 1, 0], [1, 4, 1], [2, 2, 5], [-3, 1, 2]]
-PLANES += [[1, -2, 3], [4, 0, -1], [-1, 3, -2], [2, -3, 1]]
+PLANES += [[1.0, -2, 3], [4, 0, -1], [-1, 3, -2], [2, -3, 1]]
 NORMALS: Points = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0], [0, 1, 2]]
-NORMALS += [[2, 0, 1], [1, -1, 1], [1, 2, -1], [-1, 1, 2]]
+NORMALS += [[2.0, 0, 1], [1, -1, 1], [1, 2, -1], [-1, 1, 2]]
 ERRORS: Points = [[1, -1, 0], [0, 1, 1], [-1, 0, 1], [1, 1, -1], [0, -1, 0]]
-ERRORS += [[1, 0, 1], [-1, 1, 0], [0, 0, 1], [1, -1, -1]]
+ERRORS += [[1.0, 0, 1], [-1, 1, 0], [0, 0, 1], [1, -1, -1]]
 TURNED: Points = [  # by a quarter turn about z, and a shift; off by up to 1/8
     [7 - y + a / 8, x + 1 + b / 8, z + 2 + c / 8]
     for (x, y, z), (a, b, c) in zip(PLANES, ERRORS, strict=True)

@@ -38,8 +38,8 @@ if TYPE_CHECKING:
     from certreg.relaxation import Found
 
 NOT_LISTED = Absent(
-    "general springs have up to forty equilibria, or infinitely many, which this version does not list: `certify` "
-    "proves the optimum without them"
+    "general springs have up to forty equilibria, or infinitely many, which this version does not "
+    "list: `certify` proves the optimum without them"
 )
 NOT_SIMULATED = Absent("the motion on general springs is not simulated in this version")
 SOFT = 1e-6  # of the oscillation: a curvature that is told from zero is larger

@@ -22,8 +22,8 @@ NOT_CLAIMED_OF_SPRINGS = (
         "given, and so are those that an iterative method froze at the rotation of its last step;"
     ),
     (
-        "where else the springs balance: general springs have up to forty equilibria, or infinitely many, stable ones "
-        "among them, and this page lists none."
+        "where else the springs balance: general springs have up to forty equilibria, or "
+        "infinitely many, stable ones among them, and this page lists none."
     ),
 )
 

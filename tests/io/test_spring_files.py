@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import commands
 import numpy as np
@@ -79,7 +80,7 @@ def test_each_kind_is_read_from_columns_and_from_files(
     np.save(tmp_path / "d.npy", N)
     np.save(tmp_path / "w.npy", SPD[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].reshape(5, 3, 3))
 
-    def digest(**given: np.ndarray) -> str:
+    def digest(**given: Any) -> str:
         return certreg.RegistrationProblem(X, Y, **given).digest()
 
     assert _read(source, target, "full")[0].digest() == digest(covariances=SPD)
@@ -196,7 +197,8 @@ def test_springs_of_the_source_are_refused_with_the_reason(write: Write) -> None
     source = write("a.csv", "x,y,z,nx,ny,nz", np.column_stack([X, N]))
     target = write("b.csv", "x,y,z", Y)
 
-    for given in ({"columns": ("plane",)}, {"files": {"normals": source}}):
+    ways: list[dict[str, Any]] = [{"columns": ("plane",)}, {"files": {"normals": source}}]
+    for given in ways:
         with pytest.raises(InvalidFileError, match="turn with the rotation that is sought"):
             read_problem(source, target, springs=SpringSource(**given))
 

@@ -6,6 +6,7 @@ import copy
 import hashlib
 import struct
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -128,12 +129,17 @@ def test_every_kind_states_its_springs(given, kind, ranks, springs) -> None:
 
 def test_six_columns_are_the_entries_of_matrices_and_of_factors() -> None:
     six = SPD.reshape(6, 9)[:, [0, 1, 2, 4, 5, 8]]
-    lower = np.linalg.cholesky(SPD)
+    matrices: Any = SPD
+    lower: Any = np.linalg.cholesky(SPD)
     rows = lower.reshape(6, 9)[:, [0, 3, 4, 6, 7, 8]]
 
     digests = {
         name: certreg.RegistrationProblem(X, Y, **{name: given}).digest()
-        for name, given in (("information", SPD), ("covariances", SPD), ("factors", lower))
+        for name, given in (
+            ("information", matrices),
+            ("covariances", matrices),
+            ("factors", lower),
+        )
     }
 
     assert certreg.RegistrationProblem(X, Y, information=six).digest() == digests["information"]
