@@ -449,9 +449,8 @@ class Movable:
         eigenvalue. With residuals L^T (y - S x) less their part that a shift takes away, r(S), f is
         |r|^2, and |r(S) - r(R)| <= 2 s k, k^2 = sum w |x - mean|^2, s = sin of half the angle a of
         S from R. Moved points add h - g(S) to r(S), |h| <= Y, |g| <= X, |g(S) - g(R)| <= 2 s X. So
-        the moved f(S) - f(R) exceeds
-            (mu - 8 k X) s^2 - 4 s (k (X + Y) + X (sqrt(f(R)) + X + Y)) - delta,
-        which, negative at s = 0 and convex, stays positive from the s on where it is.
+        the moved f(S) - f(R) exceeds (mu - 8 k X) s^2 - 4 s (k (X + Y) + X (sqrt(f(R)) + X + Y)) -
+        delta, which, negative at s = 0 and convex, stays positive from the s on where it is.
         """
         if (self.both, self.sin_half_angle, self.target) == (None, None, None):
             return []
@@ -844,7 +843,7 @@ def _energy(one: list[int], x: list[int], y: list[int], factors: list[int]) -> M
 
 
 @dataclass(frozen=True, repr=False)
-class Springs:
+class CheckedSprings:
     """The objective: at R(q) it is unit F(q)/|q|^4."""
 
     F: list[int]  # in the order of QUARTICS
@@ -854,7 +853,7 @@ class Springs:
     lever: Fraction  # sum tr W |x - mean|^2, with the mean by tr W
 
     @classmethod
-    def of(cls, H: Matrix, e: int) -> Springs:
+    def of(cls, H: Matrix, e: int) -> CheckedSprings:
         """Of `spring_moments`: the three entries of t are eliminated, one after the other.
 
         Bareiss: all divisions are exact, by the last pivot. Where a pivot is 0 all beside it is, as
@@ -898,10 +897,13 @@ SUMS[SpringsStatement.prefix] = 6, spring_moments
 # What follows of an optimum of general springs from how the objective grows around it.
 
 
-def settled(stated: SpringsStatement, f: Springs, *bounds: Fraction, tied: bool = False) -> Outcome:
+def settled(
+    stated: SpringsStatement, f: CheckedSprings, *bounds: Fraction, tied: bool = False
+) -> Outcome:
     """What follows where every rotation S, at an angle a from R, satisfies (+).
 
         f(S) > f(R) - delta + mu sin^2(a/2),                                                   (+)
+
     mu >= 0, and max f - min f <= width; RefusalError if a claim does not follow.
     Gap: f(R) - min f < delta. Angle: at an optimum f(S) <= f(R), so sin^2(a/2) < delta/mu.
     Unique if 4 width delta <= mu^2, 2 mu <= width. Were there two, let q(s) run on the circle of
@@ -939,7 +941,7 @@ def is_symmetry(F: Sequence[int], turns: Sequence[int]) -> bool:
     return a * a + b * b + c * c != d * d + e * e + f * f and not any(slope.values())
 
 
-def _worth(springs: Springs, value: Fraction, delta: Fraction, mu: Fraction) -> Worth:
+def _worth(springs: CheckedSprings, value: Fraction, delta: Fraction, mu: Fraction) -> Worth:
     """The range of f is no less than how far f(R) is from its mean over all rotations.
 
     The mean of q_i^4 is 3/24, of q_i^2 q_j^2 1/24. F = k |q|^4 is constant. Angle: a/2 < tan(a/2) <
@@ -954,7 +956,7 @@ def _worth(springs: Springs, value: Fraction, delta: Fraction, mu: Fraction) -> 
 
 
 def _words(
-    stated: SpringsStatement, springs: Springs, w: Worth, steady: list[str]
+    stated: SpringsStatement, springs: CheckedSprings, w: Worth, steady: list[str]
 ) -> Iterator[str]:
     yield f"Data: n = {stated.n} pair{'s'[stated.n < 2 :]}, each with a matrix W of springs."
     yield f"SHA-256 of their doubles is {stated.digest}."
@@ -1012,7 +1014,11 @@ class SpringsSosStatement(SpringsStatement):
         PRODUCTS of p, by less than 2 each, |p_i p_j p_k p_l| <= 1, and (u.p)^4 <= (u.p)^2.
         """
         del equal
-        springs, norm, (*gram, k) = Springs.of(m, e), sum(c * c for c in self.pose), self.gram
+        springs, norm, (*gram, k) = (
+            CheckedSprings.of(m, e),
+            sum(c * c for c in self.pose),
+            self.gram,
+        )
         good = norm > 0 and self.mu >= 0 <= k <= BITS and abs(self.unit) <= EXPONENT_MAX
         require(good, "mu >= 0, a pose other than 0 and small exponents needed")
         unit, level, mu = _dyadic(1, self.unit), self.level, self.mu
@@ -1083,7 +1089,7 @@ class SpringsConesStatement(SpringsStatement):
         them, and if the pose and another centre are stationary, with one value, both are optima.
         """
         del equal
-        springs, norm = Springs.of(m, e), sum(c * c for c in self.pose)
+        springs, norm = CheckedSprings.of(m, e), sum(c * c for c in self.pose)
         tie = self.unique is False and self.symmetry is None
         good = norm > 0 and self.gap > 0 and (self.mu == 0 if tie else self.mu >= 0)
         require(good, "a pose, gap > 0 and mu >= 0 needed, mu = 0 for a tie")
@@ -1107,7 +1113,7 @@ class SpringsConesStatement(SpringsStatement):
         return settled(self, springs, self.gap, self.mu, width, tied=tied)
 
 
-def spread(springs: Springs) -> Fraction:
+def spread(springs: CheckedSprings) -> Fraction:
     """At least max f - min f: f is unit (c + sum of (F_m - c k_m) q^m), |q| = 1, k those of |q|^4.
 
     For any c, here the mean of f. The powers a, b, ... of q^m add up to 4, and its square is at
@@ -1119,7 +1125,7 @@ def spread(springs: Springs) -> Fraction:
     return springs.unit * Fraction(total, 24 * 16)
 
 
-def local(springs: Springs, c: Sequence[int], curvature: Fraction) -> Fraction:
+def local(springs: CheckedSprings, c: Sequence[int], curvature: Fraction) -> Fraction:
     """The square of the slope of f at R(c), where the Hessian there is > curvature I; by angles.
 
     Along exp(s [d]) R(c), |d| = 1, the quaternion is u + s/2 e - s^2/8 u + ..., u = c/|c|, e = d u

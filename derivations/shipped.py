@@ -17,7 +17,7 @@ from typing import Any
 import sympy
 
 from certreg.verify import (
-    Springs,
+    CheckedSprings,
     coefficients,
     davenport,
     proves_basin,
@@ -198,9 +198,9 @@ class Entry(Pivoted):
 
 
 def eliminated_springs(H: Any) -> tuple[list[Any], Any]:
-    """What `certreg.verify.Springs.of` leaves of a symbolic form, t first: entries, and over what.
+    """What `certreg.verify.CheckedSprings.of` leaves of a form in symbols: entries, and over what.
 
-    The form is of t and at most ten unknowns: others have zeros. Entries of what is left are by
+    The form is of t, which stands first, and at most ten unknowns: others have zeros. Entries of what is left are by
     rows from the diagonal on. No pivot is taken to be zero. What the checker finds besides, of the
     lever, is left out.
     """
@@ -211,7 +211,7 @@ def eliminated_springs(H: Any) -> tuple[list[Any], Any]:
     rows = upper([[Entry(e, met) for e in row] for row in _elements(ring, filled)])
     places = [at for at, pair in enumerate(_LEFT) if max(pair) < size]
     left = rerouted(
-        vars(Springs)["of"].__func__,
+        vars(CheckedSprings)["of"].__func__,
         _quartic_terms=lambda: {at: {at: 1} for at in places},
         _dyadic=lambda number, _: number,
         Fraction=lambda *_: Entry(ring.zero, met),

@@ -268,7 +268,7 @@ def direct_questions() -> Iterator[tuple[str, Callable[[Any], object], str]]:
 
     def settled(checker: Any, delta: Fraction, mu: int = 1, **claims: Any) -> bool:
         F = [0] * 34 + [1]
-        springs = checker.Springs(F, Fraction(1), 0, Fraction(1), Fraction(1))
+        springs = checker.CheckedSprings(F, Fraction(1), 0, Fraction(1), Fraction(1))
         stated = SimpleNamespace(**{**entries, **claims})
         try:
             return checker.settled(stated, springs, delta, Fraction(mu), Fraction(1)).verified

@@ -7,7 +7,7 @@ One weight per pair. The matrix K of the moved points is within
 beta = r (sqrt(M kx) + sqrt(M ky)) + M r^2 of the old one, by Cauchy and Schwarz, with
 kx = sum w |x - mean|^2 and ky of the target; of the first term only sqrt(M kx) is left, and no
 square, where the source stays. If the largest eigenvalue of K is alone by g > 2 beta, that of the
-moved K is simple, and its rotation is turned by at most arcsin(2 beta / g) [DavisKahan1970]. The
+moved K is simple, and its rotation is turned by at most arcsin(2 beta / g). The
 certified rotation is within an angle a0 of the old optimum, so that 2 beta <= g (sin a - a0) is
 enough.
 

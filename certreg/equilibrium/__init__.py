@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from certreg.equilibrium.presentation import equilibrium_set as equilibrium_set
     from certreg.equilibrium.presentation import rotation_double as rotation_double
     from certreg.equilibrium.presentation import unit_double as unit_double
-    from certreg.equilibrium.quartics import Descent as Descent
     from certreg.equilibrium.quartics import FloatingQuartic as FloatingQuartic
+    from certreg.equilibrium.quartics import QuarticDescent as QuarticDescent
     from certreg.equilibrium.quartics import descended as descended
     from certreg.equilibrium.spectral import by_eigenspaces as by_eigenspaces
     from certreg.equilibrium.stability import TRANSLATION_STIFFNESS as TRANSLATION_STIFFNESS
@@ -75,7 +75,7 @@ __getattr__ = lazy_face(
             "unit_double",
         ),
         "quartics": (
-            "Descent",
+            "QuarticDescent",
             "FloatingQuartic",
             "descended",
         ),

@@ -85,7 +85,7 @@ def _frames(q: Any) -> Any:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Descent:
+class QuarticDescent:
     """Where descents ended. points: (m, 4), unit. values: (m,). curvatures: (m, 3), ascending.
 
     The curvatures are the eigenvalues of the Hessian in rotation angle.
@@ -96,7 +96,7 @@ class Descent:
     curvatures: Reals
 
 
-def descended(form: FloatingQuartic, starts: Reals) -> Descent:
+def descended(form: FloatingQuartic, starts: Reals) -> QuarticDescent:
     """Local minima, by Newton's method on the sphere with turned signs and bounded turns."""
     q: Any = starts / np.linalg.norm(starts, axis=1, keepdims=True)
     values, gradients, hessians = form.curvatures(q)
@@ -116,7 +116,7 @@ def descended(form: FloatingQuartic, starts: Reals) -> Descent:
         q, values = _chosen(down, new, q), _chosen(down, new_values, values)
         gradients = _chosen(down, new_gradients, gradients)
         hessians = _chosen(down, new_hessians, hessians)
-    return Descent(points=q, values=values, curvatures=_eigenvalues(hessians))
+    return QuarticDescent(points=q, values=values, curvatures=_eigenvalues(hessians))
 
 
 def _chosen(rows: NDArray[np.bool_], new: Reals, old: Reals) -> Any:

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
     from certreg.geometry import Pose
     from certreg.problem import RegistrationProblem
-    from certreg.registration.spring_rows import SpringSums
+    from certreg.registration.spring_rows import ResidualSums
 
 NO_FREEDOM = Absent(
     "the springs leave no degree of freedom for the noise: give sigma, or covariances"
@@ -52,7 +52,7 @@ LEAST_CURVATURE = 1e-12  # of the largest, in the clouds' own unit: less is roun
 
 
 def spring_covariance(
-    problem: RegistrationProblem, pose: Pose, least: Fraction, sums: SpringSums, *, unique: bool
+    problem: RegistrationProblem, pose: Pose, least: Fraction, sums: ResidualSums, *, unique: bool
 ) -> PoseCovariance | Absent:
     """The covariance of an optimal pose; least: the objective there. Absent where there is none."""
     degrees = degrees_of_freedom(problem)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from certreg.problem import RegistrationProblem
     from certreg.registration.row_names import RowNames
-    from certreg.registration.spring_rows import SpringSums
+    from certreg.registration.spring_rows import ResidualSums
 
 UNTESTED = Absent("scale and share of the spread are told of springs alike in every way alone")
 TURN = 3  # parameters of a pose that may be left open
@@ -26,7 +26,7 @@ TURN = 3  # parameters of a pose that may be left open
 
 def spring_fit(
     problem: RegistrationProblem,
-    sums: SpringSums,
+    sums: ResidualSums,
     *,
     least: Fraction,
     determined: bool,
@@ -64,7 +64,7 @@ def spring_fit(
     )
 
 
-def rounded(problem: RegistrationProblem, sums: SpringSums) -> bool:
+def rounded(problem: RegistrationProblem, sums: ResidualSums) -> bool:
     """Whether all pairs are off by no more than the rounding of the clouds' numbers."""
     largest = max(abs(float(array.min())) for array in (problem.source, problem.target))
     largest = max(largest, *(abs(float(array.max())) for array in (problem.source, problem.target)))

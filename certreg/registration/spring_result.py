@@ -20,7 +20,7 @@ from certreg.registration.row_names import RowNames
 from certreg.registration.spring_covariance import FLAT, degrees_of_freedom, spring_covariance
 from certreg.registration.spring_curvature import slope_and_curvature
 from certreg.registration.spring_fit import spring_fit
-from certreg.registration.spring_rows import SpringSums, blocks_at
+from certreg.registration.spring_rows import ResidualSums, blocks_at
 from certreg.results import Absent, Explained, Optimality, present
 
 if TYPE_CHECKING:
@@ -84,9 +84,9 @@ class SpringSolution(Explained):
         return self.objective.energy(self.quaternion)
 
     @cached_property
-    def sums(self) -> SpringSums:
+    def sums(self) -> ResidualSums:
         """What one look at the rows says of the pose."""
-        return SpringSums.of(self.problem, self.pose, LISTED)
+        return ResidualSums.of(self.problem, self.pose, LISTED)
 
     @cached_property
     def stated_covariance(self) -> PoseCovariance | Absent:

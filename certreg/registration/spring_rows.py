@@ -95,7 +95,7 @@ def blocks_at(problem: RegistrationProblem, pose: Pose) -> Iterator[tuple[slice,
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SpringSums(Brief):
+class ResidualSums(Brief):
     """What one look at all rows says of a pose.
 
     stiffness: the sum of w. effective_rows: (sum w)^2 / sum w^2. rows: how many have a spring.
@@ -109,7 +109,7 @@ class SpringSums(Brief):
     median: float
 
     @classmethod
-    def of(cls, problem: RegistrationProblem, pose: Pose, count: int) -> SpringSums:
+    def of(cls, problem: RegistrationProblem, pose: Pose, count: int) -> ResidualSums:
         """Of the pose of a problem; count: of the worst rows."""
         total = squares = 0.0
         counted, worst = 0, list[Residual]()

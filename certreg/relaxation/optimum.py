@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.equilibrium import CriticalLines, Descent
+    from certreg.equilibrium import CriticalLines, QuarticDescent
     from certreg.exact import IntegerQuaternion
     from certreg.objective import LevelledExactly, Springs
     from certreg.relaxation.quartic import QuarticRelaxation
@@ -142,7 +142,7 @@ def _starts(form: FloatingQuartic, lines: CriticalLines) -> Reals:
     return lines.quaternions[curvatures[:, 0] > -FLAT * np.abs(curvatures).max()]
 
 
-def _apart(ends: Descent) -> list[Reals]:
+def _apart(ends: QuarticDescent) -> list[Reals]:
     """The ends of descents that differ, by ascending value."""
     apart: list[Reals] = []
     for q in ends.points[np.argsort(ends.values, kind="stable")]:

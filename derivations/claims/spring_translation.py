@@ -12,7 +12,7 @@ from certreg.geometry.so3 import dot, rotation_matrix, squared_norm
 from certreg.objective.springs import Springs
 from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
-from certreg.verify import Springs as CheckedSprings
+from certreg.verify import CheckedSprings
 
 from ..algebra import Square, combination, contraction, facts, identity, nonnegative
 from ..hypothesis import Standing, vanishing
@@ -101,7 +101,7 @@ def _programs(shipped: TranslationEnergy, eliminated: Elimination) -> Proof:
     minors = [H[[0, 1, 2, i], [0, 1, 2, j]] for i, j in ((3, 3), (3, 4), (4, 4))]
     form, divisor = eliminated(H)
     yield identity(
-        r"`certreg.verify.Springs.of`, run on polynomials, eliminates the three entries of $t$ "
+        r"`certreg.verify.CheckedSprings.of`, run on polynomials, eliminates the entries of $t$ "
         r"from the form $z^{\mathsf T} H z$ (here with two more unknowns instead of ten). What is "
         r"left are the minors of $S$ bordered by a further row and column, which are "
         r"$\det S\, (H_{rr} - H_{rt} S^{-1} H_{tr})$, over $\det S$; no division left a remainder.",
@@ -208,7 +208,7 @@ CLAIM = Claim(
     r"\succeq 0$, where all beside a zero of the diagonal is zero.",
     needs=("translation_gap", "elimination"),
     runs=(
-        "certreg.verify.Springs.of",
+        "certreg.verify.CheckedSprings.of",
         "certreg.objective.springs.Springs.translation_energy",
     ),
     used_by=("certreg.objective.springs.Springs.best_translation",),

@@ -93,7 +93,7 @@ def test_beside_its_data_a_certificate_is_below_a_kilobyte():
 @pytest.mark.parametrize("cell", CELLS, ids=str)
 def test_the_checker_and_the_objective_have_the_same_quartic(cell):
     case = certified(*cell)
-    springs = checker.Springs.of(*sums_of(case.problem))
+    springs = checker.CheckedSprings.of(*sums_of(case.problem))
 
     ours = [c * springs.unit for c in springs.F]
     assert ours == [c * case.objective.unit for c in case.objective.quartic]

@@ -311,7 +311,7 @@ def test_one_rotation_by_two_quaternions_is_no_tie():
 
 def springs_of(quartic: Any, unit: Fraction) -> Any:
     """What the checker makes of data, of which here two numbers are of matter."""
-    found = checker.Springs.__new__(checker.Springs)
+    found = checker.CheckedSprings.__new__(checker.CheckedSprings)
     for name, value in (("F", [*quartic]), ("unit", unit)):
         object.__setattr__(found, name, value)
     return found
