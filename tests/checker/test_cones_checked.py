@@ -107,7 +107,10 @@ def test_of_choi_and_lam_the_gap_is_proved_and_nothing_else():
     outcome = outcome_of(made("choi-lam"))
 
     assert LEAST - outcome.worth.minimum < Fraction(RANGE) / 10**12
-    assert "The global optimum is unique or not: that is undecided." in outcome.theorems
+    assert (
+        "The rotation of the global optimum is unique or not: that is undecided."
+        in outcome.theorems
+    )
     assert "claims.unique" in reason(changed("choi-lam", unique=True))
     assert "unique" in reason(changed("choi-lam", unique=False)) or "cap" in reason(
         changed("choi-lam", unique=False)
@@ -263,8 +266,9 @@ def test_forms_of_the_proof_that_are_nonsense_are_refused():
 def test_two_optima_of_exact_numbers_are_seen_to_be_tied():
     outcome, proof = outcome_of(made("two optima")), made("two optima")["proof"]
 
-    assert "The global optimum is NOT unique: other rotations have the same objective." in (
-        outcome.theorems
+    assert (
+        "The rotation of the global optimum is NOT unique: other rotations have the same objective."
+        in (outcome.theorems)
     )
     assert made("two optima")["claims"]["unique"] is False
     assert "claims.unique" in reason(changed("two optima", unique=True))
