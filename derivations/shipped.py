@@ -201,8 +201,8 @@ def eliminated_springs(H: Any) -> tuple[list[Any], Any]:
     """What `certreg.verify.CheckedSprings.of` leaves of a form in symbols: entries, and over what.
 
     The form is of t, which stands first, and at most ten unknowns: others have zeros. Entries of
-    what is left are by rows from the diagonal on. No pivot is taken to be zero. What the checker finds besides, of the
-    lever, is left out.
+    what is left are by rows from the diagonal on. No pivot is taken to be zero. What the checker
+    finds besides, of the lever, is left out.
     """
     ring, size = ring_of(flat(H)), H.rows
     met: list[Any] = []

@@ -341,7 +341,8 @@ def words() -> str:
         f"\nSo the minimum is at least {re.escape(down)}\\."
         r"\nThis gap is less than \d\.\de-\d\d of the range of energies, over all rotations\."
         r"\nEvery global optimum is within \d\.\de-\d\d degrees of R\."
-        r"\nThe global optimum is unique: every other rotation has a larger objective\."
+        r"\nThe rotation of the global optimum is unique: every other rotation has a larger "
+        r"objective\."
         r"\nNot proved: anything under `about`, and where the points come from\.$"
     )
 
