@@ -35,7 +35,7 @@ GAP = nonnegative_by(
     r"$\kappa - q^{\mathsf T} K q \ge g$.", FIRST - OTHER - G, standing=Standing.CASE
 )
 SIZE = nonnegative_by(
-    r"$p'^{\mathsf T} D q' = \cos\varphi \sin\varphi\, (\kappa - q^{\mathsf T} K q) \le m$.",
+    r"$\cos\varphi \sin\varphi$ times $\kappa - q^{\mathsf T} K q$ is at most $m$.",
     M - C * S * (FIRST - OTHER),
     standing=Standing.CASE,
 )

@@ -50,7 +50,7 @@ INSIDE = nonnegative_by(
     example={ANGLE: 1, WIDTH: 1, BENT: -2, CENTRE_BENT: 2, CURVATURE: 1},
 )
 RISES = nonnegative_by(
-    "$f(S) \\ge f(R(c)) - g a + k a^2/4$.",
+    "$f(S) - f(R(c))$ is at least $k a^2/4 - g a$.",
     HERE - AT_CENTRE + SLOPE * ANGLE - CURVATURE * ANGLE**2 / 4,
     standing=Standing.CASE,
 )
