@@ -106,6 +106,7 @@ if TYPE_CHECKING:
     from certreg.registration.spring_result import SpringRegistration as SpringRegistration
     from certreg.registration.spring_result import SpringSolution as SpringSolution
     from certreg.registration.spring_rows import pulled_to as pulled_to
+    from certreg.registration.weak_shifts import weak_shift_words as weak_shift_words
 
 __getattr__ = lazy_face(
     __name__,
@@ -243,5 +244,6 @@ __getattr__ = lazy_face(
             "SpringSolution",
         ),
         "spring_rows": ("pulled_to",),
+        "weak_shifts": ("weak_shift_words",),
     },
 )

@@ -17,7 +17,7 @@ import numpy as np
 
 from certreg.exact import nullspace
 from certreg.geometry import dot
-from certreg.registration.headlines import axis_words
+from certreg.registration.headlines import axes_words, axis_words
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -86,7 +86,8 @@ class Freedom(Brief):
         """That a shift is free, and along what; empty where none is."""
         if not self.translations:
             return ""
-        return f"no spring resists a shift along {_axes_words(self.translations)}"
+        along = axes_words([_unit(one) for one in self.translations])
+        return f"no spring resists a shift along {along}"
 
     def turn_words(self) -> str:
         """Which turns are free; empty where none is known to be."""
@@ -94,7 +95,7 @@ class Freedom(Brief):
             return "every rotation fits equally"
         own, other = self.target_axis, self.source_axis
         axes = [self._name(own)] if own else []
-        axes += [f"the source's axis {_axes_words([other])}"] if other else []
+        axes += [f"the source's axis {axis_words(_unit(other))}"] if other else []
         if axes:
             return f"rotation about {' and about '.join(axes)} is undetermined"
         if self.moves_optimum:
@@ -104,17 +105,11 @@ class Freedom(Brief):
     def _name(self, axis: Sequence[int]) -> str:
         """The normal, where all springs are planes of one direction: the only one they resist."""
         normal = len(self.translations) == 2 and not any(dot(t, axis) for t in self.translations)
-        return f"the {'normal' if normal else AXIS} {_axes_words([axis])}"
+        return f"the {'normal' if normal else AXIS} {axis_words(_unit(axis))}"
 
     def words(self) -> str:
         """All that is free; empty where nothing is known to be."""
         return ", and ".join(filter(None, (self.turn_words(), self.shift_words())))
-
-
-def _axes_words(axes: Sequence[Sequence[int]]) -> str:
-    """Directions as unit vectors in three digits; of two any mix is meant."""
-    named = [axis_words(_unit(axis)) for axis in axes]
-    return named[0] if len(named) == 1 else f"{', '.join(named)} or any mix of them"
 
 
 def _unit(axis: Sequence[int]) -> np.ndarray[tuple[int], np.dtype[np.float64]]:

@@ -16,6 +16,8 @@ from certreg.registration.misfits import FitCode
 from certreg.results import Absent, Limits, Optimality
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import numpy as np
     from numpy.typing import NDArray
 
@@ -188,20 +190,20 @@ def _but(pose: Headline, reason: str, words: str, *rests_on: str) -> Headline:
     )
 
 
-def _each(reason: str, words: str, *rests_on: str) -> tuple[Headline, Headline]:
-    """Of a pose that is optimal, and of one that is near-optimal."""
+def each(reason: str, words: str, *rests_on: str) -> tuple[Headline, Headline]:
+    """Of a pose that is optimal, and of one that is near-optimal, what is to be said against it."""
     return _but(OPTIMAL, reason, words, *rests_on), _but(NEAR_OPTIMAL, reason, words, *rests_on)
 
 
-RULED_OUT = _each(
+RULED_OUT = each(
     "THE NOISE RULES IT OUT", "{sigmas} standard deviations from the optimum", "sigma_distance"
 )
 OF_DATA = {  # of the certified optimum: of a pose that is optimal, and of one that is near-optimal
     CERTIFIED: (OPTIMAL, NEAR_OPTIMAL),
-    NEARLY_AMBIGUOUS: _each("NEARLY AMBIGUOUS", "{tie}"),
-    HARDLY_DETERMINED: _each("THE ROTATION IS HARDLY DETERMINED", "{loose}"),
-    POOR_FIT: _each("THE FIT IS POOR", "{warning}", "fit.warnings"),
-    SCALE_FITS: _each("A SCALE FITS BETTER", "{warning}", "fit.warnings", "fit.best_scale"),
+    NEARLY_AMBIGUOUS: each("NEARLY AMBIGUOUS", "{tie}"),
+    HARDLY_DETERMINED: each("THE ROTATION IS HARDLY DETERMINED", "{loose}"),
+    POOR_FIT: each("THE FIT IS POOR", "{warning}", "fit.warnings"),
+    SCALE_FITS: each("A SCALE FITS BETTER", "{warning}", "fit.warnings", "fit.best_scale"),
 }
 SPURIOUS = Headline(
     stamp="SPURIOUS-EQUILIBRIUM",
@@ -299,6 +301,12 @@ def axis_words(axis: NDArray[np.float64]) -> str:
     '(1, 0, 0)'
     """
     return f"({', '.join(f'{entry + 0.0:.3g}' for entry in axis.round(3))})"
+
+
+def axes_words(axes: Sequence[NDArray[np.float64]]) -> str:
+    """Directions as unit vectors in three digits; of two any mix is meant."""
+    named = [axis_words(axis) for axis in axes]
+    return named[0] if len(named) == 1 else f"{', '.join(named)} or any mix of them"
 
 
 def _headline_of_fit(fit: Fit) -> Headline:

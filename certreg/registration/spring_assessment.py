@@ -14,7 +14,6 @@ from certreg.registration.findings import GOOD, rules_out
 from certreg.registration.headlines import (
     NO_EQUILIBRIUM,
     NO_ROTATION,
-    OF_DATA,
     RULED_OUT,
     SPURIOUS,
     at_most,
@@ -33,9 +32,11 @@ from certreg.registration.spring_headlines import (
     NEAR_UNDECIDED,
     OPTIMAL_AS_OTHERS,
     OPTIMAL_UNDECIDED,
+    SPRING_OF_DATA,
     headline_of_spring_data,
 )
 from certreg.registration.spring_result import UNDECIDED
+from certreg.registration.weak_shifts import weak_shift_words
 from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict, present
 
 if TYPE_CHECKING:
@@ -146,6 +147,7 @@ def _headline(
         share=share_words(bounds),
         warning=next((one.text for one in registration.fit.warnings), ""),
         loose=loose_words(registration),
+        weak=weak_shift_words(registration.solution.weak_shifts),
         sigmas="" if isinstance(distance, Absent) else f"{distance.value:.3g}",
     )
     return chosen, said
@@ -159,7 +161,7 @@ def _good_headline(
         return OPTIMAL_UNDECIDED if optimal else NEAR_UNDECIDED
     if not registration.unique:
         return OPTIMAL_AS_OTHERS if optimal else NEAR_AS_OTHERS
-    of_data = OF_DATA[headline_of_spring_data(registration)]
+    of_data = SPRING_OF_DATA[headline_of_spring_data(registration)]
     if not isinstance(distance, Absent) and rules_out(registration, distance):
         of_data = RULED_OUT
     return of_data[0 if optimal else 1]

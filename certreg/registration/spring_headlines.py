@@ -12,15 +12,18 @@ from certreg.registration.headlines import (
     HARDLY_DETERMINED,
     LIMITED,
     NOT_CERTIFIED,
+    OF_DATA,
     POOR_FIT,
     WITHIN_LIMITS,
     Headline,
     at_most,
     degrees_words,
+    each,
     is_loose,
     loose_words,
     share_words,
 )
+from certreg.registration.weak_shifts import weak_shift_words
 from certreg.results import Limits, Optimality
 
 if TYPE_CHECKING:
@@ -34,6 +37,12 @@ FREE_SHIFT = Headline(
     words="the best rotation, and unique, to within the proved bounds; {free}.",
     rests_on=(*_UNIQUE, "springs.free_translations"),
     code=3,
+)
+HARDLY_RESISTED = Headline(
+    stamp="CERTIFIED, BUT A SHIFT IS HARDLY RESISTED",
+    words="the global optimum of exactly these numbers, to within the proved bounds; {weak}.",
+    rests_on=(*_UNIQUE, "springs.weak_translations"),
+    code=0,
 )
 OTHERS_AS_GOOD = Headline(
     stamp="CERTIFIED, BUT NOT UNIQUE",
@@ -83,10 +92,18 @@ NEAR_UNDECIDED = replace(
     words="at most {gap} ({share}) above the minimum (proved); whether one pose alone has it is "
     "not decided.",
 )
+OPTIMAL_HARDLY_RESISTED, NEAR_HARDLY_RESISTED = each(
+    "A SHIFT IS HARDLY RESISTED", "{weak}", "springs.weak_translations"
+)
+SPRING_OF_DATA = {  # as `OF_DATA`
+    **OF_DATA,
+    HARDLY_RESISTED: (OPTIMAL_HARDLY_RESISTED, NEAR_HARDLY_RESISTED),
+}
 
 SPRING_HEADLINES = (
-    *(FREE_SHIFT, OTHERS_AS_GOOD, WITHIN_LIMITS_FREE),
+    *(FREE_SHIFT, HARDLY_RESISTED, OTHERS_AS_GOOD, WITHIN_LIMITS_FREE),
     *(BOUNDED_FREE, UNDECIDED, UNDECIDED_NEAR),
+    *(OPTIMAL_HARDLY_RESISTED, NEAR_HARDLY_RESISTED),
     *(OPTIMAL_AS_OTHERS, OPTIMAL_UNDECIDED, NEAR_AS_OTHERS, NEAR_UNDECIDED),
 )
 
@@ -114,6 +131,8 @@ def _meets_usual(registration: SpringRegistration) -> bool:
 
 def headline_of_spring_data(registration: SpringRegistration) -> Headline:
     """Of a certified and unique optimum: what its data make of the first line."""
+    if registration.solution.weak_shifts:
+        return HARDLY_RESISTED
     if is_loose(registration):
         return HARDLY_DETERMINED
     return POOR_FIT if registration.fit.warnings else CERTIFIED
@@ -140,6 +159,7 @@ def spring_headline_words(registration: SpringRegistration) -> str:
         free=free_words(registration),
         warning=next((one.text for one in registration.fit.warnings), ""),
         loose=loose_words(registration),
+        weak=weak_shift_words(registration.solution.weak_shifts),
     )
 
 

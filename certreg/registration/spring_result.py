@@ -21,6 +21,7 @@ from certreg.registration.spring_covariance import FLAT, degrees_of_freedom, spr
 from certreg.registration.spring_curvature import slope_and_curvature
 from certreg.registration.spring_fit import spring_fit
 from certreg.registration.spring_rows import ResidualSums, blocks_at
+from certreg.registration.weak_shifts import WeakShift, weak_shifts
 from certreg.results import Absent, Explained, Optimality, present
 
 if TYPE_CHECKING:
@@ -77,6 +78,11 @@ class SpringSolution(Explained):
     def freedom(self) -> Freedom:
         """What the springs leave undetermined, exactly."""
         return Freedom.of(self.objective)
+
+    @cached_property
+    def weak_shifts(self) -> tuple[WeakShift, ...]:
+        """The shifts that the springs hardly resist: of rounding as much as of the data."""
+        return weak_shifts(self.objective)
 
     @cached_property
     def least(self) -> Fraction:

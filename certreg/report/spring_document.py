@@ -59,6 +59,10 @@ def _springs(registration: SpringRegistration) -> Document | Absent:
         "kind": summary.kind,
         "ranks": {str(rank): summary.ranks[rank] for rank in (1, 2, 3)},
         "free_translations": freedom.shifts(),
+        "weak_translations": [
+            {"direction": one.direction.tolist(), "share": one.share}
+            for one in registration.solution.weak_shifts
+        ],
         "symmetry_dimension": len(freedom.symmetry),
         "notes": list(summary.notes),
     }

@@ -14,6 +14,7 @@ from certreg.registration import (
     share_words,
     spring_degrees,
     spring_headline_words,
+    weak_shift_words,
 )
 from certreg.report.remedies import ADVICE, FIX_TURN
 from certreg.report.robustness import robustness_words
@@ -76,7 +77,7 @@ def spring_verdict_words(registration: SpringRegistration) -> list[str]:
     said = lines[0]
     lines += [
         _sentence(words)
-        for words in (free.turn_words(), free.shift_words())
+        for words in (free.turn_words(), free.shift_words(), weak_words(registration))
         if words and words not in said
     ]
     if registration.unique is False:
@@ -89,6 +90,11 @@ def spring_verdict_words(registration: SpringRegistration) -> list[str]:
     if registration.status is Optimality.BOUNDED or registration.limits != Limits():
         lines.append(_limit_words(registration))
     return lines
+
+
+def weak_words(registration: SpringRegistration) -> str:
+    """Which shifts are hardly resisted; empty where none is."""
+    return weak_shift_words(registration.solution.weak_shifts)
 
 
 def soft_words(registration: SpringRegistration) -> str:
@@ -175,7 +181,7 @@ def spring_remedies(registration: SpringRegistration) -> list[str]:
     told = [one.remedy for one in registration.fit.warnings]
     if registration.unique and is_loose(registration):
         told.append(FIX_TURN)
-    elif registration.unique is False and not told:
+    elif (registration.unique is False or registration.solution.weak_shifts) and not told:
         told.append(ACROSS)
     return [f"{words}." for words in told]
 
