@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cache
 from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING, Any
@@ -23,7 +24,6 @@ from certreg.geometry import dot, squared_norm
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from fractions import Fraction
 
     from numpy.typing import NDArray
 
@@ -190,13 +190,18 @@ class _Scaled:
         )
 
     def integers_of(self, objective: Springs, found: Found) -> list[int]:
-        """The free entries that the solver proposes, for F."""
-        scale = float(found.levelled.scale * objective.unit / self.one)
-        gram: Any = found.relaxation.gram
+        """The free entries that the solver proposes, for F: its G is for F - its value |q|^4."""
+        levelled, relaxation = found.levelled, found.relaxation
+        over = objective.unit / self.one
+        gram: Any = relaxation.gram
         if gram is None:  # of a constant
-            gram = np.zeros((10, 10))
+            gram, value = np.zeros((10, 10)), self.value
+        else:
+            least = levelled.scale * Fraction(relaxation.value or 0) + levelled.level
+            value = min(self.value, math.floor(least * over))
+        scale = float(levelled.scale * over)
         return [
-            round(float(gram[i, j]) * (1 + (i < j)) * scale) + 2 * self.value * (i == j)
+            round(float(gram[i, j]) * (1 + (i < j)) * scale) + 2 * value * (i == j)
             for i, j in _places().free
         ]
 

@@ -11,6 +11,7 @@ from typing import Any
 import jsonschema
 import numpy as np
 import pytest
+from exact_springs import choi_lam
 from springs_certified import certified
 
 from certreg.certificate import (
@@ -19,6 +20,7 @@ from certreg.certificate import (
     blockwise,
     sin2_half_angle_between,
 )
+from certreg.certificate.squares import sos_body
 from certreg.objective import Isotropic, Springs
 from certreg.problem import RegistrationProblem, exact_moments, spring_moments
 from certreg.relaxation import find_optimum
@@ -258,6 +260,20 @@ def test_of_one_wall_a_gap_is_proved_and_the_optimum_proved_not_unique():
         forged = json.loads(certificate.to_json())
         forged["proof"]["symmetry"] = turns
         assert answer(forged).reason == "claims.unique is not proved", turns
+
+
+def test_where_the_relaxation_is_not_tight_its_own_gap_is_proved():
+    problem = choi_lam()
+    objective = Springs(spring_moments(problem))
+    found = find_optimum(objective)
+    body = sos_body(objective, found)
+    relaxation = found.levelled.scale * Fraction(found.relaxation.value) + found.levelled.level
+    gap = objective.energy(found.quaternion) - relaxation * objective.unit
+
+    assert gap > 2  # 64 w^4 + ... of which squares reach no more
+    assert (
+        abs(body.claims.gap.value - gap) < gap / 10**5
+    )  # the solver is right to 1e-8 of the range
 
 
 def test_a_pose_is_bounded_by_a_certificate_of_the_optimum():
