@@ -136,7 +136,7 @@ compare-checkers: $(READY)  ## hold verify.py to that of the commit BASE on 20,0
 kills: kernels  ## kill campaigns at 20 random moments each and resume them (a few minutes)
 	@$(RUN) tests/campaign_kills.py
 
-generate: $(READY)  ## write certreg/native/generated anew from the derivations
+generate: $(READY)  ## write the generated folders of certreg/native and certreg/relaxation anew
 	@$(RUN) -m derivations.emit
 
 kernels: $(READY)  ## compile the C code again where it changed (the tests do it by themselves)

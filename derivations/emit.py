@@ -1,7 +1,8 @@
 """The last link of the chain: the derived expressions handed to the code generator.
 
 `python -m derivations.emit` writes certreg/native/generated/. The functions are the objects
-that the claims are about: `motion` (rate, energies), `linearisation`, `integrators`.
+that the claims are about: `motion` (rate, energies), `linearisation`, `integrators`. Beside it
+certreg/relaxation/generated/: what CVXPY makes of the semidefinite programs.
 """
 
 from __future__ import annotations
@@ -15,7 +16,9 @@ from certreg.io.atomic import write_files
 from certreg.native.codegen.emit import generated_files
 from certreg.native.codegen.records import RecordLayout, record_of
 from certreg.native.codegen.translate import Definition, Port, port
+from certreg.relaxation.cones import GENERATED as CONES_FOLDER
 
+from .cones import cone_files
 from .integrators import (
     DECAY,
     IMPULSE,
@@ -225,3 +228,4 @@ def _curvature(state: State, body: Body) -> tuple[Port, ...]:
 
 if __name__ == "__main__":
     write_files(GENERATED, generated_files(definitions(), records()))
+    write_files(CONES_FOLDER, cone_files())

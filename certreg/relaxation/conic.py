@@ -1,10 +1,8 @@
-"""The semidefinite programs: cones made once per process, solved by Clarabel every time.
+"""The semidefinite programs: cones read once per process, solved by Clarabel every time.
 
 A module of its own: the only one that imports Clarabel, where it is used. A program depends on C
-through its cost alone, and linearly. So the cost is read off at the nine unit matrices, and a solve
-is a matrix product and one call of Clarabel, with no state from solve to solve. `stated` says the
-same in the words of CVXPY, whose import takes about a second: the tests find its cone data equal,
-number by number. What the solver complains of becomes a status here and goes no further.
+through its cost alone, and linearly: a solve is a matrix product and one call of Clarabel, with no
+state from solve to solve. What the solver complains of becomes a status here and goes no further.
 """
 
 from __future__ import annotations
@@ -19,17 +17,15 @@ import numpy as np
 
 from certreg._loading import library
 from certreg.errors import MissingToolError
-from certreg.relaxation.qcqp import Form, quadratic_program
+from certreg.relaxation.cones import NEED, cones_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
-    from certreg.geometry import SquareMatrix
+    from certreg.relaxation.cones import Cones
+    from certreg.relaxation.qcqp import Form
 
 SOLVER = "Clarabel"
-NEED = "the relaxation"
 # How far the solver goes. Data are scaled so that the largest entry is near 1.
 GAP_TOLERANCE = 1e-8  # Clarabel's own default
 FEASIBILITY_TOLERANCE = 1e-8  # as above
@@ -94,8 +90,8 @@ def solve(form: Form, C: NDArray[np.float64]) -> ConicSolution:
     The tolerances of a solver are absolute as much as relative: far from 1 they mean little.
     """
     try:
-        compiled = _compiled(form)
-        answer = called(compiled, compiled.cost @ C.ravel())
+        cones = cones_of(form)
+        answer = called(cones, cones.cost @ C.ravel())
     except MissingToolError as error:
         return ConicSolution(status=RelaxationStatus.UNAVAILABLE, said=str(error))
     said = str(answer.status)
@@ -107,68 +103,24 @@ def solve(form: Form, C: NDArray[np.float64]) -> ConicSolution:
         said=said,
         value=-answer.obj_val,
         multiplier=answer.z[0],
-        matrix=matrix_of(np.array(answer.s[compiled.equalities :]), compiled.size),
+        matrix=matrix_of(np.array(answer.s[cones.equalities :]), cones.size),
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Cones:
-    """Minimise (cost p) x subject to rows x + s = right, s = 0 first, then s a matrix >= 0.
+def called(cones: Cones, cost: NDArray[np.float64], *, refinement: bool = True) -> Any:
+    """What Clarabel returns. Raises MissingToolError where it is not installed.
 
-    p: what the program depends on, the nine entries of C or the coefficients of a quartic.
+    refinement: of the linear systems that it solves.
     """
-
-    size: int
-    equalities: int
-    rows: Any
-    right: NDArray[np.float64]
-    cost: NDArray[np.float64]  # (variables, parameters)
-    curvature: Any  # the program is linear: a sparse zero
-    refinement: bool = True  # of the linear systems that the solver solves
-
-
-@cache
-def _compiled(form: Form) -> Cones:
-    """The unknowns are Z's upper triangle by rows; the cone's are the same by columns.
-
-    There, entries off the diagonal are times sqrt(2): so Clarabel keeps the inner product.
-    """
-    csc_matrix = library("scipy.sparse", NEED).csc_matrix
-    units = np.eye(9, dtype=int).reshape(9, 3, 3).tolist()
-    programs = [quadratic_program(form, unit) for unit in units]
-    program = programs[0]
-    row, column = np.triu_indices(program.size)
-    times = np.where(row == column, 1.0, 2.0)  # <A, Z> counts an entry and its mirror image
-
-    def coefficients(matrices: Sequence[SquareMatrix[int]]) -> NDArray[np.float64]:
-        return np.array(matrices)[:, row, column] * times
-
-    equalities = coefficients([program.normalisation, *program.quadratics])
-    cone = np.zeros((len(times), len(times)))
-    cone[column * (column + 1) // 2 + row, np.arange(len(times))] = -np.sqrt(times)
-    right = np.zeros(len(equalities) + len(cone))
-    right[0] = 1.0
-    return Cones(
-        size=program.size,
-        equalities=len(equalities),
-        rows=csc_matrix(np.vstack([equalities, cone])),
-        right=right,
-        cost=-coefficients([each.objective for each in programs]).T / program.multiple,
-        curvature=csc_matrix(cone.shape),
-    )
-
-
-def called(compiled: Cones, cost: NDArray[np.float64]) -> Any:
-    """What Clarabel returns. Raises MissingToolError where it is not installed."""
     solver = library("clarabel", NEED)
     options = solver.DefaultSettings()
     options.verbose = False
     options.max_iter = MAX_ITERATIONS
-    options.iterative_refinement_enable = compiled.refinement
+    options.iterative_refinement_enable = refinement
     options.tol_gap_abs = options.tol_gap_rel = GAP_TOLERANCE
     options.tol_feas = FEASIBILITY_TOLERANCE
-    cones = [solver.ZeroConeT(compiled.equalities), solver.PSDTriangleConeT(compiled.size)]
-    data = (compiled.curvature, cost, compiled.rows, compiled.right, cones, options)
+    parts = [solver.ZeroConeT(cones.equalities), solver.PSDTriangleConeT(cones.size)]
+    data = (cones.curvature, cost, cones.rows, cones.right, parts, options)
     return solver.DefaultSolver(*data).solve()
 
 

@@ -10,22 +10,14 @@ linear in each other and both have 20 dimensions of quadratics that vanish.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg._loading import library
 from certreg.errors import MissingToolError
-from certreg.objective import MONOMIALS, PAIRS, norm_fourth
-from certreg.relaxation.conic import (
-    NEED,
-    Cones,
-    RelaxationStatus,
-    called,
-    matrix_of,
-    status_of,
-)
+from certreg.objective import MONOMIALS, PAIRS
+from certreg.relaxation.cones import cones_of
+from certreg.relaxation.conic import RelaxationStatus, called, matrix_of, status_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -61,8 +53,9 @@ def solve_moments(quartic: Reals) -> MomentSolution:
     The tolerances of a solver are absolute as much as relative: far from 1 they mean little.
     """
     try:
-        cones = _cones()
-        answer = called(cones, cones.cost @ quartic)
+        cones = cones_of("quartic")
+        # Without refinement a third faster, and in 270 problems as many iterations.
+        answer = called(cones, cones.cost @ quartic, refinement=False)
     except MissingToolError as error:
         return MomentSolution(status=RelaxationStatus.UNAVAILABLE, said=str(error))
     said = str(answer.status)
@@ -75,28 +68,4 @@ def solve_moments(quartic: Reals) -> MomentSolution:
         value=answer.obj_val,
         moments=matrix_of(np.array(answer.s[cones.equalities :]), SIZE),
         gram=matrix_of(np.array(answer.z[cones.equalities :]), SIZE),
-    )
-
-
-@cache
-def _cones() -> Cones:
-    """The unknowns are the 35 moments; the cone's rows are the upper triangle by columns.
-
-    There, entries off the diagonal are times sqrt(2): so Clarabel keeps the inner product.
-    """
-    csc_matrix = library("scipy.sparse", NEED).csc_matrix
-    row, column = np.triu_indices(SIZE)
-    cone = np.zeros((len(row), len(MONOMIALS)))
-    times = np.where(row == column, 1.0, 2.0)
-    cone[column * (column + 1) // 2 + row, PLACES[row, column]] = -np.sqrt(times)
-    right = np.zeros(1 + len(cone))
-    right[0] = 1.0
-    return Cones(
-        size=SIZE,
-        equalities=1,
-        rows=csc_matrix(np.vstack([norm_fourth()[np.newaxis], cone])),
-        right=right,
-        cost=np.eye(len(MONOMIALS)),
-        curvature=csc_matrix((len(MONOMIALS),) * 2),
-        refinement=False,  # a third faster, and in 270 problems as many iterations
     )

@@ -14,7 +14,7 @@ from certreg import _loading
 from certreg._loading import ORIGINS
 from certreg.cli import about
 from certreg.errors import MissingToolError
-from certreg.relaxation import conic
+from certreg.relaxation.cones import cones_of
 from certreg.report import markup
 
 DATA = Path(_loading.__file__).parent / "data"
@@ -31,7 +31,7 @@ def without(monkeypatch: pytest.MonkeyPatch):
                 monkeypatch.setitem(sys.modules, module, None)
         for name in names:
             monkeypatch.setitem(sys.modules, name, None)
-        conic._compiled.cache_clear()
+        cones_of.cache_clear()
         markup._environment.cache_clear()
 
     return leave_out

@@ -196,20 +196,6 @@ def statement(form):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("form", Form)
-def test_the_cones_are_those_that_cvxpy_makes_number_by_number(form):
-    """Of the cost: at the nine unit matrices, as it is linear in C."""
-    compiled, said = conic._compiled(form), statement(form)
-    for unit, cost in zip(np.eye(9), compiled.cost.T, strict=True):
-        said.cross_covariance.value = unit.reshape(3, 3)
-        data = said.problem.get_problem_data("CLARABEL")[0]
-        assert np.array_equal(data["c"], cost)
-        assert np.array_equal(data["A"].toarray(), compiled.rows.toarray())
-        assert np.array_equal(data["b"], compiled.right)
-        assert (data["dims"].zero, data["dims"].psd) == (compiled.equalities, [compiled.size])
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("form", Form)
 @pytest.mark.parametrize("seed", range(8))
 def test_the_direct_call_gives_what_cvxpy_gives(form, seed):
     C = scaled_matrix(np.random.default_rng(seed))
