@@ -295,9 +295,7 @@ WALL: dict[str, Any] = {
 
 def squares(found: dict[str, Any], normals: Points, **entries: Any) -> Certificate:
     """A certificate of planes by a sum of squares, with other entries of claims and proof."""
-    factors = [[a, b, 0, c, 0, 0] for a, b, c in normals]
-    numbers = [*chain(*PLANES), *chain(*TURNED), *chain(*factors)]
-    content = SPRINGS_PREFIX + struct.pack(f"<Q{len(numbers)}d", len(PLANES), *map(float, numbers))
+    content = spring_bytes(PLANES, TURNED, normals)
     parts = {
         part: {name: entries.get(name, value) for name, value in found[part].items()}
         for part in ("claims", "proof")
@@ -349,6 +347,141 @@ def springs() -> dict[str, tuple[Certificate, str]]:
     }
 
 
+Plane = tuple[float, tuple[float, ...], tuple[float, ...], float]
+# l, n, x, s: the energy l^2 (n.R x - s)^2, with its mirror image, so that the best shift is 0.
+X, Y, Z = (1.0, 0, 0), (0, 1.0, 0), (0, 0, 1.0)
+DIAGONALS = [(0.0, 1, 1), (0.0, 1, -1), (1.0, 0, 1), (1.0, 0, -1), (1.0, 1, 0), (1.0, -1, 0)]
+CHOI_LAM: list[Plane] = [  # 64 (w^4 + x^2 y^2 + y^2 z^2 + z^2 x^2 - 4 wxyz) + 15
+    *[(k, n, x, 0.0) for n, x in ((X, Y), (Y, Z)) for k in (2.0, 1.0, 1.0)],
+    *[(2.0, Z, X, 0.0), (1.0, Y, Y, 0.0), (1.0, Y, Y, 0.0)],
+    *[(1.0, n, n, -0.5) for n in DIAGONALS],
+]
+TWO_OPTIMA: list[Plane] = [  # 64 (1 - w^4 - x^4) + 1: the identity and the half turn about x
+    *[(2.0, X, X, 0.75), (2.0, X, X, 0.75), (4.0, X, Y, 0.0), (4.0, X, Z, 0.0)],
+    *[(2.0, Y, Z, 0.0), (2.0, Z, Y, 0.0)],
+    *[(1.0, n, X, 0.0) for n in (Y, Z) for _ in range(2)],
+    *[(1.0, a, b, 0.0) for a, b in (DIAGONALS[:2], DIAGONALS[1::-1])],
+]
+ALONG = [398094154348274381, 14708830154647102, 11214660839124018, 416516416144317683]
+CONES: dict[str, dict[str, Any]] = {  # what is claimed and proved of each
+    "general": {
+        "claims": {"gap": [1, -100], "sin2_half_angle": [1, -104], "unique": True},
+        "proof": {"caps": [*ALONG, 46, 0], "mu": [23, 0], "pose": ALONG, "symmetry": None},
+    },
+    "wall": {
+        "claims": {"gap": [1, -10], "sin2_half_angle": None, "unique": False},
+        "proof": {
+            "caps": [],
+            "mu": [0, 0],
+            "pose": WALL["proof"]["pose"],
+            "symmetry": WALL["proof"]["symmetry"],
+        },
+    },
+    "choi-lam": {
+        "claims": {"gap": [1, -20], "sin2_half_angle": None, "unique": None},
+        "proof": {
+            "caps": [
+                *(1, 1, 1, 1, 15, 0, 1, 1, -1, -1, 15, 0),
+                *(1, -1, 1, -1, 15, 0, 1, -1, -1, 1, 15, 0),
+            ],
+            "mu": [0, 0],
+            "pose": [1, 1, 1, 1],
+            "symmetry": None,
+        },
+    },
+    "tie": {
+        "claims": {"gap": [1, -100], "sin2_half_angle": None, "unique": False},
+        "proof": {
+            "caps": [1, 0, 0, 0, 60, 0, 0, 1, 0, 0, 60, 0],
+            "mu": [0, 0],
+            "pose": [1, 0, 0, 0],
+            "symmetry": None,
+        },
+    },
+}
+
+
+def spring_bytes(source: Points, target: Points, normals: Points) -> bytes:
+    """The bytes that the digest binds, of planes."""
+    factors = [[a, b, 0, c, 0, 0] for a, b, c in normals]
+    numbers = [*chain(*source), *chain(*target), *chain(*factors)]
+    return SPRINGS_PREFIX + struct.pack(f"<Q{len(numbers)}d", len(source), *map(float, numbers))
+
+
+def mirrored(planes: list[Plane]) -> tuple[Points, Points, Points]:
+    """Source, target and normals."""
+    both = [(sign, *plane) for plane in planes for sign in (1.0, -1.0)]
+    return (
+        [[sign * c + 0.0 for c in x] for sign, _, _, x, _ in both],
+        [[sign * s * c / sum(k * k for k in n) + 0.0 for c in n] for sign, _, n, _, s in both],
+        [[k * c + 0.0 for c in n] for _, k, n, _, _ in both],
+    )
+
+
+def cones_of(name: str, **entries: Any) -> Certificate:
+    """A certificate by cones and caps, with other entries of claims and proof, or other planes."""
+    planes = {
+        "general": (PLANES, TURNED, NORMALS),
+        "wall": (PLANES, TURNED, [[1.0, 2.0, 2.0]] * 9),
+        "choi-lam": mirrored(CHOI_LAM),
+        "tie": mirrored(TWO_OPTIMA),
+    }
+    source, target, normals = entries.get("planes", planes[name])
+    parts = {
+        part: {key: entries.get(key, value) for key, value in CONES[name][part].items()}
+        for part in ("claims", "proof")
+    }
+    head = {"about": {"made by": "vectors/make.py"}, "format": "certreg-certificate/1"}
+    problem = stated(spring_bytes(source, target, normals), len(source))
+    return {**head, "kind": "springs-cones", "problem": problem, **parts}
+
+
+def cones() -> dict[str, tuple[Certificate, str]]:
+    """Certificates by cones, and forgeries, each with the class of reason."""
+    good, caps = cones_of("general"), CONES["tie"]["proof"]["caps"]
+    w, x, y, z = ALONG
+    lower = [*TWO_OPTIMA, (2.0**-10, Y, Y, 1.0)]  # at the identity than at the half turn
+    others = {"digest": "0" * 64}
+    accepted = {
+        "": good,
+        "-claims-less": cones_of("general", gap=[1, 0], sin2_half_angle=None, unique=None),
+        "-without-caps": cones_of("general", caps=[]),
+        "-wall": cones_of("wall"),
+        "-choi-lam": cones_of("choi-lam"),
+        "-tie": cones_of("tie"),
+    }
+    refused = {
+        "angle-too-small": (cones_of("general", sin2_half_angle=[1, -105]), "claim"),
+        "unique-of-choi-lam": (cones_of("choi-lam", unique=True), "claim"),
+        "unique-of-a-wall": (cones_of("wall", unique=True), "claim"),
+        "unique-of-a-tie": (cones_of("tie", unique=True), "claim"),
+        "no-symmetry": (cones_of("choi-lam", unique=False, symmetry=[1, 0, 0, 0, 0, 0]), "claim"),
+        "no-tie": (cones_of("tie", planes=mirrored(lower)), "claim"),
+        "tie-with-growth": (cones_of("tie", mu=[1, -60]), "optimality"),
+        "tie-of-one-cap": (cones_of("tie", caps=caps[:6]), "cones"),
+        "gap-zero": (cones_of("general", gap=[0, 0]), "optimality"),
+        "mu-negative": (cones_of("general", mu=[-1, 0]), "optimality"),
+        "mu-too-large": (cones_of("general", mu=[40, 0]), "cones"),
+        "pose-zero": (cones_of("general", pose=[0] * 4), "optimality"),
+        "pose-half-a-turn-off": (cones_of("general", pose=[-x, w, -z, y]), "cones"),
+        "pose-of-the-greatest-energy": (cones_of("choi-lam", pose=[1, 0, 0, 0]), "cones"),
+        "curvature-too-large": (cones_of("general", caps=[*ALONG, 47, 0]), "cones"),
+        "curvature-zero": (cones_of("general", caps=[*ALONG, 0, 0]), "cones"),
+        "cap-without-centre": (cones_of("general", caps=[*ALONG, 46, 0, *[0] * 4, 1, 0]), "cones"),
+        "thirteen-caps": (cones_of("general", caps=[*ALONG, 46, 0] * 13), "form"),
+        "half-a-cap": (cones_of("general", caps=ALONG), "form"),
+        "of-another-normal": (
+            cones_of("general", planes=(PLANES, TURNED, [[-1, 1, 1], *NORMALS[1:]])),
+            "cones",
+        ),
+        "digest": (good | {"problem": good["problem"] | others}, "data"),
+    }
+    return {
+        **{f"accept-springs-cones{name}.json": (each, "") for name, each in accepted.items()},
+        **{f"refuse-springs-cones-{name}.json": pair for name, pair in refused.items()},
+    }
+
+
 def vectors() -> dict[str, tuple[bytes, str]]:
     """Content and class by file name; the class of an accepted one is empty."""
     found = {
@@ -364,7 +497,7 @@ def vectors() -> dict[str, tuple[bytes, str]]:
         b'"kind": "isotropic"', b'"kind": "isotropic", "kind": "isotropic"'
     )
     found["refuse-key-twice.json"] = twice, "form"
-    for name, (certificate, reason) in (counts() | springs()).items():
+    for name, (certificate, reason) in (counts() | springs() | cones()).items():
         found[name] = dumped(certificate), reason
     return found
 
