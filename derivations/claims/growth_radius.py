@@ -15,6 +15,7 @@ from ..notation import inner, quaternion, rotation, scalar, square, vector
 
 Keeps = Callable[..., Any]
 MU, DELTA, FIT = scalar("mu"), scalar("delta"), scalar("z")
+LITTLE, SMALL = Fraction(1, 2**20), Fraction(1, 8)
 LEVER, OFF_X, OFF_Y, S, SIGMA = (scalar(name) for name in ("k", "X", "Y", "s", "sigma"))
 
 
@@ -70,9 +71,12 @@ def proof(radius: Keeps = Movable.steady_by_growth, *, eight: int = 8, twice: in
         r"`certreg.verify.Movable.steady_by_growth` with $\mu = 10$, $\delta = 0$, $f(R) = 4$, "
         r"$k = 1$, $\sum w = 1$, $s = 1/2$ grants $Y$ a little below $5/4$, where $5 = 4 Y$, and "
         r"refuses it a little above; of both clouds it grants 0.229 and refuses 0.230: the root of "
-        r"$8 X^2 + 20 X = 5$ is between.",
-        [_granted(radius, *radii) for radii in _radii()],
-        [True, False, False],
+        r"$8 X^2 + 20 X = 5$ is between. With $\delta = 1/4$ the edge is at $Y = 9/8$.",
+        [
+            *(_granted(radius, *radii) for radii in _radii()),
+            *(_granted(radius, y, SMALL, Fraction(1, 4)) for y in _around(Fraction(9, 8))),
+        ],
+        [True, False, False, True, False],
     )
 
 
@@ -123,21 +127,23 @@ def _energies(eight: int) -> Proof:
     )
 
 
+def _around(edge: Fraction) -> tuple[Fraction, Fraction]:
+    return edge - LITTLE, edge + LITTLE
+
+
 def _radii() -> tuple[tuple[Fraction, Fraction], ...]:
     """Of the target, of both: just inside, and one of them outside."""
-    edge, little, inside = Fraction(5, 4), Fraction(1, 2**20), Fraction(229, 1000)
-    return (
-        (edge - little, inside),
-        (edge + little, inside),
-        (edge - little, inside + Fraction(1, 1000)),
-    )
+    (below, above), inside = _around(Fraction(5, 4)), Fraction(229, 1000)
+    return (below, inside), (above, inside), (below, inside + Fraction(1, 1000))
 
 
-def _granted(radius: Keeps, target: Fraction, both: Fraction) -> bool:
+def _granted(
+    radius: Keeps, target: Fraction, both: Fraction, delta: Fraction = Fraction(0)
+) -> bool:
     claim = Movable(both=both, separation=None, sin_half_angle=Fraction(1, 2), target=target)
     one = Fraction(1)
     try:
-        radius(claim, Fraction(10), Fraction(0), Fraction(4), one, one)
+        radius(claim, Fraction(10), delta, Fraction(4), one, one)
     except RefusalError:
         return False
     return True

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Sequence
+from fractions import Fraction
+from types import SimpleNamespace
 from typing import Any
 
 import sympy
@@ -11,6 +13,7 @@ import sympy
 from certreg.geometry.constraints import rotation_quadratics
 from certreg.geometry.so3 import davenport_matrix
 from certreg.objective.quartics import quartic_of_form
+from certreg.objective.springs import Springs
 from certreg.verify import PRODUCTS, QUARTICS, ROTATION, gram_matrix
 from certreg.verify import _quartic_terms as quartic_terms  # pyright: ignore[reportPrivateUsage]
 
@@ -22,6 +25,7 @@ from ..rationals import rank
 SIZE = len(PRODUCTS)
 Terms = Callable[[], Any]
 Gram = Callable[[Any, Any], Any]
+Size = Callable[[Sequence[Sequence[int]]], Fraction]
 Q = quaternion()
 M = Matrix([Q[i] * Q[j] for i, j in PRODUCTS])
 R = rotation(Q)
@@ -39,8 +43,23 @@ def monomial_of(at: Sequence[int]) -> Any:
     return sympy.prod([Q[i] for i in at])
 
 
-def proof(terms: Terms = shipped_terms, gram: Gram = gram_matrix, written: str = ROTATION) -> Proof:
-    """The table of the checker, the Gram matrix, and why both relaxations are one."""
+def even_size(form: Sequence[Sequence[int]]) -> Fraction:
+    """What `isotropic_like` asks to be zero, of a form of `certreg.objective`: 1 first."""
+    return _parts(form)[1]
+
+
+def _parts(form: Sequence[Sequence[int]]) -> tuple[Fraction, Fraction]:
+    shipped: Any = vars(Springs)["part_sizes"]
+    return shipped.func(SimpleNamespace(_form=form, unit=Fraction(1)))
+
+
+def proof(
+    terms: Terms = shipped_terms,
+    gram: Gram = gram_matrix,
+    written: str = ROTATION,
+    size: Size = even_size,
+) -> Proof:
+    """The table of the checker, the Gram matrix, why both relaxations are one, and what is even."""
     texts = [
         [(text[k : k + 1], text[k + 1 : k + 3]) for k in (0, 3, 6, 9)] for text in _split(written)
     ]
@@ -76,6 +95,7 @@ def proof(terms: Terms = shipped_terms, gram: Gram = gram_matrix, written: str =
         2 * square(Q) * (Q.T * Matrix(davenport_matrix(C.tolist())) * Q)[0],
     )
     yield from _relaxation(gram)
+    yield from _isotropic(size)
 
 
 def _relaxation(gram: Gram) -> Proof:
@@ -117,6 +137,82 @@ def _relaxation(gram: Gram) -> Proof:
     )
 
 
+def _isotropic(size: Size) -> Proof:
+    units = _units()
+    single = [size(form) for form in units]
+    both = [
+        [size(_sum(one, other)) - single[i] - single[j] for j, other in enumerate(units)]
+        for i, one in enumerate(units)
+    ]
+    dense = [[abs(i - j) ** 3 - 7 * i * j for j in range(SIZE)] for i in range(SIZE)]
+    entries = [dense[i][j] for i in range(SIZE) for j in range(i, SIZE)]
+    yield facts(
+        r"The 25. `Springs.part_sizes` of `certreg.objective`, the second number $N(Q)$, is a "
+        r"quadratic form in the 55 entries of $Q$: its values at sums of two of the forms with one "
+        r"entry or two say what it is elsewhere, here at a form with all entries. Elimination of "
+        r"its matrix meets 25 pivots, which are positive, and leaves zeros: a sum of 25 squares of "
+        r"independent linear forms, zero on 30 dimensions.",
+        [2 * size(dense), _pivots(both)],
+        [
+            sum(
+                a * b * both[i][j]
+                for i, a in enumerate(entries)
+                for j, b in enumerate(entries)
+                if a and b
+            ),
+            25,
+        ],
+    )
+    vanishing = [[list(row) for row in A] for A in rotation_quadratics()]
+    linear = [form for form in units if any(form[0])]
+    held = Springs.isotropic_like.fget
+    yield facts(
+        r"On the 21 quadratics of rotations and the ten $r_0 r_j$ it is zero, and they span 30 "
+        r"dimensions: these are all. A form that is $c - 2 \operatorname{tr}(R^{\mathsf T} C)$ on "
+        r"rotations differs from a combination of the ten by one that vanishes on rotations, "
+        r"which is one of the 21 by the step before the last. So `isotropic_like`, which asks "
+        r"whether $N(Q) = 0$, is true exactly where $f = c - 2 \operatorname{tr}(R^{\mathsf T} "
+        r"C)$ for some $c$ and $C$; at $R_{11}^2$, say, it is not.",
+        [
+            {size(form) for form in (*vanishing, *linear)},
+            rank([[A[i][j] for i in range(SIZE) for j in range(SIZE)] for A in vanishing + linear]),
+            [_held(held, form) for form in (*vanishing, units[SIZE])],
+        ],
+        [{Fraction(0)}, 30, [True] * len(vanishing) + [False]],
+    )
+
+
+def _held(held: Any, form: Sequence[Sequence[int]]) -> bool:
+    return held(SimpleNamespace(part_sizes=_parts(form)))
+
+
+def _sum(one: Sequence[Sequence[int]], other: Sequence[Sequence[int]]) -> list[list[int]]:
+    return [[a + b for a, b in zip(*rows, strict=True)] for rows in zip(one, other, strict=True)]
+
+
+def _pivots(matrix: Sequence[Sequence[Fraction]]) -> int:
+    """How many pivots elimination meets on the diagonal; -1 unless all are > 0 and nothing else is.
+
+    A semidefinite matrix has zeros beside a zero of its diagonal.
+    """
+    rows, met = [list(row) for row in matrix], 0
+    while rows:
+        first, *others = rows
+        if first[0] < 0 or (first[0] == 0 and any(first)):
+            return -1
+        if first[0]:
+            met += 1
+            others = [
+                [
+                    a - row[0] / first[0] * b if row[0] else a
+                    for a, b in zip(row, first, strict=True)
+                ]
+                for row in others
+            ]
+        rows = [row[1:] for row in others]
+    return met
+
+
 def _split(written: str) -> list[str]:
     return written.split()
 
@@ -156,6 +252,11 @@ def _once() -> Any:
     }
 
 
+def _traced(form: Sequence[Sequence[int]]) -> Fraction:
+    """The size with the traces that no rotation changes."""
+    return _parts(form)[1] + Fraction(sum(form[k][k] for k in range(1, SIZE)) ** 2)
+
+
 def _undoubled(P: Any, free: Any) -> Any:
     return [[row[0] / 2, *row[1:]] for row in gram_matrix(P, free)]
 
@@ -167,8 +268,10 @@ CLAIM = Claim(
     r"coefficients are those of $F(q) = |q|^4\, r^{\mathsf T} Q r$. Its matrix $G$ satisfies "
     r"$s^{\mathsf T} G s = 2 P(q)$ for every $P$ and all twenty free entries, $s$ the ten products "
     r"$q_i q_j$. The bound by multipliers of the 21 quadratics of rotations, in $r$, is the "
-    r"largest $v$ for which $F - v |q|^4$ is a sum of squares of degree four.",
-    concludes=(1, 2, 3, 4, 5, 6, 7),
+    r"largest $v$ for which $F - v |q|^4$ is a sum of squares of degree four. Of the 35 "
+    r"numbers of $f$ ten are those of $c - 2 \operatorname{tr}(R^{\mathsf T} C)$; the other 25 "
+    r"vanish, and `isotropic_like` is true, exactly where $f$ is of that form.",
+    concludes=(1, 2, 3, 4, 5, 6, 7, 8, 9),
     setting=("$q$ of any length.",),
     source="[Briales2017], redundant rotation constraints; the rest is elementary",
     proof=proof,
@@ -182,6 +285,7 @@ CLAIM = Claim(
         "a Gram matrix of P instead of 2 P on the diagonal": Mutation(
             at=5, proof=lambda: proof(gram=_undoubled)
         ),
+        "25 numbers with a trace among them": Mutation(at=8, proof=lambda: proof(size=_traced)),
     },
     not_claimed=r"That this bound is the minimum: for springs it need not be, and is not where $F "
     r"- \min F\, |q|^4$ is no sum of squares.",
@@ -190,6 +294,7 @@ CLAIM = Claim(
         "certreg.verify._quartic_terms",
         "certreg.verify.gram_matrix",
         "certreg.objective.quartics.quartic_of_form",
+        "certreg.objective.springs.Springs.isotropic_like",
     ),
     used_by=("certreg.relaxation.quartic.relax_quartic",),
     not_in_coq="All of it: the theorems in Coq are about one weight for each pair.",
