@@ -97,6 +97,10 @@ CHAPTERS = (
             "growth_radius",
             "bernstein_cones",
             "spring_caps",
+            "forty_lines",
+            "forty_real",
+            "real_lines",
+            "stable_spurious",
         ),
     ),
 )

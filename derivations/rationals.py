@@ -10,14 +10,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import lcm
+from math import gcd, lcm
 from typing import Any
 
 import numpy as np
 
 from certreg.geometry.so3 import dot, rotation_matrix, squared_norm
 from certreg.objective.classification import Classification, classify
+from certreg.objective.springs import Springs
 from certreg.problem.moments import exact_moments
+from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
 
 Number = int | Fraction
@@ -95,6 +97,42 @@ class ExactCloud:
     def _mean(self, points: tuple[Vector, ...]) -> Vector:
         columns = zip(*points, strict=True)
         return tuple(Fraction(dot(self.weights, column)) / self.mass for column in columns)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExactPlanes:
+    """Points, the planes that hold them by a point and a normal each, in rational numbers."""
+
+    source: tuple[Vector, ...]
+    target: tuple[Vector, ...]
+    normals: tuple[Vector, ...]
+
+    def energy(self, R: Rows) -> Fraction:
+        """The least sum of (n . (y - R x - t))^2 over t, by the normal equations of t.
+
+        Raises ZeroDivisionError where a shift meets no resistance.
+        """
+        missed = self._missed(R, (0, 0, 0))
+        stiffness = [[sum(n[i] * n[j] for n in self.normals) for j in range(3)] for i in range(3)]
+        pull = tuple(
+            sum(d * n[i] for d, n in zip(missed, self.normals, strict=True)) for i in range(3)
+        )
+        return Fraction(squared_norm(self._missed(R, solve(stiffness, pull))))
+
+    def _missed(self, R: Rows, t: Vector) -> list[Any]:
+        """The signed distances to the planes, with the normals as long as they are."""
+        return [
+            dot(n, subtract(subtract(y, apply(R, x)), t))
+            for x, y, n in zip(self.source, self.target, self.normals, strict=True)
+        ]
+
+    @property
+    def objective(self) -> Springs:
+        """What the shipped exact objective is of them."""
+        source, target, normals = (
+            np.array(rows, float) for rows in (self.source, self.target, self.normals)
+        )
+        return Springs(spring_moments(RegistrationProblem(source, target, normals=normals)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -238,3 +276,27 @@ def _integers(rows: Rows) -> list[list[int]]:
     if any(abs(entry) >> 53 for row in cleared for entry in row):
         raise ValueError("a coordinate that no double holds")
     return cleared
+
+
+def rank_modulo(rows: Sequence[Sequence[int]], modulus: int) -> int:
+    """As many rows as elimination finds pivots for that have an inverse modulo the modulus.
+
+    For a prime that is the rank modulo it; for any number the rank over Q is at least as large.
+    """
+    left = [{k: e % modulus for k, e in enumerate(row) if e % modulus} for row in rows]
+    found = 0
+    while left:
+        row = left.pop()
+        column = next((k for k, e in row.items() if gcd(e, modulus) == 1), None)
+        if column is None:
+            continue
+        found, inverse = found + 1, pow(row[column], -1, modulus)
+        for other in left:
+            factor = other.get(column, 0) * inverse % modulus
+            for k, e in row.items() if factor else ():
+                value = (other.get(k, 0) - factor * e) % modulus
+                other.pop(k, None)
+                if value:
+                    other[k] = value
+        left.sort(key=len, reverse=True)
+    return found
