@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from certreg.results import Ruling, Verdict
 
-from . import counterexamples
+from . import counterexamples, spring_counterexamples
 from .counterexamples import Counterexample
 
 
@@ -75,6 +75,14 @@ class Row:
 def rows() -> tuple[Row, ...]:
     """All rows, in the order of the paper."""
     return ROWS
+
+
+def carried_over() -> tuple[Row, ...]:
+    """Rows on what the paper conjectures, of springs that are matrices; it does not speak of these.
+
+    They do not count among the paper's claims.
+    """
+    return CARRIED_OVER
 
 
 def table(*, linked: bool = False) -> str:
@@ -348,5 +356,28 @@ ROWS = (
         "equilibrium one has, if J ≻ 0. Arbitrarily near are states with less energy, from which "
         "the body never comes back.",
         because=("pushforward", "characteristic_polynomial", "unstable_count", "instability"),
+    ),
+)
+
+CARRIED_OVER = (
+    Row(
+        number="S1",
+        claim="Springs that are planes: there are three spurious equilibria, or infinitely many.",
+        place="Conjecture 6, carried over",
+        finding=FALSE,
+        holds="At least four equilibria in all. Complex ones counted there are 40, or infinitely "
+        "many. From 4 to 40 are real; where none is degenerate their number is even.",
+        because=("forty_lines", "forty_real", "real_lines"),
+        counterexample=spring_counterexamples.FORTY,
+    ),
+    Row(
+        number="S2",
+        claim="Springs that are planes: all spurious equilibria are locally unstable.",
+        place="Conjecture 6 (iii), carried over",
+        finding=FALSE,
+        holds="A spurious equilibrium can be stable, and a motion can end there. What tells the "
+        "optimum from it is a certificate.",
+        because=("stable_spurious",),
+        counterexample=spring_counterexamples.STABLE,
     ),
 )

@@ -48,7 +48,7 @@ class Counterexample:
     """Clouds, what is computed of them exactly, and the values that refute the claim."""
 
     words: str
-    clouds: tuple[ExactCloud, ...]
+    clouds: tuple[Any, ...]  # ExactCloud, or ExactPlanes
     found: Callable[..., Sequence[Any]]
     expected: tuple[Any, ...]
 

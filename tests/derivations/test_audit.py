@@ -6,26 +6,30 @@ from collections import Counter
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from certreg.results import Ruling, Verdict
-from derivations import audit, book, counterexamples
+from derivations import audit, book, counterexamples, spring_counterexamples
 from derivations.audit import Finding, Row
+from derivations.claims import stable_spurious
 from derivations.counterexamples import Counterexample
-from derivations.rationals import ExactCloud, add, rank, solve
+from derivations.rationals import ExactCloud, ExactPlanes, add, rank, rank_modulo, solve
 
 ROWS = audit.rows()
-DOUBTED = [row for row in ROWS if row.counterexample]
+CARRIED = audit.carried_over()
+DOUBTED = [row for row in (*ROWS, *CARRIED) if row.counterexample]
 EXAMPLES = {
     name: value
-    for name, value in vars(counterexamples).items()
+    for file in (counterexamples, spring_counterexamples)
+    for name, value in vars(file).items()
     if isinstance(value, Counterexample)
 }
 PROVED = Verdict(ruling=Ruling.PROVED, words="taken as proved")
 
 
-def shifted(cloud: ExactCloud, by: tuple[int, int, int] = (1, 2, 3)) -> ExactCloud:
+def shifted(cloud: Any, by: tuple[int, int, int] = (1, 2, 3)) -> Any:
     """The cloud with its first source point moved."""
     first, *rest = cloud.source
     return replace(cloud, source=(add(first, by), *rest))
@@ -63,6 +67,42 @@ def test_the_page_of_what_is_proved_counts_the_findings_as_they_are():
     assert f"and {count[Finding.NOT_PROVED_HERE]} is not proved here" in words
 
 
+def test_what_becomes_of_the_conjecture_where_springs_are_planes_is_no_claim_of_the_paper():
+    assert [(row.number, row.finding) for row in CARRIED] == [
+        ("S1", Finding.FALSE_AS_STATED),
+        ("S2", Finding.FALSE_AS_STATED),
+    ]
+    assert not set(CARRIED) & set(ROWS)
+    assert all("carried over" in row.place for row in CARRIED)
+
+
+def test_planes_through_which_the_body_may_slide_have_no_energy():
+    sliding = ExactPlanes(source=((1, 0, 0),), target=((0, 0, 0),), normals=((1, 0, 0),))
+
+    with pytest.raises(ZeroDivisionError):
+        sliding.energy(counterexamples.IDENTITY)
+
+
+@pytest.mark.parametrize("row", CARRIED, ids=lambda row: row.number)
+def test_the_energies_of_planes_are_those_of_the_shipped_objective(row):
+    (planes,) = row.counterexample.clouds
+    q = (1, 2, 3, 4)
+
+    assert planes.energy(counterexamples.rotation_of(q)) == planes.objective.energy(q) > 0
+
+
+@pytest.mark.parametrize("far", [1, 2, 3])
+def test_planes_hold_the_half_turns_where_the_points_on_them_are_far_enough_out(far):
+    planes = stable_spurious.planes_of(far)
+    points, normals = zip(*planes, strict=True)
+    moved = replace(
+        spring_counterexamples.STABLE,
+        clouds=(ExactPlanes(source=points, target=points, normals=normals),),
+    )
+
+    assert moved.recheck().proved is (far > 1)
+
+
 @pytest.mark.parametrize("row", DOUBTED, ids=lambda row: row.number)
 def test_every_claim_that_is_not_true_as_stated_has_a_counterexample_that_is_one(row):
     assert row.recheck().proved, row.recheck()
@@ -75,7 +115,7 @@ def test_a_true_claim_has_no_counterexample_and_rests_on_the_book(row):
 
 
 def test_the_claims_that_rows_rest_on_are_in_the_book():
-    assert {name for row in ROWS for name in row.because} <= set(book.names())
+    assert {name for row in (*ROWS, *CARRIED) for name in row.because} <= set(book.names())
 
 
 def test_every_counterexample_of_the_file_is_used():
@@ -180,4 +220,8 @@ def test_the_linked_table_links_the_pages_of_the_proofs():
 def test_the_rational_helpers_are_right_on_small_matrices():
     assert rank([[1, 2], [2, 4]]) == 1
     assert rank([[0, 1, 0], [Fraction(1, 3), 0, 0]]) == 2
+    assert rank_modulo([[1, 2], [2, 4]], 7) == 1
+    assert rank_modulo([[2, 0], [0, 3]], 6) == 0
+    assert rank_modulo([[5, 0, 1], [0, 3, 0], [1, 0, 7]], 2) == 2
+    assert rank_modulo([[5, 0, 1], [0, 3, 0], [1, 0, 7]], 3) == 2
     assert solve(((2, 1, 0), (0, 1, 0), (0, 0, 4)), (3, 1, 2)) == (1, 1, Fraction(1, 2))
