@@ -13,8 +13,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.exact import double_above, double_below, half_angle_bound, root_above
-from certreg.geometry import body_frame, dot, squared_norm
-from certreg.objective import Springs, levelled_exactly
+from certreg.geometry import body_frame, dot, rotation_matrix, squared_norm
 from certreg.problem import lift
 from certreg.results import Absent, Explained
 
@@ -25,14 +24,12 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.isotropic import IsotropicBody
-    from certreg.certificate.springs_sos import SpringsSosBody
-    from certreg.objective import Isotropic
+    from certreg.objective import Isotropic, Springs
     from certreg.problem import ExactMoments
     from certreg.results import Limits
 
 NO_ANGLE = Absent("the optimum is not unique: no angle to 'the' optimum exists")
 NOT_CLAIMED = Absent("the certificate bounds no angle, though the optimum is unique")
-UNDECIDED = Absent("the certificate bounds no angle: whether the optimum is unique is not decided")
 NO_RANGE = Absent("every rotation fits equally: the range of energies is zero")
 
 
@@ -43,6 +40,8 @@ class PoseBounds(Explained):
     least_gap, greatest_gap: exact bounds on objective - minimum, in objective units.
     angle_upper: radians, to every optimum; None where the certificate bounds no angle.
     least_range_squared: of a number that the range of energies over all rotations is not below.
+    shift_upper: how far at most the pose puts the source's weighted centre from where an optimum
+        puts it, in the clouds' unit, rounded up; None where nothing of it is proved.
     flat_energy: what the gap is held against where that range is zero: the clouds' spread, which is
         the least objective then. Two clouds that are a point each have none: there is no length but
         their distance from the origin, whose squares are weighted and summed instead.
@@ -52,6 +51,7 @@ class PoseBounds(Explained):
     greatest_gap: Fraction
     angle_upper: float | None
     least_range_squared: Fraction
+    shift_upper: float | None = None
     flat_energy: Fraction = Fraction(0)
 
     @property
@@ -97,6 +97,15 @@ class ExactPose:
     quaternion: tuple[int, ...]
     translation: tuple[Fraction, ...]
 
+    def moved(self, point: Sequence[Fraction]) -> tuple[Fraction, ...]:
+        """R x + t, exactly."""
+        norm = squared_norm(self.quaternion)
+        rows = zip(rotation_matrix(self.quaternion), self.translation, strict=True)
+        return tuple(
+            sum((a * x for a, x in zip(row, point, strict=True)), start=Fraction(0)) / norm + t
+            for row, t in rows
+        )
+
     @classmethod
     def of_doubles(
         cls, quaternion: NDArray[np.float64], translation: NDArray[np.float64]
@@ -109,57 +118,36 @@ class ExactPose:
 
 
 def pose_bounds(
-    objective: Isotropic | Springs,
-    body: IsotropicBody | SpringsSosBody,
+    objective: Isotropic,
+    body: IsotropicBody,
     pose: ExactPose,
     *,
     energy: Fraction | None = None,
 ) -> PoseBounds:
     """Bounds on a pose; they hold if the checker accepts the certificate for these data.
 
-    energy: the pose's, `pose_energy`, where it is known already.
+    energy: the pose's, `pose_energy`, where it is known already. Every optimum takes the source's
+    centroid to that of the target, whatever its rotation: so the shift is exact but for rounding.
     """
     energy = pose_energy(objective, pose) if energy is None else energy
-    at_optimum = objective.energy(body.quaternion)
-    above, range_squared = energy - at_optimum, _range_squared(objective, at_optimum)
+    above, range_squared = energy - objective.energy(body.quaternion), objective.least_range_squared
     flat = not range_squared  # then the certified rotation has the minimum itself
+    shifted = objective.translation_energy(pose.quaternion, pose.translation)
     return PoseBounds(
         least_gap=max(Fraction(0), above),
         greatest_gap=max(Fraction(0), above if flat else above + body.gap),
         angle_upper=_angle_upper(body, pose.quaternion),
         least_range_squared=range_squared,
-        flat_energy=_spread(objective),
+        shift_upper=root_above(shifted / objective.moments.total_weight),
+        flat_energy=flat_energy(objective.moments),
         absent={
-            "angle_upper": _no_angle(objective, body),
+            "angle_upper": _no_angle(objective),
             **({"share_upper": NO_RANGE} if flat else {}),
         },
     )
 
 
-def _range_squared(objective: Isotropic | Springs, at_optimum: Fraction) -> Fraction:
-    """The square of a number that the range of energies is not below; 0 iff all are equal.
-
-    Of general springs: how far the energy at the certified pose is below the mean of all.
-    """
-    if not isinstance(objective, Springs):
-        return objective.least_range_squared
-    levelled = levelled_exactly(objective.quartic)
-    return Fraction(0) if levelled.is_constant else (_mean(objective) - at_optimum) ** 2
-
-
-def _mean(objective: Springs) -> Fraction:
-    """Of the energy over all rotations."""
-    return levelled_exactly(objective.quartic).level * objective.unit
-
-
-def _spread(objective: Isotropic | Springs) -> Fraction:
-    return _mean(objective) if isinstance(objective, Springs) else flat_energy(objective.moments)
-
-
-def _no_angle(objective: Isotropic | Springs, body: IsotropicBody | SpringsSosBody) -> Absent:
-    if isinstance(objective, Springs):
-        unique = body.claims.unique
-        return NOT_CLAIMED if unique else UNDECIDED if unique is None else NO_ANGLE
+def _no_angle(objective: Isotropic) -> Absent:
     return NOT_CLAIMED if objective.classification.unique else NO_ANGLE
 
 
@@ -183,7 +171,7 @@ def sin2_half_angle_between(p: Sequence[int], q: Sequence[int]) -> Fraction:
     return Fraction(squared_norm(across), squared_norm(p) * squared_norm(q))
 
 
-def _angle_upper(body: IsotropicBody | SpringsSosBody, q: Sequence[int]) -> float | None:
+def _angle_upper(body: IsotropicBody, q: Sequence[int]) -> float | None:
     claimed = body.claims.sin2_half_angle
     return None if claimed is None else angle_from(body.quaternion, q, claimed.value)
 

@@ -168,7 +168,7 @@ class Springs(Brief):
         best, free = self._solved(q), self.free_translations
         if not free:
             return best
-        centre, norm = self._centre, squared_norm(q)
+        centre, norm = self.centre, squared_norm(q)
         moved: list[Any] = [
             dot(row, centre) / norm + t - c
             for row, t, c in zip(rotation_matrix(q), best, centre, strict=True)
@@ -189,8 +189,25 @@ class Springs(Brief):
         x, y, z = entries
         return (x, y, z)
 
+    def image_slopes(self, point: Sequence[Fraction]) -> tuple[tuple[Fraction, ...], ...]:
+        """M, 3x9, with R point + (best translation at R) = M vec R + const, R by columns.
+
+        Where `free_translations` are left there is none: asked for nevertheless, what it is along
+        them means nothing.
+        """
+        H, (determinant, adjugate) = self.hessian_form, self._inverse
+        unit = power_of_two(self._least) / determinant
+        slopes = [[Fraction(0)] * 9 for _ in range(3)]
+        for place, entry in enumerate(ROTATION):
+            column = [H[TRANSLATION[k]][entry] for k in self._pivots]
+            for k, row in zip(self._pivots, adjugate, strict=True):
+                slopes[k][place] = -dot(row, column) * unit
+        for j, a in product(range(3), repeat=2):
+            slopes[a][3 * j + a] += point[j]
+        return tuple(map(tuple, slopes))
+
     @cached_property
-    def _centre(self) -> Vector3[Fraction]:
+    def centre(self) -> Vector3[Fraction]:
         """The mean of the source, with the traces of W as masses."""
         m = self.moments
         diagonal = [FULL[0], FULL[4], FULL[8]]

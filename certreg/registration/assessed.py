@@ -41,6 +41,9 @@ class Assessment(Explained, Presented):
     angle_to_optimum, angle_upper
         Radians, to the nearest optimum, computed; proved, rounded up; None where the optimum is not
         unique.
+    shift_upper
+        How far at most the pose puts the source's weighted centre from where every optimum puts it;
+        proved, rounded up; None where nothing of it is proved.
     nearest_index, nearest_angle
         Morse index of the nearest component of equilibria; radians.
     sigma_distance
@@ -69,6 +72,7 @@ class Assessment(Explained, Presented):
     gap_share: float | None = None
     rounding_cost: float | None = None
     angle_upper: float | None = None
+    shift_upper: float | None = None
     angle_to_optimum: float | None = None
     nearest_index: int | None = None
     nearest_angle: float | None = None

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 NUMBERS = (
     *("objective", "rmse", "gap_lower", "gap_upper", "gap_share", "rounding_cost", "angle_upper"),
-    *("angle_to_optimum", "nearest_index", "nearest_angle", "sigma_distance"),
+    *("shift_upper", "angle_to_optimum", "nearest_index", "nearest_angle", "sigma_distance"),
 )
 NO_SLIP = Absent(
     "no single slip of those that are tried leads to it from a pose within 0.001 radians, and a "
@@ -177,6 +177,7 @@ def _assessment(
         gap_share=bounds.share_upper,
         rounding_cost=double_above(facts.rounding_cost),
         angle_upper=bounds.angle_upper,
+        shift_upper=bounds.shift_upper,
         angle_to_optimum=facts.away,
         nearest_index=registration.equilibria.components[facts.nearest].morse_index,
         nearest_angle=facts.angles[facts.nearest],

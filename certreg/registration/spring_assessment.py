@@ -48,11 +48,13 @@ if TYPE_CHECKING:
 
 NUMBERS = (
     *("objective", "rmse", "gap_lower", "gap_upper", "gap_share", "rounding_cost", "angle_upper"),
-    *("angle_to_optimum", "nearest_index", "nearest_angle", "sigma_distance"),
+    *("shift_upper", "angle_to_optimum", "nearest_index", "nearest_angle", "sigma_distance"),
 )
 NOT_UNIQUE = Absent("other poses are as good: no angle to 'the' optimum exists")
 NOT_MET = Absent("no equilibrium was met at the pose, and those of general springs are not listed")
-NO_SLIPS = Absent("no slip was tried: that is done for springs alike in every way alone")
+NO_SLIPS = Absent(
+    "no slip (a mirror image, swapped columns, the inverse pose) is tried for general springs"
+)
 
 
 def judged_on_springs(
@@ -75,6 +77,7 @@ def judged_on_springs(
         "gap_share": facts.bounds.stated("share_upper"),
         "rounding_cost": double_above(facts.rounding_cost),
         "angle_upper": facts.bounds.stated("angle_upper"),
+        "shift_upper": facts.bounds.stated("shift_upper"),
         "angle_to_optimum": _why_no_angle(registration) if facts.away is None else facts.away,
         "nearest_index": nearest[0],
         "nearest_angle": nearest[1],

@@ -81,9 +81,8 @@ class SpringFindings:
 
     @property
     def proof_gap(self) -> Fraction:
-        """What the certificate itself leaves open of the certified pose."""
-        certificate = self.registration.certificate
-        return Fraction(0) if certificate is None else certificate.body.gap
+        """What the proof itself leaves open of the pose."""
+        return self.bounds.greatest_gap - self.bounds.least_gap
 
     @property
     def energies(self) -> JudgedEnergies:

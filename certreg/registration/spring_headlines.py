@@ -73,24 +73,25 @@ TIE = "another pose is exactly as good"
 _POSE = ("optimality.growth", "gap_upper", "rounding_cost")
 OPTIMAL_AS_OTHERS = Headline(
     stamp="OPTIMAL TO ROUNDING",
-    words="at most {gap} above the minimum (proved), as other poses are.",
+    words="at most {gap} above the minimum (proved), which several poses attain.",
     rests_on=(*_POSE, "optimum"),
     code=0,
 )
 OPTIMAL_UNDECIDED = replace(
     OPTIMAL_AS_OTHERS,
-    words="at most {gap} above the minimum (proved); whether others are is not decided.",
+    words="at most {gap} above the minimum (proved); whether several poses attain that is not "
+    "decided.",
 )
 NEAR_AS_OTHERS = replace(
     OPTIMAL_AS_OTHERS,
     stamp="NEAR-OPTIMAL",
-    words="at most {gap} ({share}) above the minimum (proved); other poses have it.",
+    words="at most {gap} ({share}) above the minimum (proved), which several poses attain.",
     rests_on=(*_POSE, "gap_share"),
 )
 NEAR_UNDECIDED = replace(
     NEAR_AS_OTHERS,
-    words="at most {gap} ({share}) above the minimum (proved); whether one pose alone has it is "
-    "not decided.",
+    words="at most {gap} ({share}) above the minimum (proved); whether several poses attain that "
+    "is not decided.",
 )
 OPTIMAL_HARDLY_RESISTED, NEAR_HARDLY_RESISTED = each(
     "A SHIFT IS HARDLY RESISTED", "{weak}", "springs.weak_translations"

@@ -162,6 +162,7 @@ def assessment_document(assessment: Assessment) -> Document:
             "gap_share": finite(assessment.stated("gap_share")),
             "rounding_cost": finite(assessment.stated("rounding_cost")),
             "angle_upper_deg": degrees_above(assessment.stated("angle_upper")),
+            "shift_upper": finite(assessment.stated("shift_upper")),
             "angle_to_optimum_deg": degrees(assessment.stated("angle_to_optimum")),
             "nearest": nearest,
             "sigma_distance": _sigma_distance(assessment),

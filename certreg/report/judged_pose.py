@@ -47,6 +47,7 @@ def _judged_lines(assessment: Assessment, energies: JudgedEnergies) -> list[str]
         f"  of the optimum     {exact_number(energies.optimum)}",
         f"  above the minimum  {interval_words(energies.bounds)} (proved)",
         f"  angle to optimum   {_angle_words(assessment)}",
+        f"  centre to optimum  {_shift_words(assessment)}",
         *_sigma_lines(assessment.stated("sigma_distance")),
         f"  rounding can cost  {cost}  (of the optimal pose, to doubles)",
         f"  the optimum: wxyz  {' '.join(map(repr, optimum.quaternion_wxyz.tolist()))}",
@@ -60,6 +61,14 @@ def _angle_words(assessment: Assessment) -> str:
     if isinstance(angle, Absent):
         return f"not known: {angle.reason}"
     return f"{math.degrees(angle):.4g} degrees{_proved_angle(assessment)}"
+
+
+def _shift_words(assessment: Assessment) -> str:
+    """How far the source's centre is at most from where the optimum puts it, or why not."""
+    shift = assessment.stated("shift_upper")
+    if isinstance(shift, Absent):
+        return f"not known: {shift.reason}"
+    return f"within {at_most(shift)} (proved)"
 
 
 def _sigma_lines(distance: SigmaDistance | Absent) -> list[str]:

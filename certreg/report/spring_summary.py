@@ -18,7 +18,7 @@ from certreg.registration import (
 )
 from certreg.report.remedies import ADVICE, FIX_TURN
 from certreg.report.robustness import robustness_words
-from certreg.report.summary import number
+from certreg.report.summary import MEANS, UNMET, number
 from certreg.report.uncertainty import uncertainty_rows
 from certreg.results import Absent, Limits, Optimality
 
@@ -38,6 +38,7 @@ HOW = {
     Method.SQUARES: "a sum of squares of degree four",
     Method.CONES: "branch and bound on cones of quaternions",
 }
+NEVER_NEGATIVE = "the energy itself, which is a sum of squares"
 TIGHT = 1e-6  # of the range of energies: a relaxation that is this near is called tight
 ACROSS = "add pairs with springs across what is undetermined: they may single one pose out"
 RMSE_WORDS = "along the springs, unit of the clouds"
@@ -116,19 +117,22 @@ def soft_words(registration: SpringRegistration) -> str:
 
 def _limit_words(registration: SpringRegistration) -> str:
     """What is called certified, where that is asked for or not reached."""
-    limits = registration.limits
+    limits, bounds = registration.limits, registration.bounds
+    within = f"within {limits.max_gap:g} of the range of energies"
+    if registration.unique is None:
+        if bounds is not None and bounds.meet(limits, unique=False):
+            return f"Not called certified, though {within}: whether one pose is optimal is open."
+        return f"{UNMET} {within}, and of whether one pose is optimal."
     angle = ""
     if registration.solution.unique_rotation:
         angle = f" and {limits.max_angle:g} radians of the optimum"
-    elif registration.unique is None:
-        angle = ", and whether one pose is optimal decided"
-    verb = "would be" if registration.status is Optimality.BOUNDED else "means here"
-    return f"Certified {verb} within {limits.max_gap:g} of the range of energies{angle}."
+    bounded = registration.status is Optimality.BOUNDED
+    return f"{UNMET if bounded else MEANS} {within}{angle}."
 
 
 def _proved_lines(registration: SpringRegistration) -> list[str]:
-    bounds, method = registration.bounds, registration.solution.method
-    if registration.status is Optimality.NOT_CERTIFIED or bounds is None or method is None:
+    bounds = registration.bounds
+    if registration.status is Optimality.NOT_CERTIFIED or bounds is None:
         return []
     gap = f"{at_most(bounds.greatest_gap)}, {share_words(bounds)}"
     lines = [f"  proved gap        objective - minimum <= {gap}, at the pose below"]
@@ -138,7 +142,17 @@ def _proved_lines(registration: SpringRegistration) -> list[str]:
         lines.append(f"  proved angle      rotation (wxyz) within {degrees} degrees of {which}")
     if registration.robustness is not None:
         lines.append(f"  robustness        {robustness_words(registration)}")
-    return [*lines, f"  proved by         {HOW[method]}"]
+    return [*lines, f"  proved by         {how_words(registration)}"]
+
+
+def how_words(registration: SpringRegistration) -> str:
+    """What proves the gap; where the certificate is coarser, that no energy is negative."""
+    bounds, certificate = registration.bounds, registration.certificate
+    method = registration.solution.method
+    if bounds is None or certificate is None or method is None:
+        return ""
+    own = bounds.greatest_gap - bounds.least_gap < certificate.body.gap
+    return NEVER_NEGATIVE if own and bounds.least_range_squared else HOW[method]
 
 
 def springs_words(registration: SpringRegistration) -> str:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from certreg.registration import at_least, at_most, spring_degrees
 from certreg.report.any_report import sentence
-from certreg.report.spring_summary import HOW, relaxation_words, soft_words
+from certreg.report.spring_summary import how_words, relaxation_words, soft_words
 from certreg.report.words import NOT_CLAIMED, Sentence
 from certreg.results import Guarantee
 
@@ -39,14 +39,14 @@ def spring_sentences(registration: SpringRegistration) -> list[Sentence]:
 
 
 def _optimality(registration: SpringRegistration) -> Iterator[Sentence]:
-    bounds, method = registration.bounds, registration.solution.method
-    if bounds is None or method is None:
+    bounds = registration.bounds
+    if bounds is None:
         return
     yield Sentence(
         words=(
             "Over all rotations and translations: the energy of the springs at the pose given "
             "below with all digits, by its quaternion and its translation, exceeds the minimum by "
-            f"at most {at_most(bounds.greatest_gap)}. It is proved by {HOW[method]}."
+            f"at most {at_most(bounds.greatest_gap)}. It is proved by {how_words(registration)}."
         ),
         guarantee=Guarantee.EXACT,
     )

@@ -44,6 +44,8 @@ if TYPE_CHECKING:
         SimulatedRegistration,
     )
 
+UNMET = "Not called certified: that asks for a proof that it is"
+MEANS = "Certified means here"
 COUNTS = {1: "one", 2: "two", 3: "three", 4: "four"}
 KINDS = {
     ComponentKind.POINT: "point",
@@ -226,12 +228,12 @@ def _limit_words(registration: Registration) -> str:
     angle = ""
     if registration.equilibria.classification.unique:
         angle = f" and {limits.max_angle:g} radians of the optimum"
-    verb = "would be" if registration.status is Optimality.BOUNDED else "means here"
+    lead = UNMET if registration.status is Optimality.BOUNDED else MEANS
     of = "the range of energies"
     if registration.bounds is not None and not registration.bounds.least_range_squared:
         spread = registration.solution.moments.spread
         of = "the clouds' own spread" if spread else "their distance from the origin, squared"
-    return f"Certified {verb} within {limits.max_gap:g} of {of}{angle}."
+    return f"{lead} within {limits.max_gap:g} of {of}{angle}."
 
 
 def _status_lines(registration: Registration) -> list[str]:

@@ -27,7 +27,7 @@ from certreg.relaxation import find_optimum
 
 checker: Any = import_module("certreg.verify")
 proofs: Any = import_module("certreg.certificate")  # whose results may be None, and are not here
-pose_bounds, produce = proofs.pose_bounds, proofs.produce
+spring_pose_bounds, produce = proofs.spring_pose_bounds, proofs.produce
 springs_certificate, verify = proofs.springs_certificate, proofs.verify
 SCHEMAS = Path(checker.__file__).parent / "report" / "schemas"
 CELLS = [
@@ -281,7 +281,7 @@ def test_a_pose_is_bounded_by_a_certificate_of_the_optimum():
     rng = np.random.default_rng(0)
     for _ in range(5):
         pose = ExactPose.of_doubles(rng.standard_normal(4), rng.standard_normal(3))
-        bounds = pose_bounds(case.objective, case.certificate.body, pose)
+        bounds = spring_pose_bounds(case.objective, case.certificate.body, pose)
         q = np.array(pose.quaternion, dtype=float)
         u = np.array(case.certificate.body.quaternion, dtype=float)
         angle = 2 * np.arccos(min(1.0, abs(q @ u) / np.linalg.norm(q) / np.linalg.norm(u)))
@@ -298,7 +298,7 @@ def test_the_best_pose_is_within_the_gap():
     best = ExactPose(
         quaternion=body.quaternion, translation=case.objective.best_translation(body.quaternion)
     )
-    bounds = pose_bounds(case.objective, body, best)
+    bounds = spring_pose_bounds(case.objective, body, best)
 
     assert bounds.least_gap == 0
     assert bounds.greatest_gap == body.gap

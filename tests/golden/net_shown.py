@@ -20,6 +20,7 @@ from answers import answered
 from commands import checked
 from net_inputs import clouds, rounded
 from net_python import LOST, refused
+from net_python import poses as poses_in_python
 from net_worlds import ALONE, World, moved, poses, worlds
 
 from certreg import RegistrationProblem, assess, certify, register
@@ -284,7 +285,13 @@ def unsaid() -> str:
     return "\n".join((*(refused(call) for call in calls), *map(str, few), *told))
 
 
+def posed() -> str:
+    """What is said of poses in the forms that Python takes."""
+    return "\n".join(Short().lines(poses_in_python()))
+
+
 STEPS = {
+    "poses": posed,
     "unsaid": unsaid,
     "shown": shown,
     "judged": judged,

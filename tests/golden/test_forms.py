@@ -46,7 +46,6 @@ NOT_RECORDED = {
     "another pose is exactly as good": "an exact tie",
     "), and others are as good:": "an exact tie, within limits of one's own",
     "degrees of every optimum; whether there are several": "an angle, and no uniqueness",
-    "above the minimum (proved); whether others are": "a pose judged where nothing is decided",
     "the certificate holds no springs": "a certificate of many pairs, without its problem",
     "see the note above": "a fit with a note",
     "The certificate that certreg certify writes": "a certificate that proves little",

@@ -5,7 +5,7 @@ All data are integers, so that what is degenerate is exactly so.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
@@ -15,7 +15,9 @@ import pytest
 
 from certreg.problem import RegistrationProblem
 from certreg.registration import DONE, NOT_CERTIFIED, NOT_UNIQUE, code_of_registration
+from certreg.registration.assessment import assess
 from certreg.registration.certification import certify
+from certreg.results import Limits
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -260,3 +262,38 @@ def test_where_no_squares_reach_the_gap_is_told_and_nothing_is_called_unique():
     assert "7 local minima were met that differ by no more than the proved gap." in text
     assert "not tight: its value is 16.9 % of the objective below it" in text
     assert "and unique" not in text
+
+
+def test_of_five_planes_the_energy_itself_is_the_better_bound():
+    rng = np.random.default_rng(4)
+    source, normals = rng.integers(-9, 10, (2, 5, 3)).astype(float)
+    found: Any = certify(RegistrationProblem(source, source, normals=normals))
+    words = str(found)
+
+    assert found.bounds.greatest_gap < 1e-25 * (found.objective or 1.0) + 1e-25
+    assert "proved by         the energy itself, which is a sum of squares" in words
+
+
+def test_a_pose_is_judged_where_it_is_not_decided_whether_others_are_as_good():
+    found = certified("sphere")
+    near = np.eye(3), np.array([1e-4, 0.0, 0.0])
+    optimal, judged = assess(found, np.eye(4)), assess(found, *near)
+
+    assert optimal.headline.startswith("OPTIMAL TO ROUNDING: at most ")
+    assert " above the minimum (proved); whether several poses attain that is not decided." in (
+        optimal.headline
+    )
+    assert judged.headline.startswith("NEAR-OPTIMAL: at most ")
+    assert ") above the minimum (proved); whether several poses attain that is not decided." in (
+        judged.headline
+    )
+
+
+def test_what_is_missing_to_call_a_pose_certified_is_said():
+    registration = certified("sphere")
+    tight = replace(registration, limits=Limits(max_gap=1e-300))
+
+    within = "Not called certified, though within 1e-06 of the range of energies: whether one pose "
+    assert f"{within}is optimal is open." in str(registration)
+    asked = "that asks for a proof that it is within 1e-300 of the range of energies"
+    assert f"{asked}, and of whether one pose is optimal." in str(tight)
