@@ -380,4 +380,23 @@ CARRIED_OVER = (
         because=("stable_spurious",),
         counterexample=spring_counterexamples.STABLE,
     ),
+    Row(
+        number="S3",
+        claim="Springs that are planes: all trajectories converge to the set of equilibria.",
+        place="Proposition 4 (ii), carried over",
+        finding=TRUE,
+        holds="If J ≻ 0. Where the springs leave a shift free, the equilibria form lines or "
+        "planes, and the body coasts along them until it is at rest.",
+        because=("spring_translation", "spring_rest"),
+    ),
+    Row(
+        number="S4",
+        claim="Springs that are planes: as many unstable eigenvalues as the Hessian has negative "
+        "ones.",
+        place="section 4.1, carried over",
+        finding=TRUE,
+        holds="Where no shift is free, J ≻ 0 and the Hessian is not singular: of the reduced "
+        "energy on the rotations, too, and with any damping.",
+        because=("spring_index",),
+    ),
 )

@@ -100,7 +100,10 @@ CHAPTERS = (
             "forty_lines",
             "forty_real",
             "real_lines",
+            "near_isotropy",
             "stable_spurious",
+            "spring_rest",
+            "spring_index",
         ),
     ),
 )

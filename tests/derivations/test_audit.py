@@ -71,6 +71,8 @@ def test_what_becomes_of_the_conjecture_where_springs_are_planes_is_no_claim_of_
     assert [(row.number, row.finding) for row in CARRIED] == [
         ("S1", Finding.FALSE_AS_STATED),
         ("S2", Finding.FALSE_AS_STATED),
+        ("S3", Finding.TRUE),
+        ("S4", Finding.TRUE),
     ]
     assert not set(CARRIED) & set(ROWS)
     assert all("carried over" in row.place for row in CARRIED)
@@ -83,7 +85,7 @@ def test_planes_through_which_the_body_may_slide_have_no_energy():
         sliding.energy(counterexamples.IDENTITY)
 
 
-@pytest.mark.parametrize("row", CARRIED, ids=lambda row: row.number)
+@pytest.mark.parametrize("row", CARRIED[:2], ids=lambda row: row.number)
 def test_the_energies_of_planes_are_those_of_the_shipped_objective(row):
     (planes,) = row.counterexample.clouds
     q = (1, 2, 3, 4)
