@@ -27,7 +27,7 @@ from functools import cache
 from getopt import GetoptError, gnu_getopt
 from itertools import accumulate, chain, combinations_with_replacement, product, repeat
 from math import factorial, frexp, gcd, isfinite, isqrt, ldexp, prod
-from operator import add, itemgetter, mul, neg
+from operator import add, itemgetter, mul, ne, neg
 from pathlib import Path
 from typing import Any, ClassVar, Protocol
 
@@ -655,6 +655,32 @@ def proves_basin(
 
 
 # --- end of kind: isotropic ---------------------------------------------------------------------
+# --- part: rank ---------------------------------------------------------------------------------
+# For kinds that count solutions by linear algebra.
+
+
+def has_rank(rows: Matrix, wanted: int, modulus: int) -> bool:
+    """Whether so many rows are seen to be independent modulo the modulus: then they are over Q.
+
+    Every pivot has an inverse, so a minor is a unit modulo the modulus and is not zero; whether the
+    modulus is a prime does not matter.
+    """
+    rows = [[entry % modulus for entry in row] for row in rows]
+    for k in range(len(rows[0])):
+        pivot = next((row for row in rows if gcd(row[k], modulus) == 1), None)
+        if pivot is None:
+            continue
+        rows.remove(pivot)
+        wanted, inverse = wanted - 1, pow(pivot[k], -1, modulus)
+        if wanted == 0:
+            return True
+        for row in rows:
+            if factor := row[k] * inverse % modulus:
+                row[k:] = [(a - factor * b) % modulus for a, b in zip(row[k:], pivot[k:])]
+    return False
+
+
+# --- end of part: rank --------------------------------------------------------------------------
 # --- kind: count --------------------------------------------------------------------------------
 # Claims: at most four rotations are at equilibrium. It is about the torque of the springs alone.
 
@@ -693,7 +719,7 @@ class CountStatement(Statement):
         del e, equal  # of no matter here
         require(m[0][0] > 0, "no weight is positive")
         require(1 < self.modulus < MODULUS_MAX, "proof.modulus is out of range")
-        independent = has_full_rank(coefficients(cross(m), self.chart), self.modulus)
+        independent = has_rank(coefficients(cross(m), self.chart), 10, self.modulus)
         require(independent, "proof does not show the quadratics independent")
         require(self.at_most >= 4, "claims.at_most is below the proved bound 4")
         theorems = (
@@ -740,26 +766,6 @@ def torques(A: Matrix, C: Matrix) -> list[int]:
         product = [[sum(map(mul, row, column)) for column in other] for row in one]
         found += [product[i][j] - product[j][i] for i in range(3) for j in range(i + 1, 3)]
     return found
-
-
-def has_full_rank(rows: Matrix, modulus: int) -> bool:
-    """Whether a square integer matrix is invertible modulo the modulus: then it is over Q.
-
-    Every pivot has an inverse, so the determinant is a unit modulo the modulus and is not zero;
-    whether the modulus is a prime does not matter.
-    """
-    rows = [[entry % modulus for entry in row] for row in rows]
-    for k in range(len(rows)):
-        pivot = next((row for row in rows[k:] if gcd(row[k], modulus) == 1), None)
-        if pivot is None:
-            return False
-        rows.remove(pivot)
-        rows.insert(k, pivot)
-        inverse = pow(pivot[k], -1, modulus)
-        for row in rows[k + 1 :]:
-            factor = row[k] * inverse
-            row[:] = [(a - factor * b) % modulus for a, b in zip(row, pivot)]
-    return True
 
 
 # --- end of kind: count -------------------------------------------------------------------------
@@ -1253,9 +1259,208 @@ def cutting() -> tuple[list[Edge], list[tuple[int, ...]]]:
 
 
 # --- end of kind: springs-cones -----------------------------------------------------------------
+# --- kind: springs-list -------------------------------------------------------------------------
+# Claims: all rotations at equilibrium, the index of each, and the optimum among them.
+
+ENTRY_MAX, MODULI_MAX = 2**16, 2**62  # of the chart; bounds the time
+CUBICS: list[Monomial] = [*combinations_with_replacement(range(4), 3)]
+CYCLE = (1, 2), (2, 0), (0, 1)
+Indices = Lines = tuple[int, ...]
+LENGTHS.update(Indices=range(41), Lines=range(120, 241, 6))
+Form = dict[Monomial, int]  # coefficients
+Line = list[tuple[int, int]]  # P = (2^bits, x, y, z), x, x' of x + ix'; its box: |p_i - P_i| <= 1
+
+
+@dataclass(frozen=True)
+class SpringsListStatement(SpringsStatement):
+    """indices: of all equilibria, R's first. second: the objective at the others is at least that.
+
+    lines: x, x', y, y', z, z' of each that is real and of one of two that are conjugate.
+    """
+
+    kind: ClassVar = "springs-list"
+    keys: ClassVar = {
+        "": "about claims format kind problem proof",
+        "claims": "gap indices second sin2_half_angle unique",
+        "problem": "data digest n",
+        "proof": "bits chart lines modulus pose",
+    }
+
+    bits: int
+    chart: tuple[int, int, int, int]
+    indices: Indices
+    lines: Lines
+    modulus: int
+    second: Fraction
+
+    def prove(self, m: Matrix, e: int, *, equal: bool) -> Outcome:
+        """R(a p), a the chart, is at equilibrium where G'(p) = l p, p real, G as in `in_chart`.
+
+        There are at most 40 complex lines of such p != 0 (`are_forty`): 40 boxes that are apart and
+        hold one each (`slopes_at`) hold all. Where P is real so is the line, as its box is its own
+        mirror image; the other boxes are apart from theirs, and hold none that is real.
+        """
+        del equal
+        springs, numbers, (w, x, y, z) = CheckedSprings.of(m, e), self.lines, self.chart
+        good = 0 < max(map(abs, self.chart)) <= ENTRY_MAX and 0 <= self.bits <= BITS
+        good = good and 1 < self.modulus < MODULI_MAX and max(map(abs, numbers)) >> 2 * BITS == 0
+        require(good, "bits, chart, lines or modulus are out of range")
+        rows = [numbers[k : k + 6] for k in range(0, len(numbers), 6)]
+        lines = [[(1 << self.bits, 0), *zip(row[::2], row[1::2])] for row in rows]
+        real = [P for P in lines if not any(map(itemgetter(1), P))]
+        boxes = lines + [[(x, -y) for x, y in P] for P in lines if P not in real]
+        pairs = [[*zip(P, Q)] for k, P in enumerate(boxes) for Q in boxes[:k]]
+        far = [max([(a - c) ** 2 + (b - d) ** 2 for (a, b), (c, d) in pair]) for pair in pairs]
+        require(len(boxes) == 40 and min(far) > 4, "the boxes are not 40 that are apart")
+        left = [[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]]  # a p = left p
+        minors = minors_of(G := in_chart(springs.F, left))
+        require(are_forty(minors, self.modulus), "chart and modulus do not prove that 40 are all")
+        most = max([sum(map(abs, E.values())) for E in minors])
+        tables = [derivatives(E) for E in minors[:3]]
+        slopes = [slopes_at(P, tables, most) for P in lines]
+        indices = [index_of(P, J, most) for P, J in zip(lines, slopes) if P in real]
+        require([*self.indices] == indices, "claims.indices is not proved")
+        q = [[sum([a * x for a, (x, _) in zip(row, P)]) for row in left] for P in real]
+        return self._settled(springs, q, springs.unit * sum(map(abs, G.values())) / 12)
+
+    def _settled(self, f: CheckedSprings, q: Matrix, width: Fraction) -> Outcome:
+        """Let q = a P, P real, p in the box of P; s the angle between q and a p.
+
+        sin^2 s < 3 |a|^2/|q|^2, and R(q) is 2 s <= pi sin s from R(a p). Along a geodesic f is a
+        trigonometric polynomial of degree 2: |f''| <= 2 (max f - min f) (Bernstein), and f' = 0 at
+        p: |f(R(q)) - f(R(a p))| is below (max f - min f) 30 |a|^2/|q|^2. One f(R(a p)) is the
+        minimum. And max f - min f <= width/|a|^4, as |G(p)| <= the sum of |its coefficients|.
+        """
+        u, norm = self.pose, sum(k * k for k in self.chart)
+        parallel = all(u[i] * q[0][j] == u[j] * q[0][i] for i, j in PRODUCTS)
+        require(any(u) and parallel, "the pose is not that of the first real line")
+        sines, values = [Fraction(3 * norm, sum(k * k for k in p)) for p in q], [*map(f.at, q)]
+        floors = [value - 10 * width * sine / norm**2 for value, sine in zip(values, sines)]
+        gap, second, angle = values[0] - min(floors), min(floors[1:]), self.sin2_half_angle
+        one = 2 * values[0] - floors[0] < second
+        require(self.gap >= gap, "claims.gap is not proved")
+        require(self.second <= second, "claims.second is not proved")
+        known = angle is None or (one and angle >= sines[0])
+        require(known, "claims.sin2_half_angle is not proved")
+        require(self.unique is None or (self.unique and one), "claims.unique is not proved")
+        worth = _worth(f, values[0], gap, gap / sines[0] if one else Fraction(0))
+        words = tuple(_words(self, f, worth, self._told(values[0])))
+        return Outcome(verified=True, theorems=words, reason="", worth=worth)
+
+    def _told(self, value: Fraction) -> list[str]:
+        """All equilibria in words; value: the objective at R."""
+        stable, *ways = [self.indices.count(k) for k in range(4)]
+        real, room = len(self.indices), self.second - value
+        least, above = (f"{rounded(x, 12, ROUND_FLOOR):g}" for x in (self.second, room))
+        told = f"more than {above} above R's" if room > 0 else "not proved to be above R's"
+        return [
+            f"Rotations at equilibrium: {real}, no others. All 40 complex solutions are simple.",
+            f"Stable: {stable}. Unstable, with 1, 2, 3 ways down: {', '.join(map(str, ways))}.",
+            f"At all but R the objective is at least {least}: {told}.",
+        ]
+
+
+def in_chart(F: Sequence[int], left: Matrix) -> Form:
+    """G(p) = 24 F(a p) - mean |a p|^4, mean that of 24 F: what was critical still is."""
+    mean = sum([k * (5 - 2 * times) for times, k in zip(SQUARE, F) if times])
+    form = {m: 24 * k - mean * times for m, times, k in zip(QUARTICS, SQUARE, F)}
+    for at in range(4):  # factor by factor
+        old, form = form, Form()
+        for (m, k), j in product(old.items(), range(4)):
+            new = (*m[:at], j, *m[at + 1 :])
+            form[new] = form.get(new, 0) + k * left[m[at]][j]
+    return form
+
+
+def minors_of(G: Form) -> list[Form]:
+    """p_i G_j - p_j G_i, i < j, G_j the derivatives."""
+    minors = list[Form]()
+    for i, j in [(i, j) for i, j in PRODUCTS if i < j]:
+        minors.append(dict.fromkeys(QUARTICS, 0))
+        for (m, c), at in product(G.items(), range(4)):
+            if m[at] in (i, j):
+                new = tuple(sorted((*m[:at], i + j - m[at], *m[at + 1 :])))
+                minors[-1][new] += c if m[at] == j else -c
+    return minors
+
+
+def are_forty(minors: Sequence[Form], modulus: int) -> bool:
+    """Whether the minors vanish on 40 lines at most, multiplicities counted in, all with p_0 != 0.
+
+    Let A_d be the forms of degree d modulo the minors, of degree four. If, for p_0 = 0, products of
+    these and the 15 monomials of degree four in p_1, p_2, p_3 span all 45 dimensions of degree
+    eight, no line has p_0 = 0, and A_d = p_0 A_(d-1), d >= 8. If those with all 20 of degree three
+    span 80 of 120, A_7 has 40 at most, and so have all later A_d and, for p_0 = 1, the polynomials
+    modulo the minors: there are no more points.
+    """
+    for first, rank in (1, 45), (0, 80):
+        factors = [*combinations_with_replacement(range(first, 4), 3 + first)]
+        all_ = [*combinations_with_replacement(range(first, 4), 7 + first)]
+        rows = [{tuple(sorted(m + k)): E[m] for m in E} for E in minors for k in factors]
+        if not has_rank([[row.get(m, 0) for m in all_] for row in rows], rank, modulus):
+            return False
+    return True
+
+
+def inner(u: Line, v: Line) -> tuple[int, int]:
+    """The sum of products."""
+    (a, b), (c, d) = zip(*u), zip(*v)
+    return sum(map(mul, a, c)) - sum(map(mul, b, d)), sum(map(mul, a, d)) + sum(map(mul, b, c))
+
+
+def derivatives(E: Form) -> list[Line]:
+    """Coefficients of the four, in the order of CUBICS."""
+    return [[(E[tuple(sorted((*k, j)))] * (k.count(j) + 1), 0) for k in CUBICS] for j in range(4)]
+
+
+def slopes_at(P: Line, tables: list[list[Line]], most: int) -> list[Line]:
+    """J, the derivatives at P of E, the first three minors; of which the box holds one simple zero.
+
+    The other minors vanish there, too: p_0 (p_i G_j - p_j G_i) = p_i E_j - p_j E_i. With Y = J^-1,
+    if in each row |Y E| + b sum |Y| < 1, b a bound on how the sum of |J_ij| in a row changes in the
+    box, p -> p - Y E(p) takes it into itself and is a contraction (Banach). Where |p_i| <= s all
+    second derivatives of E_i add up to 12 s^2 most, most the sum of its |coefficients|.
+    """
+    cubes = [inner([inner([P[i]], [P[j]])], [P[k]]) for i, j, k in CUBICS]
+    rows, s = [[inner(d, cubes) for d in row] for row in tables], [abs(x) + abs(y) for x, y in P]
+    E, J = [inner(row, P) for row in rows], [row[1:] for row in rows]  # E four times
+    N = [[(-x, -y) for x, y in row] for row in J]
+    Y = [[inner([J[i][c], J[i][d]], [J[j][d], N[j][c]]) for i, j in CYCLE] for c, d in CYCLE]
+    x, y = inner(J[0], [row[0] for row in Y])  # det J, and so often is Y
+    for row in Y:
+        (u, v), size = inner(row, E), sum([abs(k) for entry in row for k in entry])
+        room = 4 * (isqrt(x * x + y * y) - 12 * (max(s) + 1) ** 2 * most * size)
+        require(room > 0 and u * u + v * v < room**2, "a box is not seen to hold one line")
+    return J
+
+
+def index_of(P: Line, J: list[Line], most: int) -> int:
+    """How many eigenvalues of the Hessian of f are negative at the line in the box of P, real.
+
+    In p_1, p_2, p_3 f' is a number > 0 times B E, B = |p|^2 I - v v^T, v = (p_1, p_2, p_3). So the
+    Hessian is that times B J where E = 0. Entries of B J, of degree five, are at most 28 s^5 most
+    where |p_i| <= s: in the box they change by 140 s^4 most, and eigenvalues by thrice as much.
+    Changes of sign in det(t I + A) count the negative ones of A, as all are real (Descartes).
+    """
+    (_, *v), norm, three = [x for x, _ in P], sum([x * x for x, _ in P]), range(3)
+    along = [sum([x * row[j][0] for x, row in zip(v, J)]) for j in three]
+    D = [[norm * J[i][j][0] - v[i] * along[j] for j in three] for i in three]
+    change, found = 420 * (max([abs(x) for x, _ in P]) + 1) ** 4 * most, set[int]()
+    for by in (-change, change):
+        A = [[D[i][j] + D[j][i] + 2 * by * (i == j) for j in three] for i in three]
+        (a, b, c), (_, d, e), (_, _, f) = A
+        minors = a * d - b * b + a * f - c * c + d * f - e * e
+        last = a * d * f + 2 * b * c * e - a * e * e - d * c * c - f * b * b
+        signs = [term > 0 for term in (1, a + d + f, minors, last) if term]
+        found.add(sum(map(ne, signs, signs[1:])))
+    require(len(found) == 1, "an index is not proved")
+    return found.pop()
+
+
+# --- end of kind: springs-list ------------------------------------------------------------------
 
 FORMS = IsotropicStatement, CountStatement, SpringsSosStatement, SpringsConesStatement
-KINDS: dict[str, type[Statement]] = {form.kind: form for form in FORMS}
+KINDS: dict[str, type[Statement]] = {form.kind: form for form in (*FORMS, SpringsListStatement)}
 
 if __name__ == "__main__":
     sys.exit(main(sys.argv[1:]))

@@ -364,7 +364,10 @@ COUNT = mutants(
     ("A[b][a], A[a][b] = 2, -2", "A[b][a], A[a][b] = -2, 2", "A[b][a], A[a][b] = 2, 2"),
     ("product[i][j] - product[j][i]", "product[i][j] + product[j][i]", "product[i][j]"),
     ("gcd(row[k], modulus) == 1", "row[k] != 0", "gcd(row[k], modulus) >= 1"),
-    ("return False\n        rows.remove", "return True\n        rows.remove"),
+    ("if pivot is None:\n            continue", "if pivot is None:\n            return True"),
+    ("wanted - 1, pow(", "wanted - 2, pow(", "0, pow("),
+    ("if wanted == 0:", "if wanted == 1:", "if True:"),
+    ("        rows.remove(pivot)\n", ""),
     ("a - factor * b", "a + factor * b"),
     (
         "1 < self.modulus < MODULUS_MAX",
@@ -431,7 +434,10 @@ FORM = mutants(
         "    quaternion: tuple[int, int, int, int] | None",
         "    quaternion: tuple[int, int, int, int]",
     ),
-    ("    chart: tuple[int, int, int, int]", "    chart: tuple[int, int, int, int] | None"),
+    (
+        "    modulus: int\n    chart: tuple[int, int, int, int]",
+        "    modulus: int\n    chart: tuple[int, int, int, int] | None",
+    ),
     ("    at_most: int\n", "    at_most: int | None\n"),
     (
         "FORMS = IsotropicStatement, CountStatement",

@@ -25,16 +25,21 @@ if TYPE_CHECKING:
     from certreg.certificate.isotropic import Claims as Claims
     from certreg.certificate.isotropic import IsotropicBody as IsotropicBody
     from certreg.certificate.isotropic import RotationState as RotationState
+    from certreg.certificate.listing import ListProposal as ListProposal
+    from certreg.certificate.listing import list_body as list_body
     from certreg.certificate.many import Certificates as Certificates
     from certreg.certificate.many import certificates_of as certificates_of
     from certreg.certificate.producing import count_certificate as count_certificate
     from certreg.certificate.producing import produce as produce
     from certreg.certificate.producing import springs_certificate as springs_certificate
+    from certreg.certificate.producing import springs_list_certificate as springs_list_certificate
     from certreg.certificate.radius import MOST_DEGREES as MOST_DEGREES
     from certreg.certificate.radius import Radius as Radius
     from certreg.certificate.spring_bounds import spring_pose_bounds as spring_pose_bounds
     from certreg.certificate.springs_cones import ConesCap as ConesCap
     from certreg.certificate.springs_cones import SpringsConesBody as SpringsConesBody
+    from certreg.certificate.springs_list import ListClaims as ListClaims
+    from certreg.certificate.springs_list import SpringsListBody as SpringsListBody
     from certreg.certificate.springs_sos import SpringsClaims as SpringsClaims
     from certreg.certificate.springs_sos import SpringsSosBody as SpringsSosBody
 
@@ -67,6 +72,10 @@ __getattr__ = lazy_face(
             "IsotropicBody",
             "RotationState",
         ),
+        "listing": (
+            "ListProposal",
+            "list_body",
+        ),
         "many": (
             "Certificates",
             "certificates_of",
@@ -75,6 +84,7 @@ __getattr__ = lazy_face(
             "count_certificate",
             "produce",
             "springs_certificate",
+            "springs_list_certificate",
         ),
         "radius": (
             "MOST_DEGREES",
@@ -83,6 +93,10 @@ __getattr__ = lazy_face(
         "springs_cones": (
             "ConesCap",
             "SpringsConesBody",
+        ),
+        "springs_list": (
+            "ListClaims",
+            "SpringsListBody",
         ),
         "springs_sos": (
             "SpringsClaims",

@@ -11,11 +11,12 @@ import json
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, TypeVar, get_args
 
 from certreg.certificate.count import CountBody
 from certreg.certificate.isotropic import IsotropicBody
 from certreg.certificate.springs_cones import SpringsConesBody
+from certreg.certificate.springs_list import SpringsListBody
 from certreg.certificate.springs_sos import SpringsSosBody
 from certreg.errors import InvalidFileError
 from certreg.io import write_atomically
@@ -43,9 +44,8 @@ class CertificateBody(Protocol):
         ...
 
 
-KINDS: dict[str, type[IsotropicBody | CountBody | SpringsSosBody | SpringsConesBody]] = {
-    body.KIND: body for body in (IsotropicBody, CountBody, SpringsSosBody, SpringsConesBody)
-}
+AnyBody = IsotropicBody | CountBody | SpringsSosBody | SpringsConesBody | SpringsListBody
+KINDS: dict[str, type[AnyBody]] = {body.KIND: body for body in get_args(AnyBody)}
 AnyBody_co = TypeVar("AnyBody_co", bound=CertificateBody, covariant=True)
 
 

@@ -48,7 +48,9 @@ if TYPE_CHECKING:
 
     from certreg.certificate.envelope import AnyBody_co
     from certreg.certificate.springs_cones import SpringsConesBody
+    from certreg.certificate.springs_list import SpringsListBody
     from certreg.certificate.springs_sos import SpringsSosBody
+    from certreg.equilibrium import CriticalLines
     from certreg.objective import Isotropic, Springs
     from certreg.problem import RegistrationProblem
     from certreg.relaxation import Found
@@ -159,6 +161,23 @@ def springs_certificate(
     if squares is None:
         return None
     return _enclosed(problem, _moving(objective, squares, robustness_angle), about)
+
+
+def springs_list_certificate(
+    problem: RegistrationProblem,
+    objective: Springs,
+    lines: CriticalLines,
+    *,
+    about: dict[str, Any] | None = None,
+) -> Certificate[SpringsListBody] | None:
+    """A certificate of all equilibria, from the ends of all 40 paths.
+
+    None means not proved, not disproved: lines are multiple, or nearly so; `list_body` says it.
+    """
+    from certreg.certificate.listing import list_body  # loads NumPy
+
+    body = list_body(objective, lines).body
+    return None if body is None else _enclosed(problem, body, about)
 
 
 def _moving(objective: Springs, body: SpringsBody, degrees: float | None) -> SpringsBody:

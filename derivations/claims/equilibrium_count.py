@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy
 
-from certreg.verify import coefficients, has_full_rank
+from certreg.verify import coefficients, has_rank
 
 from ..algebra import combination, contraction, facts, identity
 from ..hypothesis import Standing, invertible, vanishing
@@ -140,8 +140,8 @@ def _decided(bound: int) -> Proof:
         r"$2^{31} - 1$ and modulo $101 \cdot 103$, for $C = I$, with infinitely many equilibria, "
         r"modulo neither; the ranks, in fractions, are $10$ and less.",
         [
-            *(has_full_rank(few, m) for m in (PRIME, COMPOSITE)),
-            *(has_full_rank(many, m) for m in (PRIME, COMPOSITE)),
+            *(has_rank(few, SIZE, m) for m in (PRIME, COMPOSITE)),
+            *(has_rank(many, SIZE, m) for m in (PRIME, COMPOSITE)),
             rank(few),
             rank(many) < SIZE,
         ],
@@ -202,7 +202,7 @@ CLAIM = Claim(
     ),
     runs=("certreg.verify.coefficients",),
     used_by=(
-        "certreg.verify.has_full_rank",
+        "certreg.verify.has_rank",
         "certreg.verify.CountStatement",
         "certreg.certificate.count.CountBody",
     ),

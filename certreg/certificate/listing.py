@@ -1,0 +1,292 @@
+"""Producing a certificate of kind "springs-list": boxes of all 40 critical lines.
+
+The ends of the 40 paths are right to some digits of a double. In a chart q = a p, p_0 = 1, where no
+line is far out, they are made right to `bits` binary places by Newton's method, residuals in
+integers, Jacobians in doubles. A line is real if its imaginary parts vanish to these places; the
+others come in pairs, of which the file holds one.
+
+The checker's box of a line is one unit of the last place to either side. It accepts it if, with J
+the Jacobian of the three minors E of (p, G'(p)) there, Y = J^-1 and s = max |p_i|,
+
+    |Y E| + 12 s^2 S sum |Y| < 1,  S the sum of the coefficients of E without signs,
+
+in units of that place, so that bits must exceed the logarithm of 12 s^2 S sum |Y| by a little, and
+for the index that of 420 s^4 S over the least eigenvalue of the Hessian. Multiple lines need
+infinitely many: they are never listed.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from certreg.certificate.springs_list import ListClaims, SpringsListBody, quaternion_product
+from certreg.equilibrium import FloatingQuartic, PathsOutcome
+from certreg.exact import Dyadic, dyadic_above, dyadic_below
+from certreg.geometry import body_frame, dot, squared_norm
+from certreg.objective import levelled_exactly
+from certreg.results import Brief
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from certreg.equilibrium import CriticalLines
+    from certreg.exact import IntegerQuaternion
+    from certreg.objective import LevelledExactly, Springs
+
+    Complexes = NDArray[np.complex128]
+
+LINES = 40
+LARGEST_ENTRY = 2  # of a chart: 312 are enough to find one in which no line is far out
+LEAST_BITS, MOST_BITS, STEP_BITS = 64, 256, 16  # the checker allows no more
+ROOM_BITS = 5  # boxes are accepted with 32 times the room that is needed
+GUARD_BITS = 32  # of coefficients, beyond twice the places
+MODULUS = 2**31 - 1
+STEPS = 12  # of Newton's method: each adds at least ten digits where the Jacobian is known
+DONE = 0.75  # of a unit of the last place: both parts are rounded by half of one
+SINGULAR = 1e12  # condition of a Jacobian: beyond, doubles do not know the way
+GAP_BITS, SECOND_BITS = 32, 96  # of what is claimed; the barrier may be a small part of `second`
+
+FOUND_WORDS = "All 40 critical lines are apart, simple, and in boxes of their own."
+MULTIPLE_WORDS = "{} of the 40 critical lines could not be separated: they meet, or nearly so."
+UNPAIRED_WORDS = "The critical lines that are not real do not come in pairs: some were found twice."
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ListProposal(Brief):
+    """What is proposed to be proved of all equilibria. body: None where that is nothing."""
+
+    body: SpringsListBody | None
+    words: str
+
+
+@dataclass(frozen=True, eq=False)
+class Gaussian:
+    """Arrays of complex integers of any size, as `LevelledExactly.gradient` takes for numbers."""
+
+    re: Any
+    im: Any
+
+    def __add__(self, other: Gaussian) -> Gaussian:
+        """The sum."""
+        return Gaussian(self.re + other.re, self.im + other.im)
+
+    def __radd__(self, zero: int) -> Gaussian:
+        """Where `sum` begins."""
+        return self
+
+    def __sub__(self, other: Gaussian) -> Gaussian:
+        """The difference."""
+        return Gaussian(self.re - other.re, self.im - other.im)
+
+    def __mul__(self, other: Gaussian | int) -> Gaussian:
+        """The product."""
+        if isinstance(other, int):
+            return Gaussian(self.re * other, self.im * other)
+        return Gaussian(
+            self.re * other.re - self.im * other.im, self.re * other.im + self.im * other.re
+        )
+
+    __rmul__ = __mul__
+
+
+def list_body(objective: Springs, lines: CriticalLines) -> ListProposal:
+    """A body that proves the ends of the 40 paths to be all equilibria, or why there is none.
+
+    lines: `critical_lines(objective.floating_quartic()[0])`, of which every end is needed.
+    """
+    if lines.outcome is not PathsOutcome.FOUND:
+        return ListProposal(body=None, words=lines.outcome.value)
+    charted = ChartedQuartic.of(objective, lines.points)
+    p = charted.inside(lines.points)
+    needed = charted.needed_bits(p)
+    within = needed <= MOST_BITS
+    bits = LEAST_BITS + max(0, -(-(needed.max() - LEAST_BITS) // STEP_BITS)) * STEP_BITS
+    if not within.all():
+        return ListProposal(body=None, words=MULTIPLE_WORDS.format(int((~within).sum())))
+    centres, steps = charted.refined(p, int(bits))
+    lost = int((~(steps <= DONE)).sum())
+    if lost:
+        return ListProposal(body=None, words=MULTIPLE_WORDS.format(lost))
+    real, pairs = _sorted_out(centres)
+    if len(real) + 2 * len(pairs) != LINES:
+        return ListProposal(body=None, words=UNPAIRED_WORDS)
+    body = _claimed(objective, charted, int(bits), real, pairs)
+    return ListProposal(body=body, words=FOUND_WORDS)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ChartedQuartic:
+    """The levelled quartic in the chart q = a p, p = (1, x, y, z). left: the matrix of a."""
+
+    quartic: LevelledExactly
+    chart: IntegerQuaternion
+    left: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, objective: Springs, points: Complexes) -> ChartedQuartic:
+        """In the chart in which the farthest line is nearest."""
+        charts = _charts()
+        lengths = np.sqrt((charts**2).sum(axis=1))
+        nearness = np.abs(charts @ points.T).min(axis=1) / lengths
+        w, x, y, z = (int(entry) for entry in charts[np.argmax(nearness)])
+        chart = (w, x, y, z)
+        left = np.column_stack([np.array(chart, dtype=float), np.array(body_frame(chart))])
+        return cls(quartic=levelled_exactly(objective.quartic), chart=chart, left=left)
+
+    def inside(self, q: Complexes) -> Complexes:
+        """The points (m, 4) of lines with p_0 = 1."""
+        p = q @ self.left  # the transpose is the inverse, but for a factor
+        return p / p[:, :1]
+
+    def jacobians(self, p: Complexes) -> Complexes:
+        """(m, 3, 3): of p_0 G_i - p_i G_0 by x, y, z."""
+        form = FloatingQuartic.of(self.quartic.rest)
+        hessians = self.left.T @ form.hessians(p @ self.left.T) @ self.left
+        gradients = (hessians @ p[..., None])[..., 0] / 3.0
+        found = hessians[:, 1:, 1:] - p[:, 1:, None] * hessians[:, :1, 1:]
+        found[:, range(3), range(3)] -= gradients[:, :1]
+        return found
+
+    def needed_bits(self, p: Complexes) -> NDArray[np.float64]:
+        """How many binary places the checker needs at each line; infinite where none are enough."""
+        jacobians = self.jacobians(p)
+        sizes = np.abs(p).max(axis=1)
+        # Each monomial goes into a minor at most four times from either derivative.
+        most = 8.0 * np.abs(self.quartic.rest).sum() * np.abs(self.chart).sum() ** 4
+        condition: Any = np.linalg.cond(jacobians)
+        usable = condition < SINGULAR
+        jacobians[~usable] = np.eye(3)
+        inverses = np.abs(np.linalg.inv(jacobians)).sum(axis=2).max(axis=1)
+        norms, v = (np.abs(p) ** 2).sum(axis=1), p[:, 1:]
+        hessians = norms[:, None, None] * jacobians - v[..., None] * (v[:, None, :] @ jacobians)
+        linear: Any = np.linalg  # whose stubs know no stacks of matrices
+        least = np.abs(linear.eigvals(hessians)).min(axis=1)
+        needed: Any = np.maximum(17.0 * sizes**2 * most * inverses, 420.0 * sizes**4 * most / least)
+        apart = np.abs(p[:, None] - p[None]).max(axis=2)
+        np.fill_diagonal(apart, 1.0)
+        needed = np.maximum(needed, 4.0 / np.maximum(apart.min(axis=1), np.finfo(float).tiny))
+        return np.where(usable, np.log2(needed) + ROOM_BITS, np.inf)
+
+    def refined(self, p: Complexes, bits: int) -> tuple[list[Gaussian], NDArray[np.float64]]:
+        """Coordinates x, y, z over 2^bits, and how far the last steps went, in such units."""
+        places = range(1, 4)
+        inverses = np.linalg.inv(self.jacobians(p))
+        x = [_rounded(p[:, k], bits) for k in places]
+        quartic = self.quartic.shortened(2 * bits + GUARD_BITS)
+        lengths = np.full(len(p), np.inf)
+        for _ in range(STEPS):
+            steps = (inverses @ self._residuals(quartic, x, bits)[..., None])[..., 0]
+            last = np.abs(np.ldexp(1.0, bits) * steps).max(axis=1)
+            if (last <= DONE).all():
+                return x, last
+            if not (last < lengths).all():
+                break
+            x = [entry - _rounded(step, bits) for entry, step in zip(x, steps.T, strict=True)]
+            lengths = last
+        return x, lengths
+
+    def _residuals(self, quartic: LevelledExactly, x: list[Gaussian], bits: int) -> Complexes:
+        """(m, 3): the minors, in the units of `jacobians`."""
+        p: Any = [Gaussian(x[0].re * 0 + (1 << bits), x[0].im * 0), *x]
+        rows = [
+            (entry, *row) for entry, row in zip(self.chart, body_frame(self.chart), strict=True)
+        ]
+        q: Any = [dot(row, p) for row in rows]
+        along = quartic.gradient(q)
+        g: Any = [dot(column, along) for column in zip(*rows, strict=True)]
+        over = 1 << (4 * bits + quartic.bits)
+        minors = [p[0] * g[k] - p[k] * g[0] for k in (1, 2, 3)]
+        columns = [
+            [complex(a / over, b / over) for a, b in zip(minor.re, minor.im, strict=True)]
+            for minor in minors
+        ]
+        return np.array(columns).T
+
+
+@cache
+def _charts() -> NDArray[np.int64]:
+    """Small integer quaternions, one of a and -a."""
+    entries = range(-LARGEST_ENTRY, LARGEST_ENTRY + 1)
+    return np.array([a for a in product(entries, repeat=4) if a > (0, 0, 0, 0)])
+
+
+def _rounded(values: Complexes, bits: int) -> Gaussian:
+    """Over 2^bits."""
+    re, im = (
+        np.array([round(math.ldexp(float(k), bits)) for k in part], dtype=object)
+        for part in (values.real, values.imag)
+    )
+    return Gaussian(re, im)
+
+
+def _sorted_out(x: list[Gaussian]) -> tuple[list[tuple[int, ...]], list[tuple[int, ...]]]:
+    """The real lines, and of each pair the one whose first imaginary part is positive."""
+    real: list[tuple[int, ...]] = []
+    pairs: list[tuple[int, ...]] = []
+    for k in range(LINES):
+        imaginary: list[int] = [entry.im[k] for entry in x]
+        if max(map(abs, imaginary)) <= 1:
+            real.append(tuple(entry.re[k] for entry in x))
+        elif next(part for part in imaginary if abs(part) > 1) > 0:
+            pairs.append(tuple(part for entry in x for part in (entry.re[k], entry.im[k])))
+    return real, pairs
+
+
+def _claimed(
+    objective: Springs,
+    charted: ChartedQuartic,
+    bits: int,
+    real: list[tuple[int, ...]],
+    pairs: list[tuple[int, ...]],
+) -> SpringsListBody:
+    """With all claims that follow, by the rules of the checker; the best equilibrium first."""
+    found = [quaternion_product(charted.chart, (1 << bits, *line)) for line in real]
+    known = sorted((objective.energy(q), q, line) for q, line in zip(found, real, strict=True))
+    norm, levelled = squared_norm(charted.chart), charted.quartic
+    # |f - mean| is at most the sum of the coefficients, of which the chart makes more.
+    spread = sum(map(abs, levelled.integers)) * sum(map(abs, charted.chart)) ** 4
+    width = objective.unit * Fraction(spread, 12 * norm**2)
+    sines = [Fraction(3 * norm, squared_norm(q)) for _, q, _ in known]
+    floors = [value - 10 * width * s for (value, _, _), s in zip(known, sines, strict=True)]
+    gap, second = known[0][0] - min(floors), min(floors[1:])
+    unique = 2 * known[0][0] - floors[0] < second
+    return SpringsListBody(
+        bits=bits,
+        chart=charted.chart,
+        real=tuple(line for _, _, line in known),
+        pairs=tuple(pairs),
+        modulus=MODULUS,
+        claims=ListClaims(
+            gap=dyadic_above(gap, GAP_BITS),
+            indices=_indices(levelled, [q for _, q, _ in known]),
+            second=_below(second),
+            sin2_half_angle=dyadic_above(sines[0], GAP_BITS) if unique else None,
+            unique=True if unique else None,
+        ),
+    )
+
+
+def _indices(
+    levelled: LevelledExactly, quaternions: Sequence[IntegerQuaternion]
+) -> tuple[int, ...]:
+    """How many curvatures are negative, in doubles."""
+    q = np.array([[entry / math.isqrt(squared_norm(q)) for entry in q] for q in quaternions])
+    curvatures: Any = np.linalg.eigvalsh(FloatingQuartic.of(levelled.rest).curvatures(q)[2])
+    return tuple(int(k) for k in (curvatures < 0.0).sum(axis=1))
+
+
+def _below(value: Fraction) -> Dyadic:
+    """A number of few digits that is at most the value, of any sign."""
+    if value >= 0:
+        return dyadic_below(value, SECOND_BITS)
+    above = dyadic_above(-value, SECOND_BITS)
+    return Dyadic(mantissa=-above.mantissa, exponent=above.exponent)
