@@ -7,15 +7,17 @@ from typing import TYPE_CHECKING
 import click
 
 from certreg.cli.numbers import NUMBER
-from certreg.cli.options import CLOUD, EXIT_CODES, cloud_options
+from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER, cloud_options
 from certreg.dynamics import Record
-from certreg.io import write_atomically
+from certreg.io import write_atomically, write_together
 from certreg.registration import (
     DONE,
     NOT_CERTIFIED,
     NOT_UNIQUE,
     certified_count,
     enumerated,
+    enumerated_springs,
+    equilibrium_poses,
     simulated,
 )
 from certreg.report import (
@@ -25,6 +27,8 @@ from certreg.report import (
     printable,
     simulation_document,
     simulation_summary,
+    spring_enumeration_summary,
+    spring_equilibria_document,
 )
 
 if TYPE_CHECKING:
@@ -32,6 +36,7 @@ if TYPE_CHECKING:
 
     from certreg.io import Pair
     from certreg.problem import RegistrationProblem
+    from certreg.registration import Enumeration, SpringEnumeration
 
 SPECTRAL = "spectral"
 TRAJECTORY = ".npz"  # the one format of a trajectory
@@ -42,26 +47,31 @@ TRAJECTORY = ".npz"  # the one format of a trajectory
 @click.option(
     "--method",
     type=click.Choice([SPECTRAL, "groebner", "homotopy", "all"]),
-    default=SPECTRAL,
-    show_default=True,
-    help="Eigenspaces; exact elimination; proved continuation; all three, compared.",
+    help="Eigenspaces; exact elimination; proved continuation; all there are, compared. Default: "
+    "spectral, of general springs homotopy.",
 )
 @click.option("--out", type=CLOUD, help="File for a certificate of the count: at most four.")
+@click.option("--poses", type=FOLDER, help="Folder for the pose of each, 4x4, in their order.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def equilibria(
     problem: RegistrationProblem,
     pair: Pair,
     *,
-    method: str,
+    method: str | None,
     out: Path | None,
+    poses: Path | None,
     as_json: bool,
 ) -> int:
     """All equilibria of the registration dynamics, with their stability."""
     del pair
+    if problem.factors is not None:
+        return _spring_equilibria(problem, method, out=out, poses=poses, as_json=as_json)
     enumeration = enumerated(problem, method)
     found = enumeration.equilibria
     if out is not None:
         _write_count(problem, out)
+    if poses is not None:
+        _write_poses(enumeration, poses)
     if as_json:
         click.echo(dumps(equilibria_document(enumeration)))
     else:
@@ -69,6 +79,50 @@ def equilibria(
     if not found.complete:
         return NOT_CERTIFIED
     return DONE if found.classification.unique else NOT_UNIQUE
+
+
+def _spring_equilibria(
+    problem: RegistrationProblem,
+    method: str | None,
+    *,
+    out: Path | None,
+    poses: Path | None,
+    as_json: bool,
+) -> int:
+    """The same of general springs: 4 where the list is in doubt, or which of it is the best."""
+    if method == SPECTRAL:
+        message = "--method spectral: general springs have no eigenspaces; take homotopy, or all"
+        raise click.UsageError(message)
+    if out is not None:
+        message = "--out: no certificate of the list of general springs in this version"
+        raise click.UsageError(message)
+    enumeration = enumerated_springs(problem, method)
+    if poses is not None:
+        _write_poses(enumeration, poses)
+    if as_json:
+        click.echo(dumps(spring_equilibria_document(enumeration)))
+    else:
+        click.echo(spring_enumeration_summary(enumeration))
+    return DONE if enumeration.equilibria.unique else NOT_CERTIFIED
+
+
+def _write_poses(enumeration: Enumeration | SpringEnumeration, folder: Path) -> None:
+    """One file of four rows for each equilibrium, in the order of the list."""
+    folder.mkdir(parents=True, exist_ok=True)
+    poses = equilibrium_poses(enumeration)
+    digits = len(str(len(poses)))
+    files = {
+        folder / f"pose-{number:0{digits}}.txt": _rows(pose.T_target_source.tolist())
+        for number, pose in enumerate(poses, start=1)
+    }
+    others = [path for path in sorted(folder.glob("pose-*.txt")) if path not in files]
+    write_together(files, obsolete=others)
+    place = printable(folder)
+    click.echo(f"note: {len(files)} poses written to {place}, best first", err=True)
+
+
+def _rows(matrix: list[list[float]]) -> bytes:
+    return ("\n".join(" ".join(map(repr, row)) for row in matrix) + "\n").encode()
 
 
 def _write_count(problem: RegistrationProblem, out: Path) -> None:

@@ -16,7 +16,10 @@ if TYPE_CHECKING:
     from certreg.equilibrium.critical_set import Completeness as Completeness
     from certreg.equilibrium.critical_set import Critical as Critical
     from certreg.equilibrium.critical_set import CriticalSet as CriticalSet
+    from certreg.equilibrium.line_set import Finiteness as Finiteness
+    from certreg.equilibrium.line_set import LineSet as LineSet
     from certreg.equilibrium.methods import METHODS as METHODS
+    from certreg.equilibrium.methods import SPRING_METHODS as SPRING_METHODS
     from certreg.equilibrium.methods import Comparison as Comparison
     from certreg.equilibrium.methods import Method as Method
     from certreg.equilibrium.methods import Search as Search
@@ -53,8 +56,13 @@ __getattr__ = lazy_face(
             "Critical",
             "CriticalSet",
         ),
+        "line_set": (
+            "Finiteness",
+            "LineSet",
+        ),
         "methods": (
             "METHODS",
+            "SPRING_METHODS",
             "Comparison",
             "Method",
             "Search",

@@ -28,6 +28,11 @@ class Completeness(enum.Enum):
         "further solutions."
     )
     COUNT = "There are at most as many solutions as disjoint boxes with one root each."
+    LINES = (
+        "There are at most 40 critical lines, complex ones included, by two ranks, and 40 are "
+        "apart: each real one in a box of its own, and pairs that are conjugates of one another."
+    )
+    CONSTANT = "The energy is the same at every rotation."
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -121,8 +121,8 @@ def kind_of(balls: Any) -> Any:
 def _krawczyk(system: BallSystem, x: Balls, inverse: Balls, step: Balls) -> Balls | None:
     """The Krawczyk set of a box around x, if the box holds it in its interior."""
     n, kind = x.nrows(), kind_of(x)
-    sizes = [ball.abs_upper() for ball in x.entries()]
-    least = max(sizes) * arb(2) ** -(ctx.prec // 2)
+    size = max(ball.abs_upper() for ball in x.entries())
+    least = (size if size > 0 else arb(1)) * arb(2) ** -(ctx.prec // 2)  # zero may be a root
     radius = (max(ball.abs_upper() for ball in step.entries()) * INFLATION + least).upper()
     side = arb(0, radius)
     offset = kind(n, 1, [side if kind is arb_mat else acb(side, side)] * n)

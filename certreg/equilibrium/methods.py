@@ -2,7 +2,8 @@
 
 `spectral` reads eigenspaces, `groebner` eliminates, `homotopy` follows paths and proves their ends
 in ball arithmetic. The last two start from the torque quadratics and share no argument with the
-first. Methods that have decided must agree: the same components, rotations, indices and energies.
+first; of general springs they are all there is. Methods that have decided must agree: the same
+components, rotations, indices and energies.
 """
 
 from __future__ import annotations
@@ -13,24 +14,27 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
 from itertools import accumulate
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from certreg._loading import library
 from certreg.equilibrium.critical_set import CriticalSet
 from certreg.errors import ContradictionError, UndecidedError
 from certreg.geometry import dot
-from certreg.objective import Isotropic
+from certreg.objective import Isotropic, Springs
 from certreg.results import Brief
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-Method = Callable[[Isotropic], CriticalSet]
+Method = Callable[[Any], CriticalSet]  # of the objective that it is for
 
 METHODS = {  # by name; loaded when asked for, because ball arithmetic and elimination are not light
     "spectral": ("certreg.equilibrium.spectral", "by_eigenspaces"),
     "groebner": ("certreg.equilibrium.groebner", "by_elimination"),
     "homotopy": ("certreg.equilibrium.homotopy", "by_continuation"),
+}
+SPRING_METHODS = {  # of general springs
+    "homotopy": ("certreg.equilibrium.spring_homotopy", "by_forty_paths"),
 }
 LARGEST_ANGLE = 1e-10  # radians; spans of complete lists hold 28 digits and more
 LARGEST_DIFFERENCE = 1e-12  # of the range of energies
@@ -61,17 +65,22 @@ class Comparison:
     energy: float
 
 
-def method_named(name: str) -> Method:
-    """The method of a name in `METHODS`, its libraries loaded."""
-    module, function = METHODS[name]
+def methods_of(objective: Isotropic | Springs) -> dict[str, tuple[str, str]]:
+    """The methods that there are for an objective."""
+    return SPRING_METHODS if isinstance(objective, Springs) else METHODS
+
+
+def method_named(name: str, methods: dict[str, tuple[str, str]] = METHODS) -> Method:
+    """The method of a name among `methods`, its libraries loaded."""
+    module, function = methods[name]
     if name != "spectral":
         library("flint", f"the method {name}")
     return getattr(import_module(module), function)
 
 
-def search(objective: Isotropic, name: str) -> Search:
+def search(objective: Isotropic | Springs, name: str) -> Search:
     """The search by one method; loading a library is no part of it."""
-    method = method_named(name)
+    method = method_named(name, methods_of(objective))
     critical, reason, start = None, None, time.perf_counter()
     try:
         critical = method(objective)

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from certreg.exact.balls import exact_matrix as exact_matrix
     from certreg.exact.balls import fixed_point as fixed_point
     from certreg.exact.balls import morse_bott_index as morse_bott_index
+    from certreg.exact.balls import negative_eigenvalues as negative_eigenvalues
     from certreg.exact.balls import orthonormal as orthonormal
     from certreg.exact.balls import radius_bits as radius_bits
     from certreg.exact.dyadic import ASIN_SLACK as ASIN_SLACK
@@ -46,6 +47,7 @@ __getattr__ = lazy_face(
             "exact_matrix",
             "fixed_point",
             "morse_bott_index",
+            "negative_eigenvalues",
             "orthonormal",
             "radius_bits",
         ),

@@ -72,21 +72,33 @@ def morse_bott_index(
 ) -> int | None:
     """The number of negative eigenvalues of the energy's Hessian at an equilibrium, proved.
 
-    G = 2 tr(R^T C) I - R^T C - C^T R, times |q|^2, has real eigenvalues t, so that Descartes' rule
-    is exact: with the elementary symmetric functions e1, e2, e3 of the t, as many are negative as
-    1, e1, e2, e3 has changes of sign. dimension: of the component, so many t are exactly zero and
-    so many of the last e drop out. A zero between two signs changes nothing: they are opposite
-    where all t are real. bits: working precision. None where the balls are too wide.
+    Of G = 2 tr(R^T C) I - R^T C - C^T R, times |q|^2. dimension: of the component, so many
+    eigenvalues are exactly zero. bits: working precision. None where the balls are too wide.
     """
     with ctx.workprec(bits):
         R = rotation_matrix(list(quaternion))
         A = arb_mat(R).transpose() * arb_mat([list(row) for row in cross])
         G = 2 * A.trace() * arb_mat(3, 3, 1) - A - A.transpose()
-        minors = sum(
-            (G[i, i] * G[j, j] - G[i, j] * G[j, i] for i, j in ((0, 1), (0, 2), (1, 2))), arb(0)
-        )
-        functions = [arb(1), G.trace(), minors, G.det()]
-        return _changes([sign(e) for e in functions[: 4 - dimension]])
+        return negative_eigenvalues(G, zeros=dimension)
+
+
+def negative_eigenvalues(matrix: arb_mat, *, zeros: int = 0) -> int | None:
+    """The number of negative eigenvalues of a symmetric 3x3 matrix, proved, at these bits.
+
+    They are real, so that Descartes' rule is exact: with the elementary symmetric functions e1, e2,
+    e3 of them, as many are negative as 1, e1, e2, e3 has changes of sign. zeros: so many are known
+    to be zero, and so many of the last e drop out. A zero between two signs changes nothing: they
+    are opposite where all eigenvalues are real. None where the balls are too wide.
+    """
+    minors = sum(
+        (
+            matrix[i, i] * matrix[j, j] - matrix[i, j] * matrix[j, i]
+            for i, j in ((0, 1), (0, 2), (1, 2))
+        ),
+        arb(0),
+    )
+    functions = [arb(1), matrix.trace(), minors, matrix.det()]
+    return _changes([sign(e) for e in functions[: 4 - zeros]])
 
 
 def _changes(signs: Sequence[int]) -> int | None:

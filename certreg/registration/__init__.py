@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from certreg.registration.enumeration import certified_count as certified_count
     from certreg.registration.enumeration import enumerated as enumerated
     from certreg.registration.enumeration import equilibria as equilibria
+    from certreg.registration.enumeration import equilibrium_poses as equilibrium_poses
     from certreg.registration.examples import STORIES as STORIES
     from certreg.registration.examples import differences as differences
     from certreg.registration.examples import stated as stated
@@ -92,6 +93,13 @@ if TYPE_CHECKING:
     from certreg.registration.slips import Slip as Slip
     from certreg.registration.slips import SlipCode as SlipCode
     from certreg.registration.spring_certification import certified_springs as certified_springs
+    from certreg.registration.spring_enumeration import (
+        ListedSpringEquilibria as ListedSpringEquilibria,
+    )
+    from certreg.registration.spring_enumeration import SpringEnumeration as SpringEnumeration
+    from certreg.registration.spring_enumeration import enumerated_springs as enumerated_springs
+    from certreg.registration.spring_equilibria import SpringEquilibria as SpringEquilibria
+    from certreg.registration.spring_equilibria import SpringEquilibrium as SpringEquilibrium
     from certreg.registration.spring_headlines import SPRING_HEADLINES as SPRING_HEADLINES
     from certreg.registration.spring_headlines import free_words as free_words
     from certreg.registration.spring_headlines import is_green_spring as is_green_spring
@@ -149,6 +157,7 @@ __getattr__ = lazy_face(
             "ListedEquilibria",
             "certified_count",
             "equilibria",
+            "equilibrium_poses",
             "enumerated",
         ),
         "examples": (
@@ -226,6 +235,15 @@ __getattr__ = lazy_face(
             "SlipCode",
         ),
         "spring_certification": ("certified_springs",),
+        "spring_enumeration": (
+            "ListedSpringEquilibria",
+            "SpringEnumeration",
+            "enumerated_springs",
+        ),
+        "spring_equilibria": (
+            "SpringEquilibria",
+            "SpringEquilibrium",
+        ),
         "spring_headlines": (
             "SPRING_HEADLINES",
             "free_words",

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from certreg.certificate import check_own, count_certificate, require_accepted
 from certreg.equilibrium import METHODS, EquilibriumSet, compare, search
 from certreg.errors import UndecidedError
 from certreg.objective import Isotropic
 from certreg.problem import exact_moments
-from certreg.registration.alike import require_alike
 from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.covariance import pose_covariance
 from certreg.registration.fit import fit_of
-from certreg.registration.optimum import optimal_pose
+from certreg.registration.optimum import optimal_pose, pose_at
 from certreg.registration.parts import counted
+from certreg.registration.spring_enumeration import (
+    ListedSpringEquilibria,
+    SpringEnumeration,
+    enumerated_springs,
+)
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -23,6 +27,7 @@ if TYPE_CHECKING:
 
     from certreg.certificate import Certificate, CountBody
     from certreg.equilibrium import Comparison, Search
+    from certreg.geometry import Pose
     from certreg.problem import RegistrationProblem
     from certreg.registration.fit import Fit
     from certreg.registration.parts import Progress
@@ -61,18 +66,25 @@ class ListedEquilibria(EquilibriumSet):
 
 
 def equilibria(
-    problem: RegistrationProblem, method: str = "spectral", *, progress: Progress | None = None
+    problem: RegistrationProblem,
+    method: str | None = None,
+    *,
+    progress: Progress | None = None,
 ) -> EquilibriumSet:
     """All equilibria of the registration dynamics of a problem.
+
+    Of general springs they come as `SpringEquilibria`: up to forty, stable ones beside the optimum
+    among them, or a list that says what it leaves open.
 
     Parameters
     ----------
     problem
-        Points, weights and damping.
+        Points, weights or springs, and damping.
     method
         "spectral", the eigenspaces of the Davenport matrix; "groebner", exact elimination of the
         torque quadratics; "homotopy", continuation in floating point, each root proved in ball
-        arithmetic; "all", every one of them, held against each other.
+        arithmetic; "all", every one of them, held against each other. None: "spectral", and
+        "homotopy" of general springs, which have no eigenspaces.
     progress
         Called with the number of searches that are done and that of all.
 
@@ -90,19 +102,23 @@ def equilibria(
     ContradictionError
         Where two methods disagree.
     """
+    if problem.factors is not None:
+        listed = ListedSpringEquilibria.of(enumerated_springs(problem, method, progress=progress))
+        return cast("EquilibriumSet", listed)
     return ListedEquilibria.of(enumerated(problem, method, progress=progress))
 
 
 def enumerated(
-    problem: RegistrationProblem, method: str = "spectral", *, progress: Progress | None = None
+    problem: RegistrationProblem, method: str | None = None, *, progress: Progress | None = None
 ) -> Enumeration:
     """All equilibria, with every search that was made; arguments and errors as `equilibria`."""
+    first, *_ = METHODS
+    method = method or first
     if method not in (*METHODS, ALL):
         message = (
             f"method is {method!r}: this version knows {', '.join(map(repr, METHODS))} and {ALL!r}"
         )
         raise ValueError(message)
-    require_alike(problem, "equilibria are listed")
     objective = Isotropic(exact_moments(problem))
     names = tuple(METHODS) if method == ALL else (method,)
     done = counted(progress, len(names))
@@ -129,6 +145,18 @@ def _searched(objective: Isotropic, name: str, done: Callable[[str], None]) -> S
     made = search(objective, name)
     done(name)
     return made
+
+
+def equilibrium_poses(enumeration: Enumeration | SpringEnumeration) -> list[Pose]:
+    """The pose of each equilibrium, in the order of the list; of a continuum one of them.
+
+    Raises OutOfRangeError where no double can hold a translation.
+    """
+    if isinstance(enumeration, SpringEnumeration):
+        return [part.pose for part in enumeration.equilibria.components]
+    critical = next(each.critical for each in enumeration.searches if each.critical is not None)
+    objective = enumeration.objective
+    return [pose_at(objective, part.quaternion) for part in critical.components]
 
 
 def certified_count(problem: RegistrationProblem) -> Certificate[CountBody] | None:

@@ -91,14 +91,14 @@ def _solved(
         problem=problem,
         objective=objective,
         found=found,
-        pose=_rounded(objective, quaternion),
+        pose=rounded_spring_pose(objective, quaternion),
         quaternion=quaternion,
         certificate=certificate,
         absent={"certificate": NOT_CERTIFIED},
     )
 
 
-def _rounded(objective: Springs, q: tuple[int, int, int, int]) -> Pose:
+def rounded_spring_pose(objective: Springs, q: tuple[int, int, int, int]) -> Pose:
     """The pose with its best translation, every number rounded once."""
     exact = objective.best_translation(q)
     translation = [nearest_double(entry) for entry in exact]

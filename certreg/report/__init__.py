@@ -21,6 +21,12 @@ if TYPE_CHECKING:
     from certreg.report.pages import html_page as html_page
     from certreg.report.presenting import PRESENTER as PRESENTER
     from certreg.report.reload import report_of as report_of
+    from certreg.report.spring_equilibria import (
+        spring_enumeration_summary as spring_enumeration_summary,
+    )
+    from certreg.report.spring_equilibria import (
+        spring_equilibria_document as spring_equilibria_document,
+    )
     from certreg.report.summary import equilibria_words as equilibria_words
     from certreg.report.summary import registration_summary as registration_summary
     from certreg.report.summary import simulation_summary as simulation_summary
@@ -48,6 +54,10 @@ __getattr__ = lazy_face(
         "pages": ("html_page",),
         "presenting": ("PRESENTER",),
         "reload": ("report_of",),
+        "spring_equilibria": (
+            "spring_enumeration_summary",
+            "spring_equilibria_document",
+        ),
         "summary": (
             "equilibria_words",
             "registration_summary",

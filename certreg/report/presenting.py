@@ -18,9 +18,11 @@ from certreg.registration import (
     AnyRegistration,
     Assessment,
     ListedEquilibria,
+    ListedSpringEquilibria,
     ProblemTrajectory,
     Registration,
     SimulatedRegistration,
+    SpringEquilibria,
     SpringRegistration,
     proved_end,
 )
@@ -44,6 +46,13 @@ from certreg.report.judged_pose import assessment_summary
 from certreg.report.methods import enumeration_summary
 from certreg.report.pages import html_page, report_on
 from certreg.report.plotting import plotted
+from certreg.report.spring_equilibria import (
+    spring_enumeration_summary,
+    spring_equilibria_card,
+    spring_equilibria_document,
+    spring_equilibria_words,
+    spring_set_document,
+)
 from certreg.report.spring_summary import spring_summary
 from certreg.report.summary import (
     equilibria_words,
@@ -89,6 +98,14 @@ def _enumeration_document(listed: ListedEquilibria) -> Document:
     return equilibria_document(listed.enumeration)
 
 
+def _spring_enumeration_words(listed: ListedSpringEquilibria) -> str:
+    return spring_enumeration_summary(listed.enumeration)
+
+
+def _spring_enumeration_document(listed: ListedSpringEquilibria) -> Document:
+    return spring_equilibria_document(listed.enumeration)
+
+
 SHAPES: dict[type, Shape] = {
     Registration: Shape(
         words=registration_summary, document=result_document, card=registration_card
@@ -99,6 +116,14 @@ SHAPES: dict[type, Shape] = {
         words=_enumeration_words, document=_enumeration_document, card=equilibria_card
     ),
     EquilibriumSet: Shape(words=equilibria_words, document=set_document, card=equilibria_card),
+    ListedSpringEquilibria: Shape(
+        words=_spring_enumeration_words,
+        document=_spring_enumeration_document,
+        card=spring_equilibria_card,
+    ),
+    SpringEquilibria: Shape(
+        words=spring_equilibria_words, document=spring_set_document, card=spring_equilibria_card
+    ),
     ProblemTrajectory: Shape(
         words=_trajectory_words, document=_trajectory_document, card=trajectory_card
     ),

@@ -305,7 +305,7 @@ def test_a_list_is_as_sure_as_its_least_sure_component():
 
 def test_a_list_has_a_proof_of_completeness_or_a_doubt_and_not_both():
     found = critical_sets(strategies.random_problem(np.random.default_rng(4)))
-    assert [each.completeness for each in found] == list(Completeness)
+    assert [each.completeness for each in found] == list(Completeness)[:3]
     assert [each.doubt for each in found] == [None] * 3
     for wrong in ({"completeness": None}, {"doubt": "in doubt"}):
         with pytest.raises(ValueError, match="proved to be complete"):

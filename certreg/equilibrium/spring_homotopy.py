@@ -1,0 +1,183 @@
+"""All equilibria of general springs by continuation: 40 paths, their ends proved in boxes.
+
+The ends of the paths (see `paths`) are proposals in doubles. Each real end, and one of each pair of
+conjugates, gets a box that holds one critical line; with 40 lines apart and ranks that leave no
+room for a 41st the list is complete. Where ends meet, the list says how many could not be told
+apart.
+"""
+
+from __future__ import annotations
+
+from itertools import compress
+from typing import TYPE_CHECKING
+
+import numpy as np
+from flint import ctx
+
+from certreg.equilibrium.critical_set import Critical
+from certreg.equilibrium.homotopy import HOMOTOPY
+from certreg.equilibrium.line_boxes import BallQuartic, BoxedLine, all_different, boxed, index_of
+from certreg.equilibrium.line_set import (
+    BITS,
+    Finiteness,
+    LineSet,
+    constant_set,
+    finiteness_of,
+    line_set,
+)
+from certreg.equilibrium.paths import REAL, critical_lines
+from certreg.equilibrium.tracking import REGULAR
+from certreg.exact import fixed_point, orthonormal
+from certreg.objective import levelled_exactly
+from certreg.results import Guarantee
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from certreg.equilibrium.paths import CriticalLines
+    from certreg.equilibrium.tracking import Complexes
+    from certreg.objective import Springs
+
+    Numbers = NDArray[np.float64] | NDArray[np.complex128]
+
+SPARE_BITS = 8
+TIE_BITS = 1024  # to which two energies are told apart
+MOST_SINGULAR = 8  # each costs as much as ten that are regular
+SAME_END = 1e-2  # sine between ends that meet: of a line that is sixfold they are 2e-3 apart
+NEARLY_REAL = 1e-2  # of such an end, the sine of the angle to its conjugate
+
+
+def by_forty_paths(objective: Springs) -> LineSet:
+    """The real ends of the 40 paths, proved where they are simple; what is not proved is said."""
+    finiteness = finiteness_of(objective)
+    if finiteness is Finiteness.CONSTANT:
+        return constant_set(HOMOTOPY, objective)
+    levelled = levelled_exactly(objective.quartic)
+    ends = critical_lines(levelled.rest)
+    proved = proved_lines(BallQuartic(levelled), ends)
+    real = [line for line in proved if line.is_real]
+    parts, tied = proved_components(objective, real)
+    rest = _unproved(ends.points, proved)
+    parts += [_unproved_component(objective, q) for q in rest]
+    why = f" {_rest_words(len(rest))}" if rest else ""
+    return line_set(
+        HOMOTOPY,
+        sorted(parts, key=lambda part: part.value) if rest else parts,
+        finiteness=finiteness,
+        pairs=len(proved) - len(real),
+        tied=tied,
+        why=why,
+    )
+
+
+def proved_lines(quartic: BallQuartic, ends: CriticalLines) -> list[BoxedLine]:
+    """Boxes with one line each, of real ends and of one of each pair of conjugates; all apart.
+
+    Ends that are singular as far as doubles tell are tried where they are few: of a multiple line
+    none can be proved. Two boxes that could not be told apart are both left out.
+    """
+    found: list[BoxedLine] = []
+    singular = ends.codes != REGULAR
+    few = np.count_nonzero(singular) <= MOST_SINGULAR
+    for q in _halved(ends.points if few else ends.points[~singular]):
+        line = None
+        if np.linalg.norm(q.imag) < REAL:
+            line = boxed(quartic, q.real.tolist(), real=True)
+        found_line = line or boxed(quartic, q.tolist(), real=False)
+        if found_line is not None:
+            found.append(found_line)
+    if all_different(found):
+        return found
+    return [
+        one for one in found if all(one is other or all_different([one, other]) for other in found)
+    ]
+
+
+def proved_components(objective: Springs, real: Sequence[BoxedLine]) -> tuple[list[Critical], int]:
+    """Proved equilibria by ascending energy, and how many of the first may be the best."""
+    lines = [line.within(BITS + SPARE_BITS) for line in real]
+    lines.sort(key=lambda line: line.system.level(line.quaternion).mid())
+    tied = _tied(lines)
+    return [_proved_component(objective, line) for line in lines], tied
+
+
+def _tied(lines: Sequence[BoxedLine]) -> int:
+    """How many lines may have the least energy, told apart with up to `TIE_BITS`."""
+    bits, several = BITS, list[BoxedLine](lines)
+    while len(several) > 1 and bits <= TIE_BITS:
+        several = [line.within(bits) for line in several]
+        with ctx.workprec(2 * bits):
+            levels = [line.system.level(line.quaternion) for line in several]
+        least = min(levels, key=lambda level: level.mid())
+        tied = [not bool(level > least) for level in levels]
+        several = list[BoxedLine](compress(several, tied))
+        bits *= 2
+    return len(several)
+
+
+def _halved(points: Complexes) -> list[Complexes]:
+    """The ends without those whose conjugate comes before them."""
+    kept: list[Complexes] = []
+    for q in points:
+        other = np.linalg.norm(q.imag) >= REAL
+        if not (other and any(_sine(q.conj(), p) < REAL for p in kept)):
+            kept.append(q)
+    return kept
+
+
+def _sine(p: Numbers, q: Numbers) -> float:
+    return float(np.linalg.norm(q - (p.conj() @ q) * p))
+
+
+def _proved_component(objective: Springs, line: BoxedLine) -> Critical:
+    with ctx.workprec(2 * BITS):
+        (unit,) = orthonormal([line.quaternion], 1)
+    vector = [fixed_point(entry, BITS) for entry in unit]
+    return _component(objective, vector, index_of(line), Guarantee.ENCLOSED)
+
+
+def _unproved_component(objective: Springs, q: Complexes) -> Critical:
+    entries = (q.real / np.linalg.norm(q.real)).tolist()
+    vector = [int(entry * (1 << 60)) << (BITS - 60) for entry in entries]
+    return _component(objective, vector, None, Guarantee.NUMERICAL)
+
+
+def _component(
+    objective: Springs, vector: Sequence[int], index: int | None, guarantee: Guarantee
+) -> Critical:
+    sign = next(1 if entry > 0 else -1 for entry in vector if entry)
+    w, x, y, z = (sign * entry for entry in vector)
+    return Critical(
+        quaternion=(w, x, y, z),
+        span=((w, x, y, z),),
+        value=objective.energy((w, x, y, z)),
+        index=index,
+        guarantee=guarantee,
+    )
+
+
+def _unproved(points: Complexes, proved: Sequence[BoxedLine]) -> list[Complexes]:
+    """Of ends without a box those that are nearly real, one of each place where some met."""
+    known = [
+        np.array([complex(float(c.real.mid()), float(c.imag.mid())) for c in line.quaternion])
+        for line in proved
+    ]
+    known = [q / np.linalg.norm(q) for q in known]
+    kept: list[Complexes] = []
+    for q in points:
+        taken = any(min(_sine(q, p), _sine(q.conj(), p)) < REAL for p in known)
+        if taken or np.linalg.norm(q.imag) > NEARLY_REAL:
+            continue
+        if all(_sine(q, p) > SAME_END for p in kept):
+            kept.append(q)
+    return kept
+
+
+def _rest_words(places: int) -> str:
+    where = "one rotation" if places == 1 else f"{places} rotations"
+    return (
+        f"Paths ended near {where} without a proof, listed as not separated: each may be no "
+        "equilibrium, one, or several."
+    )

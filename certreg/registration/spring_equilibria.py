@@ -1,0 +1,241 @@
+"""The equilibria of general springs as they are handed to the user: poses, energies, stability."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from certreg.equilibrium import unit_double
+from certreg.exact import nearest_double, nearest_root
+from certreg.geometry import canonical, dot, squared_norm
+from certreg.registration.outlying import LISTED
+from certreg.registration.spring_certification import rounded_spring_pose
+from certreg.registration.spring_curvature import slope_and_curvature
+from certreg.registration.spring_rows import ResidualSums
+from certreg.results import OUT_OF_RANGE, Absent, ComponentKind, Explained, Guarantee, Presented
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from certreg.equilibrium import Critical, Finiteness, LineSet
+    from certreg.geometry import Pose
+    from certreg.objective import Springs
+    from certreg.problem import RegistrationProblem
+
+SAME_ENERGY = Fraction(1, 1 << 90)  # of the oscillation; of a proved equilibrium 2^-300 is known
+NOT_SEPARATED = Absent("not told apart from others that may be there: it may be several, or none")
+TIED = Absent("as good as another equilibrium, as far as 300 digits tell")
+DEEPEST = Absent("the energy falls in no direction")
+NOT_LISTED_WHOLE = Absent("the list is not proved complete: a better rotation may be missing")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SpringEquilibrium(Explained):
+    """A rotation at which general springs balance, with its best translation.
+
+    separated: proved to be one equilibrium, alone in a box; else paths only ended there, and it may
+        be one, several, or none.
+    morse_index: of a separated one, proved: the number of directions in which the energy falls.
+    optimal: whether it is the best pose; None where that is not decided.
+    witness: (3,), unit, in the source's frame: turning about it lowers the energy most.
+    basis: (4, 1), the unit quaternion; (4, 4) where every rotation is an equilibrium.
+    angle_to_optimum: radians, to the first of the list.
+    """
+
+    kind: ComponentKind
+    separated: bool
+    morse_index: int | None
+    optimal: bool | None
+    witness: NDArray[np.float64] | None
+    energy: float | None
+    rmse: float | None
+    pose: Pose
+    basis: NDArray[np.float64]
+    angle_to_optimum: float
+
+    @property
+    def stable(self) -> bool | None:
+        """Whether it is a strict minimum of the energy over rotations; None: not decided."""
+        return None if self.morse_index is None else self.morse_index == 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SpringEquilibria(Explained, Presented):
+    """The equilibria of general springs, by ascending energy.
+
+    Attributes
+    ----------
+    components
+        Those that are listed.
+    complete
+        Whether these are proved to be all.
+    doubt
+        Why they may not be; None where they are.
+    guarantee
+        Of the least sure component.
+    finiteness
+        What is proved of the number of critical lines, complex ones included.
+    pairs
+        Of conjugate lines, no rotations, that were proved to be apart.
+    tied
+        How many of the first may be the best; 0 where that is not decided.
+    relative_margin
+        (E2 - E1) / (Emax - E1) of the two best energies; None where the best is not known.
+    """
+
+    components: tuple[SpringEquilibrium, ...]
+    complete: bool
+    doubt: str | None
+    guarantee: Guarantee
+    finiteness: Finiteness
+    pairs: int
+    tied: int
+    relative_margin: float | None
+
+    def __repr__(self) -> str:
+        known = "complete" if self.complete else "not proved complete"
+        stable = "" if self.stable is None else f", {self.stable} stable"
+        count = sum(part.separated for part in self.components)
+        return f"<SpringEquilibria: {count}{stable}; {self.guarantee.label}, {known}>"
+
+    @property
+    def count(self) -> int | None:
+        """How many equilibria there are; None where that is not proved, or infinitely many."""
+        alone = all(part.kind is ComponentKind.POINT for part in self.components)
+        return len(self.components) if self.complete and alone else None
+
+    @property
+    def count_complex(self) -> int | None:
+        """40 where all critical lines, complex ones included, are proved to be simple."""
+        return None if self.count is None else self.count + 2 * self.pairs
+
+    @property
+    def stable(self) -> int | None:
+        """How many are stable; None where the list is not complete."""
+        return sum(bool(part.stable) for part in self.components) if self.complete else None
+
+    @property
+    def unique(self) -> bool:
+        """Whether one rotation is proved to be the best. False means not proved."""
+        return self.tied == 1 and self.count is not None
+
+    @property
+    def euler_sum(self) -> int | None:
+        """The sum of (-1)^index, which is 0 where all are listed and none is degenerate."""
+        indices = [part.morse_index for part in self.components]
+        if self.count is None or None in indices:
+            return None
+        return sum(-1 if index % 2 else 1 for index in indices if index is not None)
+
+
+def spring_equilibria(
+    critical: LineSet, objective: Springs, problem: RegistrationProblem
+) -> SpringEquilibria:
+    """The equilibria at the critical rotations of an objective."""
+    poses = [rounded_spring_pose(objective, part.quaternion) for part in critical.components]
+    stiffness = ResidualSums.of(problem, poses[0], LISTED).stiffness if poses else 0.0
+    energies = [part.value for part in critical.components]
+    least = min(energies, default=Fraction(0))
+    best = critical.components[0].quaternion if poses else (1, 0, 0, 0)
+    parts = tuple(
+        _equilibrium(
+            part,
+            pose,
+            objective,
+            optimal=_optimal(critical, place, part.value - least, objective.oscillation),
+            rmse=_rmse(part.value, stiffness),
+            angle=_angle_between(part.quaternion, best),
+        )
+        for place, (part, pose) in enumerate(zip(critical.components, poses, strict=True))
+    )
+    return SpringEquilibria(
+        components=parts,
+        complete=critical.complete,
+        doubt=critical.doubt,
+        guarantee=min((p.guarantee for p in critical.components), default=Guarantee.NUMERICAL),
+        finiteness=critical.finiteness,
+        pairs=critical.pairs,
+        tied=critical.tied,
+        relative_margin=_margin(critical),
+        absent=_reasons(critical),
+    )
+
+
+def _reasons(critical: LineSet) -> dict[str, Absent]:
+    doubt = Absent(critical.doubt or critical.finiteness.value)
+    return dict.fromkeys(("count", "count_complex", "stable", "relative_margin"), doubt)
+
+
+def _equilibrium(
+    part: Critical,
+    pose: Pose,
+    objective: Springs,
+    *,
+    optimal: bool | Absent,
+    rmse: float | None,
+    angle: float,
+) -> SpringEquilibrium:
+    separated = part.guarantee is not Guarantee.NUMERICAL
+    span = np.array([canonical(unit_double(vector)) for vector in part.span]).T
+    falls = part.index is not None and part.index > 0
+    return SpringEquilibrium(
+        kind=ComponentKind.of_multiplicity(len(part.span)),
+        separated=separated,
+        morse_index=part.index,
+        optimal=None if isinstance(optimal, Absent) else optimal,
+        witness=_steepest(objective, part.quaternion) if falls else None,
+        energy=nearest_double(part.value),
+        rmse=rmse,
+        pose=pose,
+        basis=span,
+        angle_to_optimum=angle,
+        absent={
+            "morse_index": NOT_SEPARATED,
+            "stable": NOT_SEPARATED,
+            "optimal": optimal if isinstance(optimal, Absent) else NOT_SEPARATED,
+            "witness": NOT_SEPARATED if part.index is None else DEEPEST,
+            **dict.fromkeys(("energy", "rmse"), OUT_OF_RANGE),
+        },
+    )
+
+
+def _optimal(
+    critical: LineSet, place: int, excess: Fraction, oscillation: Fraction
+) -> bool | Absent:
+    """Whether a component is the best. Any rotation's energy is at least the least there is."""
+    separated = critical.components[place].guarantee is not Guarantee.NUMERICAL
+    if separated and excess > SAME_ENERGY * oscillation:
+        return False
+    if critical.complete:
+        return critical.tied == 1 or TIED
+    return NOT_LISTED_WHOLE if separated else NOT_SEPARATED
+
+
+def _steepest(objective: Springs, q: tuple[int, int, int, int]) -> NDArray[np.float64]:
+    """The direction in which the energy falls fastest, in doubles."""
+    _, curvature = slope_and_curvature(objective, q)
+    return np.linalg.eigh(curvature)[1][:, 0]
+
+
+def _rmse(energy: Fraction, stiffness: float) -> float | None:
+    return nearest_root(energy / Fraction(stiffness)) if 0.0 < stiffness < math.inf else None
+
+
+def _angle_between(p: tuple[int, ...], q: tuple[int, ...]) -> float:
+    """The angle in radians between two rotations."""
+    norms, along = squared_norm(p) * squared_norm(q), dot(p, q)
+    across, whole = math.isqrt(norms - along**2), math.isqrt(norms)
+    return 2.0 * math.atan2(across / whole, abs(along) / whole)
+
+
+def _margin(critical: LineSet) -> float | None:
+    """The share of the range of energies between the best and the second."""
+    values = [part.value for part in critical.components]
+    if critical.tied != 1 or len(values) < 2:
+        return None
+    span = values[-1] - values[0]
+    return float((values[1] - values[0]) / span)

@@ -1,0 +1,149 @@
+"""`certreg equilibria` for general springs: table, JSON, poses, exit codes."""
+
+from __future__ import annotations
+
+import json
+from importlib.resources import files
+
+import degenerate_springs
+import jsonschema
+import numpy as np
+import pytest
+import spring_families
+from commands import certreg, write_csv
+
+from certreg import RegistrationProblem, equilibria
+
+SCHEMA = json.loads(
+    (files("certreg") / "report/schemas/certreg-equilibria-1.json").read_text("utf-8")
+)
+SEVEN, SIX = (spring_families.LISTED[k] for k in (2, 0))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Seven planes, six planes, and a sphere, as files."""
+    place = tmp_path_factory.mktemp("springs")
+    for name, cell in (("seven", SEVEN), ("six", SIX)):
+        made = spring_families.instance(cell, 0)
+        write_csv(place / f"{name}-a.csv", made.source.tolist())
+        write_csv(place / f"{name}-b.csv", made.target.tolist())
+        np.save(place / f"{name}.npy", made.springs["normals"])
+    sphere = degenerate_springs.sphere()
+    write_csv(place / "sphere-a.csv", np.asarray(sphere.source).tolist())
+    write_csv(place / "sphere-b.csv", np.asarray(sphere.target).tolist())
+    np.save(place / "sphere.npy", degenerate_springs.SPHERE)
+    return place
+
+
+@pytest.fixture(scope="module")
+def answers(folder):
+    """What is printed of each, as text and as JSON."""
+    return {name: [listed(folder, name), listed(folder, name, "--json")] for name in NAMES}
+
+
+NAMES = ("seven", "six", "sphere")
+
+
+def listed(folder, name, *more):
+    clouds = (folder / f"{name}-a.csv", folder / f"{name}-b.csv")
+    return certreg("equilibria", *clouds, "--normals", folder / f"{name}.npy", *more)
+
+
+def test_all_equilibria_are_told_with_what_is_stable(answers):
+    text, document = answers["seven"]
+    found = document.document["equilibria"]
+
+    assert (text.code, document.code) == (0, 0)
+    assert f"exactly {found['count_real']}, of which {found['stable']} stable." in text.out
+    assert "the Euler sum of the indices is 0" in text.out
+    assert "not every stable one is the optimum" in text.out
+    assert (found["pattern"], found["count_complex"], found["finite"]) == (None, 40, True)
+    assert found["spurious"] == found["count"] - 1
+    assert [part["optimal"] for part in found["components"]].count(True) == 1
+    assert sum(part["stable"] for part in found["components"]) == found["stable"]
+    energies = [part["energy"] for part in found["components"]]
+    assert energies == sorted(energies)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_document_is_as_its_schema_says(answers, name):
+    document = answers[name][1].document
+
+    jsonschema.validate(document, SCHEMA)
+    assert "equilibria.pattern" in document["reasons"]
+
+
+def test_where_several_are_as_good_the_list_is_complete_and_the_best_not_decided(answers):
+    text, document = answers["six"]
+    found = document.document["equilibria"]
+    tied = [part["optimal"] for part in found["components"]].count(None)
+
+    assert text.code == 4
+    assert found["complete"]
+    assert tied > 1
+    assert f"the first {tied} have the same energy" in text.out
+    assert found["spurious"] is None
+
+
+def test_what_could_not_be_told_apart_is_said_and_not_counted(answers):
+    text, document = answers["sphere"]
+    found = document.document["equilibria"]
+
+    assert text.code == 4
+    assert "not proved complete): not counted; 3 proved to be isolated" in text.out
+    assert "13 of them were proved to be apart" in text.out
+    assert "not separated" in text.out
+    assert [found[name] for name in ("count", "count_real", "count_complex", "stable")] == [
+        None
+    ] * 4
+    assert found["finite"] is True
+    assert [part["separated"] for part in found["components"]] == [False, True, True, True]
+    assert found["components"][0]["stable"] is None
+
+
+def test_poses_are_written_in_the_order_of_the_list_and_old_ones_go(folder, tmp_path):
+    stale = tmp_path / "pose-99.txt"
+    stale.write_text("1\n", "utf-8")
+    run = listed(folder, "seven", "--json", "--poses", tmp_path)
+    parts = run.document["equilibria"]["components"]
+    written = sorted(tmp_path.glob("pose-*.txt"))
+
+    assert f"{len(parts)} poses written" in run.err
+    assert len(written) == len(parts)
+    assert not stale.exists()
+    for path, part in zip(written, parts, strict=True):
+        matrix = np.loadtxt(path)
+        assert matrix[:3, :3].tolist() == part["rotation"]
+        assert matrix[:3, 3].tolist() == part["translation"]
+
+
+def test_poses_of_one_weight_per_pair_are_written_too(tmp_path):
+    cloud = write_csv(tmp_path / "a.csv", degenerate_springs.POINTS.tolist())
+    moved = write_csv(tmp_path / "b.csv", degenerate_springs.POINTS[:, [1, 2, 0]].tolist())
+    run = certreg("equilibria", cloud, moved, "--json", "--poses", tmp_path / "p")
+    first = np.loadtxt(tmp_path / "p" / "pose-1.txt")
+
+    assert len(list((tmp_path / "p").iterdir())) == 4
+    assert first[:3, :3].tolist() == run.document["equilibria"]["components"][0]["rotation"]
+    assert first @ [3, 1, -2, 1] == pytest.approx([1, -2, 3, 1])
+
+
+def test_eigenspaces_are_refused(folder):
+    run = listed(folder, "seven", "--method", "spectral")
+
+    assert run.code == 2
+    assert "have no eigenspaces" in run.err
+
+
+def test_in_python_the_same_text_and_document(answers):
+    made = spring_families.instance(SEVEN, 0)
+    found = equilibria(RegistrationProblem(**spring_families.statement(made)))
+    text, document = answers["seven"]
+
+    assert str(found) + "\n" == text.out
+    assert found.to_dict() == document.document
+    assert repr(found) == "<SpringEquilibria: 22, 4 stable; enclosed, complete>"
+    assert "exactly 22" in found._repr_html_()
+    with pytest.raises(ValueError, match="for general springs there are"):
+        equilibria(RegistrationProblem(**spring_families.statement(made)), "spectral")

@@ -1,0 +1,222 @@
+"""All equilibria of general springs: proved to be all, or what could not be told apart in words."""
+
+from __future__ import annotations
+
+import functools
+from importlib import import_module
+from typing import Any
+
+import degenerate_springs
+import numpy as np
+import pytest
+import spring_families
+from commands import checked
+
+from certreg import RegistrationProblem
+from certreg.equilibrium import critical_lines, search
+from certreg.equilibrium.critical_set import Completeness
+from certreg.equilibrium.line_boxes import BallQuartic, all_different, boxed, index_of
+from certreg.equilibrium.line_ranks import PRIMES, at_most_forty, infinitely_many, plane
+from certreg.equilibrium.line_set import Finiteness
+from certreg.objective import Springs
+from certreg.objective.levelling import levelled_exactly, norm_fourth
+from certreg.objective.quartics import MONOMIALS, gradient
+from certreg.problem import spring_moments
+from certreg.results import Guarantee
+
+HOMOTOPY = import_module("certreg.equilibrium.spring_homotopy")
+RANKS = import_module("certreg.equilibrium.line_ranks")
+
+
+@functools.cache
+def objective(name):
+    """Of a degenerate configuration by name, or of a random problem by the number of its cell."""
+    if isinstance(name, str):
+        return Springs(spring_moments(degenerate_springs.NAMED[name]()))
+    made = spring_families.instance(spring_families.LISTED[name], 0)
+    return Springs(spring_moments(RegistrationProblem(**spring_families.statement(made))))
+
+
+@functools.cache
+def listed(name) -> Any:
+    return checked(search(objective(name), "homotopy").critical)
+
+
+@pytest.mark.parametrize(
+    "cell", range(len(spring_families.LISTED)), ids=map(str, spring_families.LISTED)
+)
+def test_of_random_springs_all_forty_lines_are_proved_and_the_euler_sum_is_0(cell):
+    found = listed(cell)
+
+    assert found.completeness is Completeness.LINES
+    assert len(found.components) + 2 * found.pairs == 40
+    assert len(found.components) >= 4
+    assert sum((-1) ** index for index in found.indices) == 0
+    assert {0, 1, 2, 3} <= set(found.indices)
+    assert found.guarantee is Guarantee.ENCLOSED
+    values = [part.value for part in found.components]
+    assert values == sorted(values)
+
+
+def test_the_listed_rotations_are_critical_to_57_digits():
+    found = listed(3)
+    for part in found.components:
+        q = part.quaternion
+        slope = gradient(objective(3).quartic, q)
+        along = sum(a * b for a, b in zip(q, slope, strict=True))
+        across = max(
+            abs(s * sum(c * c for c in q) - along * c) for s, c in zip(slope, q, strict=True)
+        )
+        assert across < abs(along) << 192 >> 175
+
+
+# springs: ranks of the plane and h(7), lines told apart, real ones among them; None: no bound of 40
+TABLE = {
+    "wall": ((35, 60), Finiteness.SYMMETRIC, 0),
+    "two walls": ((45, 40), Finiteness.FORTY, 40),
+    "corner": ((45, 40), Finiteness.FORTY, 40),
+    "sphere": ((45, 40), Finiteness.FORTY, 13),
+    "cylinder": ((45, 40), Finiteness.FORTY, 37),
+    "screw": ((44, 40), Finiteness.COMPLEX, None),
+    "collinear": ((26, 76), Finiteness.SYMMETRIC, 0),
+    "isotropic": ((28, 68), Finiteness.COMPLEX, None),
+    "shared two": ((43, 40), Finiteness.COMPLEX, None),
+    "shared three": ((45, 40), Finiteness.FORTY, 40),
+    "five planes": ((41, 44), Finiteness.COMPLEX, None),
+    "two lines": ((26, 76), Finiteness.SYMMETRIC, 0),
+}
+
+
+@pytest.mark.parametrize("name", TABLE)
+def test_ranks_are_those_of_the_table(name):
+    (of_plane, dimension), _, _ = TABLE[name]
+    prime = PRIMES[0]
+    minors = RANKS._minors(np.array([entry % prime for entry in objective(name).quartic])) % prime
+    restricted = minors.astype(object) @ RANKS._restriction(3) % prime
+
+    assert RANKS._dimension(minors, 7, prime) == dimension
+    table = RANKS._products(restricted.astype(np.int64), 8, variables=3)
+    assert RANKS._rank(table, prime) == of_plane
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=pytest.mark.slow) if n == "screw" else n for n in TABLE],
+)
+def test_a_list_is_complete_or_says_what_could_not_be_told_apart(name):
+    _, finiteness, apart = TABLE[name]
+    found = listed(name)
+    separated = found.separated + 2 * found.pairs
+
+    assert found.finiteness is finiteness
+    assert found.complete == (apart == 40)
+    if apart is not None:
+        assert separated == apart
+    if not found.complete:
+        assert finiteness.value in found.doubt
+        assert found.count_complex is None
+        if separated:
+            assert f"{separated} " in found.doubt
+
+
+def test_the_multiple_minimum_of_a_sphere_is_listed_as_not_separated():
+    first, *others = listed("sphere").components
+
+    assert (first.guarantee, first.index) == (Guarantee.NUMERICAL, None)
+    assert [part.index for part in others] == [1, 2, 3]
+    assert "the other 27 meet" in listed("sphere").doubt
+
+
+def quartic_of(coefficients):
+    """Of a few monomials."""
+    return [coefficients.get(monomial, 0) for monomial in MONOMIALS]
+
+
+def fourth_powers(a):
+    return quartic_of({(k,) * 4: entry for k, entry in enumerate(a)})
+
+
+def test_forty_real_lines_are_proved_eight_of_them_minima():
+    levelled = levelled_exactly(fourth_powers((10, 9, 7, 6)))
+    lines = HOMOTOPY.proved_lines(BallQuartic(levelled), critical_lines(levelled.rest))
+
+    assert len(lines) == 40
+    assert all(line.is_real for line in lines)
+    assert [index_of(line) for line in lines].count(0) == 8
+    assert at_most_forty(fourth_powers((10, 9, 7, 6))) is not None
+
+
+def test_planes_through_a_critical_line_prove_nothing():
+    """Of a sum of fourth powers every coordinate plane holds lines."""
+    proof = checked(at_most_forty(fourth_powers((10, 9, 7, 6))))
+
+    assert proof.plane != plane(0)
+
+
+def test_a_bound_of_forty_is_not_proved_of_a_constant_or_a_continuum():
+    """The last: two equal fourth powers in two variables and none in the others."""
+    for quartic in (norm_fourth().astype(int).tolist(), fourth_powers((1, 1, 0, 0))):
+        assert at_most_forty(quartic) is None
+        assert infinitely_many(quartic) == 7
+
+
+def test_finitely_many_are_never_called_infinitely_many():
+    assert infinitely_many(objective(0).quartic) is None
+    assert infinitely_many(objective("sphere").quartic) is None
+
+
+def test_a_rank_that_is_lost_modulo_the_first_prime_is_not_lost_over_q(monkeypatch):
+    """Coefficients that vanish modulo the prime: over Q the bound stands."""
+    quartic = [entry * PRIMES[0] for entry in fourth_powers((10, 9, 7, 6))]
+
+    assert checked(at_most_forty(quartic)).prime == PRIMES[1]
+    assert infinitely_many(quartic) is None
+    monkeypatch.setattr(RANKS, "PRIMES", PRIMES[:1])
+    assert at_most_forty(quartic) is None
+
+
+def test_a_double_line_is_never_boxed():
+    """w^4 + 2 x^4 has none with y or z, where it is flat: the line e_3 is critical and multiple."""
+    levelled = levelled_exactly(fourth_powers((1, 2, 0, 0)))
+
+    assert boxed(BallQuartic(levelled), [0.0, 0.0, 1.0, 0.0], real=True) is None
+
+
+def test_boxes_of_one_line_are_not_different():
+    levelled = levelled_exactly(fourth_powers((10, 9, 7, 6)))
+    quartic = BallQuartic(levelled)
+    one, again, other = (
+        checked(boxed(quartic, q, real=True))
+        for q in ([1.0, 1e-9, 0.0, 0.0], [1.0, 0.0, 1e-9, 0.0], [0.0, 1.0, 0.0, 0.0])
+    )
+
+    assert not all_different([one, again])
+    assert all_different([one, other])
+
+
+def test_a_line_counts_once_where_two_paths_end_at_it(monkeypatch):
+    """As if a path had gone astray: the list is not complete."""
+    usual = HOMOTOPY.critical_lines
+
+    def astray(quartic):
+        found = usual(quartic)
+        found.points[0] = found.points[1]
+        return found
+
+    monkeypatch.setattr(HOMOTOPY, "critical_lines", astray)
+    found: Any = checked(search(objective(3), "homotopy").critical)
+
+    assert not found.complete
+    assert found.finiteness is Finiteness.FORTY
+
+
+def test_an_energy_that_is_constant_has_every_rotation():
+    springs = Springs(
+        spring_moments(
+            RegistrationProblem(np.zeros((2, 3)), np.eye(3)[:2], factors=np.eye(6)[[0, 0]])
+        )
+    )
+    found = checked(search(springs, "homotopy").critical)
+
+    assert found.completeness is Completeness.CONSTANT
+    assert found.pattern == (4,)
