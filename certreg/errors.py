@@ -184,5 +184,9 @@ class RefusedCertificateError(CertregError):
         self.verdict = verdict
 
 
+class UnusedSpringsWarning(UserWarning):
+    """The target has normals or covariances that were not asked for: pairs are points."""
+
+
 class SlowSimulationWarning(UserWarning):
     """Simulations run, but slower than they could; the message says why. Told once."""

@@ -100,6 +100,7 @@ class Pairing:
     ignore_weights: bool = False
 
 
+NORMALS = {"nx", "ny", "nz"}  # as columns call them
 BY_LABEL = Pairing()
 NONE: dict[str, Any] = {}
 
@@ -149,6 +150,15 @@ class Pair(Brief):
             first, second = self.left_out
             names = shown(self.source.path), shown(self.target.path)
             notes.append(f"{n} pairs; left out: {first} of {names[0]}, {second} of {names[1]}")
+        kinds = {"normals": self.target.normals, "covariances": self.target.covariances}
+        notes += [
+            f"{shown(self.target.path)}: has {kind}, which certify(..., {kind}=target) uses"
+            for kind, rows in kinds.items()
+            if rows is not None
+        ]
+        if {column.strip().lower() for column in self.target.ignored} >= NORMALS:
+            words = "has normals, which --springs plane uses, in Python normals="
+            notes.append(f"{shown(self.target.path)}: {words}")
         return [*notes, *self.further]
 
 

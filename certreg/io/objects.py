@@ -21,10 +21,13 @@ from certreg.problem import (
     cloud_array,
     data_frame,
     finite_doubles,
+    held_rows,
     labels_of,
     mapped_file,
     real_numbers,
     require_same_labels,
+    unused_springs,
+    warn_of_unused,
 )
 
 if TYPE_CHECKING:
@@ -76,7 +79,7 @@ def _with_springs(cloud: Cloud) -> Cloud:
     return cloud
 
 
-def pair(source: Any, target: Any, *, match: str = "all") -> Pair:
+def pair(source: Any, target: Any, *, match: str = "all", **springs: Any) -> Pair:
     """Two clouds in correspondence: by label where both have labels, else row i with row i.
 
     Parameters
@@ -86,6 +89,8 @@ def pair(source: Any, target: Any, *, match: str = "all") -> Pair:
         are a column `label`, else an index that is not 0, 1, 2, ...
     match
         "all", or "common" to leave out labels that are in one cloud only.
+    **springs
+        None: `certify` takes them.
 
     Returns
     -------
@@ -103,6 +108,12 @@ def pair(source: Any, target: Any, *, match: str = "all") -> Pair:
     >>> first.points.shape
     (2, 3)
     """
+    if springs:
+        message = (
+            f"pair takes no {', '.join(springs)}: give them to certify(source, target, ...), which "
+            "pairs the clouds itself; a row of springs goes with its row of the target"
+        )
+        raise InvalidProblemError(message, array=next(iter(springs)))
     try:
         pairing = Pairing(match=Match(match))
     except ValueError as error:
@@ -119,17 +130,21 @@ def stated_problem(
     sigma: Any = None,
     weights: Any = None,
     damping: float | None = None,
+    depth: int = 2,
     **springs: Any,
 ) -> tuple[RegistrationProblem, Pair]:
     """The problem of two clouds as `pair` takes them, and how they were paired.
 
     sigma, weights: a number, or one for each row of the source; they go with their rows.
     springs: as of `RegistrationProblem`, or files, with a row for each row of the target.
+    depth: how many calls are between the user and here.
     """
     require_same_labels(source, sigma=sigma, weights=weights)
     require_same_labels(target, called="target", **springs)
     paired = pair(source, target)
     rows = springs_of_pairs(springs, (source, target), paired)
+    if not rows:
+        warn_of_unused(target, paired.sizes[1], depth=depth)
     return problem_of(
         paired,
         sigma=_of_pairs(sigma, paired, "sigma"),
@@ -160,13 +175,21 @@ def cloud_of(given: Any, name: str) -> Cloud:
         return _of_frame(given, name)
     labels = labels_of(given)
     texts = None if labels is None else tuple(map(str, labels.values))
+    array = cloud_array(given, name)
     return Cloud(
         path=Path(name),
-        points=finite_doubles(cloud_array(given, name), name),
+        points=finite_doubles(array, name),
         labels=texts if labels is not None and labels.certain else None,
         ignored=(),
         identifiers=texts,
+        **_held_springs(given, len(array)),
     )
+
+
+def _held_springs(given: Any, n: int) -> dict[str, Any]:
+    """The normals or covariances of an object, to stay beside its points."""
+    kind = unused_springs(given, n)
+    return {} if kind is None else {kind: held_rows(given, kind)}
 
 
 def _of_frame(frame: Any, name: str) -> Cloud:

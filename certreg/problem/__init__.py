@@ -58,6 +58,8 @@ if TYPE_CHECKING:
     from certreg.problem.spring_rows import held_by as held_by
     from certreg.problem.spring_rows import held_rows as held_rows
     from certreg.problem.spring_rows import require_not_of_source as require_not_of_source
+    from certreg.problem.spring_rows import unused_springs as unused_springs
+    from certreg.problem.spring_rows import warn_of_unused as warn_of_unused
     from certreg.problem.spring_sums import second_spring_method as second_spring_method
     from certreg.problem.spring_sums import spring_sums_by as spring_sums_by
     from certreg.problem.springs import SPRINGS_PREFIX as SPRINGS_PREFIX
@@ -144,6 +146,8 @@ __getattr__ = lazy_face(
             "held_by",
             "held_rows",
             "require_not_of_source",
+            "unused_springs",
+            "warn_of_unused",
         ),
         "springs": (
             "SPRINGS_PREFIX",

@@ -19,6 +19,7 @@ from certreg.errors import InvalidProblemError
 from certreg.problem.arrays import cloud_array, finite_doubles, mapped_file, row_blocks
 from certreg.problem.blocks import CHANGED, Block, SpringBlock, contiguous
 from certreg.problem.row_labels import require_same_labels
+from certreg.problem.spring_rows import warn_of_unused
 from certreg.problem.springs import SPRINGS_PREFIX, GivenSprings, stated_springs
 from certreg.problem.weighing import given_sigma, given_weights, masses
 from certreg.results import Brief
@@ -131,6 +132,8 @@ class RegistrationProblem(Brief):
         )
         require_same_labels(source, target=target, sigma=sigma, weights=weights, **given.rows)
         springs = _springs(given, (source, target), sigma, weights, n) if given.rows else None
+        if springs is None:
+            warn_of_unused(target, n, depth=1)
         for name, value in (
             ("source", source_points),
             ("target", target_points),

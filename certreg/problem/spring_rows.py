@@ -6,11 +6,12 @@ a symmetric matrix or of L.
 
 from __future__ import annotations
 
+import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.errors import InvalidProblemError
+from certreg.errors import InvalidProblemError, UnusedSpringsWarning
 from certreg.problem.arrays import (
     ATTRIBUTES,
     data_frame,
@@ -79,14 +80,42 @@ def held_rows(given: Any, name: str) -> NDArray[Any]:
 
 def held_by(given: Any, name: str) -> Any:
     """What an object has of this kind; None where it has no such attribute, or is an array."""
-    if isinstance(given, np.ndarray):
-        return None
-    for attribute in (name, *HELD.get(name, ())):
+    return None if isinstance(given, np.ndarray) else _held(given, (name, *HELD.get(name, ())))
+
+
+def _held(given: Any, attributes: tuple[str, ...]) -> Any:
+    """The first of the attributes that an object has."""
+    for attribute in attributes:
         held = getattr(given, attribute, None)
         if held is None:
             held = getattr(getattr(given, "point", None), attribute, None)  # tensors, of Open3D
         if held is not None:
             return held() if callable(held) else held
+    return None
+
+
+def warn_of_unused(target: Any, n: int, *, depth: int) -> None:
+    """A warning where a target of n points holds springs that were not asked for.
+
+    depth: how many calls are between the user and here. Of a table the columns are noted elsewhere.
+    """
+    kind = unused_springs(target, n)
+    if kind is not None:
+        words = (
+            f"target has {kind}, which are not used: each pair is a point spring. {kind}=target "
+            "uses them; give its points alone if points are meant"
+        )
+        warnings.warn(words, UnusedSpringsWarning, stacklevel=depth + 2)
+
+
+def unused_springs(cloud: Any, n: int) -> str | None:
+    """What kind of springs an object of n points holds; attributes that it may compute are left."""
+    if isinstance(cloud, np.ndarray) or data_frame(cloud):
+        return None
+    for kind in ("normals", "covariances"):
+        held = _held(cloud, (kind, *(("covs",) if kind == "covariances" else ())))
+        if held is not None and len(held) == n:
+            return kind
     return None
 
 

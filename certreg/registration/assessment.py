@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from certreg.errors import InvalidProblemError
 from certreg.exact import double_above, nearest_double, nearest_root
@@ -11,7 +11,7 @@ from certreg.problem import RegistrationProblem
 from certreg.registration.any_registration import AnyRegistration
 from certreg.registration.assessed import Assessment
 from certreg.registration.assessment_words import headline_of_pose, note_on, words_of_pose
-from certreg.registration.certification import certify
+from certreg.registration.certification import ProblemOptions, certify, stated_in_clouds
 from certreg.registration.findings import (
     GOOD,
     AssessmentSettings,
@@ -29,8 +29,6 @@ from certreg.registration.spring_result import SpringRegistration
 from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict, present
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
     from certreg.certificate import PoseBounds
     from certreg.geometry import GivenPose
     from certreg.registration.findings import Findings
@@ -51,11 +49,12 @@ NOTHING_TO_EXPLAIN = Absent("the pose is (nearly) optimal: there is no slip to n
 
 
 def assess(
-    problem: RegistrationProblem | Registration | SpringRegistration,
+    problem: Any,
     pose: Any,
-    translation: ArrayLike | None = None,
+    translation: Any = None,
     *,
     settings: AssessmentSettings | None = None,
+    **statement: Unpack[ProblemOptions],
 ) -> Assessment:
     """The assessment of a pose y = R x + t, as any tool returned it.
 
@@ -66,7 +65,8 @@ def assess(
     Parameters
     ----------
     problem
-        Of many poses for one problem, its `Registration`, so that it is certified once.
+        A `RegistrationProblem`; of many poses for one problem, its `Registration`, so that it is
+        certified once. Or source, target and pose, in this order: `assess(source, target, pose)`.
     pose
         A matrix (4, 4) with last row 0 0 0 1, or (3, 4): [R | t]; a pair (R, t); certreg's own
         `Pose` or `Registration`; SciPy's `Rotation` or `RigidTransform`; anything with
@@ -77,6 +77,8 @@ def assess(
         translation for it, and `words` say so.
     settings
         Where the words change; None: as `AssessmentSettings()` has it.
+    **statement
+        Beside source and target, as for `certify`: `sigma`, `weights`, `normals` and so on.
 
     Returns
     -------
@@ -99,22 +101,33 @@ def assess(
     >>> judged.verdict.value
     'optimal'
     """
-    stated: Any = problem  # whatever the caller gave
-    if not isinstance(stated, RegistrationProblem | AnyRegistration):
-        swapped = isinstance(pose, RegistrationProblem | AnyRegistration)
-        found = "the two the other way round" if swapped else f"a {type(stated).__name__}"
-        message = (
-            "assess takes a RegistrationProblem, or what certify returned, and then the pose: "
-            f"assess(RegistrationProblem(source, target), pose); found {found}"
-        )
+    if not isinstance(problem, RegistrationProblem | AnyRegistration):
+        if translation is None or isinstance(pose, RegistrationProblem | AnyRegistration):
+            raise InvalidProblemError(_unstated(problem, pose), array="problem")
+        stated, _ = stated_in_clouds(problem, pose, statement, depth=3)
+        problem, pose, translation = stated, translation, None
+    elif statement:
+        message = f"{', '.join(statement)} beside a problem, which states it itself"
         raise InvalidProblemError(message, array="problem")
     if isinstance(pose, RegistrationProblem):
         message = "pose is a RegistrationProblem: that comes first, and then the pose"
         raise InvalidProblemError(message, array="pose")
     given = given_pose(pose, translation)
+    known: Any = problem
     if isinstance(problem, RegistrationProblem):
-        problem = certify(problem, relaxation=False, simulation=False)
-    return judged(problem, given, settings)
+        known = certify(problem, relaxation=False, simulation=False)
+    return judged(known, given, settings)
+
+
+def _unstated(problem: Any, pose: Any) -> str:
+    """What was given where a problem is expected, in words."""
+    swapped = isinstance(pose, RegistrationProblem | AnyRegistration)
+    found = "the two the other way round" if swapped else f"a {type(problem).__name__}"
+    return (
+        "assess takes a RegistrationProblem, or what certify returned, and then the pose: "
+        "assess(RegistrationProblem(source, target), pose), or assess(source, target, pose); found "
+        f"{found}"
+    )
 
 
 def judged(

@@ -6,7 +6,7 @@ import logging
 import time
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack, cast
+from typing import TYPE_CHECKING, Any, Literal, Unpack, cast
 
 from certreg.certificate import (
     ExactPose,
@@ -32,6 +32,7 @@ from certreg.objective import Isotropic
 from certreg.problem import RegistrationProblem, exact_moments, lift
 from certreg.registration.agreement import agreement, require_sound_trajectory
 from certreg.registration.alike import require_alike
+from certreg.registration.closed_form import SpringArguments
 from certreg.registration.optimum import optimal_pose
 from certreg.registration.parts import counted, logged
 from certreg.registration.result import (
@@ -71,17 +72,12 @@ NOT_CERTIFIED = Absent("not certified")
 CROSS_CHECK = Integrator.SPLITTING  # a few large steps, however stiff the springs
 
 
-class ProblemOptions(TypedDict, total=False):
+class ProblemOptions(SpringArguments, total=False):
     """What states a problem beside its clouds, as in `RegistrationProblem`."""
 
     sigma: ArrayLike | None
     weights: ArrayLike | None
     damping: float | None
-    normals: Any
-    directions: Any
-    covariances: Any
-    information: Any
-    factors: Any
 
 
 def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
@@ -183,7 +179,14 @@ def _stated(
             f"{type(problem).__name__} alone is neither"
         )
         raise InvalidProblemError(message, array="target")
-    stated, pair = stated_problem(problem, target, **statement)
+    return stated_in_clouds(problem, target, statement)
+
+
+def stated_in_clouds(
+    source: Any, target: Any, statement: ProblemOptions, *, depth: int = 4
+) -> tuple[RegistrationProblem, dict[str, Any]]:
+    """The same of two clouds, what is noted of them in the log; depth: as of `stated_problem`."""
+    stated, pair = stated_problem(source, target, depth=depth, **statement)
     for note in pair.notes:
         LOG.warning("%s", note)
     return stated, pair.about

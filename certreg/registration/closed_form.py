@@ -6,7 +6,7 @@ they propose, and are compared with what is proved.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from certreg.geometry import (
     rotation_matrix,
 )
 from certreg.problem import (
+    RegistrationProblem,
     checked_threads,
     cloud_array,
     davenport_error,
@@ -28,18 +29,36 @@ from certreg.problem import (
     moments_of_clouds,
     real_numbers,
     require_same_labels,
+    warn_of_unused,
 )
+from certreg.registration.spring_certification import spring_pose
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from certreg.problem import Moments
 
+
+class SpringArguments(TypedDict, total=False):
+    """General springs, as in `RegistrationProblem`."""
+
+    normals: Any
+    directions: Any
+    covariances: Any
+    information: Any
+    factors: Any
+
+
 LARGEST_TURN = 1e-3  # radians by which rounding may turn a pose before it is refused
 
 
 def register(
-    source: ArrayLike, target: ArrayLike, weights: ArrayLike | None = None, *, threads: int = 1
+    source: Any,
+    target: Any,
+    weights: ArrayLike | None = None,
+    *,
+    threads: int = 1,
+    **springs: Unpack[SpringArguments],
 ) -> Pose:
     """The pose that takes `source` to `target`, row i to row i, in floating point: not certified.
 
@@ -56,6 +75,9 @@ def register(
         (N,), >= 0; None: all are one.
     threads
         How many; the pose is the same to the bit for every number of them.
+    **springs
+        `normals`, `directions`, `covariances`, `information` or `factors`, as for a problem: the
+        best pose is then found from exact sums, in a millisecond or a few, and is not proved.
 
     Returns
     -------
@@ -68,7 +90,8 @@ def register(
         For arrays that are no clouds in correspondence or a number of threads below 1.
     DegenerateProblemError
         Where rounding may turn the pose by more than 1e-3 rad: above all where the best rotation is
-        not unique, as for points on one line.
+        not unique, as for points on one line. Of springs where a shift or a turn is undetermined,
+        or hardly determined.
 
     Examples
     --------
@@ -77,6 +100,8 @@ def register(
     array([5., 0., 0.])
     """
     threads = checked_threads(threads)
+    if any(value is not None for value in springs.values()):
+        return spring_pose(RegistrationProblem(source, target, weights=weights, **springs))
     x = _readable(cloud_array(source, "source"), "source")
     y = _readable(cloud_array(target, "target"), "target")
     if len(x) != len(y):
@@ -86,6 +111,7 @@ def register(
         )
         raise InvalidProblemError(message, array="target", value=len(y), limit=len(x))
     require_same_labels(source, target=target, weights=weights)
+    warn_of_unused(target, len(y), depth=1)
     w = None if weights is None else _readable(real_numbers(weights, "weights"), "weights")
     if w is not None and w.shape != (len(x),):
         message = f"weights has shape {w.shape}: expected ({len(x)},), one per point"

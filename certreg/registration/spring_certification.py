@@ -18,17 +18,21 @@ from certreg.certificate import (
     springs_certificate,
 )
 from certreg.equilibrium import rotation_double, unit_double
-from certreg.errors import OutOfRangeError
+from certreg.errors import DegenerateProblemError, OutOfRangeError
 from certreg.exact import nearest_double, nearest_root
 from certreg.geometry import Pose
 from certreg.objective import Springs
 from certreg.problem import spring_moments
+from certreg.registration.freedom import Freedom
+from certreg.registration.headlines import axis_words
 from certreg.registration.parts import logged
 from certreg.registration.robustness import NONE_PROVED
+from certreg.registration.spring_curvature import soft_axes
 from certreg.registration.spring_result import (
     SpringRegistration,
     SpringSolution,
 )
+from certreg.registration.weak_shifts import weak_shift_words, weak_shifts
 from certreg.relaxation import find_optimum
 from certreg.results import OUT_OF_RANGE, Absent, Limits
 
@@ -96,6 +100,23 @@ def _solved(
         certificate=certificate,
         absent={"certificate": NOT_CERTIFIED},
     )
+
+
+def spring_pose(problem: RegistrationProblem) -> Pose:
+    """The best pose of a problem with general springs, found and not proved.
+
+    Raises DegenerateProblemError where a shift or a turn is undetermined, or nearly so.
+    """
+    objective = Springs(spring_moments(problem))
+    found = find_optimum(objective)
+    open_ = Freedom.of(objective).words() or weak_shift_words(weak_shifts(objective))
+    if not open_ and len(soft := soft_axes(objective, found.quaternion)):
+        about = " and ".join(axis_words(axis) for axis in soft)
+        open_ = f"rotation about the source's axis {about} is undetermined to first order"
+    if open_:
+        message = f"{open_}; certreg.certify says what is proved of it"
+        raise DegenerateProblemError(message)
+    return rounded_spring_pose(objective, found.quaternion)
 
 
 def rounded_spring_pose(objective: Springs, q: tuple[int, int, int, int]) -> Pose:

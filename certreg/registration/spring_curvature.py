@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
     from certreg.objective import Springs
 
+SOFT = 1e-6  # of the oscillation: a curvature that is told from zero is larger
+
 
 def slope_and_curvature(
     objective: Springs, q: Sequence[int]
@@ -36,3 +38,10 @@ def slope_and_curvature(
     slope = [nearest_or_zero(Fraction(entry) / scale) / 2 for entry in first]
     curved = [[nearest_or_zero(Fraction(entry) / scale) / 4 for entry in row] for row in second]
     return np.array(slope), np.array(curved)
+
+
+def soft_axes(objective: Springs, q: Sequence[int]) -> NDArray[np.float64]:
+    """(k, 3), the source's axes about which the energy hardly curves, in doubles."""
+    _, curvature = slope_and_curvature(objective, q)
+    levels, axes = np.linalg.eigh(curvature)
+    return axes.T[levels <= SOFT]

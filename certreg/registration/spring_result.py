@@ -18,7 +18,7 @@ from certreg.registration.freedom import Freedom
 from certreg.registration.outlying import LISTED
 from certreg.registration.row_names import RowNames
 from certreg.registration.spring_covariance import FLAT, degrees_of_freedom, spring_covariance
-from certreg.registration.spring_curvature import slope_and_curvature
+from certreg.registration.spring_curvature import soft_axes
 from certreg.registration.spring_fit import spring_fit
 from certreg.registration.spring_rows import ResidualSums, blocks_at
 from certreg.registration.weak_shifts import WeakShift, weak_shifts
@@ -43,7 +43,6 @@ NOT_LISTED = Absent(
     "list: `certify` proves the optimum without them"
 )
 NOT_SIMULATED = Absent("the motion on general springs is not simulated in this version")
-SOFT = 1e-6  # of the oscillation: a curvature that is told from zero is larger
 UNDECIDED = Absent("whether the optimum is unique is not decided")
 
 
@@ -137,9 +136,7 @@ class SpringSolution(Explained):
     @cached_property
     def soft_axes(self) -> NDArray[np.float64]:
         """(k, 3), the source's axes about which the energy hardly curves, in doubles."""
-        _, curvature = slope_and_curvature(self.objective, self.quaternion)
-        levels, axes = np.linalg.eigh(curvature)
-        return axes.T[levels <= SOFT]
+        return soft_axes(self.objective, self.quaternion)
 
     @property
     def near_minima(self) -> int:
