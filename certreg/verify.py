@@ -663,20 +663,28 @@ def has_rank(rows: Matrix, wanted: int, modulus: int) -> bool:
     """Whether so many rows are seen to be independent modulo the modulus: then they are over Q.
 
     Every pivot has an inverse, so a minor is a unit modulo the modulus and is not zero; whether the
-    modulus is a prime does not matter.
+    modulus is a prime does not matter. A row is one long integer, an entry every `size` bytes: the
+    entries stay below modulus + len(rows) modulus^2, so that none reaches the next.
     """
-    rows = [[entry % modulus for entry in row] for row in rows]
-    for k in range(len(rows[0])):
-        pivot = next((row for row in rows if gcd(row[k], modulus) == 1), None)
-        if pivot is None:
-            continue
-        rows.remove(pivot)
-        wanted, inverse = wanted - 1, pow(pivot[k], -1, modulus)
-        if wanted == 0:
+    size, pivots = (2 * modulus.bit_length() + len(rows).bit_length()) // 8 + 1, dict[int, int]()
+    ends = range(size, size * len(rows[0]) + 1, size)
+
+    def packed(row: Sequence[int]) -> int:
+        parts = [(entry % modulus).to_bytes(size, "little") for entry in row]
+        return int.from_bytes(b"".join(parts), "little")
+
+    for entries in rows:
+        row = packed(entries)
+        for at, pivot in pivots.items():
+            row += -((row >> at) % (1 << 8 * size)) % modulus * pivot
+        data = row.to_bytes(ends[-1], "little")
+        left = [int.from_bytes(data[end - size : end], "little") % modulus for end in ends]
+        k = next((k for k, entry in enumerate(left) if gcd(entry, modulus) == 1), None)
+        if k is not None:
+            inverse = pow(left[k], -1, modulus)
+            pivots[8 * size * k] = packed([entry * inverse for entry in left])
+        if len(pivots) == wanted:
             return True
-        for row in rows:
-            if factor := row[k] * inverse % modulus:
-                row[k:] = [(a - factor * b) % modulus for a, b in zip(row[k:], pivot[k:])]
     return False
 
 

@@ -21,7 +21,6 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
-from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -45,7 +44,8 @@ if TYPE_CHECKING:
     Complexes = NDArray[np.complex128]
 
 LINES = 40
-LARGEST_ENTRY = 2  # of a chart: 312 are enough to find one in which no line is far out
+LARGEST_ENTRY, CHARTS = 9, 400  # of a chart; that are tried: in one of them no line is far out
+SEED = 20262  # any
 LEAST_BITS, MOST_BITS, STEP_BITS = 64, 256, 16  # the checker allows no more
 ROOM_BITS = 5  # boxes are accepted with 32 times the room that is needed
 GUARD_BITS = 32  # of coefficients, beyond twice the places
@@ -214,9 +214,9 @@ class ChartedQuartic:
 
 @cache
 def _charts() -> NDArray[np.int64]:
-    """Small integer quaternions, one of a and -a."""
-    entries = range(-LARGEST_ENTRY, LARGEST_ENTRY + 1)
-    return np.array([a for a in product(entries, repeat=4) if a > (0, 0, 0, 0)])
+    """Small integer quaternions; where lines have small entries, too, few of these are far away."""
+    drawn = np.random.default_rng(SEED).integers(-LARGEST_ENTRY, LARGEST_ENTRY + 1, (CHARTS, 4))
+    return drawn[drawn.any(axis=1)]
 
 
 def _rounded(values: Complexes, bits: int) -> Gaussian:
