@@ -29,6 +29,12 @@ def quaternion_product(a: Sequence[int], p: Sequence[int]) -> IntegerQuaternion:
     )
 
 
+def _with_positive_first(q: IntegerQuaternion) -> IntegerQuaternion:
+    """The quaternion of the same rotation whose first entry that is not zero is positive."""
+    w, x, y, z = q
+    return q if next(filter(None, q), 1) > 0 else (-w, -x, -y, -z)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ListClaims(Brief):
     """What a list of equilibria claims; the checker proves each or refuses.
@@ -93,10 +99,9 @@ class SpringsListBody(Brief):
 
     @property
     def quaternions(self) -> tuple[IntegerQuaternion, ...]:
-        """Of all equilibria, within about 2^-bits: integers (w, x, y, z) of any length."""
-        return tuple(
-            quaternion_product(self.chart, (1 << self.bits, x, y, z)) for x, y, z in self.real
-        )
+        """Of all equilibria, right to about 2^-bits: integers (w, x, y, z) of any length."""
+        found = [quaternion_product(self.chart, (1 << self.bits, *line)) for line in self.real]
+        return tuple(map(_with_positive_first, found))
 
     @property
     def quaternion(self) -> IntegerQuaternion:

@@ -20,9 +20,10 @@ REASONS = {  # what the checker's words are about, by class
     "form": r"exactly the keys|list of integers|not JSON|appears twice|wrong type",
     "data": r"digest|not canonical|not finite|negative",
     "optimality": r"pose",
-    "claim": r"claims\.(gap|sin2_half_angle|pattern|unstable|unique|at_most) is",
+    "claim": r"claims\.(gap|sin2_half_angle|pattern|unstable|unique|at_most|second|indices) is",
     "cones": r"\bcaps?\b",
     "count": r"^proof",
+    "list": r"\bbox(es)?\b|\bchart\b|first real line",
     "basin": r"claims\.basin",
     "sdp": r"sdp",
 }
