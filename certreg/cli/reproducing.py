@@ -24,6 +24,8 @@ from certreg.paper import (
     all_sweeps,
     make_folder,
     paper_drawings,
+    spring_counts,
+    spring_drawings,
     sweep_drawings,
     texts,
     write_instance_results,
@@ -84,7 +86,8 @@ CAMPAIGN = "campaign"  # folder, within that of the reproduction
     "--beyond",
     is_flag=True,
     help="Also maps over damping, noise, points, symmetry and start, `--runs` instances at each "
-    "value, default 200: figures and maps.csv.",
+    "value, default 200: figures and maps.csv. And equilibria of planes, lines and covariances "
+    "over noise and points, default 100: springs.csv.",
 )
 @click.option("--no-proofs", is_flag=True, help="Leave the proofs out; `certreg derive` runs them.")
 def reproduce(
@@ -119,9 +122,11 @@ def reproduce(
     with Stages() as stages:
         made = reproduced(setup, stages.at, proofs=not no_proofs)
         sweeps = all_sweeps(seed, runs, stages.at) if beyond else ()
+        springs = spring_counts(seed, runs, stages.at) if beyond else ()
         stages.at("figures")
-        drawn = (*paper_drawings(made.observations), *sweep_drawings(sweeps))
-        path = write_reproduction(made, drawn, out, sweeps)
+        drawn = [*paper_drawings(made.observations)]
+        drawn += [*sweep_drawings(sweeps), *spring_drawings(springs)]
+        path = write_reproduction(made, drawn, out, sweeps, springs)
     for text in texts(made):
         click.echo(text)
     click.echo(f"\nFigures and verdicts: {printable(path)}")

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from certreg.paper.page import make_folder as make_folder
     from certreg.paper.page import write_reproduction as write_reproduction
     from certreg.paper.parameter_sweeps import all_sweeps as all_sweeps
+    from certreg.paper.spring_figures import spring_drawings as spring_drawings
+    from certreg.paper.spring_maps import spring_counts as spring_counts
     from certreg.paper.style import written as written
     from certreg.paper.sweep_figures import sweep_drawings as sweep_drawings
     from certreg.paper.terminal import audit_lines as audit_lines
@@ -64,6 +66,8 @@ __getattr__ = lazy_face(
             "write_reproduction",
         ),
         "parameter_sweeps": ("all_sweeps",),
+        "spring_figures": ("spring_drawings",),
+        "spring_maps": ("spring_counts",),
         "style": ("written",),
         "sweep_figures": ("sweep_drawings",),
         "terminal": (

@@ -14,6 +14,7 @@ from certreg.paper.equilibria import unstable_counts
 from certreg.paper.evidence import NEAR
 from certreg.paper.parameter_sweeps import sweep_rows
 from certreg.paper.scheme import STEP, STOP
+from certreg.paper.spring_maps import spring_rows
 from certreg.paper.terminal import plain
 
 if TYPE_CHECKING:
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from certreg.paper.counterexamples import CertifiedCloud
     from certreg.paper.observations import Observations
     from certreg.paper.parameter_sweeps import Sweep
+    from certreg.paper.spring_maps import SpringCounts
     from certreg.paper.style import Drawing
     from certreg.paper.verdicts import ClaimVerdict, Reproduction
 
@@ -151,7 +153,10 @@ def markdown(reproduction: Reproduction, drawings: Sequence[Drawing]) -> str:
 
 
 def reproduction_document(
-    reproduction: Reproduction, drawings: Sequence[Drawing], sweeps: Sequence[Sweep] = ()
+    reproduction: Reproduction,
+    drawings: Sequence[Drawing],
+    sweeps: Sequence[Sweep] = (),
+    springs: Sequence[SpringCounts] = (),
 ) -> Document:
     """The reproduction as `certreg-reproduction/1`."""
     setup = reproduction.observations.setup
@@ -185,6 +190,7 @@ def reproduction_document(
             for drawing in drawings
         ],
         "maps": list(sweep_rows(sweeps)),
+        "springs": list(spring_rows(springs)),
         "reasons": reasons,
     }
 

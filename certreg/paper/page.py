@@ -22,6 +22,7 @@ from certreg.paper.documents import (
     verdict_word,
 )
 from certreg.paper.parameter_sweeps import SWEEPS_FILE, sweep_table
+from certreg.paper.spring_maps import SPRINGS_FILE, spring_table
 from certreg.paper.style import written
 from certreg.paper.terminal import plain
 from certreg.report import dumps, rendered
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 
     from certreg.paper.counterexamples import CertifiedCloud
     from certreg.paper.parameter_sweeps import Sweep
+    from certreg.paper.spring_maps import SpringCounts
     from certreg.paper.style import Drawing
     from certreg.paper.verdicts import ClaimVerdict, Reproduction
 
@@ -72,17 +74,19 @@ def write_reproduction(
     drawings: Sequence[Drawing],
     folder: str | os.PathLike[str],
     sweeps: Sequence[Sweep] = (),
+    springs: Sequence[SpringCounts] = (),
 ) -> Path:
     """Write figures, captions, certificates and verdicts; the path of the page.
 
-    sweeps: those whose numbers are to be written, too.
+    sweeps, springs: those whose numbers are to be written, too.
     Each file is written under a temporary name and renamed. Raises InvalidFileError.
     """
     place = Path(folder)
+    document = reproduction_document(reproduction, drawings, sweeps, springs)
     contents = {
         TABLE: markdown(reproduction, drawings).encode(),
         PAGE: html_page(reproduction, drawings).encode(),
-        DOCUMENT: (dumps(reproduction_document(reproduction, drawings, sweeps)) + "\n").encode(),
+        DOCUMENT: (dumps(document) + "\n").encode(),
     }
     for drawing in drawings:
         stem = f"{FIGURES}/{drawing.name}"
@@ -90,6 +94,8 @@ def write_reproduction(
         contents[f"{stem}.txt"] = f"{drawing.title}. {drawing.caption}\n".encode()
     if sweeps:
         contents[SWEEPS_FILE] = sweep_table(sweeps)
+    if springs:
+        contents[SPRINGS_FILE] = spring_table(springs)
     for claim in reproduction.claims:
         for cloud in claim.certified:
             files = cloud.files.items()

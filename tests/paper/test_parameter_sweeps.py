@@ -453,6 +453,7 @@ def test_the_command_writes_the_maps_when_asked(tmp_path, monkeypatch, found, dr
     monkeypatch.setattr("certreg.cli.reproducing.all_sweeps", lambda *_: found)
     monkeypatch.setattr("certreg.cli.reproducing.sweep_drawings", lambda _: drawn[:1])
     monkeypatch.setattr("certreg.cli.reproducing.paper_drawings", lambda _: ())
+    monkeypatch.setattr("certreg.cli.reproducing.spring_counts", lambda *_: ())
 
     run = certreg("reproduce", "--runs", "1", "--no-proofs", "--beyond", "--out", tmp_path)
 

@@ -1,0 +1,154 @@
+"""Equilibria of random general springs: counted as the exact theory has them, and as drawn."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+from test_reproduce import SCHEMA
+
+from certreg.objective.springs import Springs
+from certreg.paper import spring_maps as mapping
+from certreg.paper.spring_figures import spring_drawings
+from certreg.paper.spring_maps import (
+    SIZES,
+    SPRING_CELLS,
+    SpringCell,
+    SpringCounts,
+    generator,
+    measured,
+    observed,
+    spring_counts,
+    spring_problem,
+    spring_rows,
+    spring_table,
+    wilson,
+)
+from certreg.problem.moments_of_springs import spring_moments
+from certreg.problem.problem import RegistrationProblem
+from certreg.relaxation.optimum import find_optimum
+
+FEW = [cell for cell in SPRING_CELLS if cell.points in {6, 20} and cell.noise in {0.1, 1.0}]
+
+
+@pytest.fixture(scope="module")
+def counts() -> tuple[SpringCounts, ...]:
+    return tuple(measured(cell, 0, 3) for cell in FEW)
+
+
+def test_there_is_a_family_for_planes_lines_and_covariances():
+    assert set(SIZES) == set(mapping.SPRINGS) == set(mapping.FAMILY_WORDS)
+    ranks = {"plane": (8, 0, 0), "line": (0, 8, 0), "covariance": (0, 0, 8)}
+    for family, expected in ranks.items():
+        cell = SpringCell(family=family, points=8, noise=0.1)
+        springs = spring_problem(generator(cell, 0, 0), cell).springs
+        assert springs is not None
+        assert springs.ranks[1:] == expected
+
+
+def test_counts_are_even_and_four_at_least_and_some_wrong_ones_are_stable(counts):
+    known = np.concatenate([each.counted for each in counts])
+    stable = np.concatenate([each.stable[each.listed] for each in counts])
+
+    assert (known % 2 == 0).all()
+    assert known.min() >= 4
+    assert known.max() <= 40
+    assert (stable >= 1).all()
+    assert (2 * stable <= known).all()  # as many of even as of odd index, minima are even
+    assert sum(each.several for each in counts) > 0
+
+
+def test_six_planes_without_noise_have_what_the_derivation_says():
+    corners = np.concatenate([np.eye(3), -np.eye(3)])
+    seen = observed(RegistrationProblem(corners, np.zeros((6, 3)), normals=np.abs(corners)))
+
+    assert (seen.listed, seen.equilibria, seen.stable) == (True, 40, 8)
+
+
+def test_one_wall_is_not_counted():
+    points = np.random.default_rng(0).standard_normal((9, 3))
+    seen = observed(RegistrationProblem(points, points, normals=np.tile([0.0, 0.0, 1.0], (9, 1))))
+
+    assert (seen.listed, seen.equilibria, seen.stable) == (False, 0, 0)
+
+
+def test_the_minima_are_those_that_the_search_for_the_optimum_knows():
+    cell = SpringCell(family="plane", points=6, noise=0.1)
+    problem = spring_problem(generator(cell, 0, 1), cell)
+    found = find_optimum(Springs(spring_moments(problem)))
+
+    assert observed(problem).stable >= len(found.minima) >= 1
+
+
+def test_an_instance_does_not_depend_on_how_many_are_made_and_the_noise_alone_differs():
+    cell = SpringCell(family="line", points=4, noise=0.1)
+    few, more = measured(cell, 3, 1), measured(cell, 3, 2)
+    loud = spring_problem(generator(replace(cell, noise=1.0), 3, 0), replace(cell, noise=1.0))
+    still = spring_problem(generator(cell, 3, 0), cell)
+
+    assert few.equilibria[0] == more.equilibria[0]
+    assert np.array_equal(loud.source, still.source)
+    assert not np.array_equal(loud.target, still.target)
+
+
+def test_wilsons_interval_holds_the_share_and_is_right_where_it_is_known():
+    assert wilson(0, 0) == (0.0, 1.0)
+    assert wilson(0, 10)[0] == 0.0
+    assert wilson(10, 10)[1] == pytest.approx(1.0)
+    low, high = wilson(50, 100)  # centre 1/2: half the width is z / (2 sqrt(n + z^2))
+    half = mapping.Z95 / (2.0 * math.sqrt(100.0 + mapping.Z95**2))
+    assert (low, high) == pytest.approx((0.5 - half, 0.5 + half))
+
+
+def test_the_table_and_the_document_say_the_same(counts):
+    rows = list(spring_rows(counts))
+    listed = list(csv.DictReader(io.StringIO(spring_table(counts).decode())))
+
+    schema = {"$schema": SCHEMA["$schema"], **SCHEMA["properties"]["springs"]}
+    assert Draft202012Validator(schema).is_valid(rows)
+    assert [row["family"] for row in listed] == [row["family"] for row in rows]
+    assert [int(row["equilibria_most"]) for row in listed] == [r["equilibria_most"] for r in rows]
+    assert all(row["several_stable_low"] <= row["several_stable_high"] for row in rows)
+
+
+def test_a_cell_of_which_nothing_is_listed_has_no_numbers(counts):
+    nothing = replace(counts[0], listed=np.zeros_like(counts[0].listed))
+    (row,) = spring_rows([nothing])
+
+    assert (row["listed"], row["equilibria_least"], row["stable_most"]) == (0, None, None)
+    assert (row["several_stable_low"], row["several_stable_high"]) == (0.0, 1.0)
+    (first, second) = spring_drawings([nothing, *counts[1:]])
+    assert "3 of" in first.caption
+    assert "left out" in first.caption
+    assert second.name == "springs-stable"
+
+
+def test_the_figures_tell_the_range_that_was_seen(counts):
+    counted, _ = spring_drawings(counts)
+    known = np.concatenate([each.counted for each in counts])
+    words = [text.get_text() for axes in counted.figure.axes for text in axes.texts]
+
+    assert f"these have {known.min()} to {known.max()}, always" in counted.caption
+    assert words.count("4") >= 6  # the isotropic row
+    assert spring_drawings(()) == ()
+
+
+def test_every_cell_is_measured_and_progress_is_told(monkeypatch):
+    told: list[tuple[str, int, int]] = []
+
+    def progress(stage: str, done: int, total: int) -> None:
+        told.append((stage, done, total))
+
+    monkeypatch.setattr(mapping, "SPRING_CELLS", FEW[:2])
+    monkeypatch.setattr(mapping, "measured", lambda cell, seed, runs: SimpleNamespace(cell=cell))
+
+    found = spring_counts(0, None, progress)
+
+    assert [each.cell for each in found] == FEW[:2]
+    assert told == [("springs", 0, 2), ("springs", 1, 2), ("springs", 2, 2)]
