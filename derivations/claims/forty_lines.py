@@ -12,6 +12,7 @@ from sympy.polys.domains import ZZ
 from sympy.polys.rings import ring
 
 from certreg.objective.quartics import MONOMIALS, gradient, quartic_of_form, value
+from certreg.verify import QUARTICS, are_forty, in_chart, minors_of
 
 from ..algebra import combination, facts, identity, quoted
 from ..hypothesis import vanishing
@@ -79,6 +80,16 @@ def _equations(shipped: Gradient) -> Proof:
         sum(c * minor for c, minor in zip(_six(), _minors(Q, dF), strict=True)),
         [(_cofactor(k), part) for k, part in enumerate(CRITICAL.parts)],
     )
+    symbolic: Any = dict(zip(QUARTICS, SYMBOLS, strict=True))
+    forms = [
+        sum(c * sympy.prod([Q[k] for k in m]) for m, c in minor.items())
+        for minor in minors_of(symbolic)
+    ]
+    yield identity(
+        r"`certreg.verify.minors_of`, run on the symbols of $F$, has the same six.",
+        forms,
+        _minors(Q, dF),
+    )
     p = Matrix([1, *Q[1:]])
     at = Matrix(shipped(SYMBOLS, tuple(p)))
     three = [at[i] - at[0] * p[i] for i in (1, 2, 3)]
@@ -122,7 +133,7 @@ def _turned(turn: Any) -> Any:
 
 
 def _ranks(bound: int) -> Proof:
-    shown = {
+    shown: dict[str, tuple[Quartic, tuple[int, ...]]] = {
         "good": (pure(1, 2, 3, 5), TURN),
         "unturned": (pure(1, 2, 3, 5), (1, 0, 0, 0)),
         "isotropic": (isotropic(), TURN),
@@ -145,24 +156,33 @@ def _ranks(bound: int) -> Proof:
     yield facts(
         r"The ranks may be taken modulo any number, with pivots that have an inverse: then a minor "
         r"of the matrix of integers is not zero modulo it, and is not zero. So a rank found is at "
-        r"most the rank over $\mathbb Q$, the safe side for both. Seen to refuse: in the chart of "
-        r"$1$, where critical lines lie in $p_0 = 0$, and for one weight for each pair, which has "
-        r"infinitely many complex critical lines, the first rank is below 45.",
+        r"most the rank over $\mathbb Q$, the safe side for both. `certreg.verify.are_forty` says "
+        r"yes to the example, modulo a prime and a composite number, and no in the chart of $1$, "
+        r"where critical lines lie in $p_0 = 0$, and to one weight for each pair, which has "
+        r"infinitely many complex critical lines. Here the first rank is below 45.",
         [
-            ranks(*shown["good"], COMPOSITE),
+            *(_granted(*shown["good"], modulus) for modulus in (PRIME, COMPOSITE)),
+            *(_granted(*shown[name], PRIME) for name in ("unturned", "isotropic")),
             *(ranks(*shown[name], PRIME)[0] < PLANE for name in ("unturned", "isotropic")),
         ],
-        [(PLANE, 80), True, True],
+        [True, True, False, False, True, True],
     )
+
+
+def _granted(quartic: Quartic, turn: tuple[int, ...], modulus: int) -> bool:
+    return are_forty(minors_of(in_chart(quartic, _left(turn))), modulus)
+
+
+def _left(turn: tuple[int, ...]) -> list[list[int]]:
+    w, x, y, z = turn
+    return [[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]]
 
 
 @cache
 def ranks(quartic: Quartic, turn: tuple[int, ...], modulus: int) -> tuple[int, int]:
     """Both ranks modulo a number, of F(a p)."""
-    polynomials, *variables = ring("p_0,p_1,p_2,p_3", ZZ)
-    del polynomials
-    w, x, y, z = turn
-    left = [[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]]
+    made: Any = ring("p_0,p_1,p_2,p_3", ZZ)
+    variables, left = made[1:], _left(turn)
     q = [sum(e * p for e, p in zip(row, variables, strict=True)) for row in left]
     dF = gradient(quartic, q)
     along = [sum(left[k][i] * dF[k] for k in range(4)) for i in range(4)]
@@ -211,23 +231,29 @@ CLAIM = Claim(
     r"\nabla F\,]$, times all monomials of degree 4, have rank 45 on $q_0 = 0$, and times all "
     r"cubics rank at least 80, then $F$ has at most 40 critical lines, complex ones counted, and "
     r"none has $q_0 = 0$. Ranks modulo any number prove it. So for almost every $F$.",
-    concludes=(1, 2, 3, 4, 5, 6),
+    concludes=(1, 2, 3, 4, 5, 6, 7),
     hypotheses=(CRITICAL,),
     setting=(r"$F_i$ are the derivatives of $F$; its 35 coefficients are any numbers.",),
     source="ours; the number of lines is that of the eigenvectors of a symmetric tensor of order "
     "four, [CartwrightSturmfels2013]",
     proof=proof,
     controls={
-        "at most 39": Mutation(at=5, proof=lambda: proof(bound=39)),
+        "at most 39": Mutation(at=6, proof=lambda: proof(bound=39)),
         "a gradient that lacks a term": Mutation(at=2, proof=lambda: proof(_one_term_lost)),
-        "a chart that is no rotation": Mutation(at=4, proof=lambda: proof(turn=_general)),
+        "a chart that is no rotation": Mutation(at=5, proof=lambda: proof(turn=_general)),
     },
     not_claimed="That 40 lines are real, or how many: claims `forty_real`, `real_lines`. That the "
     "ranks are full wherever there are finitely many: another chart may be needed, and where they "
     "are not full nothing is said.",
     needs=("quaternions", "quartic_relaxation"),
     standard=("A polynomial that is not the zero polynomial vanishes on a set of measure zero.",),
-    runs=("certreg.objective.quartics.gradient", "certreg.objective.quartics.value"),
-    used_by=("certreg.equilibrium.paths.critical_lines",),
+    runs=(
+        "certreg.objective.quartics.gradient",
+        "certreg.objective.quartics.value",
+        "certreg.verify.minors_of",
+        "certreg.verify.in_chart",
+        "certreg.verify.are_forty",
+    ),
+    used_by=("certreg.verify.SpringsListStatement", "certreg.equilibrium.paths.critical_lines"),
     not_in_coq="All of it: the theorems in Coq are about one weight for each pair.",
 )
