@@ -7,14 +7,21 @@ import hashlib
 import shlex
 from dataclasses import dataclass
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeVar
 
-from certreg.report.markup import printable
+from certreg import __version__
+from certreg.report.markup import asset, printable, rendered
+from certreg.report.viewer import Names
+from certreg.report.words import THEOREMS
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
     from certreg.certificate import Certificate
     from certreg.registration import AnyRegistration
     from certreg.results import Verdict
+
+R = TypeVar("R", bound="AnyRegistration")
 
 ASSETS = files("certreg.report") / "assets"
 GUARANTEE_WORDS = (
@@ -25,20 +32,37 @@ EMBEDDED_BYTES = 8 << 20  # of a certificate in its page; a larger one is named 
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class AnyReport:
-    """What a page shows, beside the registration.
+class AnyReport(Generic[R]):
+    """What a page shows of a registration.
 
     content: the bytes of the certificate's file, name: what it is called. verdict: the checker's,
     on these; the registration's bounds are those that it proves. weak: they are far from what can
     be proved. documentation: where its pages lie, to link to.
     """
 
+    TEMPLATE: ClassVar[str]
+    SCRIPT: ClassVar[str | None] = None  # one of the assets
+    DIGESTED: ClassVar[str]
+
+    registration: R
     certificate: Certificate[Any]
     content: bytes
     verdict: Verdict
     name: str = "certificate.json"
     weak: bool = False
     documentation: str | None = None
+
+    @classmethod
+    def of(cls, registration: R, *, documentation: str | None = None) -> Self:
+        """The report of a registration just made. Raises ValueError where it is not certified."""
+        certificate, verdict = required_proof(registration)
+        return cls(
+            registration=registration,
+            certificate=certificate,
+            content=certificate.to_json(),
+            verdict=verdict,
+            documentation=documentation,
+        )
 
     @property
     def embedded(self) -> bool:
@@ -52,10 +76,59 @@ class AnyReport:
 
     def html(self) -> bytes:
         """The file's content, in UTF-8."""
+        problem = self.registration.problem
+        style = (ASSETS / "report.css").read_text("utf-8")
+        script = None if self.SCRIPT is None else (ASSETS / self.SCRIPT).read_text("utf-8")
+        names = Names.of(self.certificate.about, problem.n)
+        whole = rendered(
+            self.TEMPLATE,
+            policy=policy(style=style, script=script),
+            style=asset("style", style),
+            script=None if script is None else asset("script", script),
+            scripted=script is not None,
+            version=__version__,
+            names=names,
+            pairs=pairs_words(problem.n),
+            documentation=self.documentation,
+            guarantee_words=GUARANTEE_WORDS,
+            theorems=THEOREMS,
+            file=self.file,
+            digested=self.DIGESTED,
+            digest=problem.digest(),
+            checked=self.verdict.theorems,
+            **self.values(names),
+        )
+        return f"{whole}\n".encode()
+
+    def values(self, names: Names) -> Mapping[str, Any]:
+        """What the template of these registrations takes besides."""
         raise NotImplementedError
 
 
-def file_fields(report: AnyReport) -> dict[str, Any]:
+def pairs_words(n: int) -> str:
+    """How many pairs there are."""
+    return f"{n} pair{'s' * (n != 1)}"
+
+
+def head_of(
+    headline: str,
+    *,
+    further: Iterable[str],
+    todo: Iterable[str],
+    warnings: Iterable[str],
+) -> dict[str, Any]:
+    """What is said first, of a headline `STAMP: words`."""
+    stamp, _, said = headline.partition(": ")
+    return {
+        "stamp": stamp,
+        "headline": sentence(said),
+        "further": [begun(words) for words in further],
+        "todo": [begun(words) for words in todo],
+        "warnings": [sentence(words) for words in warnings],
+    }
+
+
+def file_fields(report: AnyReport[Any]) -> dict[str, Any]:
     """What the page says of the certificate's file."""
     name = printable(report.name)
     return {

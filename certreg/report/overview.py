@@ -40,7 +40,7 @@ from certreg.report.words import motion_words, turn_of
 from certreg.results import Absent, Optimality
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from certreg.geometry import Pose
     from certreg.registration import AnyRegistration, Fit, PoseCovariance, Registration
@@ -116,17 +116,25 @@ class Overview:
 
 def _pose(registration: Registration) -> PoseFacts:
     pose, covariance = registration.pose, registration.solution.stated("covariance")
-    exact, sure = pose.T_target_source.tolist(), dict(uncertainty_rows(registration))
+    sure = dict(uncertainty_rows(registration))
     facts = [rotation_fact(pose, None), *axis_facts(pose), translation_fact(pose, None)]
     if BASIS in sure and not isinstance(covariance, Absent):
         facts = _sure(registration, covariance)
     basis = (
         f"± is {sure[BASIS]}. {WHOSE} " if BASIS in sure else f"Uncertainty {sure['uncertainty']}. "
     )
+    told = f"{basis}{NO_PROOF if BASIS in sure else ''}".strip()
+    return pose_facts(registration, facts, told)
+
+
+def pose_facts(registration: AnyRegistration, facts: Iterable[Fact], uncertainty: str) -> PoseFacts:
+    """The pose with these facts beside its digits."""
+    pose = registration.pose
+    exact = pose.T_target_source.tolist()
     return PoseFacts(
         rows=aligned(exact),
         facts=tuple(facts),
-        uncertainty=f"{basis}{NO_PROOF if BASIS in sure else ''}".strip(),
+        uncertainty=uncertainty,
         matrix="\n".join(" ".join(map(repr, row)) for row in exact),
         quaternion=" ".join(map(repr, pose.quaternion_wxyz.tolist())),
         motion=motion_words(registration),
@@ -200,9 +208,14 @@ def _fit(registration: Registration) -> Iterator[Fact]:
         words=f"in the {unit_words(fit)}{_whose(registration, at_rounding=at_rounding)}",
     )
     yield _explained(fit)
-    if fit.largest_over_median_residual is not None:
-        ratio = f"{fit.largest_over_median_residual:.3g}"
-        yield Fact(name="Worst pair", value=f"{ratio} ×", words="the median distance")
+    yield from fit_facts(registration, "the median distance")
+
+
+def fit_facts(registration: AnyRegistration, median: str) -> Iterator[Fact]:
+    """The worst pair beside the median one, called so; chi-squared where a noise is known."""
+    ratio = registration.fit.largest_over_median_residual
+    if ratio is not None:
+        yield Fact(name="Worst pair", value=f"{ratio:.3g} ×", words=median)
     chi2 = chi2_words(registration)
     if chi2 is not None:
         value, _, words = chi2.partition(" ")
@@ -237,17 +250,27 @@ def _explained(fit: Fit) -> Fact:
 def _judged(registration: Registration) -> tuple[Mark, str]:
     """Whether a fit is warned of, and by which tests; green only where nothing is, above it."""
     fit, headline = registration.fit, headline_words(registration)
-    count, good = len(fit.warnings), headline_of(registration).good
-    if count:
-        words = f"{count} warning{'s' * (count > 1)}, above"
-        return Mark(kind="open", words=words), "Statistics: what is proved holds nevertheless."
+    if fit.warnings:
+        return warned(fit)
     tested = fit.stated("scale_p")
     if isinstance(tested, Absent):
         return Mark(kind="plain", words="not tested"), f"Not tested: {tested.reason}."
     quiet = _quiet_words(registration)
     if warnings(registration, headline):
         return Mark(kind="open", words="see the warning above"), f"{quiet} {ABOVE}"
-    return Mark(kind="good" if good else "plain", words="no warning"), quiet
+    return quiet_mark(good=headline_of(registration).good), quiet
+
+
+def warned(fit: Fit) -> tuple[Mark, str]:
+    """The mark and the words of a fit that is warned of."""
+    count = len(fit.warnings)
+    words = f"{count} warning{'s' * (count > 1)}, above"
+    return Mark(kind="open", words=words), "Statistics: what is proved holds nevertheless."
+
+
+def quiet_mark(*, good: bool) -> Mark:
+    """Of a fit that no test warns of; green only where the headline is good."""
+    return Mark(kind="good" if good else "plain", words="no warning")
 
 
 def _quiet_words(registration: Registration) -> str:
@@ -264,20 +287,8 @@ def _quiet_words(registration: Registration) -> str:
 
 
 def _proved(registration: Registration) -> Iterator[Fact]:
-    equilibria, bounds = registration.equilibria, registration.bounds
-    if bounds is not None:
-        yield Fact(
-            name="Gap",
-            value=f"≤ {at_most(bounds.greatest_gap)}",
-            words=f"of the objective above the global minimum: {share_words(bounds)}",
-        )
-    degrees = proved_degrees(registration)
-    if degrees is not None:
-        yield Fact(
-            name="Rotation",
-            value=f"within {degrees}°",
-            words="of the exact optimum; the noise of the data is not counted",
-        )
+    equilibria = registration.equilibria
+    yield from bound_facts(registration, proved_degrees(registration))
     others = equilibria.classification.spurious
     yield Fact(
         name="Other poses at rest",
@@ -287,6 +298,25 @@ def _proved(registration: Registration) -> Iterator[Fact]:
     yield from robustness_facts(registration)
     value, words = split(margin_words(equilibria))
     yield Fact(name="Ambiguity margin", value=value, words=f"{words} (computed)")
+
+
+def bound_facts(
+    registration: AnyRegistration, degrees: str | None, of: str = "the exact optimum"
+) -> Iterator[Fact]:
+    """The proved gap, and how far at most the rotation is from an optimum."""
+    bounds = registration.bounds
+    if bounds is not None:
+        yield Fact(
+            name="Gap",
+            value=f"≤ {at_most(bounds.greatest_gap)}",
+            words=f"of the objective above the global minimum: {share_words(bounds)}",
+        )
+    if degrees is not None:
+        yield Fact(
+            name="Rotation",
+            value=f"within {degrees}°",
+            words=f"of {of}; the noise of the data is not counted",
+        )
 
 
 def robustness_facts(registration: AnyRegistration) -> Iterator[Fact]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 from certreg.registration import SpringRegistration
 from certreg.report.page import Report
@@ -13,13 +13,13 @@ if TYPE_CHECKING:
     from certreg.report.any_report import AnyReport
 
 
-def report_on(registration: AnyRegistration) -> AnyReport:
+def report_on(registration: AnyRegistration) -> AnyReport[Any]:
     """The report of a registration just made. Raises ValueError where it is not certified."""
     if isinstance(registration, SpringRegistration):
         return SpringReport.of(registration)
     return Report.of(cast("Registration", registration))
 
 
-def html_page(report: AnyReport) -> bytes:
+def html_page(report: AnyReport[Any]) -> bytes:
     """The file's content, in UTF-8."""
     return report.html()

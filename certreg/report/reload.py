@@ -82,7 +82,7 @@ def report_of(
     points: RegistrationProblem | Clouds | None = None,
     *,
     noted: Callable[[str], None] | None = None,
-) -> AnyReport:
+) -> AnyReport[Any]:
     """The report of a certificate of optimality.
 
     points: where the certificate does not hold them; where it does and both are given, it must be
