@@ -113,7 +113,7 @@ if TYPE_CHECKING:
     from certreg.registration.spring_result import Method as Method
     from certreg.registration.spring_result import SpringRegistration as SpringRegistration
     from certreg.registration.spring_result import SpringSolution as SpringSolution
-    from certreg.registration.spring_rows import pulled_to as pulled_to
+    from certreg.registration.spring_rows import SpringAxes as SpringAxes
     from certreg.registration.weak_shifts import weak_shift_words as weak_shift_words
 
 __getattr__ = lazy_face(
@@ -261,7 +261,7 @@ __getattr__ = lazy_face(
             "SpringRegistration",
             "SpringSolution",
         ),
-        "spring_rows": ("pulled_to",),
+        "spring_rows": ("SpringAxes",),
         "weak_shifts": ("weak_shift_words",),
     },
 )

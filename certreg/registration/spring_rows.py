@@ -75,17 +75,29 @@ def _largest_singular(lower: NDArray[np.float64]) -> NDArray[np.float64]:
     return found
 
 
-def pulled_to(
-    factors: NDArray[np.float64], moved: NDArray[np.float64], target: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """(k, 3): the point of each plane or line nearest to the moved source; of a point, the target.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SpringAxes(Brief):
+    """Along which axes springs pull.
 
-    The residual projected onto the range of W, the singular vectors of L that are not zero.
+    axes: (k, 3, 3), orthonormal columns, those that are held first. ranks: (k,), how many are.
     """
-    axes, sizes, _ = np.linalg.svd(lower_triangles(factors))
-    held = sizes > np.finfo(float).eps * sizes[:, :1]
-    shares = np.einsum("kia,ki->ka", axes, target - moved) * held
-    return moved + np.einsum("kia,ka->ki", axes, shares)
+
+    axes: NDArray[np.float64]
+    ranks: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, factors: NDArray[np.float64]) -> SpringAxes:
+        """The range of W: the singular vectors of L, (k, 6), that are not zero."""
+        axes, sizes, _ = np.linalg.svd(lower_triangles(factors))
+        return cls(axes=axes, ranks=(sizes > np.finfo(float).eps * sizes[:, :1]).sum(axis=1))
+
+    def pulled_to(
+        self, moved: NDArray[np.float64], target: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """(k, 3): the point of each plane or line nearest to the moved source; else the target."""
+        held = np.arange(3) < self.ranks[:, np.newaxis]
+        shares = np.einsum("kia,ki->ka", self.axes, target - moved) * held
+        return moved + np.einsum("kia,ka->ki", self.axes, shares)
 
 
 def blocks_at(problem: RegistrationProblem, pose: Pose) -> Iterator[tuple[slice, SpringRows]]:

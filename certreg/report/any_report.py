@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeVar
 from certreg import __version__
 from certreg.report.markup import asset, printable, rendered
 from certreg.report.viewer import Names
-from certreg.report.words import THEOREMS
+from certreg.report.words import THEOREMS, begun, sentence
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -162,15 +162,3 @@ def policy(*, style: str, script: str | None = None) -> str:
 
 def _hash(text: str) -> str:
     return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode('ascii')}'"
-
-
-def begun(words: str) -> str:
-    """Words as the beginning of a sentence."""
-    return words[:1].upper() + words[1:]
-
-
-def sentence(words: str) -> str:
-    """Words as a sentence that ends by itself."""
-    ended = words.removesuffix(":").removesuffix(".")
-    whole = begun(ended if ended.endswith("?") else f"{ended}.")
-    return whole.replace(" %", "\u00a0%")  # on one line

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.registration import pulled_to
+from certreg.registration import SpringAxes
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -16,11 +16,15 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.dynamics import Trajectory
-    from certreg.registration import AnyRegistration
+    from certreg.registration import AnyRegistration, SpringRegistration
 
 WIDTH, HEIGHT, MARGIN = 240, 160, 10  # pixels
 BODY = 30  # points: fewer are hardly seen without lines between them
 SHOWN = 200  # points: a card is 20 kB at most
+ON_PAGE = 400  # points, of general springs, with what is held of each: 60 kB
+CROWD = 60  # points: more are drawn smaller
+PIECE = 0.2  # half of the side of a piece of a plane, of the median distance from the middle
+CLOUDS = "the target as rings, the source at the pose as dots"
 VIEW = np.array([[1.0, 0.0], [0.0, 0.87], [0.0, 0.5]])  # from 30 degrees beside the thinnest
 SOURCE, SPRING = "#0a84c6", "#d9690f"  # blue and orange, told apart by all eyes on any ground
 
@@ -32,6 +36,7 @@ class Sample(Brief):
     target: NDArray[np.float64]
     moved: NDArray[np.float64]
     ends: NDArray[np.float64] | None  # of general springs, where each pulls to; None: the target
+    axes: SpringAxes | None  # of general springs
 
     @classmethod
     def of(cls, registration: AnyRegistration, most: int) -> Sample:
@@ -40,10 +45,27 @@ class Sample(Brief):
         rows = np.unique(np.linspace(0, n - 1, min(n, most)).astype(np.int64))
         with np.errstate(over="ignore", invalid="ignore"):
             moved = registration.pose.apply(problem.source[rows])
-        target, ends = problem.target[rows].astype(np.float64), None
+        target, axes, ends = problem.target[rows].astype(np.float64), None, None
         if problem.factors is not None and np.isfinite(moved).all():
-            ends = pulled_to(problem.factors[rows].astype(np.float64), moved, target)
-        return cls(target=target, moved=moved, ends=ends)
+            axes = SpringAxes.of(problem.factors[rows].astype(np.float64))
+            ends = axes.pulled_to(moved, target)
+        return cls(target=target, moved=moved, ends=ends, axes=axes)
+
+    @property
+    def pieces(self) -> NDArray[np.float64] | None:
+        """(4, k, 3): corners of a square in each plane, about the target; two of a line; else one.
+
+        None where springs are not general.
+        """
+        if self.axes is None:
+            return None
+        off = np.linalg.norm(self.target - np.median(self.target, axis=0), axis=1)
+        half = PIECE * min(1.0, (CROWD / len(self.target)) ** 0.5) * float(np.median(off))
+        ranks = self.axes.ranks[:, np.newaxis]
+        across = half * self.axes.axes[:, :, 1] * (ranks == 1)
+        along = half * self.axes.axes[:, :, 2] * ((ranks == 1) | (ranks == 2))
+        turns = ((1, 1), (1, -1), (-1, -1), (-1, 1))
+        return np.stack([self.target + a * across + b * along for a, b in turns])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,10 +73,15 @@ class Picture(Brief):
     """What `templates/card.html` draws, in pixels: as text, for it computes nothing.
 
     words: what is to be seen. springs: lines x1, y1, x2, y2. rings, dots: of target and moved
-    source. spokes: from the target's centre, for few points. curve: the points of a line.
+    source. spokes: from the target's centre, for few points. pieces: the corners of pieces of
+    planes, and of lines. curve: the points of a line. radii: of rings and dots. stroke: of lines,
+    where it is not 1.
     """
 
     words: str
+    pieces: tuple[str, ...] = ()
+    radii: tuple[float, float] = (3, 1.6)
+    stroke: float | None = None
     springs: tuple[tuple[str, ...], ...] = ()
     rings: tuple[tuple[str, ...], ...] = ()
     dots: tuple[tuple[str, ...], ...] = ()
@@ -79,14 +106,45 @@ def registration_picture(registration: AnyRegistration) -> Picture | None:
         return None
     target, moved, *ends = flat
     centre = target.mean(axis=0)
+    bodied = len(target) <= BODY and not ends
     return Picture(
-        words="the target as rings, the source at the pose as dots",
+        words=f"{CLOUDS}{shown_words(registration)}",
         springs=_pixels(np.hstack([*(ends or [target]), moved])),
         rings=_pixels(target),
         dots=_pixels(moved),
         spokes=_pixels(np.hstack([np.broadcast_to(centre, target.shape), target]))
-        if len(target) <= BODY and not ends
+        if bodied
         else (),
+        radii=(5, 3) if bodied else (3, 1.6),
+    )
+
+
+def shown_words(registration: AnyRegistration, most: int = SHOWN) -> str:
+    """How many of the pairs are drawn, where it is not all of them."""
+    n = registration.problem.n
+    return f"; {most} of {n} pairs, evenly chosen" if n > most else ""
+
+
+def springs_picture(registration: SpringRegistration) -> Picture | None:
+    """As `registration_picture`, with a piece of each plane and line, for a page."""
+    sample = Sample.of(registration, ON_PAGE)
+    axes, ends, pieces = sample.axes, sample.ends, sample.pieces
+    if axes is None or ends is None or pieces is None:
+        return None
+    flat = _flattened(np.stack([sample.target, sample.moved, ends, *pieces]))
+    if flat is None:
+        return None
+    target, moved, ends, *corners = flat
+    held = (axes.ranks == 1) | (axes.ranks == 2)
+    shapes = np.hstack(corners)[held]
+    return Picture(
+        words=f"{CLOUDS}{shown_words(registration, ON_PAGE)}",
+        springs=_pixels(np.hstack([ends, moved])),
+        rings=_pixels(target),
+        dots=_pixels(moved),
+        pieces=tuple(map(" ".join, _pixels(shapes))),
+        radii=(2, 1.1) if len(target) <= CROWD else (1, 0.6),
+        stroke=0.5 if len(target) <= CROWD else 0.25,
     )
 
 

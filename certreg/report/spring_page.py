@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from certreg.registration import WEAK, SpringRegistration, is_green_spring
 from certreg.report.any_report import AnyReport, head_of
-from certreg.report.picture import registration_picture
+from certreg.report.picture import ON_PAGE, shown_words, springs_picture
 from certreg.report.spring_overview import spring_overview
 from certreg.report.spring_summary import spring_remedies, spring_verdict_words, spring_warnings
 from certreg.report.spring_words import NOT_CLAIMED_OF_SPRINGS, spring_sentences
 from certreg.report.summary import number
+from certreg.report.words import begun
 from certreg.results import Optimality
 
 if TYPE_CHECKING:
@@ -20,11 +21,7 @@ if TYPE_CHECKING:
 
     from certreg.report.viewer import Names
 
-PICTURE_WORDS = (
-    "The target as rings, the source at the pose as dots. The lines are the springs: each ends "
-    "where its plane or line is nearest. A pair need not meet: only what is off along its springs "
-    "counts."
-)
+CLOUDS = "The target as rings, the source at the pose as dots. The orange lines are the springs"
 WEAK_WORDS = "The certificate that certreg certify writes for these points and springs proves more."
 
 
@@ -41,8 +38,8 @@ class SpringReport(AnyReport[SpringRegistration]):
         return {
             **_head(self),
             "overview": spring_overview(registration),
-            "picture": registration_picture(registration),
-            "picture_words": PICTURE_WORDS,
+            "picture": springs_picture(registration),
+            "picture_words": picture_words(registration),
             "known": spring_sentences(registration),
             "not_claimed": NOT_CLAIMED_OF_SPRINGS,
             "labelled": names.labels is not None,
@@ -56,6 +53,23 @@ class SpringReport(AnyReport[SpringRegistration]):
     def _link(self) -> str:
         """The certificate as a link to itself: the page has no script that could save it."""
         return f"data:application/json;base64,{base64.b64encode(self.content).decode('ascii')}"
+
+
+def picture_words(registration: SpringRegistration) -> str:
+    """What the picture shows of these springs, and of how many."""
+    springs = registration.problem.springs
+    planes, lines = (springs.ranks[1], springs.ranks[2]) if springs is not None else (0, 0)
+    shown = shown_words(registration, ON_PAGE)
+    head = f"{begun(shown.removeprefix('; '))}. {CLOUDS}" if shown else CLOUDS
+    if not planes + lines:
+        return f"{head}; how much one counts depends on its direction."
+    kinds = " or ".join([*["plane"] * bool(planes), *["line"] * bool(lines)])
+    pieces = " and ".join([*["squares"] * bool(planes), *["strokes"] * bool(lines)])
+    return (
+        f"{head}: each ends where its {kinds} is nearest. The grey {pieces} are pieces of these, "
+        "of a size that means nothing. A pair need not meet: only what is off along its springs "
+        "counts."
+    )
 
 
 def _head(report: SpringReport) -> dict[str, Any]:

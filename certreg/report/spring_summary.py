@@ -33,7 +33,7 @@ NAMES = {
 }
 ONE_OF_MANY = "The pose below is one of those that are as good."
 LEAST_SHIFT = "The pose below is the one of them that moves the source's centre least."
-RANKS = {1: "plane", 2: "line", 3: "full"}
+RANKS = {1: "plane", 2: "line", 3: "full spring"}
 HOW = {
     Method.SQUARES: "a sum of squares of degree four",
     Method.CONES: "branch and bound on cones of quaternions",
@@ -163,7 +163,7 @@ def springs_words(registration: SpringRegistration) -> str:
     counts = [(summary.ranks[rank], word) for rank, word in RANKS.items() if summary.ranks[rank]]
     if len(counts) == 1:
         return NAMES[summary.kind]
-    return ", ".join(f"{count} {word}" for count, word in counts)
+    return ", ".join(f"{count} {word}{'s' * (count != 1)}" for count, word in counts)
 
 
 def relaxation_words(registration: SpringRegistration) -> str:
@@ -187,6 +187,8 @@ def relaxation_words(registration: SpringRegistration) -> str:
             f"{rank}, not tight: its value is {beside}{100.0 * share:.3g} % of the range of "
             "energies (computed)"
         )
+    if solution.found.relaxation.rank != 1:
+        return f"{rank}: it names no single rotation"
     return f"{rank}, {math.degrees(away):.1g} degrees from the optimum"
 
 

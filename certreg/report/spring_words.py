@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from certreg.registration import at_least, at_most, spring_degrees
-from certreg.report.any_report import sentence
-from certreg.report.spring_summary import how_words, relaxation_words, soft_words
-from certreg.report.words import NOT_CLAIMED, Sentence
+from certreg.registration import Method, at_least, at_most, spring_degrees
+from certreg.report.spring_summary import NEVER_NEGATIVE, how_words, relaxation_words, soft_words
+from certreg.report.words import NOT_CLAIMED, Sentence, robustness_sentences, sentence
 from certreg.results import Guarantee
 
 if TYPE_CHECKING:
@@ -15,6 +14,10 @@ if TYPE_CHECKING:
 
     from certreg.registration import SpringRegistration
 
+RESTS_ON = {
+    Method.SQUARES: ("quartic_relaxation",),
+    Method.CONES: ("bernstein_cones", "spring_caps"),
+}
 NOT_CLAIMED_OF_SPRINGS = (
     *NOT_CLAIMED,
     (
@@ -34,41 +37,49 @@ def spring_sentences(registration: SpringRegistration) -> list[Sentence]:
         *_optimality(registration),
         *_uniqueness(registration),
         *_growth(registration),
+        *robustness_sentences(registration, "growth_radius"),
         *_numbers(registration),
     ]
 
 
 def _optimality(registration: SpringRegistration) -> Iterator[Sentence]:
-    bounds = registration.bounds
-    if bounds is None:
+    bounds, method = registration.bounds, registration.solution.method
+    if bounds is None or method is None:
         return
+    how = how_words(registration)
+    theorems = () if how == NEVER_NEGATIVE else (*RESTS_ON[method], "growth_form")
     yield Sentence(
         words=(
             "Over all rotations and translations: the energy of the springs at the pose given "
             "below with all digits, by its quaternion and its translation, exceeds the minimum by "
-            f"at most {at_most(bounds.greatest_gap)}. It is proved by {how_words(registration)}."
+            f"at most {at_most(bounds.greatest_gap)}. It is proved by {how}."
         ),
         guarantee=Guarantee.EXACT,
+        theorems=(*theorems, "spring_translation"),
     )
 
 
 def _uniqueness(registration: SpringRegistration) -> Iterator[Sentence]:
     solution, degrees = registration.solution, spring_degrees(registration)
     exact, free = Guarantee.EXACT, solution.freedom
-    for words in (free.turn_words(), free.shift_words()):
-        if words:
-            yield Sentence(words=sentence(words), guarantee=exact)
+    if words := free.turn_words():
+        yield Sentence(words=sentence(words), guarantee=exact)
+    if words := free.shift_words():
+        theorems = ("spring_translation",)
+        yield Sentence(words=sentence(words), guarantee=exact, theorems=theorems)
     if solution.unique_rotation:
         far = "" if degrees is None else f" It is within {degrees} degrees of the one given below."
-        yield Sentence(words=f"One rotation alone is optimal.{far}", guarantee=exact)
+        words = f"One rotation alone is optimal.{far}"
+        yield Sentence(words=words, guarantee=exact, theorems=("growth_form",))
     elif solution.unique_rotation is False and not free.turn_words():
         words = "Two rotations at least are optimal, exactly as good as one another."
         yield Sentence(words=words, guarantee=exact)
     elif solution.unique_rotation is None:
-        words = "Whether one rotation alone is optimal is not decided."
+        words, theorems = "Whether one rotation alone is optimal is not decided.", ()
         if degrees is not None:
             words += f" All that are lie within {degrees} degrees of the one given below."
-        yield Sentence(words=words, guarantee=exact)
+            theorems = ("growth_form",)
+        yield Sentence(words=words, guarantee=exact, theorems=theorems)
         if soft := soft_words(registration):
             yield Sentence(words=sentence(soft), guarantee=Guarantee.NUMERICAL)
 
@@ -85,6 +96,7 @@ def _growth(registration: SpringRegistration) -> Iterator[Sentence]:
             "with whatever translation."
         ),
         guarantee=Guarantee.EXACT,
+        theorems=("growth_form",),
     )
 
 

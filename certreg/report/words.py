@@ -11,6 +11,7 @@ from certreg.certificate import sin2_half_angle_between
 from certreg.exact import half_angle_bound, rational_root_above
 from certreg.problem import trace
 from certreg.registration import DEGREE_SLACK, at_most, proved_degrees
+from certreg.report.robustness import robustness_words
 from certreg.report.summary import bounds_nothing, count_words, margin_words, number
 from certreg.results import Absent, ComponentKind, Guarantee, Optimality
 
@@ -32,6 +33,13 @@ THEOREMS = {  # claims of `certreg derive`, by the titles of their pages
     "certified_basin": "The certified basin",
     "dual_bound": "A multiplier that is proved is a bound",
     "spectrum": "The spectrum of Davenport's matrix",
+    "eigenvector_radius": "How far the points may move before the eigenvector has turned",
+    "spring_translation": "What a translation costs with matrices of springs",
+    "quartic_relaxation": "A quartic, and its sums of squares",
+    "bernstein_cones": "Cones and Bernstein coefficients",
+    "spring_caps": "Caps: curvature at a centre",
+    "growth_form": "The growth form",
+    "growth_radius": "How far the points may move",
 }
 NOT_CLAIMED = (
     "that the correspondences are right: a wrong pair is registered as faithfully as a right one;",
@@ -94,8 +102,28 @@ def sentences(
         *_equilibria(registration, body.claims),
         *_basin(registration, body),
         *_dual(registration, body.claims),
+        *robustness_sentences(registration, "eigenvector_radius"),
         *_numbers(registration, angles),
     ]
+
+
+def begun(words: str) -> str:
+    """Words as the beginning of a sentence."""
+    return words[:1].upper() + words[1:]
+
+
+def sentence(words: str) -> str:
+    """Words as a sentence that ends by itself."""
+    ended = words.removesuffix(":").removesuffix(".")
+    whole = begun(ended if ended.endswith("?") else f"{ended}.")
+    return whole.replace(" %", "\u00a0%")  # on one line
+
+
+def robustness_sentences(registration: AnyRegistration, theorem: str) -> Iterator[Sentence]:
+    """How far the points may be off, if it is proved."""
+    if registration.robustness is not None:
+        words = sentence(robustness_words(registration))
+        yield Sentence(words=words, guarantee=Guarantee.EXACT, theorems=(theorem,))
 
 
 def weak_words(registration: Registration) -> str:

@@ -19,7 +19,7 @@ from certreg.registration.certification import certify, simulate
 from certreg.registration.exit_codes import code_of_registration
 from certreg.registration.spring_covariance import half_hessian, source_centre
 from certreg.registration.spring_curvature import slope_and_curvature
-from certreg.registration.spring_rows import lower_triangles, pulled_to
+from certreg.registration.spring_rows import SpringAxes, lower_triangles
 from certreg.relaxation import refined
 from certreg.results import PoseVerdict
 
@@ -143,7 +143,7 @@ def test_residuals_of_planes_and_lines_are_the_distances_to_them():
         found = registered(family)
         block = found.problem.spring_block(slice(None))
         moved = found.pose.apply(block.source)
-        nearest = pulled_to(block.factors, moved, block.target)
+        nearest = SpringAxes.of(block.factors).pulled_to(moved, block.target)
 
         assert found.residuals == pytest.approx(np.linalg.norm(moved - nearest, axis=1), abs=1e-12)
         assert found.rmse == pytest.approx(np.sqrt(np.mean(found.residuals**2)))
