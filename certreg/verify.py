@@ -34,7 +34,7 @@ from typing import Any, ClassVar, Protocol
 Matrix = list[list[int]]
 Limits = Mapping[str, Fraction]
 TYPES = {"int": int, "bool": bool, "str": str}  # of an entry; else of how many integers it is:
-SUMS: dict[bytes, Any] = {}  # of other data, by prefix: doubles of a pair beside x, y; their sums
+SUMS: dict[bytes, Any] = {}  # of other data, by prefix: doubles a pair, their sums, what to give
 LENGTHS = {"Fraction": (2,), "tuple[int, int, int, int]": (4,), "tuple[int, ...]": range(5)}
 FORMAT = "certreg-certificate/1"
 INLINE_MAX, FILE_MAX = 10**6, 10**8  # points in a certificate, 75 MB in base64; its bytes
@@ -208,7 +208,8 @@ def bound_doubles(certificate: Statement, clouds: Clouds | None) -> memoryview:
     if clouds:
         parts = [p for p in (clouds.source, clouds.target, clouds.weights) if p is not None]
         same = [len(part) for part in parts] == [3 * n, 3 * n, own][: len(parts)]
-        require(same, "the certificate is about another number of points or weights")
+        ask = SUMS.get(certificate.prefix, (1, 0, "weights are unequal: give --weights FILE"))[2]
+        require(same, f"the certificate is about another number of points or {ask.split()[0]}")
         numbers = array("d", map((0.0).__add__, chain(*parts)))  # 0.0 + -0.0 = 0.0
         if sys.byteorder == "big":
             numbers.byteswap()
@@ -221,8 +222,7 @@ def bound_doubles(certificate: Statement, clouds: Clouds | None) -> memoryview:
         sigma = float(f"{w**-0.5:.6g}") if 1e-300 < w < 1e300 else 1.0
         option = f"--sigma {sigma}" if float(1 / Fraction(sigma) ** 2) == w else "--any-weight"
         told = f"the certified weight is {w!r}, not {'1' if bare else 'as given'}: give {option}"
-        ask = ("weights are unequal", "weights") if own == n else ("factors are needed", "factors")
-        require(good, told if equal else f"the certified {ask[0]}: give --{ask[1]} FILE")
+        require(good, told if equal else f"the certified {ask}")
     digest = hashlib.sha256(content).hexdigest()
     require(digest == certificate.digest, "the digest is not theirs (weights not given are 1)")
     return memoryview(content)[len(head) :]
@@ -905,7 +905,14 @@ def _quartic_terms() -> dict[Monomial, dict[int, int]]:
     return terms
 
 
-SUMS[SpringsStatement.prefix] = 6, spring_moments
+SUMS[SpringsStatement.prefix] = (
+    6,
+    spring_moments,
+    (
+        "springs are others, or not given: as for certify give --springs KIND, --normals FILE or the "
+        "like, and --sigma or --weights"
+    ),
+)
 # --- end of part: springs -----------------------------------------------------------------------
 # --- part: growth -------------------------------------------------------------------------------
 # What follows of an optimum of general springs from how the objective grows around it.

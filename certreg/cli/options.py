@@ -201,6 +201,9 @@ def bound_clouds(*, lightly: bool) -> Callable[[Callable[..., Any]], Callable[..
             noise = {name: options.pop(name) for name in ("sigma", "weights")}
             springs = options.pop("springs")
             _require_fitting(paths, noise, pairing or springs, any_weight=any_weight)
+            if any_weight and springs is not None:
+                message = "--any-weight goes without springs: give the --sigma that was certified"
+                raise click.UsageError(message)
             clouds, notes = None, list[str]()
             if paths and springs is not None:
                 pairing = pairing or io.BY_LABEL
