@@ -909,8 +909,8 @@ SUMS[SpringsStatement.prefix] = (
     6,
     spring_moments,
     (
-        "springs are others, or not given: as for certify give --springs KIND, --normals FILE or the "
-        "like, and --sigma or --weights"
+        "springs are others, or not given: as for certify give --springs KIND, --normals FILE or "
+        "the like, and --sigma or --weights"
     ),
 )
 # --- end of part: springs -----------------------------------------------------------------------

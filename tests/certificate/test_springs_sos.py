@@ -219,7 +219,7 @@ def test_a_certificate_is_about_its_factors_alone():
     bare = checker.Clouds(
         source=tuple(problem.source.ravel()), target=tuple(problem.target.ravel())
     )
-    assert "give --factors" in answer(document(case), bare).reason
+    assert "springs are others, or not given" in answer(document(case), bare).reason
 
 
 def test_an_objective_that_is_constant_is_certified_with_no_angle():
