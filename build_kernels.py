@@ -229,7 +229,7 @@ def _object(compiler: Compiler, level: str, unit: Path, folder: Path) -> Path:
     wider = () if level == BASELINE else (compiler.level(level),)
     flags = (*kernels.FLAGS, *wider)
     content = hashlib.sha256(repr((compiler.command, compiler.words, flags)).encode())
-    for path in (unit, kernels.UNITS[0], *kernels.HEADERS):  # the first is included by others
+    for path in (unit, *kernels.INCLUDED, *kernels.HEADERS):
         content.update(hashlib.sha256(path.read_bytes()).digest())
     target = folder / f"{unit.stem}-{level}-{content.hexdigest()[:24]}.o"
     if not target.is_file():
@@ -242,8 +242,9 @@ def _object(compiler: Compiler, level: str, unit: Path, folder: Path) -> Path:
 
 def _try(library: Path) -> None:
     """Whether it loads and runs, in a process of its own."""
-    names = (str(kernels.SIGNATURES), *kernels.WRITTEN)
-    _run([sys.executable, "-I", "-S", "-c", TRIAL, str(library), *names])
+    for signatures in kernels.SIGNATURES:
+        names = (str(signatures), *kernels.WRITTEN)
+        _run([sys.executable, "-I", "-S", "-c", TRIAL, str(library), *names])
 
 
 def _run(command: Sequence[str]) -> str:

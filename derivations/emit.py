@@ -10,15 +10,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import sympy
-
 from certreg.io.atomic import write_files
-from certreg.native.codegen.emit import generated_files
+from certreg.native.codegen.emit import GENERAL, generated_files
 from certreg.native.codegen.records import RecordLayout, record_of
 from certreg.native.codegen.translate import Definition, Port, port
 from certreg.relaxation.cones import GENERATED as CONES_FOLDER
 
+from . import spring_emit
 from .cones import cone_files
+from .emitting import Names
 from .integrators import (
     DECAY,
     IMPULSE,
@@ -32,31 +32,10 @@ from .integrators import (
 )
 from .linearisation import ambient_jacobian, hessian, intrinsic_jacobian
 from .motion import Body, State, flat, kinetic, potential, rate, spring_torque, unit_cloud
-from .notation import Matrix, inner, jacobian, rotation, square, vector
+from .notation import inner, jacobian, rotation, square, vector
 
 SPLITTING_STEP = {"h": STEP, "decay": DECAY, "impulse": IMPULSE}
 GENERATED = Path(__file__).resolve().parent.parent / "certreg" / "native" / "generated"
-
-
-class Names:
-    """Symbols for intermediate values, and the values, in the order in which they were named."""
-
-    def __init__(self) -> None:
-        self._values: list[tuple[Any, Any]] = []
-
-    def __call__(self, name: str, value: Any) -> Any:
-        """A symbol for a value; a matrix of symbols for a matrix."""
-        if hasattr(value, "shape"):
-            entries = [self(f"{name}_{k}", value[k]) for k in range(len(value))]
-            return Matrix(*value.shape, entries)
-        symbol = sympy.Dummy(name, real=True)
-        self._values.append((symbol, value))
-        return symbol
-
-    @property
-    def values(self) -> tuple[tuple[Any, Any], ...]:
-        """All that was named."""
-        return tuple(self._values)
 
 
 def records() -> tuple[RecordLayout, ...]:
@@ -226,6 +205,12 @@ def _curvature(state: State, body: Body) -> tuple[Port, ...]:
     return port("hessian", hessian(state, body)), port("torque", torque)
 
 
+def all_files() -> dict[str, bytes]:
+    """Everything that is generated, by name of the file: of isotropic and of general springs."""
+    general = generated_files(spring_emit.definitions(), spring_emit.records(), GENERAL)
+    return {**generated_files(definitions(), records()), **general}
+
+
 if __name__ == "__main__":
-    write_files(GENERATED, generated_files(definitions(), records()))
+    write_files(GENERATED, all_files())
     write_files(CONES_FOLDER, cone_files())

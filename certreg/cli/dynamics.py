@@ -8,7 +8,7 @@ import click
 
 from certreg.cli.numbers import NUMBER
 from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER, cloud_options
-from certreg.dynamics import Record
+from certreg.dynamics import Record, SimulationSettings
 from certreg.io import write_atomically, write_together
 from certreg.registration import (
     DONE,
@@ -19,6 +19,7 @@ from certreg.registration import (
     enumerated_springs,
     equilibrium_poses,
     simulated,
+    simulated_springs,
 )
 from certreg.report import (
     dumps,
@@ -29,14 +30,17 @@ from certreg.report import (
     simulation_summary,
     spring_enumeration_summary,
     spring_equilibria_document,
+    spring_simulation_document,
+    spring_simulation_summary,
 )
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from certreg.dynamics import Trajectory
     from certreg.io import Pair
     from certreg.problem import RegistrationProblem
-    from certreg.registration import Enumeration, SpringEnumeration
+    from certreg.registration import Enumeration, SimulatedSprings, SpringEnumeration
 
 SPECTRAL = "spectral"
 TRAJECTORY = ".npz"  # the one format of a trajectory
@@ -141,8 +145,7 @@ def _write_count(problem: RegistrationProblem, out: Path) -> None:
 @click.option(
     "--integrator",
     type=click.Choice(["euler", "midpoint", "splitting"]),
-    default="euler",
-    show_default=True,
+    help="Default: euler; with --springs midpoint, as euler is for one weight per pair.",
 )
 @click.option("--step", type=NUMBER, help="Largest step, in the time unit of the springs.")
 @click.option(
@@ -153,13 +156,19 @@ def simulate(
     problem: RegistrationProblem,
     pair: Pair,
     *,
-    integrator: str,
+    integrator: str | None,
     step: float | None,
     out: Path | None,
     as_json: bool,
 ) -> int:
     """Release the damped body at rest and see where it ends. Exit code 0 converged, 4 not."""
     del pair
+    if integrator == "euler" and problem.factors is not None:
+        message = (
+            "--integrator euler: for one weight per pair alone: on general springs take midpoint, "
+            "whose energy never rises, or splitting"
+        )
+        raise click.UsageError(message)
     if step is not None and not 0.0 < step < float("inf"):
         message = f"--step is {step}: give a finite number above 0"
         raise click.UsageError(message)
@@ -168,12 +177,24 @@ def simulate(
             f"--out {printable(out)}: a trajectory is written as {TRAJECTORY}: end the name so"
         )
         raise click.UsageError(message)
-    end = simulated(problem, integrator, step=step)
+    trajectory, text = _simulated(problem, integrator, step, as_json=as_json)
     if out is not None:
-        write_atomically(out, Record.of(problem, end.trajectory).to_bytes())
-    for note in end.trajectory.notes:
+        write_atomically(out, Record.of(problem, trajectory).to_bytes())
+    for note in trajectory.notes:
         click.echo(f"note: {note}", err=True)
-    click.echo(dumps(simulation_document(end)) if as_json else simulation_summary(end))
+    click.echo(text)
     if out is not None and not as_json:
-        click.echo(f"Trajectory: {len(end.trajectory.times)} states written to {printable(out)}")
-    return DONE if end.trajectory.converged else NOT_CERTIFIED
+        click.echo(f"Trajectory: {len(trajectory.times)} states written to {printable(out)}")
+    return DONE if trajectory.converged else NOT_CERTIFIED
+
+
+def _simulated(
+    problem: RegistrationProblem, integrator: str | None, step: float | None, *, as_json: bool
+) -> tuple[Trajectory | SimulatedSprings, str]:
+    """The motion, and what is printed of it."""
+    if problem.factors is not None:
+        run = simulated_springs(problem, integrator, settings=SimulationSettings(step=step))
+        document = spring_simulation_document(run) if as_json else None
+        return run, spring_simulation_summary(run) if document is None else dumps(document)
+    end = simulated(problem, integrator, step=step)
+    return end.trajectory, dumps(simulation_document(end)) if as_json else simulation_summary(end)

@@ -18,6 +18,11 @@ if TYPE_CHECKING:
     from certreg.dynamics.integrators import SimulationSettings as SimulationSettings
     from certreg.dynamics.simulation import optimal_damping as optimal_damping
     from certreg.dynamics.simulation import simulate as simulate
+    from certreg.dynamics.spring_body import MovingSprings as MovingSprings
+    from certreg.dynamics.spring_body import moving_springs as moving_springs
+    from certreg.dynamics.spring_simulation import SpringStatus as SpringStatus
+    from certreg.dynamics.spring_simulation import SpringTrajectory as SpringTrajectory
+    from certreg.dynamics.spring_simulation import simulate_springs as simulate_springs
     from certreg.dynamics.trajectories import Record as Record
     from certreg.dynamics.trajectory import SimulationStatus as SimulationStatus
     from certreg.dynamics.trajectory import Trajectory as Trajectory
@@ -43,6 +48,15 @@ __getattr__ = lazy_face(
         "simulation": (
             "optimal_damping",
             "simulate",
+        ),
+        "spring_body": (
+            "MovingSprings",
+            "moving_springs",
+        ),
+        "spring_simulation": (
+            "SpringStatus",
+            "SpringTrajectory",
+            "simulate_springs",
         ),
         "trajectories": ("Record",),
         "trajectory": (

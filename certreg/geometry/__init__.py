@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from certreg.geometry.so3 import T as T
     from certreg.geometry.so3 import Vector3 as Vector3
     from certreg.geometry.so3 import Vector4 as Vector4
+    from certreg.geometry.so3 import angle_between as angle_between
     from certreg.geometry.so3 import body_frame as body_frame
     from certreg.geometry.so3 import canonical as canonical
     from certreg.geometry.so3 import davenport_matrix as davenport_matrix
@@ -66,6 +67,7 @@ __getattr__ = lazy_face(
             "T",
             "Vector3",
             "Vector4",
+            "angle_between",
             "body_frame",
             "canonical",
             "davenport_matrix",

@@ -30,6 +30,9 @@ if TYPE_CHECKING:
     from certreg.native.layout import MATRIX_STATE as MATRIX_STATE
     from certreg.native.layout import MEANS as MEANS
     from certreg.native.layout import QUATERNION_STATE as QUATERNION_STATE
+    from certreg.native.layout import SPRING_BODY as SPRING_BODY
+    from certreg.native.layout import SPRING_ENERGIES as SPRING_ENERGIES
+    from certreg.native.layout import SPRING_SAMPLE as SPRING_SAMPLE
     from certreg.native.layout import SUMS as SUMS
     from certreg.native.layout import Records as Records
     from certreg.native.layout import RecordType as RecordType
@@ -97,6 +100,9 @@ __getattr__ = lazy_face(
             "QUATERNION_STATE",
             "RecordType",
             "Records",
+            "SPRING_BODY",
+            "SPRING_ENERGIES",
+            "SPRING_SAMPLE",
             "SUMS",
             "named",
             "parts_of",

@@ -82,7 +82,7 @@ static double least_curvature(const double g[9], double axis[3])
 }
 
 /* q (0, a) + c q: the quaternion q turned by a half angle whose cosine is c, sine times axis a. */
-static void turn(double q[4], double c, const double a[3])
+void certreg_turn(double q[4], double c, const double a[3])
 {
     const double w = q[0], x = q[1], y = q[2], z = q[3];
     q[0] = c * w - x * a[0] - y * a[1] - z * a[2];
@@ -177,12 +177,12 @@ int certreg_escape_quaternion(double state[CERTREG_QUATERNION_STATE], const doub
     certreg_quaternion_curvature(state, body, hessian, torque);
     if (!perturbation_of(hessian, torque, perturbation, settings, &cosine, sine))
         return CERTREG_GO_ON;
-    turn(q, cosine, sine);
+    certreg_turn(q, cosine, sine);
     return CERTREG_PERTURBED;
 }
 
 /* A row for the next sample, or null if this step is not one. */
-static double *row_of(struct certreg_log *log, int64_t step, int64_t width)
+double *certreg_log_row(struct certreg_log *log, int64_t step, int64_t width)
 {
     if (step % log->stride)
         return 0;
@@ -200,7 +200,7 @@ static double *row_of(struct certreg_log *log, int64_t step, int64_t width)
 void certreg_record_matrix(struct certreg_log *log, int64_t step, double time, const double *state,
                            const double *body)
 {
-    double *row = row_of(log, step, CERTREG_MATRIX_SAMPLE);
+    double *row = certreg_log_row(log, step, CERTREG_MATRIX_SAMPLE);
     if (!row)
         return;
     row[CERTREG_MATRIX_SAMPLE_TIME] = time;
@@ -211,7 +211,7 @@ void certreg_record_matrix(struct certreg_log *log, int64_t step, double time, c
 void certreg_record_quaternion(struct certreg_log *log, int64_t step, double time, const double *state,
                                const double *body)
 {
-    double *row = row_of(log, step, CERTREG_QUATERNION_SAMPLE);
+    double *row = certreg_log_row(log, step, CERTREG_QUATERNION_SAMPLE);
     if (!row)
         return;
     row[CERTREG_QUATERNION_SAMPLE_TIME] = time;

@@ -20,12 +20,13 @@ from certreg.errors import CertregError
 
 HERE = Path(__file__).resolve().parent
 GENERATED = HERE / "generated"
-SIGNATURES = GENERATED / "signatures.json"
+SIGNATURES = (GENERATED / "signatures.json", GENERATED / "spring_signatures.json")
 BUILT = HERE / "built"
 RECORD = "built.json"  # what stands in that folder, and of what it was made
 PROCESSOR = HERE / "processor.c"
+INCLUDED = (GENERATED / "dynamics.c", GENERATED / "spring_dynamics.c")  # by loops, too
 UNITS = (
-    GENERATED / "dynamics.c",
+    *INCLUDED,
     HERE / "escape.c",
     HERE / "midpoint.c",
     HERE / "single.c",
@@ -39,6 +40,10 @@ UNITS = (
     HERE / "fixed.c",
     HERE / "paths.c",
     HERE / "pose.c",
+    HERE / "spring_escape.c",
+    HERE / "spring_lanes.c",
+    HERE / "spring_midpoint.c",
+    HERE / "spring_single.c",
     HERE / "springs.c",
     HERE / "stationary.c",
     HERE / "sums.c",
@@ -46,12 +51,22 @@ UNITS = (
 HEADERS = (
     GENERATED / "dynamics.h",
     GENERATED / "layout.h",
+    GENERATED / "spring_dynamics.h",
+    GENERATED / "spring_layout.h",
     *(
         HERE / name
         for name in (
             *("certifying.h", "loops.h", "lanes.h", "loop.h", "exact.h", "fixed.h"),
             *("cones.h", "exact_springs.h", "exponents.h", "eigen.h", "eigenbasis.h"),
-            *("paths.h", "pose.h", "springs.h", "stationary.h", "sums.h", "unpacked.h"),
+            *(
+                "paths.h",
+                "pose.h",
+                "spring_loop.h",
+                "springs.h",
+                "stationary.h",
+                "sums.h",
+                "unpacked.h",
+            ),
         )
     ),
 )
@@ -78,6 +93,9 @@ WRITTEN = (  # by hand, not generated
     "certreg_prove_optima",
     "certreg_quartic_newton",
     "certreg_quartic_paths",
+    "certreg_spring_midpoint_single",
+    "certreg_spring_splitting_lanes",
+    "certreg_spring_splitting_single",
     "certreg_springs",
     "certreg_stationary_poses",
     "certreg_sums",

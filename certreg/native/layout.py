@@ -37,7 +37,11 @@ def record_types(layout: Mapping[str, Mapping[str, Any]]) -> dict[str, RecordTyp
     return types
 
 
-_TYPES = record_types(json.loads((GENERATED / "layout.json").read_text("utf-8")))
+_LAYOUTS = [
+    json.loads((GENERATED / name).read_text("utf-8"))
+    for name in ("layout.json", "spring_layout.json")
+]
+_TYPES = record_types({name: parts for each in _LAYOUTS for name, parts in each.items()})
 MATRIX_STATE = _TYPES["matrix_state"]  # c, R, v, omega: the order of [Yang2020]
 QUATERNION_STATE = _TYPES["quaternion_state"]  # c, q, v, omega
 BODY = _TYPES["body"]  # per unit of mass: cross, inertia, inertia_inverse, spread, damping
@@ -46,6 +50,9 @@ STEP = _TYPES["step"]  # h
 SPLITTING_STEP = _TYPES["splitting_step"]  # h, decay exp(-mu h), impulse (1 - exp(-mu h)) / mu
 MATRIX_SAMPLE = _TYPES["matrix_sample"]  # time, state, energies
 QUATERNION_SAMPLE = _TYPES["quaternion_sample"]
+SPRING_BODY = _TYPES["spring_body"]  # of general springs, per unit of mass
+SPRING_ENERGIES = _TYPES["spring_energies"]  # per unit of mass: translation, rotation, potential
+SPRING_SAMPLE = _TYPES["spring_sample"]  # time, state (with a quaternion), energies
 BASIN = _TYPES["basin"]  # quaternions by descending eigenvalue; their gaps l1 - lk over the mass
 MEANS = _TYPES["means"]  # source, target
 SPREADS = _TYPES["spreads"]  # source, target, centred_target

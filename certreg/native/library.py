@@ -259,7 +259,8 @@ class Library:
 
     def _run(self, batch: Batch, rules: Rules, log: Log | None) -> None:
         single = len(batch.bodies) == 1 or batch.integrator is Integrator.MIDPOINT
-        name = f"certreg_{batch.integrator.value}_{'single' if single else 'lanes'}"
+        kind = "spring_" if batch.of_springs else ""
+        name = f"certreg_{kind}{batch.integrator.value}_{'single' if single else 'lanes'}"
         record = None
         if log is not None:
             record = _Log(_address(log.rows), len(log.rows), log.count, log.stride)
@@ -379,10 +380,10 @@ def _settings(rules: Rules) -> _Settings:
 
 def signatures() -> dict[str, Signature]:
     """The generated functions and the sizes of their arguments, as the generator wrote them."""
-    document = json.loads(SIGNATURES.read_text("utf-8"))
     return {
         name: Signature(arguments=tuple(sizes["arguments"]), results=tuple(sizes["results"]))
-        for name, sizes in document.items()
+        for path in SIGNATURES
+        for name, sizes in json.loads(path.read_text("utf-8")).items()
     }
 
 

@@ -1,11 +1,11 @@
-/* One trajectory loop: included with LOOP, STATE, STEPS, ADVANCE, ESCAPE, RECORD defined; every record
- * of a step begins with h.
+/* One trajectory loop: included with LOOP, STATE, BODY, BASIN, STEPS, ADVANCE, ESCAPE, RECORD defined; every
+ * record of a step begins with h.
  *
  * A lane whose body came to its end takes the next one, so that all lanes work to the end. What a lane
  * has to be looked at for (slow, not a number, out of steps, logged) is rare: the loop itself
  * only steps, and tests all lanes at once. */
 struct NAMED(LOOP, _lanes) {
-    lanes one[STATE], other[STATE], body[CERTREG_BODY], step[STEPS];
+    lanes one[STATE], other[STATE], body[BODY], step[STEPS];
     int64_t which[LANES];    /* -1: none */
     int64_t start[LANES];    /* the tick of its step 0 */
     int64_t passed[LANES];   /* the tick at which it is not looked at: it was, before a perturbation */
@@ -21,8 +21,8 @@ static void NAMED(LOOP, _take)(struct NAMED(LOOP, _lanes) *own, lanes *state, in
     own->which[lane] = i, own->start[lane] = tick, own->passed[lane] = -1;
     own->perturbation[lane] = settings->first_perturbation;
     own->live += i >= 0;
-    for (int k = 0; k < CERTREG_BODY; k++)
-        AT(own->body[k], lane) = i < 0 ? 0 : batch->bodies[i * CERTREG_BODY + k];
+    for (int k = 0; k < BODY; k++)
+        AT(own->body[k], lane) = i < 0 ? 0 : batch->bodies[i * BODY + k];
     for (int k = 0; k < STATE; k++)
         AT(state[k], lane) = i < 0 ? 1 : batch->states[i * STATE + k];
     for (int k = 0; k < STEPS; k++)
@@ -42,7 +42,7 @@ static void NAMED(LOOP, _look)(struct NAMED(LOOP, _lanes) *own, const lanes *sta
     const int last = taken >= settings->max_steps || speed != speed; /* NaN stays NaN */
     if (!(slow || last || batch->log) || i < 0 || own->passed[lane] == tick)
         return;
-    const double *body = batch->bodies + i * CERTREG_BODY;
+    const double *body = batch->bodies + i * BODY;
     const double time = (double)taken * batch->steps[i * STEPS + CERTREG_STEP_H];
     double alone[STATE];
     int end = CERTREG_GO_ON;
@@ -51,7 +51,7 @@ static void NAMED(LOOP, _look)(struct NAMED(LOOP, _lanes) *own, const lanes *sta
     if (batch->log)
         RECORD(batch->log, taken, time, alone, body);
     if (slow)
-        end = ESCAPE(alone, body, batch->basins + i * CERTREG_BASIN, settings, own->perturbation + lane);
+        end = ESCAPE(alone, body, batch->basins + i * BASIN, settings, own->perturbation + lane);
     batch->escapes[i] += end == CERTREG_PERTURBED;
     if (end == CERTREG_CONVERGED || end == CERTREG_AT_REST || last) {
         batch->status[i] = end == CERTREG_PERTURBED ? CERTREG_GO_ON : end;
@@ -100,6 +100,8 @@ void LOOP(const struct certreg_batch *batch, const struct certreg_settings *sett
 }
 #undef LOOP
 #undef STATE
+#undef BODY
+#undef BASIN
 #undef STEPS
 #undef ADVANCE
 #undef ESCAPE

@@ -3,6 +3,7 @@
 #define CERTREG_LOOPS_H
 
 #include "layout.h"
+#include "spring_layout.h"
 
 #include <stdint.h>
 
@@ -26,8 +27,8 @@ struct certreg_settings {
     int64_t max_steps;
 };
 
-/* Samples of one trajectory at evenly spaced steps, matrix_sample or quaternion_sample; when full,
- * every second goes. */
+/* Samples of one trajectory at evenly spaced steps, matrix_sample, quaternion_sample or spring_sample; when
+ * full, every second goes. */
 struct certreg_log {
     double *rows;
     int64_t capacity;
@@ -38,8 +39,8 @@ struct certreg_log {
 /* Bodies one after another in every array; `log` may be null, and is for one body only. */
 struct certreg_batch {
     int64_t count;
-    const double *bodies; /* records of layout.h: body */
-    const double *basins; /* basin */
+    const double *bodies; /* records of layout.h: body; on general springs spring_body */
+    const double *basins; /* basin; on general springs not read */
     const double *steps;  /* step (euler, midpoint), splitting_step */
     double *states;       /* matrix_state (euler), quaternion_state; start in, end out */
     int64_t *taken;          /* count: steps */
@@ -59,5 +60,16 @@ void certreg_record_matrix(struct certreg_log *log, int64_t step, double time, c
                            const double *body);
 void certreg_record_quaternion(struct certreg_log *log, int64_t step, double time, const double *state,
                                const double *body);
+
+/* On general springs nothing is known of optima: a slow body in a valley is at rest, wherever that is. */
+int certreg_escape_spring(double state[CERTREG_QUATERNION_STATE], const double body[CERTREG_SPRING_BODY],
+                          const double *basin, const struct certreg_settings *settings, double *perturbation);
+void certreg_record_spring(struct certreg_log *log, int64_t step, double time, const double *state,
+                           const double *body);
+
+/* q (0, a) + c q: the quaternion q turned by a half angle whose cosine is c, sine times axis a. */
+void certreg_turn(double q[4], double c, const double a[3]);
+/* A row for the next sample, or null if this step is not one. */
+double *certreg_log_row(struct certreg_log *log, int64_t step, int64_t width);
 
 #endif

@@ -19,12 +19,16 @@ from certreg.native.layout import (
     QUATERNION_SAMPLE,
     QUATERNION_STATE,
     SPLITTING_STEP,
+    SPRING_BODY,
+    SPRING_SAMPLE,
     STEP,
     named,
     plain,
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import NDArray
 
     from certreg.native.layout import Records, RecordType
@@ -112,6 +116,11 @@ class Batch:
     escapes: NDArray[np.int32]
     times: NDArray[np.float64]
 
+    @property
+    def of_springs(self) -> bool:
+        """Whether the springs are matrices: bodies are records SPRING_BODY, and have no basins."""
+        return self.bodies.dtype == SPRING_BODY
+
     @classmethod
     def of(
         cls,
@@ -130,17 +139,39 @@ class Batch:
             "steps": (steps, integrator.step),
             "states": (states, integrator.state),
         }
-        for name, (records, expected) in given.items():
-            if records.shape != (count,) or records.dtype != expected:
-                message = f"{name} are {records.shape} of {records.dtype}: expected {expected}"
-                raise ValueError(message)
         return cls(
             integrator=integrator,
             taken=np.zeros(count, dtype=np.int64),
             status=np.zeros(count, dtype=np.int32),
             escapes=np.zeros(count, dtype=np.int32),
             times=np.zeros(count),
-            **{name: records.copy() for name, (records, _) in given.items()},
+            **_copied(count, given),
+        )
+
+    @classmethod
+    def on_springs(
+        cls, integrator: Integrator, *, bodies: Records, steps: Records, states: Records
+    ) -> Batch:
+        """A batch on general springs; records SPRING_BODY, and as in `of`, copied.
+
+        Raises ValueError for other records, and for explicit Euler, which is not there for these.
+        """
+        if integrator is Integrator.EULER:
+            raise ValueError("general springs are stepped by midpoint or splitting, not by euler")
+        count = len(bodies)
+        given = {
+            "bodies": (bodies, SPRING_BODY),
+            "steps": (steps, integrator.step),
+            "states": (states, integrator.state),
+        }
+        return cls(
+            integrator=integrator,
+            basins=np.empty(count, dtype=BASIN),
+            taken=np.zeros(count, dtype=np.int64),
+            status=np.zeros(count, dtype=np.int32),
+            escapes=np.zeros(count, dtype=np.int32),
+            times=np.zeros(count),
+            **_copied(count, given),
         )
 
     @classmethod
@@ -184,6 +215,15 @@ class Batch:
         return Batch(integrator=self.integrator, **arrays)
 
 
+def _copied(count: int, given: Mapping[str, tuple[Records, RecordType]]) -> dict[str, Records]:
+    """Copies of records by name, each beside its type; raises ValueError for others."""
+    for name, (records, expected) in given.items():
+        if records.shape != (count,) or records.dtype != expected:
+            message = f"{name} are {records.shape} of {records.dtype}: expected {expected}"
+            raise ValueError(message)
+    return {name: records.copy() for name, (records, _) in given.items()}
+
+
 _ARRAYS = tuple(field.name for field in fields(Batch) if field.name != "integrator")
 
 
@@ -202,6 +242,11 @@ class Log:
     def of_capacity(cls, capacity: int, integrator: Integrator) -> Log:
         """An empty log."""
         return cls(rows=np.empty(capacity, dtype=integrator.sample))
+
+    @classmethod
+    def on_springs(cls, capacity: int) -> Log:
+        """An empty log of a body on general springs."""
+        return cls(rows=np.empty(capacity, dtype=SPRING_SAMPLE))
 
     def clear(self) -> None:
         """Forget all samples."""

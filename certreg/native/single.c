@@ -6,6 +6,8 @@
 
 #define LOOP certreg_euler_single
 #define STATE CERTREG_MATRIX_STATE
+#define BODY CERTREG_BODY
+#define BASIN CERTREG_BASIN
 #define STEPS CERTREG_STEP
 #define ADVANCE certreg_euler_step
 #define ESCAPE certreg_escape_matrix
@@ -14,6 +16,8 @@
 
 #define LOOP certreg_splitting_single
 #define STATE CERTREG_QUATERNION_STATE
+#define BODY CERTREG_BODY
+#define BASIN CERTREG_BASIN
 #define STEPS CERTREG_SPLITTING_STEP
 #define ADVANCE certreg_splitting_step
 #define ESCAPE certreg_escape_quaternion

@@ -37,6 +37,15 @@ FARTHEST = 8  # the largest |R - R'|^2 of two rotations, in the Frobenius norm
 FARTHEST_OF_FIVE = Fraction(25, 2)  # the same of their actions on symmetric traceless matrices
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MassMoments(Brief):
+    """M = sum m, the mean of the source, and sum m (x - mean)(x - mean)^T, 3x3."""
+
+    mass: Fraction
+    centre: Vector3[Fraction]
+    scatter: tuple[tuple[Fraction, ...], ...]
+
+
 @dataclass(frozen=True)
 class Springs(Brief):
     """The objective of the exact moments of springs that are matrices; see `Objective`.
@@ -205,6 +214,36 @@ class Springs(Brief):
         for j, a in product(range(3), repeat=2):
             slopes[a][3 * j + a] += point[j]
         return tuple(map(tuple, slopes))
+
+    @cached_property
+    def mass_scatter(self) -> tuple[tuple[int, ...], ...]:
+        """A positive multiple of the sum of m (x - mean)(x - mean)^T, m = tr W: 3x3 integers.
+
+        Of rank below 2 where the source is collinear, and then the body has no inertia about the
+        line.
+        """
+        m = self.moments
+        diagonal = [FULL[0], FULL[4], FULL[8]]
+        mass = sum(m.stiffness[k] for k in diagonal)
+        first = [sum(m.source[k][j] for k in diagonal) for j in range(3)]
+        second = [sum(m.scatter[k][j] for k in diagonal) for j in range(6)]
+        return tuple(
+            tuple(mass * second[FULL[3 * i + j]] - first[i] * first[j] for j in range(3))
+            for i in range(3)
+        )
+
+    @cached_property
+    def mass_moments(self) -> MassMoments:
+        """Mass, centre and scatter of the source, with masses m = tr W / 3, in the user's unit."""
+        m = self.moments
+        total = sum(m.stiffness[k] for k in DIAGONAL)
+        weight, length = power_of_two(m.weight_exponent), power_of_two(m.source_exponent)
+        unit = weight * length**2 / (3 * total)
+        return MassMoments(
+            mass=total * weight / 3,
+            centre=self.centre,
+            scatter=tuple(tuple(entry * unit for entry in row) for row in self.mass_scatter),
+        )
 
     @cached_property
     def centre(self) -> Vector3[Fraction]:

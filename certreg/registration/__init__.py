@@ -114,6 +114,11 @@ if TYPE_CHECKING:
     from certreg.registration.spring_result import SpringRegistration as SpringRegistration
     from certreg.registration.spring_result import SpringSolution as SpringSolution
     from certreg.registration.spring_rows import SpringAxes as SpringAxes
+    from certreg.registration.spring_simulation import NO_RATE as NO_RATE
+    from certreg.registration.spring_simulation import SimulatedSprings as SimulatedSprings
+    from certreg.registration.spring_simulation import at_end_words as at_end_words
+    from certreg.registration.spring_simulation import moving_words as moving_words
+    from certreg.registration.spring_simulation import simulated_springs as simulated_springs
     from certreg.registration.weak_shifts import weak_shift_words as weak_shift_words
 
 __getattr__ = lazy_face(
@@ -263,5 +268,12 @@ __getattr__ = lazy_face(
         ),
         "spring_rows": ("SpringAxes",),
         "weak_shifts": ("weak_shift_words",),
+        "spring_simulation": (
+            "NO_RATE",
+            "SimulatedSprings",
+            "at_end_words",
+            "moving_words",
+            "simulated_springs",
+        ),
     },
 )

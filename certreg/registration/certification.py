@@ -45,6 +45,7 @@ from certreg.registration.result import (
 )
 from certreg.registration.robustness import ROBUSTNESS_ANGLE, checked_angle
 from certreg.registration.spring_certification import SPRING_PARTS, certified_springs
+from certreg.registration.spring_simulation import SimulatedSprings, simulated_springs
 from certreg.relaxation import relax
 from certreg.results import (
     MAX_ANGLE,
@@ -66,7 +67,7 @@ if TYPE_CHECKING:
 
 LOG = logging.getLogger(__name__)
 PARTS = 3  # of certify, besides relaxation and simulation: sums, certificate, checker
-SIMULATED = "the motion is simulated"
+DEFAULT_INTEGRATOR = Integrator.EULER  # the paper's
 NOT_ASKED = Absent("not asked for")
 NOT_CERTIFIED = Absent("not certified")
 CROSS_CHECK = Integrator.SPLITTING  # a few large steps, however stiff the springs
@@ -237,11 +238,11 @@ def certified(  # noqa: PLR0913 - as above
 
 def simulate(
     problem: RegistrationProblem,
-    integrator: str = "euler",
+    integrator: str | None = None,
     *,
     step: float | None = None,
     settings: SimulationSettings | None = None,
-) -> Trajectory:
+) -> Trajectory | SimulatedSprings:
     """The trajectory of the damped body, released at rest where the source was given.
 
     Parameters
@@ -250,7 +251,7 @@ def simulate(
         Its damping is that of the body.
     integrator
         "euler", explicit with projection; "midpoint", whose energy never rises; "splitting", a few
-        large steps.
+        large steps. None: "euler", and on general springs, where it is not there, "midpoint".
     step
         In the time unit of the springs, None for the integrator's own; less is taken, and noted in
         the trajectory, where this is not stable or gains nothing.
@@ -259,32 +260,34 @@ def simulate(
 
     Returns
     -------
-    Trajectory
-        Whether it converged is in its `status`.
+    Trajectory | SimulatedSprings
+        Whether it converged is in its `status`; on general springs a `SimulatedSprings`, whose
+        body may come to rest elsewhere than at the optimum.
 
     Raises
     ------
     ValueError
-        For other integrators or steps.
+        For other integrators or steps; for "euler" on general springs.
     DegenerateProblemError
         Where the dynamics is not defined or too stiff.
     """
-    chosen, settings = Integrator(integrator), _with_step(settings, step)
-    require_alike(problem, SIMULATED)
+    settings = _with_step(settings, step)
+    if problem.factors is not None:
+        return simulated_springs(problem, integrator, settings=settings)
+    chosen = Integrator(integrator or DEFAULT_INTEGRATOR)
     objective = Isotropic(exact_moments(problem))
     trajectory = run(objective, problem.damping, chosen, settings=settings)
     return ProblemTrajectory.of(problem, objective, trajectory)
 
 
 def simulated(
-    problem: RegistrationProblem, integrator: str = "euler", *, step: float | None = None
+    problem: RegistrationProblem, integrator: str | None = None, *, step: float | None = None
 ) -> SimulatedRegistration:
-    """As `simulate`, with what the checker has proved of where the trajectory ended.
+    """As `simulate` of one weight per pair, with what the checker has proved of where it ended.
 
     Raises ContradictionError or RefusedCertificateError where certreg contradicts itself.
     """
-    chosen, settings = Integrator(integrator), _with_step(None, step)
-    require_alike(problem, SIMULATED)
+    chosen, settings = Integrator(integrator or DEFAULT_INTEGRATOR), _with_step(None, step)
     objective = Isotropic(exact_moments(problem))
     return proved_end(
         problem, objective, run(objective, problem.damping, chosen, settings=settings)

@@ -27,6 +27,12 @@ if TYPE_CHECKING:
     from certreg.report.spring_equilibria import (
         spring_equilibria_document as spring_equilibria_document,
     )
+    from certreg.report.spring_simulation import (
+        spring_simulation_document as spring_simulation_document,
+    )
+    from certreg.report.spring_simulation import (
+        spring_simulation_summary as spring_simulation_summary,
+    )
     from certreg.report.summary import equilibria_words as equilibria_words
     from certreg.report.summary import registration_summary as registration_summary
     from certreg.report.summary import simulation_summary as simulation_summary
@@ -62,6 +68,10 @@ __getattr__ = lazy_face(
             "equilibria_words",
             "registration_summary",
             "simulation_summary",
+        ),
+        "spring_simulation": (
+            "spring_simulation_document",
+            "spring_simulation_summary",
         ),
     },
 )

@@ -22,6 +22,7 @@ from certreg.registration import (
     ProblemTrajectory,
     Registration,
     SimulatedRegistration,
+    SimulatedSprings,
     SpringEquilibria,
     SpringRegistration,
     proved_end,
@@ -52,6 +53,11 @@ from certreg.report.spring_equilibria import (
     spring_equilibria_document,
     spring_equilibria_words,
     spring_set_document,
+)
+from certreg.report.spring_simulation import (
+    spring_simulation_document,
+    spring_simulation_summary,
+    spring_trajectory_card,
 )
 from certreg.report.spring_summary import spring_summary
 from certreg.report.summary import (
@@ -123,6 +129,11 @@ SHAPES: dict[type, Shape] = {
     ),
     SpringEquilibria: Shape(
         words=spring_equilibria_words, document=spring_set_document, card=spring_equilibria_card
+    ),
+    SimulatedSprings: Shape(
+        words=spring_simulation_summary,
+        document=spring_simulation_document,
+        card=spring_trajectory_card,
     ),
     ProblemTrajectory: Shape(
         words=_trajectory_words, document=_trajectory_document, card=trajectory_card

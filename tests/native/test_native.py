@@ -27,10 +27,11 @@ from certreg.dynamics.integrators import SimulationSettings
 from certreg.errors import DegenerateProblemError
 from certreg.native import engine as engines
 from certreg.native import loops
-from certreg.native.evaluator import _least_curvature, evaluator
+from certreg.native.evaluator import evaluator
 from certreg.native.kernels import PYTHON, VARIANT
 from certreg.native.layout import named, width
 from certreg.native.library import loaded_library
+from certreg.native.runs import least_curvature
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
@@ -228,11 +229,11 @@ def test_a_state_that_is_no_number_ends_out_of_steps_at_once(bad, integrator):
         assert alone.taken.max() <= 2
 
 
-def test_the_least_curvature_is_that_of_lapack():
+def test_theleast_curvature_is_that_of_lapack():
     rng = np.random.default_rng(5)
     for _ in range(100):
         A = rng.normal(size=(3, 3))
-        least, axis = _least_curvature(A + A.T)
+        least, axis = least_curvature(A + A.T)
         values, vectors = np.linalg.eigh(A + A.T)
 
         assert least == pytest.approx(values[0], abs=1e-14)

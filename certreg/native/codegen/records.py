@@ -15,14 +15,13 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-LAYOUT_HEADER_FILE, LAYOUT_FILE = "layout.h", "layout.json"
 PREFIX = "CERTREG"
 
 _HEADER = """\
 /* Where the parts of a record stand, in doubles from its beginning, and how many a record has:
  * generated, do not edit. Arrays stand row by row, of symmetric matrices the upper triangle. */
-#ifndef CERTREG_LAYOUT_H
-#define CERTREG_LAYOUT_H
+#ifndef {guard}
+#define {guard}
 """
 _FOOTER = """
 #endif
@@ -57,16 +56,16 @@ def record_of(name: str, entries: Mapping[str, Any]) -> RecordLayout:
     return RecordLayout(name=name, parts={part: _shape(value) for part, value in entries.items()})
 
 
-def layout_files(records: Sequence[RecordLayout]) -> dict[str, bytes]:
-    """The contents of layout.h and layout.json, by name; a record stands after those it holds."""
+def layout_files(records: Sequence[RecordLayout], name: str = "layout") -> dict[str, bytes]:
+    """The contents of the header and of the .json; a record stands after those it holds."""
     return {
-        LAYOUT_HEADER_FILE: _layout_header(records).encode(),
-        LAYOUT_FILE: _layout(records).encode(),
+        f"{name}.h": _layout_header(records, f"{PREFIX}_{name.upper()}_H").encode(),
+        f"{name}.json": _layout(records).encode(),
     }
 
 
-def _layout_header(records: Sequence[RecordLayout]) -> str:
-    return _HEADER + "".join(map(_offsets, records)) + _FOOTER
+def _layout_header(records: Sequence[RecordLayout], guard: str) -> str:
+    return _HEADER.replace("{guard}", guard) + "".join(map(_offsets, records)) + _FOOTER
 
 
 def _offsets(record: RecordLayout) -> str:

@@ -1,0 +1,265 @@
+"""The body on springs that are matrices: what the dynamics knows of a problem, and its functions.
+
+Spring i pulls with 2 W (y - R x - c); its point has the mass tr(W) / 3 and the damping mu times
+that, which is [Yang2020]'s body where W = w I. Only sums over the points enter, 73 numbers, and
+from them the inertia:
+
+    v' = f - mu v,    J omega' = tau - mu J omega - omega x J omega,
+
+f and tau the force and the torque of the springs. c is where the source's centre of mass is, seen
+from `SpringBody.origin`. The mass is divided out and lengths are over a power of two. Nothing is
+evaluated here: the functions are generated from the derivation (certreg/native/generated).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from certreg.dynamics.body import exponent_of, require_thick
+from certreg.errors import DegenerateProblemError
+from certreg.exact import power_of_two
+from certreg.native import QUATERNION_STATE, SPRING_BODY, current_engine, named, symmetric
+from certreg.problem import UPPER
+from certreg.results import Brief
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from certreg.native import Records
+    from certreg.problem import SpringMoments
+
+FULL = tuple(UPPER.index((min(a, b), max(a, b))) for a, b in product(range(3), repeat=2))
+DIAGONAL = (0, 3, 5)  # among the six entries of a symmetric matrix
+LEAST_STIFFNESS = 1e-10  # of the largest: directions that are weaker have their origin at the start
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MovingSprings(Brief):
+    """What the dynamics knows of a problem of general springs, per unit of mass.
+
+    record: () of SPRING_BODY, lengths over 2^length_exponent. origin: what c is measured from, and
+    centre: the source's centre of mass, exact, in the user's unit. mass: M, exact.
+    """
+
+    record: Records
+    length_exponent: int
+    origin: tuple[Fraction, ...]
+    centre: tuple[Fraction, ...]
+    mass: Fraction
+
+    @property
+    def start(self) -> Records:
+        """The state () at rest where the source was given."""
+        unit = power_of_two(-self.length_exponent)
+        apart = [float((a - b) * unit) for a, b in zip(self.centre, self.origin, strict=True)]
+        return state_of((1.0, 0.0, 0.0, 0.0), apart)
+
+    @property
+    def inertia(self) -> NDArray[np.float64]:
+        """J / M, (3, 3)."""
+        return symmetric(self.record["inertia"])
+
+    @property
+    def damping(self) -> float:
+        """The damping mu."""
+        return float(self.record["damping"])
+
+    def energies(self, state: Records) -> NDArray[np.float64]:
+        """Kinetic energy of translation, of rotation, and V_p, over M, of a state."""
+        return self._evaluated("certreg_spring_energies", state)[0]
+
+    def curvature(self, state: Records) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The Hessian (6, 6) of V_p / M along c + d, q exp(phi / 2); force and torque (6,)."""
+        hessian, force = self._evaluated("certreg_spring_curvature", state)
+        return hessian.reshape(6, 6), force
+
+    def jacobian(self, state: Records) -> NDArray[np.float64]:
+        """The linearised dynamics in (c, phi, v, omega), (12, 12), R turned to R exp([phi]x)."""
+        return self._evaluated("certreg_spring_jacobian", state)[0].reshape(12, 12)
+
+    def squared_speed(self, state: Records) -> float:
+        """|s'|^2, of 18 numbers: nine of them those of R."""
+        return float(self._evaluated("certreg_spring_squared_speed", state)[0][0])
+
+    def balanced(self, q: Sequence[float] | NDArray[np.float64]) -> Records:
+        """The state () at rest with a unit quaternion and the c of least energy."""
+        state = state_of(q)
+        _, force = self.curvature(state)
+        half: Any = np.linalg.lstsq(
+            2.0 * symmetric(self.record["stiffness"]), force[:3], rcond=LEAST_STIFFNESS
+        )
+        state["c"] = half[0]
+        return state
+
+    def _evaluated(self, name: str, state: Records) -> tuple[NDArray[np.float64], ...]:
+        return current_engine().evaluate(name, state, self.record)
+
+
+def state_of(
+    q: Sequence[float] | NDArray[np.float64], c: Sequence[float] = (0.0, 0.0, 0.0)
+) -> Records:
+    """The state () at rest with a quaternion and a c."""
+    state = np.zeros((), dtype=QUATERNION_STATE)
+    state["q"], state["c"] = q, c
+    return state
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CentredSums:
+    """The 73 sums about the source's centre of mass and an origin of the target, in fractions.
+
+    As in `certreg.problem.SpringMoments`, in the user's unit; scatter: six rows of six.
+    """
+
+    stiffness: list[Fraction]
+    lever: list[list[Fraction]]
+    scatter: list[list[Fraction]]
+    target: list[Fraction]
+    cross: list[list[Fraction]]
+    spread: Fraction
+
+
+def moving_springs(
+    moments: SpringMoments, damping: float, *, length_exponent: int | None = None
+) -> MovingSprings:
+    """The body of a problem of general springs whose source is not collinear.
+
+    The unit of length is 2^length_exponent; None: the power of two next to the root-mean-square
+    radius of both clouds, as the springs see it. Raises DegenerateProblemError where no double
+    matrix is the inverse of J.
+    """
+    centre, origin = _centre(moments), _origin(moments)
+    sums = centred_sums(moments, centre, origin)
+    mass = sum((sums.stiffness[k] for k in DIAGONAL), Fraction(0)) / 3
+    rest, spread = without_traces(sums.scatter)
+    spread = (spread + sums.spread) / mass
+    exponent = length_exponent
+    if exponent is None:
+        exponent = exponent_of(spread.numerator, spread.denominator, 0) // 2
+    unit = power_of_two(-exponent)
+    inertia = [float(entry * unit**2 / mass) for entry in inertia_of(sums.scatter)]
+    require_thick(inertia)
+    inverse = np.linalg.inv(symmetric(np.array(inertia)))
+    numbers = [
+        *_in(sums.stiffness, 1 / mass),
+        *_in([entry for row in sums.lever for entry in row], unit / mass),
+        *_in([entry for row in rest for entry in row], unit**2 / mass),
+        *_in(sums.target, unit / mass),
+        *_in([entry for row in sums.cross for entry in row], unit**2 / mass),
+        float(spread * unit**2),
+        *inertia,
+        *(float(inverse[i, j]) for i, j in UPPER),
+        damping,
+    ]
+    if not np.isfinite(numbers).all():
+        message = "the springs are beyond double precision: bring the clouds to another unit"
+        raise DegenerateProblemError(message, value=float(exponent))
+    return MovingSprings(
+        record=named(numbers, SPRING_BODY),
+        length_exponent=exponent,
+        origin=tuple(origin),
+        centre=tuple(centre),
+        mass=mass,
+    )
+
+
+def without_traces(scatter: Sequence[Sequence[Any]]) -> tuple[list[list[Any]], Any]:
+    """The sums of W_ab x x^T without their traces, and what these add to the energy.
+
+    For a rotation R, sum over a, b, j, k of B_ab,jk R_aj R_bk is the same without the parts
+    delta_jk P_ab / 3 and delta_ab T_jk / 3, but for a third of the trace of both. Any numbers.
+    """
+    of_points = [sum(row[k] for k in DIAGONAL) for row in scatter]
+    of_springs = [sum(scatter[k][j] for k in DIAGONAL) for j in range(6)]
+    both = sum(of_points[k] for k in DIAGONAL)
+    rest = [list(row) for row in scatter]
+    for p, j in product(range(6), repeat=2):
+        nine = 3 * of_points[p] * (j in DIAGONAL) + 3 * of_springs[j] * (p in DIAGONAL)
+        nine = nine - both * (j in DIAGONAL) * (p in DIAGONAL)
+        rest[p][j] = rest[p][j] - nine * Fraction(1, 9)
+    return rest, both * Fraction(1, 3)
+
+
+def inertia_of(scatter: Sequence[Sequence[Any]]) -> list[Any]:
+    """The upper triangle of J, with masses tr W / 3, from the sums of W_ab x x^T."""
+    xx, xy, xz, yy, yz, zz = (
+        sum(scatter[k][j] for k in DIAGONAL) * Fraction(1, 3) for j in range(6)
+    )
+    return [yy + zz, -xy, -xz, xx + zz, -yz, xx + yy]
+
+
+def centred_sums(
+    moments: SpringMoments, centre: Sequence[Fraction], origin: Sequence[Fraction]
+) -> CentredSums:
+    """The sums with x - centre and y - origin in the place of x and y."""
+    w, x, y = (
+        power_of_two(k)
+        for k in (moments.weight_exponent, moments.source_exponent, moments.target_exponent)
+    )
+    S = [entry * w for entry in moments.stiffness]
+    A = [[entry * w * x for entry in row] for row in moments.source]
+    lever = [[A[p][j] - S[p] * centre[j] for j in range(3)] for p in range(6)]
+    scatter = [
+        [
+            moments.scatter[p][k] * w * x**2 - A[p][i] * centre[j] - centre[i] * lever[p][j]
+            for k, (i, j) in enumerate(UPPER)
+        ]
+        for p in range(6)
+    ]
+    pull = [entry * w * y for entry in moments.target]
+    held = [sum((S[FULL[3 * a + b]] * origin[b] for b in range(3)), Fraction(0)) for a in range(3)]
+    target = [p - h for p, h in zip(pull, held, strict=True)]
+    cross = [
+        [
+            moments.cross[a][j] * w * x * y
+            - pull[a] * centre[j]
+            - sum((lever[FULL[3 * a + b]][j] * origin[b] for b in range(3)), Fraction(0))
+            for j in range(3)
+        ]
+        for a in range(3)
+    ]
+    rest = sum((o * (2 * p - h) for o, p, h in zip(origin, pull, held, strict=True)), Fraction(0))
+    return CentredSums(
+        stiffness=S,
+        lever=lever,
+        scatter=scatter,
+        target=target,
+        cross=cross,
+        spread=moments.spread * w * y**2 - rest,
+    )
+
+
+def _centre(moments: SpringMoments) -> list[Fraction]:
+    """The source's centre of mass."""
+    mass = sum(moments.stiffness[k] for k in DIAGONAL)
+    unit = power_of_two(moments.source_exponent)
+    return [Fraction(sum(moments.source[k][j] for k in DIAGONAL), mass) * unit for j in range(3)]
+
+
+def _origin(moments: SpringMoments) -> list[Fraction]:
+    """Where the springs would draw the centre of mass if the body did not turn, about.
+
+    The centre of mass plus three doubles: along a shift that no spring resists, or hardly, none.
+    """
+    centre = _centre(moments)
+    sums = centred_sums(moments, centre, centre)
+    largest = max(sums.stiffness)
+    pull = max(map(abs, sums.target)) or Fraction(1)
+    stiffness = symmetric(np.array(_in(sums.stiffness, 1 / largest)))
+    share: Any = np.linalg.lstsq(
+        stiffness, np.array(_in(sums.target, 1 / pull)), rcond=LEAST_STIFFNESS
+    )
+    return [
+        c + Fraction(float(part)) * pull / largest for c, part in zip(centre, share[0], strict=True)
+    ]
+
+
+def _in(entries: Sequence[Fraction], unit: Fraction) -> list[float]:
+    return [float(entry * unit) for entry in entries]

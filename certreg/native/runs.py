@@ -1,0 +1,221 @@
+"""One body from its start to its end where nothing is compiled: as loop.h, escape.c, midpoint.c."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from certreg.geometry import quaternion_from_matrix, rotation_matrix
+from certreg.native.layout import (
+    ENERGIES,
+    MATRIX_STATE,
+    QUATERNION_STATE,
+    named,
+    plain,
+)
+from certreg.native.loops import (
+    BASIN_SHARE,
+    HALVINGS,
+    LARGEST_PERTURBATION,
+    LARGEST_TURN,
+    NEWTON_STEPS,
+    NEWTON_TOLERANCE,
+    PERTURBATION_GROWTH,
+    STALLED_TORQUE,
+    Ending,
+    Integrator,
+)
+
+if TYPE_CHECKING:
+    from certreg.native.layout import RecordType
+    from certreg.native.loops import Batch, Engine, Log, Rules
+
+Array = Any  # NDArray[np.float64]
+NO_TORQUE = 1e-12  # of the curvature: less is rounding, and must not choose a side
+JACOBI_SWEEPS = 12  # the sixth changes nothing any more
+
+
+class Run:
+    """One body on its way; its state, a step and so on as plain doubles, read through `named`."""
+
+    names = "certreg_quaternion_"  # of the functions of a state
+    steps_prefix = "certreg_"  # of those of a step
+
+    def __init__(self, machine: Engine, batch: Batch, rules: Rules, log: Log | None) -> None:
+        self.machine, self.batch, self.rules, self.log = machine, batch, rules, log
+        self.integrator = batch.integrator
+        self.body, self.step = plain(batch.bodies)[0], plain(batch.steps)[0]
+        self.size = float(batch.steps["h"][0])
+        self.quaternions, self.gaps = batch.basins["quaternions"][0], batch.basins["gaps"][0]
+        self.prefix = "certreg_" if self.integrator is Integrator.EULER else self.names
+        self.perturbation = rules.first_perturbation
+
+    def to_the_end(self) -> None:
+        """Step until the state may stop, or the steps run out."""
+        batch, rules = self.batch, self.rules
+        state, time, taken, escapes = plain(batch.states)[0].copy(), 0.0, 0, 0
+        while True:
+            self._record(taken, time, state)
+            following, speed = self._look_ahead(state)
+            end = Ending.OUT_OF_STEPS
+            if speed < rules.speed_tolerance**2:
+                end, state = self._looked_at(state)
+                escapes += end is Ending.PERTURBED
+            ended = end in {Ending.CONVERGED, Ending.AT_REST}
+            if ended or taken >= rules.max_steps or math.isnan(speed):
+                break
+            if end is Ending.PERTURBED or following is None:
+                following, size = self._advanced(state)
+            else:
+                size = self.size
+            if following is None:
+                break
+            state, time, taken = following, time + size, taken + 1
+        if self.integrator is not Integrator.MIDPOINT:
+            time = taken * self.size
+        batch.states[0] = named(state, self.integrator.state)
+        batch.taken[0], batch.escapes[0], batch.times[0] = taken, escapes, time
+        batch.status[0] = Ending.OUT_OF_STEPS if end is Ending.PERTURBED else end
+
+    def _look_ahead(self, state: Array) -> tuple[Array | None, float]:
+        """The next state where it comes with the speed, else None; |s'|^2 now."""
+        if self.integrator is Integrator.MIDPOINT:
+            name = f"{self.names}squared_speed"
+            return None, float(self.machine.evaluate(name, state, self.body)[0][0])
+        following, speed = self._explicit(state)
+        return following, float(speed[0])
+
+    def _explicit(self, state: Array) -> tuple[Array, Array]:
+        name = f"{self.steps_prefix}{self.integrator.value}_step"
+        following, speed = self.machine.evaluate(name, state, self.body, self.step)
+        return following, speed
+
+    def _advanced(self, state: Array) -> tuple[Array | None, float]:
+        """The state after a step and the step's size; None where Newton never converges."""
+        if self.integrator is not Integrator.MIDPOINT:
+            return self._explicit(state)[0], self.size
+        size = self.size
+        for _ in range(HALVINGS + 1):
+            middle = self._middle(state, size)
+            if middle is not None:
+                arguments = (state, self.body, middle, np.array([size]))
+                name = f"{self.steps_prefix}midpoint_step"
+                (following,) = self.machine.evaluate(name, *arguments)
+                q = named(following, QUATERNION_STATE)["q"]
+                q /= math.sqrt(float(q @ q))
+                return following, size
+            size /= 2.0
+        return None, 0.0
+
+    def _middle(self, state: Array, size: float) -> Array | None:
+        """The middle angular velocity by Newton's method; None if it does not converge."""
+        middle, before = named(state, QUATERNION_STATE)["omega"].copy(), math.inf
+        for _ in range(NEWTON_STEPS):
+            residual, slope = self.machine.evaluate(
+                "certreg_midpoint_residual", state, self.body, middle, np.array([size])
+            )
+            try:
+                change = np.linalg.solve(slope.reshape(3, 3), residual)
+            except np.linalg.LinAlgError:
+                return None
+            middle = middle - change
+            length, moved = float(middle @ middle), float(change @ change)
+            if not math.isfinite(length) or size * size * length > LARGEST_TURN**2:
+                return None
+            small = size * size * moved <= NEWTON_TOLERANCE**2
+            if small and (moved >= before / 4.0 or moved == 0.0):
+                return middle
+            before = moved
+        return None
+
+    def _looked_at(self, state: Array) -> tuple[Ending, Array]:
+        """What a slow state may do, and the state, perturbed if it has to be."""
+        (energies,) = self.machine.evaluate(f"{self.prefix}energies", state, self.body)
+        above = float(self.gaps @ (self.quaternions @ self._quaternion(state)) ** 2)
+        above += float(named(energies, ENERGIES)["rotation"]) / 2.0
+        worse = self.gaps[1:][self.gaps[1:] != 0.0]
+        if len(worse) == 0:
+            return Ending.AT_REST, state
+        if not above < BASIN_SHARE * worse[0]:
+            return self._perturbed(state)
+        if not above < self.rules.rest_share * worse[0]:
+            return Ending.OUT_OF_STEPS, state  # unless there are more
+        return (Ending.CONVERGED if len(worse) == 3 else Ending.AT_REST), state
+
+    def _perturbed(self, state: Array) -> tuple[Ending, Array]:
+        hessian, torque = self.machine.evaluate(f"{self.prefix}curvature", state, self.body)
+        least, axis = least_curvature(hessian.reshape(3, 3))
+        if least >= 0.0:
+            return Ending.OUT_OF_STEPS, state
+        size = float(np.abs(hessian).max())
+        if float(np.abs(torque).max()) > STALLED_TORQUE * size:
+            return Ending.OUT_OF_STEPS, state
+        along = float(axis @ torque)
+        if abs(along) <= NO_TORQUE * size:
+            along = float(axis[np.argmax(np.abs(axis))])
+        half = math.copysign(self.perturbation / 2.0, along)
+        self.perturbation = min(self.perturbation * PERTURBATION_GROWTH, LARGEST_PERTURBATION)
+        turned = turned_by(state, self.integrator, math.cos(half), math.sin(half) * axis)
+        return Ending.PERTURBED, turned
+
+    def _sample(self) -> RecordType:
+        """The record of a logged state."""
+        return self.integrator.sample
+
+    def _quaternion(self, state: Array) -> Array:
+        if self.integrator is Integrator.EULER:
+            return quaternion_from_matrix(named(state, MATRIX_STATE)["R"])
+        return named(state, QUATERNION_STATE)["q"]
+
+    def _record(self, taken: int, time: float, state: Array) -> None:
+        log = self.log
+        if log is None or taken % log.stride:
+            return
+        if log.count == len(log.rows):
+            kept = log.rows[::2].copy()
+            log.rows[: len(kept)] = kept
+            log.count, log.stride = len(kept), 2 * log.stride
+            if taken % log.stride:
+                return
+        (energies,) = self.machine.evaluate(f"{self.prefix}energies", state, self.body)
+        if self.integrator is not Integrator.MIDPOINT:
+            time = taken * self.size
+        row = np.concatenate([[time], state, energies])
+        log.rows[log.count] = named(row, self._sample())
+        log.count += 1
+
+
+def least_curvature(hessian: Array) -> tuple[float, Array]:
+    """The least eigenvalue of a symmetric (3, 3) matrix and its unit eigenvector.
+
+    By Jacobi's rotations as in escape.c: another method could take the other side of a saddle.
+    """
+    a, v = hessian.copy(), np.eye(3)
+    for p, q in ((0, 1), (0, 2), (1, 2)) * JACOBI_SWEEPS:
+        if a[p, q] == 0.0:
+            continue
+        theta = float(a[q, q] - a[p, p]) / (2.0 * float(a[p, q]))
+        t = (-1.0 if theta < 0.0 else 1.0) / (abs(theta) + math.sqrt(theta * theta + 1.0))
+        cosine = 1.0 / math.sqrt(t * t + 1.0)
+        turn = np.array([[cosine, t * cosine], [-t * cosine, cosine]])
+        a[:, [p, q]] = a[:, [p, q]] @ turn
+        a[[p, q]] = turn.T @ a[[p, q]]
+        v[:, [p, q]] = v[:, [p, q]] @ turn
+    k = int(np.argmin(np.diag(a)))
+    return float(a[k, k]), v[:, k]
+
+
+def turned_by(state: Array, integrator: Integrator, cosine: float, sine: Array) -> Array:
+    """The state with its body turned by the unit quaternion (cosine, sine), in the body frame."""
+    turned = state.copy()
+    if integrator is Integrator.EULER:
+        turn = np.array(rotation_matrix((cosine, *sine.tolist())))
+        named(turned, MATRIX_STATE)["R"] = named(state, MATRIX_STATE)["R"] @ turn
+        return turned
+    w, *vector = named(state, QUATERNION_STATE)["q"]
+    v = np.array(vector)
+    following = [cosine * w - v @ sine, *(cosine * v + w * sine + np.cross(v, sine))]
+    named(turned, QUATERNION_STATE)["q"] = following
+    return turned

@@ -1,0 +1,163 @@
+"""A simulation on general springs: where it ended, and what is known of that."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from fractions import Fraction
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from certreg.dynamics import SpringTrajectory, simulate_springs
+from certreg.equilibrium import unit_double
+from certreg.exact import nearest_double, power_of_two
+from certreg.geometry import angle_between
+from certreg.native import Integrator
+from certreg.objective import Springs
+from certreg.problem import lift, spring_moments
+from certreg.registration.freedom import Freedom
+from certreg.relaxation import find_optimum
+from certreg.results import OUT_OF_RANGE, Absent, Presented, Ruling, Verdict
+
+if TYPE_CHECKING:
+    from certreg.dynamics import SimulationSettings
+    from certreg.problem import RegistrationProblem
+    from certreg.relaxation import Found
+
+NEAR = 0.01  # radians: a body at rest is within a thousandth of its equilibrium, unless it is weak
+LEVEL = 1e-5  # of the range of the energy: where the best rotation is not the only one
+NO_RATE = Absent("not computed on general springs")
+UNLISTED = Verdict(
+    ruling=Ruling.INCONCLUSIVE,
+    words="Not proved: from its last state the exact motion ends at the optimum.",
+)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SimulatedSprings(SpringTrajectory, Presented):
+    """A simulated registration on general springs, with its problem, and what is known of its end.
+
+    found: the best rotation that was found.
+    """
+
+    problem: RegistrationProblem
+    objective: Springs
+    found: Found
+
+    def __repr__(self) -> str:
+        return SpringTrajectory.__repr__(self)
+
+    @classmethod
+    def of(
+        cls, problem: RegistrationProblem, objective: Springs, trajectory: SpringTrajectory
+    ) -> SimulatedSprings:
+        """The same trajectory, of this problem."""
+        kept: dict[str, Any] = {name: getattr(trajectory, name) for name in _RUN}
+        found = find_optimum(objective)
+        return cls(**kept, problem=problem, objective=objective, found=found)
+
+    @cached_property
+    def notes(self) -> tuple[str, ...]:
+        """What no spring resists, and what the body does there."""
+        freedom = Freedom.of(self.objective)
+        shift, turn = freedom.shift_words(), freedom.turn_words()
+        words: list[str] = []
+        if shift:
+            words.append(f"{shift}: along it the body coasts until damping has stopped it")
+        if turn:
+            words.append(f"{turn}: the body turns on in that way until damping has stopped it")
+        return tuple(words)
+
+    @cached_property
+    def energies(self) -> tuple[float | Absent, float | Absent]:
+        """V_p + V_k at the start and at the end, in objective units."""
+        run = self
+        unit = run.moving.mass * power_of_two(2 * run.length_exponent)
+        ends = (run.potential + run.kinetic)[[0, -1]].tolist()
+        first, last = (nearest_double(Fraction(value) * unit) for value in ends)
+        return (OUT_OF_RANGE if first is None else first, OUT_OF_RANGE if last is None else last)
+
+    @cached_property
+    def angle_to_best(self) -> float:
+        """Radians, from the last rotation to the nearest of the best that were found."""
+        best = self.objective.energy(self.found.quaternion)
+        ties = [q for q in self.found.minima if self.objective.energy(q) == best]
+        end = np.array(self.quaternion)
+        return min(angle_between(end, unit_double(q)) for q in (self.found.quaternion, *ties))
+
+    @cached_property
+    def excess(self) -> float:
+        """The energy of the last rotation above the best that was found, over the energy's range.
+
+        At the best translation; the range by its proved upper bound. 0 where it is constant.
+        """
+        above = self.objective.energy(self._quaternion)
+        above -= self.objective.energy(self.found.quaternion)
+        return float(above / self.objective.oscillation) if self.objective.oscillation else 0.0
+
+    @property
+    def at_best(self) -> bool:
+        """Whether the last rotation is the best that was found, or as good where many are."""
+        several = bool(self.objective.symmetry) and abs(self.excess) <= LEVEL
+        return several or self.angle_to_best <= NEAR
+
+    @property
+    def converged(self) -> bool:
+        """Whether the body came to rest at the best rotation found."""
+        return self.at_rest and self.at_best
+
+    @cached_property
+    def basin(self) -> Verdict:
+        """Whether it is proved that the exact motion from the last state ends at the optimum."""
+        return UNLISTED
+
+    @cached_property
+    def _quaternion(self) -> list[int]:
+        return lift(np.array(self.quaternion)).integers
+
+
+_RUN = tuple(one.name for one in fields(SpringTrajectory))
+
+
+def simulated_springs(
+    problem: RegistrationProblem,
+    integrator: str | None = None,
+    *,
+    settings: SimulationSettings | None = None,
+) -> SimulatedSprings:
+    """The motion of a problem of general springs, released at rest where the source was given.
+
+    integrator: midpoint or splitting; None: midpoint, whose energy never rises. Raises as
+    `simulate` does.
+    """
+    objective = Springs(spring_moments(problem))
+    chosen = Integrator.MIDPOINT if integrator is None else Integrator(integrator)
+    trajectory = simulate_springs(objective, problem.damping, chosen, settings=settings)
+    return SimulatedSprings.of(problem, objective, trajectory)
+
+
+def moving_words(run: SimulatedSprings) -> str:
+    """How the motion ended, in a sentence that rests on what was found, not on a proof."""
+    if not run.at_rest:
+        return run.status.value
+    if run.at_best:
+        return (
+            "The body is at rest (slower than the tolerance) at the best rotation that was found."
+        )
+    return (
+        "The body is at rest (slower than the tolerance) at another equilibrium: springs hold it "
+        "there, and a better rotation was found."
+    )
+
+
+def at_end_words(run: SimulatedSprings) -> str:
+    """Where the last rotation is."""
+    degrees = math.degrees(run.angle_to_best)
+    digits = 3 if degrees >= 1.0 else 1  # a small one is rounding, or where a run was stopped
+    away = f"{degrees:.{digits}g} degrees from the best rotation found"
+    if run.at_best and degrees > math.degrees(NEAR):
+        return f"{away}, and as good"
+    above = "" if run.at_best else f", {run.excess:.2g} of the energy's range above it"
+    return f"{away}{above}"
