@@ -11,6 +11,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from certreg.dynamics.spring_simulation import SpringTrajectory
     from certreg.dynamics.trajectory import Trajectory
     from certreg.problem import RegistrationProblem
 
@@ -32,7 +33,7 @@ class Record:
     digest: str
 
     @classmethod
-    def of(cls, problem: RegistrationProblem, trajectory: Trajectory) -> Record:
+    def of(cls, problem: RegistrationProblem, trajectory: Trajectory | SpringTrajectory) -> Record:
         """What is kept of a trajectory of a problem."""
         return cls(
             times=trajectory.times,

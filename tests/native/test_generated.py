@@ -39,8 +39,13 @@ FILES = (
     "layout.h",
     "layout.json",
     "signatures.json",
+    "spring_dynamics.c",
+    "spring_dynamics.h",
+    "spring_dynamics.py",
+    "spring_layout.h",
+    "spring_layout.json",
+    "spring_signatures.json",
 )
-PYTHON = (GENERATED / "dynamics.py").read_text("utf-8")
 
 
 def library_or_skip() -> Library:
@@ -55,8 +60,8 @@ def definitions() -> tuple[Definition, ...]:
 
 
 @pytest.mark.slow
-def test_generating_anew_gives_the_committed_bytes(tmp_path, definitions):
-    write_files(tmp_path, generated_files(definitions, chain.records()))
+def test_generating_anew_gives_the_committed_bytes(tmp_path):
+    write_files(tmp_path, chain.all_files())
 
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(FILES)
     for name in FILES:
@@ -89,10 +94,11 @@ def test_the_generated_python_gives_the_bits_of_casadi(name, definitions):
             assert one.tobytes() == other[:, k].tobytes() == np.array(wanted).tobytes()
 
 
-def test_the_python_has_the_statements_of_the_c():
-    c = re.sub(r"CERTREG_CONSTANT\((.*?)\)", r"\1", (GENERATED / "dynamics.c").read_text("utf-8"))
-    c = c.replace("CERTREG_SQRT", "sqrt")
-    statements = [re.findall(r"^ +(\S+=.*?);?$", text, re.MULTILINE) for text in (c, PYTHON)]
+@pytest.mark.parametrize("name", ["dynamics", "spring_dynamics"])
+def test_the_python_has_the_statements_of_the_c(name):
+    c, python = ((GENERATED / f"{name}.{end}").read_text("utf-8") for end in ("c", "py"))
+    c = re.sub(r"CERTREG_CONSTANT\((.*?)\)", r"\1", c).replace("CERTREG_SQRT", "sqrt")
+    statements = [re.findall(r"^ +(\S+=.*?);?$", text, re.MULTILINE) for text in (c, python)]
 
     assert statements[0] == statements[1]
     assert len(statements[0]) > 3000
@@ -113,7 +119,12 @@ def test_where_c_has_infinity_or_no_number_the_evaluator_has_the_same():
 
 
 @pytest.mark.parametrize(
-    "name", sorted(json.loads((GENERATED / "signatures.json").read_text("utf-8")))
+    "name",
+    sorted(
+        name
+        for file in ("signatures.json", "spring_signatures.json")
+        for name in json.loads((GENERATED / file).read_text("utf-8"))
+    ),
 )
 def test_the_compiled_code_and_the_evaluator_agree(name):
     rng = np.random.default_rng(3)

@@ -28,9 +28,9 @@ from certreg.native.layout import (
 )
 from certreg.native.loops import Ending
 from certreg.problem import floating_sums, posing
-from derivations import emit, motion
+from derivations import emit, motion, spring_emit, spring_motion
 
-RECORDS = {record.name: record for record in emit.records()}
+RECORDS = {record.name: record for record in (*emit.records(), *spring_emit.records())}
 STRUCTS = {  # of handwritten headers, as Python passes them
     "settings": library._Settings,
     "log": library._Log,
@@ -97,6 +97,7 @@ def test_the_records_are_those_of_the_derivations():
         ("matrix_state", motion.State().parts),
         ("quaternion_state", emit.QuaternionState().parts),
         ("body", motion.Body().parts),
+        ("spring_body", spring_motion.SpringBody().parts),
     ):
         record = layout._TYPES[name]
         flat = motion.flat(parts)
