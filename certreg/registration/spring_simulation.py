@@ -143,9 +143,7 @@ def moving_words(run: SimulatedSprings) -> str:
     if not run.at_rest:
         return run.status.value
     if run.at_best:
-        return (
-            "The body is at rest (slower than the tolerance) at the best rotation that was found."
-        )
+        return "The body is at rest (slower than the tolerance) at the best rotation found."
     return (
         "The body is at rest (slower than the tolerance) at another equilibrium: springs hold it "
         "there, and a better rotation was found."

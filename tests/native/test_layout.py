@@ -47,7 +47,7 @@ def printed(folder, lines: list[str], include=GENERATED) -> list[int]:
     top += ["#include <stddef.h>", "#include <stdio.h>", "int main(void)", "{"]
     body = [f'    printf("%ld\\n", (long)({line}));' for line in lines]
     (folder / "program.c").write_text("\n".join([*top, *body, "    return 0;", "}", ""]), "utf-8")
-    places = [f"-I{include}", f"-I{HERE}"]
+    places = [f"-I{include}", f"-I{HERE}", f"-I{GENERATED}"]
     command = [*compiler, *places, str(folder / "program.c"), "-o", str(folder / "program")]
     subprocess.run(command, check=True)
     run = subprocess.run(
