@@ -241,9 +241,9 @@ def moments(doubles: bytes | memoryview, n: int) -> tuple[Matrix, int]:
         a = [([1] * count, [0] * count, 0)]
         a += [(k[i::3], s[i::3], p) for k, s, p in (x, y) for i in range(3)]
         for i, (left, s, p) in enumerate(a):
-            weighted, shifts = left if unit else list(map(mul, w, left)), list(map(add, g, s))
+            loads, shifts = left if unit else [*map(mul, w, left)], s if near else [*map(add, g, s)]
             for j, (right, t, q) in enumerate(a[i:], i):
-                terms = map(mul, weighted, right)
+                terms = map(mul, loads, right)
                 total = sum(terms if near else map(int.__lshift__, terms, map(add, shifts, t)))
                 m[i][j] = (m[i][j] << old - e) + (total * (unit or 1) << low + p + q - e)
     return m, e
@@ -381,10 +381,12 @@ def multiplicities(C: Matrix) -> list[int]:
     """
     for A in ([[entry % PRIME for entry in row] for row in C], C):  # if not 0 modulo PRIME, not 0
         (a, b, c), (d, e, f), (g, h, i) = A
-        P = [sum(map(mul, u, v)) for u in zip(*A) for v in zip(*A)]  # C^T C
-        D = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
-        e1 = P[0] + P[4] + P[8]
-        e2, e3 = (e1 * e1 - sum(map(mul, P, P))) // 2, D * D
+        p = [a, b, c, d, e, f, g, h, i]
+        q = [e * i - f * h, f * g - d * i, d * h - e * g]
+        q += [c * h - b * i, a * i - c * g, b * g - a * h]
+        q += [b * f - c * e, c * d - a * f, a * e - b * d]
+        D = a * q[0] + b * q[1] + c * q[2]
+        e1, e2, e3 = sum(map(mul, p, p)), sum(map(mul, q, q)), D * D  # by minors: Cauchy, Binet
         s = 2 * e1**3 - 9 * e1 * e2 + 27 * e3
         square = e1**2 * e2**2 - 4 * e2**3 - 4 * e1**3 * e3 + 18 * e1 * e2 * e3 - 27 * e3**2
         if square % PRIME or (A is C and square):
