@@ -1,4 +1,4 @@
-"""The figures of `spring_maps`: how many equilibria, and how often a wrong one is stable."""
+"""The figures of `spring_maps`: how many equilibria, and how often runs end at a wrong one."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.paper.spring_maps import FAMILY_WORDS, wilson
+from certreg.paper.spring_maps import FAMILY_WORDS, RunEnd, wilson
 from certreg.paper.style import (
     BLACK,
     BLUE,
@@ -34,7 +34,7 @@ MOST_SHADED = 14.0  # the median that is darkest
 
 def spring_drawings(counts: Sequence[SpringCounts]) -> tuple[Drawing, ...]:
     """Both figures; none where nothing was measured."""
-    return (counts_drawing(counts), stable_drawing(counts)) if counts else ()
+    return (counts_drawing(counts), ends_drawing(counts)) if counts else ()
 
 
 def counts_drawing(counts: Sequence[SpringCounts]) -> Drawing:
@@ -53,7 +53,7 @@ def counts_drawing(counts: Sequence[SpringCounts]) -> Drawing:
         name="springs-counts",
         title="Beyond the paper: how many equilibria general springs have",
         caption=(
-            f"{len(counts[0].listed)} random instances in each cell: the least and the largest "
+            f"{len(counts[0].seen)} random instances in each cell: the least and the largest "
             "number of real equilibria, shaded by the median. One weight for each pair has "
             f"{ISOTROPIC} (last row, a theorem); these have {known.min()} to {known.max()}, always "
             "an even number. The fewer the springs beyond what fixes the pose, the more "
@@ -63,23 +63,38 @@ def counts_drawing(counts: Sequence[SpringCounts]) -> Drawing:
     )
 
 
-def stable_drawing(counts: Sequence[SpringCounts]) -> Drawing:
-    """Shares of instances with a stable spurious equilibrium."""
+def ends_drawing(counts: Sequence[SpringCounts]) -> Drawing:
+    """Shares of instances with a stable spurious equilibrium, and of runs that end at one."""
     with house_style():
-        figure = blank(2.8)
-        _share_row(figure, counts, lambda each: each.several)
-        figure.supylabel("share with a stable\nspurious equilibrium", fontsize=8.5)
+        figure = blank(4.2)
+        axes = figure.subplots(
+            2,
+            len(_by_family(counts)),
+            sharex=True,
+            sharey="row",
+            squeeze=False,
+            height_ratios=(1.0 + LEGEND, 1.0),
+        )
+        _share_row(axes[0], counts, lambda each: each.trapping, legend=True)
+        _share_row(axes[1], counts, lambda each: each.ended(RunEnd.SPURIOUS), legend=False)
+        axes[0, 0].set_ylabel("share with a stable\nspurious equilibrium")
+        axes[1, 0].set_ylabel("share of runs\nthat end at one")
         figure.supxlabel("noise σ (clouds: 1)", fontsize=8.5)
-    known = sum(int(each.listed.sum()) for each in counts)
-    several = sum(each.several for each in counts)
+    known = sum(len(each.listed) for each in counts)
+    trapping = sum(each.trapping for each in counts)
+    wrong, lost = (
+        sum(each.ended(end) for each in counts) for end in (RunEnd.SPURIOUS, RunEnd.UNSETTLED)
+    )
+    unsettled = f" {lost:,} had not settled at a stable one." if lost else ""
     return finished(
-        name="springs-stable",
-        title="Beyond the paper: spurious equilibria that are stable",
+        name="springs-ends",
+        title="Beyond the paper: stable spurious equilibria, and runs that end at them",
         caption=(
-            "of the same instances the share in which more than one equilibrium is stable, with "
-            "intervals of 95 %. With one weight for each pair there is none (the paper's "
-            f"conjecture, a theorem now); here there are some in {several:,} of {known:,} "
-            "instances: with few springs in most, with a hundred hardly ever."
+            "of the same instances the share in which an equilibrium other than the optimum is "
+            f"stable ({trapping:,} of {known:,}), and the share of runs from the paper's start, at "
+            f"rest with R = I, that end at one of these ({wrong:,}), with intervals of 95 %. With "
+            "one weight for each pair both are zero: no spurious equilibrium is stable there. "
+            f"With a hundred springs it is rare, with few it is common.{unsettled}"
         ),
         figure=figure,
     )
@@ -118,26 +133,32 @@ def _table(panel: Any, cells: Sequence[SpringCounts]) -> None:
 
 
 def _share_row(
-    figure: Any, counts: Sequence[SpringCounts], seen: Callable[[SpringCounts], int]
+    axes: Any,
+    counts: Sequence[SpringCounts],
+    seen: Callable[[SpringCounts], int],
+    *,
+    legend: bool,
 ) -> None:
     """A panel for each family: a share over the noise, a line for each size."""
-    families = _by_family(counts)
-    axes = figure.subplots(1, len(families), sharey=True, squeeze=False)[0]
-    for k, (panel, (name, cells)) in enumerate(zip(axes, families.items(), strict=True)):
+    for k, (panel, (name, cells)) in enumerate(zip(axes, _by_family(counts).items(), strict=True)):
         sizes = sorted({each.cell.points for each in cells})
         for size, (colour, marker) in zip(sizes, LINES, strict=False):
-            own = [each for each in cells if each.cell.points == size and each.listed.any()]
+            own = [each for each in cells if each.cell.points == size and each.listed]
             _line(panel, own, seen, color=colour, marker=marker, label=f"N = {size}")
-        panel.set(xscale="log", ylim=(-0.03, 1.0 + LEGEND), yticks=np.linspace(0.0, 1.0, 6))
+        top = 1.03 + LEGEND * legend
+        panel.set(xscale="log", ylim=(-0.03, top), yticks=np.linspace(0.0, 1.0, 6))
         panel.spines["left"].set_bounds(-0.03, 1.0)
-        panel.set_title(f"({'abc'[k]}) {FAMILY_WORDS[name]}")
-        panel.legend(loc="upper left", ncols=3, fontsize=6.5, handlelength=1.4, columnspacing=0.8)
+        if legend:
+            panel.set_title(f"({'abc'[k]}) {FAMILY_WORDS[name]}")
+            panel.legend(
+                loc="upper left", ncols=3, fontsize=6.5, handlelength=1.4, columnspacing=0.8
+            )
 
 
 def _line(
     panel: Any, cells: Sequence[SpringCounts], seen: Callable[[SpringCounts], int], **style: Any
 ) -> None:
-    listed = [int(each.listed.sum()) for each in cells]
+    listed = [len(each.listed) for each in cells]
     shares = np.array([seen(each) / n for each, n in zip(cells, listed, strict=True)])
     ends = np.array([wilson(seen(each), n) for each, n in zip(cells, listed, strict=True)])
     apart = np.abs(ends.reshape(-1, 2).T - shares)
@@ -147,8 +168,8 @@ def _line(
 
 def _listed(counts: Sequence[SpringCounts]) -> str:
     """Whether any instance is left out."""
-    total = sum(len(each.listed) for each in counts)
-    missing = total - sum(int(each.listed.sum()) for each in counts)
+    total = sum(len(each.seen) for each in counts)
+    missing = total - sum(len(each.listed) for each in counts)
     if not missing:
         return "Counted by 40 paths in doubles, which all ended apart."
     return (

@@ -1,21 +1,20 @@
-"""The paper's experiment with springs that are matrices: how many equilibria, how many stable.
+"""The paper's experiment with springs that are matrices: how many equilibria, and where runs end.
 
 Clouds, motions and start are the paper's; the springs pull towards planes or lines, or along axes
 of each pair's own. At each size and noise the critical rotations of many instances are found by
-following 40 paths in doubles: counted, not proved. An instance whose paths did not all end apart
-is left out of the counts, and said to be.
+following 40 paths in doubles, and the body is released at rest where the source was given: counted,
+not proved. An instance whose paths did not all end apart is left out, and said to be.
 
->>> import numpy as np
->>> cell = SpringCell(family="plane", points=6, noise=0.1)
->>> problem = spring_problem(np.random.default_rng(0), cell)
->>> seen = observed(problem)
->>> seen.listed, seen.equilibria % 2, seen.stable >= 1
+>>> cell = SpringCell(family="plane", points=7, noise=0.1)
+>>> seen = observed(spring_problem(generator(cell, 0, 0), cell))
+>>> seen.listed, seen.equilibria % 2, seen.stable > seen.spurious
 (True, 0, True)
 """
 
 from __future__ import annotations
 
 import csv
+import enum
 import io
 import math
 from dataclasses import dataclass
@@ -23,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg.dynamics import simulate_springs
 from certreg.equilibrium import FloatingQuartic, PathsOutcome, critical_lines
 from certreg.objective import Springs
 from certreg.problem import RegistrationProblem, gaussian_instances, spring_moments
@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 SPRING_INSTANCES = 100  # in each cell: a share is known to 0.1
 SPRINGS_FILE = "springs.csv"
 LONGEST = 100.0  # axes of covariances: deviations from the noise down to a hundredth of it
+TIED = 1e-12  # of the range of energies: far above rounding, far below what noise makes
+NEAR = 1.0 - 1e-6  # cosine of half the angle to an equilibrium: within 0.16 degrees
 Z95 = 1.959963984540054  # of the normal distribution, two-sided 95 %
 
 
@@ -50,8 +52,8 @@ class SpringCell:
 
 
 FAMILY_WORDS = {"plane": "planes", "line": "lines", "covariance": "covariances"}
-NOISES = (0.001, 0.01, 0.1, 0.3, 1.0, 3.0)
-SIZES = {"plane": (6, 7, 10, 20, 100), "line": (3, 4, 10, 20, 100), "covariance": (3, 4, 10, 20)}
+NOISES = (0.01, 0.1, 0.3, 1.0, 3.0)
+SIZES = {"plane": (6, 7, 10, 20, 100), "line": (3, 4, 10, 100), "covariance": (3, 4, 10, 100)}
 SPRING_CELLS = tuple(
     SpringCell(family=family, points=points, noise=noise)
     for family, sizes in SIZES.items()
@@ -60,37 +62,58 @@ SPRING_CELLS = tuple(
 )
 
 
+class RunEnd(enum.IntEnum):
+    """Where a run from the paper's start ends."""
+
+    NOT_LISTED = -1  # paths did not end apart: nothing is said
+    OPTIMUM = 0
+    SPURIOUS = 1  # at a stable equilibrium of more energy
+    UNSETTLED = 2  # not at rest, or at none of the stable equilibria
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SpringObservation:
     """What is seen of one instance.
 
     listed: whether all 40 paths ended apart. equilibria, stable: real critical rotations, and those
-    of them that are minima; 0 where they are not listed.
+    of them that are minima; spurious: of these those with more energy than the least (six planes or
+    three lines can be fitted exactly in several ways). place: of the equilibrium where the run
+    ended, by energy from 0; -1: none.
     """
 
-    listed: bool
+    listed: bool = True
     equilibria: int = 0
     stable: int = 0
+    spurious: int = 0
+    ended: RunEnd = RunEnd.NOT_LISTED
+    place: int = -1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SpringCounts:
-    """A cell with what was seen of its instances, (count,) each."""
+    """A cell with what was seen of its instances, in order."""
 
     cell: SpringCell
-    listed: NDArray[np.bool_]
-    equilibria: NDArray[np.int64]
-    stable: NDArray[np.int64]
+    seen: tuple[SpringObservation, ...]
+
+    @property
+    def listed(self) -> tuple[SpringObservation, ...]:
+        """The instances of which all is known."""
+        return tuple(each for each in self.seen if each.listed)
 
     @property
     def counted(self) -> NDArray[np.int64]:
-        """Numbers of equilibria of the instances that are listed."""
-        return self.equilibria[self.listed]
+        """Their numbers of equilibria."""
+        return np.array([each.equilibria for each in self.listed], dtype=np.int64)
 
     @property
-    def several(self) -> int:
-        """Instances with a stable equilibrium besides the optimum."""
-        return int((self.stable[self.listed] > 1).sum())
+    def trapping(self) -> int:
+        """Instances with a stable spurious equilibrium."""
+        return sum(each.spurious > 0 for each in self.listed)
+
+    def ended(self, end: RunEnd) -> int:
+        """Runs that end so."""
+        return sum(each.ended is end for each in self.listed)
 
 
 def spring_problem(rng: np.random.Generator, cell: SpringCell) -> RegistrationProblem:
@@ -134,15 +157,27 @@ def _directions(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
 
 
 def observed(problem: RegistrationProblem) -> SpringObservation:
-    """The equilibria of an instance, counted."""
-    quartic = Springs(spring_moments(problem)).floating_quartic()[0]
+    """The equilibria of an instance, counted, and where the run from its start ends."""
+    objective = Springs(spring_moments(problem))
+    quartic = objective.floating_quartic()[0]
     lines = critical_lines(quartic)
     if lines.outcome is not PathsOutcome.FOUND:
         return SpringObservation(listed=False)
-    curvatures = FloatingQuartic.of(quartic).curvatures(lines.quaternions)[2]
-    least = np.linalg.eigvalsh(curvatures)[:, 0]
-    count = len(lines.quaternions)
-    return SpringObservation(listed=True, equilibria=count, stable=int((least > 0.0).sum()))
+    values, _, curvatures = FloatingQuartic.of(quartic).curvatures(lines.quaternions)
+    stable = np.linalg.eigvalsh(curvatures)[:, 0] > 0.0
+    above = values - values.min() > TIED * np.ptp(values)
+    run = simulate_springs(objective, problem.damping)
+    cosines = np.abs(lines.quaternions @ run.quaternion)
+    place = int(cosines.argmax())
+    settled = run.at_rest and bool(stable[place]) and bool(cosines[place] > NEAR)
+    end = RunEnd.SPURIOUS if above[place] else RunEnd.OPTIMUM
+    return SpringObservation(
+        equilibria=len(values),
+        stable=int(stable.sum()),
+        spurious=int((stable & above).sum()),
+        ended=end if settled else RunEnd.UNSETTLED,
+        place=place if settled else -1,
+    )
 
 
 def spring_counts(seed: int, runs: int | None, progress: StageProgress) -> tuple[SpringCounts, ...]:
@@ -158,12 +193,7 @@ def spring_counts(seed: int, runs: int | None, progress: StageProgress) -> tuple
 def measured(cell: SpringCell, seed: int, count: int) -> SpringCounts:
     """A cell: instance k is the same whatever the count, and however a campaign is cut up."""
     seen = [observed(spring_problem(generator(cell, seed, k), cell)) for k in range(count)]
-    return SpringCounts(
-        cell=cell,
-        listed=np.array([each.listed for each in seen]),
-        equilibria=np.array([each.equilibria for each in seen]),
-        stable=np.array([each.stable for each in seen]),
-    )
+    return SpringCounts(cell=cell, seen=tuple(seen))
 
 
 def generator(cell: SpringCell, seed: int, instance: int) -> np.random.Generator:
@@ -190,21 +220,27 @@ def wilson(seen: int, count: int) -> tuple[float, float]:
 def spring_rows(counts: Sequence[SpringCounts]) -> Iterator[dict[str, Any]]:
     """A row for each cell, of the CSV file or the JSON document; None where nothing was listed."""
     for each in counts:
-        cell, listed, known = each.cell, int(each.listed.sum()), each.counted
-        low, high = wilson(each.several, listed)
+        cell, listed, known = each.cell, each.listed, each.counted
+        wrong = each.ended(RunEnd.SPURIOUS)
+        trapping, ended = wilson(each.trapping, len(listed)), wilson(wrong, len(listed))
         yield {
             "family": cell.family,
             "points": cell.points,
             "noise": cell.noise,
-            "instances": len(each.listed),
-            "listed": listed,
+            "instances": len(each.seen),
+            "listed": len(listed),
             "equilibria_least": int(known.min()) if listed else None,
             "equilibria_median": float(np.median(known)) if listed else None,
             "equilibria_most": int(known.max()) if listed else None,
-            "stable_most": int(each.stable[each.listed].max()) if listed else None,
-            "several_stable": each.several,
-            "several_stable_low": low,
-            "several_stable_high": high,
+            "stable_most": max((one.stable for one in listed), default=None),
+            "stable_spurious": each.trapping,
+            "stable_spurious_low": trapping[0],
+            "stable_spurious_high": trapping[1],
+            "ended_at_optimum": each.ended(RunEnd.OPTIMUM),
+            "ended_wrong": wrong,
+            "ended_wrong_low": ended[0],
+            "ended_wrong_high": ended[1],
+            "unsettled": each.ended(RunEnd.UNSETTLED),
         }
 
 

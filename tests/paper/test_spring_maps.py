@@ -19,8 +19,10 @@ from certreg.paper.spring_figures import spring_drawings
 from certreg.paper.spring_maps import (
     SIZES,
     SPRING_CELLS,
+    RunEnd,
     SpringCell,
     SpringCounts,
+    SpringObservation,
     generator,
     measured,
     observed,
@@ -34,7 +36,7 @@ from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
 from certreg.relaxation.optimum import find_optimum
 
-FEW = [cell for cell in SPRING_CELLS if cell.points in {6, 20} and cell.noise in {0.1, 1.0}]
+FEW = [cell for cell in SPRING_CELLS if cell.points in {4, 7, 20} and cell.noise in {0.1, 1.0}]
 
 
 @pytest.fixture(scope="module")
@@ -53,29 +55,53 @@ def test_there_is_a_family_for_planes_lines_and_covariances():
 
 
 def test_counts_are_even_and_four_at_least_and_some_wrong_ones_are_stable(counts):
-    known = np.concatenate([each.counted for each in counts])
-    stable = np.concatenate([each.stable[each.listed] for each in counts])
+    listed = [seen for each in counts for seen in each.listed]
 
-    assert (known % 2 == 0).all()
-    assert known.min() >= 4
-    assert known.max() <= 40
-    assert (stable >= 1).all()
-    assert (2 * stable <= known).all()  # as many of even as of odd index, minima are even
-    assert sum(each.several for each in counts) > 0
+    assert {seen.equilibria % 2 for seen in listed} == {0}
+    assert min(seen.equilibria for seen in listed) >= 4
+    assert max(seen.equilibria for seen in listed) <= 40
+    assert all(0 <= seen.spurious < seen.stable for seen in listed)
+    assert all(2 * seen.stable <= seen.equilibria for seen in listed)  # as many of odd index
+    assert sum(each.trapping for each in counts) > 0
+
+
+def test_every_run_ends_somewhere_and_only_where_there_is_a_trap_at_a_wrong_pose(counts):
+    for each in counts:
+        assert sum(each.ended(end) for end in RunEnd) == len(each.listed)
+        assert each.ended(RunEnd.SPURIOUS) <= each.trapping
+        assert each.ended(RunEnd.NOT_LISTED) == 0
+    ends = {seen.ended for each in counts for seen in each.listed}
+    assert RunEnd.OPTIMUM in ends
 
 
 def test_six_planes_without_noise_have_what_the_derivation_says():
     corners = np.concatenate([np.eye(3), -np.eye(3)])
     seen = observed(RegistrationProblem(corners, np.zeros((6, 3)), normals=np.abs(corners)))
 
-    assert (seen.listed, seen.equilibria, seen.stable) == (True, 40, 8)
+    assert (seen.listed, seen.equilibria, seen.stable, seen.spurious) == (True, 40, 8, 0)
+    assert seen.ended is not RunEnd.SPURIOUS  # all eight are exact fits
+
+
+def test_released_near_a_stable_spurious_equilibrium_the_body_ends_there():
+    """The 18 planes of the derivations, given turned by the half turn about z and a little more."""
+    corners = np.concatenate([np.eye(3), -np.eye(3)])
+    held = [(3.0 * c, n) for c in corners for n in np.eye(3) if not c @ n]
+    points = np.concatenate([corners, [c for c, _ in held]])
+    normals = np.concatenate([np.abs(corners), [n for _, n in held]])
+    c, s = math.cos(math.pi - 0.3), math.sin(math.pi - 0.3)
+    turned = points @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    seen = observed(RegistrationProblem(turned, points, normals=normals))
+
+    assert (seen.listed, seen.equilibria, seen.stable, seen.spurious) == (True, 40, 4, 3)
+    assert seen.ended is RunEnd.SPURIOUS
+    assert 1 <= seen.place <= 3
 
 
 def test_one_wall_is_not_counted():
     points = np.random.default_rng(0).standard_normal((9, 3))
     seen = observed(RegistrationProblem(points, points, normals=np.tile([0.0, 0.0, 1.0], (9, 1))))
 
-    assert (seen.listed, seen.equilibria, seen.stable) == (False, 0, 0)
+    assert seen == SpringObservation(listed=False)
 
 
 def test_the_minima_are_those_that_the_search_for_the_optimum_knows():
@@ -92,7 +118,7 @@ def test_an_instance_does_not_depend_on_how_many_are_made_and_the_noise_alone_di
     loud = spring_problem(generator(replace(cell, noise=1.0), 3, 0), replace(cell, noise=1.0))
     still = spring_problem(generator(cell, 3, 0), cell)
 
-    assert few.equilibria[0] == more.equilibria[0]
+    assert few.seen[0] == more.seen[0]
     assert np.array_equal(loud.source, still.source)
     assert not np.array_equal(loud.target, still.target)
 
@@ -114,19 +140,21 @@ def test_the_table_and_the_document_say_the_same(counts):
     assert Draft202012Validator(schema).is_valid(rows)
     assert [row["family"] for row in listed] == [row["family"] for row in rows]
     assert [int(row["equilibria_most"]) for row in listed] == [r["equilibria_most"] for r in rows]
-    assert all(row["several_stable_low"] <= row["several_stable_high"] for row in rows)
+    for name in ("stable_spurious", "ended_wrong"):
+        low, high = (sum(row[f"{name}_{side}"] for row in rows) for side in ("low", "high"))
+        assert low <= sum(row[name] / row["listed"] for row in rows) <= high
 
 
 def test_a_cell_of_which_nothing_is_listed_has_no_numbers(counts):
-    nothing = replace(counts[0], listed=np.zeros_like(counts[0].listed))
+    nothing = replace(counts[0], seen=(SpringObservation(listed=False),) * 3)
     (row,) = spring_rows([nothing])
 
     assert (row["listed"], row["equilibria_least"], row["stable_most"]) == (0, None, None)
-    assert (row["several_stable_low"], row["several_stable_high"]) == (0.0, 1.0)
+    assert (row["ended_wrong_low"], row["ended_wrong_high"]) == (0.0, 1.0)
     (first, second) = spring_drawings([nothing, *counts[1:]])
     assert "3 of" in first.caption
     assert "left out" in first.caption
-    assert second.name == "springs-stable"
+    assert second.name == "springs-ends"
 
 
 def test_the_figures_tell_the_range_that_was_seen(counts):
