@@ -31,8 +31,10 @@ if TYPE_CHECKING:
     from certreg.certificate.many import certificates_of as certificates_of
     from certreg.certificate.producing import count_certificate as count_certificate
     from certreg.certificate.producing import produce as produce
-    from certreg.certificate.producing import springs_certificate as springs_certificate
-    from certreg.certificate.producing import springs_list_certificate as springs_list_certificate
+    from certreg.certificate.producing_springs import springs_certificate as springs_certificate
+    from certreg.certificate.producing_springs import (
+        springs_list_certificate as springs_list_certificate,
+    )
     from certreg.certificate.radius import MOST_DEGREES as MOST_DEGREES
     from certreg.certificate.radius import Radius as Radius
     from certreg.certificate.spring_bounds import spring_pose_bounds as spring_pose_bounds
@@ -83,6 +85,8 @@ __getattr__ = lazy_face(
         "producing": (
             "count_certificate",
             "produce",
+        ),
+        "producing_springs": (
             "springs_certificate",
             "springs_list_certificate",
         ),

@@ -14,9 +14,8 @@ from __future__ import annotations
 
 import hashlib
 import math
-from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 from certreg.certificate.count import CountBody
 from certreg.certificate.envelope import Certificate
@@ -25,7 +24,6 @@ from certreg.certificate.radius import (
     RADIUS_BITS,
     SAFE,
     Radius,
-    growth_radius,
     isotropic_radius,
 )
 from certreg.exact import (
@@ -47,15 +45,8 @@ if TYPE_CHECKING:
     from typing import Any
 
     from certreg.certificate.envelope import AnyBody_co
-    from certreg.certificate.springs_cones import SpringsConesBody
-    from certreg.certificate.springs_list import SpringsListBody
-    from certreg.certificate.springs_sos import SpringsSosBody
-    from certreg.equilibrium import CriticalLines
-    from certreg.objective import Isotropic, Springs
+    from certreg.objective import Isotropic
     from certreg.problem import RegistrationProblem
-    from certreg.relaxation import Found
-
-SpringsBody = TypeVar("SpringsBody", "SpringsSosBody", "SpringsConesBody")
 
 INLINE_POINTS = 1_000_000  # the contract: beyond, the file carries the digest only
 INLINE_SPRINGS = 700_000  # of general springs, 128 bytes each in base64: files are below 1e8 bytes
@@ -119,7 +110,7 @@ def produce(
         if robustness_angle is None or angle is None
         else _radius(objective, angle.value, robustness_angle),
     )
-    return _enclosed(problem, body, about)
+    return enclosed(problem, body, about)
 
 
 def _radius(objective: Isotropic, sin2_half_angle: Fraction, degrees: float) -> Radius | None:
@@ -133,67 +124,6 @@ def _radius(objective: Isotropic, sin2_half_angle: Fraction, degrees: float) -> 
     )
 
 
-def springs_certificate(
-    problem: RegistrationProblem,
-    objective: Springs,
-    found: Found,
-    *,
-    robustness_angle: float | None = None,
-    about: dict[str, Any] | None = None,
-) -> Certificate[SpringsSosBody] | Certificate[SpringsConesBody] | None:
-    """A certificate of the optimum that was found, by squares or by cones; None if not proved.
-
-    Cones are cut where squares leave open whether the optimum is unique, and kept where they prove
-    more; `about` says then how. robustness_angle: as `produce` takes it.
-    None means not proved, not disproved.
-    """
-    from certreg.certificate.cones import cones_body  # loads NumPy
-    from certreg.certificate.squares import sos_body  # the same
-
-    squares = sos_body(objective, found)
-    if squares is not None and squares.claims.unique is not None:
-        return _enclosed(problem, _moving(objective, squares, robustness_angle), about)
-    cones = cones_body(objective, found.minima)
-    body = cones.body
-    if body is not None and (squares is None or body.claims.unique or body.gap < squares.gap):
-        told = {**(about or {}), "cones": cones.words}
-        return _enclosed(problem, _moving(objective, body, robustness_angle), told)
-    if squares is None:
-        return None
-    return _enclosed(problem, _moving(objective, squares, robustness_angle), about)
-
-
-def springs_list_certificate(
-    problem: RegistrationProblem,
-    objective: Springs,
-    lines: CriticalLines,
-    *,
-    about: dict[str, Any] | None = None,
-) -> Certificate[SpringsListBody] | None:
-    """A certificate of all equilibria, from the ends of all 40 paths.
-
-    None means not proved, not disproved: lines are multiple, or nearly so; `list_body` says it.
-    """
-    from certreg.certificate.listing import list_body  # loads NumPy
-
-    body = list_body(objective, lines).body
-    return None if body is None else _enclosed(problem, body, about)
-
-
-def _moving(objective: Springs, body: SpringsBody, degrees: float | None) -> SpringsBody:
-    """The same body, with how far the points may move where that is proved and asked for."""
-    if degrees is None:
-        return body
-    radius = growth_radius(
-        objective.moments,
-        mu=body.growth,
-        delta=body.gap,
-        value=objective.energy(body.quaternion),
-        degrees=degrees,
-    )
-    return replace(body, radius=radius)
-
-
 def count_certificate(problem: RegistrationProblem) -> Certificate[CountBody] | None:
     """The certificate that a problem has at most four equilibria; None for infinitely many.
 
@@ -204,10 +134,10 @@ def count_certificate(problem: RegistrationProblem) -> Certificate[CountBody] | 
     proof = at_most_four(exact_moments(problem).cross)
     if proof is None:
         return None
-    return _enclosed(problem, CountBody(chart=proof.chart, modulus=proof.prime))
+    return enclosed(problem, CountBody(chart=proof.chart, modulus=proof.prime))
 
 
-def _enclosed(
+def enclosed(
     problem: RegistrationProblem, body: AnyBody_co, about: dict[str, Any] | None = None
 ) -> Certificate[AnyBody_co]:
     """The body in its envelope, with the points unless they are too many."""

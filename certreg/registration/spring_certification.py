@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg import certificate as proofs  # what proposes and proves is loaded where it is called
+from certreg import relaxation
 from certreg.certificate import (
     ExactPose,
     check_own,
     require_accepted,
     spring_pose_bounds,
-    springs_certificate,
 )
 from certreg.equilibrium import rotation_double, unit_double
 from certreg.errors import DegenerateProblemError, OutOfRangeError
@@ -33,7 +34,6 @@ from certreg.registration.spring_result import (
     SpringSolution,
 )
 from certreg.registration.weak_shifts import weak_shift_words, weak_shifts
-from certreg.relaxation import find_optimum
 from certreg.results import OUT_OF_RANGE, Absent, Limits
 
 if TYPE_CHECKING:
@@ -86,9 +86,9 @@ def _solved(
     """Everything that is computed, nothing yet checked."""
     objective = Springs(spring_moments(problem))
     done("exact sums")
-    found = find_optimum(objective, solver)
+    found = relaxation.find_optimum(objective, solver)
     done("optimum")
-    certificate = springs_certificate(problem, objective, found, **asked)
+    certificate = proofs.springs_certificate(problem, objective, found, **asked)
     done("certificate")
     quaternion = found.quaternion if certificate is None else certificate.body.quaternion
     return SpringSolution(
@@ -108,7 +108,7 @@ def spring_pose(problem: RegistrationProblem) -> Pose:
     Raises DegenerateProblemError where a shift or a turn is undetermined, or nearly so.
     """
     objective = Springs(spring_moments(problem))
-    found = find_optimum(objective)
+    found = relaxation.find_optimum(objective)
     open_ = Freedom.of(objective).words() or weak_shift_words(weak_shifts(objective))
     if not open_ and len(soft := soft_axes(objective, found.quaternion)):
         about = " and ".join(axis_words(axis) for axis in soft)

@@ -44,7 +44,7 @@ WINGS = (
 FOLDERS_OF_DATA = {"data"}
 FINDERS = ("objective", "equilibrium", "relaxation")
 PROVERS = ("certificate", "verify")  # the only places that speak of proof
-INNER_IMPORTS = 15  # within functions, each with its reason beside it
+INNER_IMPORTS = 4  # within functions, each with its reason beside it
 
 
 @dataclass(frozen=True, kw_only=True)
