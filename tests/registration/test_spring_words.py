@@ -48,164 +48,113 @@ def factors_of(matrix: Array, n: int) -> Array:
     return np.tile([a, 0.0, b, 0.0, 0.0, c], (n, 1))
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Case:
     """A configuration, and what must be said of it.
 
-    unique: of the pose. code: the exit code. said: parts of the summary; unsaid: never.
+    springs: of the problem. said: parts of the summary. unique: of the pose; the exit code follows.
+    free: shifts. symmetry: turns.
     """
 
     source: Array
     target: Array
     springs: dict[str, Any]
-    unique: bool | None
-    code: int
     said: tuple[str, ...]
+    unique: bool | None = True
     free: int = 0
     symmetry: int = 0
+
+    @property
+    def code(self) -> int:
+        """The exit code."""
+        return {True: DONE, False: NOT_UNIQUE, None: NOT_CERTIFIED}[self.unique]
+
+
+UNIQUE = "CERTIFIED: the global optimum, and unique, to within the proved bounds."
+SEVERAL = "CERTIFIED, BUT NOT UNIQUE: "
+OPEN = ("BOUNDED: within ", "is not decided.")
+UNDETERMINED = "is undetermined to first order"
+
+
+def shared(*squares: float) -> dict[str, Any]:
+    """The same diagonal W for 20 pairs."""
+    return {"factors": factors_of(np.diag(squares), 20)}
+
+
+def walls() -> dict[str, Case]:
+    """Of planes in one, two, three directions."""
+    x, rng = cloud(20), np.random.default_rng(1)
+    y = x + rng.integers(-1, 2, x.shape)
+    wall = np.tile([0.0, 0.0, 1.0], (20, 1))
+    two, corner = wall.copy(), wall.copy()
+    two[::2] = corner[::3] = (1.0, 0.0, 0.0)
+    corner[1::3] = (0.0, 1.0, 0.0)
+    one_wall = (
+        SEVERAL,
+        "rotation about the normal (0, 0, 1) is undetermined",
+        "no spring resists a shift along (1, 0, 0), (0, 1, 0) or any mix of them",
+    )
+    two_walls = (
+        "CERTIFIED, BUT A SHIFT IS FREE: the best rotation, and unique, to within the "
+        "proved bounds; no spring resists a shift along (0, 1, 0)."
+    )
+    return {
+        "one wall": Case(x, y, {"normals": wall}, one_wall, unique=False, free=2, symmetry=1),
+        "two wall directions": Case(x, y, {"normals": two}, (two_walls,), unique=False, free=1),
+        "corner": Case(x, y, {"normals": corner}, (UNIQUE,)),
+        "isotropic": Case(x, y, shared(1, 1, 1), (UNIQUE,)),
+        "shared 1 1 4": Case(x, y, shared(1, 1, 4), (UNIQUE,)),
+        "shared 1 4 9": Case(x, y, shared(1, 4, 9), (UNIQUE,)),
+        "five planes": Case(
+            x[:5], y[:5], {"normals": cloud(5, 3)}, (*OPEN, UNDETERMINED), unique=None
+        ),
+        "two lines": Case(
+            x[:2],
+            y[:2],
+            {"directions": np.eye(3)[:2]},
+            (SEVERAL, "rotation about the target's axis (0, 0, 1) and"),
+            unique=False,
+            symmetry=2,
+        ),
+        "collinear": Case(
+            np.outer(np.arange(1, 7), [1.0, 2.0, 2.0]),
+            y[:6],
+            {"factors": factors_of(np.eye(3), 6)},
+            (
+                SEVERAL,
+                "rotation about the target's axis ",
+                " and about the source's axis (0.333, 0.667, 0.667) is undetermined.",
+            ),
+            unique=False,
+            symmetry=2,
+        ),
+    }
+
+
+def surfaces() -> dict[str, Case]:
+    """That slide on themselves."""
+    ball = np.array(SPHERE, dtype=float)
+    tube = np.array([(a, b, h) for h, (a, b) in enumerate(CIRCLE)], dtype=float)
+    thread = np.array([(-b, a, 2.0) for a, b in CIRCLE])
+    flat = "The rotation is undetermined to first order: the energy does not curve at the pose."
+    sliding = (
+        SEVERAL,
+        "no spring resists a shift along (0, 0, 1)",
+        "Whether one rotation alone is optimal is not decided.",
+        "undetermined to first order",
+    )
+    return {
+        "sphere": Case(ball, ball, {"normals": ball}, (*OPEN, flat), unique=None),
+        "cylinder": Case(
+            tube, tube, {"normals": tube * [1.0, 1.0, 0.0]}, sliding, unique=False, free=1
+        ),
+        "screw": Case(tube, tube, {"normals": thread}, (*OPEN, UNDETERMINED), unique=None),
+    }
 
 
 def cases() -> dict[str, Case]:
     """By name."""
-    x, rng = cloud(20), np.random.default_rng(1)
-    y = x + rng.integers(-1, 2, x.shape)
-    wall = np.tile([0.0, 0.0, 1.0], (20, 1))
-    walls, corner = wall.copy(), wall.copy()
-    walls[::2] = corner[::3] = (1.0, 0.0, 0.0)
-    corner[1::3] = (0.0, 1.0, 0.0)
-    ball = np.array(SPHERE, dtype=float)
-    tube = np.array([(a, b, h) for h, (a, b) in enumerate(CIRCLE)], dtype=float)
-    thread = np.array([(-b, a, 2.0) for a, b in CIRCLE])
-    line = np.outer(np.arange(1, 7), [1.0, 2.0, 2.0])
-    return {
-        "one wall": Case(
-            source=x,
-            target=y,
-            springs={"normals": wall},
-            unique=False,
-            code=NOT_UNIQUE,
-            free=2,
-            symmetry=1,
-            said=(
-                "CERTIFIED, BUT NOT UNIQUE: ",
-                "rotation about the normal (0, 0, 1) is undetermined",
-                "no spring resists a shift along (1, 0, 0), (0, 1, 0) or any mix of them",
-            ),
-        ),
-        "two wall directions": Case(
-            source=x,
-            target=y,
-            springs={"normals": walls},
-            unique=False,
-            code=NOT_UNIQUE,
-            free=1,
-            said=(
-                (
-                    "CERTIFIED, BUT A SHIFT IS FREE: the best rotation, and unique, to within the "
-                    "proved bounds; no spring resists a shift along (0, 1, 0)."
-                ),
-            ),
-        ),
-        "corner": Case(
-            source=x,
-            target=y,
-            springs={"normals": corner},
-            unique=True,
-            code=DONE,
-            said=("CERTIFIED: the global optimum, and unique, to within the proved bounds.",),
-        ),
-        "sphere": Case(
-            source=ball,
-            target=ball,
-            springs={"normals": ball},
-            unique=None,
-            code=NOT_CERTIFIED,
-            said=(
-                "BOUNDED: within ",
-                "is not decided.",
-                (
-                    "The rotation is undetermined to first order: the energy does not curve at the "
-                    "pose."
-                ),
-            ),
-        ),
-        "cylinder": Case(
-            source=tube,
-            target=tube,
-            springs={"normals": tube * [1.0, 1.0, 0.0]},
-            unique=False,
-            code=NOT_UNIQUE,
-            free=1,
-            said=(
-                "CERTIFIED, BUT NOT UNIQUE: ",
-                "no spring resists a shift along (0, 0, 1)",
-                "Whether one rotation alone is optimal is not decided.",
-                "undetermined to first order",
-            ),
-        ),
-        "screw": Case(
-            source=tube,
-            target=tube,
-            springs={"normals": thread},
-            unique=None,
-            code=NOT_CERTIFIED,
-            said=("BOUNDED: within ", "is not decided.", "is undetermined to first order"),
-        ),
-        "collinear": Case(
-            source=line,
-            target=y[:6],
-            springs={"factors": factors_of(np.eye(3), 6)},
-            unique=False,
-            code=NOT_UNIQUE,
-            symmetry=2,
-            said=(
-                "CERTIFIED, BUT NOT UNIQUE: ",
-                "rotation about the target's axis ",
-                " and about the source's axis (0.333, 0.667, 0.667) is undetermined.",
-            ),
-        ),
-        "two lines": Case(
-            source=x[:2],
-            target=y[:2],
-            springs={"directions": np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])},
-            unique=False,
-            code=NOT_UNIQUE,
-            symmetry=2,
-            said=("CERTIFIED, BUT NOT UNIQUE: ", "rotation about the target's axis (0, 0, 1) and"),
-        ),
-        "isotropic": Case(
-            source=x,
-            target=y,
-            springs={"factors": factors_of(np.eye(3), 20)},
-            unique=True,
-            code=DONE,
-            said=("CERTIFIED: the global optimum, and unique",),
-        ),
-        "shared 1 1 4": Case(
-            source=x,
-            target=y,
-            springs={"factors": factors_of(np.diag([1.0, 1.0, 4.0]), 20)},
-            unique=True,
-            code=DONE,
-            said=("CERTIFIED: the global optimum, and unique",),
-        ),
-        "shared 1 4 9": Case(
-            source=x,
-            target=y,
-            springs={"factors": factors_of(np.diag([1.0, 4.0, 9.0]), 20)},
-            unique=True,
-            code=DONE,
-            said=("CERTIFIED: the global optimum, and unique",),
-        ),
-        "five planes": Case(
-            source=x[:5],
-            target=y[:5],
-            springs={"normals": cloud(5, 3)},
-            unique=None,
-            code=NOT_CERTIFIED,
-            said=("BOUNDED: within ", "is not decided.", "is undetermined to first order"),
-        ),
-    }
+    return walls() | surfaces()
 
 
 NAMES = list(cases())
