@@ -15,6 +15,7 @@ from certreg.registration import (
     NOT_CERTIFIED,
     NOT_UNIQUE,
     certified_count,
+    certified_list,
     enumerated,
     enumerated_springs,
     equilibrium_poses,
@@ -54,7 +55,11 @@ TRAJECTORY = ".npz"  # the one format of a trajectory
     help="Eigenspaces; exact elimination; proved continuation; all there are, compared. Default: "
     "spectral, of general springs homotopy.",
 )
-@click.option("--out", type=CLOUD, help="File for a certificate of the count: at most four.")
+@click.option(
+    "--out",
+    type=CLOUD,
+    help="File for a certificate: at most four; of general springs, that these are all.",
+)
 @click.option("--poses", type=FOLDER, help="Folder for the pose of each, 4x4, in their order.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def equilibria(
@@ -97,10 +102,9 @@ def _spring_equilibria(
     if method == SPECTRAL:
         message = "--method spectral: general springs have no eigenspaces; take homotopy, or all"
         raise click.UsageError(message)
-    if out is not None:
-        message = "--out: no certificate of the list of general springs in this version"
-        raise click.UsageError(message)
     enumeration = enumerated_springs(problem, method)
+    if out is not None:
+        _write_list(problem, enumeration, out)
     if poses is not None:
         _write_poses(enumeration, poses)
     if as_json:
@@ -108,6 +112,16 @@ def _spring_equilibria(
     else:
         click.echo(spring_enumeration_summary(enumeration))
     return DONE if enumeration.equilibria.unique else NOT_CERTIFIED
+
+
+def _write_list(problem: RegistrationProblem, enumeration: SpringEnumeration, out: Path) -> None:
+    """A certificate that these are all, checked, or the reason for none."""
+    certificate, place = certified_list(problem, enumeration.objective), printable(out)
+    if certificate is None:
+        click.echo(f"note: {place} not written: the list is not proved complete", err=True)
+        return
+    certificate.save(out)
+    click.echo(f"note: certificate of the list: {place} (certreg verify {place})", err=True)
 
 
 def _write_poses(enumeration: Enumeration | SpringEnumeration, folder: Path) -> None:

@@ -80,6 +80,22 @@ class BallQuartic:
         squares = kind(len(PAIRS), 1, [q[i] * q[j] for i, j in PAIRS])
         return (self._rounded(kind)[1] * squares).entries()
 
+    def curvature(self, q: Sequence[arb]) -> arb_mat:
+        """E^T F'' E - 4 F I at q, 3x3: 4 |q|^4 times the Hessian in rotation angle."""
+        entries = self.hessian(q, arb_mat)
+        second = arb_mat(
+            [[entries[PAIR_PLACE[min(i, j), max(i, j)]] for j in range(4)] for i in range(4)]
+        )
+        frame, along = arb_mat([list(row) for row in body_frame(tuple(q))]), arb_mat(4, 1, list(q))
+        value = (along.transpose() * second * along)[0, 0] / 3  # Euler: 12 F = q^T F'' q
+        return frame.transpose() * second * frame - value * arb_mat(3, 3, 1)
+
+    def level(self, q: Sequence[arb]) -> arb:
+        """F / |q|^4 at q, of the levelled quartic."""
+        first = self.gradient(q, arb_mat).entries()
+        along = sum((g * c for g, c in zip(first, q, strict=True)), arb(0))
+        return along / (4 * squared_norm(list(q)) ** 2)
+
     def _rounded(self, kind: Any) -> tuple[Table, Table]:
         """The coefficients of the derivatives, 4x20 and 10x10, at the working precision."""
         key = (ctx.prec, kind)
@@ -99,7 +115,7 @@ class LineBalls:
     """The three equations of critical lines with q_chart = 1, for balls of either kind."""
 
     def __init__(self, quartic: BallQuartic, chart: int) -> None:
-        self._quartic, self._chart = quartic, chart
+        self.quartic, self._chart = quartic, chart
         self._others = tuple(k for k in range(4) if k != chart)
 
     def completed(self, x: Sequence[Any]) -> tuple[Any, ...]:
@@ -117,14 +133,14 @@ class LineBalls:
     def values(self, x: Balls) -> Balls:
         """An enclosure of F_i - F_k q_i."""
         q, kind = self.completed(x.entries()), kind_of(x)
-        first = self._quartic.gradient(q, kind).entries()
+        first = self.quartic.gradient(q, kind).entries()
         last = first[self._chart]
         return kind(3, 1, [first[i] - last * q[i] for i in self._others])
 
     def jacobian(self, x: Balls) -> Balls:
         """An enclosure of F_ij - F_kj q_i - F_k d_ij."""
         q, kind, k = self.completed(x.entries()), kind_of(x), self._chart
-        second = self._quartic.hessian(q, kind)
+        second = self.quartic.hessian(q, kind)
         row = [second[PAIR_PLACE[min(j, k), max(j, k)]] for j in range(4)]
         value = sum((h * c for h, c in zip(row, q, strict=True)), row[0] * 0) / 3  # Euler: F_k
         return kind(
@@ -136,22 +152,6 @@ class LineBalls:
                 for j in self._others
             ],
         )
-
-    def curvature(self, q: Sequence[arb]) -> arb_mat:
-        """E^T F'' E - 4 F I at q, 3x3: 4 |q|^4 times the Hessian in rotation angle."""
-        entries = self._quartic.hessian(q, arb_mat)
-        second = arb_mat(
-            [[entries[PAIR_PLACE[min(i, j), max(i, j)]] for j in range(4)] for i in range(4)]
-        )
-        frame, along = arb_mat([list(row) for row in body_frame(tuple(q))]), arb_mat(4, 1, list(q))
-        value = (along.transpose() * second * along)[0, 0] / 3  # Euler: 12 F = q^T F'' q
-        return frame.transpose() * second * frame - value * arb_mat(3, 3, 1)
-
-    def level(self, q: Sequence[arb]) -> arb:
-        """F / |q|^4 at q, of the levelled quartic."""
-        first = self._quartic.gradient(q, arb_mat).entries()
-        along = sum((g * c for g, c in zip(first, q, strict=True)), arb(0))
-        return along / (4 * squared_norm(list(q)) ** 2)
 
 
 def boxed(quartic: BallQuartic, q: Sequence[complex], *, real: bool) -> BoxedLine | None:
@@ -187,7 +187,7 @@ def index_of(line: BoxedLine) -> int | None:
     bits = line.box.bits
     while bits <= MOST_BITS:
         with ctx.workprec(bits):
-            index = negative_eigenvalues(line.system.curvature(line.quaternion))
+            index = negative_eigenvalues(line.system.quartic.curvature(line.quaternion))
         if index is not None:
             return index
         line, bits = line.within(bits), 2 * bits

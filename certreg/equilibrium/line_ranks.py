@@ -66,7 +66,7 @@ def at_most_forty(quartic: Sequence[int]) -> LineCount | None:
     """
     library("flint", "the proof that all equilibria are listed")
     for prime in PRIMES:
-        minors = _minors(np.array([entry % prime for entry in quartic])) % prime
+        minors = minors_modulo(quartic, prime)
         if _dimension(minors, DEGREE, prime) != LINES:
             continue
         for t in range(PLANES):
@@ -84,12 +84,12 @@ def infinitely_many(quartic: Sequence[int]) -> int | None:
     """
     library("flint", "the proof that there are infinitely many equilibria")
     prime = PRIMES[0]
-    minors = _minors(np.array([entry % prime for entry in quartic])) % prime
+    minors = minors_modulo(quartic, prime)
     for degree in range(DEGREE, HIGHEST + 1):
         if _dimension(minors, degree, prime) > LINES:
             exact = _minors(np.array(quartic, dtype=object) // math.gcd(*quartic))
             most = len(forms(4, degree)) - LINES
-            return degree if _rank_is_below(_products(exact, degree), most) else None
+            return degree if _rank_is_below(products(exact, degree), most) else None
     return None
 
 
@@ -107,23 +107,28 @@ def forms(variables: int, degree: int) -> dict[tuple[int, ...], int]:
 
 def _dimension(minors: Table, degree: int, prime: int) -> int:
     """The dimension of (R/I)_d, modulo a prime."""
-    return len(forms(4, degree)) - _rank(_products(minors, degree), prime)
+    return len(forms(4, degree)) - _rank(products(minors, degree), prime)
 
 
 def _misses(minors: Table, t: int, prime: int) -> bool:
     """Whether no critical line lies in a plane, proved modulo a prime."""
     restricted = minors.astype(object) @ _restriction(t) % prime if t else minors @ _restriction(0)
-    table = _products(restricted.astype(np.int64), 2 * DEGREE_OF_MINORS, variables=3)
+    table = products(restricted.astype(np.int64), 2 * DEGREE_OF_MINORS, variables=3)
     return _rank(table, prime) == table.shape[1]
+
+
+def minors_modulo(quartic: Sequence[int], prime: int) -> Table:
+    """(6, 35): the minors of [q, grad F] modulo one of `PRIMES`."""
+    return _minors(np.array([entry % prime for entry in quartic])) % prime
 
 
 def _minors(quartic: Table) -> Table:
     """(6, 35): the minors of [q, grad F], q_i F_j - q_j F_i, of 35 coefficients."""
-    return _minor_terms() @ quartic
+    return minor_terms() @ quartic
 
 
 @cache
-def _minor_terms() -> Table:
+def minor_terms() -> Table:
     """(6, 35, 35): how often each coefficient goes into each of a minor."""
     places = forms(4, DEGREE_OF_MINORS)
     terms = np.zeros((len(ROWS), len(MONOMIALS), len(MONOMIALS)), dtype=np.int64)
@@ -137,9 +142,9 @@ def _minor_terms() -> Table:
     return terms
 
 
-def _products(minors: Table, degree: int, variables: int = 4) -> Table:
+def products(minors: Table, degree: int, variables: int = 4) -> Table:
     """All products of six forms of degree 4 with the monomials that make a degree of them."""
-    where, columns = _places(variables, degree), len(forms(variables, degree))
+    where, columns = product_places(variables, degree), len(forms(variables, degree))
     table = np.zeros((len(minors), where.shape[1], columns), dtype=minors.dtype)
     for m, to in enumerate(where):
         table[:, np.arange(len(to)), to] = minors[:, m, np.newaxis]
@@ -147,7 +152,7 @@ def _products(minors: Table, degree: int, variables: int = 4) -> Table:
 
 
 @cache
-def _places(variables: int, degree: int) -> Table:
+def product_places(variables: int, degree: int) -> Table:
     """Where the product of a form of degree 4 with another stands among those of a degree."""
     places = forms(variables, degree)
     return np.array(

@@ -85,13 +85,14 @@ def finiteness_of(objective: Springs) -> Finiteness:
     return Finiteness.UNDECIDED
 
 
-def line_set(
+def line_set(  # noqa: PLR0913 - what is known of the lines, by name
     method: str,
     components: Sequence[Critical],
     *,
     finiteness: Finiteness,
     pairs: int,
     tied: int,
+    bits: int = BITS,
     why: str = "",
 ) -> LineSet:
     """The list: complete where 40 lines are apart and there are no more, else in doubt.
@@ -103,7 +104,7 @@ def line_set(
     return LineSet(
         method=method,
         components=tuple(components),
-        bits=BITS,
+        bits=bits,
         completeness=Completeness.LINES if complete else None,
         doubt=None if complete else f"{finiteness.value} {_apart_words(found, finiteness)}{why}",
         finiteness=finiteness,

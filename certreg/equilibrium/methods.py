@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any
@@ -35,6 +35,7 @@ METHODS = {  # by name; loaded when asked for, because ball arithmetic and elimi
 }
 SPRING_METHODS = {  # of general springs
     "homotopy": ("certreg.equilibrium.spring_homotopy", "by_forty_paths"),
+    "groebner": ("certreg.equilibrium.spring_groebner", "by_quotient_ring"),
 }
 LARGEST_ANGLE = 1e-10  # radians; spans of complete lists hold 28 digits and more
 LARGEST_DIFFERENCE = 1e-12  # of the range of energies
@@ -98,7 +99,8 @@ def compare(sets: Sequence[CriticalSet]) -> Comparison:
     """
     first, *others = sets
     angles, energies = [0.0], [0.0]
-    for other in others:
+    for found in others:
+        other = _in_order_of(first, found)
         if not other.complete:
             if not _merges(other.pattern, first.pattern):
                 raise _disagreement(first, other)
@@ -112,6 +114,20 @@ def compare(sets: Sequence[CriticalSet]) -> Comparison:
         if angles[-1] > LARGEST_ANGLE or energies[-1] > LARGEST_DIFFERENCE:
             raise _disagreement(first, other, angles[-1])
     return Comparison(angle=max(angles), energy=max(energies))
+
+
+def _in_order_of(first: CriticalSet, other: CriticalSet) -> CriticalSet:
+    """Points in the order of the nearest ones of another list: equal energies come in any order."""
+    if other.pattern != first.pattern or set(first.pattern) != {1}:
+        return other
+    spans = [part.span[0] for part in other.components]
+    order = [
+        max(range(len(spans)), key=lambda k: abs(dot(part.span[0], spans[k])))
+        for part in first.components
+    ]
+    if len(set(order)) < len(order):
+        return other
+    return replace(other, components=tuple(other.components[k] for k in order))
 
 
 def _angle(one: CriticalSet, other: CriticalSet) -> float:

@@ -19,6 +19,7 @@ from certreg.equilibrium.homotopy import HOMOTOPY
 from certreg.equilibrium.line_boxes import BallQuartic, BoxedLine, all_different, boxed, index_of
 from certreg.equilibrium.line_set import (
     BITS,
+    LINES,
     Finiteness,
     LineSet,
     constant_set,
@@ -59,7 +60,8 @@ def by_forty_paths(objective: Springs) -> LineSet:
     proved = proved_lines(BallQuartic(levelled), ends)
     real = [line for line in proved if line.is_real]
     parts, tied = proved_components(objective, real)
-    rest = _unproved(ends.points, proved)
+    whole = len(real) + 2 * (len(proved) - len(real)) == LINES
+    rest = [] if whole else _unproved(ends.points, proved)
     parts += [_unproved_component(objective, q) for q in rest]
     why = f" {_rest_words(len(rest))}" if rest else ""
     return line_set(
@@ -76,7 +78,7 @@ def proved_lines(quartic: BallQuartic, ends: CriticalLines) -> list[BoxedLine]:
     """Boxes with one line each, of real ends and of one of each pair of conjugates; all apart.
 
     Ends that are singular as far as doubles tell are tried where they are few: of a multiple line
-    none can be proved. Two boxes that could not be told apart are both left out.
+    none can be proved. What is not proved to be another line than those before it is left out.
     """
     found: list[BoxedLine] = []
     singular = ends.codes != REGULAR
@@ -90,15 +92,17 @@ def proved_lines(quartic: BallQuartic, ends: CriticalLines) -> list[BoxedLine]:
             found.append(found_line)
     if all_different(found):
         return found
-    return [
-        one for one in found if all(one is other or all_different([one, other]) for other in found)
-    ]
+    kept: list[BoxedLine] = []
+    for one in found:
+        if all(all_different([one, other]) for other in kept):
+            kept.append(one)
+    return kept
 
 
 def proved_components(objective: Springs, real: Sequence[BoxedLine]) -> tuple[list[Critical], int]:
     """Proved equilibria by ascending energy, and how many of the first may be the best."""
     lines = [line.within(BITS + SPARE_BITS) for line in real]
-    lines.sort(key=lambda line: line.system.level(line.quaternion).mid())
+    lines.sort(key=lambda line: line.system.quartic.level(line.quaternion).mid())
     tied = _tied(lines)
     return [_proved_component(objective, line) for line in lines], tied
 
@@ -109,7 +113,7 @@ def _tied(lines: Sequence[BoxedLine]) -> int:
     while len(several) > 1 and bits <= TIE_BITS:
         several = [line.within(bits) for line in several]
         with ctx.workprec(2 * bits):
-            levels = [line.system.level(line.quaternion) for line in several]
+            levels = [line.system.quartic.level(line.quaternion) for line in several]
         least = min(levels, key=lambda level: level.mid())
         tied = [not bool(level > least) for level in levels]
         several = list[BoxedLine](compress(several, tied))
@@ -117,18 +121,17 @@ def _tied(lines: Sequence[BoxedLine]) -> int:
     return len(several)
 
 
-def _halved(points: Complexes) -> list[Complexes]:
+def _halved(points: Complexes) -> Complexes:
     """The ends without those whose conjugate comes before them."""
-    kept: list[Complexes] = []
-    for q in points:
-        other = np.linalg.norm(q.imag) >= REAL
-        if not (other and any(_sine(q.conj(), p) < REAL for p in kept)):
-            kept.append(q)
-    return kept
+    other = np.linalg.norm(points.imag, axis=1) >= REAL
+    met = np.triu(_sines(points.conj(), points) < REAL, k=1)  # [j, k]: k is the conjugate of j
+    return points[~(other & (met & other[:, np.newaxis]).any(axis=0))]
 
 
-def _sine(p: Numbers, q: Numbers) -> float:
-    return float(np.linalg.norm(q - (p.conj() @ q) * p))
+def _sines(p: Numbers, q: Numbers) -> NDArray[np.float64]:
+    """(j, k): of the angles between lines, each given by a unit."""
+    along = p.conj() @ q.T
+    return np.linalg.norm(q[np.newaxis] - along[..., np.newaxis] * p[:, np.newaxis], axis=2)
 
 
 def _proved_component(objective: Springs, line: BoxedLine) -> Critical:
@@ -160,19 +163,24 @@ def _component(
 
 def _unproved(points: Complexes, proved: Sequence[BoxedLine]) -> list[Complexes]:
     """Of ends without a box those that are nearly real, one of each place where some met."""
-    known = [
-        np.array([complex(float(c.real.mid()), float(c.imag.mid())) for c in line.quaternion])
-        for line in proved
-    ]
-    known = [q / np.linalg.norm(q) for q in known]
+    rest = points[np.linalg.norm(points.imag, axis=1) <= NEARLY_REAL]
+    if proved:
+        known = np.array([_middle(line) for line in proved])
+        near = np.minimum(_sines(known, rest), _sines(known.conj(), rest)).min(axis=0)
+        rest = rest[near >= REAL]
     kept: list[Complexes] = []
-    for q in points:
-        taken = any(min(_sine(q, p), _sine(q.conj(), p)) < REAL for p in known)
-        if taken or np.linalg.norm(q.imag) > NEARLY_REAL:
-            continue
-        if all(_sine(q, p) > SAME_END for p in kept):
+    for q in rest:
+        if not kept or _sines(np.array(kept), q[np.newaxis]).min() > SAME_END:
             kept.append(q)
     return kept
+
+
+def _middle(line: BoxedLine) -> Complexes:
+    """The middle of a box, a unit."""
+    parts = [[float(c.real.mid()), float(c.imag.mid())] for c in line.quaternion]
+    q = np.array(parts).view(np.complex128)[:, 0]
+    q /= np.linalg.norm(q)
+    return q
 
 
 def _rest_words(places: int) -> str:

@@ -97,6 +97,7 @@ if TYPE_CHECKING:
         ListedSpringEquilibria as ListedSpringEquilibria,
     )
     from certreg.registration.spring_enumeration import SpringEnumeration as SpringEnumeration
+    from certreg.registration.spring_enumeration import certified_list as certified_list
     from certreg.registration.spring_enumeration import enumerated_springs as enumerated_springs
     from certreg.registration.spring_equilibria import SpringEquilibria as SpringEquilibria
     from certreg.registration.spring_equilibria import SpringEquilibrium as SpringEquilibrium
@@ -243,6 +244,7 @@ __getattr__ = lazy_face(
         "spring_enumeration": (
             "ListedSpringEquilibria",
             "SpringEnumeration",
+            "certified_list",
             "enumerated_springs",
         ),
         "spring_equilibria": (

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, cast
 
-from certreg.equilibrium import SPRING_METHODS, compare, search
+from certreg.certificate import check_own, require_accepted, springs_list_certificate
+from certreg.equilibrium import SPRING_METHODS, compare, critical_lines, search
 from certreg.errors import UndecidedError
 from certreg.objective import Springs
 from certreg.problem import spring_moments
@@ -16,6 +17,7 @@ from certreg.results import Brief
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from certreg.certificate import Certificate, SpringsListBody
     from certreg.equilibrium import Comparison, LineSet, Search
     from certreg.problem import RegistrationProblem
     from certreg.registration.parts import Progress
@@ -80,6 +82,20 @@ def enumerated_springs(
         equilibria=spring_equilibria(sets[0], objective, problem),
         comparison=compare(sets) if compared else None,
     )
+
+
+def certified_list(
+    problem: RegistrationProblem, objective: Springs
+) -> Certificate[SpringsListBody] | None:
+    """A certificate of all equilibria that the checker accepted; None: not proved, not disproved.
+
+    Raises RefusedCertificateError where certreg contradicts itself.
+    """
+    lines = critical_lines(objective.floating_quartic()[0])
+    certificate = springs_list_certificate(problem, objective, lines)
+    if certificate is not None:
+        require_accepted(check_own(certificate, problem))
+    return certificate
 
 
 def _searched(objective: Springs, name: str, done: Callable[[str], None]) -> Search:

@@ -126,10 +126,14 @@ def _methods_words(enumeration: SpringEnumeration) -> str:
             f"{math.degrees(comparison.angle):.0e} degrees, energies to {comparison.energy:.0e} "
             "of their range."
         )
+    said = enumeration.equilibria.doubt
+    doubts = [
+        each.critical.doubt if each.critical else each.reason for each in enumeration.searches
+    ]
     lines += [
-        f"Not decided by {each.method}: {each.critical.doubt if each.critical else each.reason}"
-        for each in enumeration.searches
-        if each.critical is None or not each.critical.complete
+        f"Not decided by {each.method}: {doubt.removeprefix(f'{each.method}: ')}"
+        for each, doubt in zip(enumeration.searches, doubts, strict=True)
+        if doubt is not None and doubt != said
     ]
     return "\n".join(lines)
 

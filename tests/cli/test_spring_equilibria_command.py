@@ -129,6 +129,34 @@ def test_poses_of_one_weight_per_pair_are_written_too(tmp_path):
     assert first @ [3, 1, -2, 1] == pytest.approx([1, -2, 3, 1])
 
 
+def test_a_certificate_of_the_list_is_written_and_verified(folder, tmp_path):
+    run = listed(folder, "seven", "--out", tmp_path / "list.json")
+    verdict = certreg("verify", tmp_path / "list.json")
+
+    assert "certificate of the list" in run.err
+    assert (run.code, verdict.code) == (0, 0)
+    assert "VERIFIED" in verdict.out
+
+
+def test_where_the_list_is_in_doubt_no_certificate_is_written(folder, tmp_path):
+    run = listed(folder, "sphere", "--out", tmp_path / "list.json")
+
+    assert "not written: the list is not proved complete" in run.err
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.slow
+def test_all_methods_are_held_against_each_other(folder):
+    text, document = (listed(folder, "seven", "--method", "all", *how) for how in ((), ["--json"]))
+    roads = document.document["roads"]
+
+    jsonschema.validate(document.document, SCHEMA)
+    assert "The roads homotopy, groebner agree" in text.out
+    assert [road["method"] for road in roads] == ["homotopy", "groebner"]
+    assert roads[0]["indices"] == roads[1]["indices"]
+    assert document.document["agreement"]["rotation_deg"] < 1e-15
+
+
 def test_eigenspaces_are_refused(folder):
     run = listed(folder, "seven", "--method", "spectral")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from dataclasses import replace
 from importlib import import_module
 from typing import Any
 
@@ -13,11 +14,12 @@ import spring_families
 from commands import checked
 
 from certreg import RegistrationProblem
-from certreg.equilibrium import critical_lines, search
+from certreg.equilibrium import compare, critical_lines, search
 from certreg.equilibrium.critical_set import Completeness
 from certreg.equilibrium.line_boxes import BallQuartic, all_different, boxed, index_of
 from certreg.equilibrium.line_ranks import PRIMES, at_most_forty, infinitely_many, plane
 from certreg.equilibrium.line_set import Finiteness
+from certreg.errors import ContradictionError
 from certreg.objective import Springs
 from certreg.objective.levelling import levelled_exactly, norm_fourth
 from certreg.objective.quartics import MONOMIALS, gradient
@@ -91,11 +93,11 @@ TABLE = {
 def test_ranks_are_those_of_the_table(name):
     (of_plane, dimension), _, _ = TABLE[name]
     prime = PRIMES[0]
-    minors = RANKS._minors(np.array([entry % prime for entry in objective(name).quartic])) % prime
+    minors = RANKS.minors_modulo(objective(name).quartic, prime)
     restricted = minors.astype(object) @ RANKS._restriction(3) % prime
 
     assert RANKS._dimension(minors, 7, prime) == dimension
-    table = RANKS._products(restricted.astype(np.int64), 8, variables=3)
+    table = RANKS.products(restricted.astype(np.int64), 8, variables=3)
     assert RANKS._rank(table, prime) == of_plane
 
 
@@ -195,12 +197,13 @@ def test_boxes_of_one_line_are_not_different():
 
 
 def test_a_line_counts_once_where_two_paths_end_at_it(monkeypatch):
-    """As if a path had gone astray: the list is not complete."""
+    """As if the path to a real line had gone astray: the list is not complete."""
     usual = HOMOTOPY.critical_lines
 
     def astray(quartic):
         found = usual(quartic)
-        found.points[0] = found.points[1]
+        first, second, *_ = np.flatnonzero(np.linalg.norm(found.points.imag, axis=1) < 1e-9)
+        found.points[first] = found.points[second]
         return found
 
     monkeypatch.setattr(HOMOTOPY, "critical_lines", astray)
@@ -208,6 +211,7 @@ def test_a_line_counts_once_where_two_paths_end_at_it(monkeypatch):
 
     assert not found.complete
     assert found.finiteness is Finiteness.FORTY
+    assert len(found.components) == len(listed(3).components) - 1
 
 
 def test_an_energy_that_is_constant_has_every_rotation():
@@ -220,3 +224,55 @@ def test_an_energy_that_is_constant_has_every_rotation():
 
     assert found.completeness is Completeness.CONSTANT
     assert found.pattern == (4,)
+
+
+def by_elimination(name) -> Any:
+    return checked(search(objective(name), "groebner").critical)
+
+
+SAMPLE = [pytest.param(k, marks=pytest.mark.slow) for k in (0, 2, 6)]
+
+
+@pytest.mark.parametrize("cell", [11, *SAMPLE])
+def test_elimination_finds_the_same_equilibria_without_paths_and_boxes(cell, monkeypatch):
+    monkeypatch.setattr(HOMOTOPY, "critical_lines", None)
+    found = by_elimination(cell)
+    agreement = compare([listed(cell), found])
+
+    assert found.completeness is Completeness.LINES
+    assert (found.pairs, found.tied) == (listed(cell).pairs, listed(cell).tied)
+    assert agreement.angle < 1e-18
+    assert agreement.energy < 1e-30
+
+
+def test_elimination_says_why_it_has_no_list():
+    for name, finiteness in (("wall", Finiteness.SYMMETRIC), ("isotropic", Finiteness.COMPLEX)):
+        made = search(objective(name), "groebner")
+        assert made.critical is None
+        assert finiteness.value in checked(made.reason)
+
+
+@pytest.mark.slow
+def test_elimination_knows_that_lines_meet():
+    made = search(objective("sphere"), "groebner")
+
+    assert made.critical is None
+    assert "the dimension 40, counted with multiplicity" in checked(made.reason)
+
+
+def test_equal_energies_in_another_order_agree_and_another_rotation_does_not():
+    found = listed(0)
+    swapped = replace(
+        found, components=(found.components[1], found.components[0], *found.components[2:])
+    )
+    turned = replace(found.components[0], span=((1 << 192, 0, 0, 0),))
+
+    assert found.tied > 1
+    assert compare([found, swapped]).angle < 1e-25
+    for other in (
+        replace(found, components=(turned, *found.components[1:])),
+        replace(found, components=found.components[:-1]),
+        replace(found, components=(*found.components[:-1], replace(found.components[-1], index=0))),
+    ):
+        with pytest.raises(ContradictionError):
+            compare([found, other])
