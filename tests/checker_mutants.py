@@ -16,6 +16,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 from checker_boundaries import Case, quick_cases
+from list_boundaries import list_cases
 from springs_boundaries import springs_cases
 
 if TYPE_CHECKING:
@@ -531,7 +532,167 @@ GROUPS = (
     (RADIUS, ("radius",)),
     (COUNT, ("count",)),
 )
-MUTANTS = tuple(mutant for group, _ in GROUPS for mutant in group) + SPRINGS
+LISTS = mutants(
+    (
+        "ENTRY_MAX, MODULI_MAX = 2**16",
+        "ENTRY_MAX, MODULI_MAX = 2**15",
+        "ENTRY_MAX, MODULI_MAX = 2**17",
+    ),
+    (", MODULI_MAX = 2**16, 2**62", ", MODULI_MAX = 2**16, 2**61", ", MODULI_MAX = 2**16, 2**63"),
+    ("CYCLE = (1, 2), (2, 0), (0, 1)", "CYCLE = (1, 2), (0, 2), (0, 1)"),
+    (
+        "0 < max(map(abs, self.chart)) <= ENTRY_MAX",
+        "max(map(abs, self.chart)) <= ENTRY_MAX",
+        "0 < max(map(abs, self.chart)) < ENTRY_MAX",
+        "0 < max(self.chart) <= ENTRY_MAX",
+    ),
+    (
+        "0 <= self.bits <= BITS",
+        "self.bits <= BITS",
+        "0 < self.bits <= BITS",
+        "0 <= self.bits < BITS",
+        "0 <= self.bits",
+    ),
+    (
+        "1 < self.modulus < MODULI_MAX",
+        "1 <= self.modulus < MODULI_MAX",
+        "1 < self.modulus <= MODULI_MAX",
+        "1 < self.modulus",
+        "2 < self.modulus < MODULI_MAX",
+    ),
+    (
+        "max(map(abs, numbers)) >> 2 * BITS == 0",
+        "True",
+        "max(numbers) >> 2 * BITS == 0",
+        "max(map(abs, numbers)) >> BITS == 0",
+    ),
+    ("if not any(map(itemgetter(1), P))]", "if not all(map(itemgetter(1), P))]", "if not P[1][1]]"),
+    (
+        "[[(x, -y) for x, y in P] for P in lines if P not in real]",
+        "[P for P in lines if P not in real]",
+        "[]",
+    ),
+    (
+        "len(boxes) == 40 and min(far) > 4",
+        "len(boxes) == 40",
+        "min(far) > 4",
+        "len(boxes) >= 40 and min(far) > 4",
+        "len(boxes) <= 40 and min(far) > 4",
+        "len(boxes) == 40 and min(far) >= 4",
+        "len(boxes) == 40 and min(far) > 5",
+    ),
+    ("far = [max([(a - c)", "far = [min([(a - c)", "far = [sum([(a - c)"),
+    ("(a - c) ** 2 + (b - d) ** 2 for", "(a - c) ** 2 for", "(b - d) ** 2 for"),
+    (
+        "[x, w, -z, y], [y, z, w, -x], [z, -y, x, w]]  # a p",
+        "[x, w, z, -y], [y, z, w, -x], [z, -y, x, w]]  # a p",
+    ),
+    ('require(are_forty(minors, self.modulus), "', 'require(True, "'),
+    ("[slopes_at(P, tables, most) for P in lines]", "[slopes_at(P, tables, most) for P in real]"),
+    ("[sum(map(abs, E.values())) for E in minors]", "[max(map(abs, E.values())) for E in minors]"),
+    (
+        'require([*self.indices] == indices, "',
+        'require(len(self.indices) == len(indices), "',
+        'require(sorted(self.indices) == sorted(indices), "',
+    ),
+    (
+        "springs.unit * sum(map(abs, G.values())) / 12)",
+        "springs.unit * max(map(abs, G.values())) / 12)",
+        "springs.unit * sum(map(abs, G.values())) / 13)",
+    ),
+    (
+        "u[i] * q[0][j] == u[j] * q[0][i] for i, j",
+        "u[i] * q[1][j] == u[j] * q[1][i] for i, j",
+        "True for i, j",
+    ),
+    ("require(any(u) and parallel", "require(parallel", "require(any(u)"),
+    ("[Fraction(3 * norm, sum(", "[Fraction(2 * norm, sum(", "[Fraction(3, sum("),
+    (
+        "value - 10 * width * sine / norm**2 for",
+        "value - 9 * width * sine / norm**2 for",
+        "value - 10 * width * sine / norm for",
+        "value for",
+    ),
+    (
+        "values[0] - min(floors), min(floors[1:])",
+        "values[0] - floors[1], min(floors[1:])",
+        "values[0] - floors[0], min(floors)",
+        "values[0] - floors[0], floors[2]",
+    ),
+    (
+        "one = 2 * values[0] - floors[0] < second",
+        "one = values[0] < second",
+        "one = True",
+        "one = 2 * values[0] - floors[0] <= second",
+    ),
+    ("require(self.gap >= gap", "require(self.gap > 0"),
+    ("require(self.second <= second", "require(self.second", "require(self.second < second + 1"),
+    (
+        "angle is None or (one and angle >= sines[0])",
+        "angle is None or angle >= sines[0]",
+        "angle is None or one",
+        "angle is None or (one and angle > 0)",
+    ),
+    (
+        "self.unique is None or (self.unique and one)",
+        "self.unique is None or one",
+        "True",
+        "self.unique is None or self.unique",
+    ),
+    ("gap / sines[0] if one else Fraction(0)", "gap / sines[0]", "Fraction(0)"),
+    ("[self.indices.count(k) for k in range(4)]", "[self.indices.count(k) for k in (0, 2, 1, 3)]"),
+    ("room = len(self.indices), self.second - value", "room = len(self.indices), self.second"),
+    ("if room > 0 else", "if room >= -1 else"),
+    ("(5 - 2 * times) for times, k", "1 for times, k"),
+    ("24 * k - mean * times for", "24 * k for", "24 * k + mean * times for"),
+    ("k * left[m[at]][j]", "k * left[j][m[at]]"),
+    ("c if m[at] == j else -c", "c", "-c if m[at] == j else c"),
+    (
+        "for first, rank in (1, 45), (0, 80):",
+        "for first, rank in [(0, 80)]:",
+        "for first, rank in (1, 44), (0, 80):",
+        "for first, rank in (1, 45), (0, 81):",
+    ),
+    ("(k.count(j) + 1), 0) for k in CUBICS", "1, 0) for k in CUBICS"),
+    ("- sum(map(mul, b, d)), sum(", "+ sum(map(mul, b, d)), sum("),
+    (
+        "room = 4 * (isqrt(x * x + y * y)",
+        "room = 5 * (isqrt(x * x + y * y)",
+        "room = 4 * (isqrt(x * x)",
+    ),
+    (
+        "12 * (max(s) + 1) ** 2 * most * size)",
+        "11 * (max(s) + 1) ** 2 * most * size)",
+        "12 * max(s) ** 2 * most * size)",
+        "12 * (max(s) + 1) * most * size)",
+        "12 * (max(s) + 1) ** 2 * most)",
+    ),
+    (
+        "room > 0 and u * u + v * v < room**2",
+        "u * u + v * v < room**2",
+        "room > 0 and u * u < room**2",
+        "room > 0",
+        "room > 0 and u * u + v * v <= room**2",
+    ),
+    (
+        "420 * (max([abs(x) for x, _ in P]) + 1) ** 4 * most",
+        "400 * (max([abs(x) for x, _ in P]) + 1) ** 4 * most",
+        "420 * max([abs(x) for x, _ in P]) ** 4 * most",
+        "0",
+    ),
+    ("for by in (-change, change):", "for by in [-change]:", "for by in [change]:"),
+    ("norm * J[i][j][0] - v[i] * along[j]", "norm * J[i][j][0]", "J[i][j][0] - v[i] * along[j]"),
+    ("D[i][j] + D[j][i] + 2 * by", "2 * D[i][j] + 2 * by", "D[i][j] + D[j][i] + by"),
+    ("a * d - b * b + a * f - c * c + d * f - e * e", "a * d - b * b + a * f - c * c + d * f"),
+    ("a * d * f + 2 * b * c * e -", "a * d * f -"),
+    (
+        "(1, a + d + f, minors, last) if term]",
+        "(1, a + d + f, minors, last)]",
+        "(a + d + f, minors, last) if term]",
+    ),
+    ('require(len(found) == 1, "an', 'require(True, "an'),
+)
+MUTANTS = tuple(mutant for group, _ in GROUPS for mutant in group) + SPRINGS + LISTS
 
 
 def noticed(text: str, mutant: Mutant, cases: list[Case]) -> str | None:
@@ -573,7 +734,9 @@ def answers(every: int = 1) -> dict[str, str | None]:
         cases = quick_cases(*subjects)
         found |= {mutant.says: noticed(text, mutant, cases) for mutant in group[::every]}
     cases = springs_cases()
-    return found | {mutant.says: noticed(text, mutant, cases) for mutant in SPRINGS[::every]}
+    found |= {mutant.says: noticed(text, mutant, cases) for mutant in SPRINGS[::every]}
+    cases = list_cases()  # each takes 50 ms
+    return found | {mutant.says: noticed(text, mutant, cases) for mutant in LISTS[:: every**2]}
 
 
 def main() -> None:

@@ -12,6 +12,7 @@ import json
 from fractions import Fraction
 from functools import cache
 from itertools import product
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -71,7 +72,7 @@ def good() -> Document:
     return listed().document
 
 
-def other(document: Document | None = None, **entries: Any) -> Document:
+def other(document: Document | None = None, /, **entries: Any) -> Document:
     """With other entries, of claims and proof."""
     found = copy.deepcopy(document or good())
     for name, value in entries.items():
@@ -162,9 +163,12 @@ def questions() -> Iterator[tuple[str, Document, str]]:
         wrong = [*claims["indices"]]
         wrong[k] = (wrong[k] + 1) % 4
         yield f"index {k}", other(indices=wrong), "REFUSED: claims.indices is not proved$"
+    swapped = [claims["indices"][-1], *claims["indices"][1:-1], claims["indices"][0]]
+    yield "indices swapped", other(indices=swapped), "REFUSED: claims.indices is not proved$"
     yield "an index less", other(indices=claims["indices"][1:]), "REFUSED: claims.indices"
     yield from _ranges(proof)
     yield from _boxes()
+    yield from _pairs()
     yield from _six()
 
 
@@ -173,7 +177,7 @@ def _ranges(proof: Document) -> Iterator[tuple[str, Document, str]]:
     for name, chart, answer in (
         ("zero", [0] * 4, RANGE),
         ("too large", [w, x, 2**16 + 1, z], RANGE),
-        ("too large, below", [w, x, -(2**16) - 1, z], RANGE),
+        ("too large, below", [1, 1, -(2**16) - 1, 1], RANGE),
         ("large", [w, x, 2**16, z], BOX),
         ("another", [w + 1, x, y, z], BOX),
     ):
@@ -226,6 +230,16 @@ def _boxes() -> Iterator[tuple[str, Document, str]]:
         for place in (0, 2, 4):
             shift = [*[0] * place, *by, *[0] * (4 - place)]
             yield f"a pair off by {shift}", copied(shift, real, real + 1), answer
+    yield "a pair off by 2, twice", copied([2, 0, 0, 2, 0, 0], real, real + 1), APART
+
+    for line in (0, 1, real, real + 3):
+        for place in range(0, 6, 1 + (line < real)):
+            for by in (-2, 2):
+                yield f"line {line}, place {place}, {by}", moved(line, place, by), BOX
+
+
+def _pairs() -> Iterator[tuple[str, Document, str]]:
+    real = len(good()["claims"]["indices"])
 
     def mirror(rows: list[list[int]]) -> None:
         rows[real + 1] = [(-1) ** k * entry for k, entry in enumerate(rows[real])]
@@ -248,80 +262,55 @@ def _boxes() -> Iterator[tuple[str, Document, str]]:
         with_lines(lambda rows: rows.reverse()),
         "(REFUSED: claims|REFUSED: the p)",
     )
-    for line in (0, 1, real, real + 3):
-        for place in range(0, 6, 1 + (line < real)):
-            answers = {by: f"line {line}, place {place}, {by}" for by in (-2, -1, 1, 2)}
-            for by in (-2, 2):
-                yield answers[by], moved(line, place, by), BOX
 
 
 def _six() -> Iterator[tuple[str, Document, str]]:
     """Six planes."""
     whole = six_planes().document
-    told = "VERIFIED.*: 40, no others.*Stable: 8.*ways down: 16, 12, 4.*not proved to be above R's"
+    told = "VERIFIED.*No angle is bounded.*undecided"
+    told += ".*: 40, no others.*Stable: 8.*ways down: 16, 12, 4.*not proved to be above R's"
     yield "forty real", whole, told
     yield "forty real, unique", other(whole, unique=True), "REFUSED: claims.unique is not proved$"
     angle = other(whole, sin2_half_angle=[1, 0])
     yield "forty real, an angle", angle, "REFUSED: claims.sin2_half_angle is not proved$"
-    for chart in ([1, 1, 0, 0], [1, 2, 3, 0], [0, 0, 0, 1]):  # orthogonal to a line
+    for chart in ([1, 1, 0, 0], [1, 2, 3, 0], [0, 0, 0, 1], [1, 2, 4, -7]):  # orthogonal to a line
         yield f"a plane through a line, {chart}", other(whole, chart=chart), RANKS
 
 
-def direct_questions() -> Iterator[tuple[str, Callable[[Any], object], str]]:
+Question = tuple[str, "Callable[[Any], object]", str]
+
+
+def direct_questions() -> Iterator[Question]:
     """Of functions of the checker, where data lead to no boundary."""
     for k in (3, 4):
         rows = [[int(i == j) for j in range(5)] for i in range(k)]
         yield f"rank {k} of 4", lambda c, rows=rows: c.has_rank([*rows, rows[0]], 4, 7), str(k == 4)
-
-    def held(checker: Any, most: int, offset: int = 0, part: int = 0) -> bool:
-        """E_i = 1000 p_0^3 p_i - offset p_0^4: at P it is (part i, 0, 0) less offset N/1000."""
-        tables = []
-        for i in (1, 2, 3):
-            E = dict.fromkeys(checker.QUARTICS, 0)
-            E[0, 0, 0, i], E[0, 0, 0, 0] = 1000, -offset * (i == 2)
-            tables.append(checker.derivatives(E))
-        try:
-            checker.slopes_at([(64, 0), (0, part), (0, 0), (0, 0)], tables, most)
-        except checker.RefusalError:
-            return False
-        return True
-
     room = (1000 * 64**3 - 1) // (12 * 65**2)  # 12 s^2 most < 1000 N^3, s = N + 1
     yield "room in a box, inside", lambda c: held(c, room), "True"
     yield "room in a box, outside", lambda c: held(c, room + 1), "False"
+    fits = (1000 * 64**3 * 4 // 100 - 1) // (12 * 65**2)
     for offset in (15, -15):  # |Y E| = 0.96
-        fits = (1000 * 64**3 * 4 // 100 - 1) // (12 * 65**2)
         yield f"off by {offset}, inside", lambda c, o=offset: held(c, fits, o), "True"
         yield f"off by {offset}, outside", lambda c, o=offset: held(c, fits + 1, o), "False"
-    yield "off by an imaginary unit", lambda c: held(c, 1, 0, 1), "False"
+    yield "off by an imaginary unit", lambda c: held(c, 0, 0, 1), "False"
+    yield "off by nothing", lambda c: held(c, 0), "True"
     yield "off by more", lambda c: held(c, 1, 16), "False"
-
-    def index(checker: Any, diagonal: tuple[int, ...], most: int = 1) -> Any:
-        J = [[(a * (i == j), 0) for j in range(3)] for i, a in enumerate(diagonal)]
-        try:
-            return checker.index_of([(8, 0), (0, 0), (0, 0), (0, 0)], J, most)
-        except checker.RefusalError:
-            return "open"
-
     least = -(-420 * 9**4 // 64)  # N^2 |eigenvalue| >= 420 s^4 most
     for signs in product((1, -1), repeat=3):
-        inside = tuple(least * s for s in signs)
-        outside = tuple((least - (k == 1)) * s for k, s in enumerate(signs))
+        inside = tuple((least + 1) * s for s in signs)
+        outside = tuple((least + 1 - 2 * (k == 1)) * s for k, s in enumerate(signs))
         yield f"index {signs}", lambda c, d=inside: index(c, d), str(signs.count(-1))
         yield f"index {signs} open", lambda c, d=outside: index(c, d), "'open'"
-    yield "an index and larger coefficients", lambda c: index(c, (least,) * 3, 2), "'open'"
-
-    def bent(checker: Any, H: list[list[int]]) -> int:
-        """The index where J is a multiple of B^-1 H, B = |p|^2 I - v v^T, so I + v v^T/p_0^2."""
-        v, N = (3, -5, 7), 2
-        inverse = [[N * N * (i == j) + v[i] * v[j] for j in range(3)] for i in range(3)]
-        J = [
-            [sum(inverse[i][k] * H[k][j] for k in range(3)) << 60 for j in range(3)]
-            for i in range(3)
-        ]
-        P = [(N, 0), *[(k, 0) for k in v]]
-        return checker.index_of(P, [[(k, 0) for k in row] for row in J], 1)
-
+    yield "an index and larger coefficients", lambda c: index(c, (least + 1,) * 3, 2), "'open'"
+    yield "an index that skew parts do not change", skew, "0"
+    for name, width, claims, answer in (
+        ("apart", Fraction(1, 181), {"unique": True, "sin2_half_angle": Fraction(3)}, "True"),
+        ("touching", Fraction(1, 180), {"unique": True}, "False"),
+        ("touching, an angle", Fraction(1, 180), {"sin2_half_angle": Fraction(3)}, "False"),
+        ("touching, no claim", Fraction(1, 180), {}, "True"),
+        ("a smaller angle", Fraction(1, 181), {"sin2_half_angle": Fraction(299, 100)}, "False"),
+    ):
+        yield f"values {name}", lambda c, w=width, k=claims: settled(c, w, k), answer
     for H in (
         [[1, 2, 0], [2, 1, 0], [0, 0, 5]],
         [[-1, 0, 3], [0, 2, 0], [3, 0, -7]],
@@ -332,6 +321,67 @@ def direct_questions() -> Iterator[tuple[str, Callable[[Any], object], str]]:
         yield f"index of {H}", lambda c, H=H: bent(c, H), str(expected)
 
 
+def held(checker: Any, most: int, offset: int = 0, part: int = 0) -> bool:
+    """Whether a box holds a zero of 1000 p_0^3 p_i, i = 2 less offset p_0^4.
+
+    At P the p_i are (part i, 0, 0), of which the zero is offset 64/1000 away in p_2.
+    """
+    tables: list[Any] = []
+    for i in (1, 2, 3):
+        E = dict.fromkeys(checker.QUARTICS, 0)
+        E[0, 0, 0, i], E[0, 0, 0, 0] = 1000, -offset * (i == 2)
+        tables.append(checker.derivatives(E))
+    try:
+        checker.slopes_at([(64, 0), (0, part), (0, 0), (0, 0)], tables, most)
+    except checker.RefusalError:
+        return False
+    return True
+
+
+def index(checker: Any, diagonal: tuple[int, ...], most: int = 1) -> Any:
+    """The index where J is diagonal, at P = (8, 0, 0, 0)."""
+    J = [[(a * (i == j), 0) for j in range(3)] for i, a in enumerate(diagonal)]
+    try:
+        return checker.index_of([(8, 0), (0, 0), (0, 0), (0, 0)], J, most)
+    except checker.RefusalError:
+        return "open"
+
+
+def skew(checker: Any) -> int:
+    """The index where the symmetric part of J is positive definite, and one triangle's is not."""
+    J = [[(4 << 40, 0), (6 << 40, 0), (0, 0)], [(0, 0), (4 << 40, 0), (0, 0)]]
+    J.append([(0, 0), (0, 0), (1 << 40, 0)])
+    return checker.index_of([(8, 0), (0, 0), (0, 0), (0, 0)], J, 1)
+
+
+def settled(checker: Any, width: Fraction, claims: dict[str, Any]) -> bool:
+    """Of w^4 at x, where it is 0 -+ 30 width, and at w + x, where it is 1/4 -+ 15 width."""
+    springs = checker.CheckedSprings([1] + [0] * 34, Fraction(1), 0, Fraction(1), Fraction(1))
+    stated = SimpleNamespace(
+        **{"unique": None, "sin2_half_angle": None, **claims},
+        pose=(0, 1, 0, 0),
+        chart=(1, 0, 0, 0),
+        gap=Fraction(9),
+        second=Fraction(-9),
+        n=1,
+        digest="",
+        _told=lambda _: [],
+    )
+    settle: Any = vars(checker.SpringsListStatement)["_settled"]
+    try:
+        return settle(stated, springs, [[0, 1, 0, 0], [1, 1, 0, 0]], width).verified
+    except checker.RefusalError:
+        return False
+
+
+def bent(checker: Any, H: list[list[int]]) -> int:
+    """The index where J is a multiple of B^-1 H, B = |p|^2 I - v v^T, so I + v v^T/p_0^2."""
+    v, N, three = (3, -5, 7), 2, range(3)
+    inverse = [[N * N * (i == j) + v[i] * v[j] for j in three] for i in three]
+    J = [[sum(inverse[i][k] * H[k][j] for k in three) << 60 for j in three] for i in three]
+    return checker.index_of([(k, 0) for k in (N, *v)], [[(k, 0) for k in row] for row in J], 1)
+
+
 def words() -> str:
     """The pattern of the theorems that lists alone have."""
     claims = good()["claims"]
@@ -339,7 +389,8 @@ def words() -> str:
     value = listed().objective.energy(listed().quaternions[0])
     number = claims["second"][0] * TWO ** claims["second"][1]
     return (
-        f"VERIFIED.*Rotations at equilibrium: {sum(counts)}, no others. "
+        r"VERIFIED.*Every global optimum is within [\d.e-]+ degrees of R\..*unique: every other.*"
+        f"Rotations at equilibrium: {sum(counts)}, no others. "
         r"All 40 complex solutions are simple\."
         f"\nStable: {counts[0]}. Unstable, with 1, 2, 3 ways down: {counts[1]}, {counts[2]}, "
         f"{counts[3]}.\nAt all but R the objective is at least {float(number):.11g}"[:-2]
