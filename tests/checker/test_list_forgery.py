@@ -114,7 +114,7 @@ def test_a_list_with_lines_left_out_doubled_or_moved_is_refused_unless_it_is_tru
 def test_a_list_of_other_data_is_refused():
     case = listed()
     for row, column in ((0, 0), (6, 3)):
-        factors = case.problem.factors.copy()
+        factors = np.array(case.problem.factors)
         factors[row, column] += 1e-9
         near = RegistrationProblem(case.problem.source, case.problem.target, factors=factors)
         document = other()
