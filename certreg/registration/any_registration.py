@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from certreg.registration.robustness import Robustness
-from certreg.results import Explained, Optimality, Presented, presenter
+import numpy as np
+
+from certreg.registration.robustness import NONE_PROVED, Robustness
+from certreg.registration.row_names import RowNames
+from certreg.results import Explained, Optimality, Presented, present, presenter
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterator
     from pathlib import Path
 
-    import numpy as np
     from numpy.typing import NDArray
 
     from certreg.certificate import Certificate, PoseBounds
@@ -22,25 +26,76 @@ if TYPE_CHECKING:
     from certreg.problem import RegistrationProblem
     from certreg.registration.covariance import PoseCovariance, Residual
     from certreg.registration.fit import Fit
-    from certreg.results import Limits, Verdict
+    from certreg.results import Absent, Limits, Verdict
 
     ResidualBlock = tuple[slice, NDArray[np.float64], NDArray[np.float64]]
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AnySolution(Explained, ABC):
+    """What is computed before anything is checked; what no proof needs when it is first asked for.
+
+    problem: as stated. pose: the optimum in doubles. certificate: None if none was found.
+    """
+
+    problem: RegistrationProblem
+    pose: Pose
+    certificate: Certificate[Any] | None
+
+    @property
+    @abstractmethod
+    def unique(self) -> bool | None:
+        """Whether one pose is optimal; None where that is not decided."""
+
+    @property
+    @abstractmethod
+    def unique_rotation(self) -> bool | None:
+        """Whether one rotation is optimal; None where that is not decided."""
+
+    @abstractmethod
+    def measured_covariance(self) -> PoseCovariance | Absent:
+        """The covariance of the pose, computed now; why there is none."""
+
+    @abstractmethod
+    def measured_fit(self, names: RowNames) -> Fit:
+        """What the optimum is worth as a fit, computed now."""
+
+    @cached_property
+    def stated_covariance(self) -> PoseCovariance | Absent:
+        """The covariance of the pose, or why there is none."""
+        return self.measured_covariance()
+
+    @property
+    def covariance(self) -> PoseCovariance | None:
+        """Of the pose; None where the optimum is not unique or no double holds it."""
+        return present(self.stated_covariance)
+
+    @cached_property
+    def fit(self) -> Fit:
+        """What the optimum is worth as a fit, by statistics; nothing of it is proved."""
+        about = {} if self.certificate is None else self.certificate.about
+        return self.measured_fit(RowNames.of(about, self.problem.n))
+
+    def stated(self, name: str) -> Any:
+        """The attribute of that name, or the Absent that stands for it."""
+        return self.stated_covariance if name == "covariance" else Explained.stated(self, name)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class AnyRegistration(Explained, Presented):
+class AnyRegistration(Explained, Presented, ABC):
     """A pose of a problem, and what the checker has accepted of it.
 
     What depends on the springs is said by `Registration`, of one weight per pair, and by
     `SpringRegistration`, of a matrix per pair; those who take either need no more than this.
 
-    problem: as it was stated. objective, rmse: at exactly the printed pose, rounded once; None
-    beyond the doubles. bounds: what is proved of the printed pose; None if nothing is. limits: what
-    must be proved of it to be called certified. verdict: of the checker on the certificate, None
-    without one. timings: seconds per phase.
+    problem: as it was stated. solution: what was found. objective, rmse: at exactly the printed
+    pose, rounded once; None beyond the doubles. bounds: what is proved of the printed pose; None if
+    nothing is. limits: what must be proved of it to be called certified. verdict: of the checker on
+    the certificate, None without one. timings: seconds per phase.
     """
 
     problem: RegistrationProblem
+    solution: AnySolution
     objective: float | None
     rmse: float | None
     bounds: PoseBounds | None
@@ -57,28 +112,28 @@ class AnyRegistration(Explained, Presented):
 
     @property
     def pose(self) -> Pose:
-        """The optimum in doubles."""
-        raise NotImplementedError
+        """The optimum in doubles; of several the one that the solution chose."""
+        return self.solution.pose
 
     @property
     def certificate(self) -> Certificate[Any] | None:
         """The certificate that the checker has accepted; None if none was found."""
-        raise NotImplementedError
+        return self.solution.certificate
 
     @property
     def unique(self) -> bool | None:
         """Whether there is one optimal pose; None where that is not decided."""
-        raise NotImplementedError
+        return self.solution.unique
 
     @property
     def covariance(self) -> PoseCovariance | None:
         """Of the pose; None where the optimum is not unique or no double holds it."""
-        raise NotImplementedError
+        return present(self.solution.stated_covariance)
 
     @property
     def fit(self) -> Fit:
         """What the optimum is worth as a fit, by statistics; nothing of it is proved."""
-        raise NotImplementedError
+        return self.solution.fit
 
     @property
     def robustness(self) -> Robustness | None:
@@ -90,25 +145,54 @@ class AnyRegistration(Explained, Presented):
     @property
     def status(self) -> Optimality:
         """What is proved of the pose; never more than the checker has accepted."""
-        raise NotImplementedError
+        if self.verdict is None or not self.verdict.proved or self.bounds is None:
+            return Optimality.NOT_CERTIFIED
+        turned = self.solution.unique_rotation is True
+        if self.unique is None or not self.bounds.meet(self.limits, unique=turned):
+            return Optimality.BOUNDED
+        return Optimality.CERTIFIED if self.unique else Optimality.CERTIFIED_NOT_UNIQUE
+
+    def stated(self, name: str) -> Any:
+        """The attribute of that name, or the Absent that stands for it.
+
+        Parameters
+        ----------
+        name
+            Of an attribute that may be None.
+
+        Returns
+        -------
+        Any
+            Its value; where that is None, the reason.
+        """
+        if name == "covariance":
+            return self.solution.stated_covariance
+        if name == "robustness":
+            return self.robustness or NONE_PROVED
+        return Explained.stated(self, name)
 
     @property
+    def residuals(self) -> NDArray[np.float64]:
+        """(N,), how far each pair is off at `pose`, in the unit of length."""
+        return np.concatenate([distances for _, distances, _ in self.residual_blocks()])
+
+    @property
+    @abstractmethod
     def trajectory(self) -> Trajectory | None:
         """The simulated motion; None where none was taken."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def degrees_of_freedom(self) -> int:
         """Of the residuals, all six parameters of the pose counted."""
-        raise NotImplementedError
 
+    @abstractmethod
     def residual_blocks(self) -> Iterator[ResidualBlock]:
         """All rows: slices, residuals, and these in standard deviations of weight one."""
-        raise NotImplementedError
 
+    @abstractmethod
     def worst_residuals(self, count: int) -> list[Residual]:
         """The rows that fit worst, at most so many, the worst first."""
-        raise NotImplementedError
 
     def report(self, path: str | os.PathLike[str]) -> Path:
         """Write one HTML file that shows the registration and its proof, offline.

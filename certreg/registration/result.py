@@ -16,7 +16,7 @@ from certreg.equilibrium import by_eigenspaces
 from certreg.exact import nearest_double, power_of_two
 from certreg.problem import lift, row_blocks
 from certreg.registration.ambiguity import equilibria_at
-from certreg.registration.any_registration import AnyRegistration
+from certreg.registration.any_registration import AnyRegistration, AnySolution
 from certreg.registration.covariance import (
     PARAMETERS,
     pose_covariance,
@@ -25,14 +25,10 @@ from certreg.registration.covariance import (
     worst_residuals,
 )
 from certreg.registration.fit import fit_of
-from certreg.registration.robustness import NONE_PROVED
-from certreg.registration.row_names import RowNames
 from certreg.results import (
     OUT_OF_RANGE,
     Absent,
     Brief,
-    Explained,
-    Optimality,
     Presented,
     present,
 )
@@ -40,22 +36,19 @@ from certreg.results import (
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from numpy.typing import NDArray
-
-    from certreg.certificate import Certificate, IsotropicBody
     from certreg.equilibrium import EquilibriumSet
-    from certreg.geometry import Pose
     from certreg.objective import Isotropic
     from certreg.problem import ExactMoments, RegistrationProblem
     from certreg.registration.agreement import Agreement
     from certreg.registration.any_registration import ResidualBlock
     from certreg.registration.covariance import PoseCovariance, Residual
     from certreg.registration.fit import Fit
+    from certreg.registration.row_names import RowNames
     from certreg.relaxation import Relaxation
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Solution(Explained):
+class Solution(AnySolution):
     """What is computed before anything is checked.
 
     What no proof needs is computed when it is first asked for: the numbers of the equilibria, the
@@ -65,13 +58,10 @@ class Solution(Explained):
     relaxation, trajectory: Absent says why there is none.
     """
 
-    problem: RegistrationProblem
     objective: Isotropic
-    pose: Pose
     relaxation: Relaxation | Absent
     trajectory: Trajectory | Absent
     agreement: Agreement
-    certificate: Certificate[IsotropicBody] | None
 
     @cached_property
     def equilibria(self) -> EquilibriumSet:
@@ -79,29 +69,28 @@ class Solution(Explained):
         found = by_eigenspaces(self.objective)
         return equilibria_at(found, self.objective, self.problem, lambda: self.fit)
 
-    @property
-    def covariance(self) -> PoseCovariance | None:
-        """Of the pose; None where the optimum is not unique or no double holds it."""
-        return present(self._covariance)
-
-    @cached_property
-    def _covariance(self) -> PoseCovariance | Absent:
+    def measured_covariance(self) -> PoseCovariance | Absent:
+        """The covariance of the pose, computed now; why there is none."""
         return pose_covariance(self.problem, self.objective)
 
-    @cached_property
-    def fit(self) -> Fit:
-        """What the optimum is worth as a fit, by statistics; nothing of it is proved."""
-        about = {} if self.certificate is None else self.certificate.about
-        names = RowNames.of(about, self.problem.n)
-        return fit_of(self.problem, self.objective, self.pose, self._covariance, names=names)
+    def measured_fit(self, names: RowNames) -> Fit:
+        """What the optimum is worth as a fit, computed now."""
+        covariance = self.stated_covariance
+        return fit_of(self.problem, self.objective, self.pose, covariance, names=names)
 
-    def stated(self, name: str) -> Any:
-        """The attribute of that name, or the Absent that stands for it."""
-        return self._covariance if name == "covariance" else Explained.stated(self, name)
+    @property
+    def unique(self) -> bool:
+        """Whether there is one optimal pose: of one weight per pair that is always decided."""
+        return self.objective.classification.unique
+
+    @property
+    def unique_rotation(self) -> bool:
+        """The same: to a rotation one translation is best."""
+        return self.unique
 
     def complete(self) -> None:
         """Compute all that reads points now: later their file may hold others."""
-        _ = self.equilibria, self._covariance, self.fit
+        _ = self.equilibria, self.stated_covariance, self.fit
 
     @property
     def moments(self) -> ExactMoments:
@@ -198,73 +187,14 @@ class Registration(AnyRegistration):
     __repr__ = AnyRegistration.__repr__
 
     @property
-    def pose(self) -> Pose:
-        """The optimum in doubles; where it is not unique, nearest the identity, to 1e-4 radians."""
-        return self.solution.pose
-
-    @property
     def equilibria(self) -> EquilibriumSet:
         """All equilibria of the registration dynamics."""
         return self.solution.equilibria
 
     @property
-    def certificate(self) -> Certificate[IsotropicBody] | None:
-        """The certificate that the checker has accepted; None if none was found."""
-        return self.solution.certificate
-
-    @property
-    def unique(self) -> bool:
-        """Whether there is one optimal pose: of one weight per pair that is always decided."""
-        return self.solution.objective.classification.unique
-
-    @property
-    def status(self) -> Optimality:
-        """What is proved of the pose; never more than the checker has accepted."""
-        if self.verdict is None or not self.verdict.proved or self.bounds is None:
-            return Optimality.NOT_CERTIFIED
-        unique = self.unique
-        if not self.bounds.meet(self.limits, unique=unique):
-            return Optimality.BOUNDED
-        return Optimality.CERTIFIED if unique else Optimality.CERTIFIED_NOT_UNIQUE
-
-    @property
     def trajectory(self) -> Trajectory | None:
         """The simulated motion; None where none was taken."""
         return present(self.solution.trajectory)
-
-    @property
-    def covariance(self) -> PoseCovariance | None:
-        """Of the pose; None where the optimum is not unique or no double holds it."""
-        return self.solution.covariance
-
-    @property
-    def fit(self) -> Fit:
-        """What the optimum is worth as a fit, by statistics; nothing of it is proved."""
-        return self.solution.fit
-
-    def stated(self, name: str) -> Any:
-        """The attribute of that name, or the Absent that stands for it.
-
-        Parameters
-        ----------
-        name
-            Of an attribute that may be None.
-
-        Returns
-        -------
-        Any
-            Its value; where that is None, the reason.
-        """
-        if name == "covariance":
-            return self.solution.stated(name)
-        if name == "robustness":
-            return self.robustness or NONE_PROVED
-        return Explained.stated(self, name)
-
-    @property
-    def residuals(self) -> NDArray[np.float64]:
-        """(N,), |y - R x - t| of each correspondence at `pose`, in the unit of length."""
-        return np.concatenate([distances for _, distances, _ in self.residual_blocks()])
 
     @property
     def degrees_of_freedom(self) -> int:

@@ -8,34 +8,30 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from certreg.certificate import sin2_half_angle_between
 from certreg.exact import half_angle_bound
 from certreg.problem import lift
-from certreg.registration.any_registration import AnyRegistration
+from certreg.registration.any_registration import AnyRegistration, AnySolution
 from certreg.registration.freedom import Freedom
 from certreg.registration.outlying import LISTED
-from certreg.registration.row_names import RowNames
 from certreg.registration.spring_covariance import FLAT, degrees_of_freedom, spring_covariance
 from certreg.registration.spring_curvature import soft_axes
 from certreg.registration.spring_fit import spring_fit
 from certreg.registration.spring_rows import ResidualSums, blocks_at
 from certreg.registration.weak_shifts import WeakShift, weak_shifts
-from certreg.results import Absent, Explained, Optimality, present
+from certreg.results import Absent
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    import numpy as np
     from numpy.typing import NDArray
 
-    from certreg.certificate import Certificate
-    from certreg.geometry import Pose
     from certreg.objective import Springs
-    from certreg.problem import RegistrationProblem
     from certreg.registration.any_registration import ResidualBlock
     from certreg.registration.covariance import PoseCovariance, Residual
     from certreg.registration.fit import Fit
+    from certreg.registration.row_names import RowNames
     from certreg.relaxation import Found
 
 NOT_LISTED = Absent(
@@ -59,19 +55,16 @@ SPRING_KINDS = tuple(METHODS)  # of certificates
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SpringSolution(Explained):
+class SpringSolution(AnySolution):
     """What is computed before anything is checked; statistics when they are first asked for.
 
     found: the optimum as it was proposed, with the relaxation. quaternion: of the certified
         rotation, integers. pose: the same in doubles, with its best translation.
     """
 
-    problem: RegistrationProblem
     objective: Springs
     found: Found
-    pose: Pose
     quaternion: tuple[int, int, int, int]
-    certificate: Certificate[Any] | None
 
     @cached_property
     def freedom(self) -> Freedom:
@@ -93,20 +86,16 @@ class SpringSolution(Explained):
         """What one look at the rows says of the pose."""
         return ResidualSums.of(self.problem, self.pose, LISTED)
 
-    @cached_property
-    def stated_covariance(self) -> PoseCovariance | Absent:
-        """The covariance of the pose, or why there is none."""
+    def measured_covariance(self) -> PoseCovariance | Absent:
+        """The covariance of the pose, computed now; why there is none."""
         if self.unique is None:
             return UNDECIDED
         return spring_covariance(
             self.problem, self.pose, self.least, self.sums, unique=bool(self.unique)
         )
 
-    @cached_property
-    def fit(self) -> Fit:
-        """What the optimum is worth as a fit, by statistics; nothing of it is proved."""
-        about = {} if self.certificate is None else self.certificate.about
-        names = RowNames.of(about, self.problem.n)
+    def measured_fit(self, names: RowNames) -> Fit:
+        """What the optimum is worth as a fit, computed now."""
         determined = self.unique is True and self.stated_covariance != FLAT
         return spring_fit(
             self.problem, self.sums, least=self.least, determined=determined, names=names
@@ -194,49 +183,14 @@ class SpringRegistration(AnyRegistration):
     __repr__ = AnyRegistration.__repr__
 
     @property
-    def pose(self) -> Pose:
-        """The optimum in doubles; of free shifts, the one that moves the source's centre least."""
-        return self.solution.pose
-
-    @property
-    def certificate(self) -> Certificate[Any] | None:
-        """The certificate that the checker has accepted; None if none was found."""
-        return self.solution.certificate
-
-    @property
     def equilibria(self) -> None:
         """None: this version does not list the equilibria of general springs."""
         return
 
     @property
-    def unique(self) -> bool | None:
-        """Whether there is one optimal pose; None where that is not decided."""
-        return self.solution.unique
-
-    @property
-    def status(self) -> Optimality:
-        """What is proved of the pose; never more than the checker has accepted."""
-        if self.verdict is None or not self.verdict.proved or self.bounds is None:
-            return Optimality.NOT_CERTIFIED
-        turned = self.solution.unique_rotation is True
-        if self.unique is None or not self.bounds.meet(self.limits, unique=turned):
-            return Optimality.BOUNDED
-        return Optimality.CERTIFIED if self.unique else Optimality.CERTIFIED_NOT_UNIQUE
-
-    @property
     def trajectory(self) -> None:
         """None: this version does not simulate the motion on general springs."""
         return
-
-    @property
-    def covariance(self) -> PoseCovariance | None:
-        """Of the pose; None where the optimum is not known to be unique."""
-        return present(self.solution.stated_covariance)
-
-    @property
-    def fit(self) -> Fit:
-        """What the optimum is worth as a fit, by statistics; nothing of it is proved."""
-        return self.solution.fit
 
     def stated(self, name: str) -> Any:
         """The attribute of that name, or the Absent that stands for it.
@@ -251,9 +205,7 @@ class SpringRegistration(AnyRegistration):
         Any
             Its value; where that is None, the reason.
         """
-        if name == "covariance":
-            return self.solution.stated_covariance
-        return NOT_LISTED if name == "equilibria" else Explained.stated(self, name)
+        return NOT_LISTED if name == "equilibria" else AnyRegistration.stated(self, name)
 
     def worst_residuals(self, count: int) -> list[Residual]:
         """The rows that are farthest off along their springs, at most ten.
@@ -269,11 +221,6 @@ class SpringRegistration(AnyRegistration):
             Rows and how far they are off, the farthest first.
         """
         return list(self.solution.sums.worst[:count])
-
-    @property
-    def residuals(self) -> NDArray[np.float64]:
-        """(N,), how far each pair is off along its springs: the distance to its plane or line."""
-        return np.concatenate([along for _, along, _ in self.residual_blocks()])
 
     @property
     def degrees_of_freedom(self) -> int:

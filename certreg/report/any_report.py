@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import shlex
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeVar
@@ -32,7 +33,7 @@ EMBEDDED_BYTES = 8 << 20  # of a certificate in its page; a larger one is named 
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class AnyReport(Generic[R]):
+class AnyReport(ABC, Generic[R]):
     """What a page shows of a registration.
 
     content: the bytes of the certificate's file, name: what it is called. verdict: the checker's,
@@ -100,9 +101,9 @@ class AnyReport(Generic[R]):
         )
         return f"{whole}\n".encode()
 
+    @abstractmethod
     def values(self, names: Names) -> Mapping[str, Any]:
         """What the template of these registrations takes besides."""
-        raise NotImplementedError
 
 
 def pairs_words(n: int) -> str:

@@ -276,6 +276,14 @@ def test_functions_and_modules_keep_to_the_sizes_of_the_house():
                 assert lines - len(told.splitlines()) <= 55, f"{module}.{node.name}"
 
 
+NOT_ABSTRACT = re.compile(r"^ +raise NotImplementedError", re.MULTILINE)
+
+
+def test_what_a_subclass_must_have_is_abstract_so_that_the_type_checker_asks_for_it():
+    assert [name for name, text in sources().items() if NOT_ABSTRACT.search(text)] == []
+    assert NOT_ABSTRACT.search("def f():\n    raise NotImplementedError\n")
+
+
 def test_no_two_test_files_have_the_same_name():
     """Pytest would refuse the second, and with it all tests; a folder that is a package may."""
     files = Path(__file__).parents[1].rglob("test_*.py")
