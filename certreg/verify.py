@@ -23,7 +23,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import Field, dataclass, fields
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
-from functools import cache
+from functools import cache, lru_cache
 from getopt import GetoptError, gnu_getopt
 from itertools import accumulate, chain, combinations_with_replacement, product, repeat
 from math import factorial, frexp, gcd, isfinite, isqrt, ldexp, prod
@@ -433,8 +433,7 @@ class Movable:
         s, target, both = self.radii()
         proved = keeps(Fraction(0), target) and keeps(both, both)
         require(proved, "radius is larger than what is proved")
-        angle = 2 * s + s**3 / 3 + Fraction(3, 20) * s**5 / (1 - s * s)  # above that series of a
-        degrees = f"within {rounded(angle * DEGREES, 4):g} degrees of R"
+        degrees = f"within {rounded(angle_above(s) * DEGREES, 4):g} degrees of R"
         one, other = (f"{rounded(r, 3, ROUND_FLOOR):g}" for r in (target, both))
         but = "That is sufficient, not necessary; weights and matrices stay."
         return (
@@ -477,8 +476,19 @@ def room_of_eigenvector(g: Fraction, angle: Fraction, s: Fraction) -> Fraction:
     sin(2 phi) <= 2 |D| / g < 1 (Davis, Kahan): the rotation turns by 2 phi < 90 degrees. And
     sin(a - b) >= sin a - b for 0 <= b <= a, so that g (sin a - angle) / 2 is enough.
     """
-    sine = 2 * s * root_up(*(1 - s * s).as_integer_ratio()) * SLACK
-    return g * (sine - angle) / 2
+    return g * (sine_below(s) - angle) / 2
+
+
+@lru_cache(8)  # of many certificates nearly all name the same angle
+def angle_above(s: Fraction) -> Fraction:
+    """More than the angle a of s = sin(a/2), at most 90 degrees, by its series."""
+    return 2 * s + s**3 / 3 + Fraction(3, 20) * s**5 / (1 - s * s)
+
+
+@lru_cache(8)
+def sine_below(s: Fraction) -> Fraction:
+    """Less than sin a of s = sin(a/2) < 1."""
+    return 2 * s * root_up(*(1 - s * s).as_integer_ratio()) * SLACK
 
 
 # --- end of part: radius ------------------------------------------------------------------------

@@ -142,6 +142,8 @@ def check_own(
 ) -> CertificateVerdict:
     """The checker's answer on a certificate just made, from its bytes, as a stranger would.
 
+    The bytes are those of `line`: the file has the same entries, with other space between them.
+
     Of many points it does not add up all products again, which takes a stranger 15 seconds for a
     million: its proofs are run on exact sums by another method than those that it is made of. That
     is as good: parser, digest and every proof are the checker's, and of the sums, integers on which
@@ -155,14 +157,14 @@ def check_own(
     checker binds them: it is taken anew.
     """
     if problem.n <= PYTHON_POINTS:
-        content = certificate.to_json()
+        content = certificate.line()
         same = hashlib.sha256(problem.data_bytes()).hexdigest() == certificate.digest
         if same and certificate.inline is not None:
             return as_verdict(check(content))
         return verify(content, problem)
     from certreg.certificate.blockwise import check_on_sums  # as above
 
-    return as_verdict(check_on_sums(replace(certificate, inline=None).to_json(), problem))
+    return as_verdict(check_on_sums(replace(certificate, inline=None).line(), problem))
 
 
 def as_verdict(outcome: Outcome) -> CertificateVerdict:

@@ -185,7 +185,7 @@ def _trajectory(
 
 def _notes(basin: Basin, batch: Batch, settings: SimulationSettings) -> Iterator[str]:
     """What is to be known of a run beside how it ended."""
-    escapes = int(batch.escapes[0])
+    escapes, status = int(batch.escapes[0]), int(batch.status[0])
     if settings.step is not None and (step := float(batch.steps["h"][0])) < settings.step:
         yield (
             f"The step {settings.step:.6g} is longer than {batch.integrator.value} takes here: "
@@ -197,7 +197,7 @@ def _notes(basin: Basin, batch: Batch, settings: SimulationSettings) -> Iterator
             f"{escapes} kicks turned the body by up to {math.degrees(turned):.0f} degrees in all: "
             "where it was slow, they carried it, not the springs."
         )
-    if batch.status[0] == Ending.OUT_OF_STEPS:
+    if status == Ending.OUT_OF_STEPS:
         yield _delay(basin, batch, settings)
 
 
