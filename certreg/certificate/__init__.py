@@ -38,6 +38,10 @@ if TYPE_CHECKING:
     from certreg.certificate.radius import MOST_DEGREES as MOST_DEGREES
     from certreg.certificate.radius import Radius as Radius
     from certreg.certificate.spring_bounds import spring_pose_bounds as spring_pose_bounds
+    from certreg.certificate.springs_basin import Barrier as Barrier
+    from certreg.certificate.springs_basin import SpringState as SpringState
+    from certreg.certificate.springs_basin import barrier_of as barrier_of
+    from certreg.certificate.springs_basin import basin_of_springs as basin_of_springs
     from certreg.certificate.springs_cones import ConesCap as ConesCap
     from certreg.certificate.springs_cones import SpringsConesBody as SpringsConesBody
     from certreg.certificate.springs_list import ListClaims as ListClaims
@@ -97,6 +101,12 @@ __getattr__ = lazy_face(
         "springs_cones": (
             "ConesCap",
             "SpringsConesBody",
+        ),
+        "springs_basin": (
+            "Barrier",
+            "SpringState",
+            "barrier_of",
+            "basin_of_springs",
         ),
         "springs_list": (
             "ListClaims",

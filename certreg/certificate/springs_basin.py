@@ -16,19 +16,24 @@ from certreg.geometry import quadratic_form, squared_norm
 from certreg.results import Brief, Ruling, Verdict
 
 if TYPE_CHECKING:
+    from certreg.certificate.springs_list import SpringsListBody
     from certreg.objective import Springs
 
 THEOREM = (
-    "From this state the motion ends at the optimum: its energy is below that of every other "
-    "equilibrium."
+    "From its last state the exact motion ends at the optimum: its energy is below that of every "
+    "other equilibrium."
 )
 SHIFTS = "Not proved: some shift meets no spring, so that the body may end anywhere along it."
 COLLINEAR = "Not proved: the source is collinear, so that its rotational dynamics is not defined."
 TIED = "Not proved: the optimum is not unique, or not proved to be, so that there is no barrier."
 ABOVE = (
-    "Not proved: the state has as much energy as another equilibrium, and the motion may end there."
+    "Not proved: from its last state the exact motion ends at the optimum. Its energy is not below "
+    "that of every other equilibrium."
 )
-WITHIN = "Not proved: the energy of the state is within the bounds of that of another equilibrium."
+WITHIN = (
+    "Not proved: from its last state the exact motion ends at the optimum. Its energy is within "
+    "the bounds of that of another equilibrium."
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,7 +58,21 @@ class Barrier(Brief):
     upper: Fraction | None = None
 
 
-def springs_basin(objective: Springs, barrier: Barrier, state: SpringState) -> Verdict:
+def barrier_of(objective: Springs, body: SpringsListBody) -> Barrier:
+    """The bounds that an accepted list of all equilibria proves.
+
+    The second critical line lies within its box: each entry within 1 of that of p = (2^bits, ...),
+    so that the rotation is within 8 / 2^bits radians. Along a turn the energy changes by at most
+    twice its range per radian (Bernstein: trigonometric, of degree 2, about its middle).
+    """
+    if body.claims.unique is not True or len(body.quaternions) < 2:
+        return Barrier(lower=None)
+    second = objective.energy(body.quaternions[1])
+    width = 16 * objective.oscillation / (1 << body.bits)
+    return Barrier(lower=body.claims.second.value, upper=second + width)
+
+
+def basin_of_springs(objective: Springs, barrier: Barrier, state: SpringState) -> Verdict:
     """Whether a state has less energy than every equilibrium but the optimum.
 
     PROVED: then the exact motion from it ends at the optimum, for any damping > 0. REFUTED: it has
@@ -67,7 +86,11 @@ def springs_basin(objective: Springs, barrier: Barrier, state: SpringState) -> V
         return Verdict(ruling=Ruling.INCONCLUSIVE, words=TIED)
     energy = state_energy(objective, state)
     if energy < barrier.lower:
-        return Verdict(ruling=Ruling.PROVED, words=f"Proved: {THEOREM}", theorems=(THEOREM,))
+        return Verdict(
+            ruling=Ruling.PROVED,
+            words=f"Proved: {THEOREM[0].lower()}{THEOREM[1:]}",
+            theorems=(THEOREM,),
+        )
     if barrier.upper is not None and energy >= barrier.upper:
         return Verdict(ruling=Ruling.REFUTED, words=ABOVE)
     return Verdict(ruling=Ruling.INCONCLUSIVE, words=WITHIN)

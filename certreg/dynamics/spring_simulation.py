@@ -64,6 +64,12 @@ CUBE = np.array(
 )
 
 
+NO_EULER = (
+    "integrator is 'euler': for one weight per pair alone; on general springs take 'midpoint', "
+    "whose energy never rises, or 'splitting'"
+)
+
+
 class SpringStatus(enum.Enum):
     """How a simulation on general springs ended; the value is the message shown to the user."""
 
@@ -202,7 +208,12 @@ def spring_steps(
     starts: Records,
     settings: SimulationSettings,
 ) -> Records:
-    """The steps (count,), records `integrator.step`: its own, or the user's where stable."""
+    """The steps (count,), records `integrator.step`: its own, or the user's where stable.
+
+    Raises ValueError for explicit Euler, which is not there for general springs.
+    """
+    if integrator is Integrator.EULER:
+        raise ValueError(NO_EULER)
     fastest = np.array([stiffest(body, state) for body, state in zip(bodies, starts, strict=True)])
     period = np.sqrt(TRANSLATION_STIFFNESS / fastest)  # 1 on isotropic springs without noise
     steps = np.empty(len(bodies), dtype=integrator.step)

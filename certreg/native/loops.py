@@ -154,10 +154,8 @@ class Batch:
     ) -> Batch:
         """A batch on general springs; records SPRING_BODY, and as in `of`, copied.
 
-        Raises ValueError for other records, and for explicit Euler, which is not there for these.
+        Raises ValueError for other records. Of integrators there are midpoint and splitting.
         """
-        if integrator is Integrator.EULER:
-            raise ValueError("general springs are stepped by midpoint or splitting, not by euler")
         count = len(bodies)
         given = {
             "bodies": (bodies, SPRING_BODY),

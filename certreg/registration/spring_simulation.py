@@ -10,10 +10,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg.certificate import (
+    SpringState,
+    barrier_of,
+    basin_of_springs,
+    check_own,
+    require_accepted,
+    springs_list_certificate,
+)
 from certreg.dynamics import SpringTrajectory, simulate_springs
-from certreg.equilibrium import unit_double
+from certreg.equilibrium import critical_lines, unit_double
 from certreg.exact import nearest_double, power_of_two
-from certreg.geometry import angle_between
+from certreg.geometry import angle_between, dot, rotation_matrix, squared_norm
 from certreg.native import Integrator
 from certreg.objective import Springs
 from certreg.problem import lift, spring_moments
@@ -22,7 +30,9 @@ from certreg.relaxation import find_optimum
 from certreg.results import OUT_OF_RANGE, Absent, Presented, Ruling, Verdict
 
 if TYPE_CHECKING:
-    from certreg.dynamics import SimulationSettings
+    from certreg.certificate import Certificate, SpringsListBody
+    from certreg.dynamics import MovingSprings, SimulationSettings
+    from certreg.native import Records
     from certreg.problem import RegistrationProblem
     from certreg.relaxation import Found
 
@@ -31,7 +41,10 @@ LEVEL = 1e-5  # of the range of the energy: where the best rotation is not the o
 NO_RATE = Absent("not computed on general springs")
 UNLISTED = Verdict(
     ruling=Ruling.INCONCLUSIVE,
-    words="Not proved: from its last state the exact motion ends at the optimum.",
+    words=(
+        "Not proved: from its last state the exact motion ends at the optimum. No list of all "
+        "equilibria could be proved."
+    ),
 )
 
 
@@ -111,7 +124,25 @@ class SimulatedSprings(SpringTrajectory, Presented):
     @cached_property
     def basin(self) -> Verdict:
         """Whether it is proved that the exact motion from the last state ends at the optimum."""
-        return UNLISTED
+        certificate = self.listed
+        if certificate is None:
+            return UNLISTED
+        barrier = barrier_of(self.objective, certificate.body)
+        return basin_of_springs(self.objective, barrier, self.exact_end)
+
+    @cached_property
+    def listed(self) -> Certificate[SpringsListBody] | None:
+        """The certificate of all equilibria, checked; None where none could be made."""
+        lines = critical_lines(self.objective.floating_quartic()[0])
+        certificate = springs_list_certificate(self.problem, self.objective, lines)
+        if certificate is not None:
+            require_accepted(check_own(certificate, self.problem))
+        return certificate
+
+    @property
+    def exact_end(self) -> SpringState:
+        """The last state, exactly as its doubles say, in the user's unit."""
+        return exact_state(self.moving, self.last)
 
     @cached_property
     def _quaternion(self) -> list[int]:
@@ -136,6 +167,22 @@ def simulated_springs(
     chosen = Integrator.MIDPOINT if integrator is None else Integrator(integrator)
     trajectory = simulate_springs(objective, problem.damping, chosen, settings=settings)
     return SimulatedSprings.of(problem, objective, trajectory)
+
+
+def exact_state(moving: MovingSprings, state: Records) -> SpringState:
+    """A state of the body, exactly as its doubles say, in the user's unit."""
+    unit = power_of_two(moving.length_exponent)
+    q = lift(np.array(state["q"])).integers
+    c, v, omega = ([Fraction(x) for x in state[part].tolist()] for part in ("c", "v", "omega"))
+    norm = squared_norm(q)
+    turned = [Fraction(dot(row, moving.centre), 1) / norm for row in rotation_matrix(q)]
+    places = zip(moving.origin, c, turned, strict=True)
+    return SpringState(
+        quaternion=tuple(q),
+        translation=tuple(origin + x * unit - r for origin, x, r in places),
+        velocity=tuple(x * unit for x in v),
+        angular_velocity=tuple(omega),
+    )
 
 
 def moving_words(run: SimulatedSprings) -> str:
