@@ -66,3 +66,14 @@ def test_any_weight_goes_without_springs(folder: Path):
 
     assert run.code == 2
     assert "--any-weight goes without springs: give the --sigma that was certified" in run.err
+
+
+def test_apply_says_that_normals_are_left_out(folder: Path, tmp_path: Path):
+    rows = "\n".join(",".join(map(repr, row)) for row in np.hstack([X, N]).tolist())
+    (tmp_path / "cloud.csv").write_text(f"x,y,z,nx,ny,nz\n{rows}\n", encoding="utf-8")
+    run = certreg("apply", folder / "s", tmp_path / "cloud.csv", "--out", tmp_path / "moved.csv")
+
+    assert run.code == 0
+    assert "cloud.csv: not written: nx, ny, nz (normals would have to be turned)" in run.err
+    moved = certreg("apply", folder / "s", folder / "x.npy", "--out", tmp_path / "moved.csv")
+    assert moved.err == ""
