@@ -20,6 +20,7 @@ from certreg.certificate.producing import produce
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem
+from certreg.registration.robustness import ROBUSTNESS_ANGLE
 from certreg.verify import check
 
 if TYPE_CHECKING:
@@ -71,8 +72,12 @@ def _works() -> Iterator[tuple[str, str, Callable[[], object], int]]:
     assert certificate is not None
     content, of = certificate.to_json(), f", N = {FEW}"
 
-    def bare(problem: RegistrationProblem) -> Registration:
-        return certreg.certify(problem, relaxation=False, simulation=False)
+    def bare(
+        problem: RegistrationProblem, robustness_angle: float | None = ROBUSTNESS_ANGLE
+    ) -> Registration:
+        return certreg.certify(
+            problem, relaxation=False, simulation=False, robustness_angle=robustness_angle
+        )
 
     def answered() -> object:
         found = bare(few)
@@ -81,7 +86,10 @@ def _works() -> Iterator[tuple[str, str, Callable[[], object], int]]:
     spectrum = "certificate from the spectrum"
     yield spectrum, spectrum + of, lambda: produce(few, found), 200
     yield "check", "verify.check" + of, lambda: check(content), 200
+    # As `certify` is called: how far points may move is proved, too. Without that, beside it.
     yield "certify, bare", "certify, no relaxation, no run" + of, lambda: bare(few), 60
+    least = "certify, no relaxation, no run, no robustness"
+    yield least, least + of, lambda: bare(few, robustness_angle=None), 60
     asked = "certify, bare, then equilibria, covariance and fit"
     yield asked, asked + of, answered, 60
     yield "certify", "certify, everything" + of, lambda: certreg.certify(few), 60
