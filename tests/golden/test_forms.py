@@ -37,23 +37,11 @@ NOT_RECORDED = {
     "the balls are too wide to tell the signs": "a search that fails",
     "the translation of the optimal pose exceeds the range": "at the end of the doubles",
     # Of general springs, in no record yet:
-    "a turn of the source together with one of the target": "a symmetry of both sides",
-    "no equilibrium was met at the pose": "a pose given that is no equilibrium",
-    "and every small turn raises the energy": "a stable wrong pose",
-    "an index-": "a wrong pose at rest",
-    "the springs leave no degree of freedom for the noise": "as many springs as unknowns",
-    "the springs hardly resist a move of the pose": "a Hessian near zero",
-    "another pose is exactly as good": "an exact tie",
-    "), and others are as good:": "an exact tie, within limits of one's own",
-    "degrees of every optimum; whether there are several": "an angle, and no uniqueness",
     "the certificate holds no springs": "a certificate of many pairs, without its problem",
     "see the note above": "a fit with a note",
     "The certificate that certreg certify writes": "a certificate that proves little",
     "of several kinds": "kinds that are mixed by matrices",
     "no proposal:": "a solver that fails",
-    "that the springs are right": "the page's last words",
-    "Two rotations at least are optimal": "an exact tie",
-    "All that are lie within": "an angle, and no uniqueness",
 }
 
 

@@ -164,7 +164,9 @@ def test_a_rotation_that_the_given_noise_leaves_open_is_not_green(
     assert not is_green(loose)
     assert GREEN not in loose._repr_html_()
     with monkeypatch.context() as patched:
-        patched.setattr("certreg.report.any_report.rendered", lambda *_, **given: str(given["good"]))
+        patched.setattr(
+            "certreg.report.any_report.rendered", lambda *_, **given: str(given["good"])
+        )
         assert html_page(Report.of(loose)) == b"False\n"
         assert html_page(Report.of(fine)) == b"True\n"
     assert "next equilibrium" not in registration_summary(loose)  # said already
