@@ -86,7 +86,8 @@ def test_there_are_guides():
 
 
 @each_guide
-def test_the_python_of_a_guide_runs(guide):
+def test_the_python_of_a_guide_runs(guide, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # where the files are that it writes
     namespace: dict[str, object] = {}
     written = blocks(guide, "python")
     for block in written:
