@@ -20,6 +20,7 @@ from certreg.certificate import (
     ExactPose,
     IsotropicBody,
     PoseBounds,
+    SpringsListBody,
     pose_bounds,
     spring_pose_bounds,
     verify,
@@ -146,8 +147,9 @@ def _loaded(content: bytes) -> Certificate[Any] | None:
 def _required_body(certificate: Certificate[Any], file: Path, *, pointless: bool) -> Any:
     """InvalidFileError for a certificate of which no report can be made, sound as it may be."""
     body = certificate.body
-    if isinstance(body, CountBody):
-        what = f"is a certificate of kind {shown(body.KIND)}, which holds no pose"
+    if isinstance(body, (CountBody, SpringsListBody)):
+        held = "holds no pose" if isinstance(body, CountBody) else "`certreg verify` tells in words"
+        what = f"is a certificate of kind {shown(body.KIND)}, which {held}"
         message = f"{shown(file)}: {what}: give the certificate.json that certify wrote"
         raise InvalidFileError(message, path=file)
     if certificate.data is None and pointless:

@@ -14,8 +14,10 @@ from spring_families import LISTED, Cell, instance, statement
 from certreg import RegistrationProblem
 from certreg.certificate import Certificate, list_body, springs_list_certificate, verify
 from certreg.equilibrium import critical_lines
+from certreg.errors import InvalidFileError
 from certreg.objective import Springs
 from certreg.problem import spring_moments
+from certreg.report import report_of
 
 SCHEMAS = resources.files("certreg") / "report" / "schemas"
 
@@ -58,6 +60,14 @@ def test_a_certificate_has_the_form_of_its_schema():
     validator.validate(document)
     for part, entry in (("claims", "second"), ("claims", "indices"), ("proof", "lines")):
         assert not validator.is_valid({**document, part: {**document[part], entry: 1.5}})
+
+
+def test_no_report_is_made_of_a_list(tmp_path):
+    path = tmp_path / "list.json"
+    made(LISTED[1])[2].save(path)
+
+    with pytest.raises(InvalidFileError, match="kind springs-list, which `certreg verify` tells"):
+        report_of(path)
 
 
 def test_where_lines_are_not_all_apart_there_is_no_list():
