@@ -452,6 +452,8 @@ class Movable:
         S from R. Moved points add h - g(S) to r(S), |h| <= Y, |g| <= X, |g(S) - g(R)| <= 2 s X. So
         the moved f(S) - f(R) exceeds (mu - 8 k X) s^2 - 4 s (k (X + Y) + X (sqrt(f(R)) + X + Y)) -
         delta, which, negative at s = 0 and convex, stays positive from the s on where it is.
+        Or by roots: those of f(S), f(R) move by m = X + Y at most, so the moved f(S) is larger if
+        f(S) > (sqrt(f(R)) + 2 m)^2, and that it is if mu s^2 >= delta + 4 m (sqrt(f(R)) + m).
         """
         if (self.both, self.sin_half_angle, self.target) == (None, None, None):
             return []
@@ -460,7 +462,8 @@ class Movable:
         def keeps(dx: Fraction, dy: Fraction) -> bool:
             X, Y = dx * weight, dy * weight
             steep, slope = mu - 8 * k * X, 4 * (k * (X + Y) + X * (fit + X + Y))
-            return steep > 0 and (steep * s - slope) * s >= delta
+            by_roots = mu * s * s >= delta + 4 * (X + Y) * (fit + (X + Y))
+            return by_roots or (steep > 0 and (steep * s - slope) * s >= delta)
 
         return [*self.steady(keeps)]
 

@@ -679,6 +679,27 @@ MUTANTS = (
         ("growth_radius",),
     ),
     Mutant(
+        "half of what roots move by",
+        CHECKER,
+        "delta + 4 * (X + Y) * (fit + (X + Y))",
+        "delta + 2 * (X + Y) * (fit + (X + Y))",
+        ("growth_radius",),
+    ),
+    Mutant(
+        "roots of one cloud alone",
+        CHECKER,
+        "delta + 4 * (X + Y) * (fit + (X + Y))",
+        "delta + 4 * Y * (fit + Y)",
+        ("growth_radius",),
+    ),
+    Mutant(
+        "the gap forgotten by the roots",
+        CHECKER,
+        "by_roots = mu * s * s >= delta + 4",
+        "by_roots = mu * s * s >= 4",
+        ("growth_radius",),
+    ),
+    Mutant(
         "both clouds, of which one moves",
         CHECKER,
         "keeps(both, both)",

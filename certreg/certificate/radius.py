@@ -117,10 +117,12 @@ def growth_radius(
     # 8 w^2 r^2 + (8 k w (1 + s) + 4 w fit) r < left
     first, second = 8 * k * w * (1 + s.value) + 4 * w * fit, 8 * w * w
     root = rational_root_above(first**2 + 4 * second * left)
+    # or 4 m (fit + m) <= left s, of the target m = w r, of both clouds m = 2 w r
+    moved = left * s.value / (2 * (fit + rational_root_above(fit**2 + left * s.value)))
     return Radius(
         sin_half_angle=s,
-        target=dyadic_below(left / (4 * k * w), RADIUS_BITS),
-        both=dyadic_below(2 * left / (first + root), RADIUS_BITS),
+        target=dyadic_below(max(left / (4 * k), moved) / w, RADIUS_BITS),
+        both=dyadic_below(max(2 * left / (first + root), moved / (2 * w)), RADIUS_BITS),
     )
 
 

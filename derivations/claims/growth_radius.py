@@ -15,7 +15,8 @@ from ..notation import inner, quaternion, rotation, scalar, square, vector
 
 Keeps = Callable[..., Any]
 MU, DELTA, FIT = scalar("mu"), scalar("delta"), scalar("z")
-LITTLE, SMALL = Fraction(1, 2**20), Fraction(1, 8)
+AT_S, MOVED = scalar("f_S"), scalar("m")
+LITTLE, SMALL = Fraction(1, 2**20), Fraction(1, 16)
 LEVER, OFF_X, OFF_Y, S, SIGMA = (scalar(name) for name in ("k", "X", "Y", "s", "sigma"))
 
 
@@ -40,12 +41,26 @@ STEEP = positive_by(
     standing=Standing.CASE,
     example={S: 1, SIGMA: 2},
 )
+GROWN = positive_by(
+    r"The growth form at $\sigma$, $z^2 = f(R)$.",
+    AT_S - FIT**2 + DELTA - MU * SIGMA**2,
+    standing=Standing.CASE,
+)
+ROOTS = nonnegative_by(
+    r"$\mu s^2 \ge \delta + 4 m (z + m)$.",
+    MU * S**2 - DELTA - 4 * MOVED * (FIT + MOVED),
+    standing=Standing.CASE,
+    example={S: 1, SIGMA: 2, MU: 1, FIT: 1, MOVED: 10, AT_S: 6},
+)
+GROWS = nonnegative_by(r"$\mu \ge 0$.", MU, standing=Standing.CASE)
 BEYOND = positive_by(
     r"$\sigma > s$.", SIGMA - S, standing=Standing.CASE, example={S: 1, MU: 1, DELTA: 1}
 )
 
 
-def proof(radius: Keeps = Movable.steady_by_growth, *, eight: int = 8, twice: int = 2) -> Proof:
+def proof(
+    radius: Keeps = Movable.steady_by_growth, *, eight: int = 8, twice: int = 2, four: int = 4
+) -> Proof:
     """Residuals move by so much; the energy by so much; a convex function; and the program."""
     q, p, x = quaternion(), quaternion("p"), vector("x")
     n, m = square(q), square(p)
@@ -67,16 +82,22 @@ def proof(radius: Keeps = Movable.steady_by_growth, *, eight: int = 8, twice: in
         4 * m * (square(p[1:]) * square(x) - _dot(p[1:], x) ** 2),
     )
     yield from _energies(eight)
+    yield from _roots(four)
     yield facts(
         r"`certreg.verify.Movable.steady_by_growth` with $\mu = 10$, $\delta = 0$, $f(R) = 4$, "
         r"$k = 1$, $\sum w = 1$, $s = 1/2$ grants $Y$ a little below $5/4$, where $5 = 4 Y$, and "
         r"refuses it a little above; of both clouds it grants 0.229 and refuses 0.230: the root of "
-        r"$8 X^2 + 20 X = 5$ is between. With $\delta = 1/4$ the edge is at $Y = 9/8$.",
+        r"$8 X^2 + 20 X = 5$ is between. With $\delta = 1/4$ the edge is at $Y = 9/8$. With $f(R) "
+        r"= 9/16$ and $k = 4$ it is at $Y = 1/2$, and at $X = Y = 1/4$, by the roots; if $\delta = "
+        r"3/2$ besides at $Y = 1/4$.",
         [
             *(_granted(radius, *radii) for radii in _radii()),
             *(_granted(radius, y, SMALL, Fraction(1, 4)) for y in _around(Fraction(9, 8))),
+            *(_rooted(radius, y, SMALL) for y in _around(Fraction(1, 2))),
+            *(_rooted(radius, SMALL, x) for x in _around(Fraction(1, 4))),
+            *(_rooted(radius, y, SMALL, Fraction(3, 2)) for y in _around(Fraction(1, 4))),
         ],
-        [True, False, False, True, False],
+        [True, False, False, *[True, False] * 4],
     )
 
 
@@ -127,6 +148,27 @@ def _energies(eight: int) -> Proof:
     )
 
 
+def _roots(four: int) -> Proof:
+    yield positive(
+        r"Or by roots. The residuals at every rotation move by no more than $m = X + Y$, and so "
+        r"does their length: the moved $\sqrt{f(S)}$ is at least $\sqrt{f(S)} - m$, that of $R$ at "
+        r"most $z + m$. If $\mu s^2 \ge \delta + 4 m (z + m)$, then $f(S) > (z + 2 m)^2$ at every "
+        r"$\sigma > s$: no rotation farther than $a$ is optimal.",
+        AT_S - FIT**2 - four * MOVED * (FIT + MOVED),
+        [
+            [GROWN[0]],
+            [ROOTS[0]],
+            [GROWS[0], Square(BEYOND[0])],
+            [2, GROWS[0], POSITIVE[0], BEYOND[0]],
+        ],
+    )
+
+
+def _rooted(radius: Keeps, target: Fraction, both: Fraction, delta: Fraction = Fraction(0)) -> bool:
+    """With z = 3/4 and k = 4."""
+    return _granted(radius, target, both, delta, value=Fraction(9, 16), lever=Fraction(16))
+
+
 def _around(edge: Fraction) -> tuple[Fraction, Fraction]:
     return edge - LITTLE, edge + LITTLE
 
@@ -138,12 +180,17 @@ def _radii() -> tuple[tuple[Fraction, Fraction], ...]:
 
 
 def _granted(
-    radius: Keeps, target: Fraction, both: Fraction, delta: Fraction = Fraction(0)
+    radius: Keeps,
+    target: Fraction,
+    both: Fraction,
+    delta: Fraction = Fraction(0),
+    *,
+    value: Fraction = Fraction(4),
+    lever: Fraction = Fraction(1),
 ) -> bool:
     claim = Movable(both=both, separation=None, sin_half_angle=Fraction(1, 2), target=target)
-    one = Fraction(1)
     try:
-        radius(claim, Fraction(10), delta, Fraction(4), one, one)
+        radius(claim, Fraction(10), delta, value, Fraction(1), lever)
     except RefusalError:
         return False
     return True
@@ -160,16 +207,22 @@ CLAIM = Claim(
     r"\lambda_{\max}(W_i)$, $k^2 = \sum_i w_i |x_i - \bar x|^2$, and let points move with $\sum_i "
     r"w_i |dx_i|^2 \le X^2$, $\sum_i w_i |dy_i|^2 \le Y^2$, the $W_i$ staying. If with $s = "
     r"\sin(a/2) > 0$ $$(\mu - 8 k X)\, s^2 \ge 4 s\, \bigl(k (X + Y) + X (\sqrt{f(R)} + X + "
-    r"Y)\bigr) + \delta, \qquad \mu > 8 k X,$$ every optimum of the moved points is within the "
-    r"angle $a$ of $R$.",
-    concludes=(1, 2, 3, 4, 5, 6),
-    hypotheses=(LOST, ENOUGH, POSITIVE, STEEP, BEYOND),
+    r"Y)\bigr) + \delta, \qquad \mu > 8 k X,$$ or if with $m = X + Y$ $$\mu s^2 \ge 4 m\, "
+    r"(\sqrt{f(R)} + m) + \delta,$$ every optimum of the moved points is within the angle $a$ of "
+    r"$R$.",
+    concludes=(1, 2, 3, 4, 5, 6, 7),
+    hypotheses=(LOST, ENOUGH, POSITIVE, STEEP, GROWN, ROOTS, GROWS, BEYOND),
     source="elementary",
     proof=proof,
     controls={
         "rotations half as far apart": Mutation(at=1, proof=lambda: proof(twice=1)),
         "a loss of 4 k X in the growth": Mutation(at=4, proof=lambda: proof(eight=4)),
-        "a checker that grants all": Mutation(at=6, proof=lambda: proof(_trusting)),
+        "roots that move by half as much again": Mutation(
+            at=6,
+            proof=lambda: proof(four=5),
+            point={S: 1, SIGMA: Fraction(101, 100), MU: 8, MOVED: 1, FIT: 1, AT_S: Fraction(46, 5)},
+        ),
+        "a checker that grants all": Mutation(at=7, proof=lambda: proof(_trusting)),
     },
     not_claimed=r"That this is the largest such motion: the true one is some times larger. That "
     r"the optimum of the moved points is unique. Normals and weights do not move.",

@@ -15,7 +15,7 @@ from certreg.certificate import Certificate, springs_certificate
 from certreg.objective import Springs
 from certreg.problem import RegistrationProblem, spring_moments
 from certreg.relaxation import find_optimum
-from certreg.verify import Movable, check
+from certreg.verify import Movable, RefusalError, check
 
 CELLS = [
     families.Cell("plane", 20, 0.05),
@@ -77,7 +77,18 @@ def claimed(target: Fraction, both: Fraction) -> Movable:
     return Movable(both=both, separation=None, sin_half_angle=Fraction(1, 2), target=target)
 
 
-@pytest.mark.parametrize(("times", "proved"), [(1 - 2**-40, True), (1 + 2**-40, False)])
+def told_by(target: Fraction, both: Fraction, numbers: tuple[Fraction, ...]) -> list[str] | str:
+    """What the checker says of a claim, or why it refuses it."""
+    try:
+        return claimed(target, both).steady_by_growth(*numbers)
+    except RefusalError as error:
+        return str(error)
+
+
+TIMES = pytest.mark.parametrize(("times", "proved"), [(1 - 2**-40, True), (1 + 2**-40, False)])
+
+
+@TIMES
 def test_the_bound_is_the_stated_one(times, proved):
     """Weight 4, lever 9, f = 25, mu = 10, delta = 1/2, s = 1/2, so (5 - 24 r)/2 >= 1/2.
 
@@ -85,14 +96,23 @@ def test_the_bound_is_the_stated_one(times, proved):
     """
     numbers = (Fraction(10), Fraction(1, 2), Fraction(25), Fraction(4), Fraction(9))
     both = Fraction((math.sqrt(112**2 + 512) - 112) / 64)
-
     for target, other in (
         (Fraction(times) / 6, both / 2),
         (Fraction(1, 12), both * Fraction(times)),
     ):
-        try:
-            told = claimed(target, other).steady_by_growth(*numbers)
-        except Exception as error:  # noqa: BLE001  (of the checker, told by its words)
-            told = str(error)
-        assert (told == "radius is larger than what is proved") is not proved
+        told = told_by(target, other, numbers)
         assert proved is isinstance(told, list)
+        assert proved or told == "radius is larger than what is proved"
+
+
+@TIMES
+def test_so_is_the_bound_by_roots(times, proved):
+    """Weight 1, lever 81, f = 9/16, mu = 14, delta = 1, s = 1/2: 7/2 >= 1 + 4 m (3/4 + m).
+
+    So m = X + Y <= 1/2; by slopes less than a sixth of that.
+    """
+    numbers = (Fraction(14), Fraction(1), Fraction(9, 16), Fraction(1), Fraction(81))
+    for target, other in ((Fraction(times) / 2, Fraction(1, 8)), (Fraction(1, 4), times / 4)):
+        told = told_by(target, Fraction(other), numbers)
+        assert proved is isinstance(told, list)
+        assert proved or told == "radius is larger than what is proved"
