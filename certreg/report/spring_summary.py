@@ -57,7 +57,7 @@ def spring_summary(registration: SpringRegistration) -> str:
             *(f"{ADVICE}{words}" for words in spring_remedies(registration)),
             "",
             f"  correspondences   {registration.problem.n}",
-            f"  springs           {springs_words(registration)}",
+            f"  springs           {springs_words(registration)}, kept as given",
             f"  rotation (wxyz)   {' '.join(map(repr, pose.quaternion_wxyz.tolist()))}",
             f"  translation       {' '.join(map(repr, pose.translation.tolist()))}",
             *_uncertainty_lines(registration),

@@ -50,8 +50,8 @@ def test_of_two_optima_the_tie_is_told():
     page = page_of(found)
     assert "Two rotations at least are optimal, exactly as good as one another." in page
     given = (
-        "that the springs are right: normals, directions and covariances are taken as they are given, "
-        "and so are those that an iterative method froze at the rotation of its last step;"
+        "that the springs are right: normals, directions and covariances are taken as they are "
+        "given, and so are those that an iterative method froze at the rotation of its last step;"
     )
     assert given in page
 
