@@ -107,6 +107,8 @@ if TYPE_CHECKING:
     from certreg.registration.spring_headlines import spring_degrees as spring_degrees
     from certreg.registration.spring_headlines import spring_headline_of as spring_headline_of
     from certreg.registration.spring_headlines import spring_headline_words as spring_headline_words
+    from certreg.registration.spring_release import listed_springs as listed_springs
+    from certreg.registration.spring_release import returns as returns
     from certreg.registration.spring_result import NOT_LISTED as NOT_LISTED
     from certreg.registration.spring_result import NOT_SIMULATED as NOT_SIMULATED
     from certreg.registration.spring_result import SPRING_KINDS as SPRING_KINDS
@@ -251,6 +253,7 @@ __getattr__ = lazy_face(
             "SpringEquilibria",
             "SpringEquilibrium",
         ),
+        "spring_release": ("listed_springs", "returns"),
         "spring_headlines": (
             "SPRING_HEADLINES",
             "free_words",

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from certreg.registration import WEAK, SpringRegistration, is_green_spring
 from certreg.report.any_report import AnyReport, head_of
 from certreg.report.picture import ON_PAGE, shown_words, springs_picture
+from certreg.report.spring_listed import listed
 from certreg.report.spring_overview import spring_overview
 from certreg.report.spring_summary import spring_remedies, spring_verdict_words, spring_warnings
 from certreg.report.spring_words import NOT_CLAIMED_OF_SPRINGS, spring_sentences
@@ -42,6 +43,7 @@ class SpringReport(AnyReport[SpringRegistration]):
             "picture_words": picture_words(registration),
             "known": spring_sentences(registration),
             "not_claimed": NOT_CLAIMED_OF_SPRINGS,
+            "listed": listed(registration),
             "labelled": names.labels is not None,
             "worst": [
                 {"row": one.row, "label": one.label or "", "words": number(one.residual)}

@@ -1,0 +1,75 @@
+"""The section of the report on general springs that lists all equilibria."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from certreg.registration import listed_springs, returns
+from certreg.report.spring_equilibria import spring_count_words, spring_notes
+from certreg.report.summary import number
+
+if TYPE_CHECKING:
+    from certreg.registration import SpringEquilibrium, SpringRegistration
+
+MOST_RELEASED = 8  # stable ones of which a run is made: more than eight were never seen
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ListedRow:
+    """An equilibrium as the table shows it; trap: it is stable, and not the optimum."""
+
+    index: str
+    stable: str
+    energy: str
+    rmse: str
+    angle: str
+    words: str
+    trap: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Listed:
+    """What the section says: how many there are and how that is known, a row for each, notes."""
+
+    words: str
+    rows: tuple[ListedRow, ...]
+    notes: tuple[str, ...]
+
+
+def listed(registration: SpringRegistration) -> Listed | None:
+    """All equilibria of these springs; None where nothing can be listed."""
+    problem, objective = registration.problem, registration.solution.objective
+    found = listed_springs(problem, objective)
+    if found is None:
+        return None
+    stable = [part for part in found.components if part.stable][:MOST_RELEASED]
+    kept = {id(part): returns(problem, objective, part) for part in stable}
+    rows = tuple(_row(part, returned=kept.get(id(part))) for part in found.components)
+    return Listed(words=spring_count_words(found), rows=rows, notes=tuple(spring_notes(found)))
+
+
+def _row(part: SpringEquilibrium, *, returned: bool | None) -> ListedRow:
+    trap = part.stable is True and part.optimal is False
+    return ListedRow(
+        index="–" if part.morse_index is None else str(part.morse_index),
+        stable={True: "yes", False: "no", None: "–"}[part.stable],
+        energy=number(part.energy),
+        rmse=number(part.rmse),
+        angle=f"{math.degrees(part.angle_to_optimum):.4g}°",
+        words=_words(part, returned=returned, trap=trap),
+        trap=trap,
+    )
+
+
+def _words(part: SpringEquilibrium, *, returned: bool | None, trap: bool) -> str:
+    if not part.separated:
+        return "not told apart from others"
+    kind = {True: "the optimum", False: "", None: "may be optimal"}[part.optimal]
+    if trap:
+        kind = "stable, and wrong"
+    if not part.stable:
+        return kind
+    seen = {True: "released 1° away a body comes back", False: "", None: ""}[returned]
+    return "; ".join(filter(None, (kind, seen)))

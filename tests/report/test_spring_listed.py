@@ -1,0 +1,124 @@
+"""The section of the report that lists all equilibria of general springs."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from test_spring_page import registered, words_of
+
+from certreg.problem import RegistrationProblem
+from certreg.registration import certify, spring_release
+from certreg.report import html_page, spring_listed
+from certreg.report.spring_listed import Listed, listed
+from certreg.report.spring_page import SpringReport
+from derivations.spring_counterexamples import STABLE
+
+
+def springs_of(problem: RegistrationProblem) -> Any:
+    """The result of `certify`."""
+    return certify(problem)
+
+
+def parts_of(registration: Any) -> Any:
+    """The equilibria beside a result."""
+    found = spring_release.listed_springs(registration.problem, registration.solution.objective)
+    assert found is not None
+    return found.components
+
+
+@cache
+def eighteen() -> Any:
+    (planes,) = STABLE.clouds
+    source, target, normals = (
+        np.array(rows, float) for rows in (planes.source, planes.target, planes.normals)
+    )
+    return springs_of(RegistrationProblem(source, target, normals=normals))
+
+
+@pytest.fixture(scope="module")
+def forty() -> Listed:
+    found = listed(eighteen())
+    assert found is not None
+    return found
+
+
+def test_the_eighteen_planes_have_three_stable_equilibria_that_are_wrong_and_hold_the_body(forty):
+    traps = [row for row in forty.rows if row.trap]
+
+    assert "exactly 40, of which 4 stable" in forty.words
+    assert [row.energy for row in traps] == ["16.000000"] * 3
+    assert {row.angle for row in traps} == {"180°"}
+    assert {row.words for row in traps} == {"stable, and wrong; released 1° away a body comes back"}
+    assert forty.rows[0].words == "the optimum; released 1° away a body comes back"
+    assert {row.words for row in forty.rows if row.stable == "no"} == {""}
+    assert [row.index for row in forty.rows].count("0") == 4
+
+
+def test_the_page_has_a_row_for_each_equilibrium_and_marks_the_traps():
+    page = html_page(SpringReport.of(eighteen()))
+    body = page.decode().partition("All equilibria of these springs")[2]
+    table = body.partition("</table>")[0]
+
+    assert table.count("<tr>") == 41
+    assert table.count("<strong>stable, and wrong") == 3
+    assert "a body comes back" in words_of(page)
+
+
+def test_a_problem_with_one_stable_equilibrium_has_no_trap():
+    found = listed(registered("plane"))
+
+    assert found is not None
+    assert not any(row.trap for row in found.rows)
+    assert [row.stable for row in found.rows].count("yes") == 1
+    assert not any("stays there" in note for note in found.notes)
+
+
+def test_one_wall_is_not_said_to_be_listed_and_no_row_is_called_stable():
+    points = np.random.default_rng(0).standard_normal((9, 3))
+    wall = RegistrationProblem(points, points, normals=np.tile([0.0, 0.0, 1.0], (9, 1)))
+    found = listed(springs_of(wall))
+
+    assert found is not None
+    assert "not proved complete" in found.words
+    assert {row.words for row in found.rows} == {"not told apart from others"}
+    assert {(row.index, row.stable, row.trap) for row in found.rows} == {("–", "–", False)}
+
+
+def test_where_nothing_is_listed_the_page_has_no_such_section(monkeypatch):
+    monkeypatch.setattr(spring_listed, "listed_springs", lambda *_: None)
+
+    assert listed(registered("plane")) is None
+    assert b"All equilibria" not in html_page(SpringReport.of(registered("plane")))
+
+
+@pytest.mark.parametrize("seen", [False, None])
+def test_only_what_came_back_is_said_to_have_come_back(monkeypatch, seen):
+    monkeypatch.setattr(spring_listed, "returns", lambda *_: seen)
+    found = listed(registered("plane"))
+
+    assert found is not None
+    assert found.rows[0].words == "the optimum"
+
+
+def test_a_body_released_at_a_saddle_does_not_come_back():
+    found = eighteen()
+    problem, objective = found.problem, found.solution.objective
+    parts = parts_of(found)
+    saddle = next(part for part in parts if part.morse_index == 1)
+
+    assert spring_release.returns(problem, objective, parts[1]) is True
+    assert spring_release.returns(problem, objective, saddle) is False
+
+
+def test_springs_on_collinear_points_have_no_motion_and_nothing_is_said_of_it():
+    points = np.outer(np.arange(1.0, 7.0), [1.0, 2.0, 3.0])
+    target = points + np.random.default_rng(1).standard_normal((6, 3))
+    normals = np.random.default_rng(2).standard_normal((6, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    found = springs_of(RegistrationProblem(points, target, normals=normals))
+    part = parts_of(eighteen())[0]
+
+    assert spring_release.returns(found.problem, found.solution.objective, part) is None
