@@ -15,6 +15,11 @@ if TYPE_CHECKING:
 
 MOST_RELEASED = 8  # stable ones of which a run is made: more than eight were never seen
 
+CAME_BACK = (
+    "A body comes back: released at rest, turned by 1°, it came to rest within 0.1° of where it "
+    "was, as seen in doubles."
+)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ListedRow:
@@ -47,7 +52,10 @@ def listed(registration: SpringRegistration) -> Listed | None:
     stable = [part for part in found.components if part.stable][:MOST_RELEASED]
     kept = {id(part): returns(problem, objective, part) for part in stable}
     rows = tuple(_row(part, returned=kept.get(id(part))) for part in found.components)
-    return Listed(words=spring_count_words(found), rows=rows, notes=tuple(spring_notes(found)))
+    notes = spring_notes(found)
+    if any(kept.values()):
+        notes.append(CAME_BACK)
+    return Listed(words=spring_count_words(found), rows=rows, notes=tuple(notes))
 
 
 def _row(part: SpringEquilibrium, *, returned: bool | None) -> ListedRow:
@@ -71,5 +79,5 @@ def _words(part: SpringEquilibrium, *, returned: bool | None, trap: bool) -> str
         kind = "stable, and wrong"
     if not part.stable:
         return kind
-    seen = {True: "released 1° away a body comes back", False: "", None: ""}[returned]
+    seen = {True: "a body comes back", False: "", None: ""}[returned]
     return "; ".join(filter(None, (kind, seen)))
