@@ -191,7 +191,7 @@ CLAIM = Claim(
     concludes=(1, 2, 3, 4, 5, 6),
     hypotheses=(TURNED, NEAR),
     setting=(
-        r"$f(R) = \min_t \sum_i (n_i \cdot (y_i - R x_i - t))^2$.",
+        r"$f(R)$ is the least sum over $t$ of the squares of $n \cdot (y - R x - t)$.",
         r"$\theta$ is the angle from the half turn.",
     ),
     source="ours; to the conjecture's part (iii) of [Yang2020], carried over to general springs",
