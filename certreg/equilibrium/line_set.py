@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from certreg.objective import Springs
 
 LINES = 40
+REAL_LINES = 4  # of one weight per pair
 BITS = 192  # of a quaternion that is told: 57 digits
 ROTATION_GROUP = tuple(tuple(int(i == j) for i in range(4)) for j in range(4))
 
@@ -24,6 +25,10 @@ class Finiteness(enum.Enum):
     """What is proved of the number of critical lines; the value is the sentence for the user."""
 
     FORTY = "There are at most 40 critical lines, complex ones included: proved by two ranks."
+    FOUR = (
+        "The energy is that of one weight per pair, and no turn leaves it as it is: there are "
+        "exactly four equilibria, and infinitely many complex critical lines beside them."
+    )
     CONSTANT = "The energy is the same at every rotation: every rotation is an equilibrium."
     SYMMETRIC = (
         "There are infinitely many equilibria: turns that leave the energy as it is carry an "
@@ -73,11 +78,17 @@ def finiteness_of(objective: Springs) -> Finiteness:
     turns about an axis, up to a fixed rotation; then the half turns about axes orthogonal to that
     one are a circle of critical rotations: at each the opposite turn about its own axis leaves it,
     turns both directions across the circle round, and so leaves no slope.
+
+    Where F = |q|^2 q^T M q, as of one weight per pair, the critical rotations are the eigenvectors
+    of M, and a turn within the space of an eigenvalue that repeats leaves F as it is: without
+    symmetry all four differ.
     """
     if objective.oscillation == 0:
         return Finiteness.CONSTANT
     if objective.symmetry:
         return Finiteness.SYMMETRIC
+    if objective.isotropic_like:
+        return Finiteness.FOUR
     if at_most_forty(objective.quartic) is not None:
         return Finiteness.FORTY
     if infinitely_many(objective.quartic) is not None:
@@ -100,12 +111,17 @@ def line_set(  # noqa: PLR0913 - what is known of the lines, by name
     why: in words, what became of lines that are missing.
     """
     found = sum(part.guarantee is not Guarantee.NUMERICAL for part in components) + 2 * pairs
-    complete = finiteness is Finiteness.FORTY and found == LINES
+    completeness = None
+    if finiteness is Finiteness.FORTY and found == LINES:
+        completeness = Completeness.LINES
+    elif finiteness is Finiteness.FOUR and len(components) == found == REAL_LINES:
+        completeness = Completeness.SPECTRAL
+    complete = completeness is not None
     return LineSet(
         method=method,
         components=tuple(components),
         bits=bits,
-        completeness=Completeness.LINES if complete else None,
+        completeness=completeness,
         doubt=None if complete else f"{finiteness.value} {_apart_words(found, finiteness)}{why}",
         finiteness=finiteness,
         pairs=pairs,

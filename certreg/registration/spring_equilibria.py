@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.equilibrium import unit_double
+from certreg.equilibrium import Finiteness, unit_double
 from certreg.exact import nearest_double, nearest_root
 from certreg.geometry import canonical, dot, squared_norm
 from certreg.registration.outlying import LISTED
@@ -21,11 +21,12 @@ from certreg.results import OUT_OF_RANGE, Absent, ComponentKind, Explained, Guar
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.equilibrium import Critical, Finiteness, LineSet
+    from certreg.equilibrium import Critical, LineSet
     from certreg.geometry import Pose
     from certreg.objective import Springs
     from certreg.problem import RegistrationProblem
 
+LINES = 40
 SAME_ENERGY = Fraction(1, 1 << 90)  # of the oscillation; of a proved equilibrium 2^-300 is known
 NOT_SEPARATED = Absent("not told apart from others that may be there: it may be several, or none")
 TIED = Absent("as good as another equilibrium, as far as 300 digits tell")
@@ -111,7 +112,8 @@ class SpringEquilibria(Explained, Presented):
     @property
     def count_complex(self) -> int | None:
         """40 where all critical lines, complex ones included, are proved to be simple."""
-        return None if self.count is None else self.count + 2 * self.pairs
+        whole = self.count is not None and self.finiteness is Finiteness.FORTY
+        return LINES if whole else None
 
     @property
     def stable(self) -> int | None:

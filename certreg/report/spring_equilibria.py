@@ -74,7 +74,10 @@ def spring_notes(equilibria: SpringEquilibria) -> list[str]:
     if equilibria.count is None:
         return notes
     notes.append(
-        f"All 40 critical lines, complex ones included, are simple: {equilibria.count} rotations "
+        f"{equilibria.finiteness.value} Each is proved in a box; the Euler sum of the indices is "
+        f"{equilibria.euler_sum}."
+        if equilibria.count_complex is None
+        else f"All 40 critical lines, complex ones included, are simple: {equilibria.count} rotations "
         f"and {equilibria.pairs} conjugate pairs, each proved in a box; the Euler sum of the "
         f"indices is {equilibria.euler_sum}."
     )
@@ -202,7 +205,12 @@ def spring_equilibria_fields(equilibria: SpringEquilibria) -> Document:
 
 
 def _finite(equilibria: SpringEquilibria) -> bool | Absent:
-    known = {Finiteness.FORTY: True, Finiteness.CONSTANT: False, Finiteness.SYMMETRIC: False}
+    known = {
+        Finiteness.FORTY: True,
+        Finiteness.FOUR: True,
+        Finiteness.CONSTANT: False,
+        Finiteness.SYMMETRIC: False,
+    }
     finiteness = equilibria.finiteness
     return known[finiteness] if finiteness in known else Absent(finiteness.value)
 

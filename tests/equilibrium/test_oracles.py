@@ -14,13 +14,17 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+import spring_families
 import strategies
 from oracles.exports import as_msolve, as_phcpack, as_singular, value_unit
-from oracles.systems import quaternion_system, rotation_system
+from oracles.systems import line_system, quaternion_system, rotation_system
 
+from certreg.equilibrium import LineSet, search, unit_double
 from certreg.equilibrium.groebner import eliminate, fibres
 from certreg.geometry.so3 import davenport_matrix, rotation_matrix
+from certreg.objective import Springs
 from certreg.objective.polynomials import multiplier_system
+from certreg.problem import RegistrationProblem, spring_moments
 from certreg.problem.moments import exact_moments
 
 FOLDER = os.environ.get("CERTREG_ORACLES")
@@ -65,6 +69,17 @@ def assert_same(found, C):
     assert found.shape == (4, 4)
     assert distance.min(axis=0).max() < ANGLE
     assert distance.min(axis=1).max() < ANGLE
+
+
+def real_roots(answer):
+    """The middles of the intervals in three unknowns that msolve prints."""
+    pairs = re.findall(r"\[(-?\d+)(?: / 2\^(\d+))?, (-?\d+)(?: / 2\^(\d+))?\]", answer)
+    middles = [
+        float(Fraction(int(a), 2 ** int(b or 0)) + Fraction(int(c), 2 ** int(d or 0))) / 2
+        for a, b, c, d in pairs
+    ]
+    assert answer.startswith("[0, [1,")
+    return np.array(middles).reshape(-1, 3)
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -112,15 +127,8 @@ def test_msolve_isolates_the_same_four_real_roots(seed, tmp_path):
     msolve, C = program("msolve"), generic(seed)
     file = tmp_path / "system.ms"
     file.write_text(as_msolve(quaternion_system(C, chart=True)), "utf-8")
-    answer = told([msolve, "-f", str(file), "-o", "/dev/stdout", "-p", "100"])
-    pairs = re.findall(r"\[(-?\d+)(?: / 2\^(\d+))?, (-?\d+)(?: / 2\^(\d+))?\]", answer)
-    middles = [
-        float(Fraction(int(a), 2 ** int(b or 0)) + Fraction(int(c), 2 ** int(d or 0))) / 2
-        for a, b, c, d in pairs
-    ]
-    roots = np.array(middles).reshape(-1, 3)
+    roots = real_roots(told([msolve, "-f", str(file), "-o", "/dev/stdout", "-p", "100"]))
 
-    assert answer.startswith("[0, [1,")
     assert_same(np.hstack([np.ones((len(roots), 1)), roots]), C)
 
 
@@ -140,6 +148,49 @@ def test_phcpack_finds_the_same_four_roots(seed, tmp_path):
     ]
 
     assert_same(roots, C)
+
+
+def springs(seed):
+    """Random general springs, of doubles: coefficients of 600 bits; and the list of equilibria."""
+    if FOLDER is None:
+        pytest.skip("half a minute each: make test-oracles")
+    cell = spring_families.LISTED[seed % len(spring_families.LISTED)]
+    stated = spring_families.statement(spring_families.instance(cell, seed))
+    objective = Springs(spring_moments(RegistrationProblem(**stated)))
+    found = search(objective, "homotopy").critical
+    assert isinstance(found, LineSet)
+    return objective.quartic, found
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_msolve_isolates_as_many_equilibria_of_general_springs_and_the_same(seed, tmp_path):
+    msolve, (quartic, found) = program("msolve"), springs(seed)
+    file = tmp_path / "system.ms"
+    file.write_text(as_msolve(line_system(quartic)), "utf-8")
+    roots = real_roots(told([msolve, "-f", str(file), "-o", "/dev/stdout", "-p", "100"]))
+    theirs = np.hstack([np.ones((len(roots), 1)), roots])
+    theirs /= np.linalg.norm(theirs, axis=1, keepdims=True)
+    ours = np.array([unit_double(part.quaternion) for part in found.components])
+    across = 1.0 - np.abs(theirs @ ours.T)
+
+    assert found.complete
+    assert len(theirs) == len(ours)
+    assert across.min(axis=0).max() < 1e-14
+    assert across.min(axis=1).max() < 1e-14
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_singular_and_phcpack_count_forty_critical_lines_of_general_springs(seed, tmp_path):
+    singular, phc, (quartic, _) = program("Singular"), program("phc"), springs(seed)
+    system = line_system(quartic)
+    text = as_singular(system) + "ideal G = groebner(I);\ndim(G);\nvdim(G);\nquit;\n"
+    source, target = tmp_path / "system", tmp_path / "solutions"
+    source.write_text(as_phcpack(system), "utf-8")
+    told([phc, "-b", f"-0{seed + 1}", str(source), str(target)])
+    answer = target.read_text("utf-8")
+
+    assert told([singular, "-q"], text).split() == ["0", "40"]
+    assert answer[answer.rindex("THE SOLUTIONS") :].count("the solution for t :") == 40
 
 
 def test_the_rotations_of_the_roots_are_rotations():

@@ -8,24 +8,26 @@ from importlib import import_module
 from typing import Any
 
 import degenerate_springs
+import list_rates
 import numpy as np
 import pytest
 import spring_families
 from commands import checked
 
 from certreg import RegistrationProblem
-from certreg.equilibrium import compare, critical_lines, search
+from certreg.equilibrium import compare, critical_lines, search, unit_double
 from certreg.equilibrium.critical_set import Completeness
 from certreg.equilibrium.line_boxes import BallQuartic, all_different, boxed, index_of
 from certreg.equilibrium.line_ranks import PRIMES, at_most_forty, infinitely_many, plane
 from certreg.equilibrium.line_set import Finiteness
 from certreg.errors import ContradictionError
-from certreg.objective import Springs
+from certreg.objective import Isotropic, Springs
 from certreg.objective.levelling import levelled_exactly, norm_fourth
 from certreg.objective.quartics import MONOMIALS, gradient
-from certreg.problem import spring_moments
+from certreg.problem import exact_moments, spring_moments
 from certreg.results import Guarantee
 
+CLOUDS = (degenerate_springs.POINTS, np.asarray(degenerate_springs.isotropic().target))
 HOMOTOPY = import_module("certreg.equilibrium.spring_homotopy")
 RANKS = import_module("certreg.equilibrium.line_ranks")
 
@@ -81,7 +83,7 @@ TABLE = {
     "cylinder": ((45, 40), Finiteness.FORTY, 37),
     "screw": ((44, 40), Finiteness.COMPLEX, None),
     "collinear": ((26, 76), Finiteness.SYMMETRIC, 0),
-    "isotropic": ((28, 68), Finiteness.COMPLEX, None),
+    "isotropic": ((28, 68), Finiteness.FOUR, None),
     "shared two": ((43, 40), Finiteness.COMPLEX, None),
     "shared three": ((45, 40), Finiteness.FORTY, 40),
     "five planes": ((41, 44), Finiteness.COMPLEX, None),
@@ -111,7 +113,7 @@ def test_a_list_is_complete_or_says_what_could_not_be_told_apart(name):
     separated = found.separated + 2 * found.pairs
 
     assert found.finiteness is finiteness
-    assert found.complete == (apart == 40)
+    assert found.complete == (apart == 40 or finiteness is Finiteness.FOUR)
     if apart is not None:
         assert separated == apart
     if not found.complete:
@@ -119,6 +121,25 @@ def test_a_list_is_complete_or_says_what_could_not_be_told_apart(name):
         assert found.count_complex is None
         if separated:
             assert f"{separated} " in found.doubt
+
+
+def test_of_springs_alike_in_every_way_four_equilibria_are_all():
+    found, isotropic = listed("isotropic"), Isotropic(exact_moments(RegistrationProblem(*CLOUDS)))
+    theirs = checked(search(isotropic, "spectral").critical)
+
+    assert (found.completeness, found.count_complex) == (Completeness.SPECTRAL, None)
+    assert found.indices == (0, 1, 2, 3)
+    for part, other in zip(found.components, theirs.components, strict=True):
+        assert part.value == pytest.approx(other.value, rel=1e-30)
+        assert unit_double(part.quaternion) == pytest.approx(unit_double(other.quaternion))
+
+
+def test_without_one_of_the_four_they_are_not_all(monkeypatch):
+    usual = HOMOTOPY.proved_lines
+    monkeypatch.setattr(HOMOTOPY, "proved_lines", lambda *given: usual(*given)[1:])
+    found = checked(search(objective("isotropic"), "homotopy").critical)
+
+    assert not found.complete
 
 
 def test_the_multiple_minimum_of_a_sphere_is_listed_as_not_separated():
@@ -246,7 +267,7 @@ def test_elimination_finds_the_same_equilibria_without_paths_and_boxes(cell, mon
 
 
 def test_elimination_says_why_it_has_no_list():
-    for name, finiteness in (("wall", Finiteness.SYMMETRIC), ("isotropic", Finiteness.COMPLEX)):
+    for name, finiteness in (("wall", Finiteness.SYMMETRIC), ("isotropic", Finiteness.FOUR)):
         made = search(objective(name), "groebner")
         assert made.critical is None
         assert finiteness.value in checked(made.reason)
@@ -276,3 +297,10 @@ def test_equal_energies_in_another_order_agree_and_another_rotation_does_not():
     ):
         with pytest.raises(ContradictionError):
             compare([found, other])
+
+
+def test_rates_of_lists_are_those_of_the_script():
+    rate = list_rates.rate_of(spring_families.LISTED[10], 2)
+
+    assert (rate.complete, rate.wrong) == (2, 0)
+    assert "2 of 2 proved complete" in str(rate)

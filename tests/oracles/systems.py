@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from certreg.equilibrium.torques import COLUMNS, TURNS, skew, torque_table
 from certreg.geometry.constraints import rotation_polynomials
+from certreg.objective import MONOMIALS
 from certreg.objective.polynomials import (
     QUATERNION,
     Monomial,
@@ -36,6 +37,35 @@ def quaternion_system(C: Sequence[Sequence[int]], *, chart: bool = False) -> Pol
         for row in torque_table(C)
     ]
     return PolynomialSystem(variables=QUATERNION[first:], polynomials=tuple(polynomials))
+
+
+def line_system(quartic: Sequence[int]) -> PolynomialSystem:
+    """The critical lines of a quartic in the chart w = 1: F_i - F_w q_i in x, y, z.
+
+    Three equations of degree 4, of which 40 of the 64 solutions are finite.
+    """
+    of_w, *others = (_derivative(quartic, k) for k in range(4))
+    polynomials = [
+        collected(
+            [
+                *((exponents(rest, 4)[1:], c) for rest, c in own),
+                *((exponents((*rest, i), 4)[1:], -c) for rest, c in of_w),
+            ]
+        )
+        for i, own in enumerate(others, start=1)
+    ]
+    return PolynomialSystem(variables=QUATERNION[1:], polynomials=tuple(polynomials))
+
+
+def _derivative(quartic: Sequence[int], variable: int) -> list[tuple[tuple[int, ...], int]]:
+    """Of a quartic by a variable: factors that are left, and coefficients."""
+    found: list[tuple[tuple[int, ...], int]] = []
+    for monomial, coefficient in zip(MONOMIALS, quartic, strict=True):
+        if variable in monomial:
+            place = monomial.index(variable)
+            rest = (*monomial[:place], *monomial[place + 1 :])
+            found.append((rest, monomial.count(variable) * coefficient))
+    return found
 
 
 def rotation_system(C: Sequence[Sequence[int]]) -> PolynomialSystem:
