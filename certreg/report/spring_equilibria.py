@@ -73,14 +73,14 @@ def spring_notes(equilibria: SpringEquilibria) -> list[str]:
         return [f"Not proved complete: {equilibria.doubt}"]
     if equilibria.count is None:
         return notes
-    notes.append(
-        f"{equilibria.finiteness.value} Each is proved in a box; the Euler sum of the indices is "
-        f"{equilibria.euler_sum}."
-        if equilibria.count_complex is None
-        else f"All 40 critical lines, complex ones included, are simple: {equilibria.count} rotations "
-        f"and {equilibria.pairs} conjugate pairs, each proved in a box; the Euler sum of the "
-        f"indices is {equilibria.euler_sum}."
-    )
+    euler = f"the Euler sum of the indices is {equilibria.euler_sum}."
+    if equilibria.count_complex is None:
+        notes.append(f"{equilibria.finiteness.value} Each is proved in a box; {euler}")
+    else:
+        notes.append(
+            f"All 40 critical lines, complex ones included, are simple: {equilibria.count} "
+            f"rotations and {equilibria.pairs} conjugate pairs, each proved in a box; {euler}"
+        )
     if equilibria.tied > 1:
         notes.append(
             f"Not decided which is best: the first {equilibria.tied} have the same energy, as far "

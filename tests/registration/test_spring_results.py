@@ -15,7 +15,7 @@ from certreg.equilibrium import critical_lines, unit_double
 from certreg.errors import InvalidProblemError
 from certreg.problem import RegistrationProblem
 from certreg.registration.assessment import assess
-from certreg.registration.certification import certify, simulate
+from certreg.registration.certification import certify, optimally_damped
 from certreg.registration.exit_codes import code_of_registration
 from certreg.registration.spring_covariance import half_hessian, source_centre
 from certreg.registration.spring_curvature import slope_and_curvature
@@ -200,7 +200,7 @@ def test_a_reflection_is_no_rotation_whatever_the_springs_are():
 
 def test_what_is_for_one_weight_per_pair_alone_says_so_in_one_line():
     with pytest.raises(InvalidProblemError, match="not for general springs") as caught:
-        simulate(problem_of("plane"))
+        optimally_damped(problem_of("plane"))
     assert "\n" not in str(caught.value)
     assert registered("plane").equilibria is None
     assert registered("plane").trajectory is None
