@@ -30,7 +30,7 @@ NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_E
 unexport PYTHONDONTWRITEBYTECODE
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test test-all test-long test-lowest chromium coq test-browser open-pages test-huge test-oracles golden record proofs fuzz fit-rates acceptance radius spring-minima spring-stability cone-rates list-rates slips brackets hard compare-checkers kills generate kernels report-asset check-report-asset lint bench peers lock clean
+.PHONY: help demo docs test test-all test-long test-lowest chromium coq test-browser open-pages test-huge test-oracles golden record proofs fuzz fit-rates acceptance radius spring-minima spring-stability cone-rates list-rates list-certificates slips brackets hard compare-checkers kills generate kernels report-asset check-report-asset lint bench peers lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -126,6 +126,9 @@ cone-rates: kernels  ## certificates by cones where squares fail, tied optima, f
 
 list-rates: kernels  ## all equilibria of general springs: 100 problems of each of 13 cells, listed and proved complete (a minute)
 	@$(RUN) tests/list_rates.py
+
+list-certificates: kernels  ## certificates of all equilibria, 25 for each of 13 cells, made and checked (a minute)
+	@$(RUN) tests/list_certificates.py
 
 slips: kernels  ## the slip that explains a pose: six on 200 random problems each, none of random rotations (two minutes)
 	@$(RUN) tests/slips.py

@@ -9,6 +9,7 @@ from typing import Any
 
 import degenerate_springs
 import jsonschema
+import list_certificates
 import pytest
 from spring_families import LISTED, Cell, instance, statement
 
@@ -41,6 +42,10 @@ def test_the_list_of_a_random_problem_is_proved(cell):
     assert f"Rotations at equilibrium: {len(indices)}, no others." in " ".join(verdict.theorems)
     assert sum((-1) ** k for k in indices) == 0
     assert {*indices} == {0, 1, 2, 3}
+
+
+def test_the_rates_of_one_instance():
+    assert list_certificates.rates(LISTED[4], 1).startswith("1 of 1 accepted")
 
 
 def test_a_certificate_is_read_as_it_was_written():
