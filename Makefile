@@ -90,8 +90,14 @@ test-oracles: $(READY)  ## compare the equilibria with Singular, PHCpack and mso
 	@CERTREG_ORACLES="$$($(ORACLES)/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/sage_wheels/bin" \
 	   $(RUN) -m pytest tests/equilibrium/test_oracles.py
 
-proofs: $(READY)  ## check the Coq proofs and the verified checker (installs Coq where it may)
-	@$(RUN) derivations/coq/check.py
+proofs: check-proofs  ## check the Coq proofs and the verified checker (installs Coq where it may)
+	@$(MAKE) --no-print-directory test-checker
+
+.PHONY: check-proofs test-checker
+check-proofs:  # with any Python: it needs the standard library alone
+	@'$(PYTHON)' derivations/coq/check.py
+
+test-checker: $(READY)
 	@CERTREG_PROOFS=1 $(RUN) -m pytest -q tests/certificate/test_coq.py
 
 test-huge: kernels  ## certify two mapped clouds of 8 GB each in 200 MB of memory beside what starting takes (ten minutes of a quiet machine, 16 GB of disk)

@@ -5,8 +5,9 @@
 Without a folder it renews certreg/native/built where the sources are no longer those that were
 compiled. The compiler is $CC, else cc, gcc or clang; where there is none, or it fails, Zig's, from
 the package index into a folder that is gone afterwards. Where that fails, too, the reason is kept,
-and certreg runs generated Python. With CERTREG_REQUIRE_KERNELS set it fails instead. It needs
-Python alone.
+and certreg runs generated Python. With CERTREG_REQUIRE_KERNELS set it fails instead.
+CERTREG_OBJECTS names a folder where builds share object files, each named by the digest of all
+that it is made of, on a machine whose compiler and its headers stay the same. It needs Python alone.
 """
 
 from __future__ import annotations
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).resolve().parent
 ZIG = ROOT / "requirements-compiler.lock"
 OBJECTS = ROOT / "build" / "kernels"  # of a checkout: what did not change is not compiled again
+SHARED = "CERTREG_OBJECTS"  # a folder of several builds instead, as .ci/run makes on one machine
 # MinGW's GCC does not align the stack for vectors, and Microsoft's compiler has none: Zig's there.
 COMPILERS = () if sys.platform == "win32" else ("cc", "gcc", "clang")
 REQUIRED = "CERTREG_REQUIRE_KERNELS"
@@ -207,9 +209,11 @@ def _built(compiler: Compiler, scratch: Path, none: Built) -> Built:
 def _objects(
     compiler: Compiler, levels: Iterable[str], folder: Path
 ) -> dict[str, list[Future[Path]]]:
-    """The object files of each level, made on all processors; other files of the folder go."""
+    """The object files of each level, made on all processors; others go, unless it is shared."""
+    shared = os.environ.get(SHARED)
+    folder = Path(shared) if shared else folder
     folder.mkdir(parents=True, exist_ok=True)
-    before = set(folder.glob("*.o"))
+    before = set() if shared else set(folder.glob("*.o"))
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         # What takes longest begins first.
         made = {

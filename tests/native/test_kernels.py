@@ -47,6 +47,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Instead of certreg/native/built; empty, and another one for the objects."""
     monkeypatch.delenv(kernels.VARIANT, raising=False)
     monkeypatch.setattr(kernels, "BUILT", tmp_path / "built")
+    monkeypatch.delenv(build_kernels.SHARED, raising=False)
     monkeypatch.setattr(build_kernels, "OBJECTS", tmp_path / "objects")
     return tmp_path / "built"
 
@@ -373,6 +374,24 @@ def test_only_what_changed_is_compiled_again(pretend, folder, tmp_path, monkeypa
     assert units == [str(changed)] * len(after.variants)
     objects = list((tmp_path / "objects").iterdir())
     assert len(objects) == len(kernels.UNITS) * len(after.variants)
+
+
+def test_builds_share_their_objects_in_a_folder_that_is_named(
+    pretend, folder, tmp_path, monkeypatch
+):
+    monkeypatch.setenv(build_kernels.SHARED, str(tmp_path / "shared"))
+    log = pretend()
+    (tmp_path / "shared").mkdir()
+    (tmp_path / "shared" / "of-another-compiler.o").touch()
+    found = build_kernels.renewed()
+    log.unlink()
+    again = build_kernels.build(tmp_path / "wheel", checkout=False)
+
+    assert folder.exists()
+    assert again == replace(found, checkout=False)
+    assert " -c " not in log.read_text("utf-8")  # linked and tried only
+    assert not (tmp_path / "objects").exists()
+    assert (tmp_path / "shared" / "of-another-compiler.o").exists()
 
 
 @pytest.mark.skipif(not X86, reason="of x86-64")
