@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+import inspect
 import os
 import sys
 import tempfile
@@ -70,6 +72,8 @@ nb_ipywidgets_js = {}
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_preserve_defaults = True
+# For that the source of each function is looked up twice, and for each class its file is parsed.
+inspect.getsource = functools.cache(inspect.getsource)
 autodoc_use_type_comments = False  # there are none, and to look for them takes seconds
 add_module_names = False
 python_use_unqualified_type_names = True

@@ -94,6 +94,18 @@ def _write_pages(app: Sphinx) -> None:
             page.write_text(text, "utf-8")
 
 
+def forget_others(app: Sphinx, page: nodes.document) -> None:
+    """Nodes remember no document but the page's own, which is what Sphinx keeps in a file.
+
+    What autodoc makes remembers another, and with it the environment: all that is known of all
+    pages would be written for each, some megabytes, and read again.
+    """
+    del app
+    for node in page.findall():
+        if node.document is not page:
+            node.document = page
+
+
 class Navigation:
     """The navigation of pages that are not in it themselves: the same on all of a folder.
 
@@ -125,5 +137,6 @@ def setup(app: Sphinx) -> ExtensionMetadata:
     """Called by Sphinx."""
     app.add_directive("modules", Modules)
     app.connect("builder-inited", _write_pages)
+    app.connect("doctree-read", forget_others)
     app.connect("html-page-context", Navigation().kept, priority=400)  # before the theme asks
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import html as markup
 import importlib
+import pickle
 import re
 import subprocess
 import sys
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 pytest.importorskip("sphinx", reason="the dependency group docs is not installed")
+nodes = pytest.importorskip("docutils.nodes")
+new_document = pytest.importorskip("docutils.utils").new_document
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGES = [page for page in sorted(DOCS.rglob("*.md")) if "_build" not in page.parts]
@@ -345,6 +348,19 @@ def test_the_keys_of_a_schema_are_listed_with_their_paths(extension: Callable[[s
         ("a.b", "number | null", "B."),
         ("c", "1", ""),
     ]
+
+
+def test_nothing_of_another_document_is_kept_with_a_page(extension: Callable[[str], Any]):
+    page, other = new_document("page"), new_document("other")
+    other.settings.secret = "all that is known of all pages"
+    stray = nodes.paragraph(text="a signature")
+    stray.document = other
+    page += nodes.section("", stray)
+    before = pickle.dumps(page.children)
+    extension("modules").forget_others(None, page)
+
+    assert (b"secret" in before, b"secret" in pickle.dumps(page.children)) == (True, False)
+    assert all(node.document is page for node in page.findall())
 
 
 def test_pages_beside_the_navigation_have_it_drawn_once_for_each_folder(
