@@ -20,8 +20,9 @@ from pathlib import Path
 import certificates as oracle
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from samples import examples
 
 checker = import_module("certreg.verify")
 SECONDS, MEMORY = 2.0, 200 * 10**6
@@ -386,14 +387,14 @@ def test_files_of_more_bytes_or_points_than_allowed_are_refused(monkeypatch, tmp
 
 
 @given(st.binary(max_size=300))
-@settings(max_examples=300, deadline=None, derandomize=True)
+@examples(300)
 def test_random_bytes_are_refused(content):
     assert is_refused(content)
 
 
 @pytest.mark.slow
 @given(st.data())
-@settings(max_examples=300, deadline=None, derandomize=True)
+@examples(300)
 def test_random_edits_of_the_file_are_refused_unless_the_certificate_stays_true(data):
     text = bytearray(oracle.dump(GENERIC))
     for _ in range(data.draw(st.integers(1, 3))):
@@ -416,7 +417,7 @@ def test_random_edits_of_the_file_are_refused_unless_the_certificate_stays_true(
     ),
     st.sampled_from(PATHS),
 )
-@settings(max_examples=300, deadline=None, derandomize=True)
+@examples(300)
 def test_random_values_anywhere_are_refused_unless_the_certificate_stays_true(value, path):
     forged = replaced(GENERIC, path, value)
 

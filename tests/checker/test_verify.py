@@ -22,8 +22,9 @@ from typing import ClassVar
 import certificates as oracle
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from samples import examples
 
 checker = import_module("certreg.verify")  # `certreg.verify` itself is a function of the package
 FILE = Path(checker.__file__ or "")
@@ -488,7 +489,7 @@ def test_an_optimum_that_is_not_unique_is_told_so(name, words):
 
 
 @given(st.integers(1, 10**400), st.integers(1, 10**400), st.integers(2, 25))
-@settings(max_examples=200, deadline=None, derandomize=True)
+@examples(200)
 def test_bounds_are_rounded_up_to_the_next_decimal(numerator, denominator, digits):
     value = Fraction(numerator, denominator)
 
@@ -502,7 +503,7 @@ def test_bounds_are_rounded_up_to_the_next_decimal(numerator, denominator, digit
 
 @pytest.mark.slow
 @given(st.integers(1, 10**400), st.integers(1, 10**400))
-@settings(max_examples=100, deadline=None, derandomize=True)
+@examples(100)
 def test_a_root_is_rounded_up(numerator, denominator):
     value = Fraction(numerator, denominator)
 

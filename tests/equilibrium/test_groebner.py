@@ -10,6 +10,7 @@ from flint import ctx
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles.systems import quaternion_system
+from samples import examples
 
 from certreg.equilibrium.groebner import eliminate, fibres
 from certreg.errors import ContradictionError
@@ -46,7 +47,7 @@ def test_every_row_has_its_components_dimensions_degrees_and_indices(specimen):
 
 
 @pytest.mark.slow
-@settings(max_examples=300)
+@examples(300)
 @given(matrices)
 def test_elimination_and_discriminant_give_the_same_pattern(C):
     """Small integers make degenerate matrices frequent; the two share no formula."""

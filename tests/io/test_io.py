@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
+from samples import examples
 
 from certreg.errors import InvalidFileError
 from certreg.io import atomic
@@ -309,7 +310,7 @@ def refused_or(read: Callable[[Path], Any], file: Path) -> Any:
 
 
 @pytest.mark.slow
-@settings(max_examples=400)
+@examples(400)
 @given(content=ANYTHING, suffix=st.sampled_from(FORMATS))
 @example(
     content=npy("{'descr': '<f8', 'fortran_order': False, 'shape': (-1, -3)}", bytes(24)),
@@ -346,7 +347,7 @@ def test_any_bytes_are_a_cloud_of_finite_points_or_refused(
 
 
 @pytest.mark.slow
-@settings(max_examples=400)
+@examples(400)
 @given(content=ANYTHING)
 @example(content=b",")
 @example(content=b"[" * 100_000)

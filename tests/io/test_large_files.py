@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 from cloud_files import ply, xyz_ply
 from commands import certreg
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from samples import examples
 from test_formats import REFUSED
 
 from certreg.errors import InvalidFileError
@@ -194,7 +195,7 @@ GOOD += [("npy", content) for content in fuzz_readers.NPY]
 
 
 @pytest.mark.slow
-@settings(max_examples=300)
+@examples(300)
 @given(st.data())
 def test_a_file_changed_anywhere_is_read_or_refused_as_if_it_were_small(place, data):
     suffix, content = data.draw(st.sampled_from(GOOD))

@@ -7,9 +7,10 @@ from fractions import Fraction
 import numpy as np
 import pytest
 import strategies
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from samples import examples
 
 from certreg import RegistrationProblem
 from certreg.errors import CertregError
@@ -81,7 +82,7 @@ def values(found):
 
 @pytest.mark.slow
 @given(wild_problems())
-@settings(max_examples=150)
+@examples(150)
 def test_every_method_gives_the_same_integers_and_they_are_those_of_the_definition(problem):
     one, *others = (sums_by(method, problem) for method in SumMethod)
 
