@@ -55,7 +55,7 @@ BALANCED = 1e-9  # of the oscillation: the slope at what Newton's steps led to, 
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Critical:
+class NearbyEquilibrium:
     """An equilibrium near a pose. index: directions in which the energy falls. angle: radians."""
 
     index: int
@@ -77,7 +77,7 @@ class SpringFindings:
     translation_energy: Fraction
     energy_range: Fraction
     away: float | None
-    critical: Critical | None
+    critical: NearbyEquilibrium | None
 
     @property
     def proof_gap(self) -> Fraction:
@@ -164,7 +164,7 @@ def _cost_of_rounding(registration: SpringRegistration, given: GivenPose) -> Fra
 
 def _critical_near(
     registration: SpringRegistration, q: tuple[int, ...], settings: AssessmentSettings
-) -> Critical | None:
+) -> NearbyEquilibrium | None:
     """The equilibrium at a rotation, by Newton's steps from there; None if there is none near."""
     solution = registration.solution
     objective, scale = solution.objective, solution.objective.oscillation
@@ -177,7 +177,7 @@ def _critical_near(
     slope, curvature = slope_and_curvature(objective, u)
     if angle > settings.equilibrium_angle or np.abs(slope).max() > BALANCED:
         return None
-    return Critical(index=int((np.linalg.eigvalsh(curvature) < 0.0).sum()), angle=angle)
+    return NearbyEquilibrium(index=int((np.linalg.eigvalsh(curvature) < 0.0).sum()), angle=angle)
 
 
 def spring_verdict_of(facts: SpringFindings, settings: AssessmentSettings) -> PoseVerdict:
