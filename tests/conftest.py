@@ -45,6 +45,8 @@ os.environ["PYTHONWARNDEFAULTENCODING"] = "1"
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 
+gc.disable()  # all that collecting makes stays: see pytest_collection_finish
+
 DATA = Path(__file__).parent.parent / "certreg" / "data"
 
 
@@ -70,6 +72,7 @@ def pytest_collection_finish() -> None:
     gc.collect()
     gc.freeze()
     gc.set_threshold(100_000, 20, 20)
+    gc.enable()
 
 
 @pytest.fixture

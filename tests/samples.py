@@ -9,5 +9,5 @@ WHOLE = 100  # what the profiles of the long samples take where a test does not 
 
 def examples(count: int) -> settings:
     """A property takes so many examples in the long samples, and a third of them in `make test`."""
-    whole = settings.default.max_examples >= WHOLE
+    whole = settings().max_examples >= WHOLE
     return settings(max_examples=count if whole else count // 3)

@@ -618,12 +618,17 @@ def test_the_list_of_broken_files_is_long_and_its_good_files_are_good():
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("number", "seed"), [(700, 2), pytest.param(2300, 3, marks=pytest.mark.long)]
+)
 @pytest.mark.parametrize("name", fuzz_readers.READERS)
-def test_mutated_files_are_refused_cleanly_or_read_as_finite_numbers(name: str):
+def test_mutated_files_are_refused_cleanly_or_read_as_finite_numbers(
+    name: str, number: int, seed: int
+):
     start = fuzz_readers.peak_memory()
-    count = fuzz_readers.fuzz(name, 2300, seed=2)
+    count = fuzz_readers.fuzz(name, number, seed=seed)
 
-    assert 0 < count.accepted < count.inputs == 2300
+    assert 0 < count.accepted < count.inputs == number
     assert fuzz_readers.peak_memory() - start < fuzz_readers.MEMORY
 
 

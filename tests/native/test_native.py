@@ -59,7 +59,7 @@ def python(code: str, **environment: str) -> subprocess.CompletedProcess[str]:
 
 
 SIMULATIONS = (
-    ["cli/test_simulate_command.py"],
+    pytest.param(["cli/test_simulate_command.py"], marks=pytest.mark.long),
     pytest.param(
         ["dynamics/test_simulation.py", "dynamics/test_integrators.py"], marks=pytest.mark.long
     ),

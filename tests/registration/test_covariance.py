@@ -237,7 +237,7 @@ def test_an_error_of_a_tenth_in_the_covariance_would_be_seen(experiment):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("shape", ["elongated", pytest.param("isotropic", marks=pytest.mark.long)])
 def test_the_estimated_covariance_is_that_of_the_experiments_in_the_mean(shape):
     """Each run estimates its own variance; the factor's mean is s^2, its error sqrt(2/(3N - 6))."""
     experiment = Experiment(shape, even=True)
