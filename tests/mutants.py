@@ -786,8 +786,8 @@ MUTANTS = (
     Mutant(
         "half of the sine",
         CHECKER,
-        "sine = 2 * s * root_up",
-        "sine = s * root_up",
+        "return 2 * s * root_up",
+        "return s * root_up",
         ("eigenvector_radius",),
     ),
     Mutant(
@@ -800,15 +800,15 @@ MUTANTS = (
     Mutant(
         "the pose's own angle forgotten",
         CHECKER,
-        "return g * (sine - angle) / 2",
-        "return g * sine / 2",
+        "return g * (sine_below(s) - angle) / 2",
+        "return g * sine_below(s) / 2",
         ("eigenvector_radius",),
     ),
     Mutant(
         "room of the whole gap",
         CHECKER,
-        "return g * (sine - angle) / 2",
-        "return g * (sine - angle)",
+        "return g * (sine_below(s) - angle) / 2",
+        "return g * (sine_below(s) - angle)",
         ("eigenvector_radius",),
     ),
     Mutant(
