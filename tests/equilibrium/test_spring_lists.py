@@ -304,3 +304,23 @@ def test_rates_of_lists_are_those_of_the_script():
 
     assert (rate.complete, rate.wrong) == (2, 0)
     assert "2 of 2 proved complete" in str(rate)
+
+
+def test_forty_boxes_without_the_ranks_are_no_complete_list(monkeypatch):
+    module = import_module("certreg.equilibrium.line_set")
+    monkeypatch.setattr(module, "at_most_forty", lambda _: None)
+    found: Any = checked(search(objective(3), "homotopy").critical)
+
+    assert (found.finiteness, found.complete) == (Finiteness.UNDECIDED, False)
+    assert len(found.components) + 2 * found.pairs == 40
+    assert (found.count_complex, found.tied) == (None, 0)
+
+
+def test_a_line_and_its_conjugate_are_one_pair():
+    levelled = levelled_exactly(objective(3).quartic)
+    quartic, ends = BallQuartic(levelled), critical_lines(levelled.rest).points
+    q = ends[np.argmax(np.linalg.norm(ends.imag, axis=1))]
+    pair = [checked(boxed(quartic, each.tolist(), real=False)) for each in (q, q.conj())]
+
+    assert not all_different(pair)
+    assert not any(line.is_real for line in pair)
