@@ -21,12 +21,15 @@ from certreg.dynamics.batch import Bodies, bodies_of
 from certreg.dynamics.body import body_of, start_at_rest
 from certreg.dynamics.integrators import SimulationSettings, step_parameters
 from certreg.dynamics.simulation import simulate
+from certreg.dynamics.spring_body import MovingSprings, moving_springs
+from certreg.dynamics.spring_simulation import spring_steps
 from certreg.native.engine import current_engine
 from certreg.native.layout import MATRIX_STATE, named
 from certreg.native.layout import plain as doubles
 from certreg.native.loops import Batch, Integrator
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import ExactMoments, exact_moments
+from certreg.problem.moments_of_springs import spring_moments
 from certreg.problem.problem import RegistrationProblem
 
 if TYPE_CHECKING:
@@ -40,6 +43,7 @@ LOOP_STEPS = 40  # of the NumPy loops, in one turn
 INSTANCES = {Integrator.EULER: 512, Integrator.SPLITTING: 4096}
 ROUNDS, BLOCKS = 40, 10
 TIGHT = SimulationSettings(speed_tolerance=1e-10)
+SPRING_SINGLE, SPRING_BATCHED, SPRING_STEPS = 5.0, 30.0, 20_000  # million steps per second; steps
 SIZES = (10, 1000, 100_000, 10_000_000)
 
 
@@ -47,6 +51,7 @@ def measure() -> Iterator[Figure]:
     print(f"      {current_engine().words}")
     yield from _euler()
     yield _splitting()
+    yield from _springs()
     yield _threads()
     yield _flat()
 
@@ -103,6 +108,34 @@ def _splitting() -> Figure:
             **{name: Quantity(t, "s") for name, t in zip(solvers, theirs, strict=True)},
         },
     )
+
+
+def _springs() -> Iterator[Figure]:
+    """Steps of the splitting on general springs: 73 sums, so that no step knows how many points."""
+    rng = np.random.default_rng(0)
+    bodies: list[MovingSprings] = []
+    for count in (20, 200, 2000) * 5 + (20,):
+        source = rng.normal(size=(count, 3))
+        target = source + 0.1 * rng.normal(size=(count, 3))
+        planes = RegistrationProblem(source, target, normals=rng.normal(size=(count, 3)))
+        bodies.append(moving_springs(spring_moments(planes), DAMPING))
+    for what, some, steps, least in (
+        ("single", bodies[:1], SPRING_STEPS, SPRING_SINGLE),
+        ("batched", bodies * 16, SPRING_STEPS // 40, SPRING_BATCHED),
+    ):
+        starts = np.array([body.start for body in some])
+        settings = SimulationSettings(step=0.01, max_steps=steps, speed_tolerance=0.0)
+        batch = Batch.on_springs(
+            Integrator.SPLITTING,
+            bodies=np.array([body.record for body in some]),
+            steps=spring_steps(Integrator.SPLITTING, some, starts, settings),
+            states=starts,
+        )
+        (seconds,) = fastest(_again(batch, settings), rounds=ROUNDS)
+        rate = float(batch.taken.sum()) / seconds / 1e6
+        yield Figure(
+            what=f"general springs, {what}", value=Quantity(rate, "M steps/s"), least=least
+        )
 
 
 def _threads() -> Figure:

@@ -97,6 +97,7 @@ CHAPTERS = (
             "growth_radius",
             "bernstein_cones",
             "spring_caps",
+            "spring_motion",
             "forty_lines",
             "forty_real",
             "real_lines",

@@ -8,7 +8,7 @@ taken about the means of source and target with these masses, c is the differenc
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import product
 from typing import Any
 
@@ -90,8 +90,7 @@ class SpringCloud:
         """
         if isinstance(of_a_point, sympy.MatrixBase):
             return of_a_point.applyfunc(self.total)
-        point = [*six(self.W), *self.p, self.s, *self.x]
-        terms = sympy.Poly(sympy.sympify(of_a_point), *point).terms()
+        terms = _terms(sympy.sympify(of_a_point), (*six(self.W), *self.p, self.s, *self.x))
         return sum((c * self._sum(powers) for powers, c in terms), start=sympy.Integer(0))
 
     def _sum(self, powers: tuple[int, ...]) -> Any:
@@ -112,6 +111,12 @@ class SpringCloud:
                 return self.spread
             case _:
                 raise ValueError(f"no sum of degrees {powers} is kept")
+
+
+@lru_cache(maxsize=4096)  # proofs and their controls take the same sums
+def _terms(of_a_point: Any, point: tuple[Any, ...]) -> tuple[Any, ...]:
+    """The powers of the numbers of a point and their coefficients."""
+    return tuple(sympy.Poly(of_a_point, *point).terms())
 
 
 def potential_energy(state: State, cloud: SpringCloud) -> Any:

@@ -181,9 +181,9 @@ def without_traces(scatter: Sequence[Sequence[Any]]) -> tuple[list[list[Any]], A
     both = sum(of_points[k] for k in DIAGONAL)
     rest = [list(row) for row in scatter]
     for p, j in product(range(6), repeat=2):
-        nine = 3 * of_points[p] * (j in DIAGONAL) + 3 * of_springs[j] * (p in DIAGONAL)
-        nine = nine - both * (j in DIAGONAL) * (p in DIAGONAL)
-        rest[p][j] = rest[p][j] - nine * Fraction(1, 9)
+        of_rest, of_point = int(p in DIAGONAL), int(j in DIAGONAL)
+        nine = 3 * of_points[p] * of_point + 3 * of_springs[j] * of_rest
+        rest[p][j] = rest[p][j] - (nine - both * (of_rest * of_point)) * Fraction(1, 9)
     return rest, both * Fraction(1, 3)
 
 
