@@ -31,6 +31,7 @@ def good() -> SimulatedSprings:
     return simulated_springs(problem_of(4, 30))
 
 
+@pytest.mark.slow
 def test_a_body_at_rest_at_the_optimum_is_proved_to_end_there(good):
     assert good.converged
     assert good.basin.proved
@@ -58,6 +59,7 @@ def test_a_state_is_in_the_basin_below_the_barrier_and_not_on_it(good):
     assert ruling(None) is Ruling.INCONCLUSIVE
 
 
+@pytest.mark.slow
 def test_a_body_at_rest_elsewhere_is_not_called_converged():
     spurious = simulated_springs(problem_of(11, 7), "splitting")
 
@@ -78,6 +80,7 @@ def test_a_wall_is_told_to_coast():
     assert run.basin.ruling is Ruling.INCONCLUSIVE
 
 
+@pytest.mark.slow
 def test_simulate_takes_problems_with_springs_and_documents_them(good):
     run = certreg.simulate(problem_of(4, 30))
     assert isinstance(run, SimulatedSprings)
