@@ -691,7 +691,6 @@ LISTS = mutants(
     ("a * d * f + 2 * b * c * e -", "a * d * f -"),
     (
         "(1, a + d + f, minors, last) if term]",
-        "(1, a + d + f, minors, last)]",
         "(a + d + f, minors, last) if term]",
     ),
     ('require(len(found) == 1, "an', 'require(True, "an'),
