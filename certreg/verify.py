@@ -1386,7 +1386,7 @@ class SpringsListStatement(SpringsStatement):
         return [
             f"Rotations at equilibrium: {real}, no others. All 40 complex solutions are simple.",
             f"Stable: {stable}. Unstable, with 1, 2, 3 ways down: {', '.join(map(str, ways))}.",
-            f"At all but R the objective is at least {least}: {told}.",
+            f"At all equilibria but that of R the objective is at least {least}: {told}.",
         ]
 
 

@@ -394,7 +394,8 @@ def words() -> str:
         f"Rotations at equilibrium: {sum(counts)}, no others. "
         r"All 40 complex solutions are simple\."
         f"\nStable: {counts[0]}. Unstable, with 1, 2, 3 ways down: {counts[1]}, {counts[2]}, "
-        f"{counts[3]}.\nAt all but R the objective is at least {float(number):.11g}"[:-2]
+        f"{counts[3]}.\nAt all equilibria but that of R the objective is at least "
+        f"{float(number):.11g}"[:-2]
         + rf".*: more than {float(number - value):.9g}"[:-2]
     )
 
