@@ -7,7 +7,8 @@ compiled. The compiler is $CC, else cc, gcc or clang; where there is none, or it
 the package index into a folder that is gone afterwards. Where that fails, too, the reason is kept,
 and certreg runs generated Python. With CERTREG_REQUIRE_KERNELS set it fails instead.
 CERTREG_OBJECTS names a folder where builds share object files, each named by the digest of all
-that it is made of, on a machine whose compiler and its headers stay the same. It needs Python alone.
+that it is made of, on a machine whose compiler and its headers stay the same. It needs Python
+alone.
 """
 
 from __future__ import annotations

@@ -266,14 +266,14 @@ def test_where_the_relaxation_is_not_tight_its_own_gap_is_proved():
     problem = choi_lam()
     objective = Springs(spring_moments(problem))
     found = find_optimum(objective)
-    body = sos_body(objective, found)
-    relaxation = found.levelled.scale * Fraction(found.relaxation.value) + found.levelled.level
+    body: Any = sos_body(objective, found)
+    relaxed: Any = found.relaxation
+    relaxation = found.levelled.scale * Fraction(relaxed.value) + found.levelled.level
     gap = objective.energy(found.quaternion) - relaxation * objective.unit
 
     assert gap > 2  # 64 w^4 + ... of which squares reach no more
-    assert (
-        abs(body.claims.gap.value - gap) < gap / 10**5
-    )  # the solver is right to 1e-8 of the range
+    # The solver is right to 1e-8 of the range.
+    assert abs(body.claims.gap.value - gap) < gap / 10**5
 
 
 def test_a_pose_is_bounded_by_a_certificate_of_the_optimum():

