@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 LINES = 40
 SAME_ENERGY = Fraction(1, 1 << 90)  # of the oscillation; of a proved equilibrium 2^-300 is known
-NOT_SEPARATED = Absent("not told apart from others that may be there: it may be several, or none")
+NOT_SEPARATED = Absent("not proved to be one equilibrium: it may be several, or none")
 TIED = Absent("as good as another equilibrium, as far as 300 digits tell")
 DEEPEST = Absent("the energy falls in no direction")
 NOT_LISTED_WHOLE = Absent("the list is not proved complete: a better rotation may be missing")

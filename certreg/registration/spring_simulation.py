@@ -38,12 +38,12 @@ if TYPE_CHECKING:
 
 NEAR = 0.01  # radians: a body at rest is within a thousandth of its equilibrium, unless it is weak
 LEVEL = 1e-5  # of the range of the energy: where the best rotation is not the only one
-NO_RATE = Absent("not computed on general springs")
+NO_RATE = Absent("not computed for general springs")
 UNLISTED = Verdict(
     ruling=Ruling.INCONCLUSIVE,
     words=(
-        "Not proved: from its last state the exact motion ends at the optimum. No list of all "
-        "equilibria could be proved."
+        "Not proved: from its last state the exact motion ends at the optimum. No list of "
+        "equilibria could be proved complete."
     ),
 )
 
@@ -75,13 +75,9 @@ class SimulatedSprings(SpringTrajectory, Presented):
     def notes(self) -> tuple[str, ...]:
         """What no spring resists, and what the body does there."""
         freedom = Freedom.of(self.objective)
-        shift, turn = freedom.shift_words(), freedom.turn_words()
-        words: list[str] = []
-        if shift:
-            words.append(f"{shift}: along it the body coasts until damping has stopped it")
-        if turn:
-            words.append(f"{turn}: the body turns on in that way until damping has stopped it")
-        return tuple(words)
+        free = filter(None, (freedom.shift_words(), freedom.turn_words()))
+        coasts = "a body that moves that way coasts until damping has stopped it"
+        return tuple(f"{words}: {coasts}" for words in free)
 
     @cached_property
     def energies(self) -> tuple[float | Absent, float | Absent]:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 SCHEMA = "certreg-equilibria/1"
 HEADINGS = ("index", "stable", "RMSE", "energy", "to optimum", "")
 ROADS = ("road", "solutions", "index 0 1 2 3", "time", "guarantee")
-NO_PATTERN = Absent("told of one weight per pair: general springs have no eigenvalues")
+NO_PATTERN = Absent("defined for one weight per pair: general springs have no eigenvalues")
 NOT_LINEARISED = Absent("the motion on general springs is not linearised in this version")
 NO_EIGENVALUES = Absent("there are no eigenvalues of general springs to compare")
 STAYS = (

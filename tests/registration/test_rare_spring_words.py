@@ -54,6 +54,13 @@ def test_of_two_optima_the_tie_is_told():
         "given, and so are those that an iterative method froze at the rotation of its last step;"
     )
     assert given in page
+    theorems = (
+        "What a translation costs with matrices of springs",
+        "Cones and Bernstein coefficients",
+        "Caps: curvature at a centre",
+        "The growth form",
+    )
+    assert all(title in page for title in theorems)
 
 
 def test_a_pose_at_rest_that_is_not_the_optimum_is_told_with_its_index():
@@ -106,4 +113,6 @@ def test_an_angle_without_uniqueness_is_told_as_what_it_is():
     open_ = replace(found, solution=replace(found.solution, certificate=weak))
 
     assert " degrees of every optimum; whether there are several is not decided." in str(open_)
-    assert "All that are lie within " in page_of(open_)
+    page = page_of(open_)
+    assert "All that are lie within " in page
+    assert "A quartic, and its sums of squares" in page

@@ -1,0 +1,210 @@
+"""Sentences on motions and lists of equilibria of general springs, each from data that tell it."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+import spring_families
+from exact_springs import two_optima
+
+import certreg
+from certreg import RegistrationProblem
+from certreg.errors import InvalidFileError, OutOfRangeError
+from certreg.registration.enumeration import enumerated, equilibrium_poses
+from certreg.registration.spring_enumeration import enumerated_springs
+from certreg.registration.spring_simulation import SimulatedSprings, simulated_springs
+from certreg.report import report_of
+from certreg.report.spring_equilibria import (
+    spring_enumeration_summary,
+    spring_equilibria_document,
+    spring_equilibria_words,
+)
+from certreg.report.spring_listed import listed
+from certreg.report.spring_summary import springs_words
+from certreg.results import Absent
+
+if TYPE_CHECKING:
+    from certreg.registration.spring_enumeration import SpringEnumeration
+
+SIX, SEVEN = (spring_families.instance(spring_families.LISTED[k], 0) for k in (0, 2))
+
+
+def problem_of(made: spring_families.Instance) -> RegistrationProblem:
+    return RegistrationProblem(**spring_families.statement(made))
+
+
+@cache
+def six() -> SpringEnumeration:
+    """Six planes: several rotations fit exactly."""
+    return enumerated_springs(problem_of(SIX))
+
+
+@cache
+def circles() -> SpringEnumeration:
+    """Two optima, alone, and other equilibria on circles: no method has a complete list."""
+    return enumerated_springs(two_optima(), "all")
+
+
+@cache
+def wall() -> SimulatedSprings:
+    """Two shifts and a turn are free; the body is 0.5 from the wall."""
+    source = np.random.default_rng(7).normal(size=(10, 3))
+    normals = np.tile([0.0, 0.0, 1.0], (10, 1))
+    return simulated_springs(
+        RegistrationProblem(source, source + np.array([3, 0, 0.5]), normals=normals)
+    )
+
+
+@cache
+def trapped() -> SimulatedSprings:
+    """Seven planes, with the source put at a stable equilibrium that is not the optimum."""
+    found = enumerated_springs(problem_of(SEVEN)).equilibria
+    pose = next(each.pose for each in found.components[1:] if each.stable)
+    moved = SEVEN.source @ pose.rotation.T + pose.translation
+    return simulated_springs(
+        RegistrationProblem(moved, SEVEN.target, normals=SEVEN.springs["normals"])
+    )
+
+
+# --- motions
+
+
+def test_a_body_that_rests_elsewhere_is_told_with_how_far_it_is_and_how_much_higher():
+    told = str(trapped())
+
+    words = (
+        "The body is at rest (slower than the tolerance) at another equilibrium: springs hold it "
+        "there, and a better rotation was found."
+    )
+    assert told.startswith(words)
+    assert " degrees from the best rotation found, 0.0014 of the energy's range above it" in told
+
+
+def test_along_what_no_spring_resists_the_body_is_told_to_coast():
+    shift, turn = wall().notes
+
+    coasts = "a body that moves that way coasts until damping has stopped it"
+    assert shift.startswith("no spring resists a shift along ")
+    assert turn.startswith("rotation about the normal (0, 0, 1) is undetermined: ")
+    assert shift.endswith(f": {coasts}")
+    assert turn.endswith(f": {coasts}")
+
+
+def test_of_many_optima_the_end_is_told_to_be_as_good_as_the_one_that_was_found():
+    told = str(wall())
+
+    assert " degrees from the best rotation found, and as good" in told
+    words = (
+        "Not proved: from its last state the exact motion ends at the optimum. No list of "
+        "equilibria could be proved complete."
+    )
+    assert told.endswith(words)
+
+
+def test_the_rates_of_a_motion_on_general_springs_are_told_to_be_missing():
+    reasons = trapped().to_dict()["reasons"]
+
+    assert reasons["predicted_rate"] == reasons["decay_rate"] == "not computed for general springs"
+
+
+# --- lists of equilibria
+
+
+def test_a_method_that_is_none_of_general_springs_is_refused_by_those_there_are():
+    known = ": for general springs there are 'homotopy', 'groebner' and 'all'"
+    with pytest.raises(ValueError, match=f"^method is 'spectral'{known}$"):
+        enumerated_springs(problem_of(SIX), "spectral")
+
+
+def test_of_several_that_are_as_good_none_is_called_the_optimum():
+    found = six().equilibria
+    reasons = spring_equilibria_document(six())["reasons"]
+
+    words = (
+        "Not decided which is best: the first 2 have the same energy, as far as 300 digits tell."
+    )
+    assert spring_equilibria_words(found).endswith(words)
+    tied = "as good as another equilibrium, as far as 300 digits tell"
+    assert [each.stated("optimal") for each in found.components[:2]] == [Absent(tied)] * 2
+    assert reasons["equilibria.spurious"] == "which are the best is not decided"
+    certified: Any = certreg.certify(problem_of(SIX))
+    rows = listed(certified)
+    assert rows is not None
+    assert [row.words.split("; ")[0] for row in rows.rows[:3]] == ["may be optimal"] * 2 + [""]
+
+
+def test_what_general_springs_do_not_have_is_said_in_the_document():
+    reasons = spring_equilibria_document(six())["reasons"]
+
+    absent = "defined for one weight per pair: general springs have no eigenvalues"
+    assert reasons["equilibria.pattern"] == absent
+    linear = "the motion on general springs is not linearised in this version"
+    assert reasons["equilibria.components[0].eigenvalues"] == linear
+
+
+def test_where_no_list_is_complete_the_methods_are_not_compared():
+    told = spring_enumeration_summary(circles())
+    reasons = spring_equilibria_document(circles())["reasons"]
+
+    assert "  road      solutions  index 0 1 2 3  time" in told
+    assert reasons["agreement.rotation_deg"] == "no list was proved complete"
+
+
+def test_where_a_list_is_in_doubt_no_equilibrium_is_called_the_optimum():
+    found = circles().equilibria.components
+    better = "the list is not proved complete: a better rotation may be missing"
+    merged = "not proved to be one equilibrium: it may be several, or none"
+
+    assert [each.stated("optimal") for each in found[:3]] == [Absent(better)] * 2 + [False]
+    assert {each.stated("optimal") for each in found if not each.separated} == {Absent(merged)}
+
+
+def test_springs_that_are_one_weight_per_pair_have_four_equilibria_each_proved_in_a_box():
+    told = spring_equilibria_words(enumerated_springs(full_springs(0)).equilibria)
+
+    assert "exactly 4, of which 1 stable." in told
+    assert " Each is proved in a box; the Euler sum of the indices is 0." in told
+
+
+# --- others
+
+
+def full_springs(planes: int) -> RegistrationProblem:
+    """Six springs that are alike in all directions, but for the first, which are planes."""
+    x, y = np.random.default_rng(1).normal(size=(2, 6, 3))
+    factors = np.zeros((6, 6))
+    factors[:, [0, 2, 5]] = 1.0
+    factors[:planes] = 0.0
+    factors[:planes, [0, 1, 3]] = y[:planes]
+    return RegistrationProblem(x, x + 0.1 * y, factors=factors)
+
+
+def test_springs_of_several_ranks_are_counted_by_their_kinds():
+    certified: list[Any] = [certreg.certify(full_springs(planes)) for planes in (2, 5)]
+    told = [springs_words(each) for each in certified]
+
+    assert told == ["2 planes, 4 full springs", "5 planes, 1 full spring"]
+
+
+def test_an_equilibrium_that_no_doubles_can_place_is_refused_with_the_remedy():
+    """At the optimum nothing moves; a half turn moves the mean to the other side of the origin."""
+    source = 1.5e308 + 1e300 * np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3], [1, 1, 4]])
+    words = (
+        "the translation of a pose exceeds the range of doubles: "
+        "change the unit of length of both clouds"
+    )
+    with pytest.raises(OutOfRangeError, match=words):
+        equilibrium_poses(enumerated(RegistrationProblem(source, source)))
+
+
+def test_no_report_is_made_of_a_list_of_equilibria(tmp_path):
+    certificate = trapped().listed
+    assert certificate is not None
+    certificate.save(tmp_path / "list.json")
+
+    words = ", which `certreg verify` tells in words: give the certificate.json that certify wrote"
+    with pytest.raises(InvalidFileError, match=words):
+        report_of(tmp_path / "list.json")
