@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from certreg.campaign.task import Task as Task
     from certreg.campaign.task import TaskResult as TaskResult
     from certreg.campaign.workers import LocalWorkers as LocalWorkers
+    from certreg.campaign.workers import Workers as Workers
     from certreg.campaign.workers import workers_at as workers_at
 
 __getattr__ = lazy_face(
@@ -64,6 +65,6 @@ __getattr__ = lazy_face(
             "write_table",
         ),
         "task": ("Task", "TaskResult"),
-        "workers": ("LocalWorkers", "workers_at"),
+        "workers": ("LocalWorkers", "Workers", "workers_at"),
     },
 )

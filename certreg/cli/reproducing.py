@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -19,8 +21,12 @@ from certreg.cli.options import FOLDER
 from certreg.cli.progress import Progress, Stages
 from certreg.paper import (
     EXCEPTIONS,
+    SPRING_INSTANCES,
     MonteCarlo,
+    RunEnd,
     Setup,
+    SpringCampaign,
+    SpringCounts,
     all_sweeps,
     make_folder,
     paper_drawings,
@@ -30,13 +36,20 @@ from certreg.paper import (
     texts,
     write_instance_results,
     write_reproduction,
+    write_spring_results,
 )
 from certreg.paper import reproduce as reproduced
 from certreg.registration import DONE, REFUSED
 from certreg.report import printable
 
+if TYPE_CHECKING:
+    from collections.abc import Generator
+
+    from certreg.campaign import Workers
+
 LARGEST_RUNS = 1000  # in one process, with figures: beyond, a campaign
 CAMPAIGN = "campaign"  # folder, within that of the reproduction
+SPRINGS = "springs-campaign"  # beside it
 
 
 @click.command(epilog="Exit code 0 when every finding is confirmed, 1 if one is not.")
@@ -87,7 +100,7 @@ CAMPAIGN = "campaign"  # folder, within that of the reproduction
     is_flag=True,
     help="Also maps over damping, noise, points, symmetry and start, `--runs` instances at each "
     "value, default 200: figures and maps.csv. And equilibria of planes, lines and covariances "
-    "over noise and points, default 100: springs.csv.",
+    "over noise and points, default 100: springs.csv, from a campaign where the runs are one.",
 )
 @click.option("--no-proofs", is_flag=True, help="Leave the proofs out; `certreg derive` runs them.")
 def reproduce(
@@ -114,15 +127,20 @@ def reproduce(
         points=points, noise=noise, damping=damping, seed=seed, runs=None if apart else runs
     )
     make_folder(out)
+    springs: tuple[SpringCounts, ...] = ()
     if apart:
         count = runs or setup.equilibrium_runs
         drawn = MonteCarlo(count=count, points=points, sigma=noise, damping=damping, seed=seed)
         _run_campaign(drawn, out / CAMPAIGN, scheduler, parquet=parquet)
+        if beyond:
+            mapped = SpringCampaign(instances=runs or SPRING_INSTANCES, seed=seed)
+            springs = _run_springs(mapped, out / SPRINGS, scheduler, parquet=parquet)
         click.echo()
     with Stages() as stages:
         made = reproduced(setup, stages.at, proofs=not no_proofs)
         sweeps = all_sweeps(seed, runs, stages.at) if beyond else ()
-        springs = spring_counts(seed, runs, stages.at) if beyond else ()
+        if beyond and not apart:
+            springs = spring_counts(seed, runs, stages.at)
         stages.at("figures")
         drawn = [*paper_drawings(made.observations)]
         drawn += [*sweep_drawings(sweeps), *spring_drawings(springs)]
@@ -135,15 +153,7 @@ def reproduce(
 
 def _run_campaign(campaign: MonteCarlo, out: Path, scheduler: str | None, *, parquet: bool) -> None:
     """Run a campaign over random instances, begun or resumed in `out`; print what it found."""
-    if parquet:
-        require_parquet()
-    manifest = campaign.manifest()
-    with (
-        occupied(out, manifest),
-        workers_at(scheduler) as workers,
-        Progress(manifest.count) as progress,
-        resumable(out),
-    ):
+    with _at_work(campaign, out, scheduler, parquet=parquet) as (workers, progress):
         timings = run(campaign, out, workers, progress.observer())
         totals = write_instance_results(campaign, out, parquet=parquet)
     click.echo(
@@ -163,3 +173,38 @@ def _run_campaign(campaign: MonteCarlo, out: Path, scheduler: str | None, *, par
             f"them {solving * workers.count:,.0f}, with {workers.count} at work"
         )
     click.echo(f"Table: {place}/{SUMMARY}")
+
+
+def _run_springs(
+    campaign: SpringCampaign, out: Path, scheduler: str | None, *, parquet: bool
+) -> tuple[SpringCounts, ...]:
+    """Run the maps of general springs, begun or resumed in `out`; print what they found."""
+    with _at_work(campaign, out, scheduler, parquet=parquet) as (workers, progress):
+        run(campaign, out, workers, progress.observer())
+        counts = write_spring_results(campaign, out, parquet=parquet)
+    listed = sum(len(each.listed) for each in counts)
+    wrong = sum(each.ended(RunEnd.SPURIOUS) for each in counts)
+    click.echo(
+        f"{listed:,} of {campaign.manifest().count:,} random instances of planes, lines and "
+        f"covariances have their equilibria counted (not proved); {wrong:,} runs of these end at a "
+        "stable spurious one"
+    )
+    click.echo(f"Table: {printable(out)}/{SUMMARY}")
+    return counts
+
+
+@contextmanager
+def _at_work(
+    campaign: MonteCarlo | SpringCampaign, out: Path, scheduler: str | None, *, parquet: bool
+) -> Generator[tuple[Workers, Progress]]:
+    """The folder of a campaign, its workers, and a bar over its instances."""
+    if parquet:
+        require_parquet()
+    manifest = campaign.manifest()
+    with (
+        occupied(out, manifest),
+        workers_at(scheduler) as workers,
+        Progress(manifest.count) as progress,
+        resumable(out),
+    ):
+        yield workers, progress

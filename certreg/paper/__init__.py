@@ -26,7 +26,12 @@ if TYPE_CHECKING:
     from certreg.paper.page import make_folder as make_folder
     from certreg.paper.page import write_reproduction as write_reproduction
     from certreg.paper.parameter_sweeps import all_sweeps as all_sweeps
+    from certreg.paper.spring_campaign import SpringCampaign as SpringCampaign
+    from certreg.paper.spring_campaign import write_spring_results as write_spring_results
     from certreg.paper.spring_figures import spring_drawings as spring_drawings
+    from certreg.paper.spring_maps import SPRING_INSTANCES as SPRING_INSTANCES
+    from certreg.paper.spring_maps import RunEnd as RunEnd
+    from certreg.paper.spring_maps import SpringCounts as SpringCounts
     from certreg.paper.spring_maps import spring_counts as spring_counts
     from certreg.paper.style import written as written
     from certreg.paper.sweep_figures import sweep_drawings as sweep_drawings
@@ -66,8 +71,17 @@ __getattr__ = lazy_face(
             "write_reproduction",
         ),
         "parameter_sweeps": ("all_sweeps",),
+        "spring_campaign": (
+            "SpringCampaign",
+            "write_spring_results",
+        ),
         "spring_figures": ("spring_drawings",),
-        "spring_maps": ("spring_counts",),
+        "spring_maps": (
+            "RunEnd",
+            "SPRING_INSTANCES",
+            "SpringCounts",
+            "spring_counts",
+        ),
         "style": ("written",),
         "sweep_figures": ("sweep_drawings",),
         "terminal": (

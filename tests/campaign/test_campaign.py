@@ -65,6 +65,7 @@ from certreg.paper.monte_carlo import (
     unpacked,
     write_instance_results,
 )
+from certreg.paper.spring_campaign import SPRING_COLUMNS
 from certreg.results import Ruling, Verdict
 
 SMALL = Cut(count=45, points=5)  # five shards
@@ -478,7 +479,11 @@ def test_the_table_is_the_same_in_both_formats(tmp_path):
         assert (told["unit"], told["meaning"]) == (column.unit, column.meaning)
 
 
-@pytest.mark.parametrize("columns", [PAIR_COLUMNS, INSTANCE_COLUMNS], ids=["pairs", "instances"])
+@pytest.mark.parametrize(
+    "columns",
+    [PAIR_COLUMNS, INSTANCE_COLUMNS, SPRING_COLUMNS],
+    ids=["pairs", "instances", "springs"],
+)
 def test_the_page_on_campaign_files_describes_every_column(columns):
     page = Path(certreg.__file__).parents[1] / "docs" / "reference" / "campaign-files.md"
     rows = page.read_text("utf-8").splitlines()
