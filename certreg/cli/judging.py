@@ -91,8 +91,8 @@ def apply(result: Path, cloud: Path, *, out: Path, line: int | None) -> int:
         raise InvalidFileError(message, path=result)
     points = read_cloud(cloud, noise=False)
     if points.ignored:
-        left = f"not written: {printable(', '.join(points.ignored))}"
-        click.echo(f"note: {printable(cloud)}: {left} (normals would have to be turned)", err=True)
+        left = f"columns not moved and not written: {printable(', '.join(points.ignored))}"
+        click.echo(f"note: {printable(cloud)}: {left}", err=True)
     write_cloud(out, points.points, points.labels, move=pose.apply)
     told = _header_words(out, labelled=points.labels is not None)
     click.echo(f"{len(points.points)} points written to {printable(out)}{told}")

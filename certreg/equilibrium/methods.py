@@ -12,8 +12,9 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from importlib import import_module
-from itertools import accumulate
+from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING, Any
 
 from certreg._loading import library
@@ -118,7 +119,7 @@ def compare(sets: Sequence[CriticalSet]) -> Comparison:
 
 def _in_order_of(first: CriticalSet, other: CriticalSet) -> CriticalSet:
     """Points in the order of the nearest ones of another list: equal energies come in any order."""
-    if other.pattern != first.pattern or set(first.pattern) != {1}:
+    if other.pattern != first.pattern or set(first.pattern) != {1} or not _ascending(other):
         return other
     spans = [part.span[0] for part in other.components]
     order = [
@@ -128,6 +129,13 @@ def _in_order_of(first: CriticalSet, other: CriticalSet) -> CriticalSet:
     if len(set(order)) < len(order):
         return other
     return replace(other, components=tuple(other.components[k] for k in order))
+
+
+def _ascending(points: CriticalSet) -> bool:
+    """Whether no value is less than the one before it, by more than equal ones may differ."""
+    values = [part.value for part in points.components]
+    slack = Fraction(LARGEST_DIFFERENCE) * (max(values) - min(values))
+    return all(one <= two + slack for one, two in pairwise(values))
 
 
 def _angle(one: CriticalSet, other: CriticalSet) -> float:

@@ -74,6 +74,6 @@ def test_apply_says_that_normals_are_left_out(folder: Path, tmp_path: Path):
     run = certreg("apply", folder / "s", tmp_path / "cloud.csv", "--out", tmp_path / "moved.csv")
 
     assert run.code == 0
-    assert "cloud.csv: not written: nx, ny, nz (normals would have to be turned)" in run.err
+    assert "cloud.csv: columns not moved and not written: nx, ny, nz" in run.err
     moved = certreg("apply", folder / "s", folder / "x.npy", "--out", tmp_path / "moved.csv")
     assert moved.err == ""
