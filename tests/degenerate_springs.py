@@ -88,6 +88,19 @@ def screw() -> RegistrationProblem:
     return planes(points, points, normals)
 
 
+def logarithm() -> RegistrationProblem:
+    """The surface z = k log r, with the axis as the third: the exact fits are a curve.
+
+    At (x, y, z) the normal is (-k x, -k y, r^2). A turn by an angle a about the axis moves a point
+    by k r^2 (1 - cos a) along it, and a shift by k (cos a - 1) along the axis takes that back, at
+    all r at once and whatever z is.
+    """
+    k = 5.0
+    squared = (POINTS[:, :2] ** 2).sum(axis=1)
+    normals = np.column_stack([-k * POINTS[:, :2], squared])
+    return planes(POINTS, POINTS, normals)
+
+
 def collinear() -> RegistrationProblem:
     """Points on a line, isotropic springs."""
     source = np.outer([-3.0, -1.0, 0.0, 2.0, 4.0], [1.0, 2.0, 2.0])
@@ -133,7 +146,7 @@ def _shared(
 NAMED: dict[str, Callable[[], RegistrationProblem]] = {
     make.__name__.replace("_", " "): make
     for make in (
-        wall, two_walls, corner, sphere, cylinder, screw, collinear, isotropic, shared_two,
-        shared_three, five_planes, two_lines,
+        wall, two_walls, corner, sphere, cylinder, screw, logarithm, collinear, isotropic,
+        shared_two, shared_three, five_planes, two_lines,
     )
 }  # fmt: skip

@@ -82,6 +82,7 @@ TABLE = {
     "sphere": ((45, 40), Finiteness.FORTY, 13),
     "cylinder": ((45, 40), Finiteness.FORTY, 37),
     "screw": ((44, 40), Finiteness.COMPLEX, None),
+    "logarithm": ((44, 40), Finiteness.COMPLEX, None),
     "collinear": ((26, 76), Finiteness.SYMMETRIC, 0),
     "isotropic": ((28, 68), Finiteness.FOUR, None),
     "shared two": ((43, 40), Finiteness.COMPLEX, None),
@@ -121,6 +122,13 @@ def test_a_list_is_complete_or_says_what_could_not_be_told_apart(name):
         assert found.count_complex is None
         if separated:
             assert f"{separated} " in found.doubt
+
+
+def test_the_exact_fits_of_a_logarithm_are_a_curve():
+    """Turns about the axis by the angles of (3, 4, 5), (5, 12, 13): by halves of them."""
+    for q in ((1, 0, 0, 0), (2, 0, 0, 1), (3, 0, 0, 2), (0, 0, 0, 1)):
+        assert objective("logarithm").energy(q) == 0
+    assert objective("logarithm").energy((2, 1, 0, 0)) > 0
 
 
 def test_of_springs_alike_in_every_way_four_equilibria_are_all():
