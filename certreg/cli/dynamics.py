@@ -9,7 +9,7 @@ import click
 from certreg.cli.numbers import NUMBER
 from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER, cloud_options
 from certreg.dynamics import Record, SimulationSettings
-from certreg.io import write_atomically, write_together
+from certreg.io import require_vacant, write_atomically, write_together
 from certreg.registration import (
     DONE,
     NOT_CERTIFIED,
@@ -60,7 +60,7 @@ TRAJECTORY = ".npz"  # the one format of a trajectory
     type=CLOUD,
     help="File for a certificate: at most four; of general springs, that these are all.",
 )
-@click.option("--poses", type=FOLDER, help="Folder for the pose of each, 4x4, in their order.")
+@click.option("--poses", type=FOLDER, help="New or empty folder for the 4x4 pose of each.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def equilibria(
     problem: RegistrationProblem,
@@ -73,6 +73,8 @@ def equilibria(
 ) -> int:
     """All equilibria of the registration dynamics, with their stability."""
     del pair
+    if poses is not None:
+        require_vacant(poses)
     if problem.factors is not None:
         return _spring_equilibria(problem, method, out=out, poses=poses, as_json=as_json)
     enumeration = enumerated(problem, method)
@@ -133,8 +135,7 @@ def _write_poses(enumeration: Enumeration | SpringEnumeration, folder: Path) -> 
         folder / f"pose-{number:0{digits}}.txt": _rows(pose.T_target_source.tolist())
         for number, pose in enumerate(poses, start=1)
     }
-    others = [path for path in sorted(folder.glob("pose-*.txt")) if path not in files]
-    write_together(files, obsolete=others)
+    write_together(files, obsolete=())
     place = printable(folder)
     click.echo(f"note: {len(files)} poses written to {place}, best first", err=True)
 

@@ -8,6 +8,7 @@ from certreg._loading import lazy_face
 
 if TYPE_CHECKING:
     from certreg.io.atomic import TEMPORARY as TEMPORARY
+    from certreg.io.atomic import require_vacant as require_vacant
     from certreg.io.atomic import write_atomically as write_atomically
     from certreg.io.atomic import write_files as write_files
     from certreg.io.atomic import write_together as write_together
@@ -39,6 +40,7 @@ __getattr__ = lazy_face(
     {
         "atomic": (
             "TEMPORARY",
+            "require_vacant",
             "write_atomically",
             "write_files",
             "write_together",

@@ -43,6 +43,17 @@ def write_files(folder: Path, contents: Mapping[str, bytes]) -> None:
         write_atomically(folder / name, content)
 
 
+def require_vacant(folder: Path) -> None:
+    """Raise InvalidFileError where a folder holds files, but for unfinished ones of a killed run.
+
+    A folder that does not exist is vacant.
+    """
+    names = {entry.name for entry in folder.iterdir()} if folder.exists() else set[str]()
+    if any(not name.startswith(TEMPORARY) for name in names):
+        message = f"{folder}: holds other files: choose a new folder, or empty it"
+        raise InvalidFileError(message, path=folder)
+
+
 def write_together(
     contents: Mapping[Path, bytes | Iterable[bytes]], obsolete: Iterable[Path]
 ) -> None:

@@ -102,20 +102,31 @@ def test_what_could_not_be_told_apart_is_said_and_not_counted(answers):
     assert found["components"][0]["stable"] is None
 
 
-def test_poses_are_written_in_the_order_of_the_list_and_old_ones_go(folder, tmp_path):
-    stale = tmp_path / "pose-99.txt"
-    stale.write_text("1\n", "utf-8")
+def test_poses_are_written_in_the_order_of_the_list(folder, tmp_path):
     run = listed(folder, "seven", "--json", "--poses", tmp_path)
     parts = run.document["equilibria"]["components"]
     written = sorted(tmp_path.glob("pose-*.txt"))
 
     assert f"{len(parts)} poses written" in run.err
     assert len(written) == len(parts)
-    assert not stale.exists()
     for path, part in zip(written, parts, strict=True):
         matrix = np.loadtxt(path)
         assert matrix[:3, :3].tolist() == part["rotation"]
         assert matrix[:3, 3].tolist() == part["translation"]
+
+
+@pytest.mark.parametrize("name", ["pose-1.txt", "pose-my-important.txt", "notes.md"])
+def test_a_folder_that_holds_files_is_refused_and_left_as_it_is(folder, tmp_path, name):
+    kept = tmp_path / name
+    kept.write_text("mine\n", "utf-8")
+    run = listed(folder, "seven", "--poses", tmp_path, "--out", folder / "no-list.json")
+
+    assert run.code == 2
+    assert run.err == f"certreg: {tmp_path}: holds other files: choose a new folder, or empty it\n"
+    assert run.out == ""
+    assert list(tmp_path.iterdir()) == [kept]
+    assert kept.read_text("utf-8") == "mine\n"
+    assert not (folder / "no-list.json").exists()
 
 
 def test_poses_of_one_weight_per_pair_are_written_too(tmp_path):
