@@ -18,7 +18,7 @@ from certreg.relaxation.cones import GENERATED as CONES_FOLDER
 
 from . import spring_emit
 from .cones import cone_files
-from .emitting import Names
+from .emitting import NamedValues
 from .integrators import (
     DECAY,
     IMPULSE,
@@ -93,7 +93,7 @@ def _of_matrix_states() -> tuple[Definition, ...]:
     given = (port("state", state.flat), port("body", body.flat))
     rates = rate(state, body)
     step = port("step", [STEP])
-    euler = Names()
+    euler = NamedValues()
     return (
         Definition(
             name="certreg_rate",

@@ -1,4 +1,4 @@
-"""Names for intermediate values of generated code, so that it computes them once."""
+"""NamedValues for intermediate values of generated code, so that it computes them once."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import sympy
 from .notation import Matrix
 
 
-class Names:
+class NamedValues:
     """Symbols for intermediate values, and the values, in the order in which they were named."""
 
     def __init__(self) -> None:

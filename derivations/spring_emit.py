@@ -11,7 +11,7 @@ from typing import Any
 from certreg.native.codegen.records import RecordLayout, record_of
 from certreg.native.codegen.translate import Definition, Port, port
 
-from .emitting import Names
+from .emitting import NamedValues
 from .integrators import DECAY, IMPULSE, STEP, QuaternionState
 from .motion import State, flat, kinetic
 from .notation import rotation
@@ -59,7 +59,7 @@ def definitions() -> tuple[Definition, ...]:
 
 def _of_states() -> tuple[Definition, ...]:
     matrix_state = State()
-    named = Names()
+    named = NamedValues()
     R = named("R", rotation(STATE.q))
     state = State(c=STATE.c, R=R, v=STATE.v, omega=STATE.omega)
     force, torque = _pulls(state)
@@ -96,7 +96,7 @@ def _of_states() -> tuple[Definition, ...]:
 
 
 def _explicit() -> tuple[Definition, ...]:
-    at_speed, at_step = Names(), Names()
+    at_speed, at_step = NamedValues(), NamedValues()
     alone = springs_at(STATE, BODY, at_speed)
     springs = springs_at(STATE, BODY, at_step)
     return (
@@ -118,7 +118,7 @@ def _explicit() -> tuple[Definition, ...]:
 
 
 def _implicit() -> tuple[Definition, ...]:
-    unknown, named = middle(), Names()
+    unknown, named = middle(), NamedValues()
     residual, slope = midpoint_system(STATE, BODY, unknown, named)
     arguments = (*GIVEN, port("middle", unknown.flat), port("step", [STEP]))
     return (

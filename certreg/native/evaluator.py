@@ -21,7 +21,7 @@ from certreg.native.layout import (
     plain,
 )
 from certreg.native.library import Signature, signatures
-from certreg.native.runs import Run
+from certreg.native.runs import BodyRun
 from certreg.native.spring_runs import SpringRun
 from certreg.native.stationary import stationary_poses
 
@@ -66,7 +66,7 @@ class Evaluator:
 
     def run(self, batch: Batch, rules: Rules, log: Log | None = None) -> None:
         """Integrate every body of a batch, one after another."""
-        kind = SpringRun if batch.of_springs else Run
+        kind = SpringRun if batch.of_springs else BodyRun
         for k in range(len(batch.bodies)):
             kind(self, batch.part(slice(k, k + 1)), rules, log).to_the_end()
 

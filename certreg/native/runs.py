@@ -37,7 +37,7 @@ NO_TORQUE = 1e-12  # of the curvature: less is rounding, and must not choose a s
 JACOBI_SWEEPS = 12  # the sixth changes nothing any more
 
 
-class Run:
+class BodyRun:
     """One body on its way; its state, a step and so on as plain doubles, read through `named`."""
 
     names = "certreg_quaternion_"  # of the functions of a state

@@ -18,7 +18,7 @@ from certreg.native.loops import (
     Ending,
     Integrator,
 )
-from certreg.native.runs import Run, turned_by
+from certreg.native.runs import BodyRun, turned_by
 
 if TYPE_CHECKING:
     from certreg.native.layout import RecordType
@@ -29,7 +29,7 @@ NO_PULL = 1e-12  # of the largest curvature: less is rounding, and must not choo
 SWEEPS = 16
 
 
-class SpringRun(Run):
+class SpringRun(BodyRun):
     """One body on its way, on general springs."""
 
     names = "certreg_spring_"
