@@ -43,9 +43,10 @@ class FrozenInformation(Brief):
         """What a result says of such springs."""
         cosine = (float(np.trace(self.rotation)) - 1.0) / 2.0
         angle = math.degrees(math.acos(max(-1.0, min(1.0, cosine))))
+        turn = f"a turn by {angle:.6g} degrees" if angle else "R = I"
         return (
-            f"weights frozen at this rotation: by {angle:.6g} degrees; what is proved is about "
-            "these matrices, not about those of another rotation"
+            f"the matrices are those of GICP, frozen at one rotation ({turn}): what is proved is "
+            "about them, not about those of another rotation"
         )
 
     def of_rows(self, rows: NDArray[np.int64]) -> FrozenInformation:

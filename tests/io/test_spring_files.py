@@ -236,7 +236,7 @@ def test_frozen_weights_are_told_of_whatever_brings_their_rows_in_order(write: W
 
     back = certreg.RegistrationProblem(X, Y, information=np.asarray(frozen)[BACK])
     assert problem.digest() == back.digest()
-    assert [note for note in pair.notes if note.startswith("weights frozen at this rotation")]
+    assert [note for note in pair.notes if "frozen at one rotation (R = I)" in note]
 
 
 def test_the_command_says_what_is_wrong_in_one_line(write: Write) -> None:

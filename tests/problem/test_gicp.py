@@ -36,8 +36,14 @@ def test_the_result_says_at_which_rotation_they_are_frozen() -> None:
 
     assert problem.springs is not None
     assert problem.springs.kind == "full"
-    assert problem.springs.notes[0].startswith("weights frozen at this rotation: by 90 degrees;")
+    assert problem.springs.notes[0].startswith(
+        "the matrices are those of GICP, frozen at one rotation (a turn by 90 degrees): "
+    )
     assert not problem.noise_given
+
+
+def test_no_turn_is_called_the_identity() -> None:
+    assert "(R = I)" in certreg.gicp_information(HERE, THERE, np.eye(3)).spring_note
 
 
 def test_clouds_with_covariances_and_poses_of_any_kind_are_taken() -> None:
