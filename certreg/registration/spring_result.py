@@ -35,10 +35,12 @@ if TYPE_CHECKING:
     from certreg.relaxation import Found
 
 NOT_LISTED = Absent(
-    "general springs have up to forty equilibria, or infinitely many, which this version does not "
-    "list: `certify` proves the optimum without them"
+    "general springs have up to forty equilibria, or infinitely many, which `certify` does not "
+    "list, as its proof needs none of them: `certreg equilibria` lists them"
 )
-NOT_SIMULATED = Absent("the motion on general springs is not simulated in this version")
+NOT_SIMULATED = Absent(
+    "`certify` does not simulate the motion on general springs: `certreg simulate` does"
+)
 UNDECIDED = Absent("whether the optimum is unique is not decided")
 
 
@@ -48,6 +50,7 @@ class Method(enum.Enum):
     SPECTRAL = "spectral"  # eigenvalues, of one weight per pair
     SQUARES = "sos-4"  # a sum of squares of degree four
     CONES = "cones"  # branch and bound on cones of quaternions
+    ENERGY = "energy"  # the energy itself: no energy is negative
 
 
 METHODS = {"springs-sos": Method.SQUARES, "springs-cones": Method.CONES}
@@ -103,7 +106,7 @@ class SpringSolution(AnySolution):
 
     @property
     def method(self) -> Method | None:
-        """How optimality is proved; None where it is not."""
+        """How the certificate proves optimality; None without one."""
         return None if self.certificate is None else METHODS[self.certificate.body.KIND]
 
     @property
@@ -156,7 +159,8 @@ class SpringSolution(AnySolution):
 class SpringRegistration(AnyRegistration):
     """The result of `certify` for general springs: a solution, and what the checker accepted of it.
 
-    It has what `Registration` has, but no list of equilibria and no motion yet.
+    It has what `Registration` has, but no list of equilibria and no motion: `certreg.equilibria`
+    and `certreg.simulate` make them.
 
     Attributes
     ----------
@@ -184,13 +188,25 @@ class SpringRegistration(AnyRegistration):
 
     @property
     def equilibria(self) -> None:
-        """None: this version does not list the equilibria of general springs."""
+        """None: `certreg.equilibria` lists those of general springs."""
         return
 
     @property
     def trajectory(self) -> None:
-        """None: this version does not simulate the motion on general springs."""
+        """None: `certreg.simulate` moves general springs."""
         return
+
+    @property
+    def method(self) -> Method | None:
+        """What proves the gap: the certificate, or, where that is coarser, the energy itself.
+
+        The energy is a sum of squares, so that no gap is larger than the energy.
+        """
+        bounds, certificate = self.bounds, self.certificate
+        if bounds is None or certificate is None:
+            return None
+        own = bounds.greatest_gap - bounds.least_gap < certificate.body.gap
+        return Method.ENERGY if own and bounds.least_range_squared else self.solution.method
 
     def stated(self, name: str) -> Any:
         """The attribute of that name, or the Absent that stands for it.

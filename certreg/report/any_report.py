@@ -44,6 +44,7 @@ class AnyReport(ABC, Generic[R]):
     TEMPLATE: ClassVar[str]
     SCRIPT: ClassVar[str | None] = None  # one of the assets
     DIGESTED: ClassVar[str]
+    GUARANTEES: ClassVar[str] = GUARANTEE_WORDS
 
     registration: R
     certificate: Certificate[Any]
@@ -91,7 +92,7 @@ class AnyReport(ABC, Generic[R]):
             names=names,
             pairs=pairs_words(problem.n),
             documentation=self.documentation,
-            guarantee_words=GUARANTEE_WORDS,
+            guarantee_words=self.GUARANTEES,
             theorems=THEOREMS,
             file=self.file,
             digested=self.DIGESTED,

@@ -75,7 +75,7 @@ def _optimality(registration: SpringRegistration) -> Document:
     return {
         **optimality_fields(registration),
         "unique_rotation": UNDECIDED if rotation is None else rotation,
-        "method": NO_PROOF if solution.method is None else solution.method.value,
+        "method": NO_PROOF if registration.method is None else registration.method.value,
         "growth": NO_PROOF if certificate is None else _growth(certificate.body),
     }
 

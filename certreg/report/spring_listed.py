@@ -6,13 +6,19 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from certreg.equilibrium import Finiteness
 from certreg.registration import listed_springs, returns
 from certreg.report.spring_equilibria import spring_count_words, spring_notes
 from certreg.report.summary import number
 
 if TYPE_CHECKING:
     from certreg.registration import SpringEquilibrium, SpringRegistration
+    from certreg.results import Guarantee
 
+COUNTED = {  # on what the number of equilibria rests
+    Finiteness.FORTY: ("forty_lines",),
+    Finiteness.FOUR: ("eigenvectors", "classification"),
+}
 MOST_RELEASED = 8  # stable ones of which a run is made: more than eight were never seen
 
 CAME_BACK = (
@@ -36,11 +42,17 @@ class ListedRow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Listed:
-    """What the section says: how many there are and how that is known, a row for each, notes."""
+    """What the section says: how many there are and how that is known, a row for each, notes.
+
+    complete: whether these are proved to be all, and finitely many. theorems: that show it.
+    """
 
     words: str
     rows: tuple[ListedRow, ...]
     notes: tuple[str, ...]
+    complete: bool
+    guarantee: Guarantee
+    theorems: tuple[str, ...]
 
 
 def listed(registration: SpringRegistration) -> Listed | None:
@@ -55,7 +67,14 @@ def listed(registration: SpringRegistration) -> Listed | None:
     notes = spring_notes(found)
     if any(kept.values()):
         notes.append(CAME_BACK)
-    return Listed(words=spring_count_words(found), rows=rows, notes=tuple(notes))
+    return Listed(
+        words=spring_count_words(found),
+        rows=rows,
+        notes=tuple(notes),
+        complete=found.count is not None,
+        guarantee=found.guarantee,
+        theorems=COUNTED.get(found.finiteness, ()),
+    )
 
 
 def _row(part: SpringEquilibrium, *, returned: bool | None) -> ListedRow:

@@ -26,7 +26,12 @@ from certreg.report.overview import (
     translation_fact,
     warned,
 )
-from certreg.report.spring_summary import HOW, relaxation_words, spring_warnings, springs_words
+from certreg.report.spring_summary import (
+    how_words,
+    relaxation_words,
+    spring_warnings,
+    springs_words,
+)
 from certreg.report.summary import number
 from certreg.report.uncertainty import (
     rotation_words,
@@ -96,7 +101,7 @@ def _proved(registration: SpringRegistration) -> Iterator[Fact]:
     solution = registration.solution
     which = "the exact optimum" if solution.unique_rotation else "every optimum"
     yield from bound_facts(registration, spring_degrees(registration), which)
-    if solution.method is not None:
-        yield Fact(name="Proved by", value=HOW[solution.method])
+    if how := how_words(registration):
+        yield Fact(name="Proved by", value=how)
     yield from robustness_facts(registration)
     yield Fact(name="Relaxation", value="", words=relaxation_words(registration))

@@ -12,7 +12,7 @@ from certreg.report.picture import ON_PAGE, shown_words, springs_picture
 from certreg.report.spring_listed import listed
 from certreg.report.spring_overview import spring_overview
 from certreg.report.spring_summary import spring_remedies, spring_verdict_words, spring_warnings
-from certreg.report.spring_words import NOT_CLAIMED_OF_SPRINGS, spring_sentences
+from certreg.report.spring_words import not_claimed_of_springs, spring_sentences
 from certreg.report.summary import number
 from certreg.report.words import begun
 from certreg.results import Optimality
@@ -32,18 +32,24 @@ class SpringReport(AnyReport[SpringRegistration]):
 
     TEMPLATE: ClassVar = "report/templates/springs.html"
     DIGESTED: ClassVar = "points and springs"
+    GUARANTEES: ClassVar = (
+        "Exact: integer arithmetic and a theorem. Enclosed: each rotation alone in a box, by ball "
+        "arithmetic. Numerical: computed with rounding that nobody has bounded. Each theorem has a "
+        "page in the documentation; certreg derive NAME proves it anew."
+    )
 
     def values(self, names: Names) -> Mapping[str, Any]:
         """Verdict, warnings, pose and fit; the picture, the worst pairs, what is proved."""
         registration = self.registration
+        equilibria = listed(registration)
         return {
             **_head(self),
             "overview": spring_overview(registration),
             "picture": springs_picture(registration),
             "picture_words": picture_words(registration),
-            "known": spring_sentences(registration),
-            "not_claimed": NOT_CLAIMED_OF_SPRINGS,
-            "listed": listed(registration),
+            "known": spring_sentences(registration, equilibria),
+            "not_claimed": not_claimed_of_springs(registration, equilibria),
+            "listed": equilibria,
             "labelled": names.labels is not None,
             "worst": [
                 {"row": one.row, "label": one.label or "", "words": number(one.residual)}

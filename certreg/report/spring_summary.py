@@ -37,14 +37,13 @@ RANKS = {1: "plane", 2: "line", 3: "full spring"}
 HOW = {
     Method.SQUARES: "a sum of squares of degree four",
     Method.CONES: "branch and bound on cones of quaternions",
+    Method.ENERGY: "the energy itself, which is a sum of squares",
 }
-NEVER_NEGATIVE = "the energy itself, which is a sum of squares"
+PARAMETERS = 6  # of a pose
 TIGHT = 1e-6  # of the range of energies: a relaxation that is this near is called tight
 ACROSS = "add pairs with springs across what is undetermined: they may single one pose out"
 RMSE_WORDS = "along the springs, unit of the clouds"
-NOT_LISTED_WORDS = (
-    "general springs have up to forty, or infinitely many; the proof needs none of them"
-)
+NOT_LISTED_WORDS = "the proof needs none of them; see `certreg equilibria`"
 
 
 def spring_summary(registration: SpringRegistration) -> str:
@@ -64,7 +63,7 @@ def spring_summary(registration: SpringRegistration) -> str:
             f"  RMSE              {number(registration.rmse)}  ({RMSE_WORDS})",
             f"  relaxation (SDP)  {relaxation_words(registration)}",
             *(f"  warning           {words}" for words in spring_warnings(registration, status[0])),
-            f"  equilibria        not listed: {NOT_LISTED_WORDS}",
+            f"  equilibria        not listed here: {NOT_LISTED_WORDS}",
         )
     )
 
@@ -86,8 +85,8 @@ def spring_verdict_words(registration: SpringRegistration) -> list[str]:
     if registration.solution.unique_rotation is None:
         if registration.unique is False and not free.turn_words():
             lines.append("Whether one rotation alone is optimal is not decided.")
-        if soft := soft_words(registration):
-            lines.append(_sentence(soft))
+        told = soft_words(registration), few_words(registration)
+        lines += [_sentence(words) for words in told if words]
     if registration.status is Optimality.BOUNDED or registration.limits != Limits():
         lines.append(_limit_words(registration))
     return lines
@@ -113,6 +112,23 @@ def soft_words(registration: SpringRegistration) -> str:
     if count > 1:
         return f"{count} local minima were met that differ by no more than the proved gap"
     return ""
+
+
+def few_words(registration: SpringRegistration) -> str:
+    """That there are too few springs for a pose that fits exactly; empty where there are six.
+
+    Where every residual L^T r is zero the Hessian is 2 J^T J, J their Jacobian, of a rank that is
+    at most the sum of those of the springs. No more is said: five planes that cannot be met may
+    single one pose out.
+    """
+    springs = registration.problem.springs
+    ranks = PARAMETERS if springs is None else sum(k * n for k, n in enumerate(springs.ranks))
+    if ranks >= PARAMETERS:
+        return ""
+    return (
+        f"the ranks of the springs add up to {ranks} (a plane 1, a line 2, a full spring 3): a "
+        "pose that fits exactly needs six at least to be determined to first order"
+    )
 
 
 def _limit_words(registration: SpringRegistration) -> str:
@@ -146,13 +162,9 @@ def _proved_lines(registration: SpringRegistration) -> list[str]:
 
 
 def how_words(registration: SpringRegistration) -> str:
-    """What proves the gap; where the certificate is coarser, that no energy is negative."""
-    bounds, certificate = registration.bounds, registration.certificate
-    method = registration.solution.method
-    if bounds is None or certificate is None or method is None:
-        return ""
-    own = bounds.greatest_gap - bounds.least_gap < certificate.body.gap
-    return NEVER_NEGATIVE if own and bounds.least_range_squared else HOW[method]
+    """What proves the gap; empty where nothing is proved."""
+    method = registration.method
+    return "" if method is None else HOW[method]
 
 
 def springs_words(registration: SpringRegistration) -> str:

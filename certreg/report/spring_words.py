@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from certreg.registration import Method, at_least, at_most, spring_degrees
-from certreg.report.spring_summary import NEVER_NEGATIVE, how_words, relaxation_words, soft_words
+from certreg.report.spring_summary import few_words, how_words, relaxation_words, soft_words
 from certreg.report.words import NOT_CLAIMED, Sentence, robustness_sentences, sentence
 from certreg.results import Guarantee
 
@@ -13,49 +13,64 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from certreg.registration import SpringRegistration
+    from certreg.report.spring_listed import Listed
 
 RESTS_ON = {
-    Method.SQUARES: ("quartic_relaxation",),
-    Method.CONES: ("bernstein_cones", "spring_caps"),
+    Method.SQUARES: ("quartic_relaxation", "growth_form"),
+    Method.CONES: ("bernstein_cones", "spring_caps", "growth_form"),
+    Method.ENERGY: (),
 }
-NOT_CLAIMED_OF_SPRINGS = (
-    *NOT_CLAIMED,
-    (
-        "that the springs are right: normals, directions and covariances are taken as they are "
-        "given, and so are those that an iterative method froze at the rotation of its last step;"
-    ),
-    (
-        "where else the springs balance: general springs have up to forty equilibria, or "
-        "infinitely many, stable ones among them, and this page lists none."
-    ),
+RIGHT_SPRINGS = (
+    "that the springs are right: normals, directions and covariances are taken as they are "
+    "given, and so are those that an iterative method froze at the rotation of its last step;"
 )
+ALONE = "whether one rotation alone is optimal: that is not decided;"
+MANY = "general springs have up to forty equilibria, or infinitely many, stable ones among them"
+NOWHERE = f"where else the springs balance: {MANY}, and this page lists none;"
+NOT_ALL = f"that no equilibria are missing in the list above: {MANY};"
+LIST_ALONE = "The list was made for this page, and the certificate below does not hold it"
+LIST_CERTIFIED = "certreg equilibria --out writes one that does."
 
 
-def spring_sentences(registration: SpringRegistration) -> list[Sentence]:
+def spring_sentences(registration: SpringRegistration, listed: Listed | None) -> list[Sentence]:
     """What the page says is known; the checker has accepted what the certificate claims."""
     return [
         *_optimality(registration),
         *_uniqueness(registration),
         *_growth(registration),
+        *_list(listed),
         *robustness_sentences(registration, "growth_radius"),
         *_numbers(registration),
     ]
 
 
+def not_claimed_of_springs(
+    registration: SpringRegistration, listed: Listed | None
+) -> tuple[str, ...]:
+    """What the page does not say, with what is open of these springs."""
+    *before, last = NOT_CLAIMED
+    own = [RIGHT_SPRINGS]
+    if registration.solution.unique_rotation is None:
+        own.append(ALONE)
+    if listed is None:
+        own.append(NOWHERE)
+    elif not listed.complete:
+        own.append(NOT_ALL)
+    return (*before, *own, last)
+
+
 def _optimality(registration: SpringRegistration) -> Iterator[Sentence]:
-    bounds, method = registration.bounds, registration.solution.method
+    bounds, method = registration.bounds, registration.method
     if bounds is None or method is None:
         return
-    how = how_words(registration)
-    theorems = () if how == NEVER_NEGATIVE else (*RESTS_ON[method], "growth_form")
     yield Sentence(
         words=(
             "Over all rotations and translations: the energy of the springs at the pose given "
             "below with all digits, by its quaternion and its translation, exceeds the minimum by "
-            f"at most {at_most(bounds.greatest_gap)}. It is proved by {how}."
+            f"at most {at_most(bounds.greatest_gap)}. It is proved by {how_words(registration)}."
         ),
         guarantee=Guarantee.EXACT,
-        theorems=(*theorems, "spring_translation"),
+        theorems=(*RESTS_ON[method], "spring_translation"),
     )
 
 
@@ -75,13 +90,13 @@ def _uniqueness(registration: SpringRegistration) -> Iterator[Sentence]:
         words = "Two rotations at least are optimal, exactly as good as one another."
         yield Sentence(words=words, guarantee=exact)
     elif solution.unique_rotation is None:
-        words, theorems = "Whether one rotation alone is optimal is not decided.", ()
         if degrees is not None:
-            words += f" All that are lie within {degrees} degrees of the one given below."
-            theorems = ("growth_form",)
-        yield Sentence(words=words, guarantee=exact, theorems=theorems)
+            words = f"Every optimal rotation is within {degrees} degrees of the one given below."
+            yield Sentence(words=words, guarantee=exact, theorems=("growth_form",))
         if soft := soft_words(registration):
             yield Sentence(words=sentence(soft), guarantee=Guarantee.NUMERICAL)
+        if few := few_words(registration):
+            yield Sentence(words=sentence(few), guarantee=exact)
 
 
 def _growth(registration: SpringRegistration) -> Iterator[Sentence]:
@@ -98,6 +113,17 @@ def _growth(registration: SpringRegistration) -> Iterator[Sentence]:
         guarantee=Guarantee.EXACT,
         theorems=("growth_form",),
     )
+
+
+def _list(listed: Listed | None) -> Iterator[Sentence]:
+    if listed is not None and listed.complete:
+        forty = "forty_lines" in listed.theorems  # of others no certificate is made
+        end = f": {LIST_CERTIFIED}" if forty else "."
+        yield Sentence(
+            words=f"{listed.words} {LIST_ALONE}{end}",
+            guarantee=listed.guarantee,
+            theorems=listed.theorems,
+        )
 
 
 def _numbers(registration: SpringRegistration) -> Iterator[Sentence]:

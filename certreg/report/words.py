@@ -40,6 +40,7 @@ THEOREMS = {  # claims of `certreg derive`, by the titles of their pages
     "spring_caps": "Caps: curvature at a centre",
     "growth_form": "The growth form",
     "growth_radius": "How far the points may move",
+    "forty_lines": "At most forty critical lines",
 }
 NOT_CLAIMED = (
     "that the correspondences are right: a wrong pair is registered as faithfully as a right one;",

@@ -114,5 +114,5 @@ def test_an_angle_without_uniqueness_is_told_as_what_it_is():
 
     assert " degrees of every optimum; whether there are several is not decided." in str(open_)
     page = page_of(open_)
-    assert "All that are lie within " in page
+    assert "Every optimal rotation is within " in page
     assert "A quartic, and its sums of squares" in page

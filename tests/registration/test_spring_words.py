@@ -17,6 +17,7 @@ from certreg.problem import RegistrationProblem
 from certreg.registration import DONE, NOT_CERTIFIED, NOT_UNIQUE, code_of_registration
 from certreg.registration.assessment import assess
 from certreg.registration.certification import certify
+from certreg.report.spring_overview import spring_overview
 from certreg.results import Limits
 
 if TYPE_CHECKING:
@@ -73,6 +74,10 @@ class Case:
 UNIQUE = "CERTIFIED: the global optimum, and unique, to within the proved bounds."
 SEVERAL = "CERTIFIED, BUT NOT UNIQUE: "
 OPEN = ("BOUNDED: within ", "is not decided.")
+FEW = (
+    "The ranks of the springs add up to 5 (a plane 1, a line 2, a full spring 3): a pose that fits "
+    "exactly needs six at least to be determined to first order."
+)
 UNDETERMINED = "is undetermined to first order"
 
 
@@ -106,7 +111,7 @@ def walls() -> dict[str, Case]:
         "shared 1 1 4": Case(x, y, shared(1, 1, 4), (UNIQUE,)),
         "shared 1 4 9": Case(x, y, shared(1, 4, 9), (UNIQUE,)),
         "five planes": Case(
-            x[:5], y[:5], {"normals": cloud(5, 3)}, (*OPEN, UNDETERMINED), unique=None
+            x[:5], y[:5], {"normals": cloud(5, 3)}, (*OPEN, UNDETERMINED, FEW), unique=None
         ),
         "two lines": Case(
             x[:2],
@@ -217,10 +222,34 @@ def test_of_five_planes_the_energy_itself_is_the_better_bound():
     rng = np.random.default_rng(4)
     source, normals = rng.integers(-9, 10, (2, 5, 3)).astype(float)
     found: Any = certify(RegistrationProblem(source, source, normals=normals))
-    words = str(found)
+    words, told = str(found), spring_overview(found).proved
 
     assert found.bounds.greatest_gap < 1e-25 * (found.objective or 1.0) + 1e-25
     assert "proved by         the energy itself, which is a sum of squares" in words
+    assert found.to_dict()["optimality"]["method"] == "energy"
+    assert "the energy itself, which is a sum of squares" in [fact.value for fact in told]
+    assert FEW in words
+
+
+def test_five_planes_that_cannot_be_met_may_single_one_pose_out():
+    """So of fewer than six springs nothing is said but of a pose that fits exactly."""
+    axes = np.array([[0, 0, 1], [0, 0, -1], [1, 0, 0], [-1, 0, 0], [0, 1, 0]], dtype=float)
+    target = axes * [[2.0], [2.0], [2.0], [2.0], [1.0]]
+    met, missed = (
+        certify(RegistrationProblem(axes, y, normals=np.abs(axes))) for y in (axes, target)
+    )
+
+    assert missed.unique is True
+    assert "add up to" not in str(missed)
+    assert met.unique is None
+    assert FEW in str(met)
+
+
+def test_six_planes_are_not_called_too_few():
+    rng = np.random.default_rng(4)
+    source, normals = rng.integers(-9, 10, (2, 6, 3)).astype(float)
+
+    assert "add up to" not in str(certify(RegistrationProblem(source, source, normals=normals)))
 
 
 def test_a_pose_is_judged_where_it_is_not_decided_whether_others_are_as_good():

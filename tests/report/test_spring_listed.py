@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -14,6 +15,8 @@ from certreg.registration import certify, spring_release
 from certreg.report import html_page, spring_listed
 from certreg.report.spring_listed import Listed, listed
 from certreg.report.spring_page import SpringReport
+from certreg.report.spring_words import ALONE, not_claimed_of_springs, spring_sentences
+from certreg.results import Guarantee
 from derivations.spring_counterexamples import STABLE
 
 
@@ -65,6 +68,12 @@ def test_the_page_has_a_row_for_each_equilibrium_and_marks_the_traps():
     assert table.count("<tr>") == 41
     assert table.count("<strong>stable, and wrong") == 3
     assert "a body comes back" in words_of(page)
+    assert "At most forty critical lines" in words_of(page)
+    assert (
+        "Exact: integer arithmetic and a theorem. Enclosed: each rotation alone in a box, by ball "
+        "arithmetic. Numerical: computed with rounding that nobody has bounded. Each theorem has a "
+        "page in the documentation; certreg derive NAME proves it anew."
+    ) in words_of(page)
 
 
 def test_a_problem_with_one_stable_equilibrium_has_no_trap():
@@ -89,9 +98,62 @@ def test_one_wall_is_not_said_to_be_listed_and_no_row_is_called_stable():
 
 def test_where_nothing_is_listed_the_page_has_no_such_section(monkeypatch):
     monkeypatch.setattr(spring_listed, "listed_springs", lambda *_: None)
+    page = html_page(SpringReport.of(registered("plane")))
 
     assert listed(registered("plane")) is None
-    assert b"All equilibria" not in html_page(SpringReport.of(registered("plane")))
+    assert b"All equilibria" not in page
+    said = words_of(page)
+    assert (
+        "where else the springs balance: general springs have up to forty equilibria, or " in said
+    )
+    assert "or infinitely many, stable ones among them, and this page lists none;" in said
+
+
+def test_a_complete_list_is_known_and_how_and_nothing_says_that_none_is_listed(forty):
+    found = eighteen()
+    (said,) = [one for one in spring_sentences(found, forty) if "The list was made" in one.words]
+
+    assert said.words.startswith("Equilibria (enclosed, complete): exactly 40, of which 4 stable.")
+    assert said.words.endswith(" certreg equilibria --out writes one that does.")
+    assert said.guarantee is Guarantee.ENCLOSED
+    assert said.theorems == ("forty_lines",)
+    assert not any("forty equilibria" in words for words in not_claimed_of_springs(found, forty))
+
+
+def test_of_springs_alike_in_every_way_no_certificate_of_the_list_is_promised():
+    rng = np.random.default_rng(0)
+    source, information = rng.standard_normal((4, 3)), np.tile(np.eye(3), (4, 1, 1))
+    found = springs_of(RegistrationProblem(source, source + 0.1, information=information))
+    rows = listed(found)
+
+    assert rows is not None
+    (said,) = [one for one in spring_sentences(found, rows) if "The list was made" in one.words]
+    assert "exactly 4" in said.words
+    assert "--out" not in said.words
+    assert said.theorems == ("eigenvectors", "classification")
+
+
+def test_a_list_that_may_not_be_whole_is_not_among_what_is_known(forty):
+    found, part = eighteen(), replace(forty, complete=False)
+
+    assert not any("The list was made" in one.words for one in spring_sentences(found, part))
+    (open_,) = [
+        words for words in not_claimed_of_springs(found, part) if "forty equilibria" in words
+    ]
+    assert open_.startswith("that no equilibria are missing in the list above: ")
+
+
+def test_what_is_not_decided_is_under_what_is_not_claimed_and_not_among_what_is_exact():
+    rng = np.random.default_rng(4)
+    source, normals = rng.integers(-9, 10, (2, 5, 3)).astype(float)
+    found = springs_of(RegistrationProblem(source, source, normals=normals))
+
+    said = spring_sentences(found, None)
+    assert not any("not decided" in one.words for one in said)
+    assert ALONE in not_claimed_of_springs(found, None)
+    assert ALONE not in not_claimed_of_springs(registered("plane"), None)
+    assert not_claimed_of_springs(found, None)[-1].endswith(".")
+    assert [one.guarantee for one in said if "add up to 5" in one.words] == [Guarantee.EXACT]
 
 
 @pytest.mark.parametrize("seen", [False, None])
