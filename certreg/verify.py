@@ -1381,7 +1381,8 @@ class SpringsListStatement(SpringsStatement):
         """All equilibria in words; value: the objective at R."""
         stable, *ways = [self.indices.count(k) for k in range(4)]
         real, room = len(self.indices), self.second - value
-        least, above = (f"{rounded(x, 12, ROUND_FLOOR):g}" for x in (self.second, room))
+        floor = max(self.second, Fraction(0))  # the objective is a sum of squares
+        least, above = (f"{rounded(x, 12, ROUND_FLOOR):g}" for x in (floor, room))
         told = f"more than {above} above R's" if room > 0 else "not proved to be above R's"
         return [
             f"Rotations at equilibrium: {real}, no others. All 40 complex solutions are simple.",
