@@ -44,10 +44,18 @@ if TYPE_CHECKING:
     from certreg.registration import Enumeration, SimulatedSprings, SpringEnumeration
 
 SPECTRAL = "spectral"
+LIST_CODES = """
+\b
+Exit codes: 0 all are listed, proved, and one of them alone is optimal
+            1 refused, or two methods disagree
+            2 bad usage or input
+            3 all are told, proved, and several are optimal
+            4 the list is not proved complete, or which is the best is not decided
+"""
 TRAJECTORY = ".npz"  # the one format of a trajectory
 
 
-@click.command()
+@click.command(epilog=LIST_CODES)
 @cloud_options
 @click.option(
     "--method",
@@ -113,6 +121,8 @@ def _spring_equilibria(
         click.echo(dumps(spring_equilibria_document(enumeration)))
     else:
         click.echo(spring_enumeration_summary(enumeration))
+    if enumeration.equilibria.all_optimal:
+        return NOT_UNIQUE
     return DONE if enumeration.equilibria.unique else NOT_CERTIFIED
 
 
@@ -120,7 +130,10 @@ def _write_list(problem: RegistrationProblem, enumeration: SpringEnumeration, ou
     """A certificate that these are all, checked, or the reason for none."""
     certificate, place = certified_list(problem, enumeration.objective), printable(out)
     if certificate is None:
-        click.echo(f"note: {place} not written: the list is not proved complete", err=True)
+        why = "the list is not proved complete"
+        if enumeration.equilibria.complete:
+            why = "only a list of 40 critical lines, complex ones included, has a certificate"
+        click.echo(f"note: {place} not written: {why}", err=True)
         return
     certificate.save(out)
     click.echo(f"note: certificate of the list: {place} (certreg verify {place})", err=True)
@@ -128,16 +141,18 @@ def _write_list(problem: RegistrationProblem, enumeration: SpringEnumeration, ou
 
 def _write_poses(enumeration: Enumeration | SpringEnumeration, folder: Path) -> None:
     """One file of four rows for each equilibrium, in the order of the list."""
+    poses, place = equilibrium_poses(enumeration), printable(folder)
+    if not poses:
+        click.echo(f"note: no poses written to {place}: no equilibrium is listed", err=True)
+        return
     folder.mkdir(parents=True, exist_ok=True)
-    poses = equilibrium_poses(enumeration)
     digits = len(str(len(poses)))
     files = {
         folder / f"pose-{number:0{digits}}.txt": _rows(pose.T_target_source.tolist())
         for number, pose in enumerate(poses, start=1)
     }
     write_together(files, obsolete=())
-    place = printable(folder)
-    click.echo(f"note: {len(files)} poses written to {place}, best first", err=True)
+    click.echo(f"note: {len(files)} poses written to {place}, by ascending energy", err=True)
 
 
 def _rows(matrix: list[list[float]]) -> bytes:
