@@ -12,25 +12,30 @@ import numpy as np
 from certreg.equilibrium import Finiteness, unit_double
 from certreg.exact import nearest_double, nearest_root
 from certreg.geometry import canonical, dot, squared_norm
+from certreg.registration.freedom import Freedom
 from certreg.registration.outlying import LISTED
 from certreg.registration.spring_certification import rounded_spring_pose
 from certreg.registration.spring_curvature import slope_and_curvature
 from certreg.registration.spring_rows import ResidualSums
+from certreg.registration.weak_shifts import weak_shift_words, weak_shifts
 from certreg.results import OUT_OF_RANGE, Absent, ComponentKind, Explained, Guarantee, Presented
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.equilibrium import Critical, LineSet
+    from certreg.equilibrium import LineSet
     from certreg.geometry import Pose
     from certreg.objective import Springs
     from certreg.problem import RegistrationProblem
 
 LINES = 40
-SAME_ENERGY = Fraction(1, 1 << 90)  # of the oscillation; of a proved equilibrium 2^-300 is known
+SAME_ENERGY = Fraction(1, 1 << 90)  # of the oscillation
+KNOWN = Fraction(1, 1 << 300)  # of the oscillation: to this the energy of a proved one is known
 NOT_SEPARATED = Absent("not proved to be one equilibrium: it may be several, or none")
 TIED = Absent("as good as another equilibrium, as far as 300 digits tell")
 DEEPEST = Absent("the energy falls in no direction")
+BEST_UNKNOWN = Absent("which equilibrium is the optimum is not decided")
+ALL_RESISTED = Absent("no shift or turn is known to be left open, or hardly resisted")
 NOT_LISTED_WHOLE = Absent("the list is not proved complete: a better rotation may be missing")
 
 
@@ -41,10 +46,15 @@ class SpringEquilibrium(Explained):
     separated: proved to be one equilibrium, alone in a box; else paths only ended there, and it may
         be one, several, or none.
     morse_index: of a separated one, proved: the number of directions in which the energy falls.
-    optimal: whether it is the best pose; None where that is not decided.
+    optimal: whether it is the best pose; None where that is not decided. One of which the index is
+        not 0 is no minimum.
     witness: (3,), unit, in the source's frame: turning about it lowers the energy most.
     basis: (4, 1), the unit quaternion; (4, 4) where every rotation is an equilibrium.
-    angle_to_optimum: radians, to the first of the list.
+    energy: 0 where it is less than 2^-300 of the range of energies, to which it is known.
+    above: the energy less the least of the list.
+    angle_to_first: radians, to the first of the list.
+    angle_to_optimum: the same where the first is proved to be the optimum, or one of several that
+        are; None where that is not decided.
     """
 
     kind: ComponentKind
@@ -53,10 +63,12 @@ class SpringEquilibrium(Explained):
     optimal: bool | None
     witness: NDArray[np.float64] | None
     energy: float | None
+    above: float | None
     rmse: float | None
     pose: Pose
     basis: NDArray[np.float64]
-    angle_to_optimum: float
+    angle_to_first: float
+    angle_to_optimum: float | None
 
     @property
     def stable(self) -> bool | None:
@@ -84,6 +96,9 @@ class SpringEquilibria(Explained, Presented):
         Of conjugate lines, no rotations, that were proved to be apart.
     tied
         How many of the first may be the best; 0 where that is not decided.
+    undetermined
+        In words, the shifts and turns that the springs leave open, or hardly resist; None where no
+        such one is known.
     relative_margin
         (E2 - E1) / (Emax - E1) of the two best energies; None where the best is not known.
     """
@@ -95,6 +110,7 @@ class SpringEquilibria(Explained, Presented):
     finiteness: Finiteness
     pairs: int
     tied: int
+    undetermined: str | None
     relative_margin: float | None
 
     def __repr__(self) -> str:
@@ -126,6 +142,11 @@ class SpringEquilibria(Explained, Presented):
         return self.tied == 1 and self.count is not None
 
     @property
+    def all_optimal(self) -> bool:
+        """Whether every rotation is proved to be the best."""
+        return self.complete and self.finiteness is Finiteness.CONSTANT
+
+    @property
     def euler_sum(self) -> int | None:
         """The sum of (-1)^index, which is 0 where all are listed and none is degenerate."""
         indices = [part.morse_index for part in self.components]
@@ -140,19 +161,9 @@ def spring_equilibria(
     """The equilibria at the critical rotations of an objective."""
     poses = [rounded_spring_pose(objective, part.quaternion) for part in critical.components]
     stiffness = ResidualSums.of(problem, poses[0], LISTED).stiffness if poses else 0.0
-    energies = [part.value for part in critical.components]
-    least = min(energies, default=Fraction(0))
-    best = critical.components[0].quaternion if poses else (1, 0, 0, 0)
     parts = tuple(
-        _equilibrium(
-            part,
-            pose,
-            objective,
-            optimal=_optimal(critical, place, part.value - least, objective.oscillation),
-            rmse=_rmse(part.value, stiffness),
-            angle=_angle_between(part.quaternion, best),
-        )
-        for place, (part, pose) in enumerate(zip(critical.components, poses, strict=True))
+        _equilibrium(critical, place, pose, objective, stiffness)
+        for place, pose in enumerate(poses)
     )
     return SpringEquilibria(
         components=parts,
@@ -162,8 +173,9 @@ def spring_equilibria(
         finiteness=critical.finiteness,
         pairs=critical.pairs,
         tied=critical.tied,
+        undetermined=_open_words(objective) or None,
         relative_margin=_margin(critical),
-        absent=_reasons(critical),
+        absent={**_reasons(critical), "undetermined": ALL_RESISTED},
     )
 
 
@@ -172,35 +184,46 @@ def _reasons(critical: LineSet) -> dict[str, Absent]:
     return dict.fromkeys(("count", "count_complex", "stable", "relative_margin"), doubt)
 
 
+def _open_words(objective: Springs) -> str:
+    """What the springs leave open, or hardly resist; empty where nothing is known to be."""
+    weak = weak_shift_words(weak_shifts(objective))
+    rounding = f"{weak}; the translations are of rounding as much as of the data" if weak else ""
+    return "; ".join(filter(None, (Freedom.of(objective).words(), rounding)))
+
+
 def _equilibrium(
-    part: Critical,
-    pose: Pose,
-    objective: Springs,
-    *,
-    optimal: bool | Absent,
-    rmse: float | None,
-    angle: float,
+    critical: LineSet, place: int, pose: Pose, objective: Springs, stiffness: float
 ) -> SpringEquilibrium:
+    part, first = critical.components[place], critical.components[0]
+    least = min(each.value for each in critical.components)
+    optimal = _optimal(critical, place, part.value - least, objective.oscillation)
+    angle = _angle_between(part.quaternion, first.quaternion)
+    known = critical.complete and critical.tied == 1
     separated = part.guarantee is not Guarantee.NUMERICAL
     span = np.array([canonical(unit_double(vector)) for vector in part.span]).T
     falls = part.index is not None and part.index > 0
+    nothing = separated and part.value < KNOWN * objective.oscillation
+    energy = Fraction(0) if nothing else part.value
     return SpringEquilibrium(
         kind=ComponentKind.of_multiplicity(len(part.span)),
         separated=separated,
         morse_index=part.index,
         optimal=None if isinstance(optimal, Absent) else optimal,
         witness=_steepest(objective, part.quaternion) if falls else None,
-        energy=nearest_double(part.value),
-        rmse=rmse,
+        energy=nearest_double(energy),
+        above=nearest_double(part.value - least),
+        rmse=_rmse(energy, stiffness),
         pose=pose,
         basis=span,
-        angle_to_optimum=angle,
+        angle_to_first=angle,
+        angle_to_optimum=angle if known else None,
         absent={
             "morse_index": NOT_SEPARATED,
             "stable": NOT_SEPARATED,
             "optimal": optimal if isinstance(optimal, Absent) else NOT_SEPARATED,
             "witness": NOT_SEPARATED if part.index is None else DEEPEST,
-            **dict.fromkeys(("energy", "rmse"), OUT_OF_RANGE),
+            "angle_to_optimum": BEST_UNKNOWN,
+            **dict.fromkeys(("energy", "above", "rmse"), OUT_OF_RANGE),
         },
     )
 
@@ -209,7 +232,10 @@ def _optimal(
     critical: LineSet, place: int, excess: Fraction, oscillation: Fraction
 ) -> bool | Absent:
     """Whether a component is the best. Any rotation's energy is at least the least there is."""
-    separated = critical.components[place].guarantee is not Guarantee.NUMERICAL
+    part = critical.components[place]
+    separated = part.guarantee is not Guarantee.NUMERICAL
+    if part.index:  # proved: the energy falls in some direction
+        return False
     if separated and excess > SAME_ENERGY * oscillation:
         return False
     if critical.complete:

@@ -10,19 +10,24 @@ from certreg.exact import nearest_double
 from certreg.report.cards import Card
 from certreg.report.encoding import Document, Noted, encoded
 from certreg.report.fields import degrees
-from certreg.report.summary import KINDS, number
-from certreg.results import OUT_OF_RANGE, Absent, Guarantee
+from certreg.report.summary import number
+from certreg.results import OUT_OF_RANGE, Absent, ComponentKind, Guarantee
 
 if TYPE_CHECKING:
     from certreg.equilibrium import LineSet, Search
     from certreg.registration import SpringEnumeration, SpringEquilibria, SpringEquilibrium
 
 SCHEMA = "certreg-equilibria/1"
-HEADINGS = ("index", "stable", "RMSE", "energy", "to optimum", "")
+HEADINGS = ("index", "stable", "RMSE", "energy")
+NOTHING = "0 to rounding"  # of a proved equilibrium: less than its energy is known to
 ROADS = ("road", "solutions", "index 0 1 2 3", "time", "guarantee")
 NO_PATTERN = Absent("defined for one weight per pair: general springs have no eigenvalues")
 NOT_LINEARISED = Absent("the motion on general springs is not linearised in this version")
 NO_EIGENVALUES = Absent("there are no eigenvalues of general springs to compare")
+NO_MINIMUM = (
+    "None of these is the optimum: at the first, too, the energy falls in some direction. "
+    "`certify` gives the best pose, and needs no list."
+)
 STAYS = (
     "A body that is released near a stable equilibrium stays there: not every stable one is the "
     "optimum."
@@ -39,14 +44,20 @@ def spring_enumeration_summary(enumeration: SpringEnumeration) -> str:
 
 def spring_equilibria_words(equilibria: SpringEquilibria) -> str:
     """How many there are and how that is known, a table, and what must be said beside it."""
-    rows = [HEADINGS, *map(_row, equilibria.components)] if equilibria.components else []
-    notes = [spring_count_words(equilibria), *_table(rows)]
-    notes += spring_notes(equilibria)
-    return "\n".join(notes)
+    notes = [spring_count_words(equilibria), *_table(_rows(equilibria))]
+    return "\n".join([*notes, *spring_notes(equilibria), *_open_notes(equilibria)])
+
+
+def _open_notes(equilibria: SpringEquilibria) -> list[str]:
+    """What the springs leave open, or hardly resist, as a sentence."""
+    words = equilibria.undetermined
+    return [f"{words[:1].upper()}{words[1:]}."] if words else []
 
 
 def spring_count_words(equilibria: SpringEquilibria) -> str:
     """How many equilibria there are and how that is known, in one sentence."""
+    if equilibria.finiteness is Finiteness.SYMMETRIC:
+        return f"Equilibria (exact): infinitely many; {_apart(equilibria)}."
     known = f"{equilibria.guarantee.label}, {'' if equilibria.complete else 'not proved '}complete"
     return f"Equilibria ({known}): {_counted(equilibria)}."
 
@@ -57,23 +68,26 @@ def _counted(equilibria: SpringEquilibria) -> str:
     count, stable = equilibria.count, equilibria.stable
     if count is not None:
         return f"exactly {count}, of which {stable} stable"
+    return f"not counted; {_apart(equilibria)}"
+
+
+def _apart(equilibria: SpringEquilibria) -> str:
+    if not equilibria.components:
+        return "none is listed"
     apart = sum(part.separated for part in equilibria.components)
-    whole = "infinitely many" if equilibria.finiteness is Finiteness.SYMMETRIC else "not counted"
-    return f"{whole}; {_number(apart)} proved to be isolated"
-
-
-def _number(count: int) -> str:
-    return {0: "none", 1: "one"}.get(count, str(count))
+    return f"{ {0: 'none', 1: 'one'}.get(apart, apart) } proved to be isolated"
 
 
 def spring_notes(equilibria: SpringEquilibria) -> list[str]:
     """What must be said beside the table."""
     notes: list[str] = []
     if equilibria.doubt is not None:
-        return [f"Not proved complete: {equilibria.doubt}"]
+        ruled_out = [part.optimal is False for part in equilibria.components]
+        saddles = [NO_MINIMUM] if ruled_out and all(ruled_out) else []
+        return [f"Not proved complete: {equilibria.doubt}", *saddles]
     if equilibria.count is None:
         return notes
-    euler = f"the Euler sum of the indices is {equilibria.euler_sum}."
+    euler = f"the Euler sum of the indices is {equilibria.euler_sum}, as that of all must be."
     if equilibria.count_complex is None:
         notes.append(f"{equilibria.finiteness.value} Each is proved in a box; {euler}")
     else:
@@ -91,16 +105,38 @@ def spring_notes(equilibria: SpringEquilibria) -> list[str]:
     return notes
 
 
-def _row(part: SpringEquilibrium) -> tuple[str, ...]:
-    words = {True: "optimal", False: "", None: "may be optimal" if part.separated else ""}
+def _rows(equilibria: SpringEquilibria) -> list[tuple[str, ...]]:
+    parts = equilibria.components
+    if not parts:
+        return []
+    head = (*HEADINGS, "to row 1" if parts[0].angle_to_optimum is None else "to optimum", "")
+    return [head, *(_row(part, parts[0]) for part in parts)]
+
+
+def _row(part: SpringEquilibrium, first: SpringEquilibrium) -> tuple[str, ...]:
     return (
         "-" if part.morse_index is None else str(part.morse_index),
         {True: "yes", False: "no", None: "-"}[part.stable],
-        number(part.rmse),
-        number(part.energy),
-        f"{math.degrees(part.angle_to_optimum):.6g} deg",
-        words[part.optimal] if part.separated else "not separated",
+        magnitude(part, part.rmse),
+        magnitude(part, part.energy),
+        f"{math.degrees(part.angle_to_first):.6g} deg",
+        _place_words(part, first),
     )
+
+
+def magnitude(part: SpringEquilibrium, value: float | None) -> str:
+    """The energy or the RMSE of an equilibrium."""
+    return NOTHING if value == 0.0 and part.kind is ComponentKind.POINT else number(value)
+
+
+def _place_words(part: SpringEquilibrium, first: SpringEquilibrium) -> str:
+    """Whether it is the optimum; of one that shows the energy of the first, by how much not."""
+    if not part.separated:
+        return "not separated"
+    if part.optimal is not False:
+        return "optimal" if part.optimal else "may be optimal"
+    same = part.above and number(part.energy) == number(first.energy)
+    return f"higher by {part.above:.1e}" if same else ""
 
 
 def _table(rows: list[tuple[str, ...]]) -> list[str]:
@@ -149,6 +185,8 @@ def _road(each: Search) -> tuple[str, ...]:
     critical, time = each.critical, f"{1e3 * each.seconds:.1f} ms"
     if critical is None:
         return (each.method, "-", "-", time, "undecided")
+    if not critical.components:
+        return (each.method, "none", "-", time, "in doubt")
     counts = " ".join(str(critical.indices.count(index)) for index in range(4))
     known = "" if critical.complete else ", in doubt"
     found = len(critical.components)
@@ -199,6 +237,7 @@ def spring_equilibria_fields(equilibria: SpringEquilibria) -> Document:
         "stable": equilibria.stated("stable"),
         "spurious": spurious,
         "guarantee": equilibria.guarantee.label,
+        "undetermined": equilibria.stated("undetermined"),
         "complete": equilibria.complete if doubt is None else Noted(value=False, reason=doubt),
         "components": [_component(part) for part in equilibria.components],
     }
@@ -229,11 +268,13 @@ def _component(part: SpringEquilibrium) -> Document:
         "witness": part.stated("witness"),
         "optimal": part.stated("optimal"),
         "energy": part.stated("energy"),
+        "energy_above_least": part.stated("above"),
         "rmse": part.stated("rmse"),
         "rotation": part.pose.rotation,
         "translation": part.pose.translation,
         "quaternion_wxyz": part.pose.quaternion_wxyz,
-        "angle_to_optimum_deg": degrees(part.angle_to_optimum),
+        "angle_to_first_deg": math.degrees(part.angle_to_first),
+        "angle_to_optimum_deg": degrees(part.stated("angle_to_optimum")),
     }
 
 
@@ -280,18 +321,10 @@ def _road_fields(each: Search, enumeration: SpringEnumeration) -> Document:
 
 def spring_equilibria_card(equilibria: SpringEquilibria) -> str:
     """All equilibria as a table."""
+    head, *rows = _rows(equilibria) or [()]
     return Card(
         headline=spring_count_words(equilibria),
-        notes=spring_notes(equilibria),
-        head=("index", "kind", "RMSE", "energy", "to the optimum"),
-        rows=[
-            (
-                "-" if part.morse_index is None else str(part.morse_index),
-                KINDS[part.kind],
-                number(part.rmse),
-                number(part.energy),
-                f"{math.degrees(part.angle_to_optimum):.6g} degrees",
-            )
-            for part in equilibria.components
-        ],
+        notes=[*spring_notes(equilibria), *_open_notes(equilibria)],
+        head=head,
+        rows=rows,
     ).html()

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 from certreg.equilibrium import Finiteness
 from certreg.registration import listed_springs, returns
-from certreg.report.spring_equilibria import spring_count_words, spring_notes
-from certreg.report.summary import number
+from certreg.report.spring_equilibria import magnitude, spring_count_words, spring_notes
 
 if TYPE_CHECKING:
     from certreg.registration import SpringEquilibrium, SpringRegistration
@@ -44,10 +43,12 @@ class ListedRow:
 class Listed:
     """What the section says: how many there are and how that is known, a row for each, notes.
 
+    angle: the head of the column of angles, which are to the first row.
     complete: whether these are proved to be all, and finitely many. theorems: that show it.
     """
 
     words: str
+    angle: str
     rows: tuple[ListedRow, ...]
     notes: tuple[str, ...]
     complete: bool
@@ -67,8 +68,10 @@ def listed(registration: SpringRegistration) -> Listed | None:
     notes = spring_notes(found)
     if any(kept.values()):
         notes.append(CAME_BACK)
+    known = any(part.angle_to_optimum is not None for part in found.components)
     return Listed(
         words=spring_count_words(found),
+        angle="to the optimum" if known else "to the first row",
         rows=rows,
         notes=tuple(notes),
         complete=found.count is not None,
@@ -82,9 +85,9 @@ def _row(part: SpringEquilibrium, *, returned: bool | None) -> ListedRow:
     return ListedRow(
         index="–" if part.morse_index is None else str(part.morse_index),
         stable={True: "yes", False: "no", None: "–"}[part.stable],
-        energy=number(part.energy),
-        rmse=number(part.rmse),
-        angle=f"{math.degrees(part.angle_to_optimum):.4g}°",
+        energy=magnitude(part, part.energy),
+        rmse=magnitude(part, part.rmse),
+        angle=f"{math.degrees(part.angle_to_first):.4g}°",
         words=_words(part, returned=returned, trap=trap),
         trap=trap,
     )

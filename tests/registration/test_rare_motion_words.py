@@ -166,7 +166,10 @@ def test_springs_that_are_one_weight_per_pair_have_four_equilibria_each_proved_i
     told = spring_equilibria_words(enumerated_springs(full_springs(0)).equilibria)
 
     assert "exactly 4, of which 1 stable." in told
-    assert " Each is proved in a box; the Euler sum of the indices is 0." in told
+    assert (
+        " Each is proved in a box; the Euler sum of the indices is 0, as that of all must be."
+        in told
+    )
 
 
 # --- others
