@@ -1,4 +1,4 @@
-"""NamedValues for intermediate values of generated code, so that it computes them once."""
+"""Names for intermediate values of generated code, so that it computes them once."""
 
 from __future__ import annotations
 
