@@ -308,6 +308,7 @@ class PoseVerdict(enum.Enum):
 
     OPTIMAL = "optimal"
     NEAR_OPTIMAL = "near-optimal"
+    BOUNDED = "bounded"  # general springs: a gap alone is proved, and not how near an optimum is
     SPURIOUS_EQUILIBRIUM = "spurious-equilibrium"
     NOT_AN_EQUILIBRIUM = "not-an-equilibrium"
     NOT_A_ROTATION = "not-a-rotation"

@@ -17,7 +17,7 @@ from certreg.io import (
     write_atomically,
     write_cloud,
 )
-from certreg.registration import DONE, GOOD, NO_ROTATION, REFUSED, certify, judged
+from certreg.registration import DONE, GOOD, NO_ROTATION, NOT_CERTIFIED, REFUSED, certify, judged
 from certreg.report import (
     REPORT,
     assessment_document,
@@ -27,6 +27,7 @@ from certreg.report import (
     printable,
     report_of,
 )
+from certreg.results import PoseVerdict
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -58,13 +59,15 @@ line_option = click.option(
 def assess(
     problem: RegistrationProblem, pair: Pair, *, pose_file: Path, line: int | None, as_json: bool
 ) -> int:
-    """Judge a pose that any other tool returned. Exit code 0 if (near) optimal, else 1."""
+    """Judge a pose of any other tool. Exit code 0 if (near) optimal, 4 not decided, else 1."""
     pose = read_result_pose(pose_file, line)
     registration = certify(problem, relaxation=False, simulation=False, about=pair.about)
     assessment = judged(registration, pose)
     click.echo(
         dumps(assessment_document(assessment)) if as_json else assessment_summary(assessment)
     )
+    if assessment.verdict is PoseVerdict.BOUNDED:
+        return NOT_CERTIFIED
     return DONE if assessment.verdict in GOOD else REFUSED
 
 

@@ -7,14 +7,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from certreg.registration.findings import GOOD
-from certreg.results import Absent, Explained, Presented
+from certreg.results import Absent, Explained, PoseVerdict, Presented
 
 if TYPE_CHECKING:
     from certreg.geometry import Pose
     from certreg.registration.findings import JudgedEnergies, SigmaDistance
     from certreg.registration.fit import Fit
     from certreg.registration.slips import Slip
-    from certreg.results import PoseVerdict
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,6 +95,7 @@ class Assessment(Explained, Presented):
     def unexplained(self) -> str | None:
         """That no slip explains a bad verdict, in a sentence; None where one does."""
         slip = self.stated("slip")
-        if self.verdict in GOOD or not isinstance(slip, Absent):
+        judged = self.verdict in (*GOOD, PoseVerdict.BOUNDED)
+        if judged or not isinstance(slip, Absent):
             return None
         return f"{slip.reason[0].upper()}{slip.reason[1:]}."

@@ -32,6 +32,7 @@ from certreg.registration.spring_headlines import (
     NEAR_UNDECIDED,
     OPTIMAL_AS_OTHERS,
     OPTIMAL_UNDECIDED,
+    POSE_BOUNDED,
     SPRING_OF_DATA,
     headline_of_spring_data,
 )
@@ -52,6 +53,11 @@ NUMBERS = (
 )
 NOT_UNIQUE = Absent("other poses are as good: no angle to 'the' optimum exists")
 NOT_MET = Absent("no equilibrium was met at the pose, and those of general springs are not listed")
+NO_ANGLE = (
+    "Not called near-optimal: whether one rotation alone is optimal is not decided, and no angle "
+    "to an optimum is proved: where little is at stake, a pose far from every optimum costs as "
+    "little."
+)
 NO_SLIPS = Absent(
     "no slip (a mirror image, swapped columns, the inverse pose) is tried for general springs"
 )
@@ -141,9 +147,9 @@ def _headline(
         end = ", at which a local method stops, and not the optimum" if stable else ""
         near = f"{math.degrees(facts.critical.angle):.2g}"
         return SPURIOUS, SPURIOUS.said(near=near, shift="", name=name, end=end)
-    if verdict not in GOOD:
+    if verdict not in (*GOOD, PoseVerdict.BOUNDED):
         return NO_EQUILIBRIUM, NO_EQUILIBRIUM.said(interval=interval_words(bounds))
-    chosen = _good_headline(facts, verdict, distance)
+    chosen = _gap_headline(facts, verdict, distance)
     said = chosen.said(
         degrees=degrees_words(bounds) or "180",
         gap=at_most(bounds.greatest_gap),
@@ -156,10 +162,12 @@ def _headline(
     return chosen, said
 
 
-def _good_headline(
+def _gap_headline(
     facts: SpringFindings, verdict: PoseVerdict, distance: SigmaDistance | Absent
 ) -> Headline:
     registration, optimal = facts.registration, verdict is PoseVerdict.OPTIMAL
+    if verdict is PoseVerdict.BOUNDED:
+        return POSE_BOUNDED
     if registration.unique is None:
         return OPTIMAL_UNDECIDED if optimal else NEAR_UNDECIDED
     if not registration.unique:
@@ -182,6 +190,8 @@ def _words(facts: SpringFindings, verdict: PoseVerdict) -> str:
     if verdict is PoseVerdict.NEAR_OPTIMAL:
         its = f"It is {away}. " if away else ""
         return f"{its}Rounding the numbers of the optimal pose to doubles costs about {cost}."
+    if verdict is PoseVerdict.BOUNDED:
+        return f"{NO_ANGLE} Rounding the numbers of the optimal pose to doubles costs about {cost}."
     where = f" The rotation is {away}." if away else ""
     if verdict is PoseVerdict.SPURIOUS_EQUILIBRIUM and facts.critical is not None:
         index = facts.critical.index

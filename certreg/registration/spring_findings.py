@@ -18,7 +18,6 @@ from certreg.exact import (
     nearest_root,
     rational_root_above,
 )
-from certreg.geometry import squared_norm
 from certreg.registration.findings import (
     FIT_WARNED,
     MOTIONS,
@@ -36,30 +35,22 @@ from certreg.registration.findings import (
     UNDECIDED as UNPROVED,
 )
 from certreg.registration.headlines import LOOSE_SIGMA, TURNED_FAR, beyond_first_order
+from certreg.registration.nearby_equilibrium import equilibrium_near
 from certreg.registration.rounding import rounding_errors
 from certreg.registration.spring_covariance import half_hessian, source_centre
-from certreg.registration.spring_curvature import slope_and_curvature
 from certreg.registration.tails import log_chi2_above
-from certreg.relaxation import refined
 from certreg.results import OUT_OF_RANGE, Absent, Limits, PoseVerdict
 
 if TYPE_CHECKING:
     from certreg.certificate import PoseBounds
     from certreg.geometry import GivenPose
     from certreg.registration.findings import AssessmentSettings
+    from certreg.registration.nearby_equilibrium import NearbyEquilibrium
     from certreg.registration.spring_result import SpringRegistration
 
 SLACK = 1.01  # of a rounding cost: its parts are computed in doubles
 FINE_PROOF = 1e-24  # of the range of energies: what a turn by 1e-12 radians costs at most
 BALANCED = 1e-9  # of the oscillation: the slope at what Newton's steps led to, if it is critical
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class NearbyEquilibrium:
-    """An equilibrium near a pose. index: directions in which the energy falls. angle: radians."""
-
-    index: int
-    angle: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,6 +74,18 @@ class SpringFindings:
     def proof_gap(self) -> Fraction:
         """What the proof itself leaves open of the pose."""
         return self.bounds.greatest_gap - self.bounds.least_gap
+
+    @property
+    def is_elsewhere(self) -> bool:
+        """Whether the pose is at an equilibrium that is worse than the optimum."""
+        return self.critical is not None and self.critical.is_worse
+
+    def is_near(self, settings: AssessmentSettings) -> bool:
+        """Whether its angle is not in doubt: where uniqueness is not decided, by a proved bound."""
+        if self.registration.solution.unique_rotation is not None:
+            return True
+        angle = self.bounds.angle_upper
+        return angle is not None and angle <= settings.near_optimal_angle
 
     @property
     def energies(self) -> JudgedEnergies:
@@ -167,29 +170,28 @@ def _critical_near(
 ) -> NearbyEquilibrium | None:
     """The equilibrium at a rotation, by Newton's steps from there; None if there is none near."""
     solution = registration.solution
-    objective, scale = solution.objective, solution.objective.oscillation
-    if not scale:
+    if not solution.objective.oscillation:
         return None
-    length = math.sqrt(squared_norm([Fraction(e, max(map(abs, q))) for e in q]))
-    start = [e / max(map(abs, q)) / length for e in q]
-    u = refined(solution.found.levelled, start)
-    angle = float(half_angle_bound(sin2_half_angle_between(u, q)))
-    slope, curvature = slope_and_curvature(objective, u)
-    if angle > settings.equilibrium_angle or np.abs(slope).max() > BALANCED:
-        return None
-    return NearbyEquilibrium(index=int((np.linalg.eigvalsh(curvature) < 0.0).sum()), angle=angle)
+    near = equilibrium_near(solution.objective, solution.found.levelled, q, solution.least)
+    return near if near.angle <= settings.equilibrium_angle and near.slope <= BALANCED else None
 
 
 def spring_verdict_of(facts: SpringFindings, settings: AssessmentSettings) -> PoseVerdict:
-    """The verdict: by the proved gap, and where one rotation alone is optimal by the angle, too."""
+    """The verdict: by the proved gap, and by the angle where one rotation alone is optimal.
+
+    Where that is not decided, by a proved angle to every optimum; without one a small gap may only
+    mean that little is at stake. At an equilibrium that is worse it means just that.
+    """
     gap, scale = facts.bounds.greatest_gap, facts.energy_range
     turned = facts.away is not None and facts.away > settings.near_optimal_angle
     if gap <= Fraction(settings.near_optimal_gap) * scale and not turned:
         within = facts.bounds.meet(Limits(), unique=facts.away is not None)
         own = facts.proof_gap
         fine = own <= max(facts.rounding_cost, Fraction(FINE_PROOF) * scale)
-        optimal = gap - own <= facts.rounding_cost and fine and within
-        return PoseVerdict.OPTIMAL if optimal else PoseVerdict.NEAR_OPTIMAL
+        if gap - own <= facts.rounding_cost and fine and within:
+            return PoseVerdict.OPTIMAL
+        if not facts.is_elsewhere:
+            return PoseVerdict.NEAR_OPTIMAL if facts.is_near(settings) else PoseVerdict.BOUNDED
     if facts.critical is not None and facts.bounds.least_gap > 0:
         return PoseVerdict.SPURIOUS_EQUILIBRIUM
     return PoseVerdict.NOT_AN_EQUILIBRIUM

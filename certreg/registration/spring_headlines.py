@@ -90,8 +90,16 @@ NEAR_AS_OTHERS = replace(
 )
 NEAR_UNDECIDED = replace(
     NEAR_AS_OTHERS,
-    words="at most {gap} ({share}) above the minimum (proved); whether several poses attain that "
-    "is not decided.",
+    words="within {degrees} degrees of every optimum, at most {gap} ({share}) above the minimum "
+    "(proved); whether there are several is not decided.",
+    rests_on=(*_POSE, "gap_share", "angle_upper_deg"),
+)
+POSE_BOUNDED = replace(
+    NEAR_AS_OTHERS,
+    stamp="BOUNDED",
+    words="at most {gap} ({share}) above the minimum (proved); whether an optimum is near is not "
+    "decided.",
+    code=4,
 )
 OPTIMAL_HARDLY_RESISTED, NEAR_HARDLY_RESISTED = each(
     "A SHIFT IS HARDLY RESISTED", "{weak}", "springs.weak_translations"
@@ -106,6 +114,7 @@ SPRING_HEADLINES = (
     *(BOUNDED_FREE, UNDECIDED, UNDECIDED_NEAR),
     *(OPTIMAL_HARDLY_RESISTED, NEAR_HARDLY_RESISTED),
     *(OPTIMAL_AS_OTHERS, OPTIMAL_UNDECIDED, NEAR_AS_OTHERS, NEAR_UNDECIDED),
+    POSE_BOUNDED,
 )
 
 

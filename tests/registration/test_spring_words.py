@@ -18,7 +18,7 @@ from certreg.registration import DONE, NOT_CERTIFIED, NOT_UNIQUE, code_of_regist
 from certreg.registration.assessment import assess
 from certreg.registration.certification import certify
 from certreg.report.spring_overview import spring_overview
-from certreg.results import Limits
+from certreg.results import Limits, PoseVerdict
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -261,10 +261,17 @@ def test_a_pose_is_judged_where_it_is_not_decided_whether_others_are_as_good():
     assert " above the minimum (proved); whether several poses attain that is not decided." in (
         optimal.headline
     )
-    assert judged.headline.startswith("NEAR-OPTIMAL: at most ")
-    assert ") above the minimum (proved); whether several poses attain that is not decided." in (
-        judged.headline
+    assert judged.verdict is PoseVerdict.BOUNDED
+    assert judged.headline.startswith("BOUNDED: at most ")
+    words = ") above the minimum (proved); whether an optimum is near is not decided."
+    assert judged.headline.endswith(words)
+    why = (
+        "Not called near-optimal: whether one rotation alone is optimal is not decided, and no "
+        "angle to an optimum is proved: where little is at stake, a pose far from every optimum "
+        "costs as little."
     )
+    assert judged.words.startswith(why)
+    assert judged.unexplained is None
 
 
 def test_what_is_missing_to_call_a_pose_certified_is_said():
