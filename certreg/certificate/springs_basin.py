@@ -23,17 +23,12 @@ THEOREM = (
     "From its last state the exact motion ends at the optimum: its energy is below that of every "
     "other equilibrium."
 )
-SHIFTS = "Not proved: some shift meets no spring, so that the body may end anywhere along it."
-COLLINEAR = "Not proved: the source is collinear, so that its rotational dynamics is not defined."
-TIED = "Not proved: the optimum is not unique, or not proved to be, so that there is no barrier."
-ABOVE = (
-    "Not proved: from its last state the exact motion ends at the optimum. Its energy is not below "
-    "that of every other equilibrium."
-)
-WITHIN = (
-    "Not proved: from its last state the exact motion ends at the optimum. Its energy is within "
-    "the bounds of that of another equilibrium."
-)
+OPEN = "Not proved that from its last state the exact motion ends at the optimum: "
+SHIFTS = f"{OPEN}some shift meets no spring, so that the body may end anywhere along it."
+COLLINEAR = f"{OPEN}the source is collinear, so that its rotational dynamics is not defined."
+TIED = f"{OPEN}it is not unique, or not proved to be, so that there is no barrier."
+ABOVE = f"{OPEN}its energy is not below that of every other equilibrium."
+WITHIN = f"{OPEN}its energy is within the bounds of that of another equilibrium."
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

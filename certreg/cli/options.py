@@ -297,8 +297,8 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
         "--damping",
         metavar="MU",
         callback=_damping,
-        help="Viscous damping per mass, or 'optimal' for the fastest decay. Default: sqrt(8), of "
-        "certify optimal.",
+        help="Viscous damping per mass, or 'optimal' for the fastest decay (not of general "
+        "springs). Default: sqrt(8), of certify optimal.",
     )
     @functools.wraps(command)
     def wrapped(

@@ -56,7 +56,11 @@ if TYPE_CHECKING:
     help="Of the relaxation: one that CVXPY finds installed, SCS for example. Default: Clarabel, "
     "without CVXPY.",
 )
-@click.option("--no-simulation", is_flag=True, help="Leave the simulation out.")
+@click.option(
+    "--no-simulation",
+    is_flag=True,
+    help="Leave the simulation out. With general springs there is none.",
+)
 @click.option(
     "--integrator",
     type=click.Choice(["euler", "midpoint", "splitting"]),

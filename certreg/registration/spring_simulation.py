@@ -26,6 +26,8 @@ from certreg.native import Integrator
 from certreg.objective import Springs
 from certreg.problem import lift, spring_moments
 from certreg.registration.freedom import Freedom
+from certreg.registration.nearby_equilibrium import TIE, equilibrium_near
+from certreg.registration.weak_shifts import weak_shift_words, weak_shifts
 from certreg.relaxation import find_optimum
 from certreg.results import OUT_OF_RANGE, Absent, Presented, Ruling, Verdict
 
@@ -38,11 +40,13 @@ if TYPE_CHECKING:
 
 NEAR = 0.01  # radians: a body at rest is within a thousandth of its equilibrium, unless it is weak
 LEVEL = 1e-5  # of the range of the energy: where the best rotation is not the only one
+COASTS = "a body that moves that way coasts until damping has stopped it"
+STAYS = "along it the body may be at rest (slower than the tolerance) far from the optimum"
 NO_RATE = Absent("not computed for general springs")
 UNLISTED = Verdict(
     ruling=Ruling.INCONCLUSIVE,
     words=(
-        "Not proved: from its last state the exact motion ends at the optimum. No list of "
+        "Not proved that from its last state the exact motion ends at the optimum: no list of "
         "equilibria could be proved complete."
     ),
 )
@@ -73,11 +77,12 @@ class SimulatedSprings(SpringTrajectory, Presented):
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
-        """What no spring resists, and what the body does there."""
+        """What no spring resists, or hardly one, and what the body does there."""
         freedom = Freedom.of(self.objective)
         free = filter(None, (freedom.shift_words(), freedom.turn_words()))
-        coasts = "a body that moves that way coasts until damping has stopped it"
-        return tuple(f"{words}: {coasts}" for words in free)
+        weak = weak_shift_words(weak_shifts(self.objective))
+        told = (*((words, COASTS) for words in free), (weak, STAYS))
+        return tuple(f"{words}: {then}" for words, then in told if words)
 
     @cached_property
     def energies(self) -> tuple[float | Absent, float | Absent]:
@@ -108,14 +113,31 @@ class SimulatedSprings(SpringTrajectory, Presented):
 
     @property
     def at_best(self) -> bool:
-        """Whether the last rotation is the best that was found, or as good where many are."""
-        several = bool(self.objective.symmetry) and abs(self.excess) <= LEVEL
-        return several or self.angle_to_best <= NEAR
+        """Whether the last rotation is the best that was found."""
+        return self.angle_to_best <= NEAR
+
+    @cached_property
+    def as_good(self) -> bool | None:
+        """Whether the equilibrium at the last rotation is as good as the best that was found.
+
+        None where that is not decided: where the energy is flat, Newton's steps do not reach it.
+        """
+        if self.at_best or not self.objective.oscillation:
+            return True
+        if self.excess <= (LEVEL if self.objective.symmetry else TIE):
+            return True
+        best = self.objective.energy(self.found.quaternion)
+        near = equilibrium_near(self.objective, self.found.levelled, self._quaternion, best)
+        if near.angle > NEAR:
+            return None
+        if near.ties:
+            return True
+        return False if near.is_worse else None
 
     @property
     def converged(self) -> bool:
-        """Whether the body came to rest at the best rotation found."""
-        return self.at_rest and self.at_best
+        """Whether the body came to rest at the best rotation found, or at one that is as good."""
+        return self.at_rest and self.as_good is True
 
     @cached_property
     def basin(self) -> Verdict:
@@ -185,12 +207,14 @@ def moving_words(run: SimulatedSprings) -> str:
     """How the motion ended, in a sentence that rests on what was found, not on a proof."""
     if not run.at_rest:
         return run.status.value
+    rest = "The body is at rest (slower than the tolerance)"
     if run.at_best:
-        return "The body is at rest (slower than the tolerance) at the best rotation found."
-    return (
-        "The body is at rest (slower than the tolerance) at another equilibrium: springs hold it "
-        "there, and a better rotation was found."
-    )
+        return f"{rest} at the best rotation found."
+    if run.as_good:
+        return f"{rest} at a rotation as good as the best found."
+    if run.as_good is None:
+        return f"{rest}; whether its rotation is as good as the best found is not decided."
+    return f"{rest} at another equilibrium: springs hold it there, and a better rotation was found."
 
 
 def at_end_words(run: SimulatedSprings) -> str:
@@ -198,7 +222,8 @@ def at_end_words(run: SimulatedSprings) -> str:
     degrees = math.degrees(run.angle_to_best)
     digits = 3 if degrees >= 1.0 else 1  # a small one is rounding, or where a run was stopped
     away = f"{degrees:.{digits}g} degrees from the best rotation found"
-    if run.at_best and degrees > math.degrees(NEAR):
-        return f"{away}, and as good"
-    above = "" if run.at_best else f", {run.excess:.2g} of the energy's range above it"
-    return f"{away}{above}"
+    if run.at_best:
+        return away
+    if run.as_good:
+        return f"{away}, and as good to within the tolerance"
+    return f"{away}, {run.excess:.2g} of the energy's range above it"

@@ -170,7 +170,7 @@ def trajectory_card(trajectory: ProblemTrajectory) -> str:
         good=trajectory.converged,
         facts=[
             ("integrator", trajectory.integrator.value),
-            ("steps", f"{trajectory.steps:,} of at most {trajectory.step:.6g}"),
+            ("steps", f"{trajectory.steps:,}, each at most {trajectory.step:.6g} long"),
             ("time", f"{trajectory.times[-1]:.6g}"),
             ("escapes", str(trajectory.escapes)),
         ],

@@ -25,7 +25,7 @@ def spring_simulation_summary(run: SimulatedSprings) -> str:
         (
             moving_words(run),
             f"  integrator        {run.integrator.value}",
-            f"  steps             {run.steps} of at most {run.step:.6g}",
+            f"  steps             {run.steps}, each at most {run.step:.6g} long",
             f"  time              {run.time:.6g}  (unit of the springs)",
             f"  escapes           {run.escapes}  (kicked off a saddle)",
             f"  initial energy    {number(initial)}  (kinetic and potential)",
@@ -69,7 +69,7 @@ def spring_trajectory_card(run: SimulatedSprings) -> str:
         good=run.converged,
         facts=[
             ("integrator", run.integrator.value),
-            ("steps", f"{run.steps:,} of at most {run.step:.6g}"),
+            ("steps", f"{run.steps:,}, each at most {run.step:.6g} long"),
             ("time", f"{run.time:.6g}"),
             ("escapes", str(run.escapes)),
             ("end", at_end_words(run)),

@@ -101,13 +101,13 @@ def simulation_summary(simulated: SimulatedRegistration) -> str:
     trajectory, unspent = simulated.trajectory, unspent_words(simulated.trajectory)
     end = _away(simulated.angle_to_optimum, unique=simulated.unique)
     initial, final = (present(energy) for energy in simulated.energies)
-    proved = "Proved" if simulated.in_certified_basin else "Not proved"
+    proved = "Proved:" if simulated.in_certified_basin else "Not proved that"
     which = "the" if simulated.unique else "an"
     return "\n".join(
         (
             trajectory.status.value,
             f"  integrator        {trajectory.integrator.value}",
-            f"  steps             {trajectory.steps} of at most {trajectory.step:.6g}",
+            f"  steps             {trajectory.steps}, each at most {trajectory.step:.6g} long",
             f"  time              {trajectory.times[-1]:.6g}  (unit of the springs)",
             f"  escapes           {trajectory.escapes}  (kicked off a saddle)",
             f"  initial energy    {number(initial)}  (kinetic and potential)",
@@ -116,7 +116,7 @@ def simulation_summary(simulated: SimulatedRegistration) -> str:
             f"  decay rate        {_rate_words(trajectory)}",
             f"  end               {end if unspent is None else f'its rotation {end}'}",
             *([] if unspent is None else [f"  not there yet     {unspent}"]),
-            f"{proved}: from its last state the exact motion ends at {which} optimum.",
+            f"{proved} from its last state the exact motion ends at {which} optimum.",
         )
     )
 

@@ -80,7 +80,7 @@ def test_the_summary_tells_the_same_in_words(data: Path):
 
     assert (run.code, run.err) == (0, "")
     assert run.out.startswith(SimulationStatus.CONVERGED.value + "\n")
-    assert lines["steps"].startswith(f"{document['steps']} of ")
+    assert lines["steps"].startswith(f"{document['steps']}, each at most ")
     assert float(lines["time"].split()[0]) == pytest.approx(
         document["steps"] * document["step"], rel=1e-5
     )
@@ -204,7 +204,7 @@ def test_an_optimum_that_is_not_unique_is_reached_but_no_basin_is_proved(tmp_pat
     assert document["escapes"] >= 1
     assert document["status"] == SimulationStatus.AT_REST.value
     assert document["in_certified_basin"] is False
-    assert "\nNot proved: from its last state" in run.out
+    assert "\nNot proved that from its last state" in run.out
 
 
 def test_energies_that_no_double_holds_are_null_with_a_reason(tmp_path: Path):

@@ -14,6 +14,7 @@ from certreg.objective import Springs
 from certreg.problem import RegistrationProblem, spring_moments
 from certreg.registration.assessment import assess
 from certreg.registration.certification import certify
+from certreg.registration.spring_simulation import simulated_springs
 from certreg.registration.weak_shifts import HARDLY, weak_shift_words, weak_shifts
 from certreg.report import result_document
 
@@ -131,3 +132,12 @@ def test_limits_of_ones_own_do_not_hide_it():
     assert lines[1].startswith(
         "A shift along (0.667, -0.333, 0.667) is resisted by next to nothing"
     )
+
+
+def test_a_motion_notes_the_shift_that_is_hardly_resisted():
+    """A certificate of the list says that it ends at the optimum, and not that it is near."""
+    (note,) = simulated_springs(corridor(2.0**-60)).notes
+
+    assert note.startswith("a shift along (0.667, -0.333, 0.667) is resisted by next to nothing: ")
+    rest = "along it the body may be at rest (slower than the tolerance) far from the optimum"
+    assert note.endswith(f" would leave it free: {rest}")
