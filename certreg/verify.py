@@ -23,7 +23,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import Field, dataclass, fields
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
-from functools import cache, lru_cache
+from functools import cache
 from getopt import GetoptError, gnu_getopt
 from itertools import accumulate, chain, combinations_with_replacement, product, repeat
 from math import factorial, frexp, gcd, isfinite, isqrt, ldexp, prod
@@ -482,13 +482,11 @@ def room_of_eigenvector(g: Fraction, angle: Fraction, s: Fraction) -> Fraction:
     return g * (sine_below(s) - angle) / 2
 
 
-@lru_cache(8)  # of many certificates nearly all name the same angle
 def angle_above(s: Fraction) -> Fraction:
     """More than the angle a of s = sin(a/2), at most 90 degrees, by its series."""
     return 2 * s + s**3 / 3 + Fraction(3, 20) * s**5 / (1 - s * s)
 
 
-@lru_cache(8)
 def sine_below(s: Fraction) -> Fraction:
     """Less than sin a of s = sin(a/2) < 1."""
     return 2 * s * root_up(*(1 - s * s).as_integer_ratio()) * SLACK

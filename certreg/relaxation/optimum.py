@@ -8,6 +8,7 @@ says what it is worth.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -119,11 +120,21 @@ def _found(
 
 
 def _below(levelled: LevelledExactly, form: FloatingQuartic, start: Reals) -> IntegerQuaternion:
-    """The minimum near a start; descents in doubles help where Newton's method does not."""
+    """The minimum near a start; descents in doubles help where Newton's method does not.
+
+    It may end at the saddle between two minima that are near each other.
+    """
     near = newton(levelled, start.tolist())
-    if near.slope <= CRITICAL:
+    if near.slope <= CRITICAL and _curves_up(form, near.quaternion):
         return near.quaternion
     return refined(levelled, descended(form, start[np.newaxis]).points[0].tolist())
+
+
+def _curves_up(form: FloatingQuartic, q: IntegerQuaternion) -> bool:
+    """Whether the Hessian at q is positive definite, as doubles see it."""
+    unit = np.array([[entry / math.isqrt(squared_norm(q)) for entry in q]])
+    curvatures = np.linalg.eigvalsh(form.curvatures(unit)[2][0])
+    return bool(curvatures[0] > FLAT * np.abs(curvatures).max())
 
 
 def _is_tight(
