@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from certreg.equilibrium import solve_many as solve_many
     from certreg.errors import CertregError as CertregError
     from certreg.geometry import Pose as Pose
+    from certreg.geometry import Similarity as Similarity
     from certreg.io import load as load
     from certreg.io import pair as pair
     from certreg.io import read_cloud as read_cloud
@@ -54,6 +55,7 @@ __all__ = [
     "Pose",
     "Registration",
     "RegistrationProblem",
+    "Similarity",
     "SimulationSettings",
     "Trajectory",
     "Verdict",
@@ -90,7 +92,10 @@ __getattr__ = lazy_face(
         ),
         "equilibrium": ("solve_many",),
         "errors": ("CertregError",),
-        "geometry": ("Pose",),
+        "geometry": (
+            "Pose",
+            "Similarity",
+        ),
         "io": (
             "load",
             "pair",

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from certreg.geometry.orthogonality import why_no_rotation as why_no_rotation
     from certreg.geometry.pose import Pose as Pose
     from certreg.geometry.pose_matrix import last_row_fault as last_row_fault
+    from certreg.geometry.similarity import Similarity as Similarity
+    from certreg.geometry.similarity import split_scale as split_scale
     from certreg.geometry.so3 import Matrix3 as Matrix3
     from certreg.geometry.so3 import Matrix4 as Matrix4
     from certreg.geometry.so3 import T as T
@@ -61,6 +63,10 @@ __getattr__ = lazy_face(
         ),
         "pose": ("Pose",),
         "pose_matrix": ("last_row_fault",),
+        "similarity": (
+            "Similarity",
+            "split_scale",
+        ),
         "so3": (
             "Matrix3",
             "Matrix4",

@@ -143,7 +143,8 @@ class Pose(Brief):
         the rotations, however many are multiplied.
         """
         if not isinstance(other, Pose):
-            return self.apply(other)
+            # a record is no array of points: a Similarity multiplies from the right by itself
+            return NotImplemented if isinstance(other, Brief) else self.apply(other)
         q, (w, *axial) = self.quaternion_wxyz, other.quaternion_wxyz.tolist()
         product = w * q + np.array(body_frame(q.tolist())) @ np.array(axial)
         with np.errstate(over="ignore", invalid="ignore"):

@@ -16,7 +16,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 ORDER = ("Parameters", "Attributes", "Returns", "Raises", "Examples")
-MADE_BY_USERS = {"AssessmentSettings", "Pose", "RegistrationProblem", "SimulationSettings"}
+MADE_BY_USERS = {
+    *("AssessmentSettings", "Pose", "RegistrationProblem", "Similarity", "SimulationSettings")
+}
 NAMES = [name for name in certreg.__all__ if name != "__version__"]
 
 

@@ -56,6 +56,7 @@ def made(problem, registration) -> dict[str, Any]:
         "Pose": pose,
         "Registration": registration,
         "RegistrationProblem": problem,
+        "Similarity": certreg.Similarity.of_pose(pose, 2.0),
         "SimulationSettings": certreg.SimulationSettings(),
         "Trajectory": registration.solution.trajectory,
         "Verdict": registration.verdict,
