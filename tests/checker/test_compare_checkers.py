@@ -14,11 +14,14 @@ ONE_PER_CENT = compare_checkers.COUNT // 100
 
 
 @pytest.mark.slow
-def test_a_mutated_certificate_is_refused_unless_all_its_claims_are_true():
+@pytest.mark.parametrize(
+    "count", [ONE_PER_CENT, pytest.param(3 * ONE_PER_CENT, marks=pytest.mark.long)]
+)
+def test_a_mutated_certificate_is_refused_unless_all_its_claims_are_true(count: int):
     checker = compare_checkers.loaded(TEXT, "checker_as_shipped")
     rng, certificates = random.Random(7), compare_checkers.originals()
     accepted = 0
-    for _ in range(3 * ONE_PER_CENT):
+    for _ in range(count):
         content = compare_checkers.mutated(certificates, rng)
         verified, theorems, reason = compare_checkers.answer(checker, content, None)
 
@@ -28,7 +31,7 @@ def test_a_mutated_certificate_is_refused_unless_all_its_claims_are_true():
             accepted += 1
             assert compare_checkers.is_true(json.loads(content)), content
 
-    assert accepted > 20
+    assert accepted > count // 30
 
 
 def test_the_vectors_are_accepted_by_definition_exactly_where_the_manifest_says_so():
@@ -55,7 +58,9 @@ def test_another_verdict_reason_or_sentence_is_seen(change):
     assert TEXT.count(change[0]) == 1
     base = compare_checkers.loaded(TEXT, "checker_of_base")
     head = compare_checkers.loaded(TEXT.replace(*change), "checker_of_head")
-    vectors = [path.read_bytes() for path in sorted(compare_checkers.VECTORS.glob("*-*.json"))]
+    files = sorted(compare_checkers.VECTORS.glob("*-*.json"))
+    # The checks of general springs take nine tenths of the time, and none of these changes is theirs.
+    vectors = [path.read_bytes() for path in files if "springs" not in path.name]
     exact = json.loads(vectors[4])
     delta = exact["optimality"]["delta"]
     exact["claims"]["gap"] = [delta[0], delta[1] + 1]
