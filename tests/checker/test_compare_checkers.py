@@ -59,7 +59,7 @@ def test_another_verdict_reason_or_sentence_is_seen(change):
     base = compare_checkers.loaded(TEXT, "checker_of_base")
     head = compare_checkers.loaded(TEXT.replace(*change), "checker_of_head")
     files = sorted(compare_checkers.VECTORS.glob("*-*.json"))
-    # The checks of general springs take nine tenths of the time, and none of these changes is theirs.
+    # General springs take nine tenths of the time, and none of these changes is theirs.
     vectors = [path.read_bytes() for path in files if "springs" not in path.name]
     exact = json.loads(vectors[4])
     delta = exact["optimality"]["delta"]
