@@ -44,9 +44,9 @@ test: $(READY)  ## run the tests and the examples in the docstrings
 test-long: kernels  ## the rest of the samples of which `make test` takes a part (two minutes)
 	@$(RUN) $(STRICT) -m pytest -m 'long or hypothesis' --hypothesis-profile long
 
-# In one session, which finds and proves but once what both need.
+# In one session, which finds and proves but once what both need; of the folders in TESTS, where it is given.
 test-all: kernels  ## both of them: `make test` and the rest of the samples
-	@$(RUN) $(STRICT) -m pytest -m '' --hypothesis-profile long
+	@$(RUN) $(STRICT) -m pytest -m '' --hypothesis-profile long $(TESTS)
 
 # Of the oldest versions there are wheels for the oldest Python. What they deprecate of each other is no fault of ours.
 test-lowest:  ## the quick tests on the lowest versions that pyproject.toml names (needs uv)
