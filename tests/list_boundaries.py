@@ -35,6 +35,8 @@ APART = "REFUSED: the boxes are not 40 that are apart$"
 RANKS = "REFUSED: chart and modulus do not prove that 40 are all$"
 BOX = "REFUSED: a box is not seen to hold one line$"
 POSE = "REFUSED: the pose is not that of the first real line$"
+# How an answer begins that costs 50 ms: the checker has looked into the boxes before.
+LATE = ("VERIFIED", "(VERIFIED", "REFUSED: claims", "(REFUSED: claims", BOX, POSE)
 TWO = Fraction(2)
 
 
@@ -167,9 +169,9 @@ def questions() -> Iterator[tuple[str, Document, str]]:
     yield "indices swapped", other(indices=swapped), "REFUSED: claims.indices is not proved$"
     yield "an index less", other(indices=claims["indices"][1:]), "REFUSED: claims.indices"
     yield from _ranges(proof)
-    yield from _boxes()
     yield from _pairs()
     yield from _six()
+    yield from _boxes()
 
 
 def _ranges(proof: Document) -> Iterator[tuple[str, Document, str]]:
@@ -402,11 +404,17 @@ def words() -> str:
 
 @cache
 def _cases() -> tuple[Case, ...]:
-    made = [Case(name, outcome_of(document), answer) for name, document, answer in questions()]
-    made += [Case(name, value_of(ask), f"{answer}$") for name, ask, answer in direct_questions()]
-    return (Case("words of a list", outcome_of(good()), words()), *made)
+    made = [Case(name, value_of(ask), f"{answer}$") for name, ask, answer in direct_questions()]
+    made.append(Case("words of a list", outcome_of(good()), words()))
+    made += [Case(name, outcome_of(document), answer) for name, document, answer in questions()]
+    return tuple(sorted(made, key=lambda case: case.answer.startswith(LATE)))
 
 
 def list_cases() -> list[Case]:
-    """All cases of lists."""
+    """All cases of lists, those first that are answered before a box is looked into."""
     return list(_cases())
+
+
+def early_list_cases() -> list[Case]:
+    """Of all cases these take a hundredth of the time."""
+    return [case for case in _cases() if not case.answer.startswith(LATE)]
