@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from certreg.dynamics import bodies_of as bodies_of
     from certreg.dynamics import simulate_many as simulate_many
     from certreg.equilibrium import solve_many as solve_many
+    from certreg.equilibrium import solve_many_springs as solve_many_springs
     from certreg.errors import CertregError as CertregError
     from certreg.geometry import Pose as Pose
     from certreg.geometry import Similarity as Similarity
@@ -74,6 +75,7 @@ __all__ = [
     "simulate",
     "simulate_many",
     "solve_many",
+    "solve_many_springs",
     "verify",
 ]
 
@@ -90,7 +92,10 @@ __getattr__ = lazy_face(
             "bodies_of",
             "simulate_many",
         ),
-        "equilibrium": ("solve_many",),
+        "equilibrium": (
+            "solve_many",
+            "solve_many_springs",
+        ),
         "errors": ("CertregError",),
         "geometry": (
             "Pose",

@@ -38,6 +38,8 @@ if TYPE_CHECKING:
     from certreg.equilibrium.quartics import QuarticDescent as QuarticDescent
     from certreg.equilibrium.quartics import descended as descended
     from certreg.equilibrium.spectral import by_eigenspaces as by_eigenspaces
+    from certreg.equilibrium.spring_batch import SpringSolutions as SpringSolutions
+    from certreg.equilibrium.spring_batch import solve_many_springs as solve_many_springs
     from certreg.equilibrium.stability import TRANSLATION_STIFFNESS as TRANSLATION_STIFFNESS
 
 __getattr__ = lazy_face(
@@ -88,6 +90,10 @@ __getattr__ = lazy_face(
             "descended",
         ),
         "spectral": ("by_eigenspaces",),
+        "spring_batch": (
+            "SpringSolutions",
+            "solve_many_springs",
+        ),
         "stability": ("TRANSLATION_STIFFNESS",),
     },
 )

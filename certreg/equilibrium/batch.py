@@ -236,6 +236,14 @@ def stationary_poses(given: ManyClouds, first: int = 0) -> StationaryPoses:
     return found
 
 
+def require_finite(given: ManyClouds) -> None:
+    """Raises InvalidProblemError, which names the instance, for a number that is not finite."""
+    good = np.isfinite(given.sources).all(axis=(1, 2)) & np.isfinite(given.targets).all(axis=(1, 2))
+    if not good.all():
+        k = int(np.argmin(np.broadcast_to(good, given.count)))
+        raise _infinite(given.part(slice(k, k + 1)), k)
+
+
 def _infinite(one: ManyClouds, number: int) -> InvalidProblemError:
     """The error that says where a number of a problem is not finite."""
     clouds = {"sources": one.sources[0], "targets": one.targets[0]}

@@ -12,7 +12,7 @@ This is floating point: it proposes. What became of the paths is said.
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING
 
@@ -31,7 +31,7 @@ from certreg.equilibrium.tracking import (
     statuses_of,
     track,
 )
-from certreg.native import REACHED, PathRules, quartic_paths
+from certreg.native import REACHED, PathEnds, PathRules, many_quartic_paths, quartic_paths
 from certreg.objective import MONOMIALS, levelled
 from certreg.results import Brief
 
@@ -41,7 +41,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.equilibrium.tracking import Complexes, Indices, Reals
-    from certreg.native import PathEnds
 
 LINES = 40
 # One start is enough for 995 of 1000 random quartics; paths that come near each other need short
@@ -97,6 +96,11 @@ class CriticalLines(Brief):
     def statuses(self) -> tuple[PathStatus, ...]:
         """What became of each path."""
         return statuses_of(self.codes)
+
+    @property
+    def real_ends(self) -> NDArray[np.bool_]:
+        """(40,): which ends are regular and real."""
+        return (self.codes == REGULAR) & (np.linalg.norm(self.points.imag, axis=1) < REAL)
 
 
 class LineForm:
@@ -215,37 +219,106 @@ def _known_roots(a: Complexes) -> Complexes:
 
 def _gathered(form: FloatingQuartic, tracked: TrackedPaths, attempt: int) -> CriticalLines:
     """The ends made units, the real ones sorted out, and what all amounts to."""
-    q = tracked.points[:, :4]
-    largest = np.take_along_axis(q, np.abs(q).argmax(axis=1)[:, None], axis=1)
-    q = q / largest
-    q /= np.linalg.norm(q, axis=1, keepdims=True)
-    regular = tracked.codes == REGULAR
-    real = q[regular & (np.linalg.norm(q.imag, axis=1) < REAL)].real
+    ends = gathered(tracked.points[np.newaxis], tracked.codes[np.newaxis])
+    real = ends.units[ends.real].real
     real /= np.linalg.norm(real, axis=1, keepdims=True)
     return CriticalLines(
-        points=q,
+        points=ends.units[0],
         codes=tracked.codes,
         quaternions=real[np.argsort(form.values(real), kind="stable")],
-        outcome=_outcome(q[regular], tracked.codes),
+        outcome=ends.outcomes[0],
         attempts=attempt,
     )
 
 
-def _outcome(regular: Complexes, codes: NDArray[np.int8]) -> PathsOutcome:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class GatheredEnds(Brief):
+    """Ends of paths to many quartics.
+
+    units: (count, 40, 4), the largest entry positive. codes: (count, 40), as in `CriticalLines`.
+    real: (count, 40), regular and real.
+    """
+
+    units: Complexes
+    codes: NDArray[np.int8]
+    real: NDArray[np.bool_]
+    outcomes: tuple[PathsOutcome, ...]
+
+
+def gathered(points: Complexes, codes: NDArray[np.int8]) -> GatheredEnds:
+    """Ends (count, 40, 5), of which no entry of l matters, and codes (count, 40), sorted out."""
+    q = points[..., :4]
+    largest = np.take_along_axis(q, np.abs(q).argmax(axis=2)[..., None], axis=2)
+    q = q / largest
+    q /= np.linalg.norm(q, axis=2, keepdims=True)
+    regular = codes == REGULAR
+    real = regular & (np.linalg.norm(q.imag, axis=2) < REAL)
+    return GatheredEnds(units=q, codes=codes, real=real, outcomes=_outcomes(q, codes))
+
+
+def _outcomes(units: Complexes, codes: NDArray[np.int8]) -> tuple[PathsOutcome, ...]:
     """FOUND if all ends are regular and no two the same."""
-    overlaps = regular.conj() @ regular.T
-    met = _sines(regular, overlaps)
-    met[np.diag_indices(len(regular))] = 1.0
-    if ((codes == LOST) | (codes == DIVERGED)).any() or (met < SAME_LINE).any():
-        return PathsOutcome.INCOMPLETE
-    return PathsOutcome.FOUND if len(regular) == LINES else PathsOutcome.SINGULAR
+    regular = codes == REGULAR
+    met = _sines(np.where(regular[..., None], units, 0.0))
+    met[~(regular[:, :, None] & regular[:, None])] = 1.0
+    met[:, np.arange(LINES), np.arange(LINES)] = 1.0
+    lost = ((codes == LOST) | (codes == DIVERGED)).any(axis=1)
+    incomplete = lost | (met < SAME_LINE).any(axis=(1, 2))
+    whole = regular.all(axis=1)
+    full = {False: PathsOutcome.SINGULAR, True: PathsOutcome.FOUND}
+    return tuple(
+        PathsOutcome.INCOMPLETE if bad else full[bool(good)]
+        for bad, good in zip(incomplete, whole, strict=True)
+    )
 
 
-def _sines(units: Complexes, overlaps: Complexes) -> Reals:
+def _sines(units: Complexes) -> Reals:
     """Of the angles between all lines: |p - (q.p) q|, right where 1 - |q.p|^2 is not."""
-    apart = units[:, None] - overlaps.T[..., None] * units[None]
-    return np.linalg.norm(apart, axis=2)
+    overlaps = units.conj() @ units.swapaxes(1, 2)
+    apart = units[:, :, None] - overlaps.swapaxes(1, 2)[..., None] * units[:, None]
+    return np.linalg.norm(apart, axis=3)
 
 
 def _lost(found: CriticalLines) -> int:
     return int(((found.codes == LOST) | (found.codes == DIVERGED)).sum())
+
+
+def many_critical_lines(quartics: Reals) -> GatheredEnds:
+    """The critical lines of many levelled quartics (count, 35), none zero, all in one call of C.
+
+    A problem of which paths are lost or meet is tried again by itself, as `critical_lines` does.
+    """
+    rng = np.random.default_rng(SEED)
+    a = np.exp(2j * np.pi * rng.uniform(size=4))
+    roots = _known_roots(a)
+    ends = many_quartic_paths(quartics, a, roots, _rules(SETTINGS))
+    if ends is None:
+        return _one_by_one(quartics)
+    clear = (ends.changes <= POLISHED) & (ends.conditions <= CLEAR_CONDITION)
+    points = ends.points
+    codes = np.where(ends.codes == REACHED, REGULAR, LOST).astype(np.int8)
+    for k in np.flatnonzero(~clear.all(axis=1)):
+        one = PathEnds(**{name: getattr(ends, name)[k] for name in PathEnds.__annotations__})
+        sorted_out = _sorted_out(FloatingQuartic.of(quartics[k]), roots, one, SETTINGS)
+        points[k], codes[k] = sorted_out.points, sorted_out.codes
+    found = gathered(points, codes)
+    again = [k for k, o in enumerate(found.outcomes) if o is PathsOutcome.INCOMPLETE]
+    if not again:
+        return found
+    others = _one_by_one(quartics[again])
+    outcomes = list(found.outcomes)
+    for k, outcome in zip(again, others.outcomes, strict=True):
+        outcomes[k] = outcome
+    found.units[again], found.codes[again] = others.units, others.codes
+    found.real[again] = others.real
+    return replace(found, outcomes=tuple(outcomes))
+
+
+def _one_by_one(quartics: Reals) -> GatheredEnds:
+    lines = [critical_lines(quartic) for quartic in quartics]
+    return GatheredEnds(
+        units=np.array([one.points for one in lines]),
+        codes=np.array([one.codes for one in lines]),
+        real=np.array([one.real_ends for one in lines]),
+        outcomes=tuple(one.outcome for one in lines),
+    )

@@ -67,6 +67,26 @@ class FloatingQuartic:
         return values, 0.5 * (turned @ gradients[..., None])[..., 0], curved
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class StackedQuartics(FloatingQuartic):
+    """A quartic for each point, table (m, 10, 16), and points in the same order."""
+
+    @classmethod
+    def of(cls, coefficients: NDArray[Any]) -> StackedQuartics:
+        """The quartics of coefficients (m, 35)."""
+        tables = (_hessian_table() @ coefficients[..., np.newaxis]).reshape(-1, len(PAIRS), 16)
+        return cls(tables, float(np.abs(coefficients).max(initial=0.0)))
+
+    def chosen(self, which: NDArray[np.integer[Any]]) -> StackedQuartics:
+        """The quartics with these numbers."""
+        return StackedQuartics(self.table[which], self.size)
+
+    def hessians(self, q: Any) -> Any:
+        """F''(q), (m, 4, 4), of each quartic at its point."""
+        pairs = q[:, np.newaxis, FIRST] * q[:, np.newaxis, SECOND]
+        return (pairs @ self.table).reshape(-1, 4, 4)
+
+
 @cache
 def _hessian_table() -> Reals:
     """(160, 35): what each coefficient adds to each coefficient of each entry of F''."""

@@ -52,11 +52,16 @@ NEARLY_REAL = 1e-2  # of such an end, the sine of the angle to its conjugate
 
 def by_forty_paths(objective: Springs) -> LineSet:
     """The real ends of the 40 paths, proved where they are simple; what is not proved is said."""
+    return proved_list(objective)
+
+
+def proved_list(objective: Springs, ends: CriticalLines | None = None) -> LineSet:
+    """The same from ends that are known already, of the same quartic but for rounding."""
     finiteness = finiteness_of(objective)
     if finiteness is Finiteness.CONSTANT:
         return constant_set(HOMOTOPY, objective)
     levelled = levelled_exactly(objective.quartic)
-    ends = critical_lines(levelled.rest)
+    ends = ends or critical_lines(levelled.rest)
     proved = proved_lines(BallQuartic(levelled), ends)
     real = [line for line in proved if line.is_real]
     parts, tied = proved_components(objective, real)

@@ -60,6 +60,7 @@ if TYPE_CHECKING:
     from certreg.native.paths import PathEnds as PathEnds
     from certreg.native.paths import PathRules as PathRules
     from certreg.native.paths import critical_point_near as critical_point_near
+    from certreg.native.paths import many_quartic_paths as many_quartic_paths
     from certreg.native.paths import quartic_paths as quartic_paths
     from certreg.native.spring_sums import SpringIntegers as SpringIntegers
     from certreg.native.spring_sums import springs_by_exponent as springs_by_exponent
@@ -134,6 +135,7 @@ __getattr__ = lazy_face(
             "PathEnds",
             "PathRules",
             "critical_point_near",
+            "many_quartic_paths",
             "quartic_paths",
         ),
         "spring_sums": (

@@ -89,6 +89,8 @@ WRITTEN = (  # by hand, not generated
     "certreg_fixed_fits",
     "certreg_fixed_vectors",
     "certreg_limb_springs",
+    "certreg_many_quartic_paths",
+    "certreg_many_springs",
     "certreg_pose",
     "certreg_prove_optima",
     "certreg_quartic_newton",

@@ -341,6 +341,18 @@ void certreg_quartic_paths(const double *quartic, const double *a, int64_t count
     }
 }
 
+void certreg_many_quartic_paths(int64_t problems, const double *quartics, const double *a, int64_t count,
+                                const double *roots, const struct certreg_path_rules *rules, double *points,
+                                int8_t *codes, double *changes, double *conditions, int64_t *rounds)
+{
+    for (int64_t k = 0; k < problems; k++) {
+        const int64_t first = k * count;
+        memcpy(points + CERTREG_POINT * first, roots, (size_t)(CERTREG_POINT * count) * sizeof *roots);
+        certreg_quartic_paths(quartics + CERTREG_QUARTIC * k, a, count, rules, points + CERTREG_POINT * first,
+                              codes + first, changes + first, conditions + first, rounds + first);
+    }
+}
+
 /* Gradient and Hessian in rotation angle at a unit q: 1/2 E^T F' and 1/4 (E^T F'' E - 4 F I), E = (q i, q j, q k). */
 static void curvature(const double table[PAIRS][PAIRS], const double q[ENTRIES], double frame[3][ENTRIES],
                       double gradient[3], double hessian[3][3])

@@ -21,6 +21,12 @@ void certreg_quartic_paths(const double *quartic, const double *a, int64_t count
                            const struct certreg_path_rules *rules, double *points, int8_t *codes,
                            double *changes, double *conditions, int64_t *rounds);
 
+/* The same for `problems` quartics one after another, all from the `count` points `roots`; what is found stands
+ * one problem after another, too. */
+void certreg_many_quartic_paths(int64_t problems, const double *quartics, const double *a, int64_t count,
+                                const double *roots, const struct certreg_path_rules *rules, double *points,
+                                int8_t *codes, double *changes, double *conditions, int64_t *rounds);
+
 /* Newton's method in rotation angle from a unit q near a critical point of a real quartic: q where it converged,
  * the inverse of the Hessian there, by rows. 0 where it did not. */
 int32_t certreg_quartic_newton(const double *quartic, double *q, double *inverse);

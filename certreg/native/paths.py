@@ -100,6 +100,42 @@ def quartic_paths(
     return ends
 
 
+def many_quartic_paths(
+    quartics: NDArray[np.float64],
+    a: NDArray[np.complex128],
+    roots: NDArray[np.complex128],
+    rules: PathRules,
+    library: Library | None = None,
+) -> PathEnds | None:
+    """As `quartic_paths`, to many quartics (problems, 35): arrays (problems, paths, ...)."""
+    library = library or library_if_any()
+    if library is None:
+        return None
+    given = [np.ascontiguousarray(quartics, dtype=np.float64)]
+    given += [np.ascontiguousarray(array, dtype=np.complex128) for array in (a, roots)]
+    if given[0].shape[1:] != (35,) or given[1].shape != (4,) or roots.shape[1:] != (5,):
+        raise ValueError("a quartic has 35 coefficients, its start 4, a point 5 entries")
+    several = (len(quartics), len(roots))
+    ends = PathEnds(
+        points=np.empty((*several, 5), dtype=np.complex128),
+        codes=np.empty(several, dtype=np.int8),
+        changes=np.empty(several),
+        conditions=np.empty(several),
+        rounds=np.empty(several, dtype=np.int64),
+    )
+    passed = _PathRules(*[getattr(rules, name) for name in PathRules.__annotations__])
+    library.handle.certreg_many_quartic_paths(
+        ctypes.c_int64(len(quartics)),
+        _address(given[0]),
+        _address(given[1]),
+        ctypes.c_int64(len(roots)),
+        _address(given[2]),
+        ctypes.byref(passed),
+        *[_address(getattr(ends, name)) for name in PathEnds.__annotations__],
+    )
+    return ends
+
+
 @dataclass(frozen=True, slots=True)
 class NearbyPoint:
     """A critical point in doubles: its unit quaternion, and the inverse Hessian in rotation angle.

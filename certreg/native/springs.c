@@ -95,3 +95,11 @@ void certreg_springs(int64_t n, const double *source, const double *target, cons
     for (int k = 0; k < CERTREG_SPRINGS; k++)
         fold(&total[k], sums[k]);
 }
+
+void certreg_many_springs(int64_t count, int64_t n, const double *source, const double *target, const double *factors,
+                          const int64_t strides[3], const double *origins, double *sums)
+{
+    for (int64_t k = 0; k < count; k++)
+        certreg_springs(n, source + strides[0] * k, target + strides[1] * k, factors + strides[2] * k,
+                        origins + 6 * k, (double(*)[2])(sums + 2 * CERTREG_SPRINGS * k));
+}

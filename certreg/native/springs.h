@@ -21,4 +21,9 @@ enum {
 void certreg_springs(int64_t n, const double *source, const double *target, const double *factors,
                      const double origin[6], double sums[CERTREG_SPRINGS][2]);
 
+/* The sums of `count` problems of n points each, one after another: 73 x 2 each. Every problem's numbers stand
+ * `strides` doubles behind those of the one before: of source, target and factors, 0 where all share them. */
+void certreg_many_springs(int64_t count, int64_t n, const double *source, const double *target, const double *factors,
+                          const int64_t strides[3], const double *origins, double *sums);
+
 #endif

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from certreg.objective.quartics import MONOMIALS as MONOMIALS
     from certreg.objective.quartics import PAIR_PLACE as PAIR_PLACE
     from certreg.objective.quartics import PAIRS as PAIRS
+    from certreg.objective.quartics import quartic_of_form as quartic_of_form
     from certreg.objective.springs import Springs as Springs
 
 __getattr__ = lazy_face(
@@ -43,6 +44,7 @@ __getattr__ = lazy_face(
             "MONOMIALS",
             "PAIRS",
             "PAIR_PLACE",
+            "quartic_of_form",
         ),
         "springs": ("Springs",),
     },

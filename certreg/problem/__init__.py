@@ -27,6 +27,10 @@ if TYPE_CHECKING:
     from certreg.problem.gicp import FrozenInformation as FrozenInformation
     from certreg.problem.gicp import gicp_information as gicp_information
     from certreg.problem.many import ManyPairs as ManyPairs
+    from certreg.problem.many_springs import ManySpringMoments as ManySpringMoments
+    from certreg.problem.many_springs import ManySprings as ManySprings
+    from certreg.problem.many_springs import many_spring_moments as many_spring_moments
+    from certreg.problem.many_springs import stated_many as stated_many
     from certreg.problem.moments import ExactMoments as ExactMoments
     from certreg.problem.moments import Moments as Moments
     from certreg.problem.moments import davenport_error as davenport_error
@@ -63,6 +67,7 @@ if TYPE_CHECKING:
     from certreg.problem.spring_sums import second_spring_method as second_spring_method
     from certreg.problem.spring_sums import spring_sums_by as spring_sums_by
     from certreg.problem.springs import SPRINGS_PREFIX as SPRINGS_PREFIX
+    from certreg.problem.springs import GivenSprings as GivenSprings
     from certreg.problem.springs import SpringSummary as SpringSummary
 
 __getattr__ = lazy_face(
@@ -98,6 +103,12 @@ __getattr__ = lazy_face(
             "gicp_information",
         ),
         "many": ("ManyPairs",),
+        "many_springs": (
+            "ManySpringMoments",
+            "ManySprings",
+            "many_spring_moments",
+            "stated_many",
+        ),
         "moments": (
             "ExactMoments",
             "Moments",
@@ -151,6 +162,7 @@ __getattr__ = lazy_face(
         ),
         "springs": (
             "SPRINGS_PREFIX",
+            "GivenSprings",
             "SpringSummary",
         ),
     },

@@ -56,18 +56,7 @@ class FloatingSpringMoments(Brief):
     @cached_property
     def hessian_form(self) -> NDArray[np.float64]:
         """H, 13x13, with f = z^T H z for z = (1, vec R, t - target origin + R source origin)."""
-        s, H = self.sums, np.zeros((13, 13))
-        source, scatter = s[6:24].reshape(6, 3), s[24:60].reshape(6, 6)
-        cross = s[63:72].reshape(3, 3)
-        H[0, 0] = s[72]
-        for a, b in product(range(3), repeat=2):
-            spring = FULL[3 * a + b]
-            H[10 + a, 10 + b] = s[spring]
-            H[1 + a : 10 : 3, 10 + b] = H[10 + b, 1 + a : 10 : 3] = source[spring]
-            H[1 + a : 10 : 3, 1 + b : 10 : 3] = scatter[spring][list(FULL)].reshape(3, 3)
-        H[0, 1:10] = H[1:10, 0] = -cross.T.ravel()
-        H[0, 10:] = H[10:, 0] = -s[60:63]
-        return H
+        return hessian_form_of(self.sums)
 
     @cached_property
     def form(self) -> NDArray[np.float64]:
@@ -80,6 +69,23 @@ class FloatingSpringMoments(Brief):
         kept = values > LEAST_STIFFNESS * values[-1]
         arms = H[:10, 10:] @ vectors[:, kept]
         return H[:10, :10] - (arms / values[kept]) @ arms.T
+
+
+def hessian_form_of(sums: NDArray[np.float64]) -> NDArray[np.float64]:
+    """H, (13, 13, ...), of sums (73, ...) about an origin."""
+    H = np.zeros((13, 13, *sums.shape[1:]))
+    source, scatter = sums[6:24].reshape(6, 3, -1), sums[24:60].reshape(6, 6, -1)
+    cross = sums[63:72].reshape(3, 3, *sums.shape[1:])
+    H[0, 0] = sums[72]
+    for a, b in product(range(3), repeat=2):
+        spring, here = FULL[3 * a + b], (slice(1 + a, 10, 3), slice(1 + b, 10, 3))
+        H[10 + a, 10 + b] = sums[spring]
+        lever = source[spring].reshape(3, *sums.shape[1:])
+        H[1 + a : 10 : 3, 10 + b] = H[10 + b, 1 + a : 10 : 3] = lever
+        H[here] = scatter[spring][list(FULL)].reshape(3, 3, *sums.shape[1:])
+    H[0, 1:10] = H[1:10, 0] = -cross.swapaxes(0, 1).reshape(9, *sums.shape[1:])
+    H[0, 10:] = H[10:, 0] = -sums[60:63]
+    return H
 
 
 def floating_spring_moments(problem: RegistrationProblem) -> FloatingSpringMoments:
@@ -128,7 +134,7 @@ def _of_block(
         block, origin = _over(block, origin, exponents), np.zeros(6)
     library = library_if_any()
     if library is None:
-        return _plain(block, origin)
+        return summed_in_numpy(block, origin)[:, np.newaxis]
     sums = np.empty((len(COORDINATES), 2))
     arrays = (block.source, block.target, block.factors, origin, sums)
     pointers = [ctypes.c_void_p(array.ctypes.data) for array in arrays]
@@ -148,7 +154,8 @@ def _over(
     return SpringBlock(source=source, target=target, factors=np.ldexp(block.factors, -factor))
 
 
-def _plain(block: SpringBlock, origin: NDArray[np.float64]) -> NDArray[np.float64]:
+def summed_in_numpy(block: SpringBlock, origin: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(73,): the sums, where nothing is compiled."""
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
         x, y = block.source - origin[:3], block.target - origin[3:]
         L = np.zeros((len(x), 3, 3))
@@ -159,7 +166,12 @@ def _plain(block: SpringBlock, origin: NDArray[np.float64]) -> NDArray[np.float6
         pulls = (W @ y[:, :, np.newaxis])[:, :, 0]
         parts = (six.sum(axis=0), six.T @ x, six.T @ squares)
         parts += (pulls.sum(axis=0), pulls.T @ x, (pulls * y).sum())
-    return np.concatenate([np.ravel(part) for part in parts])[:, np.newaxis]
+    return np.concatenate([np.ravel(part) for part in parts])
+
+
+def is_settled(sums: NDArray[np.float64]) -> bool:
+    """Whether sums are in the range of doubles, and about an origin that is near the means."""
+    return _in_range(sums) and _shift(sums) is None
 
 
 def _in_range(sums: NDArray[np.float64]) -> bool:

@@ -75,6 +75,7 @@ def made(problem, registration) -> dict[str, Any]:
         "simulate": certreg.simulate(problem),
         "simulate_many": certreg.simulate_many(bodies),
         "solve_many": certreg.solve_many(x, x),
+        "solve_many_springs": certreg.solve_many_springs(x, x, normals=x + 1.0),
         "verify": certreg.verify(registration.certificate or b""),
     }
 
