@@ -8,8 +8,10 @@
 #include <string.h>
 
 #include "dynamics.h"
+#include "jacobi.h"
 
 #define NO_TORQUE 1e-12 /* of the curvature: less is rounding, and must not choose a side */
+#define SWEEPS 12       /* of Jacobi's method; the sixth changes nothing any more */
 
 /* The unit quaternion of a rotation matrix: the largest of the four squares decides (Shepperd). */
 static void quaternion_of(const double r[9], double q[4])
@@ -49,36 +51,16 @@ static double height(const double q[4], double rotational, const double basin[CE
 /* The least eigenvalue of a symmetric 3 x 3 matrix and its unit eigenvector, by Jacobi rotations. */
 static double least_curvature(const double g[9], double axis[3])
 {
-    double a[3][3] = {{g[0], g[1], g[2]}, {g[3], g[4], g[5]}, {g[6], g[7], g[8]}};
-    double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    for (int sweep = 0; sweep < 12; sweep++)
-        for (int p = 0; p < 2; p++)
-            for (int q = p + 1; q < 3; q++) {
-                if (a[p][q] == 0)
-                    continue;
-                const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
-                const double t = (theta < 0 ? -1 : 1) / (fabs(theta) + sqrt(theta * theta + 1));
-                const double c = 1 / sqrt(t * t + 1), s = t * c;
-                for (int i = 0; i < 3; i++) {
-                    const double x = a[i][p], y = a[i][q];
-                    a[i][p] = c * x - s * y, a[i][q] = s * x + c * y;
-                }
-                for (int i = 0; i < 3; i++) {
-                    const double x = a[p][i], y = a[q][i];
-                    a[p][i] = c * x - s * y, a[q][i] = s * x + c * y;
-                }
-                for (int i = 0; i < 3; i++) {
-                    const double x = v[i][p], y = v[i][q];
-                    v[i][p] = c * x - s * y, v[i][q] = s * x + c * y;
-                }
-            }
+    double a[9], v[9];
+    memcpy(a, g, sizeof a);
+    certreg_jacobi(a, v, 3, SWEEPS);
     int k = 0;
     for (int i = 1; i < 3; i++)
-        if (a[i][i] < a[k][k])
+        if (a[4 * i] < a[4 * k])
             k = i;
     for (int i = 0; i < 3; i++)
-        axis[i] = v[i][k];
-    return a[k][k];
+        axis[i] = v[3 * i + k];
+    return a[4 * k];
 }
 
 /* q (0, a) + c q: the quaternion q turned by a half angle whose cosine is c, sine times axis a. */

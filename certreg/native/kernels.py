@@ -59,6 +59,8 @@ HEADERS = (
             *("certifying.h", "loops.h", "lanes.h", "loop.h", "exact.h", "fixed.h"),
             *("cones.h", "exact_springs.h", "exponents.h", "eigen.h", "eigenbasis.h"),
             *(
+                "jacobi.h",
+                "midpoint.h",
                 "paths.h",
                 "pose.h",
                 "spring_loop.h",

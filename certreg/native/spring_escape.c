@@ -7,41 +7,12 @@
 #include <math.h>
 #include <string.h>
 
+#include "jacobi.h"
 #include "spring_dynamics.h"
 
 #define FLAT 1e-9     /* of the largest curvature: less is none, as along a shift that no spring resists */
 #define NO_PULL 1e-12 /* of the largest curvature: less is rounding, and must not choose a side */
-#define SWEEPS 16
-
-/* Eigenvalues of a symmetric 6 x 6 matrix, on its diagonal, and unit eigenvectors, columns of v, by Jacobi
- * rotations. */
-static void eigenbasis(double a[6][6], double v[6][6])
-{
-    memset(v, 0, 36 * sizeof(double));
-    for (int i = 0; i < 6; i++)
-        v[i][i] = 1;
-    for (int sweep = 0; sweep < SWEEPS; sweep++)
-        for (int p = 0; p < 5; p++)
-            for (int q = p + 1; q < 6; q++) {
-                if (a[p][q] == 0)
-                    continue;
-                const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
-                const double t = (theta < 0 ? -1 : 1) / (fabs(theta) + sqrt(theta * theta + 1));
-                const double c = 1 / sqrt(t * t + 1), s = t * c;
-                for (int i = 0; i < 6; i++) {
-                    const double x = a[i][p], y = a[i][q];
-                    a[i][p] = c * x - s * y, a[i][q] = s * x + c * y;
-                }
-                for (int i = 0; i < 6; i++) {
-                    const double x = a[p][i], y = a[q][i];
-                    a[p][i] = c * x - s * y, a[q][i] = s * x + c * y;
-                }
-                for (int i = 0; i < 6; i++) {
-                    const double x = v[i][p], y = v[i][q];
-                    v[i][p] = c * x - s * y, v[i][q] = s * x + c * y;
-                }
-            }
-}
+#define SWEEPS 16     /* of Jacobi's method */
 
 /* Moves a body off a saddle along the direction of lowest curvature, downhill. */
 static void perturb(double *state, const double along[6], double pull, double *size,
@@ -73,7 +44,7 @@ int certreg_escape_spring(double state[CERTREG_QUATERNION_STATE], const double b
     int least = 0, stalled = 1;
     (void)basin;
     certreg_spring_curvature(state, body, &a[0][0], force);
-    eigenbasis(a, v);
+    certreg_jacobi(&a[0][0], &v[0][0], 6, SWEEPS);
     for (int k = 0; k < 6; k++) {
         largest = fmax(largest, fabs(a[k][k]));
         least = a[k][k] < a[least][least] ? k : least;
