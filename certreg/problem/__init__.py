@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from certreg.problem.moments_of_springs import SpringMoments as SpringMoments
     from certreg.problem.moments_of_springs import spring_moments as spring_moments
     from certreg.problem.posing import FloatingPose as FloatingPose
+    from certreg.problem.posing import PosedPairs as PosedPairs
     from certreg.problem.posing import floating_pose as floating_pose
     from certreg.problem.problem import DEFAULT_DAMPING as DEFAULT_DAMPING
     from certreg.problem.problem import MAX_DAMPING as MAX_DAMPING
@@ -124,6 +125,7 @@ __getattr__ = lazy_face(
         ),
         "posing": (
             "FloatingPose",
+            "PosedPairs",
             "floating_pose",
         ),
         "problem": (

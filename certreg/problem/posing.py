@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 NUMBERS = 33  # CERTREG_POSE, as in native/pose.h, and its parts
 QUATERNION, ROTATION, TRANSLATION = slice(4), slice(4, 13), slice(13, 16)
 DECIDING, CROSS = slice(16, 24), slice(24, 33)
+TURNED = 16  # numbers of a pose
 
 
 _Numbers = ctypes.c_double * NUMBERS
@@ -87,6 +88,45 @@ def floating_pose(
         error=residual + davenport_error(rounding_of(math.sqrt(scatter * spread)), norm),
         cross_covariance=numbers[CROSS].reshape(3, 3),
     )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PosedPairs:
+    """Clouds (N, 3) of doubles whose best pose is asked for under one set of weights after another.
+
+    points: as C reads them, in these clouds.
+    """
+
+    points: CloudPoints
+    clouds: tuple[NDArray[np.float64], NDArray[np.float64]]
+
+    @classmethod
+    def of(cls, source: NDArray[np.float64], target: NDArray[np.float64]) -> PosedPairs | None:
+        """None where there is no compiled library."""
+        if _posed() is None:
+            return None
+        columns = chain.from_iterable(map(columns_of, (source, target, None)))
+        return cls(points=CloudPoints(len(source), *columns), clouds=(source, target))
+
+    def motion(
+        self, weights: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+        """R (3, 3) and t (3,) of the least sum of w |y - R x - t|^2, weights (N,).
+
+        None where they are not finite.
+        """
+        content: Any = _Numbers()
+        points = self.points
+        (
+            points.weights_data,
+            points.weights_row,
+            points.weights_column,
+            points.weights_single,
+        ) = columns_of(weights)
+        _posed()(ctypes.byref(points), ctypes.byref(content))
+        numbers: NDArray[np.float64] = np.frombuffer(content)
+        rotation, translation = numbers[ROTATION].reshape(3, 3), numbers[TRANSLATION]
+        return (rotation, translation) if math.isfinite(sum(content[:TURNED])) else None
 
 
 @cache

@@ -154,7 +154,6 @@ def pose_covariance(problem: RegistrationProblem, objective: Isotropic) -> PoseC
         return NOT_TOLD_APART
     exact = parts.matrix()
     sigmas = [root_of_quotient(row[i], exact.denominator) for i, row in enumerate(exact.rows)]
-    variances = [Fraction(exact.rows[i][i], exact.denominator) for i in range(TURN)]
     centre, loosest = nearest_root(parts.centre), nearest_root(parts.loosest)
     if None in sigmas or centre is None or loosest is None:
         return OUT_OF_RANGE
@@ -166,7 +165,7 @@ def pose_covariance(problem: RegistrationProblem, objective: Isotropic) -> PoseC
     return PoseCovariance(
         matrix=present(matrix),
         translation_sigma=told[:3],
-        second_order=second_order(rotation @ parts.turns(), arm, variances),
+        second_order=second_order(rotation @ parts.turns(), arm, told[:3]),
         rotation_sigma=told[3:],
         loosest_sigma=loosest,
         loosest_axis=axis * np.sign(axis[np.argmax(np.abs(axis))]),
@@ -234,9 +233,10 @@ class _Parts:
     def turns(self) -> NDArray[np.float64]:
         """(3, 3), in its columns one deviation of the turn along each principal axis: C C^T = P."""
         columns: list[NDArray[np.float64]] = []
+        below = self.unit.denominator * self.whole * self.denominator**2
         for weight, move in zip(self.weights, self.moves, strict=True):
-            axis, below = move[TURN:], self.whole * self.denominator**2
-            sigma = nearest_root(self.unit * weight * squared_norm(axis) / below)
+            axis = move[TURN:]
+            sigma = root_of_quotient(self.unit.numerator * weight * squared_norm(axis), below)
             columns.append(unit_double(axis) * (inf if sigma is None else sigma))
         return np.array(columns).T
 
@@ -277,26 +277,24 @@ def _in_doubles(exact: RationalMatrix) -> NDArray[np.float64] | Absent:
 
 
 def second_order(
-    turns: NDArray[np.float64],
-    arm: NDArray[np.float64],
-    variances: Sequence[Fraction] | NDArray[np.float64],
+    turns: NDArray[np.float64], arm: NDArray[np.float64], sigmas: NDArray[np.float64]
 ) -> float:
     """The largest share of a deviation of t that the second order of the turn is; inf if beyond.
 
-    turns: (3, 3), in its columns independent turns of one deviation, target's frame; arm: R m.
+    turns: (3, 3), in its columns independent turns of one deviation, target's frame; arm: R m;
+    sigmas: (3,), the deviations of t.
     """
     unit = float(np.abs(arm).max())
     if not unit:
         return 0.0
-    arm, shares = arm / unit, list[float]()
-    for axis, variance in zip(np.eye(3), variances, strict=True):
-        bend = (arm @ axis) * np.eye(3) - (np.outer(arm, axis) + np.outer(axis, arm)) / 2
-        with np.errstate(all="ignore"):
-            form = turns.T @ bend @ turns
-            moved = np.sqrt(np.trace(form) ** 2 + 2.0 * np.sum(form**2)) / 2.0
-        sigma = nearest_root(Fraction(variance) / Fraction(unit) ** 2)
-        shares.append(float(moved) / sigma if sigma and np.isfinite(moved) else inf)
-    return max(shares)
+    axes, arm = np.eye(3), arm / unit
+    outer = axes[:, :, np.newaxis] * arm  # e a^T, of each axis
+    bends = arm[:, np.newaxis, np.newaxis] * axes - (outer + outer.transpose(0, 2, 1)) / 2
+    with np.errstate(all="ignore"):
+        forms = turns.T @ bends @ turns
+        traces, squares = np.trace(forms, axis1=1, axis2=2), (forms * forms).sum(axis=(1, 2))
+        shares = np.sqrt(traces * traces + 2.0 * squares) / 2.0 / (sigmas / unit)
+    return float(shares.max()) if np.isfinite(shares).all() else inf
 
 
 def least_correlation(matrix: NDArray[np.float64]) -> float:

@@ -8,6 +8,7 @@ pose and every set of rows, however they were found.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,7 +16,7 @@ import numpy as np
 from certreg.equilibrium import rotation_double
 from certreg.exact import nearest_or_zero, power_of_two
 from certreg.geometry import is_reflection
-from certreg.problem import Block, row_blocks
+from certreg.problem import Block, PosedPairs, row_blocks
 from certreg.registration.covariance import (
     Residual,
     effective_rows,
@@ -153,7 +154,7 @@ class _Motion:
     translation: NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class _Pairs:
     """Pairs about the clouds' means, over powers of two: source (3, k), target (3, k), (k,)."""
 
@@ -174,8 +175,23 @@ class _Pairs:
         residuals *= residuals
         return np.sqrt(residuals[0] + residuals[1] + residuals[2])
 
+    @cached_property
+    def _posed(self) -> PosedPairs | None:
+        return PosedPairs.of(self.source.T, self.target.T)
+
     def best_motion(self, weights: NDArray[np.float64]) -> _Motion:
-        """The best motion under these weights, by singular values."""
+        """The best motion under these weights, in C.
+
+        Where nothing is compiled, or numbers leave the doubles, by singular values; raises
+        LinAlgError.
+        """
+        found = None if self._posed is None else self._posed.motion(weights)
+        if found is None:
+            return self.motion_by_singular_values(weights)
+        return _Motion(rotation=found[0], translation=found[1])
+
+    def motion_by_singular_values(self, weights: NDArray[np.float64]) -> _Motion:
+        """The same by NumPy."""
         shares = weights / weights.sum()
         here, there = self.source @ shares, self.target @ shares
         cross = (self.target * shares) @ self.source.T - there[:, np.newaxis] * here
@@ -423,14 +439,17 @@ def _other_pairing(frame: _Frame, problem: RegistrationProblem) -> OtherPairing 
     n = min(problem.n, SAMPLE_ROWS)
     points = frame.pairs(problem.block(slice(0, n)))
     but_first, but_last, back = slice(1, None), slice(0, -1), slice(None, None, -1)
-    slips = [("one row later", but_last, but_first), ("one row earlier", but_first, but_last)]
+    kept = min(points.paired(rows, rows).least_energy() for rows in (but_first, but_last))
+    slips = [
+        ("one row later", but_last, but_first, kept),
+        ("one row earlier", but_first, but_last, kept),
+    ]
     if n == problem.n:
-        slips.append(("in reversed order", back, slice(None)))
+        slips.append(("in reversed order", back, slice(None), points.least_energy()))
     found: list[OtherPairing] = []
-    for words, here, there in slips:
-        given = min(points.paired(kept, kept).least_energy() for kept in (here, there))
-        other = points.paired(here, there)
+    for words, here, there, given in slips:
         if given > 0.0:
+            other = points.paired(here, there)
             rows = int(np.count_nonzero(other.weights))
             left = other.least_energy() / given
             first = n if n < problem.n else None

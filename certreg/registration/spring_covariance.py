@@ -150,7 +150,7 @@ def _covariance(
     return PoseCovariance(
         matrix=matrix if told else None,
         translation_sigma=sigmas[:3],
-        second_order=second_order(deviations, rotation @ centre, np.diag(matrix)[:3]),
+        second_order=second_order(deviations, rotation @ centre, sigmas[:3]),
         rotation_sigma=sigmas[3:],
         loosest_sigma=math.sqrt(max(0.0, float(variances[-1]))),
         loosest_axis=loosest * np.sign(loosest[np.argmax(np.abs(loosest))]),

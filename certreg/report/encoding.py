@@ -20,6 +20,7 @@ ORDER = (
     *("simulation.energy", "simulation", "agreement.simulation_deg"),
     "energy",
 )
+AS_THEY_ARE = frozenset((float, int, str, bool, type(None)))  # most of what a document holds
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +46,8 @@ def encoded(document: Document) -> Document:
 
 def _plain(value: Any, path: str, reasons: dict[str, str]) -> Any:
     """The value in JSON's types; adds what is to be said of it, and of all in it, to `reasons`."""
+    if type(value) in AS_THEY_ARE:
+        return value
     if isinstance(value, Absent | Noted):
         reasons[path] = value.reason
         return None if isinstance(value, Absent) else _plain(value.value, path, reasons)
@@ -53,7 +56,10 @@ def _plain(value: Any, path: str, reasons: dict[str, str]) -> Any:
     if isinstance(value, dict):
         inner = cast("Document", value)
         within = f"{path}." if path else ""
-        return {key: _plain(each, within + key, reasons) for key, each in inner.items()}
+        return {
+            key: each if type(each) in AS_THEY_ARE else _plain(each, within + key, reasons)
+            for key, each in inner.items()
+        }
     if isinstance(value, list | tuple):
         row = cast("list[Any]", value)
         return [_plain(each, f"{path}[{i}]", reasons) for i, each in enumerate(row)]

@@ -12,6 +12,7 @@ import sys
 import time
 from hashlib import sha256
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -22,6 +23,11 @@ from jsonschema import Draft202012Validator
 import certreg as package
 from certreg.campaign import PairCampaign, pairs, read_listing
 from certreg.campaign.pairs import ERROR_SCHEMA
+from certreg.registration import outlying
+from certreg.results import Limits
+
+if TYPE_CHECKING:
+    from certreg.campaign.task import TaskResult
 
 SCHEMAS = Path(package.__file__).parent / "report" / "schemas"
 TURN = [1, 2, 0]
@@ -440,3 +446,31 @@ def test_no_cell_of_the_table_is_a_formula(folder):
     for separator in ",;\t":
         for row in csv.reader(text.splitlines(), delimiter=separator):
             assert not [cell for cell in row if cell[:1] in set("=+@") or cell[:2] == "-2"]
+
+
+def test_a_campaign_without_compiled_motions_writes_the_same(folder, monkeypatch):
+    """Certificates, and documents key by key: of good pairs, of one with a wrong row, of a slip."""
+    rng = np.random.default_rng(4)
+    source = rng.normal(size=(20, 3))
+    target = source[:, TURN] + 0.01 * rng.normal(size=(20, 3))
+    spoilt = {"row": target + 4.0 * (np.arange(20) == 7)[:, None], "slip": np.roll(target, 1, 0)}
+    write_csv(folder / "a.csv", source.tolist())
+    for name, each in spoilt.items():
+        write_csv(folder / f"{name}.csv", each.tolist())
+    rows = [f"a{k}.csv,b{k}.csv" for k in range(6)] + [f"a.csv,{name}.csv" for name in spoilt]
+    listed = tuple(read_listing(listing(folder, *rows)).rows())
+
+    def written() -> TaskResult:
+        return pairs.certify_pairs(
+            rows=listed, folder=str(folder), certificates=True, limits=Limits()
+        )
+
+    compiled = written()
+    monkeypatch.setattr(outlying.PosedPairs, "of", lambda *_: None)
+    plain = written()
+
+    assert compiled.files == plain.files
+    assert lines(compiled.content) == lines(plain.content)
+    found = [[each["code"] for each in one["fit"]["warnings"]] for one in lines(plain.content)]
+    assert found[:6] == [[]] * 6
+    assert found[6:] == [["outlier-rows"], ["shuffled"]]

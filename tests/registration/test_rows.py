@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from commands import checked
 from fit_rates import fit
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from certreg.problem import RegistrationProblem
@@ -282,3 +284,36 @@ def test_of_two_poses_the_weights_do_not_tell_which_rows_are_wrong():
 
     assert fit(RegistrationProblem(problem.source, problem.target, weights=weights)).codes
     assert fit(problem).outlier_rows == ()
+
+
+@given(seed=st.integers(0, 2**32 - 1), spread=st.sampled_from((0.0, 1.0, 8.0)))
+def test_the_best_motion_in_c_costs_no_more_than_that_of_singular_values(seed: int, spread: float):
+    """Under weights of all sizes, some of them zero; strides as of rows left out, or reversed."""
+    rng = np.random.default_rng(seed)
+    x = rng.standard_normal((3, rng.integers(3, 30)))
+    weights = np.exp(spread * rng.standard_normal(x.shape[1])) * (rng.random(x.shape[1]) < 0.9)
+    weights[:3] += 1.0
+    pairs = outlying._Pairs(source=x, target=x + rng.standard_normal(x.shape), weights=weights)
+    back = pairs.paired(slice(None, None, -1), slice(None))
+
+    for each in (pairs, back, pairs.paired(slice(1, None), slice(0, -1))):
+        found = each.best_motion(each.weights)
+        known = each.motion_by_singular_values(each.weights)
+        one, other = (each.weights @ each.distances(m) ** 2 for m in (found, known))
+        assert one == pytest.approx(other, rel=1e-12)
+        assert np.linalg.det(found.rotation) == pytest.approx(1.0)
+
+
+def test_without_compiled_code_the_rows_say_the_same(monkeypatch: pytest.MonkeyPatch):
+    """Of a problem with a row that is wrong: what the warnings rest on."""
+    problem = RegistrationProblem(SOURCE, TARGET, weights=WEIGHTS)
+    compiled = rows_of(problem)
+    monkeypatch.setattr(outlying.PosedPairs, "of", lambda *_: None)
+    plain = rows_of(problem)
+
+    assert (compiled.far, compiled.far_rows, compiled.tied) == ((FAR_ROW,), 1, False)
+    assert (plain.far, plain.far_rows, plain.tied) == ((FAR_ROW,), 1, False)
+    assert plain.left == pytest.approx(compiled.left, rel=1e-12)
+    slips = [checked(each.other_pairing) for each in (compiled, plain)]
+    assert slips[0].words == slips[1].words
+    assert slips[0].left == pytest.approx(slips[1].left, rel=1e-12)
