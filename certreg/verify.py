@@ -97,10 +97,10 @@ class Statement(Protocol):
         ...
 
 
-def require(condition: object, reason: str) -> None:
-    """Nothing if the condition holds; otherwise RefusalError."""
+def require(condition: object, reason: str, *of: object) -> None:
+    """Nothing if the condition holds; otherwise RefusalError, the reason filled in only then."""
     if not condition:
-        raise RefusalError(reason)
+        raise RefusalError(reason.format(*of) if of else reason)
 
 
 def check(certificate: bytes, clouds: Clouds | None = None, limits: Limits = {}) -> Outcome:  # noqa: B006  (only read)
@@ -155,7 +155,7 @@ def entries_of(document: Any, keys: dict[str, str]) -> dict[str, Any]:
         part: Any = dict.fromkeys(known) if absent else document[name] if name else document
         needed = known & {*words.split()} if "?" in words else known
         good = part.__class__ is dict and needed <= part.keys() <= known
-        require(good, f"{name or 'the certificate'} must have exactly the keys {words}")
+        require(good, "{} must have exactly the keys {}", name or "the certificate", words)
         entries.update(part)
     return entries
 
@@ -165,9 +165,9 @@ def entry(wanted: Field[Any], value: Any) -> Any:
     kind, _, null = wanted.type.partition(" | ")
     if value.__class__ is TYPES.get(kind) or (null and value is None):
         return value
-    require(kind in LENGTHS and value.__class__ is list, f"{wanted.name} is of a wrong type")
+    require(kind in LENGTHS and value.__class__ is list, "{} is of a wrong type", wanted.name)
     good = len(value) in LENGTHS[kind] and {*map(type, value)} <= {int}
-    require(good, f"{wanted.name} is not a list of integers of the right length")
+    require(good, "{} is not a list of integers of the right length", wanted.name)
     return _dyadic(*value) if kind == "Fraction" else tuple(value)
 
 
@@ -182,7 +182,7 @@ def _unique(pairs: list[tuple[str, object]]) -> dict[str, object]:
 
 
 def _bounded(digits: str) -> int:
-    require(len(digits) <= DIGITS_MAX, f"an integer has more than {DIGITS_MAX} digits")
+    require(len(digits) <= DIGITS_MAX, "an integer has more than {} digits", DIGITS_MAX)
     return int(digits)  # ValueError for NaN and Infinity
 
 
@@ -229,7 +229,7 @@ def bound_doubles(certificate: Statement, clouds: Clouds | None) -> memoryview:
 
 
 def moments(doubles: bytes | memoryview, n: int) -> tuple[Matrix, int]:
-    """m, e: exactly sum w a_i a_j = m[i][j] 2^e for i <= j, a = (1, x1, x2, x3, y1, y2, y3)."""
+    """m, e: exactly sum w a_i a_j = m[i][j] 2^e, i = j or 4 > i < j; a = (1, x1 to x3, y1 to y3)."""
     m, e = [[0] * 7 for _ in range(7)], 0
     for start in range(0, n, BLOCK):
         count = min(BLOCK, n - start)
@@ -242,8 +242,8 @@ def moments(doubles: bytes | memoryview, n: int) -> tuple[Matrix, int]:
         a += [(k[i::3], s[i::3], p) for k, s, p in (x, y) for i in range(3)]
         for i, (left, s, p) in enumerate(a):
             loads, shifts = left if unit else [*map(mul, w, left)], s if near else [*map(add, g, s)]
-            for j, (right, t, q) in enumerate(a[i:], i):
-                terms = map(mul, loads, right)
+            for j, (right, t, q) in enumerate(a[i : 7 if i < 4 else i + 1], i):
+                terms = right if unit and not i else map(mul, loads, right)
                 total = sum(terms if near else map(int.__lshift__, terms, map(add, shifts, t)))
                 m[i][j] = (m[i][j] << old - e) + (total * (unit or 1) << low + p + q - e)
     return m, e
@@ -357,8 +357,10 @@ def proves_level(K: Matrix, unit: int, q: Sequence[int], level: int, mu: int) ->
     With mu = 0 every p^T K p < level: the gap is below 2 (level - v), the dual's own bound.
     """
     n, indices = sum(c * c for c in q) * unit, range(4)
-    A = [[mu * q[i] * q[j] - n * K[i][j] + level * (i == j) for j in indices] for i in indices]
-    return definite(A)
+    A = [[mu * q[i] * q[j] - n * K[i][j] if i <= j else 0 for j in indices] for i in indices]
+    for i in indices:
+        A[i][i] += level
+    return definite(A)  # which reads the upper triangle
 
 
 def proves_separation(K: Matrix, unit: int, q: Sequence[int], level: int) -> bool:
@@ -421,8 +423,10 @@ class Movable:
     def radii(self) -> tuple[Fraction, Fraction, Fraction]:
         """sin_half_angle, target and both."""
         s, target, both = self.sin_half_angle, self.target, self.both
-        if s and target and both and s > 0 < target and both > 0 and 2 * s * s <= 1:
-            return s, target, both
+        if s and target and both:
+            least, (n, d) = min(s.numerator, target.numerator, both.numerator), s.as_integer_ratio()
+            if least > 0 and 2 * n * n <= d * d:
+                return s, target, both
         raise RefusalError("radius is not of an angle up to 90 degrees, or not positive")
 
     def steady(self, keeps: Callable[[Fraction, Fraction], bool]) -> tuple[str, ...]:
@@ -484,12 +488,15 @@ def room_of_eigenvector(g: Fraction, angle: Fraction, s: Fraction) -> Fraction:
 
 def angle_above(s: Fraction) -> Fraction:
     """More than the angle a of s = sin(a/2), at most 90 degrees, by its series."""
-    return 2 * s + s**3 / 3 + Fraction(3, 20) * s**5 / (1 - s * s)
+    n, d = s.as_integer_ratio()  # 2 s + s^3 / 3 + (3 / 20) s^5 / (1 - s^2):
+    c = d * d - n * n
+    return Fraction((120 * d * d * c + 20 * n * n * c + 9 * n**4) * n, 60 * d**3 * c)
 
 
 def sine_below(s: Fraction) -> Fraction:
     """Less than sin a of s = sin(a/2) < 1."""
-    return 2 * s * root_up(*(1 - s * s).as_integer_ratio()) * SLACK
+    n, d = s.as_integer_ratio()
+    return Fraction(2 * n, d) * root_up(d * d - n * n, d * d) * SLACK
 
 
 # --- end of part: radius ------------------------------------------------------------------------
@@ -537,7 +544,7 @@ class IsotropicStatement(Movable, Statement):
         good = self.delta.numerator > 0 <= self.mu.numerator and any(self.pose)
         require(good, "delta > 0, mu >= 0 and a pose other than 0 needed")
         weight, q, norm = _dyadic(m[0][0], e), self.pose, sum(c * c for c in self.pose)
-        require(weight > 0, "no weight is positive")
+        require(weight.numerator > 0, "no weight is positive")
         zeros = [(k & -k).bit_length() - 1 for k in m[0] if k]  # not in another unit of length:
         z = min([zeros[0] // 2, *zeros[1:]])
         m = [[m[0][0] >> 2 * z, *[k >> z for k in m[0][1:]]], *m[1:]]  # C, J over the same 2^e/M'
@@ -569,10 +576,10 @@ class IsotropicStatement(Movable, Statement):
             g, angle = self.separation or Fraction(0), worth.angle or Fraction(0)
             level = v * g.denominator - g.numerator * one * norm
             alone = proves_separation(K, unit * g.denominator, q, level)
-            require(g > 0 and angle and alone, "radius.separation is not proved")
+            require(g.numerator > 0 and angle and alone, "radius.separation is not proved")
             x, y = (root_up(k, 1) * _dyadic(1, e + z) for k in (x, y))  # of M and a spread
             room = room_of_eigenvector(g, angle, self.radii()[0])
-            steady = self.steady(lambda dx, dy: y * dx + x * dy + weight * dx * dy <= room)
+            steady = self.steady(lambda dx, dy: (y + weight * dy) * dx + x * dy <= room)
         theorems = tuple(self._words(worth, pattern, steady, solid=solid, equal=equal))
         return Outcome(verified=True, theorems=theorems, reason="", worth=worth)
 
@@ -589,18 +596,18 @@ class IsotropicStatement(Movable, Statement):
         F = isqrt(sum([(abs(k) << BITS >> bits) ** 2 for k in chain(*K)]))  # <= F 2^(BITS - bits)
         share = Fraction(delta << BITS, F * unit << bits) if F else Fraction(0)
         angle = root_up(4 * delta, mu - delta) if mu > delta else None
-        angle = angle if angle and angle < Fraction(314159265, 10**8) else None
+        angle = angle if angle and 10**8 * angle.numerator < 314159265 * angle.denominator else None
         least = Fraction(max(objective - 2 * delta * norm, 0), one * norm)
         length = root_up(2 * delta * weight.denominator, one * weight.numerator)
         return Worth(weight, Fraction(objective, one * norm), least, gap, length, share, angle)
 
     def _require_equilibria(self, true: list[int], *, solid: bool) -> None:
         good = list(self.pattern) == true
-        require(good, f"claims.pattern is wrong, the true one is {true}")
+        require(good, "claims.pattern is wrong, the true one is {}", true)
         require(true[0] == 1 or not self.unique, "claims.unique is wrong: it is not unique")
         unstable = [0, *accumulate(true[:-1])] if solid else None  # collinear: no dynamics
         good = self.unstable is None or list(self.unstable) == unstable
-        require(good, f"claims.unstable is wrong or unproved: proved is {unstable}")
+        require(good, "claims.unstable is wrong or unproved: proved is {}", unstable)
 
     def _words(
         self, w: Worth, pattern: list[int], steady: Sequence[str] = (), *, solid: bool, equal: bool

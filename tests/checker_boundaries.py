@@ -779,7 +779,9 @@ def _apart_cases() -> Iterator[Case]:
         def agrees(checker: Any, content: bytes = content, table: Any = table) -> bool:
             m, e = checker.moments(content, 5)
             return all(
-                m[i][j] * Fraction(2) ** e == table[i][j] for i in range(7) for j in range(i, 7)
+                m[i][j] * Fraction(2) ** e == table[i][j]
+                for i in range(7)
+                for j in range(i, 7 if i < 4 else i + 1)  # of products of y, the squares
             )
 
         yield Case(f"moments far apart, {name}", value_of(agrees), "True$")
