@@ -229,7 +229,7 @@ def bound_doubles(certificate: Statement, clouds: Clouds | None) -> memoryview:
 
 
 def moments(doubles: bytes | memoryview, n: int) -> tuple[Matrix, int]:
-    """m, e: exactly sum w a_i a_j = m[i][j] 2^e, i = j or 4 > i < j; a = (1, x1 to x3, y1 to y3)."""
+    """m, e: exactly sum w a_i a_j = m[i][j] 2^e if i = j or i < j, 4; a = (1, x1, x2, ..., y3)."""
     m, e = [[0] * 7 for _ in range(7)], 0
     for start in range(0, n, BLOCK):
         count = min(BLOCK, n - start)
