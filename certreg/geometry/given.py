@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -12,6 +12,7 @@ import numpy as np
 from certreg.errors import InvalidProblemError
 from certreg.geometry.pose import Pose
 from certreg.geometry.pose_matrix import doubles_of, split_matrix
+from certreg.geometry.similarity import Similarity, split_scale
 from certreg.geometry.so3 import rotation_matrix
 from certreg.verify import shown
 
@@ -25,12 +26,13 @@ ATTRIBUTES = (  # a method or an array, in this order
     "transformation",  # Open3D's result
     "as_matrix",  # SciPy, jaxlie
     "matrix",  # Sophus, GTSAM, pycolmap
+    "params",  # scikit-image
 )
 ROTATIONS = {(3, 3), (4,)}
 VECTORS = {(3,), (3, 1), (1, 3)}  # a column, as OpenCV has it
 FORMS = (
-    "give a matrix (4, 4) or (3, 4), (R, t), a rotation (3, 3), a quaternion (4,) with the scalar "
-    "first, or an object with .as_matrix()"
+    "give a matrix (4, 4) or (3, 4), (R, t), (R, t, s), a rotation (3, 3), a quaternion (4,) with "
+    "the scalar first, or an object with .as_matrix()"
 )
 
 
@@ -40,10 +42,13 @@ class GivenPose:
 
     turn: the rotation as it was written: a matrix (3, 3), or a quaternion (4,), scalar first.
     translation: (3,); None where only a rotation was given.
+    scale: of y = s R x + t, > 0, where it was written apart; None where it was not: a matrix may
+        hold it.
     """
 
     turn: NDArray[np.float64]
     translation: NDArray[np.float64] | None
+    scale: float | None = None
 
     @property
     def is_matrix(self) -> bool:
@@ -62,24 +67,42 @@ class GivenPose:
         """The moved points (N, 3); infinite or NaN where they leave the doubles."""
         shift = np.zeros(3) if self.translation is None else self.translation
         with np.errstate(over="ignore", invalid="ignore"):
-            return points @ self.rotation.T + shift
+            moved = points @ self.rotation.T
+            return (moved if self.scale is None else self.scale * moved) + shift
+
+    def scaled_apart(self) -> GivenPose:
+        """The same motion with its scale apart from a matrix near s R, which is not checked."""
+        if not self.is_matrix:
+            return self if self.scale is not None else replace(self, scale=1.0)
+        held, turn = split_scale(self.turn)
+        return replace(self, turn=turn, scale=held * (1.0 if self.scale is None else self.scale))
+
+    def scaled_within(self) -> GivenPose:
+        """The same motion as one matrix s R, where a scale other than 1 was written apart."""
+        if self.scale is None or self.scale == 1.0:
+            return replace(self, scale=None)
+        with np.errstate(over="ignore"):
+            return replace(self, turn=self.scale * self.rotation, scale=None)
 
 
 def given_pose(pose: Any, translation: Any = None) -> GivenPose:
     """What a tool returned, as arrays; its rotation need not be one.
 
     pose: a matrix (4, 4) or (3, 4); a rotation, as a matrix (3, 3) or a quaternion (4,) with the
-        scalar first; a pair (R, t); a `Pose` or what has one as `.pose`; anything with
-        `.T_target_source`, `.transformation`, `.as_matrix` or `.matrix`, a method or an array.
+        scalar first; a pair (R, t), or (R, t, s) of y = s R x + t, as evo has it; a `Pose` or
+        `Similarity`, or what has one as `.pose`; anything with `.T_target_source`,
+        `.transformation`, `.as_matrix`, `.matrix` or `.params`, a method or an array.
     translation: (3,), a column or a row, beside a rotation alone.
     Raises InvalidProblemError for anything else, and for values that are not finite.
     """
-    own = pose if isinstance(pose, Pose) else getattr(pose, "pose", None)
-    if isinstance(own, Pose):
-        given = GivenPose(turn=own.quaternion_wxyz, translation=own.translation)
-    elif isinstance(pose, tuple | list) and len(cast("Sequence[Any]", pose)) == 2:
-        first, second = cast("Sequence[Any]", pose)
-        given = given_pose(first, second)
+    own = pose if isinstance(pose, Pose | Similarity) else getattr(pose, "pose", None)
+    if isinstance(own, Pose | Similarity):
+        scale = own.scale if isinstance(own, Similarity) else None
+        given = GivenPose(turn=own.quaternion_wxyz, translation=own.translation, scale=scale)
+    elif len(parts := _parts(pose)) == 2:
+        given = given_pose(*parts)
+    elif len(parts) == 3 and np.ndim(parts[0]) > 0 and np.ndim(parts[2]) == 0:  # else 3 rows
+        given = replace(given_pose(*parts[:2]), scale=_scale(parts[2]))
     else:
         given = _from_array(pose)
     if translation is None:
@@ -87,7 +110,7 @@ def given_pose(pose: Any, translation: Any = None) -> GivenPose:
     if given.translation is not None:
         message = "the pose has a translation of its own: give no other beside it"
         raise InvalidProblemError(message, array="translation")
-    return GivenPose(turn=given.turn, translation=_vector(translation))
+    return replace(given, translation=_vector(translation))
 
 
 def _from_array(pose: Any) -> GivenPose:
@@ -117,6 +140,19 @@ def _values(pose: Any) -> tuple[str, Any]:
         if value is not None:
             return f"pose.{name}", value() if callable(value) else value
     return "pose", pose
+
+
+def _parts(pose: object) -> Sequence[Any]:
+    """Of a tuple or a list what is in it; of all else nothing."""
+    return cast("Sequence[Any]", pose) if isinstance(pose, tuple | list) else ()
+
+
+def _scale(value: Any) -> float:
+    scale = float(doubles_of(value, "scale"))
+    if not (math.isfinite(scale) and scale > 0.0):
+        message = f"scale is {scale!r}: that of a similarity is finite and > 0"
+        raise InvalidProblemError(message, array="scale", value=scale, limit=0.0)
+    return scale
 
 
 def _is_plain(pose: object) -> bool:

@@ -32,6 +32,7 @@ from certreg.io.standard_input import is_standard_input, standard_input
 from certreg.io.stl import parse_stl
 from certreg.io.streams import reading
 from certreg.io.text import TEXT_FORMATS, notes_on, parse_points, read_numbers
+from certreg.io.trajectories import parse_kitti, parse_tum, rows_by_time
 from certreg.problem import (
     RegistrationProblem,
     first_row,
@@ -56,6 +57,8 @@ PARSERS = {
     ".cif": parse_cif,
     **dict.fromkeys((".las", ".laz"), parse_las),
     ".e57": parse_e57,
+    ".tum": parse_tum,
+    ".kitti": parse_kitti,
 }
 FORMATS = (*TEXT_FORMATS, ".npy", *PARSERS)
 
@@ -78,6 +81,7 @@ class Cloud(Brief):
     weights: NDArray[np.float64] | None = None  # of the column `weight`
     normals: NDArray[np.float64] | None = None  # of nx, ny, nz, where `load` was asked for all
     covariances: NDArray[np.float64] | None = None  # (N, 6), of cxx, cxy, cxz, cyy, cyz, czz
+    times: NDArray[np.float64] | None = None  # seconds, of a trajectory: they pair rows
     notes: tuple[str, ...] = ()  # on how the file was read
 
     def __array__(self, dtype: Any = None, *, copy: bool | None = None) -> NDArray[Any]:
@@ -228,6 +232,7 @@ def _of_parsed(read: Parsed, file: Path, *, noise: bool) -> Cloud:
         ignored=read.ignored if noise else (*read.ignored, *given),
         identifiers=read.identifiers,
         numbers=read.numbers,
+        times=read.times,
         sigma=kept.get("sigma"),
         weights=kept.get("weight"),
         notes=read.notes,
@@ -278,6 +283,9 @@ def pair_of(first: Cloud, second: Cloud, pairing: Pairing = BY_LABEL) -> Pair:
     elif first.labels is not None and second.labels is not None:
         files = (first.path, second.path)
         rows = rows_by_label(first.labels, second.labels, pairing.match, files=files)
+    elif first.times is not None and second.times is not None:
+        timed = rows_by_time(first.times, second.times, (first.path, second.path))
+        rows, further = (timed.source, timed.target), (*further, timed.note)
     elif pairing.match is Match.COMMON:
         bare = first if first.labels is None else second
         message = f"{shown(bare.path)}: has no labels to match: name a column label, or give pairs"
@@ -427,6 +435,7 @@ def _taken(cloud: Cloud, rows: NDArray[np.int64]) -> Cloud:
         identifiers=labels,
         sigma=None if cloud.sigma is None else cloud.sigma[rows],
         weights=None if cloud.weights is None else cloud.weights[rows],
+        times=None if cloud.times is None else cloud.times[rows],
         normals=None if cloud.normals is None else cloud.normals[rows],
         covariances=None if cloud.covariances is None else cloud.covariances[rows],
     )

@@ -23,5 +23,6 @@ class Parsed:
     numbers: RowNumbers | None = None
     sigma: NDArray[np.float64] | None = None
     weights: NDArray[np.float64] | None = None
+    times: NDArray[np.float64] | None = None  # seconds, ascending, of the poses of a trajectory
     notes: tuple[str, ...] = ()
     further: dict[str, NDArray[Any]] = field(default_factory=dict[str, Any])  # columns asked for

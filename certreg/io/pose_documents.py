@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -61,8 +62,9 @@ def _pose_of_fields(source: PoseSource, fields: dict[str, Any]) -> GivenPose:
     matrix = None
     if "rotation" in fields:
         matrix = finite_array(source, fields["rotation"], (3, 3), "rotation")
+    scale = _scale(source, fields.get("scale"))
     if "quaternion_wxyz" not in fields:
-        return GivenPose(turn=cast("Any", matrix), translation=translation)
+        return GivenPose(turn=cast("Any", matrix), translation=translation, scale=scale)
     quaternion = finite_array(source, fields["quaternion_wxyz"], (4,), "quaternion_wxyz")
     pose = of_quaternion(source, quaternion, translation)
     apart = 0.0 if matrix is None else float(np.abs(matrix - pose.rotation).max())
@@ -71,4 +73,15 @@ def _pose_of_fields(source: PoseSource, fields: dict[str, Any]) -> GivenPose:
         raise source.refusal(
             message, column="quaternion_wxyz", value=apart, limit=ROTATION_TOLERANCE
         )
-    return pose
+    return replace(pose, scale=scale)
+
+
+def _scale(source: PoseSource, value: Any) -> float | None:
+    """Of y = s R x + t; None where there is none, as in the result of a rigid problem."""
+    if value is None:
+        return None
+    scale = float(finite_array(source, value, (), "scale"))
+    if scale <= 0.0:
+        message = f"scale is {scale!r}: that of a similarity is > 0"
+        raise source.refusal(message, column="scale", value=scale, limit=0.0)
+    return scale

@@ -40,17 +40,25 @@ static void turned(const double cross[9], double pose[CERTREG_POSE])
     pose[CERTREG_POSE_RESIDUAL] = residual_of(matrix, values, vectors)[0];
 }
 
-void certreg_pose(struct certreg_points *points, double pose[CERTREG_POSE])
+void certreg_pose(struct certreg_points *points, int fixed, double pose[CERTREG_POSE])
 {
     double sums[CERTREG_SUMS][2], total[CERTREG_SUMS], *cross = pose + CERTREG_POSE_CROSS;
+    double x[3], y[3], *means = pose + CERTREG_POSE_MEANS;
     int negative;
     near_mean(&points->source, points->count, points->origin);
     near_mean(&points->target, points->count, points->origin + 3);
+    for (int k = 0; fixed && k < 6; k++)
+        points->origin[k] = 0;
     certreg_sums(points, sums, &negative);
     for (int which = 0; which < CERTREG_SUMS; which++)
         total[which] = sums[which][0] + sums[which][1];
-    const double *x = total + CERTREG_SUMS_SOURCE, *y = total + CERTREG_SUMS_TARGET;
     const double *scatter = total + CERTREG_SUMS_SCATTER, mass = total[CERTREG_SUMS_MASS];
+    for (int k = 0; k < 3; k++) {
+        x[k] = fixed ? 0 : total[CERTREG_SUMS_SOURCE + k];
+        y[k] = fixed ? 0 : total[CERTREG_SUMS_TARGET + k];
+        means[k] = points->origin[k] + x[k] / mass;
+        means[3 + k] = points->origin[3 + k] + y[k] / mass;
+    }
     for (int i = 0; i < 9; i++)
         cross[i] = total[CERTREG_SUMS_CROSS + i] - y[i / 3] * (x[i % 3] / mass);
     turned(cross, pose);
@@ -58,8 +66,8 @@ void certreg_pose(struct certreg_points *points, double pose[CERTREG_POSE])
         const double *row = pose + CERTREG_POSE_ROTATION + 3 * k;
         double moved = 0;
         for (int j = 0; j < 3; j++)
-            moved += row[j] * (points->origin[j] + x[j] / mass);
-        pose[CERTREG_POSE_TRANSLATION + k] = points->origin[3 + k] + y[k] / mass - moved;
+            moved += row[j] * means[j];
+        pose[CERTREG_POSE_TRANSLATION + k] = means[3 + k] - moved;
     }
     pose[CERTREG_POSE_MASS] = negative ? NAN : mass;
     pose[CERTREG_POSE_SOURCE] = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];

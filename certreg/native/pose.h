@@ -6,8 +6,8 @@
 
 /* The pose, then what decides whether it is one: the mass; squared lengths of the sums of the deviations
  * and sums of their squares; l1 - l2 of Davenport's matrix, its Frobenius norm, the residual of its
- * eigenvectors; at the end the cross-covariance, by rows. Where a weight has the sign of -1 the mass is
- * NaN. */
+ * eigenvectors; the cross-covariance, by rows; at the end the weighted means of source and target. Where
+ * a weight has the sign of -1 the mass is NaN. */
 enum {
     CERTREG_POSE_QUATERNION = 0,
     CERTREG_POSE_ROTATION = 4,
@@ -21,10 +21,12 @@ enum {
     CERTREG_POSE_NORM,
     CERTREG_POSE_RESIDUAL,
     CERTREG_POSE_CROSS,
-    CERTREG_POSE = CERTREG_POSE_CROSS + 9
+    CERTREG_POSE_MEANS = CERTREG_POSE_CROSS + 9,
+    CERTREG_POSE = CERTREG_POSE_MEANS + 6
 };
 
-/* The origin is written, too. */
-void certreg_pose(struct certreg_points *points, double pose[CERTREG_POSE]);
+/* The origin is written, too. With `fixed` it is zero, and so are the means and the translation: a rotation
+ * alone, of sums that are not about the means. */
+void certreg_pose(struct certreg_points *points, int fixed, double pose[CERTREG_POSE]);
 
 #endif

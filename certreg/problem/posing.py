@@ -29,10 +29,11 @@ from certreg.problem.moments import (
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-NUMBERS = 33  # CERTREG_POSE, as in native/pose.h, and its parts
+NUMBERS = 39  # CERTREG_POSE, as in native/pose.h, and its parts
 QUATERNION, ROTATION, TRANSLATION = slice(4), slice(4, 13), slice(13, 16)
 DECIDING, CROSS = slice(16, 24), slice(24, 33)
 TURNED = 16  # numbers of a pose
+SOURCE_MEAN, TARGET_MEAN = slice(33, 36), slice(36, 39)
 
 
 _Numbers = ctypes.c_double * NUMBERS
@@ -45,20 +46,31 @@ class FloatingPose:
     gap: between the two largest eigenvalues of the Davenport matrix; error: how far these may be
         off, the residual of eigenvectors that LAPACK did not find included.
     cross_covariance: (3, 3), sum w (y - mean)(x - mean)^T.
+    source_mean, target_mean: (3,), weighted; source_spread, target_spread: sums of
+        w |x - mean|^2, w |y - mean|^2.
     """
 
     pose: Pose
     gap: float
     error: float
     cross_covariance: NDArray[np.float64]
+    source_mean: NDArray[np.float64]
+    target_mean: NDArray[np.float64]
+    source_spread: float
+    target_spread: float
 
 
 def floating_pose(
-    source: NDArray[Any], target: NDArray[Any], weights: NDArray[Any] | None
+    source: NDArray[Any],
+    target: NDArray[Any],
+    weights: NDArray[Any] | None,
+    *,
+    about_origin: bool = False,
 ) -> FloatingPose | None:
     """The pose of clouds (N, 3), weights (N,), by one pass; None where more steps must decide.
 
-    These are: no compiled library, types that it does not read, many points, numbers
+    about_origin: a rotation alone; the origin takes the place of both means. The other steps are
+    needed with: no compiled library, types that it does not read, many points, numbers
     that are not finite or whose squares leave the doubles, weights < 0, a mean far from that of a
     few points.
     """
@@ -69,7 +81,7 @@ def floating_pose(
         return None
     content: Any = _Numbers()  # of NumPy's buffers
     points = CloudPoints(len(source), *chain.from_iterable(map(columns_of, arrays)))
-    posed(ctypes.byref(points), ctypes.byref(content))
+    posed(ctypes.byref(points), ctypes.c_int(about_origin), ctypes.byref(content))
     numbers: NDArray[np.float64] = np.frombuffer(content)
     found: list[float] = numbers[DECIDING].tolist()
     mass, here, scatter, there, spread, gap, norm, residual = found
@@ -87,6 +99,10 @@ def floating_pose(
         gap=gap,
         error=residual + davenport_error(rounding_of(math.sqrt(scatter * spread)), norm),
         cross_covariance=numbers[CROSS].reshape(3, 3),
+        source_mean=numbers[SOURCE_MEAN],
+        target_mean=numbers[TARGET_MEAN],
+        source_spread=scatter - here / mass,
+        target_spread=spread - there / mass,
     )
 
 
@@ -123,7 +139,7 @@ class PosedPairs:
             points.weights_column,
             points.weights_single,
         ) = columns_of(weights)
-        _posed()(ctypes.byref(points), ctypes.byref(content))
+        _posed()(ctypes.byref(points), ctypes.c_int(0), ctypes.byref(content))
         numbers: NDArray[np.float64] = np.frombuffer(content)
         rotation, translation = numbers[ROTATION].reshape(3, 3), numbers[TRANSLATION]
         return (rotation, translation) if math.isfinite(sum(content[:TURNED])) else None

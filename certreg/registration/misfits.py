@@ -44,6 +44,7 @@ from certreg.geometry import squared_norm
 from certreg.problem import trace
 from certreg.registration.outlying import PAIRINGS, ROUNDING
 from certreg.registration.tails import log_beta_below, log_choices, log_ratio_below
+from certreg.registration.units import UNITS
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -60,12 +61,6 @@ CHANCE = 1e-3  # random pairings that may be as good as a shuffled one
 RANDOM_PAIRINGS = 4096
 SMALL = 1e-3  # off one: a scale whose digits are in what it is off
 FEWER = 2.0  # a part of the rows fits better than all rows: by this much, to be the cause
-UNITS = {
-    10.0: "angstrom against nanometres",
-    1000.0: "millimetres against metres",
-    25.4: "millimetres against inches",
-    0.3048: "feet against metres",
-}
 UNIT_SLACK, NAMED_AGAIN = 0.01, 3  # off a ratio of units that may be the cause; rows in a remedy
 
 

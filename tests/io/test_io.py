@@ -162,7 +162,7 @@ def test_points_beyond_the_doubles_are_refused_at_writing(tmp_path: Path, suffix
 
 
 def test_a_format_that_cannot_be_written_or_read_is_named(tmp_path: Path):
-    known = r"is not known: use one of \.csv \.txt \.xyz \.asc \.pts \.obj \.pdb \.npy .*\.e57$"
+    known = r"is not known: use one of \.csv \.txt \.xyz \.asc \.pts \.obj \.pdb \.npy .*\.kitti$"
     for name in ("a.doc", "a", "a.cxv", "a.xyz"):
         with pytest.raises(InvalidFileError, match=r"written: use \.csv \.txt \.ply \.npy$"):
             write_cloud(tmp_path / name, np.zeros((1, 3)), None)

@@ -27,7 +27,7 @@ CLOUD = np.random.default_rng(1).normal(size=(40, 3))
 
 
 def the_long_way(monkeypatch: Any) -> None:
-    monkeypatch.setattr(closed_form, "floating_pose", lambda *_: None)
+    monkeypatch.setattr(closed_form, "floating_pose", lambda *_, **__: None)
 
 
 def answer(*arrays: Any) -> Any:
@@ -128,13 +128,13 @@ def test_without_a_library_a_pose_takes_the_long_way(monkeypatch):
     assert certreg.register(CLOUD, CLOUD).quaternion_wxyz[0] == pytest.approx(1.0)
 
 
-def by_one_call(*arrays: Any) -> Any:
+def by_one_call(*arrays: Any, about_origin: int = 0) -> Any:
     """What the call writes: a pose, then what decides whether it is one."""
     content: Any = posing._Numbers()
     points = posing.CloudPoints(
         len(arrays[0]), *chain.from_iterable(map(posing.columns_of, arrays))
     )
-    posing._posed()(ctypes.byref(points), ctypes.byref(content))
+    posing._posed()(ctypes.byref(points), ctypes.c_int(about_origin), ctypes.byref(content))
     return np.frombuffer(content)
 
 
@@ -158,6 +158,28 @@ def test_the_numbers_that_decide_are_what_they_are_called(n):
     np.testing.assert_allclose(found, told, rtol=1e-11)
     np.testing.assert_allclose(numbers[posing.CROSS].reshape(3, 3), cross, rtol=1e-11, atol=1e-12)
     assert 0.0 < residual < 1e-13 * told[-1]
+    for mean, cloud in ((posing.SOURCE_MEAN, x), (posing.TARGET_MEAN, y)):
+        np.testing.assert_allclose(numbers[mean], w @ cloud / w.sum(), rtol=1e-13)
+    shown = floating_pose(x, y, w)
+    assert shown is not None
+    for spread, cloud in ((shown.source_spread, x), (shown.target_spread, y)):
+        off = cloud - w @ cloud / w.sum()
+        np.testing.assert_allclose(spread, w @ (off * off).sum(axis=1), rtol=1e-12)
+
+
+def test_about_the_origin_sums_are_not_about_the_means_and_nothing_is_shifted():
+    rng = np.random.default_rng(3)
+    x, y, w = rng.normal(size=(30, 3)) + 3.0, rng.normal(size=(30, 3)) - 2.0, rng.uniform(1, 9, 30)
+    numbers = by_one_call(x, y, w, about_origin=1)
+    shown = floating_pose(x, y, w, about_origin=True)
+
+    cross = (w[:, None] * y).T @ x
+    np.testing.assert_allclose(numbers[posing.CROSS].reshape(3, 3), cross, rtol=1e-13)
+    for mean in (posing.SOURCE_MEAN, posing.TARGET_MEAN, posing.TRANSLATION):
+        assert numbers[mean].tolist() == [0.0] * 3
+    assert shown is not None
+    np.testing.assert_allclose(shown.source_spread, w @ (x * x).sum(axis=1), rtol=1e-13)
+    np.testing.assert_allclose(shown.target_spread, w @ (y * y).sum(axis=1), rtol=1e-13)
 
 
 def test_what_rounding_takes_from_the_sum_of_each_block_is_added_at_the_end():

@@ -28,7 +28,7 @@ def test_the_closed_form_that_ended_farther_is_told(monkeypatch: pytest.MonkeyPa
     """A turn of 1e-6 about x costs 1e-13 of the range: no contradiction, and told."""
     roads = import_module("certreg.registration.agreement")
     monkeypatch.setattr(roads, off, lambda _: np.array([1.0, 5e-7, 0.0, 0.0]))
-    monkeypatch.setattr(roads, "floating_pose", lambda *_: None)
+    monkeypatch.setattr(roads, "floating_pose", lambda *_, **__: None)
     found = certify(RegistrationProblem(AXES, AXES), relaxation=False, simulation=False)
 
     assert found.solution.agreement.closed_form == pytest.approx(1e-6)
