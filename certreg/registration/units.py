@@ -19,7 +19,6 @@ UNITS = {  # of the smaller unit in the larger one, or a foot in a metre
     2.54: "centimetres against inches",
     12.0: "inches against feet",
     0.3048: "feet against metres",
-    0.9144: "yards against metres",
 }
 DEVIATIONS = 5.0  # standard ones: a probability of 6e-7
 MOST_SPREAD = 0.01  # of an interval that tells one ratio from another: the nearest are 19 % apart
