@@ -357,10 +357,8 @@ def proves_level(K: Matrix, unit: int, q: Sequence[int], level: int, mu: int) ->
     With mu = 0 every p^T K p < level: the gap is below 2 (level - v), the dual's own bound.
     """
     n, indices = sum(c * c for c in q) * unit, range(4)
-    A = [[mu * q[i] * q[j] - n * K[i][j] if i <= j else 0 for j in indices] for i in indices]
-    for i in indices:
-        A[i][i] += level
-    return definite(A)  # which reads the upper triangle
+    A = [[mu * q[i] * q[j] - n * K[i][j] + level * (i == j) for j in indices] for i in indices]
+    return definite(A)
 
 
 def proves_separation(K: Matrix, unit: int, q: Sequence[int], level: int) -> bool:

@@ -786,15 +786,15 @@ MUTANTS = (
     Mutant(
         "half of the sine",
         CHECKER,
-        "return 2 * s * root_up",
-        "return s * root_up",
+        "return Fraction(2 * n, d) * root_up",
+        "return Fraction(n, d) * root_up",
         ("eigenvector_radius",),
     ),
     Mutant(
         "a cosine beyond one",
         CHECKER,
-        "root_up(*(1 - s * s)",
-        "root_up(*(1 + s * s)",
+        "root_up(d * d - n * n",
+        "root_up(d * d + n * n",
         ("eigenvector_radius",),
     ),
     Mutant(
