@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 
 import pytest
-from net import RECORDS, SHOWN, canonical, difference, record_of, recorded
+from net import RECORDS, SHOWN, canonical, difference, record_of, recorded, without_ends
 from net_cases import CASES, NetCase
 from net_shown import Short
 
@@ -142,3 +142,24 @@ def test_a_basis_of_many_equilibria_is_recorded_as_the_space_that_it_spans():
 
     assert difference(told[0], told[1]) == []
     assert difference(told[0], told[2]) != []
+
+
+@pytest.mark.parametrize(
+    ("name", "line", "kept"),
+    [
+        ("springs-planes", '   "mu": 33335.4655,', '   "mu": *,'),
+        ("springs-planes", 'chi2": {"value": 7.04, "dof": 6}', 'chi2": {"value": 7.04, "dof": 6}'),
+        (
+            "springs-planes",
+            "  rotation (wxyz)   1.0 0.0 0.0 0.0",
+            "  rotation (wxyz)   1.0 0.0 0.0 0.0",
+        ),
+        ("springs-free", "  rotation (wxyz)   1.0 0.0 0.0 0.0", "  rotation (wxyz)   * * * *"),
+        ("springs-free", "  RMSE              0.018141", "  RMSE              0.018141"),
+        ("certify", '   "mu": 33335.4655,', '   "mu": 33335.4655,'),
+    ],
+)
+def test_of_general_springs_no_number_is_kept_that_a_solver_ends_at(
+    name: str, line: str, kept: str
+):
+    assert without_ends(name, line) == kept
