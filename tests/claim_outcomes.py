@@ -7,6 +7,9 @@ from typing import Any
 
 from certreg.paper import derivation
 
+# A third of the time of all claims: proved in `make test-long`, by the pages and by `.ci/run`.
+HEAVY = {"growth_form", "quartic_relaxation", "spring_caps", "spring_motion"}
+
 
 @cache
 def outcome(name: str) -> Any:

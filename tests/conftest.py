@@ -50,8 +50,8 @@ gc.disable()  # all that collecting makes stays: see pytest_collection_finish
 DATA = Path(__file__).parent.parent / "certreg" / "data"
 
 
-# Whoever asks first for one of these waits for it: all figures.
-SLOW_FIXTURES = {"drawn"}
+# Whoever asks first for one of these waits for it: all figures, equilibria counted in many cells.
+SLOW_FIXTURES = {"counts", "drawn"}
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -88,6 +88,7 @@ def test_local_minima_are_refused_and_left_for_the_optimum():
     assert cone_rates.spurious_rates(2) == "2 of 2 refused; 2 times the optimum is found from there"
 
 
+@pytest.mark.slow
 def test_no_forgery_is_accepted_that_is_false():
     assert cone_rates.forgery_rates(25, ("plane 20",)).startswith("25 forgeries")
 

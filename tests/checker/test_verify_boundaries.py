@@ -39,8 +39,8 @@ def test_the_checker_answers_rightly_of_lists_of_equilibria(every: int):
     assert [case.name for case in asked if not case.passes(checker)] == []
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("part", ["point", pytest.param("byte", marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("part", ["point", "byte"])
 def test_the_limits_of_size_are_those_of_files_of_a_hundred_megabytes(part: str):
     cases = [case for case in boundaries.large_cases() if part in case.name]
 

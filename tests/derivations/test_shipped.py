@@ -25,6 +25,7 @@ def values(expression, pairs):
     return expression.subs({s: sympy.Rational(v) for s, v in pairs}, simultaneous=True)
 
 
+@pytest.mark.slow
 def test_the_matrix_that_is_decided_is_the_one_of_the_definition():
     level, mu, unit = 7, 5, 8
     symbols = shipped.checked_matrix(

@@ -175,7 +175,7 @@ class Site:
 
 @pytest.fixture(scope="module")
 def sites(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Site]:
-    """Every site, built with warnings being errors."""
+    """Every site, built with warnings being errors. Seven seconds: whoever asks is `long`."""
     root = tmp_path_factory.mktemp("sites")
     folders = {name: root / name.replace(" ", "-") for name in ("claims", *SITES)}
     claims = {name: f"# Page\n\n```{{proof}} {name}\n```\n" for name in CLAIMS}
@@ -243,7 +243,7 @@ def test_a_page_speaks_of_commands_that_exist(page: Path):
     assert set(MENTION.findall(page.read_text("utf-8"))) <= set(cli.commands)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_claim_becomes_a_theorem_with_steps_and_controls(sites: dict[str, Site]):
     site = sites["claims"]
     html = site.pages["davenport"]
@@ -255,7 +255,7 @@ def test_a_claim_becomes_a_theorem_with_steps_and_controls(sites: dict[str, Site
     assert "PROVED" in html
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_claim_shows_its_theorems_in_coq_as_their_files_state_them(sites: dict[str, Site]):
     html = sites["claims"].pages["eigenvectors"]
     words = markup.unescape(re.sub(r"<[^>]*>", "", html))
@@ -269,12 +269,12 @@ def test_a_claim_shows_its_theorems_in_coq_as_their_files_state_them(sites: dict
         assert all(axiom in words for axiom in theorem.axioms)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_claim_without_a_theorem_in_coq_says_so(sites: dict[str, Site]):
     assert "<strong>Not machine-checked.</strong>" in sites["claims"].pages["polar_projection"]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["optimality_certificate", "spectrum"])
 def test_formulas_are_set_as_formulas_wherever_they_stand(sites: dict[str, Site], name: str):
     html = sites["claims"].pages[name]
@@ -282,7 +282,7 @@ def test_formulas_are_set_as_formulas_wherever_they_stand(sites: dict[str, Site]
     assert "$" not in re.sub(r"<pre>.*?</pre>", "", html, flags=re.DOTALL)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("name", SITES)
 def test_what_is_wrong_stops_the_build(sites: dict[str, Site], name: str):
     assert sites[name].code != 0

@@ -138,6 +138,7 @@ def test_near_degeneracy_is_resolved_or_flagged(gap):
         assert set(found.outcomes) == {HomotopyStatus.CONTINUUM}
 
 
+@pytest.mark.slow
 def test_shorter_steps_after_a_failure_find_what_the_same_steps_do_not():
     K = np.array([near_degenerate(1e-6, seed) for seed in range(40)])
     stubborn = continuation(K, tracker=TrackerSettings(care=1.0))

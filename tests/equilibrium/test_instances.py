@@ -158,6 +158,7 @@ def test_one_cloud_for_all_is_that_cloud_in_each():
     assert_identical(shared, single)
 
 
+@pytest.mark.slow
 def test_no_instance_depends_on_its_neighbours_or_on_the_number_of_threads():
     given = some(1043, n=5)
     whole = solve_many(**given, spectrum=True, threads=1)

@@ -259,9 +259,10 @@ def by_elimination(name) -> Any:
     return checked(search(objective(name), "groebner").critical)
 
 
-SAMPLE = [pytest.param(k, marks=pytest.mark.slow) for k in (0, 2, 6)]
+SAMPLE = [pytest.param(k, marks=pytest.mark.long) for k in (0, 2, 6)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cell", [11, *SAMPLE])
 def test_elimination_finds_the_same_equilibria_without_paths_and_boxes(cell, monkeypatch):
     monkeypatch.setattr(HOMOTOPY, "critical_lines", None)

@@ -21,6 +21,7 @@ MEANT = (
 )
 SHOWN_SLOWLY = {f"shown-{name}" for name in ("rows", "scales", "noise", "ties", "patterns")}
 SLOW = {"batch", "certify-out", "certify-units", "python-formats", "python-pages", "weak"}
+SLOW |= {"altered", "equilibria-of-rows", "judged", "springs-free", "springs-planes"}
 SLOW |= SHOWN_SLOWLY
 
 

@@ -10,6 +10,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import pytest
+
 import certreg
 
 if TYPE_CHECKING:
@@ -151,6 +153,7 @@ def test_the_hall_is_small():
     assert len(entries - {"__init__.py", "__main__.py", "py.typed", "__pycache__"}) <= 20
 
 
+@pytest.mark.slow
 def test_imports_only_go_down_the_map():
     assert upward(sources()) == []
 

@@ -310,7 +310,7 @@ def test_names_in_a_column_do_not_overlap():
     )
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_drawings_are_svg_without_a_date(small_run, tmp_path):
     document = small_run.document()
 

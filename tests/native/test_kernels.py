@@ -511,6 +511,7 @@ def test_zig_is_told_the_level_in_its_own_words():
     assert Compiler(command=("cc",), words="").level("x86-64-v3") == "-march=x86-64-v3"
 
 
+@pytest.mark.slow
 def test_a_wheel_with_libraries_is_for_this_platform_and_any_python(pretend, tmp_path):
     pytest.importorskip("hatchling", reason="the build backend is not installed")
     from hatchling.builders.wheel import WheelBuilder

@@ -448,7 +448,7 @@ def test_a_run_that_never_escapes_is_no_number(found):
     assert row["escape_times_worst"] is None
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_command_writes_the_maps_when_asked(tmp_path, monkeypatch, found, drawn):
     monkeypatch.setattr("certreg.cli.reproducing.all_sweeps", lambda *_: found)
     monkeypatch.setattr("certreg.cli.reproducing.sweep_drawings", lambda _: drawn[:1])

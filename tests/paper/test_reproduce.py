@@ -275,7 +275,7 @@ def test_an_eigenvalue_counted_on_the_wrong_side_is_seen(monkeypatch, seen):
     assert evidence("12", seen).agrees is False
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_damping_that_explicit_euler_cannot_follow_is_told_and_confirms_the_condition(drawn):
     found = reproduce(Setup(runs=1, damping=250.0), quiet, proofs=False)
     document = reproduction_document(found, drawn)

@@ -13,7 +13,7 @@ POINTS = 1_050_000  # more than a certificate holds
 MEGABYTES = 45  # of the 50 that both files have; 16 are the stacks of two threads
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_mapped_clouds_are_certified_in_less_memory_than_they_take(tmp_path):
     files = write_clouds(tmp_path, POINTS)
     run = Run.of(*files, tmp_path / "certificate.json", MEGABYTES)

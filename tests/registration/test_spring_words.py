@@ -245,6 +245,7 @@ def test_five_planes_that_cannot_be_met_may_single_one_pose_out():
     assert FEW in str(met)
 
 
+@pytest.mark.slow
 def test_six_planes_are_not_called_too_few():
     rng = np.random.default_rng(4)
     source, normals = rng.integers(-9, 10, (2, 6, 3)).astype(float)
