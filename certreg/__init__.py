@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from certreg.dynamics import SimulationSettings as SimulationSettings
     from certreg.dynamics import Trajectory as Trajectory
     from certreg.dynamics import bodies_of as bodies_of
+    from certreg.dynamics import bodies_on_springs as bodies_on_springs
     from certreg.dynamics import simulate_many as simulate_many
     from certreg.equilibrium import solve_many as solve_many
     from certreg.equilibrium import solve_many_springs as solve_many_springs
@@ -63,6 +64,7 @@ __all__ = [
     "__version__",
     "assess",
     "bodies_of",
+    "bodies_on_springs",
     "certify",
     "certify_many",
     "equilibria",
@@ -90,6 +92,7 @@ __getattr__ = lazy_face(
             "SimulationSettings",
             "Trajectory",
             "bodies_of",
+            "bodies_on_springs",
             "simulate_many",
         ),
         "equilibrium": (

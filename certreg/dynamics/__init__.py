@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from certreg.dynamics.integrators import SimulationSettings as SimulationSettings
     from certreg.dynamics.simulation import optimal_damping as optimal_damping
     from certreg.dynamics.simulation import simulate as simulate
+    from certreg.dynamics.spring_batch import SpringBodies as SpringBodies
+    from certreg.dynamics.spring_batch import SpringEnds as SpringEnds
+    from certreg.dynamics.spring_batch import bodies_on_springs as bodies_on_springs
     from certreg.dynamics.spring_body import MovingSprings as MovingSprings
     from certreg.dynamics.spring_body import moving_springs as moving_springs
     from certreg.dynamics.spring_simulation import SpringStatus as SpringStatus
@@ -48,6 +51,11 @@ __getattr__ = lazy_face(
         "simulation": (
             "optimal_damping",
             "simulate",
+        ),
+        "spring_batch": (
+            "SpringBodies",
+            "SpringEnds",
+            "bodies_on_springs",
         ),
         "spring_body": (
             "MovingSprings",

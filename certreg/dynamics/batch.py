@@ -17,13 +17,14 @@ problem).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
 from certreg.dynamics.basin import basins_of
 from certreg.dynamics.body import SMALLEST_INERTIA
 from certreg.dynamics.integrators import SimulationSettings, integrate, step_parameters
+from certreg.dynamics.spring_batch import SpringBodies, simulate_on_springs
 from certreg.equilibrium import clouds, stationary_poses
 from certreg.errors import DegenerateProblemError
 from certreg.geometry import rotation_matrix
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
+    from certreg.dynamics.spring_batch import SpringEnds
     from certreg.native import Records, StationaryPoses
 
 DIAGONAL = [0, 3, 5]  # of an upper triangle
@@ -150,13 +152,33 @@ def bodies_of(
     )
 
 
+@overload
 def simulate_many(
     bodies: Bodies,
+    integrator: Integrator | str = ...,
+    *,
+    settings: SimulationSettings | None = ...,
+    progress: Callable[[int, int], object] | None = ...,
+) -> Ends: ...
+
+
+@overload
+def simulate_many(
+    bodies: SpringBodies,
+    integrator: Integrator | str = ...,
+    *,
+    settings: SimulationSettings | None = ...,
+    progress: Callable[[int, int], object] | None = ...,
+) -> SpringEnds: ...
+
+
+def simulate_many(
+    bodies: Bodies | SpringBodies,
     integrator: Integrator | str = Integrator.SPLITTING,
     *,
     settings: SimulationSettings | None = None,
     progress: Callable[[int, int], object] | None = None,
-) -> Ends:
+) -> Ends | SpringEnds:
     """Every body simulated to its end, on `settings.threads` threads.
 
     The interpreter's lock is free meanwhile.
@@ -164,9 +186,9 @@ def simulate_many(
     Parameters
     ----------
     bodies
-        Of `bodies_of`.
+        Of `bodies_of`, or of `bodies_on_springs`.
     integrator
-        Also by name, as in `certreg.simulate`.
+        Also by name, as in `certreg.simulate`; on general springs midpoint or splitting.
     settings
         None: as `SimulationSettings()` has it.
     progress
@@ -175,13 +197,17 @@ def simulate_many(
     Returns
     -------
     Ends
-        The last state of each, and how it came there.
+        The last state of each, and how it came there; of bodies on general springs `SpringEnds`.
 
     Raises
     ------
     DegenerateProblemError
         Where a body is too stiff for explicit Euler.
+    ValueError
+        For explicit Euler on general springs.
     """
+    if isinstance(bodies, SpringBodies):
+        return simulate_on_springs(bodies, integrator, settings=settings, progress=progress)
     integrator, settings = Integrator(integrator), settings or SimulationSettings()
     batch = Batch.of(
         integrator,

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from certreg.equilibrium.quartics import descended as descended
     from certreg.equilibrium.spectral import by_eigenspaces as by_eigenspaces
     from certreg.equilibrium.spring_batch import SpringSolutions as SpringSolutions
+    from certreg.equilibrium.spring_batch import many_springs as many_springs
     from certreg.equilibrium.spring_batch import solve_many_springs as solve_many_springs
     from certreg.equilibrium.stability import TRANSLATION_STIFFNESS as TRANSLATION_STIFFNESS
 
@@ -92,6 +93,7 @@ __getattr__ = lazy_face(
         "spectral": ("by_eigenspaces",),
         "spring_batch": (
             "SpringSolutions",
+            "many_springs",
             "solve_many_springs",
         ),
         "stability": ("TRANSLATION_STIFFNESS",),

@@ -138,11 +138,9 @@ def solve_many_springs(  # noqa: PLR0913 - each is one question, and has its usu
     InvalidProblemError
         For other shapes and values; it names the instance.
     """
-    points = clouds(sources, targets, None)
-    require_finite(points)
-    given = stated_many(
-        points.sources,
-        points.targets,
+    given = many_springs(
+        sources,
+        targets,
         GivenSprings(
             normals=normals,
             directions=directions,
@@ -150,9 +148,8 @@ def solve_many_springs(  # noqa: PLR0913 - each is one question, and has its usu
             information=information,
             factors=factors,
         ),
-        sigma,
-        weights,
-        points.count,
+        sigma=sigma,
+        weights=weights,
     )
     threads = checked_threads(threads)
 
@@ -166,6 +163,20 @@ def solve_many_springs(  # noqa: PLR0913 - each is one question, and has its usu
             if progress is not None:
                 progress(min(len(parts) * PORTION, given.count), given.count)
     return _joined(parts, given)
+
+
+def many_springs(
+    sources: ArrayLike,
+    targets: ArrayLike,
+    given: GivenSprings,
+    *,
+    sigma: ArrayLike | None,
+    weights: ArrayLike | None,
+) -> ManySprings:
+    """The problems as `solve_many_springs` takes them. Raises InvalidProblemError for others."""
+    points = clouds(sources, targets, None)
+    require_finite(points)
+    return stated_many(points.sources, points.targets, given, sigma, weights, points.count)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -63,6 +63,7 @@ def made(problem, registration) -> dict[str, Any]:
         "__version__": certreg.__version__,
         "assess": certreg.assess(problem, pose.rotation, pose.translation),
         "bodies_of": bodies,
+        "bodies_on_springs": certreg.bodies_on_springs(x, x, normals=x + 1.0),
         "certify": registration,
         "certify_many": certreg.certify_many([problem], relaxation=False, simulation=False),
         "equilibria": certreg.equilibria(problem, "all"),
