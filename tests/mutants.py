@@ -45,6 +45,9 @@ SO3, MOTION = "certreg/geometry/so3.py", "derivations/motion.py"
 CHECKER = "certreg/verify.py"
 CLASSES = "certreg/objective/classification.py"
 SPRINGS = "certreg/objective/springs.py"
+QUARTIC, SPRING_BODY = "certreg/objective/quartics.py", "certreg/dynamics/spring_body.py"
+SPRING_MOTION, SPRING_STEPS = "derivations/spring_motion.py", "derivations/spring_integrators.py"
+SPRING_REST = "derivations/claims/spring_rest.py"
 LINEAR, STEPS = "derivations/linearisation.py", "derivations/integrators.py"
 
 MUTANTS = (
@@ -817,6 +820,188 @@ MUTANTS = (
         "return proves_level(K, unit, q, level, abs(most))",
         "return proves_level(K, unit, q, most, abs(most))",
         ("eigenvector_radius",),
+    ),
+    Mutant(
+        "damping that drives a turn on general springs",
+        SPRING_MOTION,
+        "alpha = body.inertia_inverse * turning - DAMPING * state.omega",
+        "alpha = body.inertia_inverse * turning + DAMPING * state.omega",
+        ("spring_motion",),
+    ),
+    Mutant(
+        "precession the other way on general springs",
+        SPRING_MOTION,
+        "turning = torque - state.omega.cross",
+        "turning = torque + state.omega.cross",
+        ("spring_motion",),
+    ),
+    Mutant(
+        "a pull that grows with the turn",
+        SPRING_MOTION,
+        "return body.cross - shift(c, body) - turned(R, body)",
+        "return body.cross - shift(c, body) + turned(R, body)",
+        ("spring_motion",),
+    ),
+    Mutant(
+        "half the torque of general springs",
+        SPRING_MOTION,
+        "2 * inner(pulled, R * axis) for axis in AXES",
+        "inner(pulled, R * axis) for axis in AXES",
+        ("spring_motion",),
+    ),
+    Mutant(
+        "twice the force in the energy of general springs",
+        SPRING_MOTION,
+        "inner(state.c, force) / 2 - inner(pulled, state.R)",
+        "inner(state.c, force) - inner(pulled, state.R)",
+        ("spring_motion",),
+    ),
+    Mutant(
+        "a trace with the other sign",
+        SPRING_BODY,
+        "of_points[p] * of_point + 3 *",
+        "of_points[p] * of_point - 3 *",
+        ("spring_motion",),
+    ),
+    Mutant(
+        "the middle of a step at its end",
+        SPRING_STEPS,
+        "    c = state.c + step / 2 * middle.v\n    force",
+        "    c = state.c + step * middle.v\n    force",
+        ("spring_motion",),
+    ),
+    Mutant(
+        "torque over twice the step",
+        SPRING_STEPS,
+        "(middle.omega - state.omega) - step / 2 * (torque",
+        "(middle.omega - state.omega) - step * (torque",
+        ("spring_motion",),
+    ),
+    Mutant(
+        "a step of general springs without drag",
+        SPRING_STEPS,
+        "    force = spring_force(c, mean, body) - DAMPING * middle.v",
+        "    force = spring_force(c, mean, body)",
+        ("spring_motion",),
+    ),
+    Mutant(
+        "minors with the other sign",
+        CHECKER,
+        "+= c if m[at] == j else -c",
+        "+= c if m[at] == i else -c",
+        ("forty_lines",),
+    ),
+    Mutant(
+        "a chart that turns three of four factors",
+        CHECKER,
+        "for at in range(4):  # factor by factor",
+        "for at in range(3):  # factor by factor",
+        ("forty_lines",),
+    ),
+    Mutant(
+        "lines in the plane at infinity",
+        CHECKER,
+        "for first, rank in (1, 45), (0, 80):",
+        "for first, rank in ((0, 80),):",
+        ("forty_lines",),
+    ),
+    Mutant(
+        "a rank of 81 for 40 lines",
+        CHECKER,
+        "for first, rank in (1, 45), (0, 80):",
+        "for first, rank in (1, 45), (0, 81):",
+        ("forty_lines",),
+    ),
+    Mutant(
+        "a gradient without multiples",
+        QUARTIC,
+        "q[variable] * sum(multiple * quartic[k]",
+        "q[variable] * sum(quartic[k]",
+        ("forty_lines",),
+    ),
+    Mutant(
+        "twice the value of a quartic",
+        QUARTIC,
+        "        pairs[first] * sum(quartic[k]",
+        "        2 * pairs[first] * sum(quartic[k]",
+        ("spring_index",),
+    ),
+    Mutant(
+        "second derivatives without multiples",
+        QUARTIC,
+        "        sum(multiple * quartic[k] * pairs[pair] for k",
+        "        sum(quartic[k] * pairs[pair] for k",
+        ("spring_index",),
+    ),
+    Mutant(
+        "mixed second derivatives from the diagonal",
+        QUARTIC,
+        "entries[PAIR_PLACE[min(i, j), max(i, j)]] for j",
+        "entries[PAIR_PLACE[max(i, j), max(i, j)]] for j",
+        ("near_isotropy",),
+    ),
+    Mutant(
+        "twice the second derivatives of a quartic",
+        QUARTIC,
+        "        sum(multiple * quartic[k] * pairs[pair] for k",
+        "        sum(2 * multiple * quartic[k] * pairs[pair] for k",
+        ("near_isotropy",),
+    ),
+    Mutant(
+        "the energy over the norm",
+        SPRINGS,
+        "unit.numerator, norm**2 * unit.denominator)",
+        "unit.numerator, norm * unit.denominator)",
+        ("forty_real",),
+    ),
+    Mutant(
+        "second derivatives with the other sign",
+        QUARTIC,
+        "        sum(multiple * quartic[k] * pairs[pair] for k",
+        "        sum(-multiple * quartic[k] * pairs[pair] for k",
+        ("forty_real",),
+    ),
+    Mutant(
+        "second derivatives in one column twice",
+        QUARTIC,
+        "entries[PAIR_PLACE[min(i, j), max(i, j)]] for j in range(4))",
+        "entries[PAIR_PLACE[min(i, j), max(i, j)]] for j in (0, 0, 2, 3))",
+        ("real_lines",),
+    ),
+    Mutant(
+        "a value of the other sign",
+        QUARTIC,
+        "        pairs[first] * sum(quartic[k]",
+        "        -pairs[first] * sum(quartic[k]",
+        ("real_lines",),
+    ),
+    Mutant(
+        "springs that push the target away",
+        SPRINGS,
+        "= -m.cross[a][b] << (x + y)",
+        "= m.cross[a][b] << (x + y)",
+        ("stable_spurious",),
+    ),
+    Mutant(
+        "twice the spread of the target",
+        SPRINGS,
+        "rows[0][0] = m.spread << 2 * y",
+        "rows[0][0] = m.spread << 2 * y + 1",
+        ("stable_spurious",),
+    ),
+    Mutant(
+        "half the pull of a spring",
+        SPRING_REST,
+        "return 2 * factor * factor.T * stretched",
+        "return factor * factor.T * stretched",
+        ("spring_rest",),
+    ),
+    Mutant(
+        "a spring by the transposed factor",
+        SPRING_REST,
+        "return 2 * factor * factor.T * stretched",
+        "return 2 * factor.T * factor * stretched",
+        ("spring_rest",),
     ),
 )
 UNCHANGED = Mutant("unchanged", SO3, MUTANTS[0].old, MUTANTS[0].old, ("davenport",))
