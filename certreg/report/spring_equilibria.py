@@ -89,11 +89,14 @@ def spring_notes(equilibria: SpringEquilibria) -> list[str]:
         return notes
     euler = f"the Euler sum of the indices is {equilibria.euler_sum}, as that of all must be."
     if equilibria.count_complex is None:
-        notes.append(f"{equilibria.finiteness.value} Each is proved in a box; {euler}")
+        notes.append(
+            f"{equilibria.finiteness.value} Each is proved to be alone in a box around it; {euler}"
+        )
     else:
         notes.append(
             f"All 40 critical lines, complex ones included, are simple: {equilibria.count} "
-            f"rotations and {equilibria.pairs} conjugate pairs, each proved in a box; {euler}"
+            f"rotations and {equilibria.pairs} conjugate pairs, each proved to be alone in a box "
+            f"around it; {euler}"
         )
     if equilibria.tied > 1:
         notes.append(
