@@ -3,9 +3,9 @@
     python tests/golden/record.py CHECKOUT OUT --inputs FOLDER --begun FOLDER [--part 0/2]
     python tests/golden/record.py CHECKOUT FOLDER --inputs FOLDER --begin
 
-The second line makes the half-done campaigns that the first goes on with. Of certreg only the
-command line and public names are used, and the checker's file: so any checkout can be recorded. It
-must come first on PYTHONPATH, which `make golden` sees to.
+Cases that OUT holds are left as they are. The second line makes the half-done campaigns that the
+first goes on with. Of certreg only the command line and public names are used, and the checker's
+file: so any checkout can be recorded. It comes first on PYTHONPATH, which `make golden` sees to.
 """
 
 from __future__ import annotations
@@ -29,9 +29,11 @@ from cases import Case, How, Step, begun, cases, half_done
 from volatile import stable_file, stable_name, stable_text
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
-PATIENCE = 600  # seconds for one step: more is recorded as an end by signal
+PATIENCE = (
+    3600  # seconds for one step: a fork then ends by a signal, which is recorded; else all stops
+)
 
 
 @dataclass(frozen=True)
@@ -44,8 +46,8 @@ class Recorder:
     main: Callable[[], Any]
 
     def record(self, case: Case) -> None:
-        """The steps of a case, then the files it left behind."""
-        folder, place = self.out / case.name, self.work / case.name
+        """The steps of a case, then the files it left behind: all of it in `out`, or nothing."""
+        folder, place = self.work / "unfinished" / case.name, self.work / case.name
         folder.mkdir(parents=True)
         if case.begun is not None:
             shutil.copytree(self.work / "begun" / case.begun, place)
@@ -60,6 +62,7 @@ class Recorder:
         for path in sorted(place.rglob("*")):
             if path.is_file():
                 self.keep(path, folder / "files" / stable_name(f"{path.relative_to(place)}"))
+        folder.rename(self.out / case.name)
 
     def keep(self, path: Path, kept: Path) -> None:
         """What is compared of a file; its own name, where the record has it under another."""
@@ -187,6 +190,18 @@ def begin(recorder: Recorder) -> None:
         shutil.copytree(place, recorder.out / case.name)
 
 
+def record_cases(recorder: Recorder, missing: Sequence[Case], campaigns: Path | None) -> None:
+    """Record the cases that are missing, given the folder of half-done campaigns."""
+    if not missing:
+        return
+    recorder.out.mkdir(parents=True, exist_ok=True)
+    if campaigns is not None:
+        shutil.copytree(campaigns, recorder.work / "begun")
+    load(recorder)
+    for case in missing:
+        recorder.record(case)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description="Records what users see of a checkout.")
     parser.add_argument("checkout", type=Path)
@@ -209,12 +224,9 @@ def main() -> None:
     if told.begin:
         begin(recorder)
     else:
-        if told.begun is not None:
-            shutil.copytree(told.begun, work / "begun")
-        load(recorder)
         chosen = [case for case in cases() if case.name.startswith(told.only)]
-        for case in chosen[first::parts]:
-            recorder.record(case)
+        missing = [case for case in chosen[first::parts] if not (out / case.name).exists()]
+        record_cases(recorder, missing, told.begun)
     shutil.rmtree(work)
 
 

@@ -1,8 +1,9 @@
 """`make golden BASE=<commit> [ONLY=<prefix>]`: what users see, at a commit and now, compared.
 
 The commit is taken from git into build/golden; "now" is the working tree as it stands. Both run in
-this environment, on the same files, at the same time; the record of the base is kept for the next
-time. ONLY records the cases whose names begin so. Exit code 1 where something differs that
+this environment, on the same files, at the same time. What was recorded is kept as long as it would
+be the same: a run that was stopped goes on, and the record of the base serves the next time. ONLY
+records the cases whose names begin so. Exit code 1 where something differs that
 tests/golden/meant.toml does not list.
 """
 
@@ -40,30 +41,31 @@ def main() -> int:
     commit = git("rev-parse", "--verify", f"{sys.argv[1]}^{{commit}}").decode().strip()
     only = sys.argv[2] if len(sys.argv) == 3 else ""
     inputs, base, head = (BUILD / name for name in ("inputs", "base", "head"))
+    left = marked(commit, inputs)
     shutil.rmtree(inputs, ignore_errors=True)
     write_corpus(inputs)
     mark = marked(commit, inputs)
+    if left != mark:  # a command of a run that was stopped may have written to them
+        shutil.rmtree(base, ignore_errors=True)
+        shutil.rmtree(head, ignore_errors=True)
     if not is_marked(base / "begun", mark):
         shutil.rmtree(base, ignore_errors=True)
         check_out(commit, base / "checkout")
         record(base / "checkout", base / "begun", "--begin")
         mark_as(base / "begun", mark)
     out = "some" if only else "all"
-    sides = {head / out: ROOT}
-    if only or not is_marked(base / out, mark):
-        sides[base / out] = base / "checkout"
-    record_all(sides, base / "begun", only)
+    for folder, state in ((base / out, mark), (head / out, marked(working_tree(), inputs) + mark)):
+        if only or not is_marked(folder, state):
+            shutil.rmtree(folder, ignore_errors=True)
+            mark_as(folder, state)
+    record_all({head / out: ROOT, base / out: base / "checkout"}, base / "begun", only)
     if marked(commit, inputs) != mark:
         sys.exit(f"a command has written to {inputs}, which both sides read: mend its case")
-    if not only:
-        mark_as(base / out, mark)
     return told(compare(base / out, head / out, read_meant()), whole=not only)
 
 
 def record_all(sides: Mapping[Path, Path], begun: Path, only: str) -> None:
-    """A record in each of the folders, of the checkout beside it, by a few processes at a time."""
-    for out in sides:
-        shutil.rmtree(out, ignore_errors=True)
+    """What is not yet recorded of each checkout, in the folder beside it, by a few processes."""
     with ThreadPoolExecutor(PARTS) as pool:
         options = [
             ("--begun", begun, "--part", f"{k}/{PARTS}", "--only", only) for k in range(PARTS)
@@ -78,12 +80,13 @@ def record_all(sides: Mapping[Path, Path], begun: Path, only: str) -> None:
 
 
 def is_marked(folder: Path, mark: str) -> bool:
-    """Whether the folder was written whole, and from what the mark stands for."""
+    """Whether the folder was written from what the mark stands for."""
     file = folder.with_suffix(".mark")
     return file.exists() and file.read_text("utf-8") == mark
 
 
 def mark_as(folder: Path, mark: str) -> None:
+    folder.parent.mkdir(parents=True, exist_ok=True)
     folder.with_suffix(".mark").write_text(mark, "utf-8")
 
 
@@ -104,9 +107,21 @@ def check_out(commit: str, folder: Path) -> None:
         subprocess.run([sys.executable, script], check=True, stdout=subprocess.DEVNULL)
 
 
-def marked(commit: str, inputs: Path) -> str:
-    """What a record of the base depends on: it is kept as long as this is the same."""
-    digest = hashlib.sha256(f"{commit} {sys.version} {ROOT}".encode())
+def working_tree() -> str:
+    """The digest of all files of the working tree that git does not ignore."""
+    digest = hashlib.sha256()
+    listed = git("ls-files", "-z", "--cached", "--others", "--exclude-standard").decode()
+    for name in sorted({*listed.split("\0")} - {""}):
+        path = ROOT / name
+        digest.update(
+            name.encode() + b"\0" + (path.read_bytes() if path.is_file() else b"") + b"\0"
+        )
+    return digest.hexdigest()
+
+
+def marked(state: str, inputs: Path) -> str:
+    """What a record of a commit, or of files, depends on: it is kept while this is the same."""
+    digest = hashlib.sha256(f"{state} {sys.version} {ROOT}".encode())
     files = (*(HERE / name for name in RECORDING), ROOT / "uv.lock", *inputs.rglob("*"))
     for path in sorted(path for path in files if path.is_file()):
         digest.update(str(path).encode() + b"\0" + path.read_bytes() + b"\0")
