@@ -14,33 +14,51 @@ import subprocess
 import sys
 import tempfile
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from campaign_work import Cut, finish, tree
 
-from certreg.campaign.store import SHARDS
+from certreg.campaign.store import SHARDS, Manifest
 from certreg.paper.monte_carlo import write_instance_results
+from certreg.paper.spring_campaign import SpringCampaign, write_spring_results
+from certreg.paper.spring_maps import SpringCell
+
+
+class Maps(SpringCampaign):
+    """The maps of general springs, in shards of four."""
+
+    def manifest(self) -> Manifest:
+        return replace(super().manifest(), shard_size=4)
+
 
 KIND = Cut(count=600, points=5, seed=3)
 FLATS = Cut(count=200, points=2, seed=3)  # each with a certificate
+CELLS = tuple(SpringCell(family="plane", points=points, noise=0.1) for points in (6, 20))
+MAPS = Maps(instances=40, seed=3, cells=CELLS)
+KINDS = {"KIND": KIND, "FLATS": FLATS, "MAPS": MAPS}
 ALL = 20
+Kind = Cut | Maps
 
 
-def whole(kind: Cut, folder: Path, workers: Any = None) -> None:
+def whole(kind: Kind, folder: Path, workers: Any = None) -> None:
     """The campaign to its end, by threads of this process if nobody else."""
     finish(kind, folder, workers)
-    write_instance_results(kind, folder)
+    if isinstance(kind, Maps):
+        write_spring_results(kind, folder)
+    else:
+        write_instance_results(kind, folder)
 
 
-def begin(kind: Cut, folder: Path) -> subprocess.Popen[bytes]:
+def begin(kind: Kind, folder: Path) -> subprocess.Popen[bytes]:
     """The campaign in a process group of its own."""
     code = (
         "import sys, pathlib, campaign_kills as k\n"
         "from certreg.campaign.workers import LocalWorkers\n"
-        "k.whole(getattr(k, sys.argv[1]), pathlib.Path(sys.argv[2]), LocalWorkers(2))"
+        "k.whole(k.KINDS[sys.argv[1]], pathlib.Path(sys.argv[2]), LocalWorkers(2))"
     )
-    name = "KIND" if kind is KIND else "FLATS"
+    name = next(name for name, one in KINDS.items() if one is kind)
     here = Path(__file__).parent
     paths = os.pathsep.join((str(here), str(here.parent)))
     return subprocess.Popen(
@@ -50,7 +68,7 @@ def begin(kind: Cut, folder: Path) -> subprocess.Popen[bytes]:
     )
 
 
-def kill_within(kind: Cut, folder: Path, rng: random.Random) -> bool:
+def kill_within(kind: Kind, folder: Path, rng: random.Random) -> bool:
     """Begin, and kill everything at a random moment; False where the end came first."""
     goal = rng.randint(0, kind.manifest().shards)
     delay = rng.uniform(0.0, 0.05)
@@ -68,7 +86,7 @@ def shards(folder: Path) -> int:
     return sum(1 for _ in place.iterdir()) if place.exists() else 0
 
 
-def resumed_alike(kind: Cut, trials: int, seed: int) -> int:
+def resumed_alike(kind: Kind, trials: int, seed: int) -> int:
     """How many of the trials were killed before their end; raises where a result is another."""
     rng, killed = random.Random(seed), 0
     with tempfile.TemporaryDirectory() as place:
@@ -87,6 +105,6 @@ def resumed_alike(kind: Cut, trials: int, seed: int) -> int:
 
 if __name__ == "__main__":
     amount = int(sys.argv[1]) if len(sys.argv) > 1 else ALL
-    for kind in (KIND, FLATS):
+    for kind in KINDS.values():
         killed = resumed_alike(kind, amount, seed=amount)
         sys.stdout.write(f"{amount} trials, {killed} killed before the end: the same in each\n")
