@@ -41,7 +41,7 @@ demo: $(RUNS)  ## register the packaged real data and prove the answers
 test: $(READY)  ## run the tests and the examples in the docstrings
 	@$(RUN) $(STRICT) -m pytest
 
-test-long: kernels  ## the rest of the samples of which `make test` takes a part (two minutes)
+test-long: kernels  ## the rest of the samples of which `make test` takes a part (five minutes)
 	@$(RUN) $(STRICT) -m pytest -m 'long or hypothesis' --hypothesis-profile long
 
 # In one session, which finds and proves but once what both need; of the folders in TESTS, where it is given.
