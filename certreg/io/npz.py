@@ -32,9 +32,8 @@ MAX_ARRAYS = 64  # in one archive: points and what goes with them
 METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # numpy's; both unpack in bounded steps
 NOT_ZIP = (  # what the standard library raises for archives that it cannot read
     EOFError,
-    NotImplementedError,
     OverflowError,
-    RuntimeError,
+    RuntimeError,  # of a password, and of methods that it does not know
     ValueError,
     struct.error,
     zipfile.BadZipFile,

@@ -36,8 +36,7 @@ def test_what_is_seen_is_what_is_recorded(case):
     old = kept.read_text("utf-8") if kept.exists() else ""
     lines = difference(old, recorded(case))
 
-    if lines:
-        pytest.fail("\n".join((f"{kept.name}: {MEANT}", *lines)), pytrace=False)
+    assert not lines, "\n".join((f"{kept.name}: {MEANT}", *lines))
 
 
 @pytest.mark.parametrize(
