@@ -114,14 +114,16 @@ class Sums:
         x, y, w = (
             0 if low is None else unit - low for unit, low in zip(units, lowest, strict=True)
         )
-        shifts = (w + of_source * x + of_target * y for of_source, of_target in cls.coordinates)
+        shifts = [w + of_source * x + of_target * y for of_source, of_target in cls.coordinates]
         return cls(
             source_exponent=lowest[0],
             target_exponent=lowest[1],
             weight_exponent=lowest[2],
             integers=tuple(
-                k << shift if shift >= 0 else k >> -shift
-                for k, shift in zip(integers, shifts, strict=True)
+                [
+                    k << shift if shift >= 0 else k >> -shift
+                    for k, shift in zip(integers, shifts, strict=True)
+                ]
             ),
         )
 
@@ -181,8 +183,10 @@ def over_blocks(summed: Callable[[slice], S], n: int, threads: int, empty: S) ->
 
     All end when one fails, or at Ctrl-C.
     """
-    blocks, end = list(row_blocks(n)), threading.Event()
-    count = min(threads, len(blocks))
+    blocks = list(row_blocks(n))
+    if len(blocks) == 1:
+        return summed(blocks[0])
+    count, end = min(threads, len(blocks)), threading.Event()
 
     def share(first: int) -> S:
         total = empty
@@ -192,8 +196,6 @@ def over_blocks(summed: Callable[[slice], S], n: int, threads: int, empty: S) ->
             total += summed(rows)
         return total
 
-    if len(blocks) == 1:
-        return summed(blocks[0])
     if count == 1:
         return share(0)
     with ThreadPoolExecutor(count) as pool:

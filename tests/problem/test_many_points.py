@@ -55,13 +55,14 @@ def test_data_larger_than_a_piece_is_encoded_as_one():
 
 @given(strategies.problems())
 def test_sums_by_either_way_are_the_moments_of_the_checker(problem):
-    """The table is filled from i <= j, over one power of two."""
+    """The table is filled from i <= j, over one power of two; of y with y it has squares only."""
+    places = [(i, j) for i in range(7) for j in range(i, 7 if i < 4 else i + 1)]
     m, e = moments(problem.data_bytes()[26:], problem.n)
-    expected = [[Fraction(entry) * Fraction(2) ** e for entry in row] for row in m]
+    expected = [m[i][j] * Fraction(2) ** e for i, j in places]
 
     for table in (blockwise._added_moments, blockwise._table_of_sums):
         found, unit = table(problem)
-        assert [[Fraction(k) * Fraction(2) ** unit for k in row] for row in found] == expected
+        assert [found[i][j] * Fraction(2) ** unit for i, j in places] == expected
 
 
 @pytest.mark.slow
