@@ -8,21 +8,20 @@ pose and every set of rows, however they were found.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from certreg.equilibrium import rotation_double
 from certreg.exact import nearest_or_zero, power_of_two
-from certreg.geometry import is_reflection
-from certreg.problem import Block, PosedPairs, row_blocks
+from certreg.problem import Block, row_blocks
 from certreg.registration.covariance import (
     Residual,
     effective_rows,
     residual_distances,
     rows_with_weight,
 )
+from certreg.registration.motions import Motion, WeightedPairs
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -147,81 +146,6 @@ def _residuals(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Motion:
-    """x to R x + t."""
-
-    rotation: NDArray[np.float64]
-    translation: NDArray[np.float64]
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Pairs:
-    """Pairs about the clouds' means, over powers of two: source (3, k), target (3, k), (k,)."""
-
-    source: NDArray[np.float64]
-    target: NDArray[np.float64]
-    weights: NDArray[np.float64]
-
-    @property
-    def finite(self) -> bool:
-        arrays = (self.source, self.target, self.weights)
-        return all(bool(np.isfinite(array).all()) for array in arrays) and self.weights.sum() > 0
-
-    def distances(self, motion: _Motion) -> NDArray[np.float64]:
-        """(k,), |y - R x - t|."""
-        residuals = motion.rotation @ self.source
-        residuals += motion.translation[:, np.newaxis]
-        residuals -= self.target
-        residuals *= residuals
-        return np.sqrt(residuals[0] + residuals[1] + residuals[2])
-
-    @cached_property
-    def _posed(self) -> PosedPairs | None:
-        return PosedPairs.of(self.source.T, self.target.T)
-
-    def best_motion(self, weights: NDArray[np.float64]) -> _Motion:
-        """The best motion under these weights, in C.
-
-        Where nothing is compiled, or numbers leave the doubles, by singular values; raises
-        LinAlgError.
-        """
-        found = None if self._posed is None else self._posed.motion(weights)
-        if found is None:
-            return self.motion_by_singular_values(weights)
-        return _Motion(rotation=found[0], translation=found[1])
-
-    def motion_by_singular_values(self, weights: NDArray[np.float64]) -> _Motion:
-        """The same by NumPy."""
-        shares = weights / weights.sum()
-        here, there = self.source @ shares, self.target @ shares
-        cross = (self.target * shares) @ self.source.T - there[:, np.newaxis] * here
-        left, _, right = np.linalg.svd(cross)
-        rotation = left @ right
-        if is_reflection(rotation):
-            left[:, 2] = -left[:, 2]
-            rotation = left @ right
-        return _Motion(rotation=rotation, translation=there - rotation @ here)
-
-    def paired(self, here: slice, there: slice) -> _Pairs:
-        """Other pairs: these rows of the source, and these of the target with their weights."""
-        source, target, weights = self.source[:, here], self.target[:, there], self.weights[there]
-        return _Pairs(source=source, target=target, weights=weights)
-
-    def second_moments(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """(3,) each, without weights, over the trace of the source's."""
-        count = self.source.shape[1]
-        centred = (
-            cloud - cloud.sum(axis=1, keepdims=True) / count for cloud in (self.source, self.target)
-        )
-        here, there = np.linalg.eigvalsh([cloud @ cloud.T for cloud in centred]).clip(min=0.0)
-        return here / here.sum(), there / here.sum()
-
-    def least_energy(self) -> float:
-        """The least sum of w |y - R x - t|^2."""
-        return float(self.weights @ self.distances(self.best_motion(self.weights)) ** 2)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Frame:
     """Lengths over 2^length about the means, weights over 2^weight: no square overflows."""
 
@@ -229,7 +153,7 @@ class _Frame:
     weight: int
     source_mean: NDArray[np.float64]
     target_mean: NDArray[np.float64]
-    optimum: _Motion
+    optimum: Motion
 
     @classmethod
     def of(cls, objective: Isotropic) -> _Frame:
@@ -247,12 +171,12 @@ class _Frame:
             weight=weight,
             source_mean=here,
             target_mean=there,
-            optimum=_Motion(rotation=rotation, translation=np.zeros(3)),
+            optimum=Motion(rotation=rotation, translation=np.zeros(3)),
         )
 
-    def pairs(self, points: Block) -> _Pairs:
+    def pairs(self, points: Block) -> WeightedPairs:
         """Points of the problem in this frame."""
-        return _Pairs(
+        return WeightedPairs(
             source=self._moved(points.source, self.source_mean),
             target=self._moved(points.target, self.target_mean),
             weights=np.ldexp(points.weights, -self.weight),
@@ -275,11 +199,11 @@ class _Frame:
 class _Limits:
     """A pose that most rows agree on, and how far from it a row is far: in length, and weighted."""
 
-    motion: _Motion
+    motion: Motion
     distance: float
     weighted: float
 
-    def far(self, pairs: _Pairs, distances: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def far(self, pairs: WeightedPairs, distances: NDArray[np.float64]) -> NDArray[np.bool_]:
         """(k,), which rows are far: both in length and in standard deviations.
 
         In one of them alone a few rows of great weight, or of little, would be.
@@ -288,7 +212,7 @@ class _Limits:
         return (distances > self.distance) & (weighted > self.weighted)
 
 
-def _limits(sample: _Pairs) -> _Limits:
+def _limits(sample: WeightedPairs) -> _Limits:
     """By least absolute deviations, least squares of the better half, then of all near rows."""
     motion = sample.best_motion(sample.weights)
     roots = np.sqrt(sample.weights)
@@ -310,7 +234,7 @@ def _limits(sample: _Pairs) -> _Limits:
     return limits
 
 
-def _agreed(sample: _Pairs) -> tuple[_Limits, ...]:
+def _agreed(sample: WeightedPairs) -> tuple[_Limits, ...]:
     """A pose that most rows agree on; and another, if all rows might agree on it as well."""
     limits = _limits(sample)
     count = _count(sample, limits)
@@ -325,7 +249,7 @@ def _agreed(sample: _Pairs) -> tuple[_Limits, ...]:
     return (limits,)
 
 
-def _rivals(sample: _Pairs, limits: _Limits) -> Iterator[_Limits]:
+def _rivals(sample: WeightedPairs, limits: _Limits) -> Iterator[_Limits]:
     """Other poses, found from the far rows: all of them, and each beside two that are not."""
     known = limits.far(sample, sample.distances(limits.motion))
     rows, others = np.flatnonzero(known), np.flatnonzero(~known)
@@ -344,12 +268,12 @@ def _rivals(sample: _Pairs, limits: _Limits) -> Iterator[_Limits]:
             yield replace(limits, motion=motion)
 
 
-def _count(sample: _Pairs, limits: _Limits) -> int:
+def _count(sample: WeightedPairs, limits: _Limits) -> int:
     """How many rows are far."""
     return int(np.count_nonzero(limits.far(sample, sample.distances(limits.motion))))
 
 
-def _limits_at(sample: _Pairs, motion: _Motion) -> _Limits:
+def _limits_at(sample: WeightedPairs, motion: Motion) -> _Limits:
     distances = sample.distances(motion)
     roots = np.sqrt(sample.weights)
     least = FAR * ROUNDING

@@ -23,7 +23,7 @@ from jsonschema import Draft202012Validator
 import certreg as package
 from certreg.campaign import PairCampaign, pairs, read_listing
 from certreg.campaign.pairs import ERROR_SCHEMA
-from certreg.registration import outlying
+from certreg.problem import PosedPairs
 from certreg.results import Limits
 
 if TYPE_CHECKING:
@@ -466,7 +466,7 @@ def test_a_campaign_without_compiled_motions_writes_the_same(folder, monkeypatch
         )
 
     compiled = written()
-    monkeypatch.setattr(outlying.PosedPairs, "of", lambda *_: None)
+    monkeypatch.setattr(PosedPairs, "of", lambda *_: None)
     plain = written()
 
     assert compiled.files == plain.files

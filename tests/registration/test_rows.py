@@ -14,10 +14,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from certreg.problem import RegistrationProblem
+from certreg.problem import PosedPairs, RegistrationProblem
 from certreg.problem import arrays as problems
 from certreg.registration import certify, misfits, outlying
 from certreg.registration.misfits import FitCode
+from certreg.registration.motions import Motion, WeightedPairs
 from certreg.registration.outlying import LISTED, OtherPairing, RowFit, row_fit
 from certreg.registration.row_names import RowNames
 
@@ -202,11 +203,11 @@ def test_shares_are_said_in_per_cent_and_all_is_said_of_all_alone(
 def test_a_row_is_far_in_length_and_in_standard_deviations_beyond_six_medians():
     """Distances 1, ..., 1 and one: medians are 1 in length, 2 where weights are 4."""
     x = np.random.default_rng(2).standard_normal((3, 9))
-    still = outlying._Motion(rotation=np.eye(3), translation=np.zeros(3))
+    still = Motion(rotation=np.eye(3), translation=np.zeros(3))
 
-    def sample(last: float, weight: float) -> outlying._Pairs:
+    def sample(last: float, weight: float) -> WeightedPairs:
         distances, weights = np.append(np.ones(8), last), np.append(np.full(8, 4.0), weight)
-        return outlying._Pairs(
+        return WeightedPairs(
             source=x, target=x + [[1.0], [0.0], [0.0]] * distances, weights=weights
         )
 
@@ -293,7 +294,7 @@ def test_the_best_motion_in_c_costs_no_more_than_that_of_singular_values(seed: i
     x = rng.standard_normal((3, rng.integers(3, 30)))
     weights = np.exp(spread * rng.standard_normal(x.shape[1])) * (rng.random(x.shape[1]) < 0.9)
     weights[:3] += 1.0
-    pairs = outlying._Pairs(source=x, target=x + rng.standard_normal(x.shape), weights=weights)
+    pairs = WeightedPairs(source=x, target=x + rng.standard_normal(x.shape), weights=weights)
     back = pairs.paired(slice(None, None, -1), slice(None))
 
     for each in (pairs, back, pairs.paired(slice(1, None), slice(0, -1))):
@@ -308,7 +309,7 @@ def test_without_compiled_code_the_rows_say_the_same(monkeypatch: pytest.MonkeyP
     """Of a problem with a row that is wrong: what the warnings rest on."""
     problem = RegistrationProblem(SOURCE, TARGET, weights=WEIGHTS)
     compiled = rows_of(problem)
-    monkeypatch.setattr(outlying.PosedPairs, "of", lambda *_: None)
+    monkeypatch.setattr(PosedPairs, "of", lambda *_: None)
     plain = rows_of(problem)
 
     assert (compiled.far, compiled.far_rows, compiled.tied) == ((FAR_ROW,), 1, False)
