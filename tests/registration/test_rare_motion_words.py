@@ -170,8 +170,8 @@ def test_springs_that_are_one_weight_per_pair_have_four_equilibria_each_proved_i
 
     assert "exactly 4, of which 1 stable." in told
     assert (
-        " Each is proved to be alone in a box around it; the Euler sum of the indices is 0, as that of all must be."
-        in told
+        " Each is proved to be alone in a box around it; the Euler sum of the indices is 0, "
+        "as that of all must be." in told
     )
 
 
