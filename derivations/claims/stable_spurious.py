@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
-from functools import cache
 from itertools import combinations
 from typing import Any
 
@@ -56,7 +55,6 @@ def planes_of(far: int = FAR) -> Planes:
 PLANES = planes_of()
 
 
-@cache
 def objective_of(planes: Planes) -> Springs:
     """The shipped objective of these planes; each point is its own target."""
     points = np.array([point for point, _ in planes], float)
