@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Motion:
+class RigidMotion:
     """x to R x + t."""
 
     rotation: NDArray[np.float64]
@@ -37,7 +37,7 @@ class WeightedPairs:
         arrays = (self.source, self.target, self.weights)
         return all(bool(np.isfinite(array).all()) for array in arrays) and self.weights.sum() > 0
 
-    def distances(self, motion: Motion) -> NDArray[np.float64]:
+    def distances(self, motion: RigidMotion) -> NDArray[np.float64]:
         """(k,), |y - R x - t|."""
         residuals = motion.rotation @ self.source
         residuals += motion.translation[:, np.newaxis]
@@ -49,7 +49,7 @@ class WeightedPairs:
     def _posed(self) -> PosedPairs | None:
         return PosedPairs.of(self.source.T, self.target.T)
 
-    def best_motion(self, weights: NDArray[np.float64]) -> Motion:
+    def best_motion(self, weights: NDArray[np.float64]) -> RigidMotion:
         """The best motion under these weights, in C.
 
         Where nothing is compiled, or numbers leave the doubles, by singular values; raises
@@ -58,9 +58,9 @@ class WeightedPairs:
         found = None if self._posed is None else self._posed.motion(weights)
         if found is None:
             return self.motion_by_singular_values(weights)
-        return Motion(rotation=found[0], translation=found[1])
+        return RigidMotion(rotation=found[0], translation=found[1])
 
-    def motion_by_singular_values(self, weights: NDArray[np.float64]) -> Motion:
+    def motion_by_singular_values(self, weights: NDArray[np.float64]) -> RigidMotion:
         """The same by NumPy."""
         shares = weights / weights.sum()
         here, there = self.source @ shares, self.target @ shares
@@ -70,7 +70,7 @@ class WeightedPairs:
         if is_reflection(rotation):
             left[:, 2] = -left[:, 2]
             rotation = left @ right
-        return Motion(rotation=rotation, translation=there - rotation @ here)
+        return RigidMotion(rotation=rotation, translation=there - rotation @ here)
 
     def paired(self, here: slice, there: slice) -> WeightedPairs:
         """Other pairs: these rows of the source, and these of the target with their weights."""

@@ -21,7 +21,7 @@ from certreg.registration.covariance import (
     residual_distances,
     rows_with_weight,
 )
-from certreg.registration.motions import Motion, WeightedPairs
+from certreg.registration.motions import RigidMotion, WeightedPairs
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -153,7 +153,7 @@ class _Frame:
     weight: int
     source_mean: NDArray[np.float64]
     target_mean: NDArray[np.float64]
-    optimum: Motion
+    optimum: RigidMotion
 
     @classmethod
     def of(cls, objective: Isotropic) -> _Frame:
@@ -171,7 +171,7 @@ class _Frame:
             weight=weight,
             source_mean=here,
             target_mean=there,
-            optimum=Motion(rotation=rotation, translation=np.zeros(3)),
+            optimum=RigidMotion(rotation=rotation, translation=np.zeros(3)),
         )
 
     def pairs(self, points: Block) -> WeightedPairs:
@@ -199,7 +199,7 @@ class _Frame:
 class _Limits:
     """A pose that most rows agree on, and how far from it a row is far: in length, and weighted."""
 
-    motion: Motion
+    motion: RigidMotion
     distance: float
     weighted: float
 
@@ -273,7 +273,7 @@ def _count(sample: WeightedPairs, limits: _Limits) -> int:
     return int(np.count_nonzero(limits.far(sample, sample.distances(limits.motion))))
 
 
-def _limits_at(sample: WeightedPairs, motion: Motion) -> _Limits:
+def _limits_at(sample: WeightedPairs, motion: RigidMotion) -> _Limits:
     distances = sample.distances(motion)
     roots = np.sqrt(sample.weights)
     least = FAR * ROUNDING

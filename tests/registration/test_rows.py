@@ -18,7 +18,7 @@ from certreg.problem import PosedPairs, RegistrationProblem
 from certreg.problem import arrays as problems
 from certreg.registration import certify, misfits, outlying
 from certreg.registration.misfits import FitCode
-from certreg.registration.motions import Motion, WeightedPairs
+from certreg.registration.motions import RigidMotion, WeightedPairs
 from certreg.registration.outlying import LISTED, OtherPairing, RowFit, row_fit
 from certreg.registration.row_names import RowNames
 
@@ -203,7 +203,7 @@ def test_shares_are_said_in_per_cent_and_all_is_said_of_all_alone(
 def test_a_row_is_far_in_length_and_in_standard_deviations_beyond_six_medians():
     """Distances 1, ..., 1 and one: medians are 1 in length, 2 where weights are 4."""
     x = np.random.default_rng(2).standard_normal((3, 9))
-    still = Motion(rotation=np.eye(3), translation=np.zeros(3))
+    still = RigidMotion(rotation=np.eye(3), translation=np.zeros(3))
 
     def sample(last: float, weight: float) -> WeightedPairs:
         distances, weights = np.append(np.ones(8), last), np.append(np.full(8, 4.0), weight)
