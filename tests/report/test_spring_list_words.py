@@ -95,7 +95,6 @@ def test_of_five_planes_no_row_that_is_listed_is_said_to_be_the_optimum():
     """Paths end somewhere on a curve of exact fits, by rounding here or there, or miss it."""
     found = equilibria(planes(5, 9))
 
-    assert not found.unique
     assert True not in [part.optimal for part in found.components]
     assert ("None of these is the optimum" in str(found)) == (
         found.components[0].morse_index is not None
