@@ -79,6 +79,7 @@ class Clouds:
     source: tuple[float, ...] | array[float]
     target: tuple[float, ...] | array[float]
     weights: array[float] | None = None  # or factors, 6n numbers; None: all are 1
+    model: str = ""  # as that of a Statement
     any_weight: bool = False  # without weights: all are equal, as in the certificate
 
 
@@ -88,6 +89,7 @@ class Statement(Protocol):
     kind: ClassVar[str]
     keys: ClassVar[dict[str, str]]  # as `entries_of` takes them; `about` is never read
     prefix: ClassVar[bytes] = b"certreg-problem/1\0"  # of what the digest is taken of
+    model: ClassVar[str] = ""  # what is to be asked for of clouds, to state the same problem
     n: int  # of points
     digest: str  # what binds them
     data: str | None  # perhaps themselves
@@ -206,6 +208,8 @@ def bound_doubles(certificate: Statement, clouds: Clouds | None) -> memoryview:
         require(good, "data is not canonical, or not of n points")
     require(content or clouds, "the certificate holds no points: give SOURCE and TARGET")
     if clouds:
+        said = certificate.model or "neither --scale nor --rotation-only"
+        require(clouds.model == certificate.model, f"what is certified has {said}: give just that")
         parts = [p for p in (clouds.source, clouds.target, clouds.weights) if p is not None]
         same = [len(part) for part in parts] == [3 * n, 3 * n, own][: len(parts)]
         ask = SUMS.get(certificate.prefix, (1, 0, "weights are unequal: give --weights FILE"))[2]
@@ -266,13 +270,6 @@ def _split(doubles: bytes | memoryview, first: int, count: int) -> tuple[list[in
 def cross(m: Matrix) -> Matrix:
     """C over 2^e/M', from a table of moments over 2^e with the sum of the weights m[0][0] = M'."""
     return [[m[0][0] * m[j][k] - m[0][j] * m[0][k] for j in (1, 2, 3)] for k in (4, 5, 6)]
-
-
-def inertia(m: Matrix) -> Matrix:
-    """J over the same."""
-    S = [[m[0][0] * m[j][k] - m[0][j] * m[0][k] for k in range(j, 4)] for j in (1, 2, 3)]
-    (a, b, c), (d, e), (f,) = S
-    return [[d + f, -b, -c], [-b, a + f, -e], [-c, -e, a + d]]
 
 
 def davenport(C: Matrix) -> Matrix:
@@ -344,6 +341,16 @@ def main(argv: list[str]) -> int:
 # What is proved of the eigenvalues of K, for kinds that are about K.
 
 
+def quadratic(A: Matrix, v: Sequence[int]) -> int:
+    """The form v^T A v."""
+    return sum(map(mul, v, [sum(map(mul, row, v)) for row in A]))
+
+
+def spreads(m: Matrix) -> list[int]:
+    """Of the source and of the target, sum w_i |x_i|^2 less the means, over the unit of C."""
+    return [sum([m[0][0] * m[k][k] - m[0][k] ** 2 for k in (i, i + 1, i + 2)]) for i in (1, 4)]
+
+
 def proves_level(K: Matrix, unit: int, q: Sequence[int], level: int, mu: int) -> bool:
     """Whether A = level I - K + mu u u^T > 0; u = q/|q|, K is over 1/unit, level over |q|^2.
 
@@ -398,6 +405,13 @@ def multiplicities(C: Matrix) -> list[int]:
     return [1, 2, 1] if s < 0 else [1, 1, 2] if D > 0 else [2, 1, 1]
 
 
+def inertia(m: Matrix) -> Matrix:
+    """J over the same."""
+    S = [[m[0][0] * m[j][k] - m[0][j] * m[0][k] for k in range(j, 4)] for j in (1, 2, 3)]
+    (a, b, c), (d, e), (f,) = S
+    return [[d + f, -b, -c], [-b, a + f, -e], [-c, -e, a + d]]
+
+
 # --- end of part: spectrum ----------------------------------------------------------------------
 # --- part: radius -------------------------------------------------------------------------------
 # Claims, beside those of a kind: how far points may move before an optimum turns by an angle.
@@ -442,6 +456,24 @@ class Movable:
             f"If every target point is off by less than {one}, every optimum is {degrees}.",
             f"So it is if every point of both clouds is off by less than {other}. {but}",
         )
+
+    def steady_by_separation(
+        self, K: Matrix, unit: int, one: int, q: Sequence[int], *w: Fraction, angle: Fraction | None
+    ) -> tuple[str, ...]:
+        """The claim, if there is one, in words. One is worth `one`, K is over 1/unit of that.
+
+        w: M, and more than sqrt(M S) of both clouds, S = sum w |x - mean|^2: by Cauchy and Schwarz
+        what `room_of_eigenvector` bounds is at most dx sqrt(M Sy) + dy sqrt(M Sx) + M dx dy.
+        angle: from R to the optimum, at most.
+        """
+        if (self.both, self.sin_half_angle, self.target) == (None, None, None):
+            return ()
+        g, (weight, x, y) = self.separation or Fraction(0), w
+        level = quadratic(K, q) * unit * g.denominator - g.numerator * one * sum(c * c for c in q)
+        alone = proves_separation(K, unit * g.denominator, q, level)
+        require(g.numerator > 0 and angle and alone, "radius.separation is not proved")
+        room = room_of_eigenvector(g, angle or Fraction(0), self.radii()[0])
+        return self.steady(lambda dx, dy: (y + weight * dy) * dx + x * dy <= room)
 
     def steady_by_growth(
         self, mu: Fraction, delta: Fraction, f: Fraction, *w: Fraction
@@ -498,20 +530,113 @@ def sine_below(s: Fraction) -> Fraction:
 
 
 # --- end of part: radius ------------------------------------------------------------------------
-# --- kind: isotropic ----------------------------------------------------------------------------
-# Claims: the pose is optimal up to proved bounds; which rotations are at equilibrium; where a body
-# that moves from a given state ends.
+# --- part: rotation -----------------------------------------------------------------------------
+# For kinds that are about C alone, and of which the problem may be one without a translation.
 
 SETS = ("", "one rotation", "a circle", "a projective plane", "all rotations")
 
 
 @dataclass(frozen=True)
-class IsotropicStatement(Movable, Statement):
+class Modelled(Statement):
+    """With rotation_only true, t = 0: then sums, C, S2 and J are taken about the origin.
+
+    Centred sums are sum w a_i a_j - sum w a_i sum w a_j / M: with sums w a_i of 0 they are not.
+    """
+
+    rotation_only: bool | None
+
+    @property
+    def prefix(self) -> bytes:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Of one's own, so that no digest stands for two problems."""
+        return b"certreg-rotation/1\0" if self.rotation_only else Statement.prefix
+
+    @property
+    def model(self) -> str:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Of one's own, too."""
+        return "--rotation-only" if self.rotation_only else ""
+
+    def about(self, m: Matrix) -> Matrix:
+        """The table of moments; about the origin where there is no translation."""
+        require(m[0][0] >= 1, "no weight is positive")
+        return [[m[0][0], *[0] * 6], *m[1:]] if self.rotation_only else m
+
+
+@dataclass(frozen=True)
+class RotationStatement(Movable, Modelled):
+    """What is claimed of a rotation R that is optimal up to proved bounds, by `proves_level`."""
+
+    n: int
+    unique: bool
+    data: str | None
+    digest: str
+    pose: tuple[int, int, int, int]  # a quaternion of any length; R is its rotation
+    pattern: tuple[int, ...]
+    delta: Fraction
+    gap: Fraction
+    mu: Fraction
+    sin2_half_angle: Fraction | None
+
+    def require_optimal(self, K: Matrix, unit: int, delta: int, mu: int) -> int:
+        """The level of `proves_level`; RefusalError where that or the angle is not proved."""
+        norm, angle = sum(c * c for c in self.pose), self.sin2_half_angle
+        level = quadratic(K, self.pose) * unit + (delta - mu) * norm
+        good = proves_level(K, unit, self.pose, level, mu)
+        require(good, "delta and mu do not prove the pose optimal")
+        bounded = angle is None or angle.numerator * mu >= delta * angle.denominator  # delta > 0
+        require(bounded, "claims.sin2_half_angle is below the proved bound delta/mu")
+        return level
+
+    def require_pattern(self, true: list[int]) -> None:
+        """RefusalError where `pattern` is not the true one, or not that of one optimum."""
+        good = list(self.pattern) == true
+        require(good, "claims.pattern is wrong, the true one is {}", true)
+        require(true[0] == 1 or not self.unique, "claims.unique is wrong: it is not unique")
+
+    def head(self, *, equal: bool) -> Iterator[str]:
+        """What the theorems are about, in words."""
+        yield f"Data: n = {self.n} pair{'s'[self.n < 2 :]}, {'NOT '[4 * equal :]}all of one weight."
+        yield f"SHA-256 of their doubles is {self.digest}."
+        length = isqrt(sum(c * c for c in self.pose) << 128)
+        unit = ", ".join(f"{(c << 64) / length:.12f}" for c in self.pose)
+        yield f"The certified rotation R is that of the quaternion ({unit}), rounded here; w first."
+
+    def reach(self, w: Worth) -> Iterator[str]:
+        """What gap and angle are worth, in words."""
+        if w.share >= 1:
+            yield "This gap bounds nothing: the range of energies is not proved to be larger."
+        else:
+            share = f"{rounded(w.share, 2):.1e}"
+            part = f"This gap is less than {share} of the range of energies, over all rotations."
+            yield part if w.share else "The range of energies is 0: every rotation is optimal."
+        if w.angle is not None:
+            degrees = rounded(w.angle * DEGREES, 2)
+            yield f"Every global optimum is within {degrees:.1e} degrees of R."
+        elif w.share:  # else R is an optimum, as every rotation
+            yield "No angle is bounded: nothing is proved of how far R is from an optimum."
+
+
+def angle_bound(delta: int, mu: int) -> Fraction | None:
+    """More than the angle a of sin^2(a/2) < s = delta/mu; None if not < pi.
+
+    a/2 < tan(a/2) < sqrt(s/(1 - s)) if s < 1.
+    """
+    angle = root_up(4 * delta, mu - delta) if mu > delta else None
+    return angle if angle and 10**8 * angle.numerator < 314159265 * angle.denominator else None
+
+
+# --- end of part: rotation ----------------------------------------------------------------------
+# --- kind: isotropic ----------------------------------------------------------------------------
+# Claims: the pose is optimal up to proved bounds; which rotations are at equilibrium; where a body
+# that moves from a given state ends.
+
+
+@dataclass(frozen=True)
+class IsotropicStatement(RotationStatement):
     """delta, mu, nu, quaternion, angular_velocity make the proof short; the rest is claimed."""
 
     kind: ClassVar = "isotropic"
     keys: ClassVar = {
-        "": "about basin claims format kind optimality pose problem radius? sdp",
+        "": "about basin claims format kind optimality pose problem radius? rotation_only? sdp",
         "radius?": "both separation sin_half_angle target",
         "basin?": "angular_velocity quaternion",
         "sdp?": "nu",
@@ -520,29 +645,19 @@ class IsotropicStatement(Movable, Statement):
         "problem": "data digest n",
     }
 
-    n: int
-    unique: bool
     basin: bool | None  # whether a body in the following state ends at the optimum
-    data: str | None
-    digest: str
     angular_velocity: tuple[int, int, int, int] | None  # three integers, the exponent of their unit
-    pose: tuple[int, int, int, int]  # a quaternion of any length; R is its rotation
     quaternion: tuple[int, int, int, int] | None
-    pattern: tuple[int, ...]
     unstable: tuple[int, ...] | None
-    delta: Fraction
-    gap: Fraction
-    mu: Fraction
     nu: Fraction | None
     sdp_gap: Fraction | None
-    sin2_half_angle: Fraction | None
 
     def prove(self, m: Matrix, e: int, *, equal: bool) -> Outcome:
         """All claims, by the functions below; what these prove stands in their docstrings."""
         good = self.delta.numerator > 0 <= self.mu.numerator and any(self.pose)
         require(good, "delta > 0, mu >= 0 and a pose other than 0 needed")
         weight, q, norm = _dyadic(m[0][0], e), self.pose, sum(c * c for c in self.pose)
-        require(weight.numerator > 0, "no weight is positive")
+        m = self.about(m)
         zeros = [(k & -k).bit_length() - 1 for k in m[0] if k]  # not in another unit of length:
         z = min([zeros[0] // 2, *zeros[1:]])
         m = [[m[0][0] >> 2 * z, *[k >> z for k in m[0][1:]]], *m[1:]]  # C, J over the same 2^e/M'
@@ -552,13 +667,10 @@ class IsotropicStatement(Movable, Statement):
         over = max([-e, *[x.denominator.bit_length() - 1 for x in numbers]])
         one, unit = mass << over, 1 << over + e  # numbers times one are integers, K / unit
         delta, gap, mu, nu = [x.numerator * (one // x.denominator) for x in numbers]
-        v = _form(K, q) * unit  # over norm
-        level, angle = v + (delta - mu) * norm, self.sin2_half_angle
-        require(proves_level(K, unit, q, level, mu), "delta and mu do not prove the pose optimal")
+        level = self.require_optimal(K, unit, delta, mu)
         require(gap >= 2 * delta, "claims.gap is below the proved bound 2 delta")
-        bounded = angle is None or angle.numerator * mu >= delta * angle.denominator  # delta > 0
-        require(bounded, "claims.sin2_half_angle is below the proved bound delta/mu")
         self._require_equilibria(pattern, solid=solid)
+        v = level - (delta - mu) * norm  # over norm
         dual, sdp = self.nu is not None, self.sdp_gap
         require(not dual or proves_level(K, unit, q, nu * norm, 0), "sdp.nu bounds nothing")
         bounded = sdp is None or (dual and sdp * one * norm >= 2 * (nu * norm - v))
@@ -567,17 +679,10 @@ class IsotropicStatement(Movable, Statement):
             p, w = self.quaternion, self.angular_velocity
             inside = solid and p and w and proves_basin(K, J, Fraction(level, norm * unit), p, w)
             require(inside, "claims.basin is not proved of the state in basin")
-        x, y = (sum([mass * m[k][k] - m[0][k] ** 2 for k in (i, i + 1, i + 2)]) for i in (1, 4))
+        x, y = spreads(m)
         worth = self._worth(weight, (x + y) * unit * norm - 2 * v, K, unit, one)
-        steady: tuple[str, ...] = ()  # unless claimed
-        if (self.both, self.sin_half_angle, self.target) != (None, None, None):
-            g, angle = self.separation or Fraction(0), worth.angle or Fraction(0)
-            level = v * g.denominator - g.numerator * one * norm
-            alone = proves_separation(K, unit * g.denominator, q, level)
-            require(g.numerator > 0 and angle and alone, "radius.separation is not proved")
-            x, y = (root_up(k, 1) * _dyadic(1, e + z) for k in (x, y))  # of M and a spread
-            room = room_of_eigenvector(g, angle, self.radii()[0])
-            steady = self.steady(lambda dx, dy: (y + weight * dy) * dx + x * dy <= room)
+        roots = [root_up(k, 1) * _dyadic(1, e + z) for k in (x, y)]  # of M and a spread
+        steady = self.steady_by_separation(K, unit, one, q, weight, *roots, angle=worth.angle)
         theorems = tuple(self._words(worth, pattern, steady, solid=solid, equal=equal))
         return Outcome(verified=True, theorems=theorems, reason="", worth=worth)
 
@@ -586,23 +691,19 @@ class IsotropicStatement(Movable, Statement):
 
         Range: 2 (l1 - l4), K having eigenvalues l1 >= ... >= l4. As tr K = 0, the sum of squares
         F^2 = sum K_ij^2 is 4 times their variance, at most (l1 - l4)^2 (Popoviciu): range >= 2 F.
-        Angle: a/2 < tan(a/2) < sqrt(s/(1 - s)) if a < pi, where sin^2(a/2) < s = delta/mu < 1.
         """
         delta, mu = (x.numerator * (one // x.denominator) for x in (self.delta, self.mu))
         norm, gap = sum(c * c for c in self.pose), 2 * self.delta
         bits = max([k.bit_length() for k in chain(*K)])  # of which the first will do:
         F = isqrt(sum([(abs(k) << BITS >> bits) ** 2 for k in chain(*K)]))  # <= F 2^(BITS - bits)
         share = Fraction(delta << BITS, F * unit << bits) if F else Fraction(0)
-        angle = root_up(4 * delta, mu - delta) if mu > delta else None
-        angle = angle if angle and 10**8 * angle.numerator < 314159265 * angle.denominator else None
         least = Fraction(max(objective - 2 * delta * norm, 0), one * norm)
         length = root_up(2 * delta * weight.denominator, one * weight.numerator)
-        return Worth(weight, Fraction(objective, one * norm), least, gap, length, share, angle)
+        value, angle = Fraction(objective, one * norm), angle_bound(delta, mu)
+        return Worth(weight, value, least, gap, length, share, angle)
 
     def _require_equilibria(self, true: list[int], *, solid: bool) -> None:
-        good = list(self.pattern) == true
-        require(good, "claims.pattern is wrong, the true one is {}", true)
-        require(true[0] == 1 or not self.unique, "claims.unique is wrong: it is not unique")
+        self.require_pattern(true)
         unstable = [0, *accumulate(true[:-1])] if solid else None  # collinear: no dynamics
         good = self.unstable is None or list(self.unstable) == unstable
         require(good, "claims.unstable is wrong or unproved: proved is {}", unstable)
@@ -610,38 +711,32 @@ class IsotropicStatement(Movable, Statement):
     def _words(
         self, w: Worth, pattern: list[int], steady: Sequence[str] = (), *, solid: bool, equal: bool
     ) -> Iterator[str]:
-        yield f"Data: n = {self.n} pair{'s'[self.n < 2 :]}, {'NOT '[4 * equal :]}all of one weight."
-        yield f"SHA-256 of their doubles is {self.digest}."
-        length = isqrt(sum(c * c for c in self.pose) << 128)
-        unit = ", ".join(f"{(c << 64) / length:.12f}" for c in self.pose)
-        yield f"The certified rotation R is that of the quaternion ({unit}), rounded here; w first."
+        yield from self.head(equal=equal)
         mass, value = (f"{rounded(x, 12):g}" for x in (w.weight, w.objective))
-        yield f"Sum of weights: {mass}; objective at R, best translation: {value}; both rounded up."
-        gap, size, share = (f"{rounded(x, 2):.1e}" for x in (w.gap, w.length, w.share))
+        shift = "no translation" if self.rotation_only else "best translation"
+        yield f"Sum of weights: {mass}; objective at R, {shift}: {value}; both rounded up."
+        gap, size = (f"{rounded(x, 2):.1e}" for x in (w.gap, w.length))
         told = f"less than {gap} (sum of weight x squared distance)"
-        yield f"The objective at R, best translation, exceeds the global minimum by {told}."
+        yield f"The objective at R, {shift}, exceeds the global minimum by {told}."
         least = f"{rounded(w.minimum, 12, ROUND_FLOOR):g}"
         yield f"So the minimum is at least {least}; sqrt(gap / sum of weights) is below {size}."
-        if w.share >= 1:
-            yield "This gap bounds nothing: the range of energies is not proved to be larger."
-        else:
-            part = f"This gap is less than {share} of the range of energies, over all rotations."
-            yield part if w.share else "The range of energies is 0: every rotation is optimal."
-        if w.angle is not None:
-            degrees = rounded(w.angle * DEGREES, 2)
-            yield f"Every global optimum is within {degrees:.1e} degrees of R."
-        elif w.share:  # else R is an optimum, as every rotation
-            yield "No angle is bounded: nothing is proved of how far R is from an optimum."
+        yield from self.reach(w)
         unique = "unique: every other rotation has a larger objective"
         several = f"NOT unique: the optima form {SETS[pattern[0]]}"
         yield f"The global optimum is {unique if pattern[0] == 1 else several}."
         sets = ", ".join(SETS[k] for k in pattern)
         counts = ", ".join(map(str, [0, *accumulate(pattern[:-1])]))
+        three = (
+            "two points not in line with the origin,"
+            if self.rotation_only
+            else "three noncollinear points"
+        )
         if solid:
-            yield "The moving cloud has three noncollinear points of positive weight (J > 0)."
+            yield f"The moving cloud has {three} of positive weight (J > 0)."
             yield f"The equilibria of the dynamics: {sets}; unstable directions: {counts}."
         else:
-            yield "The moving points are collinear (J is singular): the dynamics is not defined."
+            line = "in line with the origin" if self.rotation_only else "collinear"
+            yield f"The moving points are {line} (J is singular): the dynamics is not defined."
             yield f"The critical rotations: {sets}; directions of descent: {counts}."
         if self.sdp_gap is not None:
             void = ": nothing" if self.sdp_gap * w.share >= w.gap else ""  # above the range
@@ -651,10 +746,6 @@ class IsotropicStatement(Movable, Statement):
             yield f"A body moving from the state `basin` {end}"
         yield from steady
         yield "Not proved: anything under `about`, and where the points come from."
-
-
-def _form(A: Matrix, v: Sequence[int]) -> int:  # v^T A v
-    return sum(map(mul, v, [sum(map(mul, row, v)) for row in A]))
 
 
 def proves_basin(
@@ -668,11 +759,154 @@ def proves_basin(
     p^T K p - w^T J w / 4 > level leaves only the optimum. K, J and level are over one unit.
     """
     *w, exponent = velocity
-    spin = Fraction(_form(J, w), 4) * _dyadic(1, exponent) ** 2
-    return any(p) and Fraction(_form(K, p), sum(c * c for c in p)) - spin > level
+    spin = Fraction(quadratic(J, w), 4) * _dyadic(1, exponent) ** 2
+    return any(p) and Fraction(quadratic(K, p), sum(c * c for c in p)) - spin > level
 
 
 # --- end of kind: isotropic ---------------------------------------------------------------------
+# --- kind: similarity ---------------------------------------------------------------------------
+# Claims: a pose with a scale is optimal up to proved bounds, and where the best scale lies.
+
+PREFIXES = {  # the four problems, by scale and rotation_only
+    ("asymmetric", False): b"certreg-similarity/1\0",
+    ("asymmetric", True): b"certreg-similarity-rotation/1\0",
+    ("symmetric", False): b"certreg-similarity-symmetric/1\0",
+    ("symmetric", True): b"certreg-similarity-symmetric-rotation/1\0",
+}
+
+
+@dataclass(frozen=True)
+class SimilarityStatement(RotationStatement):
+    """delta and mu make the proof short; the rest is claimed. Below, l1 is the largest eigenvalue.
+
+    asymmetric: min of E = sum w |y - s R x - t|^2 over s >= 0, R, t. With best t it is Sy -
+        2 s tr(R^T C) + s^2 Sx, so s = max(0, tr(R^T C)) / Sx is best: E = Sy - max(0, tr)^2 / Sx.
+        K has trace 0, so l1 >= 0, and R is optimal iff tr(R^T C) = l1: the scale is l1 / Sx.
+    symmetric: min of E = sum w |y - s R x - t|^2 / s over s > 0, R, t [Horn1987]: with best t it is
+        Sy / s + s Sx - 2 tr(R^T C), so s = sqrt(Sy / Sx), whatever R: E = 2 sqrt(Sx Sy) - 2 tr.
+    So optimal R are those without a scale. Proved by `proves_level`: v <= l1 < v + delta, v = tr at
+    the certified R. The certified pose is R with the best s and t for it.
+    """
+
+    kind: ClassVar = "similarity"
+    keys: ClassVar = {
+        "": "about claims format kind optimality pose problem radius? rotation_only? scale",
+        "radius?": "both separation sin_half_angle target",
+        "claims": "gap pattern scale_lower scale_upper sin2_half_angle unique",
+        "optimality": "delta mu",
+        "problem": "data digest n",
+    }
+
+    scale: str
+    scale_lower: Fraction
+    scale_upper: Fraction
+
+    @property
+    def prefix(self) -> bytes:
+        """Of the four problems, each its own; an unknown one is refused in `prove`."""
+        return PREFIXES.get((self.scale, bool(self.rotation_only)), b"")
+
+    @property
+    def model(self) -> str:
+        """Both options."""
+        return f"--scale {shown(self.scale)}" + " --rotation-only" * bool(self.rotation_only)
+
+    def prove(self, m: Matrix, e: int, *, equal: bool) -> Outcome:
+        """All claims; what proves them stands above, in `proves_level` and in the parts."""
+        q, delta, mu = self.pose, self.delta, self.mu
+        require(self.prefix, "scale is neither asymmetric nor symmetric")
+        require(delta > 0 <= mu and any(q), "delta > 0, mu >= 0 and a pose other than 0 needed")
+        m, weight = self.about(m), _dyadic(m[0][0], e)
+        C, (x, y) = cross(m), spreads(m)
+        K, pattern, place = davenport(C), multiplicities(C), self._place()
+        require(x > 0, f"all source points of positive weight are {place}: no scale is better")
+        places = max(-e, *[k.denominator.bit_length() - 1 for k in (delta, mu)])
+        one, unit = m[0][0] << places, 1 << places + e  # delta one, mu one are integers; K/unit
+        d, u = (k.numerator * (one // k.denominator) for k in (delta, mu))
+        self.require_optimal(K, unit, d, u)
+        self.require_pattern(pattern)
+        real = Fraction(unit, one)  # what 1 of K, x and y is worth
+        v = quadratic(K, q) * real / sum(c * c for c in q)
+        prove = self._asymmetric if self.scale == "asymmetric" else self._symmetric
+        squares = sum([k * k for k in chain(*K)]) * real**2
+        value, least, gap, share = prove(v, x * real, y * real, squares)
+        length, angle = root_up(*(gap / weight).as_integer_ratio()), angle_bound(d, u)
+        worth = Worth(weight, value, least, gap, length, share, angle)
+        roots = [root_up(*(weight * k * real).as_integer_ratio()) for k in (x, y)]
+        steady = self.steady_by_separation(K, unit, one, q, weight, *roots, angle=angle)
+        theorems = tuple(self._words(worth, pattern, steady, equal=equal))
+        return Outcome(verified=True, theorems=theorems, reason="", worth=worth)
+
+    def _place(self) -> str:
+        return "at the origin" if self.rotation_only else "at one point"
+
+    def _asymmetric(
+        self, v: Fraction, x: Fraction, y: Fraction, squares: Fraction
+    ) -> list[Fraction]:
+        """Objective at R, a bound of the minimum, the gap and its share; x = Sx, y = Sy.
+
+        E(R) - min = (l1^2 - v^2) / Sx < delta (2 v + delta) / Sx if v >= 0; if not, that is false:
+        with delta = 2 |v| it would be 0. The range of E over R is l1^2 / Sx: tr <= 0 somewhere. And
+        l1^2 >= v^2, l1^2 >= F^2 / 12, F^2 = sum K_ij^2: the least is at (l1, l1, l1, -3 l1).
+        """
+        delta, most = self.delta, v + self.delta
+        require(v >= 0, "tr(R^T C) < 0 at the certified R: there the best scale is 0")
+        gap, size = delta * (v + most) / x, max(v * v, squares / 12)
+        least = "delta (2 v + delta) / Sx"
+        require(not self.gap < gap, f"claims.gap is less than the proved {least}")
+        good = self.scale_lower * x <= v and self.scale_upper * x >= most
+        require(good, "claims.scale_lower and scale_upper do not hold v / Sx and (v + delta) / Sx")
+        share = gap * x / size if size else Fraction(0)
+        return [y - v * v / x, max(y - most * most / x, Fraction(0)), gap, share]
+
+    def _symmetric(
+        self, v: Fraction, x: Fraction, y: Fraction, squares: Fraction
+    ) -> list[Fraction]:
+        """The same. E(R) - min = 2 (l1 - v) < 2 delta; range 2 (l1 - l4) >= 2 F as of `isotropic`.
+
+        Popoviciu: F^2 is 4 times the variance of the eigenvalues, at most (l1 - l4)^2.
+        """
+        place, gap = self._place(), 2 * self.delta
+        require(y > 0, f"all target points of positive weight are {place}: no scale is symmetric")
+        require(gap <= self.gap, "claims.gap is less than the proved 2 delta")
+        low, high = self.scale_lower, self.scale_upper
+        good = (low <= 0 or low * low * x <= y) and high >= 0 and high * high * x >= y
+        require(good, "claims.scale_lower and scale_upper do not hold sqrt(Sy / Sx)")
+        most, share = root_up(*(x * y).as_integer_ratio()), Fraction(0)
+        if squares:
+            share = root_up(*(self.delta**2 / squares).as_integer_ratio())
+        least = max(2 * (most * SLACK - v - self.delta), Fraction(0))
+        return [2 * (most - v), least, gap, share]
+
+    def _words(
+        self, w: Worth, pattern: list[int], steady: Sequence[str], *, equal: bool
+    ) -> Iterator[str]:
+        yield from self.head(equal=equal)
+        shift, none = ("", ", no translation") if self.rotation_only else (" - t", "")
+        over = " / s" if self.scale == "symmetric" else ""
+        told = f"sum of weight x |y - s R x{shift}|^2{over}, s the scale{none}"
+        yield f"The objective ({self.scale}): {told}."
+        low, high = max(self.scale_lower, Fraction(0)), self.scale_upper
+        ends = rounded(low, 17, ROUND_FLOOR), rounded(high, 17)
+        yield f"The scale of every global optimum is at least {ends[0]:g} and at most {ends[1]:g}."
+        if low:
+            yield f"Relative to it, these bounds are {rounded(high / low - 1, 2):.1e} apart."
+        mass, value = (f"{rounded(x, 12):g}" for x in (w.weight, w.objective))
+        yield f"Sum of weights: {mass}; objective at R, best scale: {value}; both rounded up."
+        gap, least = f"{rounded(w.gap, 2):.1e}", f"{rounded(w.minimum, 12, ROUND_FLOOR):g}"
+        yield f"It exceeds the global minimum, which is at least {least}, by less than {gap}."
+        yield from self.reach(w)
+        unique = "unique: every other pose with a scale has a larger objective"
+        several = f"NOT unique: {SETS[pattern[0]]} are optimal, with one scale"
+        if pattern[0] < 4:
+            several = f"NOT unique: the optimal rotations form {SETS[pattern[0]]}, with one scale"
+        yield f"The global optimum is {unique if pattern[0] == 1 else several}."
+        sets = ", ".join(SETS[k] for k in pattern)
+        yield f"Rotations at which the objective, with the best scale, may be stationary: {sets}."
+        yield from [*steady, "Not proved: anything under `about`, and where the points come from."]
+
+
+# --- end of kind: similarity --------------------------------------------------------------------
 # --- part: rank ---------------------------------------------------------------------------------
 # For kinds that count solutions by linear algebra.
 
@@ -1493,8 +1727,9 @@ def index_of(P: Line, J: list[Line], most: int) -> int:
 
 # --- end of kind: springs-list ------------------------------------------------------------------
 
-FORMS = IsotropicStatement, CountStatement, SpringsSosStatement, SpringsConesStatement
-KINDS: dict[str, type[Statement]] = {form.kind: form for form in (*FORMS, SpringsListStatement)}
+FORMS = IsotropicStatement, SimilarityStatement, CountStatement, SpringsSosStatement
+LAST = SpringsConesStatement, SpringsListStatement
+KINDS: dict[str, type[Statement]] = {form.kind: form for form in (*FORMS, *LAST)}
 
 if __name__ == "__main__":
     sys.exit(main(sys.argv[1:]))

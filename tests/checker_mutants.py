@@ -149,7 +149,7 @@ ISOTROPIC = mutants(
     ("[zeros[0] // 2, *zeros[1:]]", "[zeros[0] // 2]"),
     ("m[0][0] >> 2 * z", "m[0][0] >> z"),
     ("k >> z for k", "k >> 2 * z for k"),
-    ("_form(K, q) * unit", "_form(K, q)"),
+    ("quadratic(K, self.pose) * unit +", "quadratic(K, self.pose) +"),
     # Of bits cut off, n times 2^s for n = 2 is the most there can be: 4 is more than is needed.
     ("- 4 * (j == 0 < s)", "", "- (j == 0 < s)"),
     ("definite(B) or (s > 0 and definite(A, 2 * bits))", "definite(B)"),
@@ -168,7 +168,12 @@ ISOTROPIC = mutants(
     ("a * e - b * d", "a * e", "b * d"),
     ("sum(map(mul, p, p))", "p[0] ** 2", "sum(p)"),
     ("sum(map(mul, q, q))", "q[0] ** 2", "sum(q)"),
-    ("Fraction(_form(J, w), 4)", "Fraction(_form(J, w), 8)", "Fraction(_form(J, w), 3)", "0"),
+    (
+        "Fraction(quadratic(J, w), 4)",
+        "Fraction(quadratic(J, w), 8)",
+        "Fraction(quadratic(J, w), 3)",
+        "0",
+    ),
     (
         "_dyadic(1, exponent) ** 2",
         "_dyadic(1, exponent)",
@@ -190,7 +195,7 @@ ISOTROPIC = mutants(
     ("self.delta.numerator > 0 <= self", "self.delta.numerator >= 0 <= self", "0 <= self"),
     ("0 <= self.mu.numerator and", "0 < self.mu.numerator and", "0 and"),
     ("self.mu.numerator and any(self.pose)", "self.mu.numerator"),
-    ('require(weight.numerator > 0, "no', 'require(weight.numerator >= 0, "no'),
+    ('require(m[0][0] >= 1, "no', 'require(m[0][0] >= 0, "no'),
     *(
         (f"m[0][0] * m[j][k] - m[0][j] * m[0][k]{end}", f"m[0][0] * m[j][k]{end}", f"m[j][k]{end}")
         for end in (" for j in (1, 2, 3)", " for k in range(j, 4)")
@@ -200,13 +205,13 @@ ISOTROPIC = mutants(
     ("[-b, a + f, -e]", "[-b, d + f, -e]"),
     ("[-c, -e, a + d]", "[-c, -e, a + f]"),
     (
-        "v + (delta - mu) * norm, self",
-        "v + delta * norm, self",
-        "v + (2 * delta - mu) * norm, self",
-        "v + (delta / 2 - mu) * norm, self",
-        "v + (delta - mu), self",
+        "* unit + (delta - mu) * norm",
+        "* unit + delta * norm",
+        "* unit + (2 * delta - mu) * norm",
+        "* unit + (delta / 2 - mu) * norm",
+        "* unit + (delta - mu)",
     ),
-    ("proves_level(K, unit, q, level, mu), ", "True, "),
+    ("proves_level(K, unit, self.pose, level, mu)", "True"),
     ('require(bounded, "claims.sin2', 'require(True, "claims.sin2'),
     ("self._require_equilibria(pattern, solid=solid)\n", "\n"),
     ("good = list(self.pattern) == true", "good = set(self.pattern) == set(true)", "good = True"),
@@ -255,10 +260,10 @@ WORTH = mutants(
     ("weight, q, norm = _dyadic(m[0][0], e)", "weight, q, norm = Fraction(m[0][0])"),
     ("sum(c * c for c in self.pose), 2 * self.delta", "sum(c * c for c in self.pose), self.delta"),
     (
-        "mass * m[k][k] - m[0][k] ** 2",
-        "mass * m[k][k]",
+        "m[0][0] * m[k][k] - m[0][k] ** 2",
+        "m[0][0] * m[k][k]",
         "m[k][k] - m[0][k] ** 2",
-        "mass * m[k][k] + m[0][k] ** 2",
+        "m[0][0] * m[k][k] + m[0][k] ** 2",
     ),
     (
         "(x + y) * unit * norm - 2 * v",
@@ -270,7 +275,7 @@ WORTH = mutants(
         "y * unit * norm - 2 * v",
     ),
     ("for k in (i, i + 1, i + 2)])", "for k in (i, i + 1)])", "for k in (i, i, i + 2)])"),
-    ("for i in (1, 4))", "for i in (4, 1))", "for i in (1, 3))", "for i in (4, 4))"),
+    ("for i in (1, 4)]", "for i in (4, 1)]", "for i in (1, 3)]", "for i in (4, 4)]"),
     ("Fraction(objective, one * norm)", "Fraction(objective, norm)", "Fraction(objective, one)"),
     ("(abs(k) << BITS >> bits) ** 2", "abs(k) << BITS >> bits"),
     ("** 2 for k in chain(*K)]))", "** 2 for k in K[0]]))"),
@@ -359,8 +364,12 @@ RADIUS = mutants(
         "(sine_below(s) - angle) / 2",
     ),
     ("+ 1) * unit * sum(c", "+ 1) * sum(c"),
-    ("level = v * g.denominator - g.n", "level = v * g.denominator + g.n", "level = v - g.n"),
-    ("g.numerator * one * norm", "g.numerator * one", "g.numerator * norm"),
+    ("* unit * g.denominator - g.n", "* unit * g.denominator + g.n", "* unit - g.n"),
+    (
+        "g.numerator * one * sum(c * c for c in q)",
+        "g.numerator * one",
+        "g.numerator * sum(c * c for c in q)",
+    ),
     ("K, unit * g.denominator, q", "K, unit, q"),
     ("require(g.numerator > 0 and angle and", "require(g.numerator > 0 and", "require(angle and"),
     ("and angle and alone", "and angle"),
@@ -369,12 +378,15 @@ RADIUS = mutants(
     ("(y + weight * dy) * dx + x * dy", "(y + weight * dy) * dx + y * dy"),
     ("(y + weight * dy) * dx", "y * dx", "(y + dy) * dx"),
     ("        yield from steady\n", ""),
-    ("self.target) != (None, None, None)", "self.target) != (None, None)"),
     (
-        "if (self.both, self.sin_half_angle, self.target) != (None, None, None)",
-        "if self.sin_half_angle is not None",
-        "if self.both is not None",
-        "if self.target is not None",
+        "self.target) == (None, None, None):\n            return ()",
+        "self.target) == ():\n            return ()",
+    ),
+    (
+        "self.target) == (None, None, None):\n            return ()",
+        "self.target) == () or self.sin_half_angle is None:\n            return ()",
+        "self.target) == () or self.both is None:\n            return ()",
+        "self.target) == () or self.target is None:\n            return ()",
     ),
     ("rounded(r, 3, ROUND_FLOOR)", "rounded(r, 3)"),
     ("document.get(name) is None", "document[name] is None"),
@@ -451,8 +463,8 @@ FORM = mutants(
     ('"sdp?": "nu"', '"sdp": "nu"', '"sdp?": "nu?"'),
     ('"basin?": "ang', '"basin": "ang'),
     (
-        "R is its rotation\n    quaternion",
-        "R is its rotation\n    pose: tuple[int, int, int, int] | None\n    quaternion",
+        "R is its rotation\n    pattern",
+        "R is its rotation\n    pose: tuple[int, int, int, int] | None\n    pattern",
     ),
     (
         "    quaternion: tuple[int, int, int, int] | None",
@@ -464,8 +476,8 @@ FORM = mutants(
     ),
     ("    at_most: int\n", "    at_most: int | None\n"),
     (
-        "FORMS = IsotropicStatement, CountStatement",
-        "FORMS = IsotropicStatement, IsotropicStatement",
+        "SimilarityStatement, CountStatement, Spr",
+        "SimilarityStatement, SimilarityStatement, Spr",
     ),
 )
 SPRINGS = mutants(

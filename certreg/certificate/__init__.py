@@ -31,12 +31,15 @@ if TYPE_CHECKING:
     from certreg.certificate.many import certificates_of as certificates_of
     from certreg.certificate.producing import count_certificate as count_certificate
     from certreg.certificate.producing import produce as produce
+    from certreg.certificate.producing import produce_similarity as produce_similarity
     from certreg.certificate.producing_springs import springs_certificate as springs_certificate
     from certreg.certificate.producing_springs import (
         springs_list_certificate as springs_list_certificate,
     )
     from certreg.certificate.radius import MOST_DEGREES as MOST_DEGREES
     from certreg.certificate.radius import Radius as Radius
+    from certreg.certificate.similarity import SimilarityBody as SimilarityBody
+    from certreg.certificate.similarity import SimilarityClaims as SimilarityClaims
     from certreg.certificate.spring_bounds import spring_pose_bounds as spring_pose_bounds
     from certreg.certificate.springs_basin import Barrier as Barrier
     from certreg.certificate.springs_basin import SpringState as SpringState
@@ -89,6 +92,7 @@ __getattr__ = lazy_face(
         "producing": (
             "count_certificate",
             "produce",
+            "produce_similarity",
         ),
         "producing_springs": (
             "springs_certificate",
@@ -98,6 +102,7 @@ __getattr__ = lazy_face(
             "MOST_DEGREES",
             "Radius",
         ),
+        "similarity": ("SimilarityBody", "SimilarityClaims"),
         "springs_cones": (
             "ConesCap",
             "SpringsConesBody",

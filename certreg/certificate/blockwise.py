@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from certreg.verify import Limits
 
 Table = list[list[int]]
+NO_MODEL = "neither --scale nor --rotation-only"
 # Where the sums of `certreg.problem` stand in the checker's table: its columns are 1, x, y.
 PLACES = (
     (0, 0),
@@ -86,6 +87,8 @@ def _proved(
     stated = parse(certificate)
     same = stated.n == problem.n
     require(same, "the certificate is about another number of points or weights")
+    same, said = problem.model_options == stated.model, stated.model or NO_MODEL
+    require(same, f"what is certified has {said}: give just that")
     if stated.data is not None:
         bound_doubles(stated, None)
     same = problem.digest() == stated.digest

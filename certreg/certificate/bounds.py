@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from certreg.exact import double_above, double_below, half_angle_bound, root_above
 from certreg.geometry import body_frame, dot, rotation_matrix, squared_norm
+from certreg.objective import Isotropic
 from certreg.problem import lift
 from certreg.results import Absent, Explained
 
@@ -24,7 +25,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate.isotropic import IsotropicBody
-    from certreg.objective import Isotropic, Springs
+    from certreg.certificate.similarity import SimilarityBody
+    from certreg.objective import Springs
     from certreg.problem import ExactMoments
     from certreg.results import Limits
 
@@ -92,34 +94,42 @@ class PoseBounds(Explained):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExactPose:
-    """A rational pose: the rotation of an integer quaternion, normalised, and a translation."""
+    """A rational pose: the rotation of an integer quaternion, normalised, translation and scale."""
 
     quaternion: tuple[int, ...]
     translation: tuple[Fraction, ...]
+    scale: Fraction = Fraction(1)
 
     def moved(self, point: Sequence[Fraction]) -> tuple[Fraction, ...]:
-        """R x + t, exactly."""
+        """The point s R x + t, exactly."""
         norm = squared_norm(self.quaternion)
         rows = zip(rotation_matrix(self.quaternion), self.translation, strict=True)
         return tuple(
-            sum((a * x for a, x in zip(row, point, strict=True)), start=Fraction(0)) / norm + t
+            self.scale
+            * sum((a * x for a, x in zip(row, point, strict=True)), start=Fraction(0))
+            / norm
+            + t
             for row, t in rows
         )
 
     @classmethod
     def of_doubles(
-        cls, quaternion: NDArray[np.float64], translation: NDArray[np.float64]
+        cls,
+        quaternion: NDArray[np.float64],
+        translation: NDArray[np.float64],
+        scale: float = 1.0,
     ) -> ExactPose:
         """The pose with exactly these doubles, the quaternion normalised."""
         return cls(
             quaternion=tuple(lift(quaternion).integers),
             translation=tuple(Fraction(entry) for entry in translation.tolist()),
+            scale=Fraction(scale),
         )
 
 
 def pose_bounds(
     objective: Isotropic,
-    body: IsotropicBody,
+    body: IsotropicBody | SimilarityBody,
     pose: ExactPose,
     *,
     energy: Fraction | None = None,
@@ -128,13 +138,15 @@ def pose_bounds(
 
     energy: the pose's, `pose_energy`, where it is known already. Every optimum takes the source's
     centroid to that of the target, whatever its rotation: so the shift is exact but for rounding.
+    The energy of the symmetric scale is a root, bounded from below: see `Scaling.slack`.
     """
     energy = pose_energy(objective, pose) if energy is None else energy
     above, range_squared = energy - objective.energy(body.quaternion), objective.least_range_squared
     flat = not range_squared  # then the certified rotation has the minimum itself
-    shifted = objective.translation_energy(pose.quaternion, pose.translation)
+    shifted = objective.translation_energy(pose.quaternion, pose.translation, pose.scale)
+    slack = Fraction(0) if objective.scaling is None else objective.scaling.slack
     return PoseBounds(
-        least_gap=max(Fraction(0), above),
+        least_gap=max(Fraction(0), above - slack),
         greatest_gap=max(Fraction(0), above if flat else above + body.gap),
         angle_upper=_angle_upper(body, pose.quaternion),
         least_range_squared=range_squared,
@@ -160,8 +172,10 @@ def flat_energy(moments: ExactMoments) -> Fraction:
 
 
 def pose_energy(objective: Isotropic | Springs, pose: ExactPose) -> Fraction:
-    """The objective sum w |y - R x - t|^2 at exactly this pose."""
+    """The objective at exactly this pose: sum w |y - R x - t|^2, of a free scale its own."""
     q = pose.quaternion
+    if isinstance(objective, Isotropic):
+        return objective.energy_at(q, pose.translation, pose.scale)
     return objective.energy(q) + objective.translation_energy(q, pose.translation)
 
 
@@ -171,7 +185,7 @@ def sin2_half_angle_between(p: Sequence[int], q: Sequence[int]) -> Fraction:
     return Fraction(squared_norm(across), squared_norm(p) * squared_norm(q))
 
 
-def _angle_upper(body: IsotropicBody, q: Sequence[int]) -> float | None:
+def _angle_upper(body: IsotropicBody | SimilarityBody, q: Sequence[int]) -> float | None:
     claimed = body.claims.sin2_half_angle
     return None if claimed is None else angle_from(body.quaternion, q, claimed.value)
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, TypeVar, get
 
 from certreg.certificate.count import CountBody
 from certreg.certificate.isotropic import IsotropicBody
+from certreg.certificate.similarity import SimilarityBody
 from certreg.certificate.springs_cones import SpringsConesBody
 from certreg.certificate.springs_list import SpringsListBody
 from certreg.certificate.springs_sos import SpringsSosBody
@@ -44,7 +45,9 @@ class CertificateBody(Protocol):
         ...
 
 
-AnyBody = IsotropicBody | CountBody | SpringsSosBody | SpringsConesBody | SpringsListBody
+AnyBody = (
+    IsotropicBody | SimilarityBody | CountBody | SpringsSosBody | SpringsConesBody | SpringsListBody
+)
 KINDS: dict[str, type[AnyBody]] = {body.KIND: body for body in get_args(AnyBody)}
 AnyBody_co = TypeVar("AnyBody_co", bound=CertificateBody, covariant=True)
 

@@ -110,6 +110,7 @@ class IsotropicBody(Brief):
     multiplier: nu with nu I - K > 0, the dual of the semidefinite relaxation rounded outwards.
     basin: a state of the moving body from which it must end at the optimum.
     radius: how far points may move before an optimum turns by more than an angle.
+    rotation_only: of a problem without a translation.
     mu, delta: (v + delta - mu) I - K + mu q q^T / |q|^2 > 0 with v = q^T K q / |q|^2.
     """
 
@@ -122,6 +123,7 @@ class IsotropicBody(Brief):
     multiplier: Dyadic | None = None
     basin: RotationState | None = None
     radius: Radius | None = None
+    rotation_only: bool = False
 
     @property
     def gap(self) -> Fraction:
@@ -137,6 +139,7 @@ class IsotropicBody(Brief):
             "pose": list(self.quaternion),
             "sdp": None if self.multiplier is None else {"nu": self.multiplier.pair},
             **({} if self.radius is None else {"radius": self.radius.to_fields()}),
+            **({"rotation_only": True} if self.rotation_only else {}),
         }
 
     @classmethod
@@ -152,6 +155,7 @@ class IsotropicBody(Brief):
             multiplier=None if sdp is None else _dyadic(sdp["nu"]),
             basin=None if basin is None else RotationState.from_fields(basin),
             radius=None if radius is None else Radius.from_fields(radius),
+            rotation_only=bool(fields.get("rotation_only")),
         )
 
 

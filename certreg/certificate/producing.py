@@ -26,6 +26,7 @@ from certreg.certificate.radius import (
     Radius,
     isotropic_radius,
 )
+from certreg.certificate.similarity import SimilarityBody, SimilarityClaims
 from certreg.exact import (
     Dyadic,
     dyadic_above,
@@ -45,7 +46,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from certreg.certificate.envelope import AnyBody_co
-    from certreg.objective import Isotropic
+    from certreg.objective import Isotropic, Scaling
     from certreg.problem import RegistrationProblem
 
 INLINE_POINTS = 1_000_000  # the contract: beyond, the file carries the digest only
@@ -106,21 +107,63 @@ def produce(
         ),
         multiplier=multiplier,
         basin=state if inside else None,
-        radius=None
-        if robustness_angle is None or angle is None
-        else _radius(objective, angle.value, robustness_angle),
+        radius=_radius(objective, angle, robustness_angle),
+        rotation_only=problem.rotation_only,
     )
     return enclosed(problem, body, about)
 
 
-def _radius(objective: Isotropic, sin2_half_angle: Fraction, degrees: float) -> Radius | None:
+def produce_similarity(
+    problem: RegistrationProblem,
+    objective: Isotropic,
+    scaling: Scaling,
+    *,
+    robustness_angle: float | None = None,
+    about: dict[str, Any] | None = None,
+) -> Certificate[SimilarityBody] | None:
+    """The same of a problem whose scale is free; scaling: of the objective.
+
+    The rotation is proved as without a scale, and v >= 0: the trace of K is 0, so that the largest
+    eigenvalue is, and the quaternion is its own to far more digits than it is small in.
+    """
+    bounds, q, shape = _optimality(objective), objective.quaternions[0], objective.classification
+    v = objective.alignment(q)
+    if bounds is None or (v < 0 and not scaling.symmetric):
+        return None
+    mu, delta = bounds
+    lower, upper = scaling.interval(v, delta.value)
+    angle = dyadic_above(delta.value / mu.value, BOUND_BITS) if mu.mantissa else None
+    body = SimilarityBody(
+        quaternion=q,
+        mu=mu,
+        delta=delta,
+        scale=scaling.kind.value,
+        claims=SimilarityClaims(
+            gap=dyadic_above(scaling.gap(v, delta.value), BOUND_BITS),
+            sin2_half_angle=angle,
+            unique=shape.unique,
+            pattern=shape.pattern,
+            scale_lower=lower,
+            scale_upper=upper,
+        ),
+        radius=_radius(objective, angle, robustness_angle),
+        rotation_only=problem.rotation_only,
+    )
+    return enclosed(problem, body, about)
+
+
+def _radius(
+    objective: Isotropic, sin2_half_angle: Dyadic | None, degrees: float | None
+) -> Radius | None:
     """How far the points may move, from a separation of the largest eigenvalue that is proved."""
+    if sin2_half_angle is None or degrees is None:
+        return None
     g = dyadic_below(SAFE * objective.eigenvalue_difference(0, 1), RADIUS_BITS)
     most = 16 * objective.size + g.value  # so much along the quaternion is enough
     if not proves_optimality(objective, objective.quaternions[0], most, most - g.value):
         return None
     return isotropic_radius(
-        objective.moments, separation=g, sin2_half_angle=sin2_half_angle, degrees=degrees
+        objective.moments, separation=g, sin2_half_angle=sin2_half_angle.value, degrees=degrees
     )
 
 

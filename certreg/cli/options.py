@@ -43,6 +43,7 @@ OPTIMAL = "optimal"  # the damping of the fastest decay
 SIGMA_OR_WEIGHTS = "--sigma and --weights exclude each other: give one"
 PATIENCE = 1.0  # seconds before a long run says that it is at work
 SPRING_FILES = ("normals", "directions", "covariances", "information", "factors")
+RIGID = {"scale": "none", "rotation_only": False}
 CLOUD = click.Path(dir_okay=False, path_type=Path)
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
@@ -113,6 +114,27 @@ def spring_options(command: Callable[..., Any]) -> Callable[..., Any]:
         files = {kind: path for kind, path in given.items() if path is not None}
         springs = io.SpringSource(columns=columns, files=files) if columns or files else None
         return command(*args, springs=springs, **options)
+
+    return wrapped
+
+
+def model_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """[--scale KIND] [--rotation-only], made one argument `model`."""
+
+    @click.option(
+        "--scale",
+        type=click.Choice(["none", "asymmetric", "symmetric"]),
+        default="none",
+        show_default=True,
+        help="Let the scale go, too: asymmetric (Umeyama; noise in SOURCE makes it too small), or "
+        "symmetric (Horn; right where both have the same relative noise, too large with noise in "
+        "TARGET alone).",
+    )
+    @click.option("--rotation-only", is_flag=True, help="No translation: rows are directions.")
+    @functools.wraps(command)
+    def wrapped(*args: Any, scale: str, rotation_only: bool, **options: Any) -> Any:
+        model = {"scale": scale, "rotation_only": rotation_only}
+        return command(*args, model=model, **options)
 
     return wrapped
 
@@ -194,12 +216,16 @@ def bound_clouds(*, lightly: bool) -> Callable[[Callable[..., Any]], Callable[..
         )
         @pairing_options
         @spring_options
+        @model_options
         @functools.wraps(command)
         def wrapped(
             *args: Any, paths: tuple[Path, ...], any_weight: bool, pairing: Any, **options: Any
         ) -> Any:
             noise = {name: options.pop(name) for name in ("sigma", "weights")}
-            springs = options.pop("springs")
+            springs, model = options.pop("springs"), options.pop("model")
+            if not paths and model != RIGID:
+                message = "--scale and --rotation-only go with SOURCE TARGET: the certificate has "
+                raise click.UsageError(f"{message}its own")
             _require_fitting(paths, noise, pairing or springs, any_weight=any_weight)
             if any_weight and springs is not None:
                 message = "--any-weight goes without springs: give the --sigma that was certified"
@@ -215,6 +241,8 @@ def bound_clouds(*, lightly: bool) -> Callable[[Callable[..., Any]], Callable[..
                 click.echo(f"note: {note}", err=True)
             if clouds is not None and any_weight:
                 clouds = _of_any_weight(clouds)
+            if clouds is not None:
+                clouds = _of_model(clouds, **model)
             return command(*args, clouds=clouds, **options)
 
         return wrapped
@@ -246,6 +274,16 @@ def _of_any_weight(clouds: RegistrationProblem | Clouds) -> Clouds:
         message = "--any-weight: a column of the clouds tells the weights: add --ignore-weights"
         raise click.UsageError(message)
     return replace(clouds, any_weight=True)
+
+
+def _of_model(
+    clouds: RegistrationProblem | Clouds, *, scale: str, rotation_only: bool
+) -> RegistrationProblem | Clouds:
+    """The same clouds, of a motion with or without scale and translation; NumPy is not loaded."""
+    if isinstance(clouds, Clouds):
+        words = [f"--scale {scale}"] if scale != "none" else []
+        return replace(clouds, model=" ".join(words + ["--rotation-only"] * rotation_only))
+    return clouds.modelled(scale, rotation_only=rotation_only)
 
 
 def _clouds_to_bind(
@@ -293,6 +331,7 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
     @click.option("--weights", type=CLOUD, help="File of weights, one per row of SOURCE.")
     @pairing_options
     @spring_options
+    @model_options
     @click.option(
         "--damping",
         metavar="MU",
@@ -310,6 +349,7 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
         damping: float | str | None,
         pairing: Pairing | None,
         springs: SpringSource | None,
+        model: dict[str, Any],
         **options: Any,
     ) -> Any:
         if sigma is not None and weights is not None:
@@ -323,6 +363,7 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
             pairing=pairing or io.BY_LABEL,
             **({} if springs is None else {"springs": springs}),
         )
+        stated = stated.modelled(**model)
         if damping == OPTIMAL:
             stated = registration.optimally_damped(stated)
         for note in pair.notes:

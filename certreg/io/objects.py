@@ -123,13 +123,15 @@ def pair(source: Any, target: Any, *, match: str = "all", **springs: Any) -> Pai
     return pair_of(*_named_alike(source, target, first, second), pairing)
 
 
-def stated_problem(
+def stated_problem(  # noqa: PLR0913 - one for each argument of a problem
     source: Any,
     target: Any,
     *,
     sigma: Any = None,
     weights: Any = None,
     damping: float | None = None,
+    scale: str = "none",
+    rotation_only: bool = False,
     depth: int = 2,
     **springs: Any,
 ) -> tuple[RegistrationProblem, Pair]:
@@ -145,13 +147,14 @@ def stated_problem(
     rows = springs_of_pairs(springs, (source, target), paired)
     if not rows:
         warn_of_unused(target, paired.sizes[1], depth=depth)
-    return problem_of(
+    problem, paired = problem_of(
         paired,
         sigma=_of_pairs(sigma, paired, "sigma"),
         weights=_of_pairs(weights, paired, "weights"),
         damping=damping,
         springs=rows,
     )
+    return problem.modelled(scale, rotation_only=rotation_only), paired
 
 
 def _of_pairs(values: Any, paired: Pair, name: str) -> Any:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from certreg.objective.quartics import PAIR_PLACE as PAIR_PLACE
     from certreg.objective.quartics import PAIRS as PAIRS
     from certreg.objective.quartics import quartic_of_form as quartic_of_form
+    from certreg.objective.scaling import Scaling as Scaling
     from certreg.objective.springs import Springs as Springs
 
 __getattr__ = lazy_face(
@@ -46,6 +47,7 @@ __getattr__ = lazy_face(
             "PAIR_PLACE",
             "quartic_of_form",
         ),
+        "scaling": ("Scaling",),
         "springs": ("Springs",),
     },
 )

@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from certreg.exact import (
     Resolution,
@@ -32,7 +32,8 @@ from certreg.geometry import (
 from certreg.native import FIXED_BITS, fixed_eigenbasis
 from certreg.objective.classification import classify, with_pattern
 from certreg.objective.polynomials import multiplier_system
-from certreg.problem import trace
+from certreg.objective.scaling import Scaling
+from certreg.problem import exact_moments, trace
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
     from certreg.geometry import Matrix4, SquareMatrix, T, Vector3, Vector4
     from certreg.objective.classification import Classification, Pattern
     from certreg.objective.polynomials import PolynomialSystem
-    from certreg.problem import ExactMoments
+    from certreg.problem import ExactMoments, RegistrationProblem
 
 
 @dataclass(frozen=True)
@@ -50,9 +51,24 @@ class Isotropic(Brief):
     """The objective of the exact moments of a problem; see `Objective`.
 
     Davenport's matrix, its classification and its eigenspaces are made once, when first asked for.
+    scaling: of a problem whose scale is free: energies, scales and translations are its own. The
+    polynomials (`form`, `value`, `gradient`, `hessian`) are those of scale 1, which has the same
+    critical rotations.
     """
 
     moments: ExactMoments
+    scaling: Scaling | None = None
+
+    @classmethod
+    def of(cls, problem: RegistrationProblem) -> Isotropic:
+        """The objective of a problem with weights.
+
+        Raises DegenerateProblemError where its scale is free, and the points tell none.
+        """
+        moments = exact_moments(problem)
+        place = "at the origin" if problem.rotation_only else "at one point"
+        free = Scaling.of(moments, problem.scale, place=place) if problem.scaled else None
+        return cls(moments, free)
 
     @cached_property
     def davenport(self) -> Matrix4[int]:
@@ -85,6 +101,8 @@ class Isotropic(Brief):
         """
         squares = sum([entry * entry for row in self.davenport for entry in row])
         unit = self.moments.cross_unit
+        if self.scaling is not None:
+            return self.scaling.least_range(self.alignment(self.quaternions[0]), squares * unit**2)
         return Fraction(4 * squares * unit.numerator**2, unit.denominator**2)
 
     @cached_property
@@ -169,25 +187,34 @@ class Isotropic(Brief):
 
     def best_translation(self, q: Sequence[int]) -> Vector3[Fraction]:
         """The translation mean(y) - R(q) mean(x): the minimiser at fixed rotation."""
-        (x, y, z), unit = self._best_translation(q)
+        (x, y, z), unit = self._best_translation(q, self.best_scale(q))
         return (x * unit, y * unit, z * unit)
 
-    def rounded_translation(self, q: Sequence[int]) -> list[float]:
-        """The same, each entry rounded once, and infinite beyond the doubles."""
-        entries, unit = self._best_translation(q)
+    def best_scale(self, q: Sequence[int]) -> Fraction:
+        """The scale that is best at fixed rotation; 1 where it is not free."""
+        return Fraction(1) if self.scaling is None else self.scaling.best(self.alignment(q))
+
+    def rounded_translation(
+        self, q: Sequence[int], scale: Fraction | Literal[1] = 1
+    ) -> list[float]:
+        """The same at a scale, each entry rounded once, and infinite beyond the doubles."""
+        entries, unit = self._best_translation(q, scale)
         return [quotient_or_zero(e * unit.numerator, unit.denominator) for e in entries]
 
-    def _best_translation(self, q: Sequence[int]) -> tuple[list[int], Fraction]:
+    def _best_translation(
+        self, q: Sequence[int], scale: Fraction | Literal[1]
+    ) -> tuple[list[int], Fraction]:
         """The same as integers, and what one of them is worth."""
         moments, norm = self.moments, squared_norm(q)
+        stretch, over = scale.numerator, scale.denominator
         rotated = [dot(row, moments.source_sum) for row in rotation_matrix(q)]
         a, b = moments.source_exponent, moments.target_exponent
         common = min(a, b)
         entries = [
-            (end * norm << (b - common)) - (moved << (a - common))
+            (end * norm * over << (b - common)) - (moved * stretch << (a - common))
             for end, moved in zip(moments.target_sum, rotated, strict=True)
         ]
-        return entries, power_of_two(common) / (moments.mass * norm)
+        return entries, power_of_two(common) / (moments.mass * norm * over)
 
     def equilibrium_system(self, chart: Sequence[int]) -> PolynomialSystem:
         """K q = l q and chart . q = 1 in (w, x, y, z, l): four paths."""
@@ -214,14 +241,33 @@ class Isotropic(Brief):
         return {}
 
     def energy(self, q: Sequence[int]) -> Fraction:
-        """V at R(q) and the best translation: the least sum of w |y - R x - t|^2 over t."""
+        """V at R(q) and the best translation: the least sum of w |y - R x - t|^2 over t.
+
+        Where the scale is free, with the best scale, too: see `Scaling.energy`.
+        """
+        if self.scaling is not None:
+            return self.scaling.energy(self.alignment(q))
         spread, alignment = self.moments.spread, self.alignment(q)
         a, b = spread.denominator, alignment.denominator
         return Fraction(spread.numerator * b - 2 * alignment.numerator * a, a * b)
 
-    def translation_energy(self, q: Sequence[int], translation: Sequence[Fraction]) -> Fraction:
-        """M |t - best t|^2: what a translation adds to the energy at rotation R(q)."""
-        best, unit = self._best_translation(q)
+    def energy_at(
+        self, q: Sequence[int], translation: Sequence[Fraction], scale: Fraction
+    ) -> Fraction:
+        """V at any pose: sum w |y - s R x - t|^2, over s for the symmetric scale, s > 0 there."""
+        shifted = self.translation_energy(q, translation, scale)
+        if self.scaling is None:
+            return self.energy(q) + shifted
+        return self.scaling.energy_at(self.alignment(q), scale, shifted)
+
+    def translation_energy(
+        self,
+        q: Sequence[int],
+        translation: Sequence[Fraction],
+        scale: Fraction | Literal[1] = 1,
+    ) -> Fraction:
+        """M |t - best t|^2, at a scale: what a translation adds to sum w |y - s R x - t|^2."""
+        best, unit = self._best_translation(q, scale)
         over = math.lcm(unit.denominator, *[entry.denominator for entry in translation])
         worth, weight = unit.numerator * (over // unit.denominator), self.moments.total_weight
         offset = [
@@ -296,7 +342,10 @@ class Isotropic(Brief):
 
     def energy_of_eigenvalue(self, value: int, bits: int) -> Fraction:
         """V where q^T K q / |q|^2 is value / 2^bits, in units of 2^shift of K."""
-        return self.moments.spread - 2 * value * self._eigenvalue_unit(bits)
+        alignment = value * self._eigenvalue_unit(bits)
+        if self.scaling is not None:
+            return self.scaling.energy(alignment)
+        return self.moments.spread - 2 * alignment
 
     def _eigenvalue_unit(self, bits: int) -> Fraction:
         return power_of_two(self.shift - bits) * self.moments.cross_unit

@@ -31,6 +31,10 @@ if TYPE_CHECKING:
     from certreg.problem.many_springs import ManySprings as ManySprings
     from certreg.problem.many_springs import many_spring_moments as many_spring_moments
     from certreg.problem.many_springs import stated_many as stated_many
+    from certreg.problem.model import DIGEST_PREFIX as DIGEST_PREFIX
+    from certreg.problem.model import PREFIXES as PREFIXES
+    from certreg.problem.model import Scale as Scale
+    from certreg.problem.model import options_of as options_of
     from certreg.problem.moments import ExactMoments as ExactMoments
     from certreg.problem.moments import Moments as Moments
     from certreg.problem.moments import davenport_error as davenport_error
@@ -110,6 +114,7 @@ __getattr__ = lazy_face(
             "many_spring_moments",
             "stated_many",
         ),
+        "model": ("DIGEST_PREFIX", "PREFIXES", "Scale", "options_of"),
         "moments": (
             "ExactMoments",
             "Moments",

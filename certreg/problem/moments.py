@@ -139,14 +139,19 @@ class Moments(Brief):
 
 def exact_moments(problem: RegistrationProblem) -> ExactMoments:
     """The moments of a problem in integer arithmetic: no rounding anywhere."""
-    return moments_of(exact_sums(problem), problem.n)
+    return moments_of(exact_sums(problem), problem.n, about_origin=problem.rotation_only)
 
 
-def moments_of(sums: Sums, n: int) -> ExactMoments:
-    """The moments that exact sums over n points make."""
+def moments_of(sums: Sums, n: int, *, about_origin: bool = False) -> ExactMoments:
+    """The moments that exact sums over n points make.
+
+    about_origin: with the sums of first order taken for 0, as where there is no translation.
+    """
     parts = parts_of(sums.integers, EXACT_SUMS)
     (mass,) = parts["mass"]
     source_sum, target_sum = _vector(parts["source"]), _vector(parts["target"])
+    if about_origin:
+        source_sum = target_sum = (0, 0, 0)
     source_scatter, target_scatter = (
         _symmetric(parts[name]) for name in ("source_scatter", "target_scatter")
     )
@@ -166,7 +171,13 @@ def moments_of(sums: Sums, n: int) -> ExactMoments:
 
 def floating_moments(problem: RegistrationProblem, *, threads: int = 1) -> Moments:
     """The moments of a problem in doubles, in one pass over the points."""
-    return moments_of_clouds(problem.source, problem.target, problem.weights, threads=threads)
+    return moments_of_clouds(
+        problem.source,
+        problem.target,
+        problem.weights,
+        threads=threads,
+        about_origin=problem.rotation_only,
+    )
 
 
 def moments_of_clouds(
@@ -175,9 +186,11 @@ def moments_of_clouds(
     weights: NDArray[Any] | None = None,
     *,
     threads: int = 1,
+    about_origin: bool = False,
 ) -> Moments:
     """The moments in doubles of clouds (N, 3) of any real type and strides, none of them copied.
 
+    about_origin: the origin in the place of both means, as where there is no translation.
     weights: (N,), or None where all are one. One pass, with deviations from the mean of a few
     points; more where the mean turns out to be far from that, or sums leave the range of doubles.
     Raises InvalidProblemError, with the row, for numbers that are not finite and weights < 0.
@@ -186,16 +199,18 @@ def moments_of_clouds(
     if weights is not None and weights.strides == (0,):  # one weight in the place of all
         _require_numbers("weights", weights[:1], least=0.0)
         (factor, shift), weights = math.frexp(weights[0]), None
-    origin = np.concatenate([near_mean(source), near_mean(target)])
+    origin = np.concatenate([near_mean(source), near_mean(target)]) * (not about_origin)
     clouds = CloudPair(source=source, target=target, weights=weights, origin=origin)
     clouds, sums = _summed(clouds, threads)
     for _ in range(PASSES - 1):
-        if factor == 0.0 or sums.mass == 0.0 or _is_near(sums, LARGEST_LEVER):
+        if about_origin or 0.0 in (factor, sums.mass) or _is_near(sums, LARGEST_LEVER):
             break
         clouds, sums = _summed(replace(clouds, origin=_means(clouds, sums)), threads)
     if factor == 0.0 or sums.mass == 0.0:
         message = "all weights are zero: no correspondence counts, so every pose is as good"
         raise InvalidProblemError(message, array="weights", value=0.0)
+    if about_origin:  # of which the origin is taken for the mean
+        sums = replace(sums, source=np.zeros(3), target=np.zeros(3))
     return _about_means(clouds, sums, factor=factor, weight_exponent=shift)
 
 

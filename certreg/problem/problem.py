@@ -18,6 +18,13 @@ import numpy as np
 from certreg.errors import InvalidProblemError
 from certreg.problem.arrays import cloud_array, finite_doubles, mapped_file, row_blocks
 from certreg.problem.blocks import CHANGED, Block, SpringBlock, contiguous
+from certreg.problem.model import (
+    PREFIXES,
+    Scale,
+    checked_rotation_only,
+    checked_scale,
+    options_of,
+)
 from certreg.problem.row_labels import require_same_labels
 from certreg.problem.spring_rows import warn_of_unused
 from certreg.problem.springs import SPRINGS_PREFIX, GivenSprings, stated_springs
@@ -31,7 +38,6 @@ if TYPE_CHECKING:
 
     from certreg.problem.springs import SpringSummary, StatedSprings
 
-DIGEST_PREFIX = b"certreg-problem/1\0"
 NO_WEIGHTS = (
     "this problem has general springs, a matrix for every pair and not a weight: what was asked is "
     "for weights only"
@@ -75,6 +81,13 @@ class RegistrationProblem(Brief):
     damping
         Viscous damping per mass, mu > 0, per time unit of the virtual springs; where none is given
         sqrt(8), but `certify` takes the one of the fastest decay.
+    scale
+        "none", "asymmetric" or "symmetric", see `Scale`: whether the motion may scale, too. Noise
+        in the source makes the asymmetric scale too small; the symmetric one is right where both
+        clouds have the same relative noise, and too large with noise in the target alone.
+    rotation_only
+        Whether the motion has no translation, as between directions of stars: t = 0, and all sums
+        are about the origin.
 
     Raises
     ------
@@ -92,6 +105,8 @@ class RegistrationProblem(Brief):
     factors: NDArray[np.float64] | None  # (N, 6), of general springs; None where there are weights
     springs: SpringSummary | None  # of general springs
     damping: float
+    scale: Scale
+    rotation_only: bool
     noise_given: bool  # whether sigma was given: weights alone may be relative
     damping_given: bool
     _weights: NDArray[np.float64] | None
@@ -110,6 +125,8 @@ class RegistrationProblem(Brief):
         information: Any = None,
         factors: Any = None,
         damping: float | None = None,
+        scale: str | Scale = Scale.NONE,
+        rotation_only: bool = False,
     ) -> None:
         if sigma is not None and weights is not None:
             message = "both sigma and weights were given: give one (weights = 1/sigma^2)"
@@ -145,13 +162,55 @@ class RegistrationProblem(Brief):
         chosen = DEFAULT_DAMPING if damping is None else damping
         object.__setattr__(self, "damping", checked_damping(chosen))
         object.__setattr__(self, "damping_given", damping is not None)
+        self._set_model(scale, rotation_only=rotation_only)
         object.__setattr__(self, "noise_given", sigma is not None or given.is_noise)
         object.__setattr__(self, "_digest", [])
 
     def __repr__(self) -> str:
         noise = ", sigma given" if self.noise_given else ""
         springs = "" if self.springs is None else f", springs: {self.springs.kind}"
-        return f"<RegistrationProblem: n={self.n}{springs}{noise}>"
+        scale = "" if self.scale is Scale.NONE else f", {self.scale.value} scale"
+        only = ", rotation only" if self.rotation_only else ""
+        return f"<RegistrationProblem: n={self.n}{springs}{scale}{only}{noise}>"
+
+    def _set_model(self, scale: Any, *, rotation_only: Any) -> None:
+        springs = self.factors is not None
+        object.__setattr__(self, "scale", checked_scale(scale, springs=springs))
+        only = checked_rotation_only(rotation_only, springs=springs)
+        object.__setattr__(self, "rotation_only", only)
+
+    def modelled(self, scale: str | Scale, *, rotation_only: bool) -> RegistrationProblem:
+        """The same problem, of a motion that may do more, or less.
+
+        Parameters
+        ----------
+        scale, rotation_only
+            As for a new problem.
+
+        Returns
+        -------
+        RegistrationProblem
+            Of the same arrays.
+
+        Raises
+        ------
+        InvalidProblemError
+            For other names, and for any but the default beside general springs.
+        """
+        other = copy.copy(self)
+        other._set_model(scale, rotation_only=rotation_only)  # noqa: SLF001 - of a copy
+        object.__setattr__(other, "_digest", [])
+        return other
+
+    @property
+    def scaled(self) -> bool:
+        """Whether the scale is free."""
+        return self.scale is not Scale.NONE
+
+    @property
+    def model_options(self) -> str:
+        """What to type for a motion as this: with --scale, with --rotation-only, or nothing."""
+        return options_of(self.scale, rotation_only=self.rotation_only)
 
     def damped(self, damping: float) -> RegistrationProblem:
         """The same problem with another damping.
@@ -275,7 +334,8 @@ class RegistrationProblem(Brief):
 
     def _pieces(self) -> Iterator[bytes | memoryview]:
         """What `data_bytes` holds, piece by piece."""
-        prefix = DIGEST_PREFIX if self.factors is None else SPRINGS_PREFIX
+        rigid = PREFIXES[self.scale, self.rotation_only]
+        prefix = rigid if self.factors is None else SPRINGS_PREFIX
         yield prefix + self.n.to_bytes(8, "little")
         for name, array in self._stated():
             for rows in row_blocks(len(array)):

@@ -19,7 +19,7 @@ from certreg.results import Absent, Explained
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.certificate import IsotropicBody
+    from certreg.certificate import IsotropicBody, SimilarityBody
     from certreg.dynamics import Trajectory
     from certreg.objective import Isotropic
     from certreg.problem import RegistrationProblem
@@ -72,7 +72,7 @@ def agreement(
 
 
 def require_sound_trajectory(
-    objective: Isotropic, body: IsotropicBody, trajectory: Trajectory
+    objective: Isotropic, body: IsotropicBody | SimilarityBody, trajectory: Trajectory
 ) -> None:
     """Nothing, if a trajectory respects what is proved; ContradictionError if not.
 
@@ -108,7 +108,9 @@ def _rounded_covariance(objective: Isotropic) -> NDArray[np.float64]:
 
 def _closed_form_angle(problem: RegistrationProblem, objective: Isotropic) -> float:
     """The larger angle of the rotations of both closed forms, from sums in doubles."""
-    found = floating_pose(problem.source, problem.target, problem.weights)
+    found = None
+    if not problem.rotation_only:  # that is of a pose with a translation
+        found = floating_pose(problem.source, problem.target, problem.weights)
     if found is None:
         sums = floating_moments(problem).cross_covariance
         proposed = horn(sums)

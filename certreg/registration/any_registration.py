@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from certreg.certificate import Certificate, PoseBounds
     from certreg.dynamics import Trajectory
-    from certreg.geometry import Pose
+    from certreg.geometry import Pose, Similarity
     from certreg.problem import RegistrationProblem
     from certreg.registration.covariance import PoseCovariance, Residual
     from certreg.registration.fit import Fit
@@ -39,7 +39,7 @@ class AnySolution(Explained, ABC):
     """
 
     problem: RegistrationProblem
-    pose: Pose
+    pose: Pose | Similarity
     certificate: Certificate[Any] | None
 
     @property
@@ -111,7 +111,7 @@ class AnyRegistration(Explained, Presented, ABC):
         return f"<{name}: {self.status.value}; n={self.problem.n}, rmse={rmse}{warned}>"
 
     @property
-    def pose(self) -> Pose:
+    def pose(self) -> Pose | Similarity:
         """The optimum in doubles; of several the one that the solution chose."""
         return self.solution.pose
 

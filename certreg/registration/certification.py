@@ -9,11 +9,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal, Unpack, cast
 
 from certreg.certificate import (
-    ExactPose,
     check_own,
     pose_bounds,
     pose_energy,
     produce,
+    produce_similarity,
     require_accepted,
 )
 from certreg.dynamics import SimulationSettings, optimal_damping
@@ -29,11 +29,11 @@ from certreg.exact import (
 from certreg.io import stated_problem
 from certreg.native import Integrator
 from certreg.objective import Isotropic
-from certreg.problem import RegistrationProblem, exact_moments, lift
+from certreg.problem import RegistrationProblem, lift
 from certreg.registration.agreement import agreement, require_sound_trajectory
 from certreg.registration.alike import require_alike
 from certreg.registration.closed_form import SpringArguments
-from certreg.registration.optimum import optimal_pose
+from certreg.registration.optimum import exact_pose, optimal_pose
 from certreg.registration.parts import counted, logged
 from certreg.registration.result import (
     ProblemTrajectory,
@@ -60,6 +60,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
+    from certreg.certificate import Certificate, IsotropicBody, SimilarityBody
     from certreg.dynamics import Trajectory
     from certreg.registration.parts import Progress
     from certreg.relaxation import Relaxation
@@ -70,6 +71,7 @@ PARTS = 3  # of certify, besides relaxation and simulation: sums, certificate, c
 DEFAULT_INTEGRATOR = Integrator.EULER  # the paper's
 NOT_ASKED = Absent("not asked for")
 NOT_CERTIFIED = Absent("not certified")
+NO_BREATHING = Absent("a body whose scale is free is not simulated")
 CROSS_CHECK = Integrator.SPLITTING  # a few large steps, however stiff the springs
 
 
@@ -79,6 +81,8 @@ class ProblemOptions(SpringArguments, total=False):
     sigma: ArrayLike | None
     weights: ArrayLike | None
     damping: float | None
+    scale: str
+    rotation_only: bool
 
 
 def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
@@ -121,8 +125,8 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
         Called with the number of parts that are done and that of all: exact sums, relaxation,
         simulation, certificate and checker.
     **statement
-        `sigma`, `weights` and `damping`, as for a problem, beside source and target; what is noted
-        of the pairs goes to the logger.
+        `sigma`, `weights`, `damping`, `scale` and `rotation_only`, as for a problem, beside source
+        and target; what is noted of the pairs goes to the logger.
 
     Returns
     -------
@@ -275,7 +279,7 @@ def simulate(
     if problem.factors is not None:
         return simulated_springs(problem, integrator, settings=settings)
     chosen = Integrator(integrator or DEFAULT_INTEGRATOR)
-    objective = Isotropic(exact_moments(problem))
+    objective = Isotropic.of(problem)
     trajectory = run(objective, problem.damping, chosen, settings=settings)
     return ProblemTrajectory.of(problem, objective, trajectory)
 
@@ -288,7 +292,7 @@ def simulated(
     Raises ContradictionError or RefusedCertificateError where certreg contradicts itself.
     """
     chosen, settings = Integrator(integrator or DEFAULT_INTEGRATOR), _with_step(None, step)
-    objective = Isotropic(exact_moments(problem))
+    objective = Isotropic.of(problem)
     return proved_end(
         problem, objective, run(objective, problem.damping, chosen, settings=settings)
     )
@@ -322,24 +326,28 @@ def solve(  # noqa: PLR0913 - as above
     done: Callable[[str], None] = logged,
 ) -> Solution:
     """Everything that is computed, nothing yet checked. integrator: None for no simulation."""
-    objective = Isotropic(exact_moments(problem))
+    objective = Isotropic.of(problem)
     done("exact sums")
     problem = _best_damped(problem, objective)
     relaxed = trajectory = NOT_ASKED
     if relaxation:
         relaxed = _relaxation(objective, relaxation)
         done("relaxation")
-    if integrator is not None:
+    if integrator is not None and problem.scaled:
+        trajectory = NO_BREATHING
+        done("simulation")
+    elif integrator is not None:
         settings = settings or SimulationSettings()
         trajectory = _simulation(objective, problem, integrator, settings)
         done("simulation")
-    certificate = produce(
+    about = {**(about or {}), "damping": problem.damping, "integrator": integrator}
+    certificate = _certificate(
         problem,
         objective,
-        proposal=None if isinstance(relaxed, Absent) else relaxed.proposal,
-        state=None if isinstance(trajectory, Absent) else final_state(trajectory),
+        relaxed,
+        trajectory,
         robustness_angle=robustness_angle,
-        about={**(about or {}), "damping": problem.damping, "integrator": integrator},
+        about=about,
     )
     done("certificate")
     return Solution(
@@ -354,9 +362,33 @@ def solve(  # noqa: PLR0913 - as above
     )
 
 
+def _certificate(
+    problem: RegistrationProblem,
+    objective: Isotropic,
+    relaxed: Relaxation | Absent,
+    trajectory: Trajectory | Absent,
+    *,
+    robustness_angle: float | None,
+    about: dict[str, Any],
+) -> Certificate[IsotropicBody] | Certificate[SimilarityBody] | None:
+    """Of the kind that proves of such a problem."""
+    if objective.scaling is not None:
+        return produce_similarity(
+            problem, objective, objective.scaling, robustness_angle=robustness_angle, about=about
+        )
+    return produce(
+        problem,
+        objective,
+        proposal=None if isinstance(relaxed, Absent) else relaxed.proposal,
+        state=None if isinstance(trajectory, Absent) else final_state(trajectory),
+        robustness_angle=robustness_angle,
+        about=about,
+    )
+
+
 def _best_damped(problem: RegistrationProblem, objective: Isotropic) -> RegistrationProblem:
     """The problem with the damping of the fastest decay, where it names none and there is one."""
-    if problem.damping_given:
+    if problem.damping_given or problem.scaled:
         return problem
     try:
         damped = problem.damped(optimal_damping(objective))
@@ -401,7 +433,7 @@ def optimally_damped(problem: RegistrationProblem) -> RegistrationProblem:
     Raises DegenerateProblemError where the dynamics is not defined or the optimum is not unique.
     """
     require_alike(problem, "an optimal damping is computed")
-    return problem.damped(optimal_damping(Isotropic(exact_moments(problem))))
+    return problem.damped(optimal_damping(Isotropic.of(problem)))
 
 
 def _registration(
@@ -410,13 +442,14 @@ def _registration(
     timings: dict[str, float],
 ) -> Registration:
     pose, moments, certificate = solution.pose, solution.moments, solution.certificate
-    place = ExactPose.of_doubles(pose.quaternion_wxyz, pose.translation)
-    energy = pose_energy(solution.objective, place)
+    place = exact_pose(pose)
+    energy, scaling = pose_energy(solution.objective, place), solution.objective.scaling
+    squares = energy if scaling is None or not scaling.symmetric else energy * place.scale
     return Registration(
         problem=solution.problem,
         solution=solution,
         objective=nearest_double(energy),
-        rmse=nearest_root(energy / moments.total_weight),
+        rmse=nearest_root(squares / moments.total_weight),
         bounds=(
             None
             if certificate is None

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.geometry import Pose
+    from certreg.geometry import Pose, Similarity
     from certreg.objective import Isotropic
     from certreg.problem import Block, RegistrationProblem
 
@@ -57,6 +57,7 @@ FEW_CARRY = Absent(
     "they stand for noise: give sigma"
 )
 NO_RESIDUALS = Absent("the residuals are so near rounding that they tell no noise: give sigma")
+OF_POSES = Absent("with a free scale, or without a translation, no covariance is computed")
 NOT_TOLD_APART = Absent("the two best eigenvalues are not told apart")
 LOST = "lost in rounding: variances computed with a matrix of doubles would be wrong, even negative"
 FAR = Absent(f"{LOST}, so far are the points from the origin: move it to them")
@@ -140,8 +141,9 @@ def pose_covariance(problem: RegistrationProblem, objective: Isotropic) -> PoseC
     residuals that are not all zero, and weights that at least half of the points carry: relative
     weights say little of noise, and rows that hardly count would count as degrees of freedom.
     """
-    if not objective.classification.unique:
-        return NOT_UNIQUE
+    other = problem.scaled or problem.rotation_only
+    if other or not objective.classification.unique:
+        return OF_POSES if other else NOT_UNIQUE
     degrees = 3 * rows_with_weight(problem) - PARAMETERS
     least = objective.energy(objective.quaternions[0])
     if not problem.noise_given and (degrees <= 0 or least <= 0):
@@ -307,7 +309,9 @@ def _cross(a: Sequence[int], b: Sequence[int]) -> list[int]:
     return [a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3] for i in range(3)]
 
 
-def residual_distances(points: RegistrationProblem | Block, pose: Pose) -> NDArray[np.float64]:
+def residual_distances(
+    points: RegistrationProblem | Block, pose: Pose | Similarity
+) -> NDArray[np.float64]:
     """(N,), |y_i - R x_i - t|, in the unit of length; no square of a length is formed."""
     with np.errstate(over="ignore", invalid="ignore"):
         x, y, z = (points.target - pose.apply(points.source)).T
@@ -322,7 +326,9 @@ class Residual:
     distance: float
 
 
-def worst_residuals(problem: RegistrationProblem, pose: Pose, count: int) -> list[Residual]:
+def worst_residuals(
+    problem: RegistrationProblem, pose: Pose | Similarity, count: int
+) -> list[Residual]:
     """The correspondences with the largest distances, largest first; of equal ones the first.
 
     Those whose distance no double holds are left out.

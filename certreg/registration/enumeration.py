@@ -9,7 +9,6 @@ from certreg.certificate import check_own, count_certificate, require_accepted
 from certreg.equilibrium import METHODS, EquilibriumSet, compare, search
 from certreg.errors import UndecidedError
 from certreg.objective import Isotropic
-from certreg.problem import exact_moments
 from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.covariance import pose_covariance
 from certreg.registration.fit import fit_of
@@ -27,7 +26,7 @@ if TYPE_CHECKING:
 
     from certreg.certificate import Certificate, CountBody
     from certreg.equilibrium import Comparison, Search
-    from certreg.geometry import Pose
+    from certreg.geometry import Pose, Similarity
     from certreg.problem import RegistrationProblem
     from certreg.registration.fit import Fit
     from certreg.registration.parts import Progress
@@ -119,7 +118,7 @@ def enumerated(
             f"method is {method!r}: this version knows {', '.join(map(repr, METHODS))} and {ALL!r}"
         )
         raise ValueError(message)
-    objective = Isotropic(exact_moments(problem))
+    objective = Isotropic.of(problem)
     names = tuple(METHODS) if method == ALL else (method,)
     done = counted(progress, len(names))
     searches = tuple(_searched(objective, name, done) for name in names)
@@ -147,7 +146,7 @@ def _searched(objective: Isotropic, name: str, done: Callable[[str], None]) -> S
     return made
 
 
-def equilibrium_poses(enumeration: Enumeration | SpringEnumeration) -> list[Pose]:
+def equilibrium_poses(enumeration: Enumeration | SpringEnumeration) -> list[Pose | Similarity]:
     """The pose of each equilibrium, in the order of the list; of a continuum one of them.
 
     Raises OutOfRangeError where no double can hold a translation.

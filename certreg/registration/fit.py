@@ -12,6 +12,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.exact import nearest_double
+from certreg.registration.covariance import worst_residuals
 from certreg.registration.headlines import LOOSE_SIGMA, beyond_first_order
 from certreg.registration.misfits import (
     LEVEL,
@@ -30,7 +31,7 @@ from certreg.registration.tails import log_chi2_above, log_ratio_below
 from certreg.results import OUT_OF_RANGE, Absent, Explained, present
 
 if TYPE_CHECKING:
-    from certreg.geometry import Pose
+    from certreg.geometry import Pose, Similarity
     from certreg.objective import Isotropic
     from certreg.problem import RegistrationProblem
     from certreg.registration.covariance import PoseCovariance
@@ -42,7 +43,9 @@ TOO_FEW = Absent("fewer than three points carry the weight: no degree of freedom
 ZERO_MEDIAN = Absent("at least half of the residuals are zero")
 ROUNDED = Absent("the residuals are at rounding: there is nothing to test")
 NO_NOISE = Absent("no noise was given: the residuals are compared with nothing")
+UNTESTED = Absent("with a free scale, or without a translation, no test of the fit is made")
 UNNAMED = RowNames(None)
+MOST_ROWS = 10  # that are listed
 LEAST_ROWS = 3  # with 3 n - 6 > 0 degrees of freedom there are more
 TRANSLATION = 3  # parameters of a pose whose rotation is given
 LINE = 5  # of one that moves a line
@@ -96,7 +99,7 @@ class Fit(Explained):
 def fit_of(
     problem: RegistrationProblem,
     objective: Isotropic,
-    pose: Pose,
+    pose: Pose | Similarity,
     covariance: PoseCovariance | Absent,
     *,
     names: RowNames = UNNAMED,
@@ -105,8 +108,10 @@ def fit_of(
 
     pose: the optimum in doubles, as it is reported. covariance: its own.
     """
-    rows = row_fit(problem, objective, pose)
     sums = FitSums(objective)
+    if problem.scaled or problem.rotation_only:
+        return _untested(problem, sums, pose, names)
+    rows = row_fit(problem, objective, pose)
     chi2 = _chi2(problem, sums, rows, covariance)
     ratio = OUT_OF_RANGE if rows is None else rows.largest_over_median or ZERO_MEDIAN
     values: dict[str, float | Absent] = {
@@ -129,6 +134,31 @@ def fit_of(
         absent={
             **{name: value for name, value in values.items() if isinstance(value, Absent)},
             **({"chi2": chi2} if isinstance(chi2, Absent) else {}),
+        },
+    )
+
+
+def _untested(
+    problem: RegistrationProblem, sums: FitSums, pose: Pose | Similarity, names: RowNames
+) -> Fit:
+    """Of a free scale, or without a translation: no test of the fit is stated for these."""
+    values: dict[str, float | Absent] = {
+        "explained": COINCIDENT if sums.explained is None else _double(sums.explained),
+        "best_scale": NO_SOURCE if sums.scale is None else _double(sums.scale),
+    }
+    untested = ("scale_p", "largest_over_median_residual", "chi2")
+    return Fit(
+        **{name: present(value) for name, value in values.items()},
+        **dict.fromkeys(untested),
+        worst=tuple(
+            FitRow(row=one.row, label=names.label(one.row), residual=one.distance)
+            for one in worst_residuals(problem, pose, MOST_ROWS)
+        ),
+        outlier_rows=(),
+        warnings=(),
+        absent={
+            **{name: value for name, value in values.items() if isinstance(value, Absent)},
+            **dict.fromkeys(untested, UNTESTED),
         },
     )
 

@@ -3,35 +3,52 @@
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from certreg.certificate import ExactPose
 from certreg.equilibrium import rotation_double, unit_double
 from certreg.errors import OutOfRangeError
-from certreg.geometry import Pose
+from certreg.exact import nearest_double
+from certreg.geometry import Pose, Similarity
 
 if TYPE_CHECKING:
     from certreg.exact import IntegerQuaternion
     from certreg.objective import Isotropic
 
 
-def optimal_pose(objective: Isotropic) -> Pose:
+def optimal_pose(objective: Isotropic) -> Pose | Similarity:
     """The representative of the optimal component, every number rounded once."""
     return pose_at(objective, objective.quaternions[0])
 
 
-def pose_at(objective: Isotropic, q: IntegerQuaternion) -> Pose:
-    """The pose of a rotation with its best translation, every number rounded once."""
-    translation = objective.rounded_translation(q)
+def pose_at(objective: Isotropic, q: IntegerQuaternion) -> Pose | Similarity:
+    """The pose of a rotation with its best translation, every number rounded once.
+
+    Where the scale is free, with its best scale, and the best translation for that as rounded.
+    """
+    scale = nearest_double(objective.best_scale(q))
+    if scale is None or (scale == 0.0 and objective.best_scale(q)):
+        message = "the scale exceeds the range of doubles: change the unit of length of one cloud"
+        raise OutOfRangeError(message, value=objective.best_scale(q))
+    translation = objective.rounded_translation(q, 1 if scale == 1.0 else Fraction(scale))
     if not all(map(math.isfinite, translation)):
         message = (
             "the translation of a pose exceeds the range of doubles: "
             "change the unit of length of both clouds"
         )
         raise OutOfRangeError(message, value=objective.best_translation(q))
-    return Pose(
+    pose = Pose(
         rotation=rotation_double(q),
         translation=np.array(translation),
         quaternion_wxyz=unit_double(q),
     )
+    return pose if objective.scaling is None else Similarity.of_pose(pose, scale)
+
+
+def exact_pose(pose: Pose | Similarity) -> ExactPose:
+    """The pose with exactly the doubles that it shows."""
+    scale = pose.scale if isinstance(pose, Similarity) else 1.0
+    return ExactPose.of_doubles(pose.quaternion_wxyz, pose.translation, scale)

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.geometry import Pose
+    from certreg.geometry import Pose, Similarity
     from certreg.objective import Isotropic
     from certreg.problem import RegistrationProblem
 
@@ -87,7 +87,9 @@ class RowFit:
     second_moments: tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
-def row_fit(problem: RegistrationProblem, objective: Isotropic, pose: Pose) -> RowFit | None:
+def row_fit(
+    problem: RegistrationProblem, objective: Isotropic, pose: Pose | Similarity
+) -> RowFit | None:
     """What the rows say of a fit; None where numbers leave the range of doubles."""
     try:
         with np.errstate(all="ignore"):
@@ -106,7 +108,9 @@ def independent_rows(problem: RegistrationProblem) -> float:
     return effective_rows(problem)
 
 
-def _row_fit(problem: RegistrationProblem, objective: Isotropic, pose: Pose) -> RowFit | None:
+def _row_fit(
+    problem: RegistrationProblem, objective: Isotropic, pose: Pose | Similarity
+) -> RowFit | None:
     frame = _Frame.of(objective)
     picked = _picked(problem)
     sample = frame.pairs(picked)
@@ -136,7 +140,7 @@ def _row_fit(problem: RegistrationProblem, objective: Isotropic, pose: Pose) -> 
 
 
 def _residuals(
-    problem: RegistrationProblem, pose: Pose, rows: list[Residual]
+    problem: RegistrationProblem, pose: Pose | Similarity, rows: list[Residual]
 ) -> tuple[Residual, ...]:
     """The residuals of these rows at the pose as it is reported, in the unit of length."""
     numbers = np.array([one.row for one in rows])

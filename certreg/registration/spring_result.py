@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from certreg.geometry import Pose
     from certreg.objective import Springs
     from certreg.registration.any_registration import ResidualBlock
     from certreg.registration.covariance import PoseCovariance, Residual
@@ -65,6 +66,7 @@ class SpringSolution(AnySolution):
         rotation, integers. pose: the same in doubles, with its best translation.
     """
 
+    pose: Pose
     objective: Springs
     found: Found
     quaternion: tuple[int, int, int, int]
@@ -185,6 +187,11 @@ class SpringRegistration(AnyRegistration):
     solution: SpringSolution
 
     __repr__ = AnyRegistration.__repr__
+
+    @property
+    def pose(self) -> Pose:
+        """The optimum in doubles; of several the one that the solution chose."""
+        return self.solution.pose
 
     @property
     def equilibria(self) -> None:

@@ -7,14 +7,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from certreg.exact import double_above, double_below
+from certreg.geometry import Similarity
 from certreg.registration import DEGREE_SLACK, UNDECIDED, is_loose
 from certreg.report.encoding import Noted
 from certreg.report.uncertainty import covariance_of, more_than_noise, shift_sigmas, turn_sigmas
 from certreg.results import OUT_OF_RANGE, Absent
 
 if TYPE_CHECKING:
+    from certreg.certificate import SimilarityClaims
     from certreg.registration import AnyRegistration, Fit, FitRow
     from certreg.report.encoding import Document
+
+NO_SCALE = Absent("the scale was not asked for")
 
 
 def pose_fields(registration: AnyRegistration) -> Document:
@@ -24,8 +29,22 @@ def pose_fields(registration: AnyRegistration) -> Document:
         "rotation": pose.rotation,
         "translation": pose.translation,
         "quaternion_wxyz": pose.quaternion_wxyz,
+        **_scale(registration),
         **_covariance(registration),
     }
+
+
+def _scale(registration: AnyRegistration) -> Document:
+    """The scale, and proved bounds of it, rounded outwards."""
+    pose, certificate = registration.pose, registration.certificate
+    if not isinstance(pose, Similarity):
+        return {"scale": NO_SCALE, "scale_interval": NO_SCALE}
+    interval: list[float] | Absent = registration.stated("bounds")
+    if certificate is not None and not isinstance(interval, Absent):
+        claims: SimilarityClaims = certificate.body.claims
+        ends = double_below(claims.scale_lower.value), double_above(claims.scale_upper.value)
+        interval = [max(0.0, ends[0]), ends[1]] if math.isfinite(ends[1]) else OUT_OF_RANGE
+    return {"scale": pose.scale, "scale_interval": interval}
 
 
 def _covariance(registration: AnyRegistration) -> Document:

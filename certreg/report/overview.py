@@ -42,7 +42,7 @@ from certreg.results import Absent, Optimality
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from certreg.geometry import Pose
+    from certreg.geometry import Pose, Similarity
     from certreg.registration import AnyRegistration, Fit, PoseCovariance, Registration
 
 WIDE = 1e9  # larger translations are written with an exponent
@@ -173,7 +173,7 @@ def _short(value: float) -> str:
     return f"{value:.9g}" if 1e-4 <= abs(value) < WIDE or not value else f"{value:.5e}"
 
 
-def rotation_fact(pose: Pose, covariance: PoseCovariance | None) -> Fact:
+def rotation_fact(pose: Pose | Similarity, covariance: PoseCovariance | None) -> Fact:
     """The angle that the pose turns by, as its deviation allows."""
     degrees, axis = turn_of(pose)
     told = covariance is not None and not isinstance(turn_sigmas(covariance), Absent)
@@ -182,7 +182,7 @@ def rotation_fact(pose: Pose, covariance: PoseCovariance | None) -> Fact:
     return Fact(name="Rotation", value=f"{told_to(degrees, sigma)}°", words=about)
 
 
-def axis_facts(pose: Pose) -> list[Fact]:
+def axis_facts(pose: Pose | Similarity) -> list[Fact]:
     """On a line of its own, which holds it; none where nothing is turned."""
     _, axis = turn_of(pose)
     if axis is None:
@@ -190,7 +190,7 @@ def axis_facts(pose: Pose) -> list[Fact]:
     return [Fact(name="Axis", value=f"({', '.join(f'{entry:.4f}' for entry in axis)})")]
 
 
-def translation_fact(pose: Pose, covariance: PoseCovariance | None) -> Fact:
+def translation_fact(pose: Pose | Similarity, covariance: PoseCovariance | None) -> Fact:
     """The translation of the pose, as its deviation allows."""
     told = Absent("") if covariance is None else shift_sigmas(covariance)
     sigmas = [0.0] * 3 if isinstance(told, Absent) else told.tolist()

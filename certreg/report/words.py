@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from certreg.certificate import Claims, IsotropicBody
     from certreg.equilibrium import Component, EquilibriumSet
-    from certreg.geometry import Pose
+    from certreg.geometry import Pose, Similarity
     from certreg.registration import Agreement, AnyRegistration, Registration
 
 THEOREMS = {  # claims of `certreg derive`, by the titles of their pages
@@ -334,7 +334,7 @@ def motion_words(registration: AnyRegistration) -> str:
     return f"{which} {turn} and shifts it by ({shift})."
 
 
-def turn_of(pose: Pose) -> tuple[float, tuple[float, ...] | None]:
+def turn_of(pose: Pose | Similarity) -> tuple[float, tuple[float, ...] | None]:
     """Degrees from 0 to 360, and the unit axis; None where nothing is turned."""
     w, *axial = pose.quaternion_wxyz.tolist()
     length = math.hypot(*axial)

@@ -13,8 +13,8 @@ from hypothesis.extra.numpy import arrays
 from certreg.errors import InvalidProblemError
 from certreg.exact import weight_of_sigma
 from certreg.problem import arrays as stating
+from certreg.problem.model import DIGEST_PREFIX
 from certreg.problem.problem import (
-    DIGEST_PREFIX,
     FEW,
     Lifted,
     RegistrationProblem,

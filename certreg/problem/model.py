@@ -1,0 +1,68 @@
+"""What a pose may do beside turning: shift or not, and scale or not, with its two objectives."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Any
+
+from certreg.errors import InvalidProblemError
+
+DIGEST_PREFIX = b"certreg-problem/1\0"
+
+
+class Scale(StrEnum):
+    """Whether the scale is free, and what the best one minimises.
+
+    NONE: it is 1.
+    ASYMMETRIC: s >= 0 of least sum w |y - s R x - t|^2 [Umeyama1991]. Noise in the source makes it
+        smaller, by the factor Sxx / (Sxx + noise); noise in the target does not change it.
+    SYMMETRIC: s > 0 of least sum w |y - s R x - t|^2 / s, which is sqrt(Syy / Sxx) [Horn1987]:
+        right where both clouds have the same relative noise, too large with noise in the target
+        alone.
+    """
+
+    NONE = "none"
+    ASYMMETRIC = "asymmetric"
+    SYMMETRIC = "symmetric"
+
+
+PREFIXES = {  # by scale and rotation_only: no digest stands for two problems
+    (Scale.NONE, False): DIGEST_PREFIX,
+    (Scale.NONE, True): b"certreg-rotation/1\0",
+    (Scale.ASYMMETRIC, False): b"certreg-similarity/1\0",
+    (Scale.ASYMMETRIC, True): b"certreg-similarity-rotation/1\0",
+    (Scale.SYMMETRIC, False): b"certreg-similarity-symmetric/1\0",
+    (Scale.SYMMETRIC, True): b"certreg-similarity-symmetric-rotation/1\0",
+}
+
+
+def checked_scale(scale: Any, *, springs: bool) -> Scale:
+    """A scale by its name; raises InvalidProblemError for others, and beside general springs."""
+    try:
+        found = Scale(scale)
+    except ValueError as error:
+        message = f"scale is {scale!r}: give {', '.join(map(repr, map(str, Scale)))}"
+        raise InvalidProblemError(message, array="scale", value=scale) from error
+    if springs and found is not Scale.NONE:
+        raise InvalidProblemError(_WEIGHTS_ONLY.format("scale"), array="scale", value=scale)
+    return found
+
+
+def checked_rotation_only(rotation_only: Any, *, springs: bool) -> bool:
+    """True or False; raises InvalidProblemError for others, and for True beside general springs."""
+    if not isinstance(rotation_only, bool):
+        message = f"rotation_only is {rotation_only!r}: give True or False"
+        raise InvalidProblemError(message, array="rotation_only", value=rotation_only)
+    if springs and rotation_only:
+        message = _WEIGHTS_ONLY.format("rotation_only")
+        raise InvalidProblemError(message, array="rotation_only", value=rotation_only)
+    return rotation_only
+
+
+def options_of(scale: Scale, *, rotation_only: bool) -> str:
+    """What to type for such a problem, as the checker says it."""
+    words = [f"--scale {scale.value}"] if scale is not Scale.NONE else []
+    return " ".join(words + ["--rotation-only"] * rotation_only)
+
+
+_WEIGHTS_ONLY = "{} goes with one weight for each pair, not yet with general springs: leave one out"
