@@ -27,6 +27,7 @@ from certreg.certificate.radius import (
     isotropic_radius,
 )
 from certreg.certificate.similarity import SimilarityBody, SimilarityClaims
+from certreg.errors import InvalidProblemError
 from certreg.exact import (
     Dyadic,
     dyadic_above,
@@ -170,8 +171,12 @@ def _radius(
 def count_certificate(problem: RegistrationProblem) -> Certificate[CountBody] | None:
     """The certificate that a problem has at most four equilibria; None for infinitely many.
 
-    None means not proved, not disproved.
+    None means not proved, not disproved. Raises InvalidProblemError without a translation, or with
+    a free scale: that kind states a rigid motion.
     """
+    if problem.model_options:
+        message = f"no certificate counts equilibria with {problem.model_options}: leave --out out"
+        raise InvalidProblemError(message, array="problem")
     from certreg.equilibrium import at_most_four  # loads FLINT, which few need
 
     proof = at_most_four(exact_moments(problem).cross)

@@ -36,16 +36,6 @@ class SimilarityClaims(Brief):
     scale_lower: Dyadic
     scale_upper: Dyadic
 
-    @property
-    def sdp_gap(self) -> None:
-        """None: of a relaxation nothing is claimed."""
-        return
-
-    @property
-    def basin(self) -> None:
-        """None: of a motion nothing is claimed."""
-        return
-
     def to_fields(self) -> dict[str, Any]:
         """The object `claims` of the file."""
         angle = self.sin2_half_angle

@@ -18,3 +18,10 @@ def require_alike(problem: RegistrationProblem, what: str) -> None:
             "certify proves the optimum of general springs, too"
         )
         raise InvalidProblemError(message, array="factors")
+
+
+def require_rigid(problem: RegistrationProblem, what: str) -> None:
+    """Nothing for a scale of 1; InvalidProblemError where it is free."""
+    if problem.scaled:
+        message = f"not with a free scale: {what} for rigid motions alone: leave the scale out"
+        raise InvalidProblemError(message, array="scale", value=problem.scale.value)

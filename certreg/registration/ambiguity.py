@@ -48,7 +48,8 @@ def equilibria_at(
     fit: gives that of the optimum; asked only where the noise of right pairs decides.
     """
     found = equilibrium_set(critical, objective, problem.damping)
-    if not found.narrow or not _rules_out_next(problem, objective):
+    tested = not (problem.scaled or problem.rotation_only)  # of these no fit is, either
+    if not (tested and found.narrow) or not _rules_out_next(problem, objective):
         return found
     doubted = any(code is not FitCode.CHI2 for code in fit().codes)
     return replace(found, next_ruled_out=not doubted, pairs_in_doubt=doubted)

@@ -31,7 +31,7 @@ from certreg.native import Integrator
 from certreg.objective import Isotropic
 from certreg.problem import RegistrationProblem, lift
 from certreg.registration.agreement import agreement, require_sound_trajectory
-from certreg.registration.alike import require_alike
+from certreg.registration.alike import require_alike, require_rigid
 from certreg.registration.closed_form import SpringArguments
 from certreg.registration.optimum import exact_pose, optimal_pose
 from certreg.registration.parts import counted, logged
@@ -71,6 +71,7 @@ PARTS = 3  # of certify, besides relaxation and simulation: sums, certificate, c
 DEFAULT_INTEGRATOR = Integrator.EULER  # the paper's
 NOT_ASKED = Absent("not asked for")
 NOT_CERTIFIED = Absent("not certified")
+NO_SCALE_THERE = Absent("the relaxation is of scale 1, not of a free one")
 NO_BREATHING = Absent("a body whose scale is free is not simulated")
 CROSS_CHECK = Integrator.SPLITTING  # a few large steps, however stiff the springs
 
@@ -278,6 +279,7 @@ def simulate(
     settings = _with_step(settings, step)
     if problem.factors is not None:
         return simulated_springs(problem, integrator, settings=settings)
+    require_rigid(problem, "a motion is simulated")
     chosen = Integrator(integrator or DEFAULT_INTEGRATOR)
     objective = Isotropic.of(problem)
     trajectory = run(objective, problem.damping, chosen, settings=settings)
@@ -291,6 +293,7 @@ def simulated(
 
     Raises ContradictionError or RefusedCertificateError where certreg contradicts itself.
     """
+    require_rigid(problem, "a motion is simulated")
     chosen, settings = Integrator(integrator or DEFAULT_INTEGRATOR), _with_step(None, step)
     objective = Isotropic.of(problem)
     return proved_end(
@@ -331,7 +334,7 @@ def solve(  # noqa: PLR0913 - as above
     problem = _best_damped(problem, objective)
     relaxed = trajectory = NOT_ASKED
     if relaxation:
-        relaxed = _relaxation(objective, relaxation)
+        relaxed = NO_SCALE_THERE if problem.scaled else _relaxation(objective, relaxation)
         done("relaxation")
     if integrator is not None and problem.scaled:
         trajectory = NO_BREATHING
@@ -433,6 +436,7 @@ def optimally_damped(problem: RegistrationProblem) -> RegistrationProblem:
     Raises DegenerateProblemError where the dynamics is not defined or the optimum is not unique.
     """
     require_alike(problem, "an optimal damping is computed")
+    require_rigid(problem, "an optimal damping is computed")
     return problem.damped(optimal_damping(Isotropic.of(problem)))
 
 

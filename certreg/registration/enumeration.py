@@ -9,6 +9,7 @@ from certreg.certificate import check_own, count_certificate, require_accepted
 from certreg.equilibrium import METHODS, EquilibriumSet, compare, search
 from certreg.errors import UndecidedError
 from certreg.objective import Isotropic
+from certreg.registration.alike import require_rigid
 from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.covariance import pose_covariance
 from certreg.registration.fit import fit_of
@@ -118,6 +119,7 @@ def enumerated(
             f"method is {method!r}: this version knows {', '.join(map(repr, METHODS))} and {ALL!r}"
         )
         raise ValueError(message)
+    require_rigid(problem, "equilibria are listed")
     objective = Isotropic.of(problem)
     names = tuple(METHODS) if method == ALL else (method,)
     done = counted(progress, len(names))

@@ -42,6 +42,7 @@ SIMULATION_SCHEMA = "certreg-simulation/1"
 NOT_WRITTEN = Absent("nothing is written without --out")
 NOT_A_BOUND = Absent("its multiplier could not be made a proved bound")
 ALIKE = Absent("each pair has one weight, and a spring alike in every way")
+NOT_LISTED = Absent("of a body whose scale is free no equilibria are listed")
 OF_EIGENVALUES = Absent("told of general springs; here the eigenvalues say as much")
 WORST = 10  # residuals in a result: the whole list is one call away
 
@@ -93,7 +94,9 @@ def _fields(registration: Registration) -> Document:
     return {
         "springs": ALIKE,
         "optimality": _optimality(registration),
-        "equilibria": _equilibria(registration.equilibria),
+        "equilibria": NOT_LISTED
+        if registration.problem.scaled
+        else _equilibria(registration.equilibria),
         "margin": {
             **_margin(registration.equilibria),
             "hardly_determined": hardly_determined(registration),

@@ -20,6 +20,7 @@ from certreg.certificate import (
     ExactPose,
     IsotropicBody,
     PoseBounds,
+    SimilarityBody,
     SpringsListBody,
     pose_bounds,
     spring_pose_bounds,
@@ -151,6 +152,11 @@ def _required_body(certificate: Certificate[Any], file: Path, *, pointless: bool
         held = "holds no pose" if isinstance(body, CountBody) else "`certreg verify` tells in words"
         what = f"is a certificate of kind {shown(body.KIND)}, which {held}"
         message = f"{shown(file)}: {what}: give the certificate.json that certify wrote"
+        raise InvalidFileError(message, path=file)
+    only = isinstance(body, IsotropicBody) and body.rotation_only
+    if only or isinstance(body, SimilarityBody):
+        what = "is about a free scale, or no translation; reports draw rigid motions"
+        message = f"{shown(file)}: {what}: read it by certreg verify"
         raise InvalidFileError(message, path=file)
     if certificate.data is None and pointless:
         message = f"{shown(file)}: holds no points, only their digest: give SOURCE TARGET, too"

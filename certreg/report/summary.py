@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 
 from certreg.certificate import flat_energy
 from certreg.exact import nearest_double
+from certreg.geometry import Similarity
+from certreg.problem import Scale
 from certreg.registration import (
     HARDLY_DETERMINED,
     NOT_ASKED,
@@ -44,6 +46,15 @@ if TYPE_CHECKING:
         SimulatedRegistration,
     )
 
+SCALE_ZERO = (
+    "                    0: the clouds do not correspond (the cross-covariance is zero), so that "
+    "the best fit is one point"
+)
+BIAS = {
+    Scale.ASYMMETRIC: "noise in the source makes it too small; noise in the target does not",
+    Scale.SYMMETRIC: "right where both clouds have the same relative noise, too large with noise "
+    "in the target alone",
+}
 UNMET = "Not called certified: that asks for a proof that it is"
 MEANS = "Certified means here"
 COUNTS = {1: "one", 2: "two", 3: "three", 4: "four"}
@@ -66,6 +77,8 @@ def registration_summary(registration: Registration) -> str:
     """The result of `certify`, readable."""
     pose, status = registration.pose, _status_lines(registration)
     fit = registration.fit
+    if registration.problem.scaled:
+        return _scaled_summary(registration, status)
     exact = number(registration.equilibria.components[0].rmse)
     differs = fit.rounded and number(registration.rmse) != exact
     weighted = f"weighted, {unit_words(fit)}{OF_PRINTED if differs else ''}"
@@ -86,6 +99,29 @@ def registration_summary(registration: Registration) -> str:
             *(f"  warning           {words}" for words in warnings(registration, status[0])),
             "",
             equilibria_summary(registration.equilibria),
+        )
+    )
+
+
+def _scaled_summary(registration: Registration, status: list[str]) -> str:
+    """The same where the scale is free: of the body that breathes no equilibria are listed."""
+    pose, problem = registration.pose, registration.problem
+    scale = pose.scale if isinstance(pose, Similarity) else 1.0
+    return "\n".join(
+        (
+            *status,
+            "",
+            f"  correspondences   {problem.n}",
+            f"  scale             {scale!r}  ({problem.scale.value}; target over source)",
+            *([SCALE_ZERO] if scale == 0.0 else []),
+            f"                    {BIAS[problem.scale]}",
+            f"  rotation (wxyz)   {' '.join(map(repr, pose.quaternion_wxyz.tolist()))}",
+            f"  translation       {' '.join(map(repr, pose.translation.tolist()))}",
+            *_uncertainty_lines(registration),
+            f"  RMSE              {number(registration.rmse)}  (weighted, unit of the target)",
+            f"  explained         {explained_words(registration.fit)}",
+            f"  robustness        {robustness_words(registration)} (its rotation)",
+            *_method_lines(registration),
         )
     )
 
