@@ -149,7 +149,7 @@ def test_no_digest_stands_for_two_problems_and_another_model_is_told_in_one_line
 
 @pytest.mark.parametrize("scale", SCALES)
 def test_forgeries_are_refused(scale):
-    """Of each number of the proof and of each claim, made stronger by many factors, or of others."""
+    """Of each number of the proof and of each claim, made stronger by many factors."""
     good, refused = document(scale, rotation_only=scale == "symmetric"), 0
     assert answer(good) == "VERIFIED"
     other = "symmetric" if scale == "asymmetric" else "asymmetric"

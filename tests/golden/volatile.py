@@ -26,7 +26,8 @@ TIMES = (  # what is printed of them, and what is kept
     # Of a scale that was not asked for, what every document says: it stands in no record.
     (r'\n *"scale": null,\n *"scale_interval": null,', ""),
     (r'"scale": null, "scale_interval": null, ', ""),
-    (r',?\s*"(pose\.)?scale(_interval)?": "the scale was not asked for"', ""),
+    (r'\s*"(pose\.)?scale(_interval)?": "the scale was not asked for",', ""),
+    (r',\s*"(pose\.)?scale(_interval)?": "the scale was not asked for"', ""),
 )
 PACKED = r'(?<=<script id="certificate" type="text/plain">)[\w+/=]+'  # base64 of gzip
 LONGEST = 2000  # characters of a line that is kept: a report carries its script and its motion
