@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from certreg.problem.model import DIGEST_PREFIX as DIGEST_PREFIX
     from certreg.problem.model import PREFIXES as PREFIXES
     from certreg.problem.model import Scale as Scale
+    from certreg.problem.model import checked_rotation_only as checked_rotation_only
+    from certreg.problem.model import checked_scale as checked_scale
     from certreg.problem.model import options_of as options_of
     from certreg.problem.moments import ExactMoments as ExactMoments
     from certreg.problem.moments import Moments as Moments
@@ -114,7 +116,14 @@ __getattr__ = lazy_face(
             "many_spring_moments",
             "stated_many",
         ),
-        "model": ("DIGEST_PREFIX", "PREFIXES", "Scale", "options_of"),
+        "model": (
+            "DIGEST_PREFIX",
+            "PREFIXES",
+            "Scale",
+            "checked_rotation_only",
+            "checked_scale",
+            "options_of",
+        ),
         "moments": (
             "ExactMoments",
             "Moments",

@@ -10,9 +10,10 @@ from certreg.registration.findings import GOOD
 from certreg.results import Absent, Explained, PoseVerdict, Presented
 
 if TYPE_CHECKING:
-    from certreg.geometry import Pose
+    from certreg.geometry import Pose, Similarity
     from certreg.registration.findings import JudgedEnergies, SigmaDistance
     from certreg.registration.fit import Fit
+    from certreg.registration.scaled_poses import GapParts
     from certreg.registration.slips import Slip
 
 
@@ -35,6 +36,9 @@ class Assessment(Explained, Presented):
     gap_lower, gap_upper, gap_share
         Proved bounds on objective - minimum; None where it is no rotation. The share: gap_upper
         over the range of energies; None where that is zero, too.
+    gap_parts
+        What of it comes from the rotation, the scale and the translation; None where the scale is
+        not free.
     rounding_cost
         What rounding the numbers of the optimal pose to doubles can cost.
     angle_to_optimum, angle_upper
@@ -60,7 +64,7 @@ class Assessment(Explained, Presented):
     verdict: PoseVerdict
     headline: str
     words: str
-    optimum: Pose
+    optimum: Pose | Similarity
     optimum_objective: float | None
     optimum_rmse: float | None
     fit: Fit
@@ -69,6 +73,7 @@ class Assessment(Explained, Presented):
     gap_lower: float | None = None
     gap_upper: float | None = None
     gap_share: float | None = None
+    gap_parts: GapParts | None = None
     rounding_cost: float | None = None
     angle_upper: float | None = None
     shift_upper: float | None = None

@@ -23,6 +23,7 @@ from certreg.registration.findings import (
     verdict_of,
 )
 from certreg.registration.headlines import NO_ROTATION
+from certreg.registration.scaled_poses import read_for, scale_note
 from certreg.registration.slips import slip_of
 from certreg.registration.spring_assessment import judged_on_springs
 from certreg.registration.spring_result import SpringRegistration
@@ -37,12 +38,21 @@ if TYPE_CHECKING:
 
 NUMBERS = (
     *("objective", "rmse", "gap_lower", "gap_upper", "gap_share", "rounding_cost", "angle_upper"),
-    *("shift_upper", "angle_to_optimum", "nearest_index", "nearest_angle", "sigma_distance"),
+    *(
+        "gap_parts",
+        "shift_upper",
+        "angle_to_optimum",
+        "nearest_index",
+        "nearest_angle",
+        "sigma_distance",
+    ),
 )
 NO_SLIP = Absent(
     "no single slip of those that are tried leads to it from a pose within 0.001 radians, and a "
     "millionth of the range of energies, of the optimum; two at once are not tried"
 )
+NOT_SCALED = Absent("the scale is not free")
+NO_SCALED_SLIP = Absent("no slip is tried where the scale is free")
 NOT_TRIED = Absent("the optimum could not be certified, and no slip was tried")
 OF_OPTIMUM = dict.fromkeys(("optimum_objective", "optimum_rmse"), OUT_OF_RANGE)
 NOTHING_TO_EXPLAIN = Absent("the pose is (nearly) optimal: there is no slip to name")
@@ -139,7 +149,10 @@ def judged(
     settings = settings or AssessmentSettings()
     if isinstance(registration, SpringRegistration):
         return judged_on_springs(registration, given, settings)
-    fault = why_no_rotation(given.turn, settings.rotation_tolerance)
+    problem = registration.problem
+    given = read_for(problem, given)
+    turn = given.scaled_apart().turn if problem.scaled else given.turn
+    fault = why_no_rotation(turn, settings.rotation_tolerance)
     if fault is not None:
         return _no_rotation(registration, given, fault, settings)
     exact = exact_pose(registration.solution.objective, given)
@@ -147,8 +160,16 @@ def judged(
     verdict = verdict_of(facts, settings)
     slip = NOTHING_TO_EXPLAIN
     if verdict not in GOOD:
-        slip = slip_of(registration, given, settings) or NO_SLIP
+        slip = _slip(registration, given, settings)
     return _assessment(facts, verdict, given, slip)
+
+
+def _slip(
+    registration: Registration, given: GivenPose, settings: AssessmentSettings
+) -> Slip | Absent:
+    if registration.problem.scaled:
+        return NO_SCALED_SLIP
+    return slip_of(registration, given, settings) or NO_SLIP
 
 
 def _no_rotation(
@@ -156,7 +177,7 @@ def _no_rotation(
 ) -> Assessment:
     slip = NOT_TRIED
     if registration.certificate is not None:
-        slip = slip_of(registration, given, settings) or NO_SLIP
+        slip = _slip(registration, given, settings)
     return Assessment(
         verdict=PoseVerdict.NOT_A_ROTATION,
         headline=NO_ROTATION.said(fault=fault),
@@ -182,12 +203,13 @@ def _assessment(
         headline=headline,
         green=chosen.good,
         energies=JudgedEnergies.of(facts),
-        words=words_of_pose(facts, verdict) + note_on(given),
+        words=words_of_pose(facts, verdict) + _notes(facts, verdict, given),
         objective=nearest_double(facts.energy),
         rmse=nearest_root(facts.energy / registration.solution.moments.total_weight),
         gap_lower=bounds.gap_lower,
         gap_upper=bounds.gap_upper,
         gap_share=bounds.share_upper,
+        gap_parts=facts.parts,
         rounding_cost=double_above(facts.rounding_cost),
         angle_upper=bounds.angle_upper,
         shift_upper=bounds.shift_upper,
@@ -199,12 +221,22 @@ def _assessment(
         **_beside(registration),
         absent={
             **dict.fromkeys(("objective", "rmse"), OUT_OF_RANGE),
+            **({} if facts.parts is not None else {"gap_parts": NOT_SCALED}),
             **_unbounded(bounds),
             **OF_OPTIMUM,
             **({"sigma_distance": distance} if isinstance(distance, Absent) else {}),
             **({"slip": slip} if isinstance(slip, Absent) else {}),
         },
     )
+
+
+def _notes(facts: Findings, verdict: PoseVerdict, given: GivenPose) -> str:
+    """What each part of the pose costs, and what was judged where that is not as it was given."""
+    problem, parts = facts.registration.problem, facts.parts
+    if parts is not None:
+        costs = "" if verdict is PoseVerdict.OPTIMAL else parts.words
+        return costs + scale_note(problem, given)
+    return "" if problem.rotation_only else note_on(given)
 
 
 def _beside(registration: Registration) -> dict[str, Any]:

@@ -6,6 +6,7 @@ they propose, and are compared with what is proved.
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 import numpy as np
@@ -13,6 +14,7 @@ import numpy as np
 from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.geometry import (
     Pose,
+    Similarity,
     canonical,
     davenport_matrix,
     is_reflection,
@@ -21,6 +23,9 @@ from certreg.geometry import (
 )
 from certreg.problem import (
     RegistrationProblem,
+    Scale,
+    checked_rotation_only,
+    checked_scale,
     checked_threads,
     cloud_array,
     davenport_error,
@@ -36,7 +41,7 @@ from certreg.registration.spring_certification import spring_pose
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from certreg.problem import Moments
+    from certreg.problem import FloatingPose, Moments
 
 
 class SpringArguments(TypedDict, total=False):
@@ -58,8 +63,10 @@ def register(
     weights: ArrayLike | None = None,
     *,
     threads: int = 1,
+    scale: str = Scale.NONE,
+    rotation_only: bool = False,
     **springs: Unpack[SpringArguments],
-) -> Pose:
+) -> Pose | Similarity:
     """The pose that takes `source` to `target`, row i to row i, in floating point: not certified.
 
     For those who need only the pose, fast: one pass over the points, with no copy of them, then
@@ -75,19 +82,25 @@ def register(
         (N,), >= 0; None: all are one.
     threads
         How many; the pose is the same to the bit for every number of them.
+    scale
+        "none"; "asymmetric" or "symmetric", as for a problem: a similarity is found, by the same
+        sums.
+    rotation_only
+        Whether there is no translation, as between directions: the sums are about the origin.
     **springs
         `normals`, `directions`, `covariances`, `information` or `factors`, as for a problem: the
         best pose is then found from exact sums, in a millisecond or a few, and is not proved.
 
     Returns
     -------
-    Pose
-        In doubles.
+    Pose | Similarity
+        In doubles; a `Similarity` where a scale was asked for.
 
     Raises
     ------
     InvalidProblemError
-        For arrays that are no clouds in correspondence or a number of threads below 1.
+        For arrays that are no clouds in correspondence, a number of threads below 1, another word
+        for the scale, and a scale or a rotation alone beside springs.
     DegenerateProblemError
         Where rounding may turn the pose by more than 1e-3 rad: above all where the best rotation is
         not unique, as for points on one line. Of springs where a shift or a turn is undetermined,
@@ -98,9 +111,15 @@ def register(
     >>> pose = register([[0, 0, 0], [1, 0, 0], [0, 2, 0]], [[5, 0, 0], [5, 1, 0], [3, 0, 0]])
     >>> pose.translation.round(9)
     array([5., 0., 0.])
+    >>> corners = [[0, 0, 0], [1, 0, 0], [0, 2, 0]]
+    >>> register(corners, [[0, 0, 0], [3, 0, 0], [0, 6, 0]], scale="asymmetric").scale
+    3.0
     """
     threads = checked_threads(threads)
-    if any(value is not None for value in springs.values()):
+    on_springs = any(value is not None for value in springs.values())
+    kind = checked_scale(scale, springs=on_springs)
+    about_origin = checked_rotation_only(rotation_only, springs=on_springs)
+    if on_springs:
         return spring_pose(RegistrationProblem(source, target, weights=weights, **springs))
     x = _readable(cloud_array(source, "source"), "source")
     y = _readable(cloud_array(target, "target"), "target")
@@ -116,16 +135,50 @@ def register(
     if w is not None and w.shape != (len(x),):
         message = f"weights has shape {w.shape}: expected ({len(x)},), one per point"
         raise InvalidProblemError(message, array="weights", value=w.shape, limit=(len(x),))
-    found = floating_pose(x, y, w)
+    found = floating_pose(x, y, w, about_origin=about_origin)
     if found is not None and _is_told(found.gap, found.error):
-        return found.pose
-    moments = moments_of_clouds(x, y, w, threads=threads)
+        return found.pose if kind is Scale.NONE else _scaled_by_sums(found, kind)
+    moments = moments_of_clouds(x, y, w, threads=threads, about_origin=about_origin)
+    return _by_moments(moments, kind)
+
+
+def _by_moments(moments: Moments, kind: Scale) -> Pose | Similarity:
     quaternion = _optimal_quaternion(moments)
     rotation = np.array(rotation_matrix(tuple(quaternion.tolist())))
-    return Pose(
-        rotation=rotation,
-        translation=moments.target_centroid - rotation @ moments.source_centroid,
-        quaternion_wxyz=quaternion,
+    here, there = moments.source_centroid, moments.target_centroid
+    rigid = Pose(rotation=rotation, translation=there - rotation @ here, quaternion_wxyz=quaternion)
+    if kind is Scale.NONE:
+        return rigid
+    alignment = float(np.sum(rotation * moments.cross_covariance))
+    spreads = float(np.trace(moments.source_scatter)), moments.target_spread
+    # sums are over 2^b for the target, 2^a for the source, so their quotients over 2^(b - a)
+    exponent = moments.target_exponent - moments.source_exponent
+    scale = math.ldexp(_best_scale(kind, alignment, *spreads), exponent)
+    return _similarity(rigid, scale, here, there)
+
+
+def _scaled_by_sums(found: FloatingPose, kind: Scale) -> Similarity:
+    alignment = float(np.sum(found.pose.rotation * found.cross_covariance))
+    scale = _best_scale(kind, alignment, found.source_spread, found.target_spread)
+    return _similarity(found.pose, scale, found.source_mean, found.target_mean)
+
+
+def _best_scale(kind: Scale, alignment: float, source: float, target: float) -> float:
+    """tr(R^T C) / Sxx [Umeyama1991], or sqrt(Syy / Sxx) [Horn1987]: the rotation is the same."""
+    if kind is Scale.ASYMMETRIC:
+        return max(0.0, alignment) / source
+    return math.sqrt(target / source)
+
+
+def _similarity(
+    rigid: Pose, scale: float, here: NDArray[np.float64], there: NDArray[np.float64]
+) -> Similarity:
+    """With the translation that takes one mean to the other."""
+    return Similarity(
+        rotation=rigid.rotation,
+        translation=there - scale * (rigid.rotation @ here),
+        quaternion_wxyz=rigid.quaternion_wxyz,
+        scale=scale,
     )
 
 

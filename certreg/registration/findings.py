@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.certificate import ExactPose, flat_energy, pose_bounds, pose_energy
 from certreg.errors import UndecidedError
 from certreg.exact import integer_eigenbasis, nearest_double, nearest_root
-from certreg.geometry import ROTATION_TOLERANCE, davenport_matrix, rotation_matrix, squared_norm
+from certreg.geometry import (
+    ROTATION_TOLERANCE,
+    Similarity,
+    davenport_matrix,
+    rotation_matrix,
+    squared_norm,
+)
 from certreg.problem import lift
 from certreg.registration.headlines import LOOSE_SIGMA, TURNED_FAR, beyond_first_order
 from certreg.registration.misfits import LEVEL
 from certreg.registration.rounding import rounding_cost
+from certreg.registration.scaled_poses import GapParts, gap_parts, scaled_rounding_cost
 from certreg.registration.tails import log_chi2_above
 from certreg.results import OUT_OF_RANGE, Absent, Brief, Limits, PoseVerdict
 
@@ -36,6 +43,7 @@ TURNS, MOTIONS = 3, 6  # degrees of freedom of a rotation, of a pose
 SURELY = 100.0  # standard deviations: a probability below 1e-1000
 UNDECIDED = "the optimum could not be certified: nothing is proved of any pose"
 NO_NOISE = Absent("no noise was given: give sigma")
+NOT_OF_SCALE = Absent("it is not computed where the scale is free")
 FIT_WARNED = Absent("the fit has a warning: it would be of the sigma given and right pairs alone")
 
 
@@ -92,6 +100,7 @@ class Findings:
     energy_range: Fraction  # the scale that says which energies are small
     angles: list[float]  # to each component of equilibria
     nearest: int  # the component of the least angle
+    parts: GapParts | None = None  # of the gap, where the scale is free
 
     @property
     def unique(self) -> bool:
@@ -151,10 +160,11 @@ def findings(registration: Registration, pose: ExactPose, cost: Fraction) -> Fin
         bounds=bounds,
         rounding_cost=cost,
         energy=pose_energy(objective, pose),
-        translation_energy=objective.translation_energy(q, pose.translation),
+        translation_energy=objective.translation_energy(q, pose.translation, pose.scale),
         energy_range=_energy_range(solution),
         angles=angles,
         nearest=min(range(len(angles)), key=angles.__getitem__),
+        parts=gap_parts(objective, solution.certificate.body.gap, pose),
     )
 
 
@@ -162,6 +172,9 @@ def _energy_range(solution: Solution) -> Fraction:
     """Energy between the best and the worst rotation; the clouds' own where all are equal."""
     objective, moments = solution.objective, solution.moments
     spaces = len(objective.classification.pattern)
+    if objective.scaling is not None:
+        worst, best = (objective.energy(objective.quaternions[k]) for k in (-1, 0))
+        return worst - best if spaces > 1 else flat_energy(moments)
     if spaces > 1:
         return 2 * objective.eigenvalue_difference(0, spaces - 1)
     return flat_energy(moments)
@@ -173,6 +186,8 @@ def verdict_of(facts: Findings, settings: AssessmentSettings) -> PoseVerdict:
     settled = facts.angles[facts.nearest] <= settings.equilibrium_angle
     if facts.translation_energy > Fraction(settings.equilibrium_shift) ** 2 * scale:
         settled = False
+    if facts.parts is not None and not _scale_settled(facts, settings):
+        settled = False
     if facts.nearest > 0:
         return PoseVerdict.SPURIOUS_EQUILIBRIUM if settled else PoseVerdict.NOT_AN_EQUILIBRIUM
     gap, away = facts.bounds.greatest_gap, facts.away
@@ -181,6 +196,14 @@ def verdict_of(facts: Findings, settings: AssessmentSettings) -> PoseVerdict:
     if gap <= facts.rounding_cost and facts.bounds.meet(Limits(), unique=facts.unique):
         return PoseVerdict.OPTIMAL
     return PoseVerdict.NEAR_OPTIMAL
+
+
+def _scale_settled(facts: Findings, settings: AssessmentSettings) -> bool:
+    """Whether the scale is the best one for a rotation, and positive: a symmetric one always is."""
+    objective, parts = facts.registration.solution.objective, facts.parts
+    if parts is None or not objective.best_scale(objective.quaternions[facts.nearest]):
+        return False
+    return parts.scale <= Fraction(settings.equilibrium_shift) ** 2 * facts.energy_range
 
 
 def sigma_distance(facts: Findings, given: GivenPose) -> SigmaDistance | Absent:
@@ -194,8 +217,8 @@ def sigma_distance(facts: Findings, given: GivenPose) -> SigmaDistance | Absent:
     order; of a loose one it is told only where it rules the pose out.
     """
     solution, covariance = facts.registration.solution, facts.registration.solution.covariance
-    if covariance is None:
-        absent: Absent = solution.stated("covariance")
+    if facts.registration.problem.scaled or covariance is None:
+        absent: Absent = NOT_OF_SCALE if covariance is not None else solution.stated("covariance")
         return absent
     if not facts.registration.problem.noise_given:
         return NO_NOISE
@@ -243,6 +266,8 @@ def cost_of_rounding(
     if objective.classification.unique:
         turn = pose.rotation if given.is_matrix else pose.quaternion_wxyz
         shift = None if shift is None else pose.translation
+    if isinstance(pose, Similarity):
+        return scaled_rounding_cost(objective, pose, turn, shift)
     return rounding_cost(objective, turn, shift, centre)
 
 
@@ -253,13 +278,32 @@ def exact_pose(objective: Isotropic, given: GivenPose) -> ExactPose:
     centroid, so that this goes where the matrix takes it. Without a translation, with the best one.
     """
     q = nearest_quaternion(given.turn)
-    if given.translation is None:
-        return ExactPose(quaternion=q, translation=objective.best_translation(q))
+    if given.translation is None and (objective.scaling is None or given.scale is None):
+        best = objective.best_translation(q)
+        return ExactPose(quaternion=q, translation=best, scale=objective.best_scale(q))
+    if objective.scaling is not None or given.translation is None:
+        return _scaled_pose(objective, q, given)
+    x = objective.moments.source_centroid
     shift = [Fraction(t) for t in given.translation.tolist()]
     if not given.is_matrix:
         return ExactPose(quaternion=q, translation=tuple(shift))
-    x = objective.moments.source_centroid
     return pose_through(q, x, added(turned(given.turn, x), shift))
+
+
+def _scaled_pose(objective: Isotropic, q: tuple[int, ...], given: GivenPose) -> ExactPose:
+    """With the scale of a matrix M, tr(R^T M) / 3, exactly; without a translation with the best."""
+    moments, scale = objective.moments, Fraction(1 if given.scale is None else given.scale)
+    held, x = Fraction(1), list(moments.source_centroid)
+    if given.is_matrix:
+        rows = zip(rotation_matrix(q), given.turn.tolist(), strict=True)
+        held = sum((_sum_of_products(a, list(map(Fraction, b))) for a, b in rows), Fraction(0))
+        held /= 3 * squared_norm(q)
+    image = list(moments.target_centroid)
+    if given.translation is not None:
+        moved = [scale * entry for entry in turned(given.turn, x)]
+        image = added(moved, [Fraction(t) for t in given.translation.tolist()])
+    pose = pose_through(q, [scale * held * entry for entry in x], image)
+    return replace(pose, scale=scale * held)
 
 
 def nearest_quaternion(turn: NDArray[np.float64]) -> tuple[int, ...]:

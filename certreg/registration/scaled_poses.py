@@ -1,0 +1,150 @@
+"""A pose beside a problem whose scale is free, or that has no translation: how it is read and told.
+
+With a = tr(R^T C), g(a) the objective at the best scale and translation for a rotation, and W that
+at its own scale and the best translation, the objective of a pose (s, R, t) exceeds the minimum by
+
+    [g(a) - g(l1)]  +  [W(s, a) - g(a)]  +  [objective - W(s, a)]:
+
+what the rotation costs, then the scale, then the translation. None of them is negative, each is
+zero where its part is the best one, and each is known exactly, but for l1, which is proved to lie
+between bounds, and the root of the symmetric scale.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from certreg.errors import InvalidProblemError
+from certreg.exact import double_above, rational_root_above
+from certreg.registration.rounding import rounding_errors
+from certreg.results import Brief
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from certreg.certificate import ExactPose
+    from certreg.geometry import GivenPose, Similarity
+    from certreg.objective import Isotropic
+    from certreg.problem import RegistrationProblem
+
+UNIT = Fraction(1, 2**50)  # of a scale that is read from a matrix, or rounded once
+RANGE = 9  # the range over its lower bound: l1^2 <= 3/4 F^2 over F^2 / 12; symmetric: sqrt(2)
+UNSCALED = 1e-12  # off 1: what the rounding of a rotation makes of its scale
+RIGID = " It has no scale of its own and was judged with scale 1."
+BEST_SCALE = " Only a rotation was given: it was judged with the best {} for it."
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GapParts(Brief):
+    """What the rotation, the scale and the translation of a pose cost; exact upper bounds, >= 0.
+
+    In objective units, rotation with the certificate's gap: together they are not less than what
+    the objective exceeds the minimum by.
+    """
+
+    rotation: Fraction
+    scale: Fraction
+    translation: Fraction
+
+    @property
+    def doubles(self) -> tuple[float, float, float]:
+        """The same as doubles, rounded up."""
+        return double_above(self.rotation), double_above(self.scale), double_above(self.translation)
+
+    @property
+    def words(self) -> str:
+        """Which share of the gap each part has, in a sentence."""
+        total = self.rotation + self.scale + self.translation
+        if not total:
+            return ""
+        parts = {"scale": self.scale, "rotation": self.rotation, "translation": self.translation}
+        told = [f"{_percent(part / total)} from the {name}" for name, part in parts.items()]
+        return f" Of what it costs above the minimum, {told[0]}, {told[1]}, {told[2]}."
+
+
+def gap_parts(objective: Isotropic, gap: Fraction, pose: ExactPose) -> GapParts | None:
+    """The parts of a pose's gap; None where the scale is not free.
+
+    gap: what the energy of the certified rotation may be above the minimum.
+    """
+    scaling, q = objective.scaling, pose.quaternion
+    if scaling is None:
+        return None
+    shifted = objective.translation_energy(q, pose.translation, pose.scale)
+    shifted /= pose.scale if scaling.symmetric else 1
+    turned = objective.energy(q)  # of a symmetric scale up to the slack below the true one
+    centred = objective.energy_at(q, pose.translation, pose.scale) - shifted
+    return GapParts(
+        rotation=max(Fraction(0), turned - objective.energy(objective.quaternions[0])) + gap,
+        scale=max(Fraction(0), centred - turned),
+        translation=shifted,
+    )
+
+
+def read_for(problem: RegistrationProblem, given: GivenPose) -> GivenPose:
+    """A pose as the problem's are: with its scale apart where one is free, else within a matrix.
+
+    Raises InvalidProblemError for a translation where the problem has none.
+    """
+    translation, alone = given.translation, given.translation is None
+    if problem.rotation_only and translation is not None:
+        if translation.any():
+            shift = translation.tolist()
+            message = (
+                f"the problem is of rotations alone, and the pose has the translation {shift}: "
+                "give its rotation, or state the problem without rotation_only (--rotation-only)"
+            )
+            raise InvalidProblemError(message, array="translation", value=shift, limit=0.0)
+        given = replace(given, translation=None)
+    if not problem.scaled:
+        return given.scaled_within()
+    if given.scale is not None or (alone and not is_scaled(given)):
+        return given
+    return replace(given, scale=1.0)
+
+
+def is_scaled(given: GivenPose) -> bool:
+    """Whether a pose has a scale other than 1, apart or in its matrix."""
+    return abs((given.scaled_apart().scale or 0.0) - 1.0) > UNSCALED
+
+
+def scale_note(problem: RegistrationProblem, given: GivenPose) -> str:
+    """What was judged, where a rigid pose was given for a problem whose scale is free."""
+    if not problem.scaled:
+        return ""
+    if given.scale is None:
+        return BEST_SCALE.format("scale" if problem.rotation_only else "scale and translation")
+    return "" if is_scaled(given) else RIGID
+
+
+def scaled_rounding_cost(
+    objective: Isotropic,
+    pose: Similarity,
+    turn: NDArray[np.float64],
+    shift: NDArray[np.float64] | None,
+) -> Fraction:
+    """What writing the optimal pose in doubles can cost: as `rounding_cost`, and for the scale.
+
+    turn, shift: the rotation, as a matrix or a quaternion, and the translation that are written. An
+    entry of s R is rounded twice, R and the product: so all is counted twice, its square four
+    times. A scale off by s u costs Sxx (s u)^2, or that over s.
+    """
+    scaling, scale = objective.scaling, Fraction(pose.scale)
+    if scaling is None or scale == 0:
+        return Fraction(0)
+    centre = [scale * entry for entry in objective.moments.source_centroid]
+    sine, away = rounding_errors(turn, shift, centre)
+    most = rational_root_above(objective.least_range_squared) * RANGE
+    shifted = objective.moments.total_weight * away + scaling.source * (scale * UNIT) ** 2
+    return 4 * (most * sine + shifted / (scale if scaling.symmetric else 1))
+
+
+def _percent(share: Fraction) -> str:
+    """A share in per cent, never rounded up to 100 nor down to 0."""
+    percent = 100.0 * float(share)
+    if 0.0 < percent < 0.1:
+        return "under 0.1 %"
+    return "over 99.9 %" if percent >= 99.9 and share != 1 else f"{percent:.3g} %"

@@ -1,0 +1,175 @@
+"""Where the scale is free a pose is judged as a similarity, and what its parts cost is exact."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from strategies import random_rotation
+
+import certreg
+from certreg import Pose, RegistrationProblem, Similarity, assess
+from certreg.errors import InvalidProblemError
+from certreg.results import PoseVerdict
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+SCALES = ("asymmetric", "symmetric")
+TRUE = Similarity.of_pose(
+    Pose.from_matrix(np.column_stack([random_rotation(np.random.default_rng(1)), [5.0, 6.0, 7.0]])),
+    25.0,
+)
+
+
+def certified(scale: str, *, only: bool = False, noise: float = 0.3) -> Any:
+    rng = np.random.default_rng(2)
+    x = rng.normal(size=(9, 3)) * [1.0, 2.0, 3.0] + 4.0
+    y = TRUE.apply(x) - TRUE.translation * only + noise * rng.normal(size=x.shape)
+    problem = RegistrationProblem(x, y, scale=scale, rotation_only=only)
+    return certreg.certify(problem, relaxation=False, simulation=False)
+
+
+FORMS: dict[str, Callable[[Any], Any]] = {
+    "Similarity": lambda pose: pose,
+    "4x4": lambda pose: pose.as_matrix(),
+    "params": lambda pose: SimpleNamespace(params=pose.as_matrix()),
+    "(R, t, s)": lambda pose: (pose.rotation, pose.translation, pose.scale),
+    "(q, t, s)": lambda pose: (pose.quaternion_wxyz, pose.translation, pose.scale),
+}
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("scale", SCALES)
+def test_the_certified_similarity_is_optimal_in_every_form(scale: str, form: str):
+    for result in (certified(scale), certified(scale, only=True)):
+        found = assess(result, FORMS[form](result.pose))
+
+        assert found.verdict is PoseVerdict.OPTIMAL
+        assert "scale" not in found.words
+        assert found.optimum.scale == result.pose.scale  # type: ignore[union-attr]
+
+
+def objective(result: Any, pose: Similarity) -> Fraction:
+    """By its definition, in fractions, of the doubles of a pose."""
+    scale, total = Fraction(pose.scale), Fraction(0)
+    w, *v = map(Fraction, pose.quaternion_wxyz.tolist())
+    norm = w * w + sum(k * k for k in v)
+    x1, y1, z1 = v
+    rows = (
+        (w * w + x1 * x1 - y1 * y1 - z1 * z1, 2 * (x1 * y1 - w * z1), 2 * (x1 * z1 + w * y1)),
+        (2 * (x1 * y1 + w * z1), w * w - x1 * x1 + y1 * y1 - z1 * z1, 2 * (y1 * z1 - w * x1)),
+        (2 * (x1 * z1 - w * y1), 2 * (y1 * z1 + w * x1), w * w - x1 * x1 - y1 * y1 + z1 * z1),
+    )
+    shift = list(map(Fraction, pose.translation.tolist()))
+    for x, y in zip(result.problem.source.tolist(), result.problem.target.tolist(), strict=True):
+        for row, t, at in zip(rows, shift, y, strict=True):
+            moved = scale * sum(r * Fraction(c) for r, c in zip(row, x, strict=True)) / norm + t
+            total += (Fraction(at) - moved) ** 2
+    return total / scale if result.problem.scale == "symmetric" else total
+
+
+@pytest.mark.parametrize("scale", SCALES)
+def test_the_parts_are_what_the_objective_rises_by_as_each_is_spoilt(scale: str):
+    result = certified(scale)
+    best = result.pose
+    turn = Pose.from_matrix(
+        np.column_stack([random_rotation(np.random.default_rng(3)), np.zeros(3)])
+    )
+    x, y = (c.mean(axis=0) for c in (result.problem.source, result.problem.target))
+    turned = (turn @ best).rotation
+    spoilt = {
+        "scale": replace(
+            best, scale=1.3 * best.scale, translation=y - 1.3 * best.scale * best.rotation @ x
+        ),
+        "translation": replace(best, translation=best.translation + 1.0),
+        "rotation": (turned, None),
+        "all": replace(turn @ best, scale=0.2),
+    }
+    least = objective(result, best)
+    for name, pose in spoilt.items():
+        found = assess(result, pose)
+        assert found.gap_parts is not None
+        parts = found.gap_parts
+        total = parts.rotation + parts.scale + parts.translation
+        if name != "rotation":
+            above = objective(result, pose) - least  # type: ignore[arg-type]
+            assert abs(total / above - 1) < Fraction(1, 10**9)
+            assert found.gap_lower is not None
+            assert Fraction(found.gap_lower) <= above <= Fraction(found.gap_upper or 0) * 2
+        if name != "all":
+            assert getattr(parts, name) > total * Fraction(999999, 1000000)
+            assert (
+                f"over 99.9 % from the {name}" in found.words
+                or f"100 % from the {name}" in found.words
+            )
+        else:
+            assert min(parts.rotation, parts.scale, parts.translation) > 0
+
+
+def test_a_rigid_pose_beside_a_free_scale_and_a_scale_beside_a_rigid_problem_are_told():
+    result, rigid = certified("asymmetric"), certified("none")
+    pose = result.pose
+    unscaled = assess(result, Pose.from_matrix(np.column_stack([pose.rotation, pose.translation])))
+
+    assert unscaled.verdict is PoseVerdict.NOT_AN_EQUILIBRIUM
+    assert unscaled.words.endswith("It has no scale of its own and was judged with scale 1.")
+    alone = assess(result, pose.rotation)
+    assert alone.verdict is PoseVerdict.OPTIMAL
+    assert alone.words.endswith("judged with the best scale and translation for it.")
+    for each in (pose, pose.as_matrix()):
+        refused = assess(rigid, each)
+        assert refused.verdict is PoseVerdict.NOT_A_ROTATION
+        assert f"scales by {pose.scale:.6g}" in refused.headline
+        assert refused.gap_parts is None
+    assert assess(rigid, Similarity.of_pose(rigid.pose, 1.0)).verdict is PoseVerdict.OPTIMAL
+    assert assess(rigid, rigid.pose).gap_parts is None
+
+
+@pytest.mark.parametrize("scale", ["none", *SCALES])
+def test_a_problem_of_rotations_alone_has_no_translation_to_judge(scale: str):
+    result = certified(scale, only=True)
+    rotation = result.pose.rotation
+
+    for pose in (rotation, np.asarray(result.pose.as_matrix()), result.pose):
+        found = assess(result, pose)
+        assert found.verdict is PoseVerdict.OPTIMAL
+        assert "translation" not in found.words
+    with pytest.raises(InvalidProblemError, match="the problem is of rotations alone"):
+        assess(result, (rotation, [0.0, 0.0, 1e-9]))
+
+
+@pytest.mark.parametrize("scale", SCALES)
+def test_another_equilibrium_needs_its_own_scale(scale: str):
+    """That of the second eigenline is its best one; a symmetric scale is never negative."""
+    result = certified(scale)
+    exact = result.solution.objective
+    q = exact.quaternions[1]
+    assert exact.alignment(q) > 0
+    turn = np.array([float(entry) for entry in q])
+    turn /= np.linalg.norm(turn)
+    found = assess(result, turn)
+
+    assert found.verdict is PoseVerdict.SPURIOUS_EQUILIBRIUM
+    assert found.nearest_index == 1
+    own = float(exact.best_scale(q))
+    R = Pose.from_matrix(np.column_stack([assess_rotation(turn), np.zeros(3)])).rotation
+    x, y = (c.mean(axis=0) for c in (result.problem.source, result.problem.target))
+    for factor, verdict in (
+        (1.0, PoseVerdict.SPURIOUS_EQUILIBRIUM),
+        (1.1, PoseVerdict.NOT_AN_EQUILIBRIUM),
+    ):
+        s = factor * own
+        assert assess(result, (R, y - s * R @ x, s)).verdict is verdict
+    opposite = np.array([float(entry) for entry in exact.quaternions[-1]])
+    assert exact.alignment(exact.quaternions[-1]) < 0
+    last = assess(result, opposite / np.linalg.norm(opposite)).verdict
+    assert (last is PoseVerdict.SPURIOUS_EQUILIBRIUM) == (scale == "symmetric")
+
+
+def assess_rotation(q: Any) -> Any:
+    return certreg.geometry.given_pose(q).rotation
