@@ -76,12 +76,15 @@ def assess(
 @click.argument("cloud", type=CLOUD)
 @click.option("--out", required=True, type=CLOUD, help="File to write: .csv, .txt, .ply or .npy.")
 @line_option
-def apply(result: Path, cloud: Path, *, out: Path, line: int | None) -> int:
+@click.option("--scaled", is_flag=True, help="Take a scale out of a matrix: [s R | t].")
+def apply(result: Path, cloud: Path, *, out: Path, line: int | None, scaled: bool) -> int:
     """Move CLOUD by the pose in RESULT: a result file or folder, or any pose file.
 
-    What is no rotation (a reflection, a scaling) is refused.
+    What is no rotation (a reflection, a scaling) is refused; a scale that stands beside the
+    rotation, as in a result of --scale, is applied.
     """
     pose = read_result_pose(result, line)
+    pose = pose.scaled_apart() if scaled else pose
     if pose.translation is None:
         message = (
             f"{shown(result)}: holds a rotation alone: give the result or the pose file that "
@@ -90,15 +93,17 @@ def apply(result: Path, cloud: Path, *, out: Path, line: int | None) -> int:
         raise InvalidFileError(message, path=result)
     fault = why_no_rotation(pose.turn)
     if fault is not None:
-        message = f"{shown(result)}: {NO_ROTATION.said(fault=fault)}"
+        similar = " (--scaled moves by a similarity)" if "scales by" in fault else ""
+        message = f"{shown(result)}: {NO_ROTATION.said(fault=fault)}{similar}"
         raise InvalidFileError(message, path=result)
+    scale = "" if pose.scale is None else f", scaled by {pose.scale:.15g}"
     points = read_cloud(cloud, noise=False)
     if points.ignored:
         left = f"columns not moved and not written: {printable(', '.join(points.ignored))}"
         click.echo(f"note: {printable(cloud)}: {left}", err=True)
     write_cloud(out, points.points, points.labels, move=pose.apply)
     told = _header_words(out, labelled=points.labels is not None)
-    click.echo(f"{len(points.points)} points written to {printable(out)}{told}")
+    click.echo(f"{len(points.points)} points written to {printable(out)}{scale}{told}")
     click.echo(f"The pose is as {printable(result)} has it, unchecked: certreg assess judges it.")
     return DONE
 

@@ -1194,7 +1194,8 @@ def test_apply_refuses_what_is_no_rotation_in_the_words_of_assess(
     assessed = certreg("assess", *clouds, "--pose", pose)
 
     assert (run.code, run.out) == (2, "")
-    assert assessed.out.startswith(run.err.removeprefix(f"certreg: {pose}: ").rstrip())
+    told = run.err.removeprefix(f"certreg: {pose}: ").partition(" (--scaled")[0]
+    assert assessed.out.startswith(told.rstrip())
     assert run.err.startswith(f"certreg: {pose}: NOT-A-ROTATION: ")
     assert assessed.out.startswith("NOT-A-ROTATION: ")
     assert words in assessed.out
