@@ -18,7 +18,9 @@ from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidProblemError
 from certreg.exact import double_above, rational_root_above
+from certreg.registration.outlying import independent_rows
 from certreg.registration.rounding import rounding_errors
+from certreg.registration.units import unit_words
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -29,9 +31,11 @@ if TYPE_CHECKING:
     from certreg.geometry import GivenPose, Similarity
     from certreg.objective import Isotropic
     from certreg.problem import RegistrationProblem
+    from certreg.registration.result import Registration
 
 UNIT = Fraction(1, 2**50)  # of a scale that is read from a matrix, or rounded once
 RANGE = 9  # the range over its lower bound: l1^2 <= 3/4 F^2 over F^2 / 12; symmetric: sqrt(2)
+TURNS, MOTIONS = 3, 6  # degrees of freedom of a rotation, of a pose
 UNSCALED = 1e-12  # off 1: what the rounding of a rotation makes of its scale
 RIGID = " It has no scale of its own and was judged with scale 1."
 BEST_SCALE = " Only a rotation was given: it was judged with the best {} for it."
@@ -148,3 +152,18 @@ def _percent(share: Fraction) -> str:
     if 0.0 < percent < 0.1:
         return "under 0.1 %"
     return "over 99.9 %" if percent >= 99.9 and share != 1 else f"{percent:.3g} %"
+
+
+def unit_of(registration: Registration) -> str | None:
+    """The unit of length that would explain the scale, as a question; None where none does.
+
+    Of noise in either cloud, see `scale_between`; of fewer pairs than tell it, nothing.
+    """
+    objective, problem = registration.solution.objective, registration.problem
+    scaling = objective.scaling
+    if scaling is None or not scaling.target:
+        return None
+    alignment = objective.alignment(objective.quaternions[0])
+    explained = alignment**2 / (scaling.source * scaling.target)
+    degrees = 3 * independent_rows(problem) - (TURNS if problem.rotation_only else MOTIONS) - 1
+    return unit_words(alignment / scaling.source, explained, degrees)

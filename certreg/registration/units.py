@@ -37,7 +37,7 @@ def unit_between(low: float, high: float) -> tuple[float, str] | None:
     return next((one for one in ratios if low <= one[0] <= high), None)
 
 
-def scale_between(scale: Fraction, explained: Fraction, degrees: int) -> tuple[float, float]:
+def scale_between(scale: Fraction, explained: Fraction, degrees: float) -> tuple[float, float]:
     """Between which scales the true one is, whichever cloud the noise is in.
 
     With all noise in the target the asymmetric scale a / Sxx is right on average, with all in the
@@ -55,7 +55,7 @@ def scale_between(scale: Fraction, explained: Fraction, degrees: int) -> tuple[f
     return least * (1.0 - slack), most * (1.0 + slack)
 
 
-def unit_words(scale: Fraction, explained: Fraction, degrees: int) -> str | None:
+def unit_words(scale: Fraction, explained: Fraction, degrees: float) -> str | None:
     """The unit that would explain a scale, asked as a question; None where none does.
 
     >>> from fractions import Fraction
