@@ -1,7 +1,7 @@
 """Certified similarities beside Umeyama's closed form in other libraries: `make umeyama`.
 
-On random problems of ordinary size all must agree to 1e-9: the scale and the translation relative to
-their sizes, the rotation entry by entry. Then the same problems far from the origin, and at extreme
+On random problems of ordinary size all must agree to 1e-9: the scale relative to itself, the shift
+to the largest coordinate, the rotation entry by entry. Then the same problems far from the origin, and at extreme
 sizes, where it is counted who fails. What is not installed is left out, and named.
 """
 
@@ -16,7 +16,6 @@ import numpy as np
 from strategies import random_rotation
 
 from certreg import RegistrationProblem, Similarity, certify, register
-from certreg.errors import CertregError
 from certreg.results import Optimality
 
 if TYPE_CHECKING:
@@ -32,7 +31,7 @@ AGREE = 1e-9
 
 
 def problem(rng: np.random.Generator) -> tuple[Cloud, Cloud]:
-    """Sizes 1e-3 to 1e3, scales 1e-2 to 1e2, noise from 0 to 300 % of the target, every fifth mirrored."""
+    """Sizes 1e-3 to 1e3, scales 1e-2 to 1e2, noise from 0 to 300 %, every fifth mirrored."""
     n, size = int(rng.integers(4, 40)), 10.0 ** rng.uniform(-3, 3)
     scale, noise = 10.0 ** rng.uniform(-2, 2), rng.choice([0.0, 1e-3, 0.1, 1.0, 3.0])
     x = size * rng.normal(size=(n, 3)) * rng.uniform(0.2, 1.0, 3)
@@ -46,7 +45,7 @@ def problem(rng: np.random.Generator) -> tuple[Cloud, Cloud]:
 def far(rng: np.random.Generator) -> tuple[Cloud, Cloud]:
     """Both clouds 1e8 of their sizes from the origin."""
     x, y = problem(rng)
-    return tuple(c + 1e8 * np.ptp(c) * rng.normal(size=3) for c in (x, y))  # type: ignore[return-value]
+    return tuple(c + 1e8 * c.std() * rng.normal(size=3) for c in (x, y))  # type: ignore[return-value]
 
 
 def large(rng: np.random.Generator) -> tuple[Cloud, Cloud]:
@@ -78,21 +77,21 @@ FAMILIES = {
 
 def of_skimage() -> Peer:
     """`transform.SimilarityTransform`."""
-    from skimage.transform import estimate_transform  # noqa: PLC0415 - where it is installed
+    from skimage.transform import estimate_transform
 
     return lambda x, y: estimate_transform("similarity", x, y).params
 
 
 def of_evo() -> Peer:
     """`core.geometry.umeyama_alignment(with_scale=True)`."""
-    from evo.core.geometry import umeyama_alignment  # noqa: PLC0415 - where it is installed
+    from evo.core.geometry import umeyama_alignment
 
     return lambda x, y: _matrix(*umeyama_alignment(x.T, y.T, with_scale=True))
 
 
 def of_open3d() -> Peer:
     """`TransformationEstimationPointToPoint(with_scaling=True)`."""
-    import open3d as o3d  # noqa: PLC0415 - where it is installed
+    import open3d as o3d
 
     estimation = o3d.pipelines.registration.TransformationEstimationPointToPoint(with_scaling=True)
 
@@ -125,7 +124,7 @@ def _matrix(R: Cloud, t: Cloud, s: float) -> Cloud:
 def off(best: Similarity, found: Any, x: Cloud, y: Cloud) -> float:
     """How far a 4x4 is from the certified one: of scale, rotation and translation the largest.
 
-    The translation is judged where it matters, at the source's mean, relative to the target's size.
+    The translation is judged at the source's mean, relative to the target's largest coordinate.
     """
     matrix = np.asarray(found, dtype=float)
     if not np.isfinite(matrix).all():
@@ -133,7 +132,7 @@ def off(best: Similarity, found: Any, x: Cloud, y: Cloud) -> float:
     linear = matrix[:3, :3] / best.scale
     mean = x.mean(axis=0)
     there = (matrix[:3, :3] @ mean + matrix[:3, 3]) - (best.scale * best.rotation @ mean)
-    shift = np.abs(there - best.translation).max() / np.ptp(y)
+    shift = np.abs(there - best.translation).max() / np.abs(y).max()
     return float(max(np.abs(linear - best.rotation).max(), shift))
 
 
@@ -167,10 +166,7 @@ def _error(peer: Peer, best: Any, x: Cloud, y: Cloud) -> float:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
             return off(best, peer(x, y), x, y)
-    except (CertregError, ArithmeticError, ValueError, RuntimeError, np.linalg.LinAlgError):
-        return np.inf
-    except Exception as error:  # noqa: BLE001 - of another library, counted as a failure
-        print(type(error).__name__, error)
+    except Exception:  # noqa: BLE001 - of other libraries, each its own: it is a failure
         return np.inf
 
 
