@@ -1,8 +1,8 @@
 """Certified similarities beside Umeyama's closed form in other libraries: `make umeyama`.
 
 On random problems of ordinary size all must agree to 1e-9: the scale relative to itself, the shift
-to the largest coordinate, the rotation entry by entry. Then the same problems far from the origin, and at extreme
-sizes, where it is counted who fails. What is not installed is left out, and named.
+to the largest coordinate, the rotation entry by entry. Then the same far from the origin and at
+extreme sizes, where it is counted who fails. What is not installed is left out, and named.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 import sys
 import warnings
 from collections import Counter
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -77,22 +78,19 @@ FAMILIES = {
 
 def of_skimage() -> Peer:
     """`transform.SimilarityTransform`."""
-    from skimage.transform import estimate_transform
-
-    return lambda x, y: estimate_transform("similarity", x, y).params
+    transform = import_module("skimage.transform")
+    return lambda x, y: transform.estimate_transform("similarity", x, y).params
 
 
 def of_evo() -> Peer:
     """`core.geometry.umeyama_alignment(with_scale=True)`."""
-    from evo.core.geometry import umeyama_alignment
-
-    return lambda x, y: _matrix(*umeyama_alignment(x.T, y.T, with_scale=True))
+    geometry = import_module("evo.core.geometry")
+    return lambda x, y: _matrix(*geometry.umeyama_alignment(x.T, y.T, with_scale=True))
 
 
 def of_open3d() -> Peer:
     """`TransformationEstimationPointToPoint(with_scaling=True)`."""
-    import open3d as o3d
-
+    o3d = import_module("open3d")
     estimation = o3d.pipelines.registration.TransformationEstimationPointToPoint(with_scaling=True)
 
     def posed(x: Cloud, y: Cloud) -> Any:
@@ -143,7 +141,7 @@ def main() -> int:
         try:
             peers[name] = load()
         except ImportError as error:
-            print(f"{name}: not installed here ({error})")
+            sys.stdout.write(f"{name}: not installed here ({error})\n")
     wrong = 0
     for family, draw in FAMILIES.items():
         rng, off_by, certified = np.random.default_rng(21), Counter[str](), 0
@@ -154,9 +152,9 @@ def main() -> int:
             certified += found.status is Optimality.CERTIFIED
             for name, peer in peers.items():
                 off_by[name] += not _error(peer, found.pose, x, y) <= AGREE
-        print(f"{family}: {certified} of {PROBLEMS} certified")
+        sys.stdout.write(f"{family}: {certified} of {PROBLEMS} certified\n")
         for name in peers:
-            print(f"  {name}: {off_by[name]} off by more than {AGREE:g}")
+            sys.stdout.write(f"  {name}: {off_by[name]} off by more than {AGREE:g}\n")
             wrong += family == "ordinary" and off_by[name] > 0
     return int(wrong > 0)
 

@@ -90,6 +90,7 @@ if TYPE_CHECKING:
     from certreg.registration.robustness import Robustness as Robustness
     from certreg.registration.rounding import rounding_remedy as rounding_remedy
     from certreg.registration.row_names import RowNames as RowNames
+    from certreg.registration.scaled_poses import unit_of as unit_of
     from certreg.registration.slips import Slip as Slip
     from certreg.registration.slips import SlipCode as SlipCode
     from certreg.registration.spring_certification import certified_springs as certified_springs
@@ -238,6 +239,7 @@ __getattr__ = lazy_face(
         ),
         "rounding": ("rounding_remedy",),
         "row_names": ("RowNames",),
+        "scaled_poses": ("unit_of",),
         "slips": (
             "Slip",
             "SlipCode",

@@ -23,6 +23,7 @@ from certreg.registration import (
     proved_degrees,
     rounding_remedy,
     share_words,
+    unit_of,
 )
 from certreg.report.remedies import ADVICE, remedies, why_warned
 from certreg.report.robustness import robustness_words
@@ -107,6 +108,7 @@ def _scaled_summary(registration: Registration, status: list[str]) -> str:
     """The same where the scale is free: of the body that breathes no equilibria are listed."""
     pose, problem = registration.pose, registration.problem
     scale = pose.scale if isinstance(pose, Similarity) else 1.0
+    unit = unit_of(registration)
     return "\n".join(
         (
             *status,
@@ -114,6 +116,7 @@ def _scaled_summary(registration: Registration, status: list[str]) -> str:
             f"  correspondences   {problem.n}",
             f"  scale             {scale!r}  ({problem.scale.value}; target over source)",
             *([SCALE_ZERO] if scale == 0.0 else []),
+            *([] if unit is None else [f"                    {unit}"]),
             f"                    {BIAS[problem.scale]}",
             f"  rotation (wxyz)   {' '.join(map(repr, pose.quaternion_wxyz.tolist()))}",
             f"  translation       {' '.join(map(repr, pose.translation.tolist()))}",

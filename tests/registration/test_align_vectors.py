@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.spatial.transform as scipy_transform
+from strategies import random_rotation
 
 import certreg
 from certreg.results import Optimality, PoseVerdict
@@ -67,8 +68,9 @@ def test_a_finite_weight_stands_for_an_infinite_one(noise: float):
         rng = np.random.default_rng(seed)
         n = int(rng.integers(2, 8))
         source = rng.normal(size=(n, 3)) * 10.0 ** rng.uniform(-2, 2, (n, 1))
-        turn = scipy_transform.Rotation.random(random_state=seed)
-        target = turn.apply(source) + noise * np.abs(source).max() * rng.normal(size=(n, 3))
+        target = source @ random_rotation(rng).T + noise * np.abs(source).max() * rng.normal(
+            size=(n, 3)
+        )
         weights = np.r_[np.inf, rng.uniform(0.1, 3.0, n - 1)]
         x, y = (np.linalg.norm(c, axis=1) for c in (source, target))
         most = float(np.sum(weights[1:] * (x + y)[1:] ** 2))
