@@ -30,7 +30,7 @@ NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_E
 unexport PYTHONDONTWRITEBYTECODE
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test test-all test-long test-lowest chromium coq test-browser open-pages test-huge test-oracles golden record proofs fuzz fit-rates acceptance radius spring-minima spring-stability cone-rates list-rates list-certificates slips brackets umeyama hard compare-checkers kills generate kernels report-asset check-report-asset lint bench peers lock clean
+.PHONY: help demo docs test test-all test-long test-lowest chromium coq test-browser open-pages test-huge test-oracles golden record proofs fuzz fit-rates acceptance radius spring-minima spring-stability breathing cone-rates list-rates list-certificates slips brackets umeyama hard compare-checkers kills generate kernels report-asset check-report-asset lint bench peers lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -126,6 +126,9 @@ spring-minima: kernels  ## the best minimum of six planes, of three lines, besid
 
 spring-stability: kernels  ## unstable eigenvalues beside the proved index: 7,000 equilibria of general springs, two dampings (one minute)
 	@$(RUN) tests/spring_stability.py
+
+breathing: kernels  ## a free scale: number and index of the equilibria beside the linearised motion, 5,000 problems (half a minute)
+	@$(RUN) tests/breathing.py
 
 cone-rates: kernels  ## certificates by cones where squares fail, tied optima, false ones and forgeries refused (three minutes)
 	@$(RUN) tests/cone_rates.py

@@ -89,6 +89,17 @@ CHAPTERS = (
         ),
     ),
     Chapter(
+        "A free scale",
+        (
+            "breathing_motion",
+            "breathing_midpoint",
+            "descartes",
+            "breathing_equilibria",
+            "breathing_confined",
+            "scale_radius",
+        ),
+    ),
+    Chapter(
         "General springs",
         (
             "spring_translation",

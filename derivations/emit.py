@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from certreg.io.atomic import write_files
-from certreg.native.codegen.emit import GENERAL, generated_files
+from certreg.native.codegen.emit import BREATHING, GENERAL, generated_files
 from certreg.native.codegen.records import RecordLayout, record_of
 from certreg.native.codegen.translate import Definition, Port, port
 from certreg.relaxation.cones import GENERATED as CONES_FOLDER
 
-from . import spring_emit
+from . import breathing_emit, spring_emit
 from .cones import cone_files
 from .emitting import NamedValues
 from .integrators import (
@@ -206,9 +206,13 @@ def _curvature(state: State, body: Body) -> tuple[Port, ...]:
 
 
 def all_files() -> dict[str, bytes]:
-    """Everything that is generated, by name of the file: of isotropic and of general springs."""
+    """Everything that is generated, by name of the file.
+
+    Of the rigid and the breathing body on isotropic springs, and of general springs.
+    """
     general = generated_files(spring_emit.definitions(), spring_emit.records(), GENERAL)
-    return {**generated_files(definitions(), records()), **general}
+    breathing = generated_files(breathing_emit.definitions(), breathing_emit.records(), BREATHING)
+    return {**generated_files(definitions(), records()), **breathing, **general}
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ def ambient_jacobian(state: State, body: Body) -> Array:
         [zeros(3, 3), zeros(3, 9), eye(3), zeros(3, 3)],
         [zeros(9, 3), turning, zeros(9, 3), Matrix.vstack(*map(hat, rows))],
         [-2 * eye(3), zeros(3, 9), -DAMPING * eye(3), zeros(3, 3)],
-        [zeros(3, 3), Matrix.hstack(*springs), zeros(3, 3), _angular_drag(state, body)],
+        [zeros(3, 3), Matrix.hstack(*springs), zeros(3, 3), angular_drag(state.omega, body)],
     )
 
 
@@ -34,7 +34,7 @@ def intrinsic_jacobian(state: State, body: Body) -> Array:
         [zeros(3, 3), zeros(3, 3), eye(3), zeros(3, 3)],
         [zeros(3, 3), -hat(state.omega), zeros(3, 3), eye(3)],
         [-2 * eye(3), zeros(3, 3), -DAMPING * eye(3), zeros(3, 3)],
-        [zeros(3, 3), body.inertia_inverse * spring, zeros(3, 3), _angular_drag(state, body)],
+        [zeros(3, 3), body.inertia_inverse * spring, zeros(3, 3), angular_drag(state.omega, body)],
     )
 
 
@@ -50,9 +50,9 @@ def pushforward(state: State) -> Array:
     return sympy.diag(eye(3), turned, eye(3), eye(3))
 
 
-def _angular_drag(state: State, body: Body) -> Array:
+def angular_drag(omega: Array, body: Body) -> Array:
     """The derivative of J^-1 (J omega x omega) - mu omega with respect to omega."""
-    gyroscopic = hat(body.inertia * state.omega) - hat(state.omega) * body.inertia
+    gyroscopic = hat(body.inertia * omega) - hat(omega) * body.inertia
     return body.inertia_inverse * gyroscopic - DAMPING * eye(3)
 
 

@@ -14,6 +14,11 @@ if TYPE_CHECKING:
     from certreg.dynamics.body import body_of as body_of
     from certreg.dynamics.body import start_at_rest as start_at_rest
     from certreg.dynamics.body import state_at_rest as state_at_rest
+    from certreg.dynamics.breathing import BreathingBody as BreathingBody
+    from certreg.dynamics.breathing import BreathingStatus as BreathingStatus
+    from certreg.dynamics.breathing import BreathingTrajectory as BreathingTrajectory
+    from certreg.dynamics.breathing import breathing_body as breathing_body
+    from certreg.dynamics.breathing import simulate_breathing as simulate_breathing
     from certreg.dynamics.integrators import EULER_STEP as EULER_STEP
     from certreg.dynamics.integrators import SimulationSettings as SimulationSettings
     from certreg.dynamics.simulation import optimal_damping as optimal_damping
@@ -43,6 +48,13 @@ __getattr__ = lazy_face(
             "body_of",
             "start_at_rest",
             "state_at_rest",
+        ),
+        "breathing": (
+            "BreathingBody",
+            "BreathingStatus",
+            "BreathingTrajectory",
+            "breathing_body",
+            "simulate_breathing",
         ),
         "integrators": (
             "EULER_STEP",

@@ -12,6 +12,10 @@ if TYPE_CHECKING:
     from certreg.equilibrium.batch import exactly as exactly
     from certreg.equilibrium.batch import solve_many as solve_many
     from certreg.equilibrium.batch import stationary_poses as stationary_poses
+    from certreg.equilibrium.breathing import BreathingEquilibria as BreathingEquilibria
+    from certreg.equilibrium.breathing import BreathingEquilibrium as BreathingEquilibrium
+    from certreg.equilibrium.breathing import breathing_equilibria as breathing_equilibria
+    from certreg.equilibrium.breathing import source_size as source_size
     from certreg.equilibrium.counting import at_most_four as at_most_four
     from certreg.equilibrium.critical_set import Completeness as Completeness
     from certreg.equilibrium.critical_set import Critical as Critical
@@ -52,6 +56,12 @@ __getattr__ = lazy_face(
             "exactly",
             "stationary_poses",
             "solve_many",
+        ),
+        "breathing": (
+            "BreathingEquilibria",
+            "BreathingEquilibrium",
+            "breathing_equilibria",
+            "source_size",
         ),
         "counting": ("at_most_four",),
         "critical_set": (

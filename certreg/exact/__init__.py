@@ -35,6 +35,9 @@ if TYPE_CHECKING:
     from certreg.exact.elimination import is_positive_definite as is_positive_definite
     from certreg.exact.elimination import nullspace as nullspace
     from certreg.exact.elimination import rank as rank
+    from certreg.exact.signs import Signs as Signs
+    from certreg.exact.signs import signs_of_eigenvalues as signs_of_eigenvalues
+    from certreg.exact.signs import signs_of_roots as signs_of_roots
     from certreg.exact.spaces import IntegerQuaternion as IntegerQuaternion
     from certreg.exact.spaces import Resolution as Resolution
     from certreg.exact.spaces import Space as Space
@@ -78,6 +81,11 @@ __getattr__ = lazy_face(
             "is_positive_definite",
             "nullspace",
             "rank",
+        ),
+        "signs": (
+            "Signs",
+            "signs_of_eigenvalues",
+            "signs_of_roots",
         ),
         "spaces": (
             "IntegerQuaternion",

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from certreg.native.kernels import MissingLibraryError as MissingLibraryError
     from certreg.native.layout import BASIN as BASIN
     from certreg.native.layout import BODY as BODY
+    from certreg.native.layout import BREATHING_ENERGIES as BREATHING_ENERGIES
+    from certreg.native.layout import BREATHING_SAMPLE as BREATHING_SAMPLE
+    from certreg.native.layout import BREATHING_STATE as BREATHING_STATE
     from certreg.native.layout import ENERGIES as ENERGIES
     from certreg.native.layout import EXACT_SUMS as EXACT_SUMS
     from certreg.native.layout import MATRIX_STATE as MATRIX_STATE
@@ -94,6 +97,9 @@ __getattr__ = lazy_face(
         "layout": (
             "BASIN",
             "BODY",
+            "BREATHING_ENERGIES",
+            "BREATHING_SAMPLE",
+            "BREATHING_STATE",
             "ENERGIES",
             "EXACT_SUMS",
             "MATRIX_STATE",

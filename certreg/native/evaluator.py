@@ -101,7 +101,8 @@ class _Call:
 @cache
 def evaluator() -> Evaluator:
     """The evaluator of this process, of the generated functions in Python."""
-    modules = [f"certreg.native.generated.{name}" for name in ("dynamics", "spring_dynamics")]
+    names = ("dynamics", "breathing_dynamics", "spring_dynamics")
+    modules = [f"certreg.native.generated.{name}" for name in names]
     functions = {name: f for module in modules for name, f in vars(import_module(module)).items()}
     return Evaluator(
         {name: _Call(name, functions[name], shape) for name, shape in signatures().items()}

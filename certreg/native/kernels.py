@@ -20,13 +20,14 @@ from certreg.errors import CertregError
 
 HERE = Path(__file__).resolve().parent
 GENERATED = HERE / "generated"
-SIGNATURES = (GENERATED / "signatures.json", GENERATED / "spring_signatures.json")
+SIGNATURES = tuple(GENERATED / f"{kind}signatures.json" for kind in ("", "breathing_", "spring_"))
 BUILT = HERE / "built"
 RECORD = "built.json"  # what stands in that folder, and of what it was made
 PROCESSOR = HERE / "processor.c"
 INCLUDED = (GENERATED / "dynamics.c", GENERATED / "spring_dynamics.c")  # by loops, too
 UNITS = (
     *INCLUDED,
+    GENERATED / "breathing_dynamics.c",
     HERE / "escape.c",
     HERE / "midpoint.c",
     HERE / "single.c",
@@ -49,6 +50,7 @@ UNITS = (
     HERE / "sums.c",
 )
 HEADERS = (
+    GENERATED / "breathing_dynamics.h",
     GENERATED / "dynamics.h",
     GENERATED / "layout.h",
     GENERATED / "spring_dynamics.h",

@@ -39,7 +39,7 @@ def record_types(layout: Mapping[str, Mapping[str, Any]]) -> dict[str, RecordTyp
 
 _LAYOUTS = [
     json.loads((GENERATED / name).read_text("utf-8"))
-    for name in ("layout.json", "spring_layout.json")
+    for name in ("layout.json", "breathing_layout.json", "spring_layout.json")
 ]
 _TYPES = record_types({name: parts for each in _LAYOUTS for name, parts in each.items()})
 MATRIX_STATE = _TYPES["matrix_state"]  # c, R, v, omega: the order of [Yang2020]
@@ -53,6 +53,9 @@ QUATERNION_SAMPLE = _TYPES["quaternion_sample"]
 SPRING_BODY = _TYPES["spring_body"]  # of general springs, per unit of mass
 SPRING_ENERGIES = _TYPES["spring_energies"]  # per unit of mass: translation, rotation, potential
 SPRING_SAMPLE = _TYPES["spring_sample"]  # time, state (with a quaternion), energies
+BREATHING_STATE = _TYPES["breathing_state"]  # c, q, scale, v, omega, growth
+BREATHING_ENERGIES = _TYPES["breathing_energies"]  # as ENERGIES, with that of the scale
+BREATHING_SAMPLE = _TYPES["breathing_sample"]  # time, state, energies
 BASIN = _TYPES["basin"]  # quaternions by descending eigenvalue; their gaps l1 - lk over the mass
 MEANS = _TYPES["means"]  # source, target
 SPREADS = _TYPES["spreads"]  # source, target, centred_target

@@ -1,0 +1,285 @@
+"""The breathing body: the registration dynamics with the size s of the body as a state.
+
+A point stands at s R x + c; springs, masses and damping are those of `certreg.dynamics.body`:
+
+    c' = v,    R' = R [omega],    s' = p,    v' = -2 c - mu v,
+    s J omega' = 2 vee(R^T C - C^T R) - s omega x J omega - (mu s + 2 p) J omega,
+    Sxx p' = s omega^T J omega - 2 s Sxx + 2 tr(R^T C) - mu Sxx p.
+
+Source and target have units of length of their own, powers of two near their radii, so that s is
+near 1 where the fit is good, whatever units the clouds are in. At s = 0 the inertia s^2 J is gone
+and the motion not defined: a run that gets there stops. A state with s > 0 and less energy than
+Syy never does (derivations, breathing_confined). Nothing is evaluated here: the functions are
+generated (certreg/native/generated).
+"""
+
+from __future__ import annotations
+
+import enum
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from certreg.dynamics.body import exponent_of, require_thick
+from certreg.dynamics.breathing_run import Run
+from certreg.dynamics.integrators import SimulationSettings
+from certreg.errors import DegenerateProblemError
+from certreg.exact import power_of_two, rank
+from certreg.native import (
+    BODY,
+    BREATHING_SAMPLE,
+    BREATHING_STATE,
+    current_engine,
+    named,
+    symmetric,
+)
+from certreg.problem import trace
+from certreg.results import Brief
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from certreg.native import Records
+    from certreg.objective import Isotropic
+    from certreg.problem import ExactMoments
+
+UPPER = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+ONLY_MIDPOINT = (
+    "a body with a free scale is simulated by the midpoint rule alone, whose energy never rises: "
+    "leave out --integrator, or take 'midpoint'"
+)
+
+
+class BreathingStatus(enum.Enum):
+    """How a simulation with a free scale ended; the value is the message shown to the user."""
+
+    AT_REST = (
+        "The body is at rest: slower than the tolerance, where the energy falls in no direction."
+    )
+    COLLAPSED = (
+        "The scale falls to 0, where the inertia vanishes and the motion is not defined: stopped "
+        "before it. Begin with less energy, nearer to the target in size and rotation."
+    )
+    OUT_OF_STEPS = "The steps ran out before the body was at rest."
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BreathingBody(Brief):
+    """What the dynamics knows of a problem whose scale is free, per unit of mass.
+
+    record: () of BODY, lengths of the source over 2^source_exponent, of the target over
+    2^target_exponent. apart: (3,), the source's centre of mass where it was given less the
+    target's, over 2^target_exponent. mass: M, exact.
+    """
+
+    record: Records
+    source_exponent: int
+    target_exponent: int
+    apart: tuple[float, ...]
+    mass: Fraction
+
+    @property
+    def unit_of_scale(self) -> float:
+        """What a scale of 1 in these units is for the user: 2^(target_exponent - source)."""
+        return math.ldexp(1.0, self.target_exponent - self.source_exponent)
+
+    @property
+    def start(self) -> Records:
+        """The state () at rest where the source was given, at its own size: scale 1."""
+        return breathing_state((1.0, 0.0, 0.0, 0.0), 1.0 / self.unit_of_scale, self.apart)
+
+    @property
+    def inertia(self) -> NDArray[np.float64]:
+        """J / M, (3, 3)."""
+        return symmetric(self.record["inertia"])
+
+    @property
+    def size(self) -> float:
+        """Sxx / M."""
+        return float(np.trace(self.inertia)) / 2.0
+
+    @property
+    def collapse_energy(self) -> float:
+        """Syy / M: a state with s > 0 and less energy never reaches s = 0."""
+        return float(self.record["spread"]) - self.size
+
+    def rate(self, state: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The rates s' = F(s), (20,), at c, R row by row, s, v, omega, s'."""
+        return self._evaluated("certreg_breathing_rate", state)[0]
+
+    def energies(self, state: Records) -> NDArray[np.float64]:
+        """Kinetic energy of translation, rotation and scale, V_p, over M; tr(R^T C) over M."""
+        return self._evaluated("certreg_breathing_energies", state)[0]
+
+    def jacobian(self, state: Records) -> NDArray[np.float64]:
+        """The linearised dynamics in (c, phi, s, v, omega, s'), (14, 14)."""
+        return self._evaluated("certreg_breathing_jacobian", state)[0].reshape(14, 14)
+
+    def hessian(self, state: Records) -> NDArray[np.float64]:
+        """The Hessian (4, 4) of V_p / M along q exp(phi / 2), s."""
+        return self._evaluated("certreg_breathing_curvature", state)[0].reshape(4, 4)
+
+    def squared_speed(self, state: Records) -> float:
+        """|s'|^2, of 20 numbers: nine of them those of R."""
+        return float(self._evaluated("certreg_breathing_squared_speed", state)[0][0])
+
+    def _evaluated(
+        self, name: str, state: Records | NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], ...]:
+        return current_engine().evaluate(name, state, self.record)
+
+
+def breathing_state(
+    q: Sequence[float] | NDArray[np.float64], scale: float, c: Sequence[float] = (0.0, 0.0, 0.0)
+) -> Records:
+    """The state () at rest with a quaternion, a scale and a c."""
+    state = np.zeros((), dtype=BREATHING_STATE)
+    state["q"], state["scale"], state["c"] = q, scale, c
+    return state
+
+
+def breathing_body(moments: ExactMoments, damping: float) -> BreathingBody:
+    """The body of a problem whose source is not collinear.
+
+    Raises DegenerateProblemError for another one.
+    """
+    if rank(moments.source_scatter) < 2:
+        message = "the source points are collinear: the rotational dynamics is not defined"
+        raise DegenerateProblemError(message, rank=rank(moments.source_scatter))
+    square = moments.mass**2
+    places = (moments.source_exponent, moments.target_exponent)
+    scatters = moments.source_scatter, moments.target_scatter
+    both = zip(scatters, places, strict=True)
+    own, other = (
+        exponent_of(trace(scatter) or 1, square, 2 * place) // 2 for scatter, place in both
+    )
+    a, b = (place - unit for place, unit in zip(places, (own, other), strict=True))
+    inertia = [_over(moments.inertia[i][j], 2 * a, square) for i, j in UPPER]
+    require_thick(inertia)
+    inverse = np.linalg.inv(symmetric(np.array(inertia)))
+    size = Fraction(trace(moments.source_scatter)) * power_of_two(2 * a)
+    spread = (size + Fraction(trace(moments.target_scatter)) * power_of_two(2 * b)) / square
+    numbers = [
+        *(_over(entry, a + b, square) for row in moments.cross for entry in row),
+        *inertia,
+        *(float(inverse[i, j]) for i, j in UPPER),
+        float(spread),
+        damping,
+    ]
+    apart = (
+        float((x - y) / power_of_two(other))
+        for x, y in zip(moments.source_centroid, moments.target_centroid, strict=True)
+    )
+    return BreathingBody(
+        record=named(numbers, BODY),
+        source_exponent=own,
+        target_exponent=other,
+        apart=tuple(apart),
+        mass=moments.total_weight,
+    )
+
+
+def _over(entry: int, places: int, square: int) -> float:
+    return float(Fraction(entry, square) * power_of_two(places))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BreathingTrajectory(Brief):
+    """A simulation with a free scale, by the midpoint rule; logged at evenly spaced steps.
+
+    samples: (L,) records BREATHING_SAMPLE, the last state at `time` included; lengths and scales in
+    the units of `moving`. step: the largest; escapes: how often the body was perturbed off a
+    saddle.
+    """
+
+    status: BreathingStatus
+    step: float
+    steps: int
+    escapes: int
+    moving: BreathingBody
+    samples: Records
+
+    def __repr__(self) -> str:
+        return f"<BreathingTrajectory: {self.status.name} after {self.steps} steps of midpoint>"
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the body came to rest."""
+        return self.status is BreathingStatus.AT_REST
+
+    @property
+    def last(self) -> Records:
+        """The last state, () of BREATHING_STATE."""
+        return self.samples["state"][-1]
+
+    @property
+    def quaternion(self) -> NDArray[np.float64]:
+        """(4,), of the last state."""
+        return self.last["q"]
+
+    @property
+    def times(self) -> NDArray[np.float64]:
+        """(L,), in the time unit of the springs."""
+        return self.samples["time"]
+
+    @property
+    def scales(self) -> NDArray[np.float64]:
+        """(L,), the scale, target's unit over source's."""
+        return self.samples["state"]["scale"] * self.moving.unit_of_scale
+
+    @property
+    def potential(self) -> NDArray[np.float64]:
+        """(L,), V_p / M over 4^target_exponent of `moving`."""
+        return self.samples["energies"]["potential"]
+
+    @property
+    def kinetic(self) -> NDArray[np.float64]:
+        """(L,), V_k / M over 4^target_exponent of `moving`."""
+        energies = self.samples["energies"]
+        return energies["translation"] + energies["rotation"] + energies["scale"]
+
+    @cached_property
+    def speed(self) -> float:
+        """|s'| at the end, the residual of the equilibrium equations."""
+        return math.sqrt(self.moving.squared_speed(self.last))
+
+    @property
+    def never_collapses(self) -> bool:
+        """Whether the start had less energy than Syy, so that the flow from it never gets to s = 0.
+
+        In doubles: False means not shown.
+        """
+        return float(self.potential[0] + self.kinetic[0]) < self.moving.collapse_energy
+
+
+def simulate_breathing(
+    objective: Isotropic,
+    damping: float,
+    *,
+    start: Records | None = None,
+    settings: SimulationSettings | None = None,
+) -> BreathingTrajectory:
+    """The motion of a body with a free scale, released at rest where it was given at scale 1.
+
+    start: another state, () of BREATHING_STATE, in the units of `BreathingBody`. Raises
+    DegenerateProblemError where the dynamics is undefined, ValueError for a start without s > 0.
+    """
+    moving = breathing_body(objective.moments, damping)
+    state = moving.start if start is None else start
+    if not float(state["scale"]) > 0.0:
+        raise ValueError(f"the start has the scale {float(state['scale'])!r}: give one above 0")
+    done = Run.of(moving, state, settings or SimulationSettings()).to_the_end()
+    return BreathingTrajectory(
+        status=BreathingStatus[done.ending.name],
+        step=done.size,
+        steps=done.taken,
+        escapes=done.escapes,
+        moving=moving,
+        samples=np.array(done.rows, dtype=BREATHING_SAMPLE),
+    )

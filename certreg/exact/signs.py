@@ -1,0 +1,52 @@
+"""The signs of the eigenvalues of a symmetric integer matrix, counted exactly and without roots.
+
+A real polynomial whose roots are all real has as many positive roots as its coefficients have
+changes of sign (Descartes' rule, which is an equality there), and as many roots 0 as it has zeros
+at its end. Proof: derivations, descartes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Signs:
+    """How many eigenvalues are positive, zero and negative, with their multiplicities."""
+
+    positive: int
+    zero: int
+    negative: int
+
+
+def characteristic(matrix: Sequence[Sequence[int]]) -> tuple[int, ...]:
+    """The coefficients of det(x I - A) of an integer matrix, from the highest power on.
+
+    Faddeev and LeVerrier's recursion: every division is exact.
+    """
+    size = range(len(matrix))
+    found, power = [1], [[0] * len(matrix) for _ in size]
+    for step in range(1, len(matrix) + 1):
+        for i in size:
+            power[i][i] += found[-1]
+        power = [[sum(row[k] * power[k][j] for k in size) for j in size] for row in matrix]
+        found.append(-sum(power[i][i] for i in size) // step)
+    return tuple(found)
+
+
+def signs_of_roots(coefficients: Sequence[int]) -> Signs:
+    """The signs of the roots of a polynomial whose roots are all real; its first is not 0."""
+    degree, kept = len(coefficients) - 1, [c for c in coefficients if c]
+    zero = next(k for k, c in enumerate(reversed(coefficients)) if c)
+    positive = sum((a > 0) != (b > 0) for a, b in pairwise(kept))
+    return Signs(positive=positive, zero=zero, negative=degree - zero - positive)
+
+
+def signs_of_eigenvalues(matrix: Sequence[Sequence[int]]) -> Signs:
+    """The signs of the eigenvalues of a symmetric integer matrix."""
+    return signs_of_roots(characteristic(matrix))

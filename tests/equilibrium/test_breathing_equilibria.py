@@ -1,0 +1,81 @@
+"""Equilibria of the body with a free scale: counts and indices beside the linearised motion."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import breathing
+import numpy as np
+import pytest
+
+from certreg.equilibrium.breathing import breathing_equilibria
+from certreg.errors import DegenerateProblemError
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
+
+AXES = np.array([s * row for row in np.eye(3) for s in (1.0, -1.0)])
+
+
+def of_axes(diagonal: list[float]) -> Isotropic:
+    """Six points: C = 2 diag(d), Sxx = 6."""
+    return Isotropic(exact_moments(RegistrationProblem(AXES, AXES * diagonal)))
+
+
+def test_counts_and_indices_are_those_of_the_linearised_motion():
+    found = breathing.counted(50)
+
+    assert found.equilibria == 200
+    assert found.miscounted == found.misindexed == found.moving == 0
+
+
+def test_a_wrong_index_is_seen(monkeypatch):
+    def rigid(objective):
+        found = breathing_equilibria(objective)
+        turned = [replace(e, morse_index=e.component) for e in found.inside_out]
+        return replace(found, inside_out=tuple(turned))
+
+    monkeypatch.setattr(breathing, "breathing_equilibria", rigid)
+
+    assert breathing.counted(5).misindexed
+
+
+@pytest.mark.parametrize(
+    ("diagonal", "scales", "inside_out"),
+    [
+        ([4, 3, 2], [3], [-5 / 3, -1, -1 / 3]),
+        ([4, 2, 1], [7 / 3, 1 / 3], [-5 / 3, -1]),
+        ([4, 3, -2], [5 / 3, 1, 1 / 3], [-3]),
+    ],
+)
+def test_one_two_and_three_equilibria(diagonal, scales, inside_out):
+    found = breathing_equilibria(of_axes(diagonal))
+
+    assert found.count == len(scales)
+    assert [each.scale for each in found.upright] == pytest.approx(scales, rel=1e-15)
+    assert [each.morse_index for each in found.upright] == list(range(len(scales)))
+    assert [each.scale for each in found.inside_out] == pytest.approx(inside_out, rel=1e-15)
+    assert [each.morse_index for each in found.inside_out] == list(range(len(inside_out)))
+    assert found.inside_out[0].stable
+
+
+def test_an_eigenvalue_zero_is_no_equilibrium():
+    found = breathing_equilibria(of_axes([2, 1, 1]))
+
+    assert (found.signs.positive, found.signs.zero, found.signs.negative) == (1, 1, 2)
+    assert len(found.upright) == 1
+    assert [each.kind.dimension for each in found.inside_out] == [1]
+
+
+def test_a_continuum_has_no_count():
+    found = breathing_equilibria(of_axes([1, 1, -1]))  # 1, 1, 1, -3
+
+    assert found.signs.positive == 3
+    assert found.count is None
+    assert not breathing_equilibria(of_axes([0, 0, 0])).upright
+
+
+def test_a_source_in_one_point_has_no_scale():
+    problem = RegistrationProblem(np.ones((4, 3)), np.arange(12.0).reshape(4, 3))
+    with pytest.raises(DegenerateProblemError, match="coincide"):
+        breathing_equilibria(Isotropic(exact_moments(problem)))

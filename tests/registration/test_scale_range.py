@@ -1,0 +1,63 @@
+"""No move of the points takes the scale out of its proved range."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from certreg.objective.isotropic import Isotropic
+from certreg.problem.moments import exact_moments
+from certreg.problem.problem import RegistrationProblem
+from certreg.registration.scale_range import moved_scale, moved_symmetric_scale, spreads_of
+
+
+def scales(x, y, w):
+    x, y = x - w @ x / w.sum(), y - w @ y / w.sum()
+    values = np.linalg.svd((y * w[:, None]).T @ x)
+    d = values[1] * [1, 1, np.sign(np.linalg.det(values[0] @ values[2]))]
+    own, other = (np.sum(w[:, None] * p * p) for p in (x, y))
+    return float(d.sum() / own), float(np.sqrt(other / own))
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("moves", [(0.0, 0.1), (0.1, 0.0), (0.05, 0.3)])
+def test_no_move_takes_the_scale_out_of_its_range(seed, moves):
+    rng = np.random.default_rng([seed, 9])
+    x, w = rng.normal(size=(8, 3)), rng.uniform(0.2, 3.0, size=8)
+    y = 3.0 * x + 0.2 * rng.normal(size=(8, 3))
+    moments = exact_moments(RegistrationProblem(x, y, weights=w))
+    level, spreads = Isotropic(moments).eigenvalues[0], spreads_of(moments)
+    slack = level / 10**12
+    by = tuple(map(Fraction, moves))
+    found = moved_scale(level - slack, level + slack, spreads, *by)
+    symmetric = moved_symmetric_scale(spreads, *by)
+    assert found is not None
+    assert symmetric is not None
+
+    for grows in (True, False, None, None):
+        a, b = (outwards(rng, p, r, grows) for p, r in zip((x, y), moves, strict=True))
+        if grows is not None:
+            a = outwards(rng, x, moves[0], not grows)
+        one, other = scales(x + a, y + b, w)
+        assert found[0] <= one <= found[1]
+        assert symmetric[0] <= other <= symmetric[1]
+
+
+def outwards(rng, points, length, grows):
+    """Moves of that length: away from the mean, to it, or anywhere."""
+    d = points - points.mean(axis=0) if grows is not None else rng.normal(size=points.shape)
+    d = d / np.linalg.norm(d, axis=1, keepdims=True)
+    return length * d * (-1.0 if grows is False else 1.0)
+
+
+def test_where_the_source_may_shrink_to_a_point_there_is_no_bound():
+    spreads = (Fraction(1), Fraction(4), Fraction(4))
+
+    assert moved_scale(Fraction(6), Fraction(6), spreads, Fraction(2), Fraction(0)) is None
+    assert moved_scale(Fraction(6), Fraction(6), spreads, Fraction(1999, 1000), Fraction(0))
+    assert moved_symmetric_scale(spreads, Fraction(2), Fraction(0)) is None
+    assert (
+        moved_symmetric_scale((Fraction(1), Fraction(4), Fraction(0)), *[Fraction(0)] * 2) is None
+    )
