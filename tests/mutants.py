@@ -49,6 +49,8 @@ QUARTIC, SPRING_BODY = "certreg/objective/quartics.py", "certreg/dynamics/spring
 SPRING_MOTION, SPRING_STEPS = "derivations/spring_motion.py", "derivations/spring_integrators.py"
 SPRING_REST = "derivations/claims/spring_rest.py"
 LINEAR, STEPS = "derivations/linearisation.py", "derivations/integrators.py"
+BREATHING = "derivations/breathing_motion.py"
+BREATHING_STEPS = "derivations/breathing_integrators.py"
 
 MUTANTS = (
     Mutant(
@@ -264,9 +266,23 @@ MUTANTS = (
     Mutant(
         "gyroscopic Jacobian",
         LINEAR,
-        "hat(body.inertia * state.omega) - hat(state.omega) * body.inertia",
-        "hat(body.inertia * state.omega)",
+        "hat(body.inertia * omega) - hat(omega) * body.inertia",
+        "hat(body.inertia * omega)",
         ("ambient_jacobian", "intrinsic_jacobian"),
+    ),
+    Mutant(
+        "breathing: half of the growth brakes",
+        BREATHING,
+        "(DAMPING + 2 * p / s) * omega\n    pull",
+        "(DAMPING + p / s) * omega\n    pull",
+        ("breathing_motion",),
+    ),
+    Mutant(
+        "breathing: the spin of a step times the old scale",
+        BREATHING_STEPS,
+        "spin = body.inertia * (s * omega - state.scale * state.omega)",
+        "spin = body.inertia * (state.scale * omega - state.scale * state.omega)",
+        ("breathing_midpoint",),
     ),
     Mutant(
         "Hessian's factor",

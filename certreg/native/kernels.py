@@ -51,6 +51,7 @@ UNITS = (
 )
 HEADERS = (
     GENERATED / "breathing_dynamics.h",
+    GENERATED / "breathing_layout.h",
     GENERATED / "dynamics.h",
     GENERATED / "layout.h",
     GENERATED / "spring_dynamics.h",
