@@ -152,37 +152,50 @@ def breathing_body(moments: ExactMoments, damping: float) -> BreathingBody:
     if rank(moments.source_scatter) < 2:
         message = "the source points are collinear: the rotational dynamics is not defined"
         raise DegenerateProblemError(message, rank=rank(moments.source_scatter))
-    square = moments.mass**2
-    places = (moments.source_exponent, moments.target_exponent)
-    scatters = moments.source_scatter, moments.target_scatter
-    both = zip(scatters, places, strict=True)
-    own, other = (
-        exponent_of(trace(scatter) or 1, square, 2 * place) // 2 for scatter, place in both
-    )
-    a, b = (place - unit for place, unit in zip(places, (own, other), strict=True))
-    inertia = [_over(moments.inertia[i][j], 2 * a, square) for i, j in UPPER]
-    require_thick(inertia)
-    inverse = np.linalg.inv(symmetric(np.array(inertia)))
-    size = Fraction(trace(moments.source_scatter)) * power_of_two(2 * a)
-    spread = (size + Fraction(trace(moments.target_scatter)) * power_of_two(2 * b)) / square
-    numbers = [
-        *(_over(entry, a + b, square) for row in moments.cross for entry in row),
-        *inertia,
-        *(float(inverse[i, j]) for i, j in UPPER),
-        float(spread),
-        damping,
-    ]
+    own, other = _units(moments)
+    record = _record(moments, damping, own, other)
     apart = (
         float((x - y) / power_of_two(other))
         for x, y in zip(moments.source_centroid, moments.target_centroid, strict=True)
     )
     return BreathingBody(
-        record=named(numbers, BODY),
+        record=record,
         source_exponent=own,
         target_exponent=other,
         apart=tuple(apart),
         mass=moments.total_weight,
     )
+
+
+def _units(moments: ExactMoments) -> tuple[int, int]:
+    """Of lengths of source and target: the exponents of powers of two near their radii."""
+    own, other = (
+        exponent_of(trace(scatter) or 1, moments.mass**2, 2 * exponent) // 2
+        for scatter, exponent in (
+            (moments.source_scatter, moments.source_exponent),
+            (moments.target_scatter, moments.target_exponent),
+        )
+    )
+    return own, other
+
+
+def _record(moments: ExactMoments, damping: float, own: int, other: int) -> Records:
+    """The record of the body in these units; raises where no double matrix is the inverse of J."""
+    square = moments.mass**2
+    a, b = moments.source_exponent - own, moments.target_exponent - other
+    inertia = [_over(moments.inertia[i][j], 2 * a, square) for i, j in UPPER]
+    require_thick(inertia)
+    inverse = np.linalg.inv(symmetric(np.array(inertia)))
+    spread = Fraction(trace(moments.source_scatter)) * power_of_two(2 * a)
+    spread += Fraction(trace(moments.target_scatter)) * power_of_two(2 * b)
+    numbers = [
+        *(_over(entry, a + b, square) for row in moments.cross for entry in row),
+        *inertia,
+        *(float(inverse[i, j]) for i, j in UPPER),
+        float(spread / square),
+        damping,
+    ]
+    return named(numbers, BODY)
 
 
 def _over(entry: int, places: int, square: int) -> float:

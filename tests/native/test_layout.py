@@ -42,7 +42,16 @@ STRUCTS = {  # of handwritten headers, as Python passes them
 def printed(folder, lines: list[str], include=GENERATED) -> list[int]:
     """The integers that C expressions are worth."""
     compiler = c_compiler()
-    headers = ("layout.h", "loops.h", "stationary.h", "sums.h", "exact.h", "pose.h", "eigenbasis.h")
+    headers = (
+        "layout.h",
+        "breathing_layout.h",
+        "loops.h",
+        "stationary.h",
+        "sums.h",
+        "exact.h",
+        "pose.h",
+        "eigenbasis.h",
+    )
     top = [f'#include "{name}"' for name in headers]
     top += ["#include <stddef.h>", "#include <stdio.h>", "int main(void)", "{"]
     body = [f'    printf("%ld\\n", (long)({line}));' for line in lines]
