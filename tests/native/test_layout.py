@@ -28,9 +28,12 @@ from certreg.native.layout import (
 )
 from certreg.native.loops import Ending
 from certreg.problem import floating_sums, posing
-from derivations import emit, motion, spring_emit, spring_motion
+from derivations import breathing_emit, emit, motion, spring_emit, spring_motion
 
-RECORDS = {record.name: record for record in (*emit.records(), *spring_emit.records())}
+RECORDS = {
+    record.name: record
+    for record in (*emit.records(), *breathing_emit.records(), *spring_emit.records())
+}
 STRUCTS = {  # of handwritten headers, as Python passes them
     "settings": library._Settings,
     "log": library._Log,
