@@ -11,7 +11,7 @@ from certreg.problem import RegistrationProblem
 from certreg.registration.any_registration import AnyRegistration
 from certreg.registration.assessed import Assessment
 from certreg.registration.assessment_words import headline_of_pose, note_on, words_of_pose
-from certreg.registration.certification import ProblemOptions, certify, stated_in_clouds
+from certreg.registration.certification import certify
 from certreg.registration.findings import (
     GOOD,
     AssessmentSettings,
@@ -27,6 +27,7 @@ from certreg.registration.scaled_poses import read_for, scale_note
 from certreg.registration.slips import slip_of
 from certreg.registration.spring_assessment import judged_on_springs
 from certreg.registration.spring_result import SpringRegistration
+from certreg.registration.stating import ProblemOptions, stated_in_clouds
 from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict, present
 
 if TYPE_CHECKING:

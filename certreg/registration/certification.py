@@ -26,13 +26,11 @@ from certreg.exact import (
     nearest_double,
     nearest_root,
 )
-from certreg.io import stated_problem
 from certreg.native import Integrator
 from certreg.objective import Isotropic
 from certreg.problem import RegistrationProblem, lift
 from certreg.registration.agreement import agreement, require_sound_trajectory
 from certreg.registration.alike import require_alike, require_rigid
-from certreg.registration.closed_form import SpringArguments
 from certreg.registration.optimum import exact_pose, optimal_pose
 from certreg.registration.parts import counted, logged
 from certreg.registration.result import (
@@ -46,6 +44,7 @@ from certreg.registration.result import (
 from certreg.registration.robustness import ROBUSTNESS_ANGLE, checked_angle
 from certreg.registration.spring_certification import SPRING_PARTS, certified_springs
 from certreg.registration.spring_simulation import SimulatedSprings, simulated_springs
+from certreg.registration.stating import ProblemOptions, stated_problem_of
 from certreg.relaxation import relax
 from certreg.results import (
     MAX_ANGLE,
@@ -57,8 +56,6 @@ from certreg.results import (
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
-
-    from numpy.typing import ArrayLike
 
     from certreg.certificate import Certificate, IsotropicBody, SimilarityBody
     from certreg.dynamics import Trajectory
@@ -74,16 +71,6 @@ NOT_CERTIFIED = Absent("not certified")
 NO_SCALE_THERE = Absent("the relaxation is of scale 1, not of a free one")
 NO_BREATHING = Absent("a body whose scale is free is not simulated")
 CROSS_CHECK = Integrator.SPLITTING  # a few large steps, however stiff the springs
-
-
-class ProblemOptions(SpringArguments, total=False):
-    """What states a problem beside its clouds, as in `RegistrationProblem`."""
-
-    sigma: ArrayLike | None
-    weights: ArrayLike | None
-    damping: float | None
-    scale: str
-    rotation_only: bool
 
 
 def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
@@ -145,7 +132,7 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
     OutOfRangeError
         Where no double can hold the pose.
     """
-    stated, named = _stated(problem, target, statement)
+    stated, named = stated_problem_of(problem, target, statement)
     limits = Limits(max_gap=max_gap, max_angle=max_angle)
     if stated.factors is not None:
         found = certified_springs(
@@ -167,35 +154,6 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
         done=counted(progress, PARTS + bool(relaxation) + bool(simulation)),
     )
     return replace(registration, limits=limits)
-
-
-def _stated(
-    problem: Any, target: Any, statement: ProblemOptions
-) -> tuple[RegistrationProblem, dict[str, Any]]:
-    """The problem, and what its certificate may say of the clouds that it was made of."""
-    if isinstance(problem, RegistrationProblem):
-        if target is not None or statement:
-            given = ", ".join(["target"] * (target is not None) + list(statement))
-            message = f"{given} beside a problem, which states it itself: give one of the two"
-            raise InvalidProblemError(message, array="target" if target is not None else "problem")
-        return problem, {}
-    if target is None:
-        message = (
-            f"certify takes a RegistrationProblem, or source and target: a "
-            f"{type(problem).__name__} alone is neither"
-        )
-        raise InvalidProblemError(message, array="target")
-    return stated_in_clouds(problem, target, statement)
-
-
-def stated_in_clouds(
-    source: Any, target: Any, statement: ProblemOptions, *, depth: int = 4
-) -> tuple[RegistrationProblem, dict[str, Any]]:
-    """The same of two clouds, what is noted of them in the log; depth: as of `stated_problem`."""
-    stated, pair = stated_problem(source, target, depth=depth, **statement)
-    for note in pair.notes:
-        LOG.warning("%s", note)
-    return stated, pair.about
 
 
 def _integrator(simulation: str | SimulationSettings | Literal[True]) -> str:
