@@ -476,15 +476,15 @@ MUTANTS = (
     Mutant(
         "best translation",
         "certreg/objective/isotropic.py",
-        "end * norm << (b - common)) - (moved",
-        "end * norm << (b - common)) + (moved",
+        "(end * norm * over << (b - common)) - (moved",
+        "(end * norm * over << (b - common)) + (moved",
         ("translation_gap", "maximum_likelihood"),
     ),
     Mutant(
         "an eighth of the spin",
         CHECKER,
-        "Fraction(_form(J, w), 4)",
-        "Fraction(_form(J, w), 8)",
+        "Fraction(quadratic(J, w), 4)",
+        "Fraction(quadratic(J, w), 8)",
         ("certified_basin",),
     ),
     Mutant(

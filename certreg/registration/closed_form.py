@@ -112,7 +112,7 @@ def register(
     >>> pose.translation.round(9)
     array([5., 0., 0.])
     >>> corners = [[0, 0, 0], [1, 0, 0], [0, 2, 0]]
-    >>> register(corners, [[0, 0, 0], [3, 0, 0], [0, 6, 0]], scale="asymmetric").scale
+    >>> round(register(corners, [[0, 0, 0], [3, 0, 0], [0, 6, 0]], scale="asymmetric").scale, 9)
     3.0
     """
     threads = checked_threads(threads)

@@ -50,7 +50,7 @@ def test_the_vectors_are_accepted_by_definition_exactly_where_the_manifest_says_
     [
         (">= 2 * delta", "> 2 * delta"),
         ("claims.gap is below", "claims.gap falls below"),
-        ("The objective at R, best translation, exceeds", "The value at R exceeds"),
+        ("exceeds the global minimum by {told}", "is above the global minimum by {told}"),
         ("57.295779514", "59"),
     ],
 )

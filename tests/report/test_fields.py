@@ -64,6 +64,8 @@ def test_every_field_of_a_result_is_the_number_of_its_name(registration: Registr
             "rotation": pose.rotation.tolist(),
             "translation": pose.translation.tolist(),
             "quaternion_wxyz": pose.quaternion_wxyz.tolist(),
+            "scale": None,
+            "scale_interval": None,
             "covariance": np.asarray(covariance).tolist(),
             "covariance_scale": "estimated",
             "variance_factor": covariance.variance_factor,
