@@ -13,7 +13,7 @@ from typing import Any
 from envelope import ABOUT, FORMAT, Certificate, Points, Vectors, lower, of_another_digest, stated
 
 from certreg.verify import (
-    IsotropicStatement,
+    Statement,
     cross,
     davenport,
     definite,
@@ -24,7 +24,7 @@ from certreg.verify import (
 )
 
 BITS = 64  # of the quaternions
-PREFIX = IsotropicStatement.prefix
+PREFIX = Statement.prefix
 
 GENERIC: Points = [[0, 0, 0], [3, 1, 0], [1, 4, 1], [2, 2, 5], [-3, 1, 2], [0.5, -2, 0.25]]
 MOVED: Points = [[7, 1, 2], [6, 4, 2], [3, 2, 3.5], [5, 3, 7], [6, -2, 4], [9, 1.5, 2]]

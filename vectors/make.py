@@ -17,13 +17,14 @@ import cones
 import count
 import isotropic
 import lists
+import similarity
 import squares
 from envelope import dumped
 
 
 def vectors() -> dict[str, tuple[bytes, str]]:
     """Content and class by file name; the class of an accepted one is empty."""
-    kinds = (isotropic, count, squares, cones, lists)
+    kinds = (isotropic, count, squares, cones, lists, similarity)
     made = {
         name: (dumped(certificate), reason)
         for kind in kinds
