@@ -36,6 +36,7 @@ NOT_RECORDED = {
     "projective planes": "of two, which no problem has",
     "the balls are too wide to tell the signs": "a search that fails",
     "the translation of the optimal pose exceeds the range": "at the end of the doubles",
+    "it is not computed where the scale is free": "of a problem with a covariance and a scale",
     # Of general springs, in no record yet:
     "the certificate holds no springs": "a certificate of many pairs, without its problem",
     "see the note above": "a fit with a note",
