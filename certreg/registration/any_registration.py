@@ -60,6 +60,10 @@ class AnySolution(Explained, ABC):
     def measured_fit(self, names: RowNames) -> Fit:
         """What the optimum is worth as a fit, computed now."""
 
+    def told_robustness(self, found: Robustness) -> Robustness:
+        """With what else the certificate proves to stay near while points are off by less."""
+        return found
+
     @cached_property
     def stated_covariance(self) -> PoseCovariance | Absent:
         """The covariance of the pose, or why there is none."""
@@ -140,7 +144,7 @@ class AnyRegistration(Explained, Presented, ABC):
         """How far the points may be off, proved; None where that is not, or not asked for."""
         certificate = self.certificate
         radius = None if certificate is None else getattr(certificate.body, "radius", None)
-        return None if radius is None else Robustness.of(radius)
+        return None if radius is None else self.solution.told_robustness(Robustness.of(radius))
 
     @property
     def status(self) -> Optimality:
@@ -184,7 +188,7 @@ class AnyRegistration(Explained, Presented, ABC):
     @property
     @abstractmethod
     def degrees_of_freedom(self) -> int:
-        """Of the residuals, all six parameters of the pose counted."""
+        """Of the residuals, all parameters of the pose counted."""
 
     @abstractmethod
     def residual_blocks(self) -> Iterator[ResidualBlock]:

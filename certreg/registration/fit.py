@@ -11,17 +11,27 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.exact import nearest_double
-from certreg.registration.covariance import worst_residuals
+from certreg.exact import nearest_double, power_of_two
+from certreg.geometry import squared_norm
+from certreg.problem import Scale
+from certreg.registration.covariance import (
+    PARAMETERS,
+    parameters_of,
+    rows_with_weight,
+    worst_residuals,
+)
 from certreg.registration.headlines import LOOSE_SIGMA, beyond_first_order
 from certreg.registration.misfits import (
     LEVEL,
     MIRROR_EXPLAINED,
     MOST_LEFT,
+    ROUNDING,
     ChiSquared,
     FitCode,
     FitSums,
     FitWarning,
+    chi2_remedy,
+    chi2_words,
     log_scale_p,
     misfits,
 )
@@ -43,7 +53,8 @@ TOO_FEW = Absent("fewer than three points carry the weight: no degree of freedom
 ZERO_MEDIAN = Absent("at least half of the residuals are zero")
 ROUNDED = Absent("the residuals are at rounding: there is nothing to test")
 NO_NOISE = Absent("no noise was given: the residuals are compared with nothing")
-UNTESTED = Absent("with a free scale, or without a translation, no test of the fit is made")
+UNTESTED = Absent("with a free scale, or without a translation, no rows and no scale are tested")
+NO_CHI2 = Absent("the symmetric scale is not the one of the least squares, which are tested")
 UNNAMED = RowNames(None)
 MOST_ROWS = 10  # that are listed
 LEAST_ROWS = 3  # with 3 n - 6 > 0 degrees of freedom there are more
@@ -110,9 +121,9 @@ def fit_of(
     """
     sums = FitSums(objective)
     if problem.scaled or problem.rotation_only:
-        return _untested(problem, sums, pose, names)
+        return _of_model(problem, sums, pose, covariance, names)
     rows = row_fit(problem, objective, pose)
-    chi2 = _chi2(problem, sums, rows, covariance)
+    chi2 = _chi2(problem, sums, None if rows is None else rows.rows, covariance)
     ratio = OUT_OF_RANGE if rows is None else rows.largest_over_median or ZERO_MEDIAN
     values: dict[str, float | Absent] = {
         "explained": COINCIDENT if sums.explained is None else _double(sums.explained),
@@ -138,29 +149,56 @@ def fit_of(
     )
 
 
-def _untested(
-    problem: RegistrationProblem, sums: FitSums, pose: Pose | Similarity, names: RowNames
+def _of_model(
+    problem: RegistrationProblem,
+    sums: FitSums,
+    pose: Pose | Similarity,
+    covariance: PoseCovariance | Absent,
+    names: RowNames,
 ) -> Fit:
-    """Of a free scale, or without a translation: no test of the fit is stated for these."""
+    """Of a free scale, or without a translation: of the tests only that of a given sigma."""
+    chi2 = _chi2(problem, sums, rows_with_weight(problem), covariance)
     values: dict[str, float | Absent] = {
         "explained": COINCIDENT if sums.explained is None else _double(sums.explained),
         "best_scale": NO_SOURCE if sums.scale is None else _double(sums.scale),
+        "scale_p": UNTESTED,
+        "largest_over_median_residual": ROUNDED if _at_rounding(sums) else UNTESTED,
     }
-    untested = ("scale_p", "largest_over_median_residual", "chi2")
+    words = chi2_words(present(chi2))
     return Fit(
         **{name: present(value) for name, value in values.items()},
-        **dict.fromkeys(untested),
+        chi2=present(chi2),
         worst=tuple(
             FitRow(row=one.row, label=names.label(one.row), residual=one.distance)
             for one in worst_residuals(problem, pose, MOST_ROWS)
         ),
         outlier_rows=(),
-        warnings=(),
+        warnings=()
+        if words is None or isinstance(chi2, Absent)
+        else (FitWarning(code=FitCode.CHI2, text=words, remedy=chi2_remedy(chi2)),),
         absent={
             **{name: value for name, value in values.items() if isinstance(value, Absent)},
-            **dict.fromkeys(untested, UNTESTED),
+            **({"chi2": chi2} if isinstance(chi2, Absent) else {}),
         },
     )
+
+
+def _least(sums: FitSums) -> Fraction:
+    """The least sum w |y - s R x - t|^2, over s too where it is free."""
+    scaling, alignment = sums.objective.scaling, sums.alignment
+    return sums.energy if scaling is None else scaling.energy(alignment)
+
+
+def _at_rounding(sums: FitSums) -> bool:
+    """Whether the residuals are at rounding, `FitSums.rounded` with the source at its scale."""
+    objective = sums.objective
+    moments, scale = objective.moments, objective.best_scale(objective.quaternions[0])
+    here, there = squared_norm(moments.source_sum), squared_norm(moments.target_sum)
+    offset = scale**2 * here * power_of_two(2 * moments.source_exponent)
+    offset += there * power_of_two(2 * moments.target_exponent)
+    offset *= power_of_two(moments.weight_exponent) / moments.mass
+    spread = sums.target + _scaled_source(sums)
+    return _least(sums) <= Fraction(ROUNDING) ** 2 * spread + power_of_two(-102) * offset
 
 
 def silent_tests(problem: RegistrationProblem, objective: Isotropic) -> tuple[FitCode, ...]:
@@ -195,28 +233,40 @@ def _scale_p(sums: FitSums, rows: RowFit | None) -> float | Absent:
 def _chi2(
     problem: RegistrationProblem,
     sums: FitSums,
-    rows: RowFit | None,
+    rows: int | None,
     covariance: PoseCovariance | Absent,
 ) -> ChiSquared | Absent:
     """The test of a given sigma; of a turn that sigma leaves open, no parameter is counted.
 
-    The least of E is at most E at the true rotation with its best translation, which has 3 n - 3
-    degrees of freedom: with these p is a bound, whatever the turn takes.
+    The least of E is at most E at the true rotation and scale with the best translation, which has
+    3 n - 3 degrees of freedom, 3 n without a translation: with these p is a bound, whatever the
+    turn and the scale take. rows: with weight; None where numbers leave the range of doubles.
     """
     if not problem.noise_given:
         return NO_NOISE
-    value = nearest_double(sums.energy)
+    if problem.scale is Scale.SYMMETRIC:
+        return NO_CHI2
+    value = nearest_double(_least(sums))
     if rows is None or value is None:
         return OUT_OF_RANGE
-    if isinstance(covariance, Absent):  # of a line, which turns by 1 / sqrt(Sxx)
-        loose = sums.parameters == LINE and sums.source * Fraction(LOOSE_SIGMA) ** 2 < 1
+    if isinstance(covariance, Absent):  # of a line, which turns by 1 / (s sqrt(Sxx))
+        across = _scaled_source(sums)
+        loose = sums.parameters == LINE and across * Fraction(LOOSE_SIGMA) ** 2 < 1
     else:
         loose = beyond_first_order(covariance) is not None
-    dof = 3 * rows.rows - (TRANSLATION if loose else sums.parameters)
+    more = parameters_of(problem) - PARAMETERS  # than of a rigid motion
+    shift = 0 if problem.rotation_only else TRANSLATION
+    dof = 3 * rows - (shift if loose else sums.parameters + more)
     if dof <= 0:
         return TOO_FEW
     p = math.exp(log_chi2_above(value, dof))
     return ChiSquared(value=value, dof=dof, p=p, bound=loose)
+
+
+def _scaled_source(sums: FitSums) -> Fraction:
+    """s^2 Sxx at the best scale."""
+    objective = sums.objective
+    return objective.best_scale(objective.quaternions[0]) ** 2 * sums.source
 
 
 def _double(value: Fraction) -> float | Absent:

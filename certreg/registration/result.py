@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from certreg.certificate import RotationState
+from certreg.certificate import RotationState, SimilarityBody
 from certreg.dynamics import Trajectory
 from certreg.equilibrium import by_eigenspaces
 from certreg.exact import nearest_double, power_of_two
@@ -18,7 +18,7 @@ from certreg.problem import lift, row_blocks
 from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.any_registration import AnyRegistration, AnySolution
 from certreg.registration.covariance import (
-    PARAMETERS,
+    parameters_of,
     pose_covariance,
     residual_distances,
     rows_with_weight,
@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from certreg.registration.any_registration import ResidualBlock
     from certreg.registration.covariance import PoseCovariance, Residual
     from certreg.registration.fit import Fit
+    from certreg.registration.robustness import Robustness
     from certreg.registration.row_names import RowNames
     from certreg.relaxation import Relaxation
 
@@ -72,6 +73,11 @@ class Solution(AnySolution):
     def measured_covariance(self) -> PoseCovariance | Absent:
         """The covariance of the pose, computed now; why there is none."""
         return pose_covariance(self.problem, self.objective)
+
+    def told_robustness(self, found: Robustness) -> Robustness:
+        """With the range of a free scale."""
+        body = None if self.certificate is None else self.certificate.body
+        return found.with_scales(body, self.moments) if isinstance(body, SimilarityBody) else found
 
     def measured_fit(self, names: RowNames) -> Fit:
         """What the optimum is worth as a fit, computed now."""
@@ -198,8 +204,8 @@ class Registration(AnyRegistration):
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Of the residuals, all six parameters of the pose counted."""
-        return 3 * rows_with_weight(self.problem) - PARAMETERS
+        """Of the residuals, all parameters of the pose counted."""
+        return 3 * rows_with_weight(self.problem) - parameters_of(self.problem)
 
     def residual_blocks(self) -> Iterator[ResidualBlock]:
         """All rows: slices, distances, and these in standard deviations of weight one."""

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import ROUND_CEILING, Context, Decimal
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.certificate import MOST_DEGREES
 from certreg.errors import InvalidProblemError
 from certreg.exact import double_below
+from certreg.registration.scale_range import proved_scales
 from certreg.results import Absent, Brief
 
 if TYPE_CHECKING:
-    from certreg.certificate import Radius
+    from certreg.certificate import Radius, SimilarityBody
+    from certreg.problem import ExactMoments
 
 ROBUSTNESS_ANGLE = 5.0  # degrees, unless another is asked for
 NONE_PROVED = Absent("no error of the points is proved to be harmless, or that was not asked for")
@@ -42,11 +45,16 @@ class Robustness(Brief):
     both
         Or every point of both clouds by less than this one. Both are sufficient, not sharp; the
         springs stay as they are.
+    scale_target, scale_both
+        Between which numbers a free scale stays meanwhile, rounded outwards; None where nothing
+        bounds it, and where the scale is not free.
     """
 
     angle: float
     target: float
     both: float
+    scale_target: tuple[float, float] | None = None
+    scale_both: tuple[float, float] | None = None
 
     @classmethod
     def of(cls, radius: Radius) -> Robustness:
@@ -56,4 +64,13 @@ class Robustness(Brief):
             angle=float(DIGITS.plus(Decimal(2.0 * math.degrees(half)))),
             target=double_below(radius.target.value),
             both=double_below(radius.both.value),
+        )
+
+    def with_scales(self, body: SimilarityBody, moments: ExactMoments) -> Robustness:
+        """The same of a problem whose scale is free; body: of its certificate."""
+        target, both = Fraction(self.target), Fraction(self.both)
+        return replace(
+            self,
+            scale_target=proved_scales(body, moments, source=Fraction(0), target=target),
+            scale_both=proved_scales(body, moments, source=both, target=both),
         )

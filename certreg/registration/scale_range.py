@@ -3,18 +3,21 @@
 Where no source point moves by more than dx, no target point by more than dy, Davenport's matrix
 moves by at most m = sqrt(M Syy) dx + sqrt(M Sxx) dy + M dx dy, and with it its largest eigenvalue;
 sqrt(Sxx) moves by at most sqrt(M) dx. Proof: derivations, scale_radius. The rotation's radius is
-that of the rigid body, since the matrix is the same.
+that of the rigid body, since the matrix is the same. Without a translation all sums are about the
+origin; the bounds are the same.
 """
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from certreg.exact import power_of_two, rational_root_above
-from certreg.problem import trace
+from certreg.exact import double_above, double_below, power_of_two, rational_root_above
+from certreg.problem import Scale, trace
 
 if TYPE_CHECKING:
+    from certreg.certificate import SimilarityBody
     from certreg.problem import ExactMoments
 
 Spreads = tuple[Fraction, Fraction, Fraction]  # M, Sxx, Syy
@@ -31,6 +34,26 @@ def spreads_of(moments: ExactMoments) -> Spreads:
         )
     )
     return moments.total_weight, source, target
+
+
+def proved_scales(
+    body: SimilarityBody, moments: ExactMoments, *, source: Fraction, target: Fraction
+) -> tuple[float, float] | None:
+    """Between which scales every optimum stays while no point moves by more; None: no bound.
+
+    body: of a certificate that was accepted. Rounded outwards, to doubles.
+    """
+    spreads = spreads_of(moments)
+    if body.scale == Scale.SYMMETRIC.value:
+        found = moved_symmetric_scale(spreads, source, target)
+    else:
+        bounds = (body.claims.scale_lower, body.claims.scale_upper)
+        least, most = (bound.value * spreads[1] for bound in bounds)
+        found = moved_scale(least, most, spreads, source, target)
+    if found is None:
+        return None
+    low, high = max(0.0, double_below(found[0])), double_above(found[1])
+    return (low, high) if math.isfinite(high) else None
 
 
 def moved_scale(

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from certreg.report.encoding import Document
 
 NO_SCALE = Absent("the scale was not asked for")
+UNBOUNDED_SCALE = Absent("points that move so far may leave no size to the source, nor a bound")
 
 
 def pose_fields(registration: AnyRegistration) -> Document:
@@ -48,7 +49,10 @@ def _scale(registration: AnyRegistration) -> Document:
 
 
 def _covariance(registration: AnyRegistration) -> Document:
-    """Covariance in the order (translation in the target's frame, rotation in the source's)."""
+    """Covariance in the order (translation in the target's frame, rotation in the source's, scale).
+
+    The scale only where it is free.
+    """
     covariance = covariance_of(registration)
     if isinstance(covariance, Absent):
         names = ("covariance", "covariance_scale", "variance_factor", "uncertainty")
@@ -66,6 +70,7 @@ def _covariance(registration: AnyRegistration) -> Document:
             "sigma_deg": math.degrees(covariance.loosest_sigma) if known else turned,
             "axis": covariance.loosest_axis,
         },
+        **({} if covariance.scale_sigma is None else {"scale": covariance.scale_sigma}),
         "degrees_of_freedom": covariance.degrees_of_freedom,
     }
     return {
@@ -153,8 +158,15 @@ def robustness_fields(registration: AnyRegistration) -> Document | Absent:
     found = registration.stated("robustness")
     if isinstance(found, Absent):
         return found
-    return {
+    fields = {
         "angle_deg": found.angle,
         "radius_target": found.target,
         "radius_both": found.both,
+    }
+    if not registration.problem.scaled:
+        return fields
+    return {
+        **fields,
+        "scale_target": found.scale_target or UNBOUNDED_SCALE,
+        "scale_both": found.scale_both or UNBOUNDED_SCALE,
     }

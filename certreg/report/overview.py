@@ -29,6 +29,7 @@ from certreg.report.uncertainty import (
     centre_words,
     chi2_words,
     rotation_words,
+    scale_words,
     shift_sigmas,
     shift_words,
     sigma_words,
@@ -145,11 +146,19 @@ def _sure(registration: Registration, covariance: PoseCovariance) -> list[Fact]:
     """Rotation, centre and translation, each with its deviation in the next line."""
     pose, shift = registration.pose, shift_words(covariance, "")
     turn = rotation_words(covariance, "")
-    centre = ", ".join(centre_words(registration, covariance))
-    return [
+    turned = [
         rotation_fact(pose, covariance),
         *axis_facts(pose),
         Fact(name="Rotation ±", value="", words=turn),
+    ]
+    if covariance.scale_sigma is not None:
+        size = scale_words(pose, covariance.scale_sigma)
+        turned.append(Fact(name="Scale ±", value="", words=size))
+    if registration.problem.rotation_only:
+        return turned
+    centre = ", ".join(centre_words(registration, covariance))
+    return [
+        *turned,
         Fact(name="Centre", value=f"({centre})"),
         Fact(name="Centre ±", value="", words=sigma_words(covariance)),
         translation_fact(pose, covariance),

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from certreg.geometry import Similarity
 from certreg.io import csv_field
+from certreg.problem import Scale
 from certreg.registration import RowNames
 
 if TYPE_CHECKING:
@@ -22,7 +24,8 @@ def residual_table(registration: AnyRegistration) -> Iterator[bytes]:
     """The table, block by block; a number is the shortest that reads back the same.
 
     row: of the pair, from 0; label: as far as the certificate holds labels. residual:
-    |y - R x - t|, of general springs how far the pair is off along them, in the clouds' unit.
+    |y - R x - t|, with a free scale |y - s R x - t|, of general springs how far the pair is off
+    along them, in the clouds' unit.
     standardised: sqrt(w) times that, of general springs sqrt(r^T W r), over the standard
     deviation of a coordinate of weight one: 1 where sigma was given, else estimated, the root of
     the objective over the degrees of freedom. Empty where no double holds it, and where a weight is
@@ -46,6 +49,9 @@ def residual_table(registration: AnyRegistration) -> Iterator[bytes]:
 def _unit(registration: AnyRegistration) -> float:
     """Standard deviation of a coordinate of weight one; NaN where nothing tells it."""
     objective, freedom = registration.objective, registration.degrees_of_freedom
+    pose, scale = registration.pose, registration.problem.scale
+    if objective is not None and scale is Scale.SYMMETRIC and isinstance(pose, Similarity):
+        objective *= pose.scale  # by which its squares are divided
     if registration.problem.noise_given:
         return 1.0
     if freedom <= 0 or objective is None or objective <= 0:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from decimal import ROUND_FLOOR, Context
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from certreg.registration import AnyRegistration
+    from certreg.registration import AnyRegistration, Robustness
 
 
 def robustness_words(registration: AnyRegistration) -> str:
@@ -17,8 +17,27 @@ def robustness_words(registration: AnyRegistration) -> str:
     return (
         f"no optimum turns by more than {found.angle:g} degrees as long as every target point is "
         f"off by less than {length_below(found.target)}; points of both clouds, "
-        f"{length_below(found.both)} (sufficient, not sharp)"
+        f"{length_below(found.both)} (sufficient, not sharp){_scales(registration, found)}"
     )
+
+
+def _scales(registration: AnyRegistration, found: Robustness) -> str:
+    """How far a free scale moves meanwhile; nothing of others."""
+    if not registration.problem.scaled:
+        return ""
+    target, both = map(_range, (found.scale_target, found.scale_both))
+    return f"; meanwhile the scale stays {target}; with points of both clouds off, {both}"
+
+
+def _range(scales: tuple[float, float] | None) -> str:
+    """Two numbers in six digits, rounded outwards."""
+    if scales is None:
+        return "within no proved bound"
+    low, high = (
+        Context(prec=6, rounding=rounding).create_decimal_from_float(end)
+        for end, rounding in zip(scales, (ROUND_FLOOR, ROUND_CEILING), strict=True)
+    )
+    return f"between {low:g} and {high:g}"
 
 
 def length_below(length: float) -> str:

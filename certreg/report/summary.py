@@ -112,6 +112,7 @@ def _scaled_summary(registration: Registration, status: list[str]) -> str:
     return "\n".join(
         (
             *status,
+            *(f"{ADVICE}{words}" for words in remedies(registration)),
             "",
             f"  correspondences   {problem.n}",
             f"  scale             {scale!r}  ({problem.scale.value}; target over source)",
@@ -123,7 +124,7 @@ def _scaled_summary(registration: Registration, status: list[str]) -> str:
             *_uncertainty_lines(registration),
             f"  RMSE              {number(registration.rmse)}  (weighted, unit of the target)",
             f"  explained         {explained_words(registration.fit)}",
-            f"  robustness        {robustness_words(registration)} (its rotation)",
+            f"  robustness        {robustness_words(registration)}",
             *_method_lines(registration),
         )
     )

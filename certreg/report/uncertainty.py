@@ -12,18 +12,21 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from certreg.exact import nearest_or_zero
+from certreg.geometry import Similarity
 from certreg.registration import (
     NO_RESIDUALS,
     FitCode,
     SpringRegistration,
     axis_words,
     beyond_first_order,
+    parameters_of,
 )
 from certreg.results import Absent
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from certreg.geometry import Pose
     from certreg.registration import AnyRegistration, Fit, PoseCovariance, Registration
 
 FINE = math.radians(0.01)  # below it arc seconds: 36 of them
@@ -41,6 +44,8 @@ TOO_LARGE = "the residuals are larger than sigma says (see the warning), and ± 
 def uncertainty_rows(registration: AnyRegistration) -> list[tuple[str, str]]:
     """Names and words: the centre, rotation, translation, what ± is, and the test of a given sigma.
 
+    Of a free scale its own; of a problem without a translation neither it nor the centre.
+
     The centre first: its deviation is that of the points, while the translation is where the
     source's origin goes, which in map coordinates lies far from them. Where there is no uncertainty
     to tell: one row that says why.
@@ -52,10 +57,15 @@ def uncertainty_rows(registration: AnyRegistration) -> list[tuple[str, str]]:
     doubt = more_than_noise(registration.fit)
     if doubt is not None:
         return [("uncertainty", f"not known: {doubt}"), *tested]
+    turned = rotation_words(covariance, "  (a small turn about the source's axes)")
+    shifted = [("translation ±", shift_words(covariance, f"  ({OF_ORIGIN})"))]
+    moves = not registration.problem.rotation_only
+    size = covariance.scale_sigma
     return [
-        *_centre_row(registration, covariance),
-        ("rotation ±", rotation_words(covariance, "  (a small turn about the source's axes)")),
-        ("translation ±", shift_words(covariance, f"  ({OF_ORIGIN})")),
+        *(_centre_row(registration, covariance) if moves else []),
+        *([] if size is None else [("scale ±", scale_words(registration.pose, size))]),
+        ("rotation ±", turned),
+        *(shifted if moves else []),
         ("± is", _basis_words(registration, covariance)),
         *tested,
     ]
@@ -69,6 +79,13 @@ def _centre_row(registration: AnyRegistration, covariance: PoseCovariance) -> li
     centre = " ".join(centre_words(cast("Registration", registration), covariance))
     lands = f"(the centre of the source lands at {centre})"
     return [("centre ±", f"{sigma_words(covariance)}  {lands}")]
+
+
+def scale_words(pose: Pose | Similarity, sigma: float) -> str:
+    """The deviation of a scale, and its share of the scale."""
+    scale = pose.scale if isinstance(pose, Similarity) else 1.0
+    share = f"  ({_two_digits(100.0 * sigma / scale)} % of it)" if scale > 0.0 else ""
+    return f"{_two_digits(sigma)}{share}"
 
 
 def sigma_words(covariance: PoseCovariance) -> str:
@@ -200,11 +217,20 @@ def _basis_words(registration: AnyRegistration, covariance: PoseCovariance) -> s
         factor = _two_digits(math.sqrt(covariance.variance_factor or 0.0))
         assumed = "if errors are independent, Gaussian, as large along the springs as these say"
         return f"{told}from the residuals: {factor} times the unit of the springs {sure}, {assumed}"
-    sigma = _two_digits(covariance.centre_sigma * math.sqrt((degrees + 6) / 3))  # of N points
+    sigma = _two_digits(_sigma_of(cast("Registration", registration), covariance))
     mean = "" if problem.equally_weighted else " at the mean weight"
     size = "of one size" if problem.equally_weighted else "as large as the weights say"
     assumed = f"if errors are independent, Gaussian, {size}"
     return f"{told}from the residuals: sigma {sigma}{mean} {sure}, {assumed}"
+
+
+def _sigma_of(registration: Registration, covariance: PoseCovariance) -> float:
+    """The standard deviation of a coordinate at the mean weight."""
+    points = (covariance.degrees_of_freedom + parameters_of(registration.problem)) / 3
+    if registration.problem.rotation_only:
+        weight = nearest_or_zero(registration.solution.moments.total_weight / round(points))
+        return math.sqrt((covariance.variance_factor or 0.0) / weight) if weight else 0.0
+    return covariance.centre_sigma * math.sqrt(points)
 
 
 def _given_words(registration: AnyRegistration) -> str:
