@@ -6,7 +6,7 @@ Six hundred repetitions are registered by Umeyama's closed form, which is no cod
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -15,9 +15,11 @@ from scipy.spatial.transform import Rotation
 from certreg import RegistrationProblem, certify
 from certreg.objective.isotropic import Isotropic
 from certreg.registration.covariance import BIASED, pose_covariance
-from certreg.registration.result import Registration
 from certreg.report.residual_table import residual_table
 from certreg.results import Absent
+
+if TYPE_CHECKING:
+    from certreg.registration.result import Registration
 
 REPETITIONS = 600
 SCALE, SIGMA = 2.5, 1e-3
