@@ -131,7 +131,7 @@ def test_the_range_of_a_scale_is_that_of_its_certificate_told_everywhere():
     assert told["scale_target"] == list(found.scale_target)
     assert told["scale_both"] == list(found.scale_both)
     assert "meanwhile the scale stays between" in str(registration)
-    still = proved_scales(body, moments, source=Fraction(0), target=Fraction(0))
+    still: Any = proved_scales(body, moments, source=Fraction(0), target=Fraction(0))
     assert still == pytest.approx((2.0, 2.0), rel=1e-14)
     assert still[0] <= 2.0 <= still[1]
     spread = Fraction(registration.solution.objective.scaling.source)
@@ -145,3 +145,21 @@ def test_of_a_rigid_problem_no_scale_is_told():
     assert registration.robustness.scale_both is None
     assert "scale_target" not in registration.to_dict()["robustness"]
     assert "meanwhile" not in str(registration)
+
+
+def test_where_nothing_bounds_the_scale_that_is_told(monkeypatch):
+    monkeypatch.setattr("certreg.registration.robustness.proved_scales", lambda *_, **__: None)
+    x = np.array(PROBLEM.source)
+    registration: Any = certify(x, 2 * x, relaxation=False, simulation=False, scale="asymmetric")
+    document = registration.to_dict()
+
+    assert document["robustness"]["scale_target"] is None
+    assert document["robustness"]["scale_both"] is None
+    assert (
+        "points that move so far may leave no size to the source, nor a bound"
+        in document["reasons"].values()
+    )
+    assert (
+        "; meanwhile the scale stays within no proved bound; with points of both clouds off, "
+        "within no proved bound" in str(registration)
+    )

@@ -15,6 +15,7 @@ from scipy.spatial.transform import Rotation
 from certreg import RegistrationProblem, certify
 from certreg.objective.isotropic import Isotropic
 from certreg.registration.covariance import BIASED, pose_covariance
+from certreg.report.overview import _sure
 from certreg.report.residual_table import residual_table
 from certreg.results import Absent
 
@@ -41,7 +42,7 @@ class Experiment:
     def __init__(self, model: dict[str, Any], *, n: int = 15) -> None:
         rng = np.random.default_rng(21)
         self.model = model
-        self.R = Rotation.random(random_state=3).as_matrix()
+        self.R = Rotation.random(rng=3).as_matrix()
         self.s = SCALE if "scale" in model else 1.0
         self.t = np.zeros(3) if "rotation_only" in model else np.array([1.0, 2.0, -4.0])
         self.source = rng.normal(size=(n, 3)) * [3.0, 1.0, 0.5] + np.array([2.0, -1.0, 3.0])
@@ -169,6 +170,17 @@ def test_of_the_symmetric_scale_none_is_told():
     assert registration.covariance is None
     assert registration.solution.stated_covariance == BIASED
     assert registration.fit.chi2 is None
+    reasons = registration.to_dict()["reasons"]
+    assert reasons["pose.covariance"] == (
+        "noise in the target makes the symmetric scale too large, of many points by more than it "
+        "scatters, which no covariance tells"
+    )
+    assert reasons["fit.chi2"] == (
+        "the symmetric scale is not the one of the least squares, which are tested"
+    )
+    assert reasons["fit.scale_p"] == (
+        "with a free scale, or without a translation, no rows and no scale are tested"
+    )
 
 
 def test_standardised_residuals_are_in_standard_deviations():
@@ -196,6 +208,10 @@ def test_it_is_told_everywhere(model):
     assert ("scale +/-" in text) == ("scale" in model)
     assert ("translation +/-" in text) != ("rotation_only" in model)
     assert "rotation +/-" in text
+    assert registration.covariance is not None
+    facts = {fact.name for fact in _sure(registration, registration.covariance)}
+    assert ("Scale ±" in facts) == ("scale" in model)
+    assert ("Centre ±" in facts) != ("rotation_only" in model)
 
 
 def test_residuals_at_rounding_tell_no_noise():
