@@ -31,7 +31,7 @@ def stated(**options: Any):
     return certreg.RegistrationProblem(SOURCE, TARGET, **options)
 
 
-def certified(**options: Any):
+def certified(**options: Any) -> Any:
     return certreg.certify(stated(**options), relaxation=False, simulation=False)
 
 
