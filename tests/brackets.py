@@ -33,7 +33,7 @@ from certreg.report.document import assessment_document, result_document
 from certreg.report.judged_pose import assessment_summary
 from certreg.report.page import Report
 from certreg.report.pages import html_page
-from certreg.report.summary import registration_summary
+from certreg.report.scaled_summary import registration_summary
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

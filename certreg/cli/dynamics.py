@@ -2,31 +2,39 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import click
 
 from certreg.cli.numbers import NUMBER
 from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER, cloud_options
-from certreg.dynamics import Record, SimulationSettings
+from certreg.dynamics import ONLY_MIDPOINT, Record, SimulationSettings
 from certreg.io import require_vacant, write_atomically, write_together
 from certreg.registration import (
     DONE,
     NOT_CERTIFIED,
     NOT_UNIQUE,
+    ONLY_SPECTRAL,
+    SimulatedBreathing,
     certified_count,
     certified_list,
     enumerated,
     enumerated_springs,
     equilibrium_poses,
+    scaled_equilibria,
     simulated,
     simulated_springs,
 )
+from certreg.registration import simulate as run
 from certreg.report import (
+    breathing_document,
+    breathing_summary,
     dumps,
     enumeration_summary,
     equilibria_document,
     printable,
+    scaled_document,
+    scaled_enumeration_summary,
     simulation_document,
     simulation_summary,
     spring_enumeration_summary,
@@ -85,19 +93,38 @@ def equilibria(
         require_vacant(poses)
     if problem.factors is not None:
         return _spring_equilibria(problem, method, out=out, poses=poses, as_json=as_json)
+    if problem.scaled:
+        _require_scaled_options(method, out)
     enumeration = enumerated(problem, method)
     found = enumeration.equilibria
     if out is not None:
         _write_count(problem, out)
     if poses is not None:
         _write_poses(enumeration, poses)
-    if as_json:
+    if problem.scaled:
+        scaled = scaled_equilibria(enumeration.objective, found)
+        text = dumps(scaled_document(scaled)) if as_json else scaled_enumeration_summary(scaled)
+        click.echo(text)
+    elif as_json:
         click.echo(dumps(equilibria_document(enumeration)))
     else:
         click.echo(enumeration_summary(enumeration))
     if not found.complete:
         return NOT_CERTIFIED
     return DONE if found.classification.unique else NOT_UNIQUE
+
+
+def _require_scaled_options(method: str | None, out: Path | None) -> None:
+    """Nothing where a free scale has what is asked for; UsageError if not."""
+    if method not in {None, SPECTRAL}:
+        message = f"--method {method}: {ONLY_SPECTRAL}"
+        raise click.UsageError(message)
+    if out is not None:
+        message = (
+            f"--out {printable(out)}: with a free scale the number of equilibria has no "
+            "certificate: leave it out"
+        )
+        raise click.UsageError(message)
 
 
 def _spring_equilibria(
@@ -175,7 +202,8 @@ def _write_count(problem: RegistrationProblem, out: Path) -> None:
 @click.option(
     "--integrator",
     type=click.Choice(["euler", "midpoint", "splitting"]),
-    help="Default: euler; with --springs midpoint, as euler is for one weight per pair.",
+    help="Default: euler; with --springs midpoint, as euler is for one weight per pair, and with "
+    "--scale asymmetric, where there is no other.",
 )
 @click.option("--step", type=NUMBER, help="Largest step, in the time unit of the springs.")
 @click.option(
@@ -199,6 +227,9 @@ def simulate(
             "whose energy never rises, or splitting"
         )
         raise click.UsageError(message)
+    if integrator not in {None, "midpoint"} and problem.scaled:
+        message = f"--integrator {integrator}: {ONLY_MIDPOINT}"
+        raise click.UsageError(message)
     if step is not None and not 0.0 < step < float("inf"):
         message = f"--step is {step}: give a finite number above 0"
         raise click.UsageError(message)
@@ -210,7 +241,7 @@ def simulate(
     trajectory, text = _simulated(problem, integrator, step, as_json=as_json)
     if out is not None:
         write_atomically(out, Record.of(problem, trajectory).to_bytes())
-    for note in trajectory.notes:
+    for note in () if isinstance(trajectory, SimulatedBreathing) else trajectory.notes:
         click.echo(f"note: {note}", err=True)
     click.echo(text)
     if out is not None and not as_json:
@@ -220,11 +251,14 @@ def simulate(
 
 def _simulated(
     problem: RegistrationProblem, integrator: str | None, step: float | None, *, as_json: bool
-) -> tuple[Trajectory | SimulatedSprings, str]:
+) -> tuple[Trajectory | SimulatedSprings | SimulatedBreathing, str]:
     """The motion, and what is printed of it."""
+    if problem.scaled:
+        moved = cast("SimulatedBreathing", run(problem, integrator, step=step))
+        return moved, dumps(breathing_document(moved)) if as_json else breathing_summary(moved)
     if problem.factors is not None:
-        run = simulated_springs(problem, integrator, settings=SimulationSettings(step=step))
-        document = spring_simulation_document(run) if as_json else None
-        return run, spring_simulation_summary(run) if document is None else dumps(document)
+        pulled = simulated_springs(problem, integrator, settings=SimulationSettings(step=step))
+        document = spring_simulation_document(pulled) if as_json else None
+        return pulled, spring_simulation_summary(pulled) if document is None else dumps(document)
     end = simulated(problem, integrator, step=step)
     return end.trajectory, dumps(simulation_document(end)) if as_json else simulation_summary(end)

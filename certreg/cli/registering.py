@@ -19,6 +19,7 @@ from certreg.cli.options import (
     fit_options,
     limit_options,
 )
+from certreg.dynamics import ONLY_MIDPOINT
 from certreg.registration import (
     DONE,
     REFUSED,
@@ -64,9 +65,7 @@ if TYPE_CHECKING:
 @click.option(
     "--integrator",
     type=click.Choice(["euler", "midpoint", "splitting"]),
-    default="splitting",
-    show_default=True,
-    help="Of the simulation.",
+    help="Of the simulation. Default: splitting; with --scale asymmetric midpoint, the only one.",
 )
 @click.option(
     "--robustness-angle",
@@ -85,7 +84,7 @@ def certify(
     no_relaxation: bool,
     solver: str | None,
     no_simulation: bool,
-    integrator: str,
+    integrator: str | None,
     max_gap: float,
     max_angle: float,
     robustness_angle: float,
@@ -97,10 +96,13 @@ def certify(
     if no_relaxation and solver is not None:
         message = "--solver goes with the relaxation, which --no-relaxation leaves out"
         raise click.UsageError(message)
+    if integrator not in {None, "midpoint"} and problem.scaled:
+        message = f"--integrator {integrator}: {ONLY_MIDPOINT}"
+        raise click.UsageError(message)
     registration = certified(
         problem,
         relaxation=solver or not no_relaxation,
-        simulation=not no_simulation and integrator,
+        simulation=not no_simulation and (integrator or True),
         about={"certreg": __version__, **pair.about},
         max_gap=max_gap,
         max_angle=max_angle,

@@ -14,10 +14,12 @@ if TYPE_CHECKING:
     from certreg.dynamics.body import body_of as body_of
     from certreg.dynamics.body import start_at_rest as start_at_rest
     from certreg.dynamics.body import state_at_rest as state_at_rest
+    from certreg.dynamics.breathing import ONLY_MIDPOINT as ONLY_MIDPOINT
     from certreg.dynamics.breathing import BreathingBody as BreathingBody
     from certreg.dynamics.breathing import BreathingStatus as BreathingStatus
     from certreg.dynamics.breathing import BreathingTrajectory as BreathingTrajectory
     from certreg.dynamics.breathing import breathing_body as breathing_body
+    from certreg.dynamics.breathing import never_collapses as never_collapses
     from certreg.dynamics.breathing import simulate_breathing as simulate_breathing
     from certreg.dynamics.integrators import EULER_STEP as EULER_STEP
     from certreg.dynamics.integrators import SimulationSettings as SimulationSettings
@@ -53,7 +55,9 @@ __getattr__ = lazy_face(
             "BreathingBody",
             "BreathingStatus",
             "BreathingTrajectory",
+            "ONLY_MIDPOINT",
             "breathing_body",
+            "never_collapses",
             "simulate_breathing",
         ),
         "integrators": (

@@ -27,12 +27,15 @@ import numpy as np
 from certreg.dynamics.body import exponent_of, require_thick
 from certreg.dynamics.breathing_run import Run
 from certreg.dynamics.integrators import SimulationSettings
+from certreg.equilibrium import source_size
 from certreg.errors import DegenerateProblemError
 from certreg.exact import power_of_two, rank
+from certreg.geometry import rotation_matrices
 from certreg.native import (
     BODY,
     BREATHING_SAMPLE,
     BREATHING_STATE,
+    Integrator,
     current_engine,
     named,
     symmetric,
@@ -103,11 +106,6 @@ class BreathingBody(Brief):
     def size(self) -> float:
         """Sxx / M."""
         return float(np.trace(self.inertia)) / 2.0
-
-    @property
-    def collapse_energy(self) -> float:
-        """Syy / M: a state with s > 0 and less energy never reaches s = 0."""
-        return float(self.record["spread"]) - self.size
 
     def rate(self, state: NDArray[np.float64]) -> NDArray[np.float64]:
         """The rates s' = F(s), (20,), at c, R row by row, s, v, omega, s'."""
@@ -227,6 +225,21 @@ class BreathingTrajectory(Brief):
         return self.status is BreathingStatus.AT_REST
 
     @property
+    def converged(self) -> bool:
+        """The same: with a scale above 0 the energy falls in some direction at all but optima."""
+        return self.at_rest
+
+    @property
+    def integrator(self) -> Integrator:
+        """The one there is."""
+        return Integrator.MIDPOINT
+
+    @property
+    def length_exponent(self) -> int:
+        """The unit of length of target, places and energies is 2^length_exponent."""
+        return self.moving.target_exponent
+
+    @property
     def last(self) -> Records:
         """The last state, () of BREATHING_STATE."""
         return self.samples["state"][-1]
@@ -240,6 +253,13 @@ class BreathingTrajectory(Brief):
     def times(self) -> NDArray[np.float64]:
         """(L,), in the time unit of the springs."""
         return self.samples["time"]
+
+    @cached_property
+    def states(self) -> NDArray[np.float64]:
+        """(L, 18), c, R row by row, v, omega, with lengths over 2^length_exponent."""
+        states = self.samples["state"]
+        turns = rotation_matrices(states["q"]).reshape(-1, 9)
+        return np.hstack([states["c"], turns, states["v"], states["omega"]])
 
     @property
     def scales(self) -> NDArray[np.float64]:
@@ -262,13 +282,15 @@ class BreathingTrajectory(Brief):
         """|s'| at the end, the residual of the equilibrium equations."""
         return math.sqrt(self.moving.squared_speed(self.last))
 
-    @property
-    def never_collapses(self) -> bool:
-        """Whether the start had less energy than Syy, so that the flow from it never gets to s = 0.
 
-        In doubles: False means not shown.
-        """
-        return float(self.potential[0] + self.kinetic[0]) < self.moving.collapse_energy
+def never_collapses(objective: Isotropic) -> bool:
+    """Whether the exact motion from where the source was given, at rest at scale 1, keeps s > 0.
+
+    Proved, in rationals: it begins with less energy than Syy (derivations, breathing_confined).
+    False means not proved, not disproved. Raises as `source_size`.
+    """
+    released = objective.energy_at((1, 0, 0, 0), (Fraction(0),) * 3, Fraction(1))
+    return released < objective.moments.spread - source_size(objective)
 
 
 def simulate_breathing(

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import io
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from certreg.dynamics.breathing import BreathingTrajectory
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -22,6 +24,7 @@ class Record:
 
     times (L,); states (L, 18), potential and kinetic (L,) as in `certreg.Trajectory`.
     digest: of the problem, 64 hexadecimal digits. damping: mu, which no certificate holds.
+    scales: (L,), target over source, of a body whose scale is free; None of others.
     """
 
     times: NDArray[np.float64]
@@ -31,9 +34,14 @@ class Record:
     length_exponent: int
     damping: float
     digest: str
+    scales: NDArray[np.float64] | None = None
 
     @classmethod
-    def of(cls, problem: RegistrationProblem, trajectory: Trajectory | SpringTrajectory) -> Record:
+    def of(
+        cls,
+        problem: RegistrationProblem,
+        trajectory: Trajectory | SpringTrajectory | BreathingTrajectory,
+    ) -> Record:
         """What is kept of a trajectory of a problem."""
         return cls(
             times=trajectory.times,
@@ -43,11 +51,13 @@ class Record:
             length_exponent=trajectory.length_exponent,
             damping=problem.damping,
             digest=problem.digest(),
+            scales=trajectory.scales if isinstance(trajectory, BreathingTrajectory) else None,
         )
 
     def to_bytes(self) -> bytes:
         """The file's content, a .npz of these; the digest as its 32 bytes."""
         buffer = io.BytesIO()
+        scales: dict[str, Any] = {} if self.scales is None else {"scales": self.scales}
         np.savez_compressed(
             buffer,
             times=self.times,
@@ -57,5 +67,6 @@ class Record:
             length_exponent=np.array(self.length_exponent),
             damping=np.array(self.damping),
             digest=np.frombuffer(bytes.fromhex(self.digest), dtype=np.uint8),
+            **scales,
         )
         return buffer.getvalue()

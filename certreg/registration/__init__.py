@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from certreg.registration.assessed import Assessment as Assessment
     from certreg.registration.assessment import assess as assess
     from certreg.registration.assessment import judged as judged
+    from certreg.registration.breathing import ScaledEquilibria as ScaledEquilibria
+    from certreg.registration.breathing import SimulatedBreathing as SimulatedBreathing
+    from certreg.registration.breathing import scaled_equilibria as scaled_equilibria
     from certreg.registration.c_sources import write_sources as write_sources
     from certreg.registration.certification import CROSS_CHECK as CROSS_CHECK
     from certreg.registration.certification import NOT_ASKED as NOT_ASKED
@@ -31,6 +34,7 @@ if TYPE_CHECKING:
     from certreg.registration.covariance import parameters_of as parameters_of
     from certreg.registration.covariance import residual_distances as residual_distances
     from certreg.registration.covariance import worst_residuals as worst_residuals
+    from certreg.registration.enumeration import ONLY_SPECTRAL as ONLY_SPECTRAL
     from certreg.registration.enumeration import Enumeration as Enumeration
     from certreg.registration.enumeration import ListedEquilibria as ListedEquilibria
     from certreg.registration.enumeration import certified_count as certified_count
@@ -141,6 +145,11 @@ __getattr__ = lazy_face(
             "assess",
             "judged",
         ),
+        "breathing": (
+            "ScaledEquilibria",
+            "SimulatedBreathing",
+            "scaled_equilibria",
+        ),
         "c_sources": ("write_sources",),
         "certification": (
             "CROSS_CHECK",
@@ -164,6 +173,7 @@ __getattr__ = lazy_face(
             "worst_residuals",
         ),
         "enumeration": (
+            "ONLY_SPECTRAL",
             "Enumeration",
             "ListedEquilibria",
             "certified_count",

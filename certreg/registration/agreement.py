@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics import SimulationStatus
+from certreg.certificate import IsotropicBody
+from certreg.dynamics import BreathingTrajectory, SimulationStatus
+from certreg.equilibrium import source_size
 from certreg.errors import ContradictionError
 from certreg.exact import power_of_two
 from certreg.native import MATRIX_STATE, named
@@ -19,7 +22,7 @@ from certreg.results import Absent, Explained
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from certreg.certificate import IsotropicBody, SimilarityBody
+    from certreg.certificate import SimilarityBody
     from certreg.dynamics import Trajectory
     from certreg.objective import Isotropic
     from certreg.problem import RegistrationProblem
@@ -50,7 +53,7 @@ def agreement(
     objective: Isotropic,
     *,
     relaxation: Relaxation | Absent,
-    trajectory: Trajectory | Absent,
+    trajectory: Trajectory | BreathingTrajectory | Absent,
 ) -> Agreement:
     """How well the methods agree. Raises ContradictionError if one ends where it must not."""
     relaxed = None
@@ -72,7 +75,9 @@ def agreement(
 
 
 def require_sound_trajectory(
-    objective: Isotropic, body: IsotropicBody | SimilarityBody, trajectory: Trajectory
+    objective: Isotropic,
+    body: IsotropicBody | SimilarityBody,
+    trajectory: Trajectory | BreathingTrajectory,
 ) -> None:
     """Nothing, if a trajectory respects what is proved; ContradictionError if not.
 
@@ -80,14 +85,15 @@ def require_sound_trajectory(
     below the certified minimum by more than rounding: 64 ulps of the terms of its sum, and one for
     every step, as rotations multiplied add up theirs.
     """
-    if trajectory.status is SimulationStatus.CONVERGED and not body.claims.basin:
+    ended = trajectory.status is SimulationStatus.CONVERGED
+    if ended and isinstance(body, IsotropicBody) and not body.claims.basin:
         message = "the simulation ended where the basin could not be proved: please report this"
         raise ContradictionError(message, methods=("simulation", "certificate"))
     moments = objective.moments
     unit = moments.total_weight * power_of_two(2 * trajectory.length_exponent)
     minimum = objective.energy(body.quaternion) - body.gap
     centres = np.square(named(trajectory.states, MATRIX_STATE)["c"]).sum(axis=1)
-    terms = 3.0 * float(moments.spread / unit) + centres
+    terms = 3.0 * float(_squares(objective, trajectory) / unit) + centres
     ulps = ENERGY_ULPS + trajectory.steps
     slack = ulps * np.finfo(float).eps * terms
     if (trajectory.potential < float(minimum / unit) - slack).any():
@@ -98,6 +104,15 @@ def require_sound_trajectory(
             value=float(trajectory.potential.min()),
             limit=float(minimum / unit),
         )
+
+
+def _squares(objective: Isotropic, trajectory: Trajectory | BreathingTrajectory) -> Fraction:
+    """Syy + s^2 Sxx, with the largest scale of a run: of what the terms of V_p are made."""
+    spread = objective.moments.spread
+    if isinstance(trajectory, BreathingTrajectory):
+        largest = Fraction(float(trajectory.scales.max())) ** 2
+        spread += (largest - 1) * source_size(objective)
+    return spread
 
 
 def _rounded_covariance(objective: Isotropic) -> NDArray[np.float64]:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from certreg.certificate import Certificate, PoseBounds
-    from certreg.dynamics import Trajectory
+    from certreg.dynamics import BreathingTrajectory, Trajectory
     from certreg.geometry import Pose, Similarity
     from certreg.problem import RegistrationProblem
     from certreg.registration.covariance import PoseCovariance, Residual
@@ -182,7 +182,7 @@ class AnyRegistration(Explained, Presented, ABC):
 
     @property
     @abstractmethod
-    def trajectory(self) -> Trajectory | None:
+    def trajectory(self) -> Trajectory | BreathingTrajectory | None:
         """The simulated motion; None where none was taken."""
 
     @property

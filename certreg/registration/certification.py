@@ -16,7 +16,7 @@ from certreg.certificate import (
     produce_similarity,
     require_accepted,
 )
-from certreg.dynamics import SimulationSettings, optimal_damping
+from certreg.dynamics import SimulationSettings, Trajectory, optimal_damping
 from certreg.dynamics import simulate as run
 from certreg.errors import (
     DegenerateProblemError,
@@ -28,9 +28,14 @@ from certreg.exact import (
 )
 from certreg.native import Integrator
 from certreg.objective import Isotropic
-from certreg.problem import RegistrationProblem, lift
+from certreg.problem import RegistrationProblem, Scale, lift
 from certreg.registration.agreement import agreement, require_sound_trajectory
 from certreg.registration.alike import require_alike, require_rigid
+from certreg.registration.breathing import (
+    NO_SYMMETRIC_MOTION,
+    SimulatedBreathing,
+    simulated_breathing,
+)
 from certreg.registration.optimum import exact_pose, optimal_pose
 from certreg.registration.parts import counted, logged
 from certreg.registration.result import (
@@ -58,7 +63,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Generator
 
     from certreg.certificate import Certificate, IsotropicBody, SimilarityBody
-    from certreg.dynamics import Trajectory
     from certreg.registration.parts import Progress
     from certreg.relaxation import Relaxation
     from certreg.results import Verdict
@@ -69,7 +73,6 @@ DEFAULT_INTEGRATOR = Integrator.EULER  # the paper's
 NOT_ASKED = Absent("not asked for")
 NOT_CERTIFIED = Absent("not certified")
 NO_SCALE_THERE = Absent("the relaxation is of scale 1, not of a free one")
-NO_BREATHING = Absent("a body whose scale is free is not simulated")
 CROSS_CHECK = Integrator.SPLITTING  # a few large steps, however stiff the springs
 
 
@@ -147,7 +150,7 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
     registration = certified(
         stated,
         relaxation=relaxation,
-        integrator=_integrator(simulation) if simulation else None,
+        integrator=_integrator(simulation, stated) if simulation else None,
         settings=simulation if isinstance(simulation, SimulationSettings) else None,
         robustness_angle=checked_angle(robustness_angle),
         about={**named, **(about or {})},
@@ -156,8 +159,11 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
     return replace(registration, limits=limits)
 
 
-def _integrator(simulation: str | SimulationSettings | Literal[True]) -> str:
-    return Integrator(simulation).value if isinstance(simulation, str) else CROSS_CHECK.value
+def _integrator(
+    simulation: str | SimulationSettings | Literal[True], problem: RegistrationProblem
+) -> str:
+    usual = Integrator.MIDPOINT if problem.scaled else CROSS_CHECK
+    return Integrator(simulation).value if isinstance(simulation, str) else usual.value
 
 
 def certified(  # noqa: PLR0913 - as above
@@ -205,7 +211,7 @@ def simulate(
     *,
     step: float | None = None,
     settings: SimulationSettings | None = None,
-) -> Trajectory | SimulatedSprings:
+) -> Trajectory | SimulatedSprings | SimulatedBreathing:
     """The trajectory of the damped body, released at rest where the source was given.
 
     Parameters
@@ -214,7 +220,8 @@ def simulate(
         Its damping is that of the body.
     integrator
         "euler", explicit with projection; "midpoint", whose energy never rises; "splitting", a few
-        large steps. None: "euler", and on general springs, where it is not there, "midpoint".
+        large steps. None: "euler", and "midpoint" on general springs, where that is not there, and
+        with a free scale, where no other is.
     step
         In the time unit of the springs, None for the integrator's own; less is taken, and noted in
         the trajectory, where this is not stable or gains nothing.
@@ -223,23 +230,28 @@ def simulate(
 
     Returns
     -------
-    Trajectory | SimulatedSprings
+    Trajectory | SimulatedSprings | SimulatedBreathing
         Whether it converged is in its `status`; on general springs a `SimulatedSprings`, whose
-        body may come to rest elsewhere than at the optimum.
+        body may come to rest elsewhere than at the optimum; with a free scale a
+        `SimulatedBreathing`, whose size moves, too.
 
     Raises
     ------
     ValueError
-        For other integrators or steps; for "euler" on general springs.
+        For other integrators or steps; for "euler" on general springs; for all but "midpoint" with
+        a free scale.
+    InvalidProblemError
+        For the symmetric scale, which no springs have.
     DegenerateProblemError
         Where the dynamics is not defined or too stiff.
     """
     settings = _with_step(settings, step)
     if problem.factors is not None:
         return simulated_springs(problem, integrator, settings=settings)
-    require_rigid(problem, "a motion is simulated")
-    chosen = Integrator(integrator or DEFAULT_INTEGRATOR)
     objective = Isotropic.of(problem)
+    if problem.scaled:
+        return simulated_breathing(problem, objective, integrator, settings=settings)
+    chosen = Integrator(integrator or DEFAULT_INTEGRATOR)
     trajectory = run(objective, problem.damping, chosen, settings=settings)
     return ProblemTrajectory.of(problem, objective, trajectory)
 
@@ -247,11 +259,10 @@ def simulate(
 def simulated(
     problem: RegistrationProblem, integrator: str | None = None, *, step: float | None = None
 ) -> SimulatedRegistration:
-    """As `simulate` of one weight per pair, with what the checker has proved of where it ended.
+    """As `simulate` of scale 1 and one weight per pair, with what is proved of where it ended.
 
     Raises ContradictionError or RefusedCertificateError where certreg contradicts itself.
     """
-    require_rigid(problem, "a motion is simulated")
     chosen, settings = Integrator(integrator or DEFAULT_INTEGRATOR), _with_step(None, step)
     objective = Isotropic.of(problem)
     return proved_end(
@@ -294,10 +305,7 @@ def solve(  # noqa: PLR0913 - as above
     if relaxation:
         relaxed = NO_SCALE_THERE if problem.scaled else _relaxation(objective, relaxation)
         done("relaxation")
-    if integrator is not None and problem.scaled:
-        trajectory = NO_BREATHING
-        done("simulation")
-    elif integrator is not None:
+    if integrator is not None:
         settings = settings or SimulationSettings()
         trajectory = _simulation(objective, problem, integrator, settings)
         done("simulation")
@@ -327,7 +335,7 @@ def _certificate(
     problem: RegistrationProblem,
     objective: Isotropic,
     relaxed: Relaxation | Absent,
-    trajectory: Trajectory | Absent,
+    trajectory: Trajectory | SimulatedBreathing | Absent,
     *,
     robustness_angle: float | None,
     about: dict[str, Any],
@@ -341,7 +349,7 @@ def _certificate(
         problem,
         objective,
         proposal=None if isinstance(relaxed, Absent) else relaxed.proposal,
-        state=None if isinstance(trajectory, Absent) else final_state(trajectory),
+        state=final_state(trajectory) if isinstance(trajectory, Trajectory) else None,
         robustness_angle=robustness_angle,
         about=about,
     )
@@ -374,9 +382,13 @@ def _simulation(
     problem: RegistrationProblem,
     integrator: str,
     settings: SimulationSettings,
-) -> Trajectory | Absent:
+) -> Trajectory | SimulatedBreathing | Absent:
     """The simulated registration, or why there is none."""
+    if problem.scale is Scale.SYMMETRIC:
+        return NO_SYMMETRIC_MOTION
     try:
+        if problem.scaled:
+            return simulated_breathing(problem, objective, integrator, settings=settings)
         moved = run(objective, problem.damping, Integrator(integrator), settings=settings)
     except DegenerateProblemError as error:
         return Absent(str(error))

@@ -9,8 +9,8 @@ from certreg.certificate import check_own, count_certificate, require_accepted
 from certreg.equilibrium import METHODS, EquilibriumSet, compare, search
 from certreg.errors import UndecidedError
 from certreg.objective import Isotropic
-from certreg.registration.alike import require_rigid
 from certreg.registration.ambiguity import equilibria_at
+from certreg.registration.breathing import scaled_equilibria
 from certreg.registration.covariance import pose_covariance
 from certreg.registration.fit import fit_of
 from certreg.registration.optimum import optimal_pose, pose_at
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from certreg.registration.parts import Progress
 
 ALL = "all"  # methods
+ONLY_SPECTRAL = "with a free scale the equilibria are counted by eigenspaces alone: take 'spectral'"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,7 +75,8 @@ def equilibria(
     """All equilibria of the registration dynamics of a problem.
 
     Of general springs they come as `SpringEquilibria`: up to forty, stable ones beside the optimum
-    among them, or a list that says what it leaves open.
+    among them, or a list that says what it leaves open. Of a free scale they come as
+    `ScaledEquilibria`, each with its scale.
 
     Parameters
     ----------
@@ -96,7 +98,7 @@ def equilibria(
     Raises
     ------
     ValueError
-        For other methods.
+        For other methods; with a free scale for all but "spectral".
     UndecidedError
         Where the homotopy comes to no list.
     ContradictionError
@@ -105,7 +107,11 @@ def equilibria(
     if problem.factors is not None:
         listed = ListedSpringEquilibria.of(enumerated_springs(problem, method, progress=progress))
         return cast("EquilibriumSet", listed)
-    return ListedEquilibria.of(enumerated(problem, method, progress=progress))
+    enumeration = enumerated(problem, method, progress=progress)
+    if problem.scaled:
+        scaled = scaled_equilibria(enumeration.objective, enumeration.equilibria)
+        return cast("EquilibriumSet", scaled)
+    return ListedEquilibria.of(enumeration)
 
 
 def enumerated(
@@ -119,7 +125,9 @@ def enumerated(
             f"method is {method!r}: this version knows {', '.join(map(repr, METHODS))} and {ALL!r}"
         )
         raise ValueError(message)
-    require_rigid(problem, "equilibria are listed")
+    if problem.scaled and method != first:
+        message = f"method {method!r}: {ONLY_SPECTRAL}"
+        raise ValueError(message)
     objective = Isotropic.of(problem)
     names = tuple(METHODS) if method == ALL else (method,)
     done = counted(progress, len(names))
@@ -156,8 +164,10 @@ def equilibrium_poses(enumeration: Enumeration | SpringEnumeration) -> list[Pose
     if isinstance(enumeration, SpringEnumeration):
         return [part.pose for part in enumeration.equilibria.components]
     critical = next(each.critical for each in enumeration.searches if each.critical is not None)
-    objective = enumeration.objective
-    return [pose_at(objective, part.quaternion) for part in critical.components]
+    objective, kept = enumeration.objective, len(critical.components)
+    if objective.scaling is not None:
+        kept = len(scaled_equilibria(objective, enumeration.equilibria).components)
+    return [pose_at(objective, part.quaternion) for part in critical.components[:kept]]
 
 
 def certified_count(problem: RegistrationProblem) -> Certificate[CountBody] | None:

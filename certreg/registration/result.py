@@ -17,6 +17,7 @@ from certreg.exact import nearest_double, power_of_two
 from certreg.problem import lift, row_blocks
 from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.any_registration import AnyRegistration, AnySolution
+from certreg.registration.breathing import scaled_equilibria
 from certreg.registration.covariance import (
     parameters_of,
     pose_covariance,
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
     from certreg.problem import ExactMoments, RegistrationProblem
     from certreg.registration.agreement import Agreement
     from certreg.registration.any_registration import ResidualBlock
+    from certreg.registration.breathing import ScaledEquilibria, SimulatedBreathing
     from certreg.registration.covariance import PoseCovariance, Residual
     from certreg.registration.fit import Fit
     from certreg.registration.robustness import Robustness
@@ -61,7 +63,7 @@ class Solution(AnySolution):
 
     objective: Isotropic
     relaxation: Relaxation | Absent
-    trajectory: Trajectory | Absent
+    trajectory: Trajectory | SimulatedBreathing | Absent
     agreement: Agreement
 
     @cached_property
@@ -111,7 +113,7 @@ class Solution(AnySolution):
     def ended_in(self, state: RotationState) -> bool:
         """Whether a simulation was run and ended in exactly this state."""
         trajectory = self.trajectory
-        return not isinstance(trajectory, Absent) and final_state(trajectory) == state
+        return isinstance(trajectory, Trajectory) and final_state(trajectory) == state
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -198,7 +200,12 @@ class Registration(AnyRegistration):
         return self.solution.equilibria
 
     @property
-    def trajectory(self) -> Trajectory | None:
+    def scaled_equilibria(self) -> ScaledEquilibria:
+        """The same of a problem whose scale is free, each with its scale."""
+        return scaled_equilibria(self.solution.objective, self.equilibria)
+
+    @property
+    def trajectory(self) -> Trajectory | SimulatedBreathing | None:
         """The simulated motion; None where none was taken."""
         return present(self.solution.trajectory)
 
@@ -232,7 +239,9 @@ class Registration(AnyRegistration):
         return worst_residuals(self.problem, self.pose, count)
 
 
-def exact_energy_unit(moments: ExactMoments, trajectory: Trajectory | Absent) -> Fraction:
+def exact_energy_unit(
+    moments: ExactMoments, trajectory: Trajectory | SimulatedBreathing | Absent
+) -> Fraction:
     """What the energies of a trajectory are worth in objective units."""
     exponent = 0 if isinstance(trajectory, Absent) else 2 * trajectory.length_exponent
     return moments.total_weight * power_of_two(exponent)

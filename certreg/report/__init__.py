@@ -7,10 +7,14 @@ from typing import TYPE_CHECKING
 from certreg._loading import lazy_face
 
 if TYPE_CHECKING:
+    from certreg.report.breathing import breathing_document as breathing_document
+    from certreg.report.breathing import breathing_summary as breathing_summary
+    from certreg.report.breathing import scaled_enumeration_summary as scaled_enumeration_summary
     from certreg.report.document import assessment_document as assessment_document
     from certreg.report.document import dumps as dumps
     from certreg.report.document import equilibria_document as equilibria_document
     from certreg.report.document import result_document as result_document
+    from certreg.report.document import scaled_document as scaled_document
     from certreg.report.document import simulation_document as simulation_document
     from certreg.report.folder import REPORT as REPORT
     from certreg.report.folder import write_folder as write_folder
@@ -21,6 +25,7 @@ if TYPE_CHECKING:
     from certreg.report.pages import html_page as html_page
     from certreg.report.presenting import PRESENTER as PRESENTER
     from certreg.report.reload import report_of as report_of
+    from certreg.report.scaled_summary import registration_summary as registration_summary
     from certreg.report.spring_equilibria import (
         spring_enumeration_summary as spring_enumeration_summary,
     )
@@ -34,18 +39,23 @@ if TYPE_CHECKING:
         spring_simulation_summary as spring_simulation_summary,
     )
     from certreg.report.summary import equilibria_words as equilibria_words
-    from certreg.report.summary import registration_summary as registration_summary
     from certreg.report.summary import simulation_summary as simulation_summary
 
 __getattr__ = lazy_face(
     __name__,
     {
+        "breathing": (
+            "breathing_document",
+            "breathing_summary",
+            "scaled_enumeration_summary",
+        ),
         "judged_pose": ("assessment_summary",),
         "document": (
             "assessment_document",
             "dumps",
             "equilibria_document",
             "result_document",
+            "scaled_document",
             "simulation_document",
         ),
         "folder": (
@@ -60,13 +70,13 @@ __getattr__ = lazy_face(
         "pages": ("html_page",),
         "presenting": ("PRESENTER",),
         "reload": ("report_of",),
+        "scaled_summary": ("registration_summary",),
         "spring_equilibria": (
             "spring_enumeration_summary",
             "spring_equilibria_document",
         ),
         "summary": (
             "equilibria_words",
-            "registration_summary",
             "simulation_summary",
         ),
         "spring_simulation": (

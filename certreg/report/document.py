@@ -8,7 +8,13 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, cast
 
 from certreg.exact import double_above, nearest_double
-from certreg.registration import Method, SimulatedRegistration, SpringRegistration
+from certreg.registration import (
+    Method,
+    SimulatedBreathing,
+    SimulatedRegistration,
+    SpringRegistration,
+)
+from certreg.report.breathing import breathing_fields
 from certreg.report.encoding import Document, Noted, encoded
 from certreg.report.fields import (
     degrees,
@@ -31,7 +37,13 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from certreg.equilibrium import Component, EquilibriumSet
-    from certreg.registration import AnyRegistration, Assessment, Enumeration, Registration
+    from certreg.registration import (
+        AnyRegistration,
+        Assessment,
+        Enumeration,
+        Registration,
+        ScaledEquilibria,
+    )
 
 RESULT_SCHEMA = "certreg-result/1"
 ASSESSMENT_SCHEMA = "certreg-assessment/1"
@@ -42,7 +54,8 @@ SIMULATION_SCHEMA = "certreg-simulation/1"
 NOT_WRITTEN = Absent("nothing is written without --out")
 NOT_A_BOUND = Absent("its multiplier could not be made a proved bound")
 ALIKE = Absent("each pair has one weight, and a spring alike in every way")
-NOT_LISTED = Absent("of a body whose scale is free no equilibria are listed")
+NOT_LINEARISED = Absent("the motion with a free scale has more modes, which are not listed here")
+NO_INSIDE_OUT = Absent("the symmetric scale is never below 0")
 OF_EIGENVALUES = Absent("told of general springs; here the eigenvalues say as much")
 WORST = 10  # residuals in a result: the whole list is one call away
 
@@ -94,7 +107,7 @@ def _fields(registration: Registration) -> Document:
     return {
         "springs": ALIKE,
         "optimality": _optimality(registration),
-        "equilibria": NOT_LISTED
+        "equilibria": _scaled_equilibria(registration.scaled_equilibria)
         if registration.problem.scaled
         else _equilibria(registration.equilibria),
         "margin": {
@@ -127,6 +140,17 @@ def pose_document(registration: AnyRegistration) -> Document:
 def equilibria_document(enumeration: Enumeration) -> Document:
     """An equilibrium set on its own; with the searches for it, if there were several."""
     return encoded({**_set(enumeration.equilibria), **methods_fields(enumeration)})
+
+
+def scaled_document(equilibria: ScaledEquilibria) -> Document:
+    """As `equilibria_document`, of a free scale."""
+    return encoded(
+        {
+            "schema": EQUILIBRIA_SCHEMA,
+            "equilibria": _scaled_equilibria(equilibria),
+            "margin": _margin(equilibria.rigid),
+        }
+    )
 
 
 def set_document(equilibria: EquilibriumSet) -> Document:
@@ -217,6 +241,32 @@ def _equilibria(equilibria: EquilibriumSet) -> Document:
     }
 
 
+def _scaled_equilibria(equilibria: ScaledEquilibria) -> Document:
+    """With the scale of each, and the states inside out; the pattern is that of all rotations."""
+    breathing = equilibria.breathing
+    return {
+        **_equilibria(equilibria.rigid),
+        "finite": equilibria.finite,
+        "count": equilibria.stated("count"),
+        "spurious": equilibria.stated("spurious"),
+        "components": [
+            {
+                **_component(each.component, None),
+                "eigenvalues": NOT_LINEARISED,
+                "rmse": each.stated("rmse"),
+                "scale": each.stated("scale"),
+            }
+            for each in equilibria.components
+        ],
+        "inside_out": NO_INSIDE_OUT
+        if breathing is None
+        else [
+            {"kind": each.kind.value, "scale": each.stated("scale"), "stable": each.stable}
+            for each in breathing.inside_out
+        ],
+    }
+
+
 def _component(component: Component, doubt: str | None) -> Document:
     """What follows from the list being complete is not told where that is in doubt."""
     optimal, index = component.optimal, component.morse_index
@@ -271,6 +321,8 @@ def _simulation(registration: Registration) -> Document | Absent:
     trajectory = solution.trajectory
     if isinstance(trajectory, Absent):
         return trajectory
+    if isinstance(trajectory, SimulatedBreathing):
+        return breathing_fields(trajectory)
     certificate = solution.certificate
     end = SimulatedRegistration(
         trajectory=trajectory,

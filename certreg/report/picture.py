@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from certreg.dynamics import Trajectory
+    from certreg.dynamics import BreathingTrajectory, Trajectory
     from certreg.registration import AnyRegistration, SpringRegistration
 
 WIDTH, HEIGHT, MARGIN = 240, 160, 10  # pixels
@@ -148,7 +148,7 @@ def springs_picture(registration: SpringRegistration) -> Picture | None:
     )
 
 
-def energy_picture(trajectory: Trajectory) -> Picture | None:
+def energy_picture(trajectory: Trajectory | BreathingTrajectory) -> Picture | None:
     """The energy over time, as a line; None where that leaves the doubles."""
     with np.errstate(over="ignore", invalid="ignore"):
         energy = trajectory.potential + trajectory.kinetic

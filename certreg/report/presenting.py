@@ -21,11 +21,20 @@ from certreg.registration import (
     ListedSpringEquilibria,
     ProblemTrajectory,
     Registration,
+    ScaledEquilibria,
+    SimulatedBreathing,
     SimulatedRegistration,
     SimulatedSprings,
     SpringEquilibria,
     SpringRegistration,
     proved_end,
+)
+from certreg.report.breathing import (
+    breathing_card,
+    breathing_document,
+    breathing_summary,
+    scaled_enumeration_summary,
+    scaled_equilibria_card,
 )
 from certreg.report.cards import (
     assessment_card,
@@ -39,6 +48,7 @@ from certreg.report.document import (
     assessment_document,
     equilibria_document,
     result_document,
+    scaled_document,
     set_document,
     simulation_document,
 )
@@ -47,6 +57,7 @@ from certreg.report.judged_pose import assessment_summary
 from certreg.report.methods import enumeration_summary
 from certreg.report.pages import html_page, report_on
 from certreg.report.plotting import plotted
+from certreg.report.scaled_summary import registration_summary
 from certreg.report.spring_equilibria import (
     spring_enumeration_summary,
     spring_equilibria_card,
@@ -62,7 +73,6 @@ from certreg.report.spring_simulation import (
 from certreg.report.spring_summary import spring_summary
 from certreg.report.summary import (
     equilibria_words,
-    registration_summary,
     simulation_summary,
 )
 from certreg.verify import shown
@@ -122,6 +132,12 @@ SHAPES: dict[type, Shape] = {
         words=_enumeration_words, document=_enumeration_document, card=equilibria_card
     ),
     EquilibriumSet: Shape(words=equilibria_words, document=set_document, card=equilibria_card),
+    ScaledEquilibria: Shape(
+        words=scaled_enumeration_summary, document=scaled_document, card=scaled_equilibria_card
+    ),
+    SimulatedBreathing: Shape(
+        words=breathing_summary, document=breathing_document, card=breathing_card
+    ),
     ListedSpringEquilibria: Shape(
         words=_spring_enumeration_words,
         document=_spring_enumeration_document,

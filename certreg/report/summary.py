@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING
 
 from certreg.certificate import flat_energy
 from certreg.exact import nearest_double
-from certreg.geometry import Similarity
-from certreg.problem import Scale
 from certreg.registration import (
     HARDLY_DETERMINED,
     NOT_ASKED,
     FitCode,
+    SimulatedBreathing,
     ambiguous_words,
     at_most,
     headline_words,
@@ -23,7 +22,6 @@ from certreg.registration import (
     proved_degrees,
     rounding_remedy,
     share_words,
-    unit_of,
 )
 from certreg.report.remedies import ADVICE, remedies, why_warned
 from certreg.report.robustness import robustness_words
@@ -39,6 +37,8 @@ from certreg.results import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from certreg.dynamics import Trajectory
     from certreg.equilibrium import Component, EquilibriumSet
     from certreg.registration import (
@@ -47,18 +47,9 @@ if TYPE_CHECKING:
         SimulatedRegistration,
     )
 
-SCALE_ZERO = (
-    "                    0: the clouds do not correspond (the cross-covariance is zero), so that "
-    "the best fit is one point"
-)
-BIAS = {
-    Scale.ASYMMETRIC: "noise in the source makes it too small; noise in the target does not",
-    Scale.SYMMETRIC: "right where both clouds have the same relative noise, too large with noise "
-    "in the target alone",
-}
 UNMET = "Not called certified: that asks for a proof that it is"
 MEANS = "Certified means here"
-COUNTS = {1: "one", 2: "two", 3: "three", 4: "four"}
+COUNTS = {0: "none", 1: "one", 2: "two", 3: "three", 4: "four"}
 KINDS = {
     ComponentKind.POINT: "point",
     ComponentKind.CIRCLE: "circle",
@@ -74,12 +65,10 @@ LEAST_NORMAL = 2.0**-1022  # smaller doubles have fewer digits
 COMPARABLE_STEP = 0.1  # h times the decay rate: a scheme's own differs by half of that
 
 
-def registration_summary(registration: Registration) -> str:
-    """The result of `certify`, readable."""
-    pose, status = registration.pose, _status_lines(registration)
+def rigid_summary(registration: Registration) -> str:
+    """The result of `certify` of scale 1, readable."""
+    pose, status = registration.pose, status_lines(registration)
     fit = registration.fit
-    if registration.problem.scaled:
-        return _scaled_summary(registration, status)
     exact = number(registration.equilibria.components[0].rmse)
     differs = fit.rounded and number(registration.rmse) != exact
     weighted = f"weighted, {unit_words(fit)}{OF_PRINTED if differs else ''}"
@@ -91,12 +80,12 @@ def registration_summary(registration: Registration) -> str:
             f"  correspondences   {registration.problem.n}",
             f"  rotation (wxyz)   {' '.join(map(repr, pose.quaternion_wxyz.tolist()))}",
             f"  translation       {' '.join(map(repr, pose.translation.tolist()))}",
-            *_uncertainty_lines(registration),
+            *uncertainty_lines(registration),
             f"  RMSE              {number(registration.rmse)}  ({weighted})",
             f"  explained         {explained_words(fit)}{why_warned(fit)}",
             f"  ambiguity margin  {margin_words(registration.equilibria)}",
             f"  robustness        {robustness_words(registration)}",
-            *_method_lines(registration),
+            *method_lines(registration),
             *(f"  warning           {words}" for words in warnings(registration, status[0])),
             "",
             equilibria_summary(registration.equilibria),
@@ -104,33 +93,7 @@ def registration_summary(registration: Registration) -> str:
     )
 
 
-def _scaled_summary(registration: Registration, status: list[str]) -> str:
-    """The same where the scale is free: of the body that breathes no equilibria are listed."""
-    pose, problem = registration.pose, registration.problem
-    scale = pose.scale if isinstance(pose, Similarity) else 1.0
-    unit = unit_of(registration)
-    return "\n".join(
-        (
-            *status,
-            *(f"{ADVICE}{words}" for words in remedies(registration)),
-            "",
-            f"  correspondences   {problem.n}",
-            f"  scale             {scale!r}  ({problem.scale.value}; target over source)",
-            *([SCALE_ZERO] if scale == 0.0 else []),
-            *([] if unit is None else [f"                    {unit}"]),
-            f"                    {BIAS[problem.scale]}",
-            f"  rotation (wxyz)   {' '.join(map(repr, pose.quaternion_wxyz.tolist()))}",
-            f"  translation       {' '.join(map(repr, pose.translation.tolist()))}",
-            *_uncertainty_lines(registration),
-            f"  RMSE              {number(registration.rmse)}  (weighted, unit of the target)",
-            f"  explained         {explained_words(registration.fit)}",
-            f"  robustness        {robustness_words(registration)}",
-            *_method_lines(registration),
-        )
-    )
-
-
-def _uncertainty_lines(registration: Registration) -> list[str]:
+def uncertainty_lines(registration: Registration) -> list[str]:
     """The rows of `uncertainty_rows`, in ASCII."""
     plain = ([part.replace("±", "+/-") for part in row] for row in uncertainty_rows(registration))
     return [f"  {name:<17} {words}" for name, words in plain]
@@ -139,7 +102,7 @@ def _uncertainty_lines(registration: Registration) -> list[str]:
 def simulation_summary(simulated: SimulatedRegistration) -> str:
     """The result of `simulate`, readable; energies in objective units."""
     trajectory, unspent = simulated.trajectory, unspent_words(simulated.trajectory)
-    end = _away(simulated.angle_to_optimum, unique=simulated.unique)
+    end = away_words(simulated.angle_to_optimum, unique=simulated.unique)
     initial, final = (present(energy) for energy in simulated.energies)
     proved = "Proved:" if simulated.in_certified_basin else "Not proved that"
     which = "the" if simulated.unique else "an"
@@ -166,12 +129,16 @@ def equilibria_summary(equilibria: EquilibriumSet) -> str:
     rows = [("index", "kind", "RMSE", "energy", "to optimum", "unstable", "")]
     sure = equilibria.doubt is None
     rows += [_row(component, sure=sure) for component in equilibria.components]
-    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-    table = [
+    return "\n".join((count_words(equilibria), *table_of(rows)))
+
+
+def table_of(rows: Sequence[Sequence[str]]) -> list[str]:
+    """The lines of a table, its columns flush right."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
         ("  " + "  ".join(cell.rjust(w) for cell, w in zip(row, widths, strict=True))).rstrip()
         for row in rows
     ]
-    return "\n".join((count_words(equilibria), *table))
 
 
 def equilibria_words(equilibria: EquilibriumSet) -> str:
@@ -201,7 +168,8 @@ def _counted(equilibria: EquilibriumSet) -> str:
     if equilibria.doubt is not None:
         if equilibria.components[0].kind is ComponentKind.ROTATION_GROUP:
             return "the search could not tell any two rotations apart"
-        return f"the search found {_kinds_words(equilibria)}, and there may be more"
+        kinds = [component.kind for component in equilibria.components]
+        return f"the search found {kinds_words(kinds)}, and there may be more"
     exactly = "" if equilibria.guarantee is Guarantee.NUMERICAL else "exactly "
     if classification.finite:
         what = f"{exactly}four equilibria: the optimum and three spurious ones"
@@ -217,9 +185,9 @@ def _counted(equilibria: EquilibriumSet) -> str:
     return what
 
 
-def _kinds_words(equilibria: EquilibriumSet) -> str:
+def kinds_words(found: Sequence[ComponentKind]) -> str:
     """For example: two points and one circle."""
-    kinds = Counter(component.kind for component in equilibria.components)
+    kinds = Counter(found)
     return " and ".join(
         KINDS[kind]
         if kind is ComponentKind.ROTATION_GROUP
@@ -276,7 +244,8 @@ def _limit_words(registration: Registration) -> str:
     return f"{lead} within {limits.max_gap:g} of {of}{angle}."
 
 
-def _status_lines(registration: Registration) -> list[str]:
+def status_lines(registration: Registration) -> list[str]:
+    """What is proved of the pose, in lines."""
     lines, bounds = verdict_words(registration), registration.bounds
     if registration.status is Optimality.NOT_CERTIFIED:
         return lines
@@ -295,7 +264,7 @@ def bounds_nothing(registration: Registration, gap: Fraction) -> bool:
     return registration.bounds is not None and registration.bounds.covers_range(gap)
 
 
-def _method_lines(registration: Registration) -> list[str]:
+def method_lines(registration: Registration) -> list[str]:
     """What the independent methods say, one line each."""
     solution, lines = registration.solution, list[str]()
     unique = registration.equilibria.classification.unique
@@ -305,20 +274,11 @@ def _method_lines(registration: Registration) -> list[str]:
         bound = "" if gap is None else f", which alone proves a gap of at most {at_most(gap.value)}"
         if gap is not None and bounds_nothing(registration, gap.value):
             bound += ", which bounds nothing"
-        away = _away(agreement.relaxation, unique=unique)
+        away = away_words(agreement.relaxation, unique=unique)
         lines.append(f"  relaxation (SDP)  rank {relaxation.rank}, {away}{bound}")
     if not isinstance(trajectory, Absent) and agreement.simulation is not None:
-        basin = solution.certificate is not None and solution.certificate.body.claims.basin
-        where = ", proved in the basin of the optimum" if basin else ""
-        away = _away(agreement.simulation, unique=unique)
-        kicked = kicked_words(trajectory.escapes)
-        steps = f"{trajectory.steps} step{'s' * (trajectory.steps != 1)}{kicked}"
-        if (left := unspent_words(trajectory)) is not None:
-            away = f"then {left}; its rotation {away}"
-        lines.append(f"  simulation        {steps}, {away}{where}")
-        if not trajectory.converged:
-            words = " ".join((trajectory.status.value, *trajectory.notes))
-            lines.append(f"                    NOT CONVERGED: {words}")
+        away = away_words(agreement.simulation, unique=unique)
+        lines += _motion_lines(registration, trajectory, away)
     left_out = {
         "relaxation (SDP)": solution.relaxation,
         "simulation": solution.trajectory,
@@ -328,6 +288,27 @@ def _method_lines(registration: Registration) -> list[str]:
         for name, part in left_out.items()
         if isinstance(part, Absent) and part != NOT_ASKED
     ]
+    return lines
+
+
+def _motion_lines(
+    registration: Registration, trajectory: Trajectory | SimulatedBreathing, away: str
+) -> list[str]:
+    """How a simulation ended, and if it did not come to rest, why."""
+    certificate, where, notes = registration.solution.certificate, "", ()
+    if isinstance(trajectory, SimulatedBreathing):
+        where = f", at the scale {trajectory.scales[-1]:.6g}"
+    else:
+        notes = trajectory.notes
+        if certificate is not None and certificate.body.claims.basin:
+            where = ", proved in the basin of the optimum"
+        if (left := unspent_words(trajectory)) is not None:
+            away = f"then {left}; its rotation {away}"
+    steps = f"{trajectory.steps} step{'s' * (trajectory.steps != 1)}"
+    lines = [f"  simulation        {steps}{kicked_words(trajectory.escapes)}, {away}{where}"]
+    if not trajectory.converged:
+        words = " ".join((trajectory.status.value, *notes))
+        lines.append(f"                    NOT CONVERGED: {words}")
     return lines
 
 
@@ -348,7 +329,8 @@ def percent_words(share: float) -> str:
     return f"{told} %"
 
 
-def _away(angle: float, *, unique: bool = True) -> str:
+def away_words(angle: float, *, unique: bool = True) -> str:
+    """How far a rotation is from the optimum."""
     degrees = math.degrees(angle)
     digits = 3 if degrees >= 1.0 else 1  # a small one is rounding, or where a run was stopped
     return f"{degrees:.{digits}g} degrees from the {'' if unique else 'nearest '}optimum"

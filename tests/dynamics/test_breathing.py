@@ -12,6 +12,7 @@ from certreg.dynamics.breathing import (
     BreathingStatus,
     breathing_body,
     breathing_state,
+    never_collapses,
     simulate_breathing,
 )
 from certreg.dynamics.breathing_run import Run
@@ -153,10 +154,9 @@ def test_a_motion_that_goes_to_the_scale_zero_stops_before_it():
     run = simulate_breathing(objective, DAMPING, start=breathing_state(worst, 1.0))
 
     assert run.status is BreathingStatus.COLLAPSED
-    assert not run.never_collapses
     assert (run.scales > 0.0).all()
     assert run.scales[-1] < 1e-5 * run.scales[0]
-    assert moving.energies(run.last)[:4].sum() >= moving.collapse_energy
+    assert moving.energies(run.last)[:4].sum() >= collapse_energy(moving)
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -171,10 +171,25 @@ def test_with_less_energy_than_a_point_the_scale_stays_above_its_bound(seed):
     run = simulate_breathing(objective, 0.05, start=start)
     largest = aligned_most(moving, values, objective)
 
-    assert run.never_collapses
     energy = float((run.potential + run.kinetic)[0])
-    least = (moving.collapse_energy - energy) / (2.0 * largest) * moving.unit_of_scale
+    assert energy < collapse_energy(moving)
+    least = (collapse_energy(moving) - energy) / (2.0 * largest) * moving.unit_of_scale
     assert (run.scales >= least * (1.0 - 1e-12)).all()
+
+
+def collapse_energy(moving: Any) -> float:
+    """Syy / M, in the units of the body."""
+    return float(moving.record["spread"]) - moving.size
+
+
+def test_the_released_body_is_proved_to_keep_its_size_just_below_the_energy_of_a_point():
+    """Of target = b times source, at scale 1: V - Syy = Sxx (1 - 2 b), plus M |shift|^2."""
+    source = np.array([s * row for row in np.eye(3) for s in (1.0, -1.0)])
+
+    for factor, proved in ((0.5, False), (np.nextafter(0.5, 1.0), True), (-1.0, False)):
+        assert never_collapses(objective_of(source, factor * source)) is proved
+    for shift, proved in ((1.0, False), (np.nextafter(1.0, 0.0), True)):  # Sxx = M = 6
+        assert never_collapses(objective_of(source, source + np.array([shift, 0, 0]))) is proved
 
 
 def aligned_most(moving: Any, values: Any, objective: Isotropic) -> float:

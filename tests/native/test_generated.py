@@ -100,14 +100,17 @@ def test_the_generated_python_gives_the_bits_of_casadi(name, definitions):
             assert one.tobytes() == other[:, k].tobytes() == np.array(wanted).tobytes()
 
 
-@pytest.mark.parametrize("name", ["dynamics", "breathing_dynamics", "spring_dynamics"])
-def test_the_python_has_the_statements_of_the_c(name):
+@pytest.mark.parametrize(
+    ("name", "least"),
+    [("dynamics", 3000), ("breathing_dynamics", 2500), ("spring_dynamics", 6500)],
+)
+def test_the_python_has_the_statements_of_the_c(name, least):
     c, python = ((GENERATED / f"{name}.{end}").read_text("utf-8") for end in ("c", "py"))
     c = re.sub(r"CERTREG_CONSTANT\((.*?)\)", r"\1", c).replace("CERTREG_SQRT", "sqrt")
     statements = [re.findall(r"^ +(\S+=.*?);?$", text, re.MULTILINE) for text in (c, python)]
 
     assert statements[0] == statements[1]
-    assert len(statements[0]) > 2000
+    assert len(statements[0]) > least
 
 
 def test_where_c_has_infinity_or_no_number_the_evaluator_has_the_same():

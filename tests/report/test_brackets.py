@@ -22,7 +22,7 @@ from certreg.registration.certification import certify
 from certreg.report.document import result_document
 from certreg.report.page import Report
 from certreg.report.pages import html_page
-from certreg.report.summary import registration_summary
+from certreg.report.scaled_summary import registration_summary
 from certreg.verify import Worth, parse
 
 if TYPE_CHECKING:

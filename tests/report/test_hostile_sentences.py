@@ -77,8 +77,8 @@ def test_of_several_optima_none_is_called_the_optimum(target: Any):
 
 
 def test_far_angles_have_three_digits():
-    assert summary._away(math.radians(154.3)) == "154 degrees from the optimum"
-    assert summary._away(math.radians(2.34e-7)) == "2e-07 degrees from the optimum"
+    assert summary.away_words(math.radians(154.3)) == "154 degrees from the optimum"
+    assert summary.away_words(math.radians(2.34e-7)) == "2e-07 degrees from the optimum"
 
 
 def test_what_moving_the_origin_does_not_mend_is_not_advised():

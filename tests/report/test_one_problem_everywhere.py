@@ -30,7 +30,8 @@ from certreg.report.cards import registration_card
 from certreg.report.document import pose_document
 from certreg.report.overview import Overview
 from certreg.report.residual_table import residual_table
-from certreg.report.summary import number, registration_summary
+from certreg.report.scaled_summary import registration_summary
+from certreg.report.summary import number
 from certreg.report.uncertainty import two_digits, uncertainty_rows
 from certreg.results import Limits
 

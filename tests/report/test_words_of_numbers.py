@@ -259,7 +259,7 @@ def test_the_card_says_which_turn_is_too_large_for_a_first_order():
     words = dict(uncertainty_rows(found))["rotation ±"]
     told = words[words.index("; a rough figure: a turn so large, about") :]
 
-    assert told in summary.registration_summary(found)
+    assert told in summary.rigid_summary(found)
     assert told in html.unescape(registration_card(found))
 
 
@@ -269,7 +269,7 @@ def test_what_the_headline_warns_of_is_told_once():
     found = solved(SOURCE, target)
     (warning,) = found.fit.warnings
 
-    assert summary.registration_summary(found).count(warning.text) == 1
+    assert summary.rigid_summary(found).count(warning.text) == 1
     assert html.unescape(registration_card(found)).count(warning.text) == 1
     pose = judged(found, given_pose(found.pose.T_target_source, None))
     assert assessment_summary(pose).count(warning.text) == 1

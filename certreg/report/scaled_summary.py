@@ -1,0 +1,68 @@
+"""The result of `certify` as a person reads it in a terminal: with or without a free scale."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from certreg.geometry import Similarity
+from certreg.problem import Scale
+from certreg.registration import unit_of
+from certreg.report.breathing import scaled_equilibria_words
+from certreg.report.remedies import ADVICE, remedies
+from certreg.report.robustness import robustness_words
+from certreg.report.summary import (
+    explained_words,
+    method_lines,
+    number,
+    rigid_summary,
+    status_lines,
+    uncertainty_lines,
+)
+
+if TYPE_CHECKING:
+    from certreg.registration import Registration
+
+SCALE_ZERO = (
+    "                    0: the clouds do not correspond (the cross-covariance is zero), so that "
+    "the best fit is one point"
+)
+BIAS = {
+    Scale.ASYMMETRIC: "noise in the source makes it too small; noise in the target does not",
+    Scale.SYMMETRIC: "right where both clouds have the same relative noise, too large with noise "
+    "in the target alone",
+}
+
+
+def registration_summary(registration: Registration) -> str:
+    """The result of `certify`, readable."""
+    if registration.problem.scaled:
+        return _scaled_summary(registration)
+    return rigid_summary(registration)
+
+
+def _scaled_summary(registration: Registration) -> str:
+    """The same where the scale is free."""
+    pose, problem = registration.pose, registration.problem
+    scale = pose.scale if isinstance(pose, Similarity) else 1.0
+    unit = unit_of(registration)
+    return "\n".join(
+        (
+            *status_lines(registration),
+            *(f"{ADVICE}{words}" for words in remedies(registration)),
+            "",
+            f"  correspondences   {problem.n}",
+            f"  scale             {scale!r}  ({problem.scale.value}; target over source)",
+            *([SCALE_ZERO] if scale == 0.0 else []),
+            *([] if unit is None else [f"                    {unit}"]),
+            f"                    {BIAS[problem.scale]}",
+            f"  rotation (wxyz)   {' '.join(map(repr, pose.quaternion_wxyz.tolist()))}",
+            f"  translation       {' '.join(map(repr, pose.translation.tolist()))}",
+            *uncertainty_lines(registration),
+            f"  RMSE              {number(registration.rmse)}  (weighted, unit of the target)",
+            f"  explained         {explained_words(registration.fit)}",
+            f"  robustness        {robustness_words(registration)}",
+            *method_lines(registration),
+            "",
+            scaled_equilibria_words(registration.scaled_equilibria),
+        )
+    )
