@@ -17,7 +17,6 @@ from certreg.exact import nearest_double, power_of_two
 from certreg.problem import lift, row_blocks
 from certreg.registration.ambiguity import equilibria_at
 from certreg.registration.any_registration import AnyRegistration, AnySolution
-from certreg.registration.breathing import scaled_equilibria
 from certreg.registration.covariance import (
     parameters_of,
     pose_covariance,
@@ -42,7 +41,7 @@ if TYPE_CHECKING:
     from certreg.problem import ExactMoments, RegistrationProblem
     from certreg.registration.agreement import Agreement
     from certreg.registration.any_registration import ResidualBlock
-    from certreg.registration.breathing import ScaledEquilibria, SimulatedBreathing
+    from certreg.registration.breathing import SimulatedBreathing
     from certreg.registration.covariance import PoseCovariance, Residual
     from certreg.registration.fit import Fit
     from certreg.registration.robustness import Robustness
@@ -198,11 +197,6 @@ class Registration(AnyRegistration):
     def equilibria(self) -> EquilibriumSet:
         """All equilibria of the registration dynamics."""
         return self.solution.equilibria
-
-    @property
-    def scaled_equilibria(self) -> ScaledEquilibria:
-        """The same of a problem whose scale is free, each with its scale."""
-        return scaled_equilibria(self.solution.objective, self.equilibria)
 
     @property
     def trajectory(self) -> Trajectory | SimulatedBreathing | None:

@@ -13,6 +13,7 @@ from certreg.registration import (
     SimulatedBreathing,
     SimulatedRegistration,
     SpringRegistration,
+    scaled_equilibria,
 )
 from certreg.report.breathing import breathing_fields
 from certreg.report.encoding import Document, Noted, encoded
@@ -107,7 +108,9 @@ def _fields(registration: Registration) -> Document:
     return {
         "springs": ALIKE,
         "optimality": _optimality(registration),
-        "equilibria": _scaled_equilibria(registration.scaled_equilibria)
+        "equilibria": _scaled_equilibria(
+            scaled_equilibria(registration.solution.objective, registration.equilibria)
+        )
         if registration.problem.scaled
         else _equilibria(registration.equilibria),
         "margin": {

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from certreg.geometry import Similarity
 from certreg.problem import Scale
-from certreg.registration import unit_of
+from certreg.registration import scaled_equilibria, unit_of
 from certreg.report.breathing import scaled_equilibria_words
 from certreg.report.remedies import ADVICE, remedies
 from certreg.report.robustness import robustness_words
@@ -63,6 +63,8 @@ def _scaled_summary(registration: Registration) -> str:
             f"  robustness        {robustness_words(registration)}",
             *method_lines(registration),
             "",
-            scaled_equilibria_words(registration.scaled_equilibria),
+            scaled_equilibria_words(
+                scaled_equilibria(registration.solution.objective, registration.equilibria)
+            ),
         )
     )

@@ -129,22 +129,9 @@ def test_a_report_of_a_scale_is_refused_in_one_line(tmp_path: Path):
     )
 
 
-def test_what_is_of_rigid_motions_alone_says_so():
-    problem = stated(scale="symmetric")
-    for call, what in (
-        (certreg.equilibria, "equilibria are listed"),
-        (certreg.simulate, "a motion is simulated"),
-    ):
-        with pytest.raises(InvalidProblemError) as error:
-            call(problem)
-        assert str(error.value) == (
-            f"not with a free scale: {what} for rigid motions alone: leave the scale out"
-        )
-
-
 def test_what_is_not_computed_of_a_free_scale_says_why():
-    found = certreg.certify(stated(scale="asymmetric"), relaxation=False)
-    reasons = found.to_dict()["reasons"]
+    found = certreg.certify(stated(scale="asymmetric"))
 
-    assert reasons["simulation"] == "a body whose scale is free is not simulated"
-    assert reasons["equilibria"] == "of a body whose scale is free no equilibria are listed"
+    assert found.to_dict()["reasons"]["relaxation"] == (
+        "the relaxation is of scale 1, not of a free one"
+    )
