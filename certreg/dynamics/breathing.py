@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.dynamics.body import exponent_of, require_thick
-from certreg.dynamics.breathing_run import Run
+from certreg.dynamics.breathing_run import BreathingRun
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.equilibrium import source_size
 from certreg.errors import DegenerateProblemError
@@ -309,7 +309,7 @@ def simulate_breathing(
     state = moving.start if start is None else start
     if not float(state["scale"]) > 0.0:
         raise ValueError(f"the start has the scale {float(state['scale'])!r}: give one above 0")
-    done = Run.of(moving, state, settings or SimulationSettings()).to_the_end()
+    done = BreathingRun.of(moving, state, settings or SimulationSettings()).to_the_end()
     return BreathingTrajectory(
         status=BreathingStatus[done.ending.name],
         step=done.size,

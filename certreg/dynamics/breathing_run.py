@@ -48,7 +48,7 @@ class Ending(enum.Enum):
 
 
 @dataclass(slots=True)
-class Run:
+class BreathingRun:
     """One body on its way.
 
     size: of the largest step. rows: of the log, each BREATHING_SAMPLE, every `stride`-th step.
@@ -67,7 +67,9 @@ class Run:
     rows: list[Any] = field(default_factory=list[Any])
 
     @classmethod
-    def of(cls, moving: BreathingBody, state: Records, settings: SimulationSettings) -> Run:
+    def of(
+        cls, moving: BreathingBody, state: Records, settings: SimulationSettings
+    ) -> BreathingRun:
         """At the start."""
         own = MIDPOINT_SHARE * math.sqrt(TRANSLATION_STIFFNESS / stiffest(moving))
         given = min(settings.step, MIDPOINT_MOST * own) if settings.step else own
@@ -79,7 +81,7 @@ class Run:
             least_scale=LEAST_SCALE * float(state["scale"]),
         )
 
-    def to_the_end(self) -> Run:
+    def to_the_end(self) -> BreathingRun:
         """Step until the body is at rest, its scale falls to 0, or the steps run out."""
         perturbation, tolerance = (
             self.settings.first_perturbation,

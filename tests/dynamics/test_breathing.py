@@ -15,7 +15,7 @@ from certreg.dynamics.breathing import (
     never_collapses,
     simulate_breathing,
 )
-from certreg.dynamics.breathing_run import Run
+from certreg.dynamics.breathing_run import BreathingRun
 from certreg.dynamics.integrators import SimulationSettings
 from certreg.equilibrium.breathing import breathing_equilibria
 from certreg.equilibrium.presentation import unit_double
@@ -105,7 +105,7 @@ def test_the_linearisation_is_the_derivative_of_the_rates(seed):
 def test_a_step_loses_what_damping_takes_and_nothing_else(seed, size):
     moving = breathing_body(objective_of(*clouds(seed)).moments, DAMPING)
     state = any_state(seed)
-    run = Run.of(moving, state, SimulationSettings(step=size))
+    run = BreathingRun.of(moving, state, SimulationSettings(step=size))
     assert run._stepped()
 
     after, h = named(run.state, BREATHING_STATE), run.time
