@@ -12,8 +12,8 @@ from certreg.native.codegen.records import RecordLayout, record_of
 from certreg.native.codegen.translate import Definition, port
 
 from .breathing_integrators import (
+    BreathingMiddle,
     BreathingQuaternionState,
-    Middle,
     midpoint_residual,
     midpoint_step,
     squared_speed,
@@ -86,7 +86,7 @@ def _of_states() -> tuple[Definition, ...]:
 
 
 def _steps() -> tuple[Definition, ...]:
-    middle = Middle()
+    middle = BreathingMiddle()
     residual = midpoint_residual(STATE, BODY, middle)
     arguments = (*GIVEN, port("middle", middle.flat), port("step", [STEP]))
     return (

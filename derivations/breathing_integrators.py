@@ -44,7 +44,7 @@ class BreathingQuaternionState:
 
 
 @dataclass(frozen=True)
-class Middle:
+class BreathingMiddle:
     """The unknowns of a step: the middle omega_m and p_m."""
 
     omega: Array = field(default_factory=lambda: vector("middle"))
@@ -63,7 +63,11 @@ def alignment(q: Any, body: Body) -> Any:
 
 
 def balance(
-    state: BreathingQuaternionState, body: Body, middle: Middle, middle_q: Any, step: Any = STEP
+    state: BreathingQuaternionState,
+    body: Body,
+    middle: BreathingMiddle,
+    middle_q: Any,
+    step: Any = STEP,
 ) -> tuple[Array, Any]:
     """What vanishes at the middle of a step: three numbers of the rotation, one of the scale.
 
@@ -82,13 +86,17 @@ def balance(
     return turned, own * held - step / 2 * (s * inner(omega, momentum) + 2 * mean)
 
 
-def midpoint_residual(state: BreathingQuaternionState, body: Body, middle: Middle) -> Array:
+def midpoint_residual(
+    state: BreathingQuaternionState, body: Body, middle: BreathingMiddle
+) -> Array:
     """`balance` in the four unknowns alone."""
     turned, breathed = balance(state, body, middle, middle_quaternion(state.q, middle.omega))
     return Matrix([*turned, breathed])
 
 
-def midpoint_step(state: BreathingQuaternionState, middle: Middle, step: Any = STEP) -> Array:
+def midpoint_step(
+    state: BreathingQuaternionState, middle: BreathingMiddle, step: Any = STEP
+) -> Array:
     """The state after a step, given the root (15 numbers); the translation is solved for."""
     middle_v = (state.v - step * state.c) / (1 + step * DAMPING / 2 + step**2 / 2)
     q = 2 * middle_quaternion(state.q, middle.omega, step) - state.q

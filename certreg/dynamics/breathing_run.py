@@ -39,7 +39,7 @@ STALLED = 0.05  # of the largest curvature: a torque above is no saddle, only sl
 LOG_CAPACITY = 2048  # samples that are kept
 
 
-class Ending(enum.Enum):
+class BreathingEnding(enum.Enum):
     """How a run ended."""
 
     AT_REST = enum.auto()
@@ -59,7 +59,7 @@ class BreathingRun:
     state: NDArray[np.float64]
     size: float
     least_scale: float
-    ending: Ending = Ending.OUT_OF_STEPS
+    ending: BreathingEnding = BreathingEnding.OUT_OF_STEPS
     time: float = 0.0
     taken: int = 0
     escapes: int = 0
@@ -93,13 +93,13 @@ class BreathingRun:
             if slow:
                 left = self._escaped(perturbation)
                 if left is None:
-                    self.ending = Ending.AT_REST
+                    self.ending = BreathingEnding.AT_REST
                     break
                 if left is not self.state:
                     self.state, self.escapes = left, self.escapes + 1
                     perturbation = min(perturbation * PERTURBATION_GROWTH, LARGEST_PERTURBATION)
             if not self._stepped():
-                self.ending = Ending.COLLAPSED
+                self.ending = BreathingEnding.COLLAPSED
                 break
             self._record()
         self._record_last()

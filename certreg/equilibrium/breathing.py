@@ -16,7 +16,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from certreg.errors import DegenerateProblemError
-from certreg.exact import Signs, nearest_double, power_of_two, signs_of_eigenvalues
+from certreg.exact import RootSigns, nearest_double, power_of_two, signs_of_eigenvalues
 from certreg.problem import trace
 from certreg.results import OUT_OF_RANGE, Absent, Brief, Explained
 
@@ -59,7 +59,7 @@ class BreathingEquilibria(Brief):
     also stationary at s = 0, where the motion is not defined: no equilibrium.
     """
 
-    signs: Signs
+    signs: RootSigns
     upright: tuple[BreathingEquilibrium, ...]
     inside_out: tuple[BreathingEquilibrium, ...]
     finite: bool

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from certreg.exact.elimination import is_positive_definite as is_positive_definite
     from certreg.exact.elimination import nullspace as nullspace
     from certreg.exact.elimination import rank as rank
-    from certreg.exact.signs import Signs as Signs
+    from certreg.exact.signs import RootSigns as RootSigns
     from certreg.exact.signs import signs_of_eigenvalues as signs_of_eigenvalues
     from certreg.exact.signs import signs_of_roots as signs_of_roots
     from certreg.exact.spaces import IntegerQuaternion as IntegerQuaternion
@@ -83,7 +83,7 @@ __getattr__ = lazy_face(
             "rank",
         ),
         "signs": (
-            "Signs",
+            "RootSigns",
             "signs_of_eigenvalues",
             "signs_of_roots",
         ),

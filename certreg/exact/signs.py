@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Signs:
+class RootSigns:
     """How many eigenvalues are positive, zero and negative, with their multiplicities."""
 
     positive: int
@@ -39,14 +39,14 @@ def characteristic(matrix: Sequence[Sequence[int]]) -> tuple[int, ...]:
     return tuple(found)
 
 
-def signs_of_roots(coefficients: Sequence[int]) -> Signs:
+def signs_of_roots(coefficients: Sequence[int]) -> RootSigns:
     """The signs of the roots of a polynomial whose roots are all real; its first is not 0."""
     degree, kept = len(coefficients) - 1, [c for c in coefficients if c]
     zero = next(k for k, c in enumerate(reversed(coefficients)) if c)
     positive = sum((a > 0) != (b > 0) for a, b in pairwise(kept))
-    return Signs(positive=positive, zero=zero, negative=degree - zero - positive)
+    return RootSigns(positive=positive, zero=zero, negative=degree - zero - positive)
 
 
-def signs_of_eigenvalues(matrix: Sequence[Sequence[int]]) -> Signs:
+def signs_of_eigenvalues(matrix: Sequence[Sequence[int]]) -> RootSigns:
     """The signs of the eigenvalues of a symmetric integer matrix."""
     return signs_of_roots(characteristic(matrix))

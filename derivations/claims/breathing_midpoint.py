@@ -9,7 +9,7 @@ import sympy
 
 from .. import breathing_integrators as integrators
 from ..algebra import Square, combination, identity, nonnegative
-from ..breathing_integrators import BreathingQuaternionState, Middle, alignment
+from ..breathing_integrators import BreathingMiddle, BreathingQuaternionState, alignment
 from ..breathing_motion import own_size
 from ..hypotheses import UNDRIVEN, inverted
 from ..hypothesis import Standing, invertible, nonnegative_by, vanishing
@@ -22,7 +22,7 @@ from ..notation import Array, Matrix, body, inner, quaternion, scalar, square, v
 Balance = Callable[..., tuple[Array, Any]]
 QM, CM, VM = quaternion("p"), vector("b"), vector("y")  # middle quaternion, place, velocity
 SM, V, OMEGA, GROWTH = scalar("k"), vector("v"), vector("omega"), scalar("p")
-MIDDLE, BODY = Middle(), Body()
+MIDDLE, BODY = BreathingMiddle(), Body()
 HALF = STEP / 2
 STATE = BreathingQuaternionState(
     c=CM - HALF * VM,
@@ -66,7 +66,7 @@ def proof(balance: Balance = integrators.balance) -> Proof:
 
 
 def _rule() -> Any:
-    middle_q, unknown = quaternion("r"), Middle()
+    middle_q, unknown = quaternion("r"), BreathingMiddle()
     state = BreathingQuaternionState()
     scale = state.scale + STEP * unknown.growth
     middle_v = scalar("e") * (state.v - STEP * state.c)
@@ -156,7 +156,7 @@ def _loss() -> Any:
 
 
 def _kept() -> Any:
-    state, unknown, a = BreathingQuaternionState(), Middle(), vector("a")
+    state, unknown, a = BreathingQuaternionState(), BreathingMiddle(), vector("a")
     middle_scale = state.scale + HALF * unknown.growth
     spin = 2 * middle_scale * unknown.omega - state.scale * state.omega
     shipped = spin * scalar("w")

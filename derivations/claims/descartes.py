@@ -8,14 +8,14 @@ from typing import Any
 
 import sympy
 
-from certreg.exact.signs import Signs, characteristic, signs_of_roots
+from certreg.exact.signs import RootSigns, characteristic, signs_of_roots
 from certreg.geometry.so3 import davenport_matrix
 
 from ..algebra import facts, identity
 from ..kernel import Claim, Mutation, Proof
 from ..notation import Matrix, determinant, matrix, scalar, square, symmetric
 
-Counting = Callable[[Sequence[int]], Signs]
+Counting = Callable[[Sequence[int]], RootSigns]
 A, X = symmetric("A", 4), scalar("x")
 C = matrix("C")
 EXAMPLES = {(4, 3, 2): 1, (4, 2, 1): 2, (4, 3, -2): 3, (2, 1, 1): 1, (0, 0, 0): 0}
@@ -107,7 +107,7 @@ def _patterns(counting: Counting) -> Any:
 
 
 def _all_roots(counting: Counting) -> Any:
-    found, expected = list[Signs](), list[Signs]()
+    found, expected = list[RootSigns](), list[RootSigns]()
     for roots in product(range(-2, 3), repeat=4):
         coefficients = [1]
         for root in roots:
@@ -115,7 +115,7 @@ def _all_roots(counting: Counting) -> Any:
             coefficients = [a + b for a, b in zip([*coefficients, 0], shifted, strict=True)]
         found.append(counting(coefficients))
         below, zero = sum(r < 0 for r in roots), roots.count(0)
-        expected.append(Signs(positive=4 - below - zero, zero=zero, negative=below))
+        expected.append(RootSigns(positive=4 - below - zero, zero=zero, negative=below))
     return facts(
         r"`certreg.exact.signs.signs_of_roots` counts so, of all 625 products of $x - r$ with "
         r"roots $r$ from $-2$ to $2$, each positive, zero and negative one.",
@@ -155,18 +155,18 @@ def _examples(counting: Counting) -> Any:
     )
 
 
-def _zeros_count(coefficients: Sequence[int]) -> Signs:
+def _zeros_count(coefficients: Sequence[int]) -> RootSigns:
     """A zero among the coefficients taken for a change of sign."""
     found = signs_of_roots(coefficients)
     more = found.positive + sum(c == 0 for c in coefficients)
-    return Signs(positive=more, zero=found.zero, negative=4 - more - found.zero)
+    return RootSigns(positive=more, zero=found.zero, negative=4 - more - found.zero)
 
 
-def _zero_is_positive(coefficients: Sequence[int]) -> Signs:
+def _zero_is_positive(coefficients: Sequence[int]) -> RootSigns:
     """Roots 0 counted as positive ones, up to the pattern's limit."""
     found = signs_of_roots(coefficients)
     positive = found.positive + found.zero
-    return Signs(positive=min(positive, 4), zero=0, negative=found.negative)
+    return RootSigns(positive=min(positive, 4), zero=0, negative=found.negative)
 
 
 CLAIM = Claim(

@@ -8,7 +8,7 @@ import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 
-from certreg.exact.signs import Signs, characteristic, signs_of_eigenvalues, signs_of_roots
+from certreg.exact.signs import RootSigns, characteristic, signs_of_eigenvalues, signs_of_roots
 
 ENTRIES = st.lists(st.integers(-50, 50), min_size=10, max_size=10)
 
@@ -40,16 +40,16 @@ def test_signs_follow_sylvesters_law(vectors, data):
     assert found.positive + found.zero + found.negative == 4
     if rank == len(vectors):  # then the number of each sign is that of the terms
         used = signs[: len(vectors)]
-        assert found == Signs(positive=used.count(1), zero=4 - rank, negative=used.count(-1))
+        assert found == RootSigns(positive=used.count(1), zero=4 - rank, negative=used.count(-1))
 
 
 @pytest.mark.parametrize("big", [10**40, 10**80])
 def test_roots_far_below_a_doubles_precision_are_counted(big):
     A = [[big, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 0], [0, 0, 0, -1]]
 
-    assert signs_of_eigenvalues(A) == Signs(positive=2, zero=1, negative=1)
+    assert signs_of_eigenvalues(A) == RootSigns(positive=2, zero=1, negative=1)
 
 
 def test_a_zero_among_the_coefficients_is_no_change():
-    assert signs_of_roots((1, 0, -5, 0, 4)) == Signs(positive=2, zero=0, negative=2)
-    assert signs_of_roots((1, 0, 0, 0, 0)) == Signs(positive=0, zero=4, negative=0)
+    assert signs_of_roots((1, 0, -5, 0, 4)) == RootSigns(positive=2, zero=0, negative=2)
+    assert signs_of_roots((1, 0, 0, 0, 0)) == RootSigns(positive=0, zero=4, negative=0)
