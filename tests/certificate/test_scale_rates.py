@@ -1,0 +1,94 @@
+"""A sample of `make scale-rates`: certified scales beside Umeyama's formulas in 60 digits."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+import scale_rates
+from mpmath import mpf, sqrt, workdps
+
+SAMPLE = scale_rates.PROBLEMS // 100
+
+
+def test_scales_and_poses_are_those_of_the_reference_and_each_certificate_is_accepted():
+    tally = scale_rates.counted(0, SAMPLE)
+
+    assert tally.good
+    assert 0 < tally.scale < 1e-15  # the scale is rounded to a double
+    assert 0 < tally.width < 1e-20
+
+
+def test_the_reference_knows_a_scale_that_is_exact():
+    problem = replace(scale_rates.random_problem(1), rotation_only=True)
+    best = scale_rates.reference(replace(problem, target=-4.0 * problem.source[:, [1, 0, 2]]))
+
+    assert abs(best.scale - 4) < mpf(10) ** -50
+    turn = np.array([[0, -1, 0], [-1, 0, 0], [0, 0, -1]])
+    assert np.abs(best.rotation - turn).max() < 1e-50
+
+
+@pytest.mark.parametrize("error", ["scale", "rotation", "translation"])
+def test_a_reference_that_is_off_by_little_is_seen(monkeypatch, error):
+    honest = scale_rates.reference
+
+    def off(problem):
+        best = honest(problem)
+        with workdps(scale_rates.DIGITS):
+            moved = {
+                "scale": best.scale * (1 + mpf("1.2e-14")),
+                "rotation": best.rotation + 1.2e-14,
+                "translation": best.translation + 1.2e-14 * best.coordinates,
+            }
+        return replace(best, **{error: moved[error]})
+
+    monkeypatch.setattr(scale_rates, "reference", off)
+    tally = scale_rates.counted(1, 1)
+
+    assert not tally.good
+    assert getattr(tally, error) > scale_rates.ERROR
+    assert tally.outside == (error == "scale")
+
+
+def test_intervals_that_are_wide_or_beside_the_scale_are_seen():
+    best = scale_rates.reference(scale_rates.random_problem(1))
+    with workdps(scale_rates.DIGITS):
+        scale = Fraction(str(best.scale))
+        root = Fraction(str(sqrt(best.scale)))
+    step = scale * Fraction(1, 10**20)
+    for low, high, wide, outside in (
+        (scale - step / 4, scale + step / 4, False, 0),
+        (scale - step, scale + step, True, 0),
+        (scale + step / 4, scale + step / 2, False, 1),
+        (root, root, False, 1),
+    ):
+        tally = scale_rates.Tally()
+        scale_rates.compare_interval(low, high, best, tally)
+        assert (tally.width > scale_rates.WIDTH, tally.outside) == (wide, outside)
+        assert tally.good == (not wide and not outside)
+
+
+def test_what_the_checker_refuses_is_counted(tmp_path):
+    line = scale_rates.certified(scale_rates.random_problem(1), scale_rates.Tally())
+    forged = json.loads(line)
+    forged["claims"]["gap"][1] -= 1
+    path = tmp_path / "all.jsonl"
+    path.write_bytes(b"\n".join([line, json.dumps(forged).encode(), b"", line, b""]))
+
+    assert scale_rates.accepted(path) == 2
+
+
+def test_a_pose_that_is_not_the_rigid_one_is_counted(monkeypatch):
+    honest = scale_rates.Problem.stated
+
+    def stated(problem, scale):
+        moved = replace(problem, target=problem.target[::-1]) if scale == "none" else problem
+        return honest(moved, scale)
+
+    monkeypatch.setattr(scale_rates.Problem, "stated", stated)
+    tally = scale_rates.counted(1, 1)
+
+    assert (tally.unlike_rigid, tally.good) == (1, False)
