@@ -92,6 +92,7 @@ CHAPTERS = (
         "A free scale",
         (
             "breathing_motion",
+            "scale_elimination",
             "breathing_midpoint",
             "descartes",
             "breathing_equilibria",

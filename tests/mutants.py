@@ -51,6 +51,7 @@ SPRING_REST = "derivations/claims/spring_rest.py"
 LINEAR, STEPS = "derivations/linearisation.py", "derivations/integrators.py"
 BREATHING = "derivations/breathing_motion.py"
 BREATHING_STEPS = "derivations/breathing_integrators.py"
+SCALING = "certreg/objective/scaling.py"
 
 MUTANTS = (
     Mutant(
@@ -1018,6 +1019,62 @@ MUTANTS = (
         "return 2 * factor * factor.T * stretched",
         "return 2 * factor.T * factor * stretched",
         ("spring_rest",),
+    ),
+    Mutant(
+        "a scale over the target",
+        SCALING,
+        "return max(alignment, Fraction(0)) / self.source",
+        "return max(alignment, Fraction(0)) / self.target",
+        ("scale_elimination",),
+    ),
+    Mutant(
+        "a best scale below 0",
+        SCALING,
+        "return max(alignment, Fraction(0)) / self.source",
+        "return alignment / self.source",
+        ("scale_elimination",),
+    ),
+    Mutant(
+        "an alignment below 0 that lowers the energy",
+        SCALING,
+        "return self.target - max(alignment, Fraction(0)) ** 2",
+        "return self.target - alignment**2",
+        ("scale_elimination",),
+    ),
+    Mutant(
+        "an energy without the cross term",
+        SCALING,
+        "squares = self.target - 2 * scale * alignment +",
+        "squares = self.target +",
+        ("scale_elimination",),
+    ),
+    Mutant(
+        "a symmetric energy not over the scale",
+        SCALING,
+        "return squares / scale if self.symmetric else squares",
+        "return squares",
+        ("scale_elimination",),
+    ),
+    Mutant(
+        "a gap without the square of delta",
+        SCALING,
+        "return delta * (2 * alignment + delta) / self.source",
+        "return delta * 2 * alignment / self.source",
+        ("scale_elimination",),
+    ),
+    Mutant(
+        "half the symmetric gap",
+        SCALING,
+        "            return 2 * delta\n        return delta * (2",
+        "            return delta\n        return delta * (2",
+        ("scale_elimination",),
+    ),
+    Mutant(
+        "an interval of delta / 2",
+        SCALING,
+        "(alignment + delta) / self.source\n",
+        "(alignment + delta / 2) / self.source\n",
+        ("scale_elimination",),
     ),
 )
 UNCHANGED = Mutant("unchanged", SO3, MUTANTS[0].old, MUTANTS[0].old, ("davenport",))

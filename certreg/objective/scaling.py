@@ -4,7 +4,7 @@ With the best translation, sum w |y - s R x - t|^2 is W(s) = Syy - 2 s a + s^2 S
 scale minimises W over s >= 0: s = max(0, a) / Sxx, W = Syy - max(0, a)^2 / Sxx [Umeyama1991]. The
 symmetric one minimises W / s over s > 0: s = sqrt(Syy / Sxx), W / s = 2 sqrt(Sxx Syy) - 2 a, where
 source and target may change their roles [Horn1987]. Both fall as a rises: the best rotations are
-those of scale 1. What they cost at rest: claim `breathing_equilibria`.
+those of scale 1. Proof: claim `scale_elimination`; at rest, `breathing_equilibria`.
 """
 
 from __future__ import annotations
