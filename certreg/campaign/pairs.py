@@ -11,7 +11,7 @@ import hashlib
 import json
 import re
 from collections import Counter
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field, replace
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
@@ -31,6 +31,7 @@ from certreg.io import (
     read_problem,
     written_atomically,
 )
+from certreg.problem import Scale
 from certreg.registration import (
     MISUSED,
     NOT_CERTIFIED,
@@ -64,6 +65,7 @@ SHOWN_ERRORS = 10  # one by one; the others are counted
 STEM = 60  # characters of a pair's name in the name of its certificate
 DEFAULT_LIMITS = Limits()
 NOTHING_ASKED = FitDemands()
+RIGID = {"scale": "none", "rotation_only": "no"}
 STATUSES = "certified, certified-not-unique, bounded, not-certified, or error"
 LOOSE_WORDS = "1: the noise rules out no turn about some axis; 0: it does; empty: not known"
 POSE_COLUMNS = ("qw", "qx", "qy", "qz", "tx", "ty", "tz")
@@ -76,6 +78,7 @@ PAIR_COLUMNS = (
     Column("rmse", float, "unit of the clouds", "root of the weighted mean of squared residuals"),
     Column("explained", float, "1", "R squared of the fit, with the best scale"),
     Column("best_scale", float, "1", "target over source"),
+    Column("scale", float, "1", "of the pose; empty where it was not free"),
     Column("warnings", str, "", "codes of what is wrong with the fit: empty for a good one"),
     *(Column(f"q{axis}", float, "1", f"rotation: {axis} of the quaternion") for axis in "wxyz"),
     *(Column(f"t{axis}", float, "unit of the clouds", f"translation: {axis}") for axis in "xyz"),
@@ -102,12 +105,14 @@ class PairCampaign:
 
     limits: what must be proved of a pose to call it certified. demands: on its fit; they change
         exit codes alone, which no shard holds, and may be others when the campaign goes on.
+    defaults: of the columns `scale` and `rotation_only`, for rows that say nothing there.
     """
 
     listing: Listing
     certificates: bool
     limits: Limits = DEFAULT_LIMITS
     demands: FitDemands = NOTHING_ASKED
+    defaults: dict[str, str] = field(default_factory=RIGID.copy)
     suffix: str = ".jsonl"
 
     def manifest(self) -> Manifest:
@@ -121,6 +126,7 @@ class PairCampaign:
                 "list": str(self.listing.path),
                 "sha256": self.listing.digest,
                 **asdict(self.limits),
+                **self.defaults,
             },
             versions=current_versions(),
         )
@@ -129,7 +135,7 @@ class PairCampaign:
         """The rows of each shard that is not done; the list is never held as a whole."""
         manifest, rows = self.manifest(), self.listing.rows()
         for shard in range(manifest.shards):
-            own = tuple(islice(rows, len(manifest.items(shard))))
+            own = tuple(map(self._filled, islice(rows, len(manifest.items(shard)))))
             if shard not in done:
                 arguments = {
                     "rows": own,
@@ -138,6 +144,10 @@ class PairCampaign:
                     "limits": self.limits,
                 }
                 yield Task(shard=shard, function=certify_pairs, arguments=arguments)
+
+    def _filled(self, row: PairRow) -> PairRow:
+        """A row that says what the defaults do where it is empty."""
+        return replace(row, fields={**self.defaults, **row.fields})
 
     def results(self, content: bytes) -> Iterator[tuple[str, dict[str, Any]]]:
         """The lines of a shard, and what they hold, with the exit codes that the demands give."""
@@ -269,6 +279,7 @@ def _fit_and_pose(fit: dict[str, Any], pose: dict[str, Any]) -> dict[str, Any]:
     return {
         "explained": fit["explained"],
         "best_scale": fit["best_scale"],
+        "scale": pose["scale"],
         "warnings": " ".join(warning["code"] for warning in fit["warnings"]),
         **dict(zip(POSE_COLUMNS, numbers, strict=True)),
     }
@@ -318,6 +329,10 @@ def _problem(row: PairRow, folder: Path) -> tuple[RegistrationProblem, Pair]:
         fault = "pairs and match exclude each other: give one"
     if fields.get("match", "all") not in {one.value for one in Match}:
         fault = f"match is '{shown(fields['match'])}': write all or common"
+    if fields.get("scale", "none") not in {one.value for one in Scale}:
+        fault = f"scale is '{shown(fields['scale'])}': write none, asymmetric or symmetric"
+    if fields.get("rotation_only", "no") not in {"yes", "no"}:
+        fault = f"rotation_only is '{shown(fields['rotation_only'])}': write yes or no"
     if fault is not None:
         raise row.place.refusal(fault)
     pairs, damping = fields.get("pairs"), fields.get("damping", OPTIMAL)
@@ -335,9 +350,11 @@ def _problem(row: PairRow, folder: Path) -> tuple[RegistrationProblem, Pair]:
             files={kind: folder / fields[kind] for kind in SPRING_FILES if kind in fields},
         ),
     )
-    return optimally_damped(
-        problem
-    ) if "damping" in fields and damping == OPTIMAL else problem, pair
+    problem = problem.modelled(
+        fields.get("scale", Scale.NONE), rotation_only=fields.get("rotation_only") == "yes"
+    )
+    damped = "damping" in fields and damping == OPTIMAL
+    return optimally_damped(problem) if damped else problem, pair
 
 
 def _error(row: PairRow, error: Exception, code: int) -> dict[str, Any]:

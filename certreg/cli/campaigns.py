@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -22,7 +22,14 @@ from certreg.campaign import (
     workers_at,
     write_pair_results,
 )
-from certreg.cli.options import CLOUD, EXIT_CODES, FOLDER, fit_options, limit_options
+from certreg.cli.options import (
+    CLOUD,
+    EXIT_CODES,
+    FOLDER,
+    fit_options,
+    limit_options,
+    model_options,
+)
 from certreg.cli.progress import Progress
 from certreg.errors import InvalidFileError
 from certreg.registration import worst
@@ -47,6 +54,7 @@ REMEDY = '; "remedy" beside it says what to do'
 )
 @click.option("--out", type=FOLDER, help="Folder for results, certificates and a table.")
 @click.option("--parquet", is_flag=True, help="With --out: the table as Parquet, too.")
+@model_options
 @limit_options
 @fit_options
 def batch(
@@ -55,6 +63,7 @@ def batch(
     scheduler: str | None,
     out: Path | None,
     parquet: bool,
+    model: dict[str, Any],
     max_gap: float,
     max_angle: float,
     demands: FitDemands,
@@ -62,8 +71,10 @@ def batch(
     """Certify the pairs listed in MANIFEST, a .csv file: one line of JSON for each.
 
     Columns source and target name the clouds, relative to MANIFEST; name, sigma, weights, pairs,
-    match and damping are optional. A pair that cannot be registered gives an error in its place.
-    With --out, run the same command again to go on with what was interrupted, mended or changed.
+    match, damping, scale and rotation_only (yes or no) are optional; --scale and --rotation-only
+    are for rows that say nothing there. A pair that cannot be registered gives an error in its
+    place. With --out, run the same command again to go on with what was interrupted, mended or
+    changed.
     """
     if parquet and out is None:
         message = "--parquet goes with --out"
@@ -73,8 +84,14 @@ def batch(
         names = ", ".join(map(printable, listing.ignored))
         click.echo(f"note: {printable(manifest)}: columns not read: {names}", err=True)
     limits = Limits(max_gap=max_gap, max_angle=max_angle)
+    only = "yes" if model["rotation_only"] else "no"
+    defaults = {"scale": str(model["scale"]), "rotation_only": only}
     campaign = PairCampaign(
-        listing=listing, certificates=out is not None, limits=limits, demands=demands
+        listing=listing,
+        certificates=out is not None,
+        limits=limits,
+        demands=demands,
+        defaults=defaults,
     )
     if out is None:
         tally = _streamed(campaign, scheduler)
