@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from sphinx.util.typing import ExtensionMetadata
 
 ROOT = Path(__file__).resolve().parents[2]
-PATIENCE = 180  # seconds for one command
+PATIENCE = 600  # seconds for one command: half a minute of a quiet machine, and many of a busy one
 PYTHON = [sys.executable]
 PROGRAMS = {"certreg": [*PYTHON, "-m", "certreg"], "python3": PYTHON, "cat": ["cat"], "ls": ["ls"]}
 
