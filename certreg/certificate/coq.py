@@ -97,8 +97,9 @@ class CoqProblem:
 
 
 def export(certificate: bytes, clouds: Clouds | None = None) -> CoqProblem:
-    """The certificate for Coq, of kind isotropic; InvalidFileError for another.
+    """The certificate for Coq, of kind isotropic with a translation; InvalidFileError for another.
 
+    Coq takes sums about the means: of a rotation alone, about the origin, it would prove nothing.
     Raises RefusalError where it is malformed or of other points.
     """
     stated = parse(certificate)
@@ -107,6 +108,9 @@ def export(certificate: bytes, clouds: Clouds | None = None) -> CoqProblem:
         raise InvalidFileError(
             f"{what}: leave out --coq", column="kind", value=stated.kind, limit="isotropic"
         )
+    if stated.rotation_only:
+        message = "a certificate of a rotation alone, and Coq decides where there is a translation"
+        raise InvalidFileError(f"{message}: leave out --coq", column="rotation_only", value=True)
     content, n = bytes(bound_doubles(stated, clouds)), stated.n
     numbers = struct.unpack(f"<{7 * n}d", content)
     require(all(map(isfinite, numbers)), "the data hold a number that is not finite")
