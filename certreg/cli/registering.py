@@ -118,8 +118,7 @@ def certify(
         if path is not None:
             place = printable(path)
             click.echo(f"\nCertificate: {place}  (re-check it: certreg verify {place})")
-            if not problem.model_options:  # of others none is drawn
-                click.echo(f"Report: {printable(path.with_name(REPORT))}  (open it in a browser)")
+            click.echo(f"Report: {printable(path.with_name(REPORT))}  (open it in a browser)")
     for words in demands.unmet(registration):
         click.echo(f"certreg: {words}: exit code 4", err=True)
     return code_of_registration(registration, demands)

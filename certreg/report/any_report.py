@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeVar
 
 from certreg import __version__
 from certreg.report.markup import asset, printable, rendered
+from certreg.report.summary import number
 from certreg.report.viewer import Names
 from certreg.report.words import THEOREMS, begun, sentence
 
@@ -72,6 +73,13 @@ class AnyReport(ABC, Generic[R]):
         return len(self.content) <= EMBEDDED_BYTES
 
     @property
+    def certificate_link(self) -> str | None:
+        """The certificate as a link to itself, for a page without a script that could save it."""
+        if not self.embedded:
+            return None
+        return f"data:application/json;base64,{base64.b64encode(self.content).decode('ascii')}"
+
+    @property
     def file(self) -> dict[str, Any]:
         """The certificate's file: in the page, or named there."""
         return file_fields(self)
@@ -110,6 +118,14 @@ class AnyReport(ABC, Generic[R]):
 def pairs_words(n: int) -> str:
     """How many pairs there are."""
     return f"{n} pair{'s' * (n != 1)}"
+
+
+def worst_rows(registration: AnyRegistration) -> list[dict[str, Any]]:
+    """The pairs that are farthest off, for the table of a page without a script."""
+    return [
+        {"row": one.row, "label": one.label or "", "words": number(one.residual)}
+        for one in registration.fit.worst
+    ]
 
 
 def head_of(

@@ -40,7 +40,7 @@ MAY_COLLAPSE = (
 
 def scaled_equilibria_words(equilibria: ScaledEquilibria) -> str:
     """All equilibria with a free scale as a sentence and a table, with the inside-out states."""
-    rows = [HEADINGS, *_rows(equilibria)] if equilibria.components else []
+    rows = [HEADINGS, *scaled_rows(equilibria)] if equilibria.components else []
     breathing = equilibria.breathing
     inside_out = [] if breathing is None else [inside_out_words(breathing)]
     return "\n".join((_headline(equilibria), *table_of(rows), *inside_out))
@@ -59,7 +59,7 @@ def scaled_equilibria_card(equilibria: ScaledEquilibria) -> str:
         headline=_headline(equilibria),
         notes=[] if breathing is None else [inside_out_words(breathing)],
         head=HEADINGS,
-        rows=_rows(equilibria),
+        rows=scaled_rows(equilibria),
     ).html()
 
 
@@ -67,19 +67,24 @@ def _headline(equilibria: ScaledEquilibria) -> str:
     """How many there are, and how that is known."""
     if equilibria.breathing is None:
         return count_words(equilibria.rigid)
+    known = f"{equilibria.rigid.guarantee.label}, complete"
+    return f"Equilibria ({known}): {scaled_count_words(equilibria)}."
+
+
+def scaled_count_words(equilibria: ScaledEquilibria) -> str:
+    """How many there are of a body whose size is a state, and which of them are the best."""
     count = len(equilibria.components)
     if not count:
-        what = "none with a scale above 0; the body shrinks to a point"
-    elif equilibria.count is None:
+        return "none with a scale above 0; the body shrinks to a point"
+    if equilibria.count is None:
         kinds = [each.component.kind for each in equilibria.components]
-        what = f"{kinds_words(kinds)} with a scale above 0"
-    else:
-        others = f" and {COUNTS[count - 1]} spurious" if count > 1 else " alone"
-        what = f"exactly {COUNTS[count]} with a scale above 0: the optimum{others}"
-    return f"Equilibria ({equilibria.rigid.guarantee.label}, complete): {what}."
+        return f"{kinds_words(kinds)} with a scale above 0"
+    others = f" and {COUNTS[count - 1]} spurious" if count > 1 else " alone"
+    return f"exactly {COUNTS[count]} with a scale above 0: the optimum{others}"
 
 
-def _rows(equilibria: ScaledEquilibria) -> list[tuple[str, ...]]:
+def scaled_rows(equilibria: ScaledEquilibria) -> list[tuple[str, ...]]:
+    """A row for each, under HEADINGS."""
     return [
         (
             str(each.component.morse_index),
@@ -119,21 +124,23 @@ def breathing_summary(run: SimulatedBreathing) -> str:
             f"  steps             {run.steps}, each at most {run.step:.6g} long",
             f"  time              {run.times[-1]:.6g}  (unit of the springs)",
             f"  escapes           {run.escapes}  (kicked off a saddle)",
-            f"  scale             {_scale_words(run)}",
+            f"  scale             {scale_course(run)}",
             f"  initial energy    {number(initial)}  (kinetic and potential)",
             f"  final energy      {number(final)}",
             f"  residual          {run.speed:.3g}  (norm of the 20 rates of change)",
             f"  end               {away_words(run.angle_to_optimum, unique=unique)}",
-            _keeps(run),
+            keeps_words(run),
         )
     )
 
 
-def _keeps(run: SimulatedBreathing) -> str:
+def keeps_words(run: SimulatedBreathing) -> str:
+    """Whether it is proved that the scale stays above 0."""
     return KEEPS if run.never_collapses else MAY_COLLAPSE
 
 
-def _scale_words(run: SimulatedBreathing) -> str:
+def scale_course(run: SimulatedBreathing) -> str:
+    """From which scale to which one a body came, and that of the optimum."""
     first, last = (f"{scale:.6g}" for scale in run.scales[[0, -1]].tolist())
     best = "beyond doubles" if run.best_scale is None else f"{run.best_scale:.6g}"
     return f"{last} at the end, from {first}; that of the optimum is {best}"
@@ -175,12 +182,12 @@ def breathing_card(run: SimulatedBreathing) -> str:
     """A simulation in a notebook."""
     return Card(
         headline=run.status.value,
-        notes=[_keeps(run)],
+        notes=[keeps_words(run)],
         good=run.converged,
         facts=[
             ("steps", f"{run.steps:,}, each at most {run.step:.6g} long"),
             ("time", f"{run.times[-1]:.6g}"),
-            ("scale", _scale_words(run)),
+            ("scale", scale_course(run)),
             ("escapes", str(run.escapes)),
         ],
         picture=energy_picture(run),

@@ -36,16 +36,21 @@ def pose_fields(registration: AnyRegistration) -> Document:
 
 
 def _scale(registration: AnyRegistration) -> Document:
-    """The scale, and proved bounds of it, rounded outwards."""
-    pose, certificate = registration.pose, registration.certificate
+    """The scale, and proved bounds of it."""
+    pose = registration.pose
     if not isinstance(pose, Similarity):
         return {"scale": NO_SCALE, "scale_interval": NO_SCALE}
-    interval: list[float] | Absent = registration.stated("bounds")
-    if certificate is not None and not isinstance(interval, Absent):
-        claims: SimilarityClaims = certificate.body.claims
-        ends = double_below(claims.scale_lower.value), double_above(claims.scale_upper.value)
-        interval = [max(0.0, ends[0]), ends[1]] if math.isfinite(ends[1]) else OUT_OF_RANGE
-    return {"scale": pose.scale, "scale_interval": interval}
+    return {"scale": pose.scale, "scale_interval": scale_interval(registration)}
+
+
+def scale_interval(registration: AnyRegistration) -> tuple[float, float] | Absent:
+    """Between which numbers a free scale is at every optimum, proved, rounded outwards."""
+    certificate, bounds = registration.certificate, registration.stated("bounds")
+    if certificate is None or isinstance(bounds, Absent):
+        return bounds
+    claims: SimilarityClaims = certificate.body.claims
+    ends = double_below(claims.scale_lower.value), double_above(claims.scale_upper.value)
+    return (max(0.0, ends[0]), ends[1]) if math.isfinite(ends[1]) else OUT_OF_RANGE
 
 
 def _covariance(registration: AnyRegistration) -> Document:

@@ -55,8 +55,7 @@ def write_folder(
         contents[FIT] = residual_table(registration)
     if registration.certificate is not None:
         contents[CERTIFICATE] = registration.certificate.to_json()
-        if not registration.problem.model_options:  # the page draws rigid motions
-            contents[REPORT] = html_page(report_on(registration))
+        contents[REPORT] = html_page(report_on(registration))
     names = (CERTIFICATE, RESULT, POSE, SURE_POSE, FIT, TRAJECTORY, REPORT)
     try:
         write_together(

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from certreg.geometry import Similarity
 from certreg.registration import (
     FitCode,
     at_most,
@@ -15,8 +16,9 @@ from certreg.registration import (
     share_words,
     silent_tests,
 )
+from certreg.report.pose_words import motion_words, turn_of
 from certreg.report.remedies import why_warned
-from certreg.report.robustness import length_below
+from certreg.report.robustness import length_below, meanwhile_words
 from certreg.report.summary import (
     explained_words,
     margin_words,
@@ -37,13 +39,12 @@ from certreg.report.uncertainty import (
     turn_sigmas,
     uncertainty_rows,
 )
-from certreg.report.words import motion_words, turn_of
 from certreg.results import Absent, Optimality
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from certreg.geometry import Pose, Similarity
+    from certreg.geometry import Pose
     from certreg.registration import AnyRegistration, Fit, PoseCovariance, Registration
 
 WIDE = 1e9  # larger translations are written with an exponent
@@ -79,7 +80,9 @@ class Mark:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PoseFacts:
-    """A pose for readers. rows: the 4×4, rounded; matrix, quaternion: all digits, to be copied.
+    """A pose for readers. rows: the 4×4, rounded; matrix, quaternion, scale: all digits, to copy.
+
+    scale: None where it is not free.
 
     uncertainty: how the deviations in `facts` are known, or why there are none.
     """
@@ -89,6 +92,7 @@ class PoseFacts:
     uncertainty: str
     matrix: str
     quaternion: str
+    scale: str | None
     motion: str
 
 
@@ -108,7 +112,7 @@ class Overview:
         mark, tests = _judged(registration)
         return cls(
             pose=_pose(registration),
-            fit=tuple(_fit(registration)),
+            fit=tuple(figures(registration)),
             mark=mark,
             tests=tests,
             proved=tuple(_proved(registration)),
@@ -116,16 +120,26 @@ class Overview:
 
 
 def _pose(registration: Registration) -> PoseFacts:
-    pose, covariance = registration.pose, registration.solution.stated("covariance")
+    return pose_facts(registration, place_facts(registration), basis_words(registration, WHOSE))
+
+
+def basis_words(registration: Registration, whose: str) -> str:
+    """What the deviations are of, or why there are none; whose: of which places they are."""
     sure = dict(uncertainty_rows(registration))
-    facts = [rotation_fact(pose, None), *axis_facts(pose), translation_fact(pose, None)]
-    if BASIS in sure and not isinstance(covariance, Absent):
-        facts = _sure(registration, covariance)
-    basis = (
-        f"± is {sure[BASIS]}. {WHOSE} " if BASIS in sure else f"Uncertainty {sure['uncertainty']}. "
-    )
-    told = f"{basis}{NO_PROOF if BASIS in sure else ''}".strip()
-    return pose_facts(registration, facts, told)
+    if BASIS not in sure:
+        return f"Uncertainty {sure['uncertainty']}."
+    return f"± is {sure[BASIS]}. {whose} {NO_PROOF}"
+
+
+def place_facts(registration: Registration) -> list[Fact]:
+    """Rotation and translation, with what is known of their deviations; no proof."""
+    pose, covariance = registration.pose, registration.solution.stated("covariance")
+    if BASIS in dict(uncertainty_rows(registration)) and not isinstance(covariance, Absent):
+        return _sure(registration, covariance)
+    facts = [rotation_fact(pose, None), *axis_facts(pose)]
+    if registration.problem.rotation_only:
+        return facts
+    return [*facts, translation_fact(pose, None)]
 
 
 def pose_facts(registration: AnyRegistration, facts: Iterable[Fact], uncertainty: str) -> PoseFacts:
@@ -133,11 +147,12 @@ def pose_facts(registration: AnyRegistration, facts: Iterable[Fact], uncertainty
     pose = registration.pose
     exact = pose.T_target_source.tolist()
     return PoseFacts(
-        rows=aligned(exact),
+        rows=aligned(exact, scaled=isinstance(pose, Similarity)),
         facts=tuple(facts),
         uncertainty=uncertainty,
         matrix="\n".join(" ".join(map(repr, row)) for row in exact),
         quaternion=" ".join(map(repr, pose.quaternion_wxyz.tolist())),
+        scale=repr(pose.scale) if isinstance(pose, Similarity) else None,
         motion=motion_words(registration),
     )
 
@@ -166,9 +181,10 @@ def _sure(registration: Registration, covariance: PoseCovariance) -> list[Fact]:
     ]
 
 
-def aligned(matrix: list[list[float]]) -> tuple[str, ...]:
-    """The rows in few digits, in columns."""
-    cells = [[*(f"{entry:.6f}" for entry in row[:3]), _short(row[3])] for row in matrix[:3]]
+def aligned(matrix: list[list[float]], *, scaled: bool = False) -> tuple[str, ...]:
+    """The rows in few digits, in columns. scaled: whether entries may be of any size."""
+    told = ("{:.6g}" if scaled else "{:.6f}").format
+    cells = [[*map(told, row[:3]), _short(row[3])] for row in matrix[:3]]
     cells.append(["0", "0", "0", "1"])
     widths = [max(len(row[k]) for row in cells) for k in range(4)]
     return tuple(
@@ -208,13 +224,15 @@ def translation_fact(pose: Pose | Similarity, covariance: PoseCovariance | None)
     return Fact(name="Translation", value=f"({values})")
 
 
-def _fit(registration: Registration) -> Iterator[Fact]:
+def figures(registration: Registration) -> Iterator[Fact]:
+    """How good the fit is, in numbers."""
     fit = registration.fit
     at_rounding = fit.rounded and registration.rmse != 0.0
+    unit = "unit of the target" if registration.problem.scaled else unit_words(fit)
     yield Fact(
         name="RMSE",
         value=number(registration.rmse),
-        words=f"in the {unit_words(fit)}{_whose(registration, at_rounding=at_rounding)}",
+        words=f"in the {unit}{_whose(registration, at_rounding=at_rounding)}",
     )
     yield _explained(fit)
     yield from fit_facts(registration, "the median distance")
@@ -337,7 +355,8 @@ def robustness_facts(registration: AnyRegistration) -> Iterator[Fact]:
             value=length_below(found.target),
             words=f"by less than this every target point may be off, and no optimum turns by more "
             f"than {found.angle:g}°; points of both clouds by less than "
-            f"{length_below(found.both)} (sufficient, not sharp)",
+            f"{length_below(found.both)} (sufficient, not sharp)"
+            f"{meanwhile_words(registration, found)}",
         )
 
 

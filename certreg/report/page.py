@@ -57,14 +57,28 @@ class Report(AnyReport[Registration]):
             return WEAK
         return headline_of(self.registration)
 
+    def head(self) -> dict[str, Any]:
+        """The headline, whether it is a good one, and what else comes first."""
+        registration = self.registration
+        headline, *further = self.verdict_words
+        warned = warnings(registration, headline)
+        stamp, _, said = headline.partition(": ")
+        tie = ambiguous_words(registration.equilibria)
+        if tie in further and stamp.endswith("NEARLY AMBIGUOUS"):  # not to be in smaller print
+            others = [words for words in further if words != tie]
+            headline, further = f"{stamp}: {tie}", [f"Proved: {said}", *others]
+        return {
+            **head_of(headline, further=further, todo=remedies(registration), warnings=warned),
+            "good": self.headline is not WEAK and is_green(registration),
+        }
+
     def values(self, names: Names) -> Mapping[str, Any]:
         """Verdict, warnings, pose and fit; scene, charts, what is proved; what the script reads."""
         registration = self.registration
         angles = MethodAngles.of(registration.solution.agreement)
         return {
-            **_head(self),
+            **self.head(),
             **_blocks(self, names),
-            "good": self.headline is not WEAK and is_green(registration),
             "overview": Overview.of(registration),
             "viewer": viewer_words(registration),
             "trap": trap_words(registration.equilibria, told_rmse(registration)),
@@ -82,15 +96,3 @@ def _blocks(report: Report, names: Names) -> dict[str, Any]:
         "certificate_data": inert(packed(report.content)) if report.embedded else None,
         "sample_data": inert(sample_of(problem)) if sampled else None,
     }
-
-
-def _head(report: Report) -> dict[str, Any]:
-    registration = report.registration
-    headline, *further = report.verdict_words
-    warned = warnings(registration, headline)
-    stamp, _, said = headline.partition(": ")
-    tie = ambiguous_words(registration.equilibria)
-    if tie in further and stamp.endswith("NEARLY AMBIGUOUS"):  # not to be in smaller print
-        others = [words for words in further if words != tie]
-        headline, further = f"{stamp}: {tie}", [f"Proved: {said}", *others]
-    return head_of(headline, further=further, todo=remedies(registration), warnings=warned)

@@ -1,30 +1,31 @@
-"""Which page a registration has: by its springs."""
+"""Which page a registration has: by its springs, and by how the source may move."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, cast
 
-from certreg.errors import InvalidProblemError
 from certreg.registration import SpringRegistration
 from certreg.report.page import Report
+from certreg.report.similarity_page import SimilarityReport
 from certreg.report.spring_page import SpringReport
 
 if TYPE_CHECKING:
+    from certreg.problem import RegistrationProblem
     from certreg.registration import AnyRegistration, Registration
     from certreg.report.any_report import AnyReport
 
 
 def report_on(registration: AnyRegistration) -> AnyReport[Any]:
-    """The report of a registration just made. Raises ValueError where it is not certified.
-
-    Raises InvalidProblemError for a free scale, and without a translation: it draws rigid motions.
-    """
-    if registration.problem.model_options:
-        message = f"no report is drawn with {registration.problem.model_options}: print the result"
-        raise InvalidProblemError(message, array="problem")
+    """The report of a registration just made. Raises ValueError where it is not certified."""
     if isinstance(registration, SpringRegistration):
         return SpringReport.of(registration)
-    return Report.of(cast("Registration", registration))
+    kind = page_of(registration.problem)
+    return kind.of(cast("Registration", registration))
+
+
+def page_of(problem: RegistrationProblem) -> type[Report]:
+    """Which page a problem with one weight for each pair has: by how its source may move."""
+    return SimilarityReport if problem.model_options else Report
 
 
 def html_page(report: AnyReport[Any]) -> bytes:

@@ -152,15 +152,27 @@ def energy_picture(trajectory: Trajectory | BreathingTrajectory) -> Picture | No
     """The energy over time, as a line; None where that leaves the doubles."""
     with np.errstate(over="ignore", invalid="ignore"):
         energy = trajectory.potential + trajectory.kinetic
-    rows = np.unique(np.linspace(0, len(energy) - 1, SHOWN).astype(np.int64))
-    times, height = trajectory.times[rows], energy[rows]
+    return _over_time(trajectory.times, energy, "the energy over time, from the start to rest")
+
+
+def scale_picture(trajectory: BreathingTrajectory) -> Picture | None:
+    """The scale over time, as a line from 0 up; None where that leaves the doubles."""
+    words = "the scale over time, from 1 to rest"
+    return _over_time(trajectory.times, trajectory.scales, words)
+
+
+def _over_time(
+    times: NDArray[np.float64], values: NDArray[np.float64], words: str
+) -> Picture | None:
+    rows = np.unique(np.linspace(0, len(values) - 1, SHOWN).astype(np.int64))
+    times, height = times[rows], values[rows]
     last, top = float(times[-1]), float(height.max())
     if not (np.isfinite([last, top]).all() and last > 0.0 and top > 0.0):
         return None
     across = MARGIN + (WIDTH - 2 * MARGIN) * (times / last)
     down = HEIGHT - MARGIN - (HEIGHT - 2 * MARGIN) * (height / top)
     return Picture(
-        words="the energy over time, from the start to rest",
+        words=words,
         curve=" ".join(map(",".join, _pixels(np.column_stack([across, down])))),
     )
 

@@ -27,11 +27,12 @@ from certreg.certificate import (
     verify,
 )
 from certreg.errors import InvalidFileError, RefusedCertificateError
+from certreg.geometry import Similarity
 from certreg.io import reading
 from certreg.native import Integrator
-from certreg.problem import MAX_DAMPING, MIN_DAMPING, RegistrationProblem
+from certreg.problem import MAX_DAMPING, MIN_DAMPING, RegistrationProblem, Scale
 from certreg.registration import CROSS_CHECK, SPRING_KINDS, certified, certified_springs
-from certreg.report.page import Report
+from certreg.report.pages import page_of
 from certreg.report.spring_page import SpringReport
 from certreg.verify import FILE_MAX, Clouds, shown
 
@@ -60,17 +61,24 @@ class Motion:
     words: str
 
     @classmethod
-    def of(cls, about: dict[str, Any]) -> Motion:
+    def of(cls, about: dict[str, Any], problem: RegistrationProblem) -> Motion:
         """As the `about` of a certificate says; where it does not, as usual, and it is told."""
         damping, integrator = about.get("damping"), about.get("integrator", "")
-        known = (None, *(one.value for one in Integrator))
+        known, usual = [one.value for one in Integrator], CROSS_CHECK.value
+        best = "optimal damping"
+        if problem.scaled:  # of a body whose size moves one integrator alone is written
+            usual, best = Integrator.MIDPOINT.value, f"damping {problem.damping:g}"
+            known = [usual]
         usable = isinstance(damping, float) and MIN_DAMPING <= damping <= MAX_DAMPING
-        if not isinstance(damping, float) or not usable or integrator not in known:
+        if problem.scale is Scale.SYMMETRIC:
+            words = "no motion is computed anew: the symmetric scale is that of no springs"
+            return cls(damping=None, integrator=usual, words=words)
+        if not isinstance(damping, float) or not usable or integrator not in (None, *known):
             words = (
                 "the certificate names no damping and integrator of this version: the motion is "
-                f"computed anew with the defaults, optimal damping and {CROSS_CHECK.value}"
+                f"computed anew with the defaults, {best} and {usual}"
             )
-            return cls(damping=None, integrator=CROSS_CHECK.value, words=words)
+            return cls(damping=None, integrator=usual, words=words)
         words = (
             f"the motion is computed anew, with damping {damping:.6g} and integrator {integrator}"
         )
@@ -104,20 +112,20 @@ def report_of(
     stated = points if isinstance(points, RegistrationProblem) else _problem(loaded, points)
     if stated.factors is not None:
         return _spring_report(stated, replace(loaded, body=body), content, verdict, file.name)
-    motion = Motion.of(loaded.about)
+    motion = Motion.of(loaded.about, stated)
     if noted is not None:
         noted(motion.words)
     registration = certified(
         stated if motion.damping is None else stated.damped(motion.damping),
-        relaxation=body.multiplier is not None,
+        relaxation=isinstance(body, IsotropicBody) and body.multiplier is not None,
         integrator=motion.integrator,
         about=loaded.about,
     )
     given = _bounds(body, registration)
-    return Report(
+    return page_of(stated)(
         registration=replace(
             registration,
-            solution=_with_radius(registration.solution, body),
+            solution=_as_proved(registration.solution, body),
             bounds=given,
             verdict=verdict,
         ),
@@ -129,11 +137,16 @@ def report_of(
     )
 
 
-def _with_radius(solution: Solution, given: IsotropicBody) -> Solution:
-    """The solution that was computed anew, with what the one given proves of robustness."""
+def _as_proved(solution: Solution, given: IsotropicBody | SimilarityBody) -> Solution:
+    """The solution that was computed anew, with what the one given proves of robustness.
+
+    And of a free scale.
+    """
     own = solution.certificate
     if own is None:
         return solution
+    if isinstance(given, SimilarityBody):
+        return replace(solution, certificate=replace(own, body=given))
     return replace(solution, certificate=replace(own, body=replace(own.body, radius=given.radius)))
 
 
@@ -153,11 +166,6 @@ def _required_body(certificate: Certificate[Any], file: Path, *, pointless: bool
         what = f"is a certificate of kind {shown(body.KIND)}, which {held}"
         message = f"{shown(file)}: {what}: give the certificate.json that certify wrote"
         raise InvalidFileError(message, path=file)
-    only = isinstance(body, IsotropicBody) and body.rotation_only
-    if only or isinstance(body, SimilarityBody):
-        what = "is about a free scale, or no translation; reports draw rigid motions"
-        message = f"{shown(file)}: {what}: read it by certreg verify"
-        raise InvalidFileError(message, path=file)
     if certificate.data is None and pointless:
         message = f"{shown(file)}: holds no points, only their digest: give SOURCE TARGET, too"
         raise InvalidFileError(message, path=file)
@@ -165,10 +173,17 @@ def _required_body(certificate: Certificate[Any], file: Path, *, pointless: bool
 
 
 def _problem(certificate: Certificate[Any], clouds: Clouds | None) -> RegistrationProblem:
-    """The points and weights of a certificate that the checker has accepted for the clouds."""
-    n, data = certificate.n, certificate.data
-    if certificate.body.KIND in SPRING_KINDS:
+    """The problem of a certificate that the checker has accepted for the clouds."""
+    body = certificate.body
+    if body.KIND in SPRING_KINDS:
         return _spring_problem(certificate)
+    scale = Scale(body.scale) if isinstance(body, SimilarityBody) else Scale.NONE
+    return _weighted(certificate, clouds).modelled(scale, rotation_only=body.rotation_only)
+
+
+def _weighted(certificate: Certificate[Any], clouds: Clouds | None) -> RegistrationProblem:
+    """Its points and weights."""
+    n, data = certificate.n, certificate.data
     if data is None and clouds is not None:
         source, target = (np.array(cloud).reshape(n, 3) for cloud in (clouds.source, clouds.target))
         weights = None if clouds.weights is None else np.array(clouds.weights)
@@ -219,10 +234,11 @@ def _spring_report(
     )
 
 
-def _bounds(body: IsotropicBody, registration: Registration) -> PoseBounds:
+def _bounds(body: IsotropicBody | SimilarityBody, registration: Registration) -> PoseBounds:
     """What the certificate given proves of the pose that was computed anew."""
     pose = registration.pose
-    place = ExactPose.of_doubles(pose.quaternion_wxyz, pose.translation)
+    scale = pose.scale if isinstance(pose, Similarity) else 1.0
+    place = ExactPose.of_doubles(pose.quaternion_wxyz, pose.translation, scale)
     return pose_bounds(registration.solution.objective, body, place)
 
 

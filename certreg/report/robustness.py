@@ -17,11 +17,12 @@ def robustness_words(registration: AnyRegistration) -> str:
     return (
         f"no optimum turns by more than {found.angle:g} degrees as long as every target point is "
         f"off by less than {length_below(found.target)}; points of both clouds, "
-        f"{length_below(found.both)} (sufficient, not sharp){_scales(registration, found)}"
+        f"{length_below(found.both)} (sufficient, not sharp)"
+        f"{meanwhile_words(registration, found)}"
     )
 
 
-def _scales(registration: AnyRegistration, found: Robustness) -> str:
+def meanwhile_words(registration: AnyRegistration, found: Robustness) -> str:
     """How far a free scale moves meanwhile; nothing of others."""
     if not registration.problem.scaled:
         return ""

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import base64
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from certreg.registration import WEAK, SpringRegistration, is_green_spring
-from certreg.report.any_report import AnyReport, head_of
+from certreg.report.any_report import AnyReport, head_of, worst_rows
 from certreg.report.picture import ON_PAGE, shown_words, springs_picture
 from certreg.report.spring_listed import listed
 from certreg.report.spring_overview import spring_overview
 from certreg.report.spring_summary import spring_remedies, spring_verdict_words, spring_warnings
 from certreg.report.spring_words import not_claimed_of_springs, spring_sentences
-from certreg.report.summary import number
 from certreg.report.words import begun
 from certreg.results import Optimality
 
@@ -51,16 +49,9 @@ class SpringReport(AnyReport[SpringRegistration]):
             "not_claimed": not_claimed_of_springs(registration, equilibria),
             "listed": equilibria,
             "labelled": names.labels is not None,
-            "worst": [
-                {"row": one.row, "label": one.label or "", "words": number(one.residual)}
-                for one in registration.fit.worst
-            ],
-            "certificate_link": self._link() if self.embedded else None,
+            "worst": worst_rows(registration),
+            "certificate_link": self.certificate_link,
         }
-
-    def _link(self) -> str:
-        """The certificate as a link to itself: the page has no script that could save it."""
-        return f"data:application/json;base64,{base64.b64encode(self.content).decode('ascii')}"
 
 
 def picture_words(registration: SpringRegistration) -> str:

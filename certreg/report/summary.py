@@ -57,6 +57,7 @@ KINDS = {
     ComponentKind.ROTATION_GROUP: "every rotation",
 }
 OF_SPREAD = " of the target's spread (R squared, with the best scale)"
+HEADINGS = ("index", "kind", "RMSE", "energy", "to optimum", "unstable", "")
 OF_PRINTED = "; at rounding, of the pose as printed"  # below, of the exact optimum
 DISTINGUISHABLE = 25.0  # twice the log-likelihood ratio of five standard deviations
 ROUNDING_SHARE = 1e6  # a gap above a millionth of the minimum is worth a word
@@ -126,10 +127,13 @@ def simulation_summary(simulated: SimulatedRegistration) -> str:
 
 def equilibria_summary(equilibria: EquilibriumSet) -> str:
     """The equilibrium set as a sentence and a table."""
-    rows = [("index", "kind", "RMSE", "energy", "to optimum", "unstable", "")]
+    return "\n".join((count_words(equilibria), *table_of([HEADINGS, *equilibria_rows(equilibria)])))
+
+
+def equilibria_rows(equilibria: EquilibriumSet) -> list[tuple[str, ...]]:
+    """A row for each, under HEADINGS."""
     sure = equilibria.doubt is None
-    rows += [_row(component, sure=sure) for component in equilibria.components]
-    return "\n".join((count_words(equilibria), *table_of(rows)))
+    return [_row(component, sure=sure) for component in equilibria.components]
 
 
 def table_of(rows: Sequence[Sequence[str]]) -> list[str]:

@@ -13,14 +13,13 @@ from certreg.problem import trace
 from certreg.registration import DEGREE_SLACK, at_most, proved_degrees
 from certreg.report.robustness import robustness_words
 from certreg.report.summary import bounds_nothing, count_words, margin_words, number
-from certreg.results import Absent, ComponentKind, Guarantee, Optimality
+from certreg.results import Absent, ComponentKind, Guarantee
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from certreg.certificate import Claims, IsotropicBody
     from certreg.equilibrium import Component, EquilibriumSet
-    from certreg.geometry import Pose, Similarity
     from certreg.registration import Agreement, AnyRegistration, Registration
 
 THEOREMS = {  # claims of `certreg derive`, by the titles of their pages
@@ -34,6 +33,11 @@ THEOREMS = {  # claims of `certreg derive`, by the titles of their pages
     "dual_bound": "A multiplier that is proved is a bound",
     "spectrum": "The spectrum of Davenport's matrix",
     "eigenvector_radius": "How far the points may move before the eigenvector has turned",
+    "scale_radius": "Between which numbers the scale stays",
+    "scale_elimination": "The best scale, and what it costs",
+    "breathing_equilibria": "Where the body that breathes rests",
+    "descartes": "How many eigenvalues are positive",
+    "breathing_confined": "A body with little energy does not collapse",
     "spring_translation": "What a translation costs with matrices of springs",
     "quartic_relaxation": "A quartic, and its sums of squares",
     "bernstein_cones": "Cones and Bernstein coefficients",
@@ -100,9 +104,8 @@ def sentences(
     """What the page says is known; the checker has accepted what the certificate claims."""
     return [
         *_optimality(registration),
-        *_equilibria(registration, body.claims),
-        *_basin(registration, body),
-        *_dual(registration, body.claims),
+        *uniqueness_sentences(registration),
+        *motion_sentences(registration, body),
         *robustness_sentences(registration, "eigenvector_radius"),
         *_numbers(registration, angles),
     ]
@@ -120,11 +123,11 @@ def sentence(words: str) -> str:
     return whole.replace(" %", "\u00a0%")  # on one line
 
 
-def robustness_sentences(registration: AnyRegistration, theorem: str) -> Iterator[Sentence]:
+def robustness_sentences(registration: AnyRegistration, *theorems: str) -> Iterator[Sentence]:
     """How far the points may be off, if it is proved."""
     if registration.robustness is not None:
         words = sentence(robustness_words(registration))
-        yield Sentence(words=words, guarantee=Guarantee.EXACT, theorems=(theorem,))
+        yield Sentence(words=words, guarantee=Guarantee.EXACT, theorems=theorems)
 
 
 def weak_words(registration: Registration) -> str:
@@ -156,6 +159,12 @@ def _optimality(registration: Registration) -> Iterator[Sentence]:
         guarantee=Guarantee.EXACT,
         theorems=("optimality_certificate", "translation_gap"),
     )
+
+
+def uniqueness_sentences(registration: Registration) -> Iterator[Sentence]:
+    """Whether one rotation is the best, and how far at most the given one is from it."""
+    if registration.bounds is None:
+        return
     degrees = proved_degrees(registration)
     if degrees is not None:
         yield Sentence(
@@ -185,18 +194,31 @@ def _optimality(registration: Registration) -> Iterator[Sentence]:
     )
 
 
-def _equilibria(registration: Registration, claims: Claims) -> Iterator[Sentence]:
+def motion_sentences(registration: Registration, body: IsotropicBody) -> Iterator[Sentence]:
+    """Where a rigid body can rest, where it moves to, and what the relaxation proves."""
+    yield rest_sentence(registration)
+    yield from _stability(registration, body.claims)
+    yield from _basin(registration, body)
+    yield from _dual(registration, body.claims)
+
+
+def rest_sentence(registration: Registration) -> Sentence:
+    """Which equilibria a rigid body has."""
     equilibria = registration.equilibria
     counted = count_words(equilibria).split(": ", 1)[1][:-1]
     every = equilibria.components[0].kind is ComponentKind.ROTATION_GROUP
     begun = f"There {'is' if counted.startswith('one ') else 'are'} {counted}"
     begun = counted.capitalize() if every else begun
     listed = ", ".join(f"{NAMES[c.kind]} of index {c.morse_index}" for c in equilibria.components)
-    yield Sentence(
+    return Sentence(
         words=f"{begun}: {listed}. The list is complete.",
         guarantee=equilibria.guarantee,
         theorems=("eigenvectors", "classification"),
     )
+
+
+def _stability(registration: Registration, claims: Claims) -> Iterator[Sentence]:
+    equilibria = registration.equilibria
     unstable = equilibria.classification.unstable
     if unstable is None:
         yield Sentence(
@@ -284,7 +306,7 @@ def _numbers(registration: Registration, angles: MethodAngles) -> Iterator[Sente
         guarantee=Guarantee.NUMERICAL,
         theorems=("spectrum",),
     )
-    yield Sentence(words=_methods_words(registration, angles), guarantee=Guarantee.NUMERICAL)
+    yield methods_sentence(registration, angles)
     yield Sentence(
         words=f"The ambiguity margin is {margin_words(registration.equilibria)}.",
         guarantee=Guarantee.NUMERICAL,
@@ -292,7 +314,7 @@ def _numbers(registration: Registration, angles: MethodAngles) -> Iterator[Sente
     )
 
 
-def _methods_words(registration: Registration, methods: MethodAngles) -> str:
+def methods_sentence(registration: Registration, methods: MethodAngles) -> Sentence:
     """Which methods lead to the rotation that is printed, and which do not."""
     angles = {
         "the closed form": methods.closed_form,
@@ -311,37 +333,15 @@ def _methods_words(registration: Registration, methods: MethodAngles) -> str:
         "No proof rests on it."
         for name in apart
     ]
-    return " ".join(words)
+    return Sentence(words=" ".join(words), guarantee=Guarantee.NUMERICAL)
 
 
 def lie_words(registration: Registration) -> str:
     """How source points lie for which no dynamics is defined."""
     one = not trace(registration.solution.moments.source_scatter)
+    if registration.problem.rotation_only:
+        return "are all at the origin" if one else "are on one line through the origin"
     return "coincide" if one else "are on one line"
-
-
-def motion_words(registration: AnyRegistration) -> str:
-    """The pose as a turn about an axis and a shift."""
-    pose, unique = registration.pose, registration.unique
-    which = "The pose below" if registration.status is Optimality.BOUNDED else "The best motion"
-    which = which if unique or unique is None else "That pose"
-    shift = ", ".join(f"{entry:.6g}" for entry in pose.translation.tolist())
-    degrees, direction = turn_of(pose)
-    if direction is None:
-        return f"{which} turns nothing and shifts the source by ({shift})."
-    axis = ", ".join(f"{entry:.3f}" for entry in direction)
-    turn = f"turns the source by {degrees:.4g}° about the axis ({axis})"
-    return f"{which} {turn} and shifts it by ({shift})."
-
-
-def turn_of(pose: Pose | Similarity) -> tuple[float, tuple[float, ...] | None]:
-    """Degrees from 0 to 360, and the unit axis; None where nothing is turned."""
-    w, *axial = pose.quaternion_wxyz.tolist()
-    length = math.hypot(*axial)
-    if length == 0.0:
-        return 0.0, None
-    degrees = math.degrees(2.0 * math.atan2(length, w))
-    return degrees, tuple(entry / length for entry in axial)
 
 
 def trap_words(equilibria: EquilibriumSet, rmse: float | None = None) -> str | None:

@@ -21,8 +21,8 @@ from certreg.problem.problem import RegistrationProblem
 from certreg.registration.certification import certify
 from certreg.registration.examples import STORIES, tell
 from certreg.report import viewer
-from certreg.report.page import Report
 from certreg.report.pages import html_page as page_of
+from certreg.report.pages import report_on
 from certreg.results import Absent
 
 if TYPE_CHECKING:
@@ -114,7 +114,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Registration]
 
     def write(registration: Registration) -> Path:
         path = folder / f"{registration.problem.digest()[:12]}.html"
-        path.write_bytes(page_of(Report.of(registration)))
+        path.write_bytes(page_of(report_on(registration)))
         return path
 
     return write
@@ -814,3 +814,30 @@ def test_a_certificate_too_large_for_its_page_is_left_out_of_it(shown, monkeypat
     assert "sample's RMSE" in report.inner_text("#clock")
     assert report.rmse == pytest.approx(registration.rmse, rel=1e-6)
     assert report.faults == []
+
+
+MODELS = {
+    "asymmetric": {"scale": "asymmetric"},
+    "symmetric": {"scale": "symmetric"},
+    "rotation": {"rotation_only": True},
+    "both": {"scale": "asymmetric", "rotation_only": True},
+}
+
+
+@pytest.mark.parametrize("model", list(MODELS))
+@pytest.mark.parametrize(("width", "colours"), [(320, "light"), (1280, "dark")])
+def test_the_page_of_a_scale_or_no_translation_opens_without_a_fault(
+    opened, written, model, width, colours
+):
+    whole = problem_of(12)
+    problem = RegistrationProblem(whole.source, 2.5 * whole.target, **MODELS[model])
+    context = opened(viewport={"width": width, "height": 800}, color_scheme=colours)
+    page, faults = context.new_page(), list[str]()
+    page.on("console", lambda message: faults.append(message.text))
+    page.goto(written(certify(problem)).as_uri())
+
+    assert page.inner_text(".stamp").startswith("CERTIFIED")
+    assert page.evaluate("document.documentElement.scrollWidth") == width
+    assert page.locator("svg").count() == {"rotation": 2, "symmetric": 1}.get(model, 3)
+    assert faults == []
+    context.close()

@@ -26,9 +26,10 @@ from certreg.report import (
     thinning,
 )
 from certreg.report.methods import methods_fields
+from certreg.report.pose_words import motion_words
 from certreg.report.reload import WEAKER, _weaker
 from certreg.report.viewer import Names, scene_document
-from certreg.report.words import MethodAngles, motion_words
+from certreg.report.words import MethodAngles
 
 AXES = np.vstack([np.diag([3.0, 2.0, 1.0]), -np.diag([3.0, 2.0, 1.0])])
 PI_BELOW = Fraction(314159265358979323846, 10**20)

@@ -321,7 +321,7 @@ def test_a_motion_by_another_integrator_is_shown_again(tmp_path: Path):
     ],
 )
 def test_a_certificate_that_names_no_usable_motion_gets_the_usual_one(about: dict[str, Any]):
-    motion = Motion.of(about)
+    motion = Motion.of(about, RegistrationProblem([[1.0, 0.0, 0.0]], [[1.0, 0.0, 0.0]]))
 
     assert (motion.damping, motion.integrator) == (None, "splitting")
     assert "computed anew with the defaults, optimal damping and splitting" in motion.words

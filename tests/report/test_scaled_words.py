@@ -4,18 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 
 import certreg
-from certreg.errors import InvalidFileError, InvalidProblemError, OutOfRangeError
+from certreg.errors import InvalidProblemError, OutOfRangeError
 from certreg.registration.units import unit_words
-from certreg.report import report_of
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 RNG = np.random.default_rng(3)
 SOURCE = RNG.normal(size=(9, 3))
@@ -111,21 +107,6 @@ def test_no_slip_is_tried_where_the_scale_is_free():
     assert told["slip"] == "no slip is tried where the scale is free"
     assert told["fit.scale_p"] == (
         "with a free scale, or without a translation, no rows and no scale are tested"
-    )
-
-
-def test_a_report_of_a_scale_is_refused_in_one_line(tmp_path: Path):
-    found, file = certified(scale="asymmetric"), tmp_path / "certificate.json"
-    with pytest.raises(InvalidProblemError) as error:
-        found.report(tmp_path / "report.html")
-    assert str(error.value) == "no report is drawn with --scale asymmetric: print the result"
-
-    file.write_bytes(found.certificate.to_json())
-    with pytest.raises(InvalidFileError) as refused:
-        report_of(file)
-    assert str(refused.value).endswith(
-        "is about a free scale, or no translation; reports draw rigid motions: read it by "
-        "certreg verify"
     )
 
 

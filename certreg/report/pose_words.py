@@ -1,0 +1,41 @@
+"""A pose in words: a turn about an axis, a scale where it is free, and a shift."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from certreg.geometry import Similarity
+from certreg.results import Optimality
+
+if TYPE_CHECKING:
+    from certreg.geometry import Pose
+    from certreg.registration import AnyRegistration
+
+
+def motion_words(registration: AnyRegistration) -> str:
+    """The pose as a turn about an axis, a scale where it is free, and a shift if there is one."""
+    pose, unique = registration.pose, registration.unique
+    which = "The pose below" if registration.status is Optimality.BOUNDED else "The best motion"
+    which = which if unique or unique is None else "That pose"
+    shift = ", ".join(f"{entry:.6g}" for entry in pose.translation.tolist())
+    degrees, direction = turn_of(pose)
+    turn = "turns nothing"
+    if direction is not None:
+        axis = ", ".join(f"{entry:.3f}" for entry in direction)
+        turn = f"turns it by {degrees:.4g}° about the axis ({axis})"
+    scaled = [f"scales it by {pose.scale:.6g}"] if isinstance(pose, Similarity) else []
+    shifted = [] if registration.problem.rotation_only else [f"shifts it by ({shift})"]
+    *first, last = [turn, *scaled, *shifted]
+    done = f"{', '.join(first)} and {last}" if first else last
+    return f"{which} {done.replace(' it ', ' the source ', 1)}."
+
+
+def turn_of(pose: Pose | Similarity) -> tuple[float, tuple[float, ...] | None]:
+    """Degrees from 0 to 360, and the unit axis; None where nothing is turned."""
+    w, *axial = pose.quaternion_wxyz.tolist()
+    length = math.hypot(*axial)
+    if length == 0.0:
+        return 0.0, None
+    degrees = math.degrees(2.0 * math.atan2(length, w))
+    return degrees, tuple(entry / length for entry in axial)

@@ -1,0 +1,135 @@
+"""The first screen of the page of a free scale, or without a translation."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from certreg.geometry import Similarity
+from certreg.registration import (
+    headline_words,
+    proved_degrees,
+    scaled_equilibria,
+    unit_of,
+)
+from certreg.report.fields import scale_interval
+from certreg.report.overview import (
+    WHOSE,
+    Fact,
+    Mark,
+    Overview,
+    basis_words,
+    bound_facts,
+    figures,
+    place_facts,
+    pose_facts,
+    robustness_facts,
+    split,
+    warned,
+)
+from certreg.report.scaled_summary import BIAS, SCALE_ZERO
+from certreg.report.summary import margin_words, warnings
+from certreg.report.words import sentence
+from certreg.results import Absent
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from certreg.registration import Registration
+    from certreg.report.overview import PoseFacts
+
+WHOSE_TURN = "Rotation: about the source's axes."
+TESTED = "The test of the noise that was given raises no warning. "
+
+
+def similarity_overview(registration: Registration) -> Overview:
+    """Of a registration with a certificate."""
+    mark, tests = _judged(registration)
+    return Overview(
+        pose=_pose(registration),
+        fit=tuple(figures(registration)),
+        mark=mark,
+        tests=tests,
+        proved=tuple(_proved(registration)),
+    )
+
+
+def model_words(registration: Registration) -> str:
+    """How the source may move otherwise than as a rigid body in space."""
+    problem = registration.problem
+    scaled = ["with a free scale"] * problem.scaled
+    return " and ".join([*scaled, *["without a translation"] * problem.rotation_only])
+
+
+def untested_words(registration: Registration) -> str:
+    """Which tests of a fit are not made."""
+    return (
+        f"{model_words(registration)} no test is made for outlying rows, shuffled rows or a "
+        "mirror image"
+    )
+
+
+def _pose(registration: Registration) -> PoseFacts:
+    problem = registration.problem
+    facts = [*_scale_facts(registration), *place_facts(registration)]
+    whose = WHOSE_TURN if problem.rotation_only else WHOSE
+    told = [basis_words(registration, whose)]
+    if problem.scaled:
+        told.append(f"Of the scale: {BIAS[problem.scale]}.")
+    return pose_facts(registration, facts, " ".join(told))
+
+
+def _scale_facts(registration: Registration) -> Iterator[Fact]:
+    pose, unit = registration.pose, unit_of(registration)
+    if not isinstance(pose, Similarity):
+        return
+    kind = f"{registration.problem.scale.value}: target over source"
+    yield Fact(name="Scale", value=f"{pose.scale:.9g}", words=kind)
+    if pose.scale == 0.0:
+        yield Fact(name="", value="", words=SCALE_ZERO)
+    if unit is not None:
+        yield Fact(name="Unit", value="", words=unit)
+
+
+def _judged(registration: Registration) -> tuple[Mark, str]:
+    """Whether a fit is warned of; one test alone is made, of a noise that is given."""
+    fit, untested = registration.fit, sentence(untested_words(registration))
+    if fit.warnings:
+        mark, words = warned(fit)
+        return mark, f"{words} {untested}"
+    tested = TESTED if fit.chi2 is not None else ""
+    if warnings(registration, headline_words(registration)):
+        return Mark(kind="open", words="see the warning above"), f"{tested}{untested}"
+    return Mark(kind="plain", words="no warning" if tested else "not tested"), f"{tested}{untested}"
+
+
+def _proved(registration: Registration) -> Iterator[Fact]:
+    yield from bound_facts(registration, proved_degrees(registration))
+    yield from _interval(registration)
+    yield _others(registration)
+    yield from robustness_facts(registration)
+    if not registration.problem.scaled:
+        value, words = split(margin_words(registration.equilibria))
+        yield Fact(name="Ambiguity margin", value=value, words=f"{words} (computed)")
+
+
+def _interval(registration: Registration) -> Iterator[Fact]:
+    if not registration.problem.scaled:
+        return
+    bounds = scale_interval(registration)
+    if not isinstance(bounds, Absent):
+        low, high = bounds
+        words = f"at most {high!r}, of every optimum; both are rounded outwards"
+        yield Fact(name="Scale", value=f"≥ {low!r}", words=words)
+
+
+def _others(registration: Registration) -> Fact:
+    """How many wrong poses there are at which the body can rest."""
+    equilibria, where = registration.equilibria, "where the springs balance and the fit is not best"
+    others = equilibria.classification.spurious
+    if registration.problem.scaled:
+        scaled = scaled_equilibria(registration.solution.objective, equilibria)
+        others = scaled.spurious
+        if scaled.breathing is not None:
+            where = f"with a scale above 0, {where}"
+    value = "infinitely many" if others is None else str(others)
+    return Fact(name="Other poses at rest", value=value, words=where)
