@@ -45,7 +45,9 @@ def problem(rng: np.random.Generator) -> RegistrationProblem:
 
 def other_tool(stated: RegistrationProblem) -> Pose:
     """The optimum by floating point alone, as any tool finds it."""
-    return register(stated.source, stated.target, stated.weights)
+    found = register(stated.source, stated.target, stated.weights)
+    assert isinstance(found, Pose)
+    return found
 
 
 def means(stated: RegistrationProblem) -> tuple[Any, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from fractions import Fraction
 from math import isqrt
+from typing import Any
 
 import certificates as oracle
 import numpy as np
@@ -33,7 +34,7 @@ def document(scale="asymmetric", *, rotation_only=False, seed=1):
     problem = certreg.RegistrationProblem(
         *cloud_pair(seed), scale=scale, rotation_only=rotation_only
     )
-    found = certreg.certify(problem, relaxation=False, simulation=False)
+    found: Any = certreg.certify(problem, relaxation=False, simulation=False)
     return json.loads(found.certificate.to_json())
 
 
@@ -51,7 +52,7 @@ def value(pair):
 def test_the_optimum_is_certified_and_its_scale_between_the_bounds(scale, rotation_only):
     source, target = cloud_pair(3)
     problem = certreg.RegistrationProblem(source, target, scale=scale, rotation_only=rotation_only)
-    found = certreg.certify(problem, relaxation=False, simulation=False)
+    found: Any = certreg.certify(problem, relaxation=False, simulation=False)
     x, y = (c if rotation_only else c - c.mean(axis=0) for c in (source, target))
     aligned = np.sum((y.T @ x) * found.pose.rotation)
     best = (
@@ -92,11 +93,10 @@ SYMMETRIC = {"scale_lower": Fraction(1), "scale_upper": Fraction(1)}
 
 def octahedron(scale, **claims):
     problem = certreg.RegistrationProblem(AXES, AXES, scale=scale)
-    found = json.loads(
-        certreg.certify(
-            problem, relaxation=False, simulation=False, robustness_angle=None
-        ).certificate.to_json()
+    certified: Any = certreg.certify(
+        problem, relaxation=False, simulation=False, robustness_angle=None
     )
+    found = json.loads(certified.certificate.to_json())
     found["optimality"], found["pose"] = {"delta": [1, -40], "mu": [8, 0]}, [1, 0, 0, 0]
     found["claims"].update(
         {
@@ -139,7 +139,8 @@ def test_no_digest_stands_for_two_problems_and_another_model_is_told_in_one_line
     assert len({problem.digest() for problem in problems}) == len(PREFIXES) == 6
 
     for problem in problems:
-        found = certreg.certify(problem, relaxation=False, simulation=False).certificate
+        certified: Any = certreg.certify(problem, relaxation=False, simulation=False)
+        found = certified.certificate
         for other in problems:
             verdict = certreg.verify(found, other)
             assert verdict.proved == (other is problem)
@@ -189,13 +190,14 @@ def test_forgeries_are_refused(scale):
 def test_symmetric_bounds_of_an_irrational_scale_are_accepted_exactly_up_to_the_root():
     """Of sources of Sx = 28 and targets of Sy = 56 the scale is sqrt(2)."""
     target = (np.array(AXES) * np.sqrt(2.0)).tolist()
-    ratio = sum(Fraction(c) ** 2 for row in target for c in row) / sum(
-        Fraction(c) ** 2 for row in AXES for c in row
-    )
+    sizes = [
+        sum((Fraction(c) ** 2 for row in cloud for c in row), start=Fraction(0))
+        for cloud in (target, AXES)
+    ]
+    ratio = sizes[0] / sizes[1]
     problem = certreg.RegistrationProblem(AXES, target, scale="symmetric")
-    found = json.loads(
-        certreg.certify(problem, relaxation=False, simulation=False).certificate.to_json()
-    )
+    certified: Any = certreg.certify(problem, relaxation=False, simulation=False)
+    found = json.loads(certified.certificate.to_json())
     root = isqrt((ratio.numerator << 400) // ratio.denominator)
     for name, good in (("scale_lower", root), ("scale_upper", root + 1)):
         bad = 2 * root + 1 - good
@@ -214,10 +216,10 @@ def test_degenerate_clouds_get_their_answer_or_a_clear_refusal():
     with pytest.raises(DegenerateProblemError, match=r"all target points .* symmetric scale"):
         certreg.certify(certreg.RegistrationProblem(corners, point, scale="symmetric"))
 
-    nothing = certreg.certify(certreg.RegistrationProblem(corners, point, scale="asymmetric"))
+    nothing: Any = certreg.certify(certreg.RegistrationProblem(corners, point, scale="asymmetric"))
     assert (nothing.pose.scale, nothing.status.value) == (0.0, "certified-not-unique")
     assert "the best fit is one point" in nothing.summary()
-    along = certreg.certify(
+    along: Any = certreg.certify(
         certreg.RegistrationProblem(line, 3 * np.array(line), scale="asymmetric")
     )
     assert (along.pose.scale, along.status.value) == (3.0, "certified-not-unique")
@@ -225,7 +227,8 @@ def test_degenerate_clouds_get_their_answer_or_a_clear_refusal():
 
 def test_what_is_not_of_a_free_scale_says_so():
     source, target = cloud_pair(9)
-    for options in ({"scale": "asymmetric"}, {"rotation_only": True}):
+    models: list[dict[str, Any]] = [{"scale": "asymmetric"}, {"rotation_only": True}]
+    for options in models:
         with pytest.raises(InvalidProblemError, match="not yet with general springs"):
             certreg.RegistrationProblem(source, target, normals=source, **options)
     problem = certreg.RegistrationProblem(source, target, scale="symmetric")
@@ -234,5 +237,5 @@ def test_what_is_not_of_a_free_scale_says_so():
     with pytest.raises(InvalidProblemError, match="scale is 'free'"):
         certreg.RegistrationProblem(source, target, scale="free")
     bare = Clouds(tuple(source.ravel()), tuple(target.ravel()))
-    text = certreg.certify(problem, relaxation=False, simulation=False).certificate.to_json()
-    assert not check(text, bare).verified
+    certified: Any = certreg.certify(problem, relaxation=False, simulation=False)
+    assert not check(certified.certificate.to_json(), bare).verified

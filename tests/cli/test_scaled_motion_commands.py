@@ -29,7 +29,8 @@ TARGETS = {  # D, eigenvalues of K / 2: the sums of d with an even number of sig
 
 
 def clouds(folder: Path, factors: tuple[float, ...]) -> tuple[Path, Path]:
-    return write_csv(folder / "a.csv", SOURCE), write_csv(folder / "b.csv", SOURCE * factors)
+    target = (SOURCE * factors).tolist()
+    return write_csv(folder / "a.csv", SOURCE.tolist()), write_csv(folder / "b.csv", target)
 
 
 def check_schema(kind: str, document: Any) -> None:

@@ -138,6 +138,7 @@ def test_from_a_saddle_the_body_is_perturbed_and_leaves():
     objective = objective_of(source, source * [4.0, 3.0, -2.0])
     found, moving = breathing_equilibria(objective), breathing_body(objective.moments, DAMPING)
     saddle = found.upright[2]
+    assert saddle.scale is not None
     start = breathing_state(
         unit_double(objective.quaternions[saddle.component]), saddle.scale / moving.unit_of_scale
     )

@@ -443,6 +443,6 @@ def runs() -> str:
         ("flat", "flat", SimulationSettings()),
         ("axes", "half", SimulationSettings(max_steps=3)),
     ):
-        trajectory = simulate(problem(source, target), settings=settings)
+        trajectory: Any = simulate(problem(source, target), settings=settings)
         lines += [str(trajectory), *trajectory.notes]
     return "\n".join(lines)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -145,7 +145,8 @@ def test_the_row_that_was_spoilt_meanwhile_is_named(tmp_path, monkeypatch, name,
 
 
 def test_equal_weights_take_the_place_of_one():
-    for options in ({}, {"sigma": 0.5}, {"weights": 4.0}):
+    given: list[dict[str, Any]] = [{}, {"sigma": 0.5}, {"weights": 4.0}]
+    for options in given:
         problem = RegistrationProblem(np.eye(5, 3), np.eye(5, 3), **options)
 
         assert problem.weights.shape == (5,)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from strategies import AXES, BENT, random_problem
 
-from certreg.dynamics import SimulationSettings, optimal_damping
+from certreg.dynamics import SimulationSettings, Trajectory, optimal_damping
 from certreg.errors import ContradictionError, InvalidProblemError
 from certreg.objective import Isotropic
 from certreg.problem import RegistrationProblem, exact_moments
@@ -26,7 +26,6 @@ from certreg.results import Absent, Limits, Optimality, Ruling, Verdict
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from certreg.dynamics import Trajectory
     from certreg.registration import Registration
 
 CERTIFICATION = import_module("certreg.registration.certification")
@@ -46,7 +45,7 @@ def whole() -> Registration:
 
 def unfinished(registration: Registration) -> Trajectory:
     trajectory = registration.solution.trajectory
-    assert not isinstance(trajectory, Absent)
+    assert isinstance(trajectory, Trajectory)
     return trajectory
 
 

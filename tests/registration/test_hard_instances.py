@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -40,9 +41,9 @@ def test_where_no_damping_is_best_none_is_advised():
     source = np.vstack([ring, ring + np.array([0.0, 0.0, 400.0])])
     target = source[:, [1, 2, 0]] * np.array([1.0, 1.0, -1.0])
     few = SimulationSettings(max_steps=2000)
-    stuck = simulate(RegistrationProblem(source, target), "splitting", settings=few)
+    stuck: Any = simulate(RegistrationProblem(source, target), "splitting", settings=few)
     slow = random_problem(np.random.default_rng(1)).damped(1e-3)
-    advised = simulate(slow, "splitting", settings=few)
+    advised: Any = simulate(slow, "splitting", settings=few)
 
     assert not stuck.converged
     assert not any("far from the best one" in note for note in stuck.notes)

@@ -70,7 +70,8 @@ def test_a_body_released_with_more_energy_than_a_point_has_may_collapse():
 
 
 def test_documents_give_the_reason_of_what_is_null():
-    moved: Any = certreg.simulate(problem(TWO)).to_dict()
+    run: Any = certreg.simulate(problem(TWO))
+    moved = run.to_dict()
     certified: Any = certreg.certify(problem(TWO), relaxation=False).to_dict()
     symmetric: Any = certreg.certify(problem(TWO, "symmetric"), relaxation=False).to_dict()
 
