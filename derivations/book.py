@@ -97,6 +97,7 @@ CHAPTERS = (
             "descartes",
             "breathing_equilibria",
             "breathing_confined",
+            "scale_covariance",
             "scale_radius",
         ),
     ),

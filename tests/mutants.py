@@ -51,7 +51,7 @@ SPRING_REST = "derivations/claims/spring_rest.py"
 LINEAR, STEPS = "derivations/linearisation.py", "derivations/integrators.py"
 BREATHING = "derivations/breathing_motion.py"
 BREATHING_STEPS = "derivations/breathing_integrators.py"
-SCALING = "certreg/objective/scaling.py"
+SCALING, SURE = "certreg/objective/scaling.py", "certreg/registration/covariance.py"
 
 MUTANTS = (
     Mutant(
@@ -1075,6 +1075,34 @@ MUTANTS = (
         "(alignment + delta) / self.source\n",
         "(alignment + delta / 2) / self.source\n",
         ("scale_elimination",),
+    ),
+    Mutant(
+        "a scale of variance 1 / Syy",
+        SURE,
+        "variance / objective.scaling.source",
+        "variance / objective.scaling.target",
+        ("scale_covariance",),
+    ),
+    Mutant(
+        "a shift with the scale the other way",
+        SURE,
+        "shift = [-unit * dot(row",
+        "shift = [unit * dot(row",
+        ("scale_covariance",),
+    ),
+    Mutant(
+        "a covariance of turns without the scale",
+        SURE,
+        "spread = 2 * variance / (best * objective",
+        "spread = 2 * variance / (objective",
+        ("scale_covariance",),
+    ),
+    Mutant(
+        "a lever of the covariance without the scale",
+        SURE,
+        "arm = best * power_of_two",
+        "arm = power_of_two",
+        ("scale_covariance",),
     ),
 )
 UNCHANGED = Mutant("unchanged", SO3, MUTANTS[0].old, MUTANTS[0].old, ("davenport",))

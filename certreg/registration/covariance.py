@@ -10,7 +10,7 @@ Where the scale s of the asymmetric objective is free, s_true = s + ds, P = 2 (s
 same matrix C, var(ds) = 1 / Sxx, ds and phi are uncorrelated, and dt = e + s R [m] phi - R m ds, e
 the mean of the noise: the normal equations of e - ds R x~ + s R [x~] phi, whose blocks are Sxx and
 s^2 J, J the inertia, with none between them. Without a translation dt is 0, and sums are about the
-origin. Of scale 1: claim `covariance`; with a scale tested by repeated experiments.
+origin. Claims `covariance` and `scale_covariance`.
 
 To second order the turn moves t by -theta x (theta x R m) / 2 more, theta = R phi. Along an axis e
 that is theta^T A theta / 2 with a = R m, A = (a . e) I - (a e^T + e a^T) / 2; of a Gaussian theta
