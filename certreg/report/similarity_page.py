@@ -39,9 +39,9 @@ if TYPE_CHECKING:
 
 NO_MOTION = "Nothing was moved: "
 BREATHES = (
-    "Each pair is joined by a spring, and the source turns, moves and changes its size: a body "
-    "that breathes. The index counts the independent directions in which the energy falls: 0 only "
-    "at the best."
+    "Each pair is joined by a spring, and the source {moves} and changes its size: a body that "
+    "breathes. The index counts the independent directions in which the energy falls; with a scale "
+    "above 0 it is 0 only at the best."
 )
 SAME_SIZE = (
     "The symmetric scale is the same whatever the rotation: a source of that size is a rigid body. "
@@ -115,7 +115,8 @@ def _rests(registration: Registration) -> Rests:
     if below is None:
         return Rests(words=SAME_SIZE, head=SCALED_HEADINGS, rows=rows)
     notes = (sentence(scaled_count_words(found)), inside_out_words(below))
-    return Rests(words=BREATHES, head=SCALED_HEADINGS, rows=rows, notes=notes)
+    moves = "turns about the origin" if registration.problem.rotation_only else "turns, moves"
+    return Rests(words=BREATHES.format(moves=moves), head=SCALED_HEADINGS, rows=rows, notes=notes)
 
 
 def _moved(registration: Registration) -> Moved:

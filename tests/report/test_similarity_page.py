@@ -34,7 +34,7 @@ MODELS: dict[str, dict[str, Any]] = {
     "rotation": {"rotation_only": True},
     "both": {"scale": "asymmetric", "rotation_only": True},
 }
-IN_SPACE = ("Centre", "Translation", "translations", "shifts", "by its translation")
+IN_SPACE = ("turns, moves", "Centre", "Translation", "translations", "shifts", "by its translation")
 OF_A_SCENE = ("three.js", "Play", "Push it", "chart", "JavaScript")
 BIAS = {
     "asymmetric": "noise in the source makes it too small; noise in the target does not",
