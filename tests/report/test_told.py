@@ -223,7 +223,7 @@ def test_where_all_poses_are_optimal_no_mode_is_said_to_grow():
 
 def test_a_road_that_ends_apart_is_named_with_its_angle(axes: Registration):
     angles = words.MethodAngles(closed_form=0.0, relaxation=12.5, simulation=None)
-    told = words._methods_words(axes, angles)
+    told = words.methods_sentence(axes, angles).words
 
     assert told == (
         "Independent roads lead to the same rotation: the closed form to 0°. "

@@ -192,7 +192,8 @@ def test_what_is_told_apart_is_counted_by_its_kind():
     ],
 )
 def test_a_damping_is_taken_from_a_certificate_up_to_its_limits(damping: Any, *, kept: bool):
-    motion = Motion.of({"damping": damping, "integrator": "euler"})
+    point = RegistrationProblem([[1.0, 0.0, 0.0]], [[1.0, 0.0, 0.0]])
+    motion = Motion.of({"damping": damping, "integrator": "euler"}, point)
     assert (motion.damping, motion.integrator) == (
         (damping, "euler") if kept else (None, CROSS_CHECK.value)
     )
