@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from checker_boundaries import Case, quick_cases
 from list_boundaries import early_list_cases, list_cases
+from similarity_boundaries import similarity_cases
 from springs_boundaries import springs_cases
 
 if TYPE_CHECKING:
@@ -713,7 +714,95 @@ LISTS = mutants(
     ),
     ('require(len(found) == 1, "an', 'require(True, "an'),
 )
-MUTANTS = tuple(mutant for group, _ in GROUPS for mutant in group) + SPRINGS + LISTS
+SIMILARITY = mutants(
+    ('False): b"certreg-similarity/1', 'False): b"certreg-similarity-symmetric/1'),
+    ('b"certreg-similarity-rotation/1', 'b"certreg-similarity-symmetric-rotation/1'),
+    ('b"certreg-similarity-symmetric/1', 'b"certreg-similarity/1'),
+    ('b"certreg-similarity-symmetric-rotation/1', 'b"certreg-similarity-symmetric/1'),
+    ("PREFIXES.get((self.scale, bool(self.rotation_only))", "PREFIXES.get((self.scale, False)"),
+    ('require(self.prefix, "scale', 'require(True, "scale'),
+    (
+        'require(delta > 0 <= mu and any(q), "delta',
+        'require(delta >= 0 <= mu and any(q), "delta',
+        'require(delta > 0 and any(q), "delta',
+        'require(delta > 0 < mu and any(q), "delta',
+        'require(delta > 0 <= mu, "delta',
+    ),
+    ("m, weight = self.about(m), _dyadic", "m, weight = m, _dyadic"),
+    ("*[0] * 6], *m[1:]] if self.rotation_only else m", "*[0] * 6], *m[1:]]"),
+    ("m, weight = self.about(m), _dyadic(m[0][0], e)", "m, weight = self.about(m), m[0][0]"),
+    ('require(x > 0, f"all', 'require(x >= 0, f"all'),
+    ("places = max(-e, *[", "places = max(0, *["),
+    ("- 1 for k in (delta, mu)]", "- 1 for k in (delta,)]", "- 1 for k in (mu,)]"),
+    ("places, 1 << places + e  #", "places, 1 << places  #"),
+    ("one, unit = m[0][0] << places, 1", "one, unit = 1 << places, 1"),
+    ("self.require_optimal(K, unit, d, u)\n", "\n"),
+    ("self.require_pattern(pattern)\n        real", "real"),
+    ("v = quadratic(K, q) * real / sum(c * c for c in q)", "v = quadratic(K, q) * real"),
+    ('self._asymmetric if self.scale == "asymmetric" else', "self._asymmetric if True else"),
+    ('self._asymmetric if self.scale == "asymmetric" else', "self._asymmetric if False else"),
+    ("chain(*K)]) * real**2", "chain(*K)]) * real", "K[0]]) * real**2"),
+    ("root_up(*(gap / weight)", "root_up(*(gap * weight)", "root_up(*(2 * gap / weight)"),
+    ("prove(v, x * real, y * real, squares)", "prove(v, y * real, x * real, squares)"),
+    ('require(v >= 0, "tr', 'require(v > 0, "tr', 'require(True, "tr'),
+    (
+        "gap, size = delta * (v + most) / x",
+        "gap, size = delta * most / x",
+        "gap, size = 2 * delta * v / x",
+        "gap, size = delta * (v + most)",
+    ),
+    ("max(v * v, squares / 12)", "v * v", "squares / 12", "max(v * v, squares / 4)"),
+    (
+        "require(not self.gap < gap,",
+        "require(not self.gap <= gap,",
+        "require(not 2 * self.gap < gap,",
+        "require(True,",
+    ),
+    (
+        "self.scale_lower * x <= v and self.scale_upper * x >= most",
+        "self.scale_lower * x < v and self.scale_upper * x >= most",
+        "self.scale_lower * x <= v and self.scale_upper * x > most",
+        "self.scale_lower * x <= v and self.scale_upper * x >= v",
+        "self.scale_lower * x <= most and self.scale_upper * x >= most",
+        "self.scale_lower * x <= v",
+        "self.scale_upper * x >= most",
+    ),
+    ("share = gap * x / size if size", "share = gap / size if size", "share = gap * x / size if x"),
+    ("[y - v * v / x, max(", "[y - v / x, max(", "[y - most * most / x, max("),
+    (
+        "max(y - most * most / x, Fraction(0))",
+        "y - most * most / x",
+        "max(y - v * v / x, Fraction(0))",
+    ),
+    ("self._place(), 2 * self.delta", "self._place(), self.delta", "self._place(), 3 * self.delta"),
+    ('require(y > 0, f"all', 'require(y >= 0, f"all'),
+    ("require(gap <= self.gap,", "require(gap < self.gap,", "require(True,"),
+    (
+        "(low <= 0 or low * low * x <= y)",
+        "low * low * x <= y",
+        "(low <= 0 or low * low * x < y)",
+        "True",
+    ),
+    ("and high >= 0 and high * high", "and high * high"),
+    ("high * high * x >= y\n", "high * high * x > y\n", "True\n"),
+    ("(self.delta**2 / squares)", "(self.delta / squares)"),
+    (
+        "2 * (most * SLACK - v - self.delta)",
+        "2 * (most - v - self.delta)",
+        "2 * (most * SLACK - v)",
+    ),
+    ("SLACK - v - self.delta), Fraction(0))", "SLACK - v - self.delta), Fraction(-99))"),
+    ("return [2 * (most - v), least", "return [most - v, least"),
+    ('", no translation") if self.rotation_only', '", no translation") if not self.rotation_only'),
+    ('over = " / s" if self.scale == "sym', 'over = " / s" if self.scale == "asym'),
+    ("low, high = max(self.scale_lower, Fraction(0))", "low, high = self.scale_lower"),
+    ("ends = rounded(low, 17, ROUND_FLOOR)", "ends = rounded(low, 17)"),
+    ("17, ROUND_FLOOR), rounded(high, 17)", "17, ROUND_FLOOR), rounded(high, 17, ROUND_FLOOR)"),
+    ("        if low:\n", "        if True:\n"),
+    ("rounded(high / low - 1, 2)", "rounded(high - low, 2)"),
+    ("root_up(*(weight * k * real)", "root_up(*(k * real)"),
+)
+MUTANTS = tuple(mutant for group, _ in GROUPS for mutant in group) + SPRINGS + SIMILARITY + LISTS
 
 
 def noticed(text: str, mutant: Mutant, cases: list[Case], early: Sequence[Case] = ()) -> str | None:
@@ -757,6 +846,8 @@ def answers(every: int = 1) -> dict[str, str | None]:
         found |= {mutant.says: noticed(text, mutant, cases) for mutant in group[::every]}
     cases = springs_cases()
     found |= {mutant.says: noticed(text, mutant, cases) for mutant in SPRINGS[::every]}
+    cases = similarity_cases()
+    found |= {mutant.says: noticed(text, mutant, cases) for mutant in SIMILARITY[::every]}
     early = early_list_cases()
     cases = list_cases()[len(early) :]  # each takes 50 ms
     lists = LISTS[:: every**2]

@@ -8,6 +8,7 @@ import checker_boundaries as boundaries
 import pytest
 from checker_mutants import FILE, LISTS, MUTANTS, answers, failing
 from list_boundaries import early_list_cases, list_cases
+from similarity_boundaries import similarity_cases
 from springs_boundaries import springs_cases
 
 checker = import_module("certreg.verify")
@@ -26,6 +27,14 @@ def test_the_checker_answers_rightly_of_general_springs():
     cases = springs_cases()
 
     assert len(cases) >= 60
+    assert [case.name for case in cases if not case.passes(checker)] == []
+
+
+@pytest.mark.slow
+def test_the_checker_answers_rightly_of_a_free_scale():
+    cases = similarity_cases()
+
+    assert len(cases) >= 200
     assert [case.name for case in cases if not case.passes(checker)] == []
 
 
