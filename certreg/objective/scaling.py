@@ -85,9 +85,9 @@ class Scaling(Brief):
         return max(alignment, Fraction(0)) / self.source
 
     def energy(self, alignment: Fraction) -> Fraction:
-        """The objective with the best scale; of a symmetric one at most `slack` less."""
+        """The objective with the best scale, >= 0; of a symmetric one at most `slack` less."""
         if self.symmetric:
-            return 2 * (self._mean[0] - alignment)
+            return 2 * max(self._mean[0] - alignment, Fraction(0))
         return self.target - max(alignment, Fraction(0)) ** 2 / self.source
 
     def energy_at(self, alignment: Fraction, scale: Fraction, shifted: Fraction) -> Fraction:

@@ -14,7 +14,7 @@ from strategies import random_rotation
 import certreg
 from certreg import Pose, RegistrationProblem, Similarity, assess
 from certreg.errors import InvalidProblemError
-from certreg.results import PoseVerdict
+from certreg.results import Optimality, PoseVerdict
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -32,6 +32,18 @@ def certified(scale: str, *, only: bool = False, noise: float = 0.3) -> Any:
     y = TRUE.apply(x) - TRUE.translation * only + noise * rng.normal(size=x.shape)
     problem = RegistrationProblem(x, y, scale=scale, rotation_only=only)
     return certreg.certify(problem, relaxation=False, simulation=False)
+
+
+@pytest.mark.parametrize("scale", SCALES)
+@pytest.mark.parametrize("factor", [1.0, 2.0])
+def test_clouds_that_fit_exactly_are_certified_with_an_energy_of_zero(scale: str, factor: float):
+    for seed in range(3):
+        x = np.random.default_rng(seed).normal(size=(12, 3)).round(3)
+        found: Any = certreg.certify(x, factor * x, scale=scale, relaxation=False, simulation=False)
+
+        assert found.status is Optimality.CERTIFIED
+        assert found.equilibria.components[0].energy <= 1e-60
+        assert np.isclose(found.pose.scale, factor, rtol=1e-15, atol=0.0)
 
 
 FORMS: dict[str, Callable[[Any], Any]] = {
