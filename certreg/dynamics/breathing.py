@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     from certreg.objective import Isotropic
     from certreg.problem import ExactMoments
 
+MOST_BITS_APART = 256  # sizes, scale 1 in units: 3 of its powers, 2^768, and 2^53 are doubles
 UPPER = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 ONLY_MIDPOINT = (
     "a body with a free scale is simulated by the midpoint rule alone, whose energy never rises: "
@@ -143,7 +144,7 @@ def breathing_state(
 
 
 def breathing_body(moments: ExactMoments, damping: float) -> BreathingBody:
-    """The body of a problem whose source is not collinear.
+    """The body of a problem whose source is not collinear, and not too unlike its target in size.
 
     Raises DegenerateProblemError for another one.
     """
@@ -151,6 +152,12 @@ def breathing_body(moments: ExactMoments, damping: float) -> BreathingBody:
         message = "the source points are collinear: the rotational dynamics is not defined"
         raise DegenerateProblemError(message, rank=rank(moments.source_scatter))
     own, other = _units(moments)
+    if abs(own - other) > MOST_BITS_APART:
+        message = (
+            "source and target differ too much in size for a simulation in double precision: "
+            "change the unit of length of one cloud"
+        )
+        raise DegenerateProblemError(message, value=abs(own - other), limit=MOST_BITS_APART)
     record = _record(moments, damping, own, other)
     apart = (
         float((x - y) / power_of_two(other))

@@ -160,6 +160,18 @@ def test_a_motion_that_goes_to_the_scale_zero_stops_before_it():
     assert moving.energies(run.last)[:4].sum() >= collapse_energy(moving)
 
 
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_a_body_that_doubles_cannot_move_is_refused(sign: int):
+    x, y, w = clouds(1)
+    inside, outside = (objective_of(np.ldexp(x, sign * k), y, w) for k in (254, 259))
+    run = simulate_breathing(inside, DAMPING)
+
+    assert np.isfinite(run.potential).all()
+    assert np.isfinite(run.scales).all()
+    with pytest.raises(DegenerateProblemError, match="differ too much in size"):
+        simulate_breathing(outside, DAMPING)
+
+
 @pytest.mark.parametrize("seed", range(6))
 def test_with_less_energy_than_a_point_the_scale_stays_above_its_bound(seed):
     objective = objective_of(*clouds(seed, noise=1.0))
