@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 import numpy as np
 
-from certreg.errors import DegenerateProblemError, InvalidProblemError
+from certreg.errors import DegenerateProblemError, InvalidProblemError, OutOfRangeError
 from certreg.geometry import (
     Pose,
     Similarity,
@@ -105,6 +105,8 @@ def register(
         Where rounding may turn the pose by more than 1e-3 rad: above all where the best rotation is
         not unique, as for points on one line. Of springs where a shift or a turn is undetermined,
         or hardly determined.
+    OutOfRangeError
+        Where no double can hold the scale.
 
     Examples
     --------
@@ -153,7 +155,12 @@ def _by_moments(moments: Moments, kind: Scale) -> Pose | Similarity:
     spreads = float(np.trace(moments.source_scatter)), moments.target_spread
     # sums are over 2^b for the target, 2^a for the source, so their quotients over 2^(b - a)
     exponent = moments.target_exponent - moments.source_exponent
-    scale = math.ldexp(_best_scale(kind, alignment, *spreads), exponent)
+    quotient = _best_scale(kind, alignment, *spreads)
+    with np.errstate(over="ignore"):
+        scale = float(np.ldexp(quotient, exponent))
+    if math.isinf(scale) or scale == 0.0 < quotient:
+        message = "the scale exceeds the range of doubles: change the unit of length of one cloud"
+        raise OutOfRangeError(message, value=scale)
     return _similarity(rigid, scale, here, there)
 
 

@@ -11,7 +11,12 @@ from strategies import random_rotation
 
 import certreg
 from certreg import Pose, RegistrationProblem, Similarity, register
-from certreg.errors import CertregError, DegenerateProblemError, InvalidProblemError
+from certreg.errors import (
+    CertregError,
+    DegenerateProblemError,
+    InvalidProblemError,
+    OutOfRangeError,
+)
 from certreg.registration import closed_form
 
 NEAR = 1e-12  # of the scale, the rotation and the clouds' size
@@ -73,6 +78,14 @@ def test_no_size_leaves_the_doubles(unit: float):
         assert isinstance(found, Similarity)
         assert abs(found.scale / (plain.scale * unit * unit) - 1.0) < NEAR
         assert np.abs(found.rotation - plain.rotation).max() < NEAR
+
+
+def test_a_scale_that_no_double_holds_is_refused():
+    x, y, w = drawn(4)
+    for scale in ("asymmetric", "symmetric"):
+        for unit in (1e-165, 1e160):
+            with pytest.raises(OutOfRangeError, match="the scale exceeds the range of doubles"):
+                register(x / unit, y * unit, w, scale=scale)
 
 
 def test_what_rounding_does_not_tell_is_refused_with_a_scale_as_without():
