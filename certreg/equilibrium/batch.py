@@ -258,7 +258,9 @@ def _points(given: ArrayLike, name: str) -> Array:
     array = _doubles(given, name)
     array = array[np.newaxis] if array.ndim == 2 else array
     if array.ndim != 3 or array.shape[2] != 3 or 0 in array.shape:
-        message = f"{name} have the shape {array.shape}: give finite numbers, (count, N, 3)"
+        message = (
+            f"{name} have the shape {array.shape}: give (count, N, 3) or (N, 3), none of them 0"
+        )
         raise InvalidProblemError(message, array=name, value=array.shape)
     return array
 

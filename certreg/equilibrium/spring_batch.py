@@ -55,7 +55,7 @@ class SpringSolutions(Brief):
 
     counts: (count,), how many equilibria are listed.
     quaternions: (count, most, 4), unit, (w, x, y, z). translations: (count, most, 3), target from
-        source. energies: (count, most), sum r^T W r at each.
+        source. energies: (count, most), sum r^T W r at each, infinite where no double holds it.
     indices: (count, most), in how many independent directions the energy falls; 0 is stable. -1
         where a curvature is below 1e-9 of the largest and the list is not proved.
     outcomes: what became of the 40 paths of each problem; only where FOUND are all equilibria
@@ -251,13 +251,15 @@ def _rows(
     sizes = np.abs(curved)
     flat = (sizes <= LEAST_CURVATURE * sizes.max(axis=1, keepdims=True)).any(axis=1)
     exponents = moments.weight_exponent + 2 * moments.length_exponent
-    energies = scales[problem, 0] * values + scales[problem, 1]
+    energies = np.maximum(scales[problem, 0] * values + scales[problem, 1], 0.0)
+    with np.errstate(over="ignore"):
+        energies = np.ldexp(energies, exponents[problem])
     rotations = np.moveaxis(np.array(rotation_matrix(list(q.T))), -1, 0).reshape(-1, 3, 3)
     return _Rows(
         problem=problem,
         quaternions=q,
         translations=moments.translations(problem, rotations),
-        energies=np.ldexp(np.maximum(energies, 0.0), exponents[problem]),
+        energies=energies,
         indices=np.where(flat, UNKNOWN_INDEX, (curved < 0.0).sum(axis=1)).astype(np.int8),
     )
 

@@ -141,7 +141,7 @@ def stated_many(
         raise InvalidProblemError(message, array="normals")
     several = {name: _has_problems(rows, name, n) for name, rows in kinds.items()}
     extra = {"sigma": sigma, "weights": weights}
-    numbers = {k: np.asarray(a, dtype=np.float64) for k, a in extra.items() if a is not None}
+    numbers = {k: _numbers(a, k).astype(float) for k, a in extra.items() if a is not None}
     own = [rows for name, rows in kinds.items() if several[name]]
     own += [array for array in numbers.values() if array.ndim == 2]
     leading = {len(array) for array in own}
@@ -210,7 +210,11 @@ def _plain(given: ManySprings, origins: Array) -> Array:
 
 
 def _numbers(rows: Any, name: str) -> Array:
-    array = np.asarray(rows)
+    try:
+        array = np.asarray(rows)
+    except (ValueError, TypeError) as error:
+        message = f"{name} are not an array of numbers: {error}"
+        raise InvalidProblemError(message, array=name) from error
     if array.dtype.kind not in "fiu":
         message = f"{name} have entries of type {array.dtype}: give real numbers"
         raise InvalidProblemError(message, array=name, value=array.dtype)

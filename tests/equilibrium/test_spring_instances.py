@@ -258,7 +258,23 @@ BAD = {
     "both": ({"normals": np.ones((5, 3)), "sigma": 1.0, "weights": np.ones(5)}, "both sigma"),
     "sigma": ({"normals": np.ones((5, 3)), "sigma": np.zeros(5)}, "sigma of instance 0, row 0"),
     "weights": ({"normals": np.ones((5, 3)), "weights": np.ones(4)}, "weights have the shape"),
+    "text": ({"normals": np.ones((5, 3)), "weights": "a"}, "weights have entries of type"),
+    "ragged": ({"normals": [[1.0, 0.0], [1.0]]}, "normals are not an array of numbers"),
 }
+
+
+def test_an_energy_beyond_the_doubles_is_infinite():
+    rng = np.random.default_rng(2)
+    x, normals = rng.normal(size=(2, 8, 3))
+    found = solve_many_springs(1e200 * x, 1e200 * rng.normal(size=(8, 3)), normals=normals)
+
+    assert found.counts[0] > 0
+    assert np.isposinf(found.energies).all()
+
+
+def test_no_problem_at_all_is_named():
+    with pytest.raises(InvalidProblemError, match=r"targets have the shape \(0, 5, 3\)"):
+        solve_many_springs(np.ones((5, 3)), np.ones((0, 5, 3)), normals=np.ones((5, 3)))
 
 
 @pytest.mark.parametrize("case", BAD)
