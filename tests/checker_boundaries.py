@@ -465,7 +465,7 @@ def form_cases() -> Iterator[Case]:
 def key_cases(good: Certificate) -> Iterator[Case]:
     must = "REFUSED: {} must have exactly the keys {}$"
     keys = {
-        "the certificate": re.escape(" ".join(sorted([*good, "radius?"]))),
+        "the certificate": re.escape(" ".join(sorted([*good, "radius?", "rotation_only?"]))),
         "claims": " ".join(sorted(good["claims"])),
         "optimality": "delta mu",
         "problem": "data digest n",
@@ -552,7 +552,9 @@ def flat(
 ) -> SimpleNamespace:
     parts = [tuple(float(x) for x in np.ravel(cloud)) for cloud in (source, target)]
     given = None if weights is None else tuple(float(w) for w in weights)
-    return SimpleNamespace(source=parts[0], target=parts[1], weights=given, any_weight=any_weight)
+    return SimpleNamespace(
+        source=parts[0], target=parts[1], weights=given, model="", any_weight=any_weight
+    )
 
 
 def data_cases() -> Iterator[Case]:

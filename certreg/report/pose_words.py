@@ -20,15 +20,16 @@ def motion_words(registration: AnyRegistration) -> str:
     which = which if unique or unique is None else "That pose"
     shift = ", ".join(f"{entry:.6g}" for entry in pose.translation.tolist())
     degrees, direction = turn_of(pose)
-    turn = "turns nothing"
+    done, whom = ["turns nothing"], "the source"
     if direction is not None:
         axis = ", ".join(f"{entry:.3f}" for entry in direction)
-        turn = f"turns it by {degrees:.4g}° about the axis ({axis})"
-    scaled = [f"scales it by {pose.scale:.6g}"] if isinstance(pose, Similarity) else []
-    shifted = [] if registration.problem.rotation_only else [f"shifts it by ({shift})"]
-    *first, last = [turn, *scaled, *shifted]
-    done = f"{', '.join(first)} and {last}" if first else last
-    return f"{which} {done.replace(' it ', ' the source ', 1)}."
+        done, whom = [f"turns the source by {degrees:.4g}° about the axis ({axis})"], "it"
+    if isinstance(pose, Similarity):
+        done, whom = [*done, f"scales {whom} by {pose.scale:.6g}"], "it"
+    if not registration.problem.rotation_only:
+        done.append(f"shifts {whom} by ({shift})")
+    *first, last = done
+    return f"{which} {', '.join(first)} and {last}." if first else f"{which} {last}."
 
 
 def turn_of(pose: Pose | Similarity) -> tuple[float, tuple[float, ...] | None]:

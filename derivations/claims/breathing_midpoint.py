@@ -35,7 +35,7 @@ STATE = BreathingQuaternionState(
 E, STRETCH, AFTER = 1 + HALF * DAMPING + STEP**2 / 2, middle_stretch(MIDDLE.omega), scalar("z")
 INVERSES = {E: scalar("e"), STRETCH: scalar("u"), AFTER: scalar("w")}
 SLOWED = vanishing(
-    r"$v_m$ is the shipped one, $v = (1 + h\mu/2 + h^2/2)\, v_m + h c$.",
+    r"$v_m$ is the shipped one: with $e = 1 + h\mu/2 + h^2/2$, $v = e v_m + h c$.",
     V - E * VM - STEP * STATE.c,
     standing=Standing.CASE,
     solves=tuple(V),
@@ -49,7 +49,7 @@ AT_ROOT = vanishing(
 )
 FORWARD = nonnegative_by(r"$h \ge 0$.", STEP)
 GOES_ON = invertible(
-    r"The scale after the step is not $0$; $w$ is its inverse.",
+    r"The scale after the step is nonzero; $w$ is its inverse.",
     AFTER,
     scalar("w"),
     example={scalar("middle_1"): 1, SM: 1, scalar("a_1"): 1},
