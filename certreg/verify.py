@@ -209,7 +209,7 @@ def bound_doubles(certificate: Statement, clouds: Clouds | None) -> memoryview:
     require(content or clouds, "the certificate holds no points: give SOURCE and TARGET")
     if clouds:
         said = certificate.model or "neither --scale nor --rotation-only"
-        require(clouds.model == certificate.model, f"what is certified has {said}: give just that")
+        require(clouds.model == certificate.model, f"the certificate has {said}: give the same")
         parts = [p for p in (clouds.source, clouds.target, clouds.weights) if p is not None]
         same = [len(part) for part in parts] == [3 * n, 3 * n, own][: len(parts)]
         ask = SUMS.get(certificate.prefix, (1, 0, "weights are unequal: give --weights FILE"))[2]

@@ -88,7 +88,7 @@ def _proved(
     same = stated.n == problem.n
     require(same, "the certificate is about another number of points or weights")
     same, said = problem.model_options == stated.model, stated.model or NO_MODEL
-    require(same, f"what is certified has {said}: give just that")
+    require(same, f"the certificate has {said}: give the same")
     if stated.data is not None:
         bound_doubles(stated, None)
     same = problem.digest() == stated.digest

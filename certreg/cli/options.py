@@ -126,7 +126,7 @@ def model_options(command: Callable[..., Any]) -> Callable[..., Any]:
         type=click.Choice(["none", "asymmetric", "symmetric"]),
         default="none",
         show_default=True,
-        help="Let the scale go, too: asymmetric (Umeyama; noise in SOURCE makes it too small), or "
+        help="Estimate the scale, too: asymmetric (Umeyama; noise in SOURCE makes it too small), or "
         "symmetric (Horn; right where both have the same relative noise, too large with noise in "
         "TARGET alone).",
     )
@@ -337,7 +337,7 @@ def cloud_options(command: Callable[..., Any]) -> Callable[..., Any]:
         metavar="MU",
         callback=_damping,
         help="Viscous damping per mass, or 'optimal' for the fastest decay (not of general "
-        "springs). Default: sqrt(8), of certify optimal.",
+        "springs). Default: sqrt(8); of certify, optimal.",
     )
     @functools.wraps(command)
     def wrapped(

@@ -259,6 +259,7 @@ def _component(
 ) -> Component:
     objective, q = frame.objective, frame.critical.components[index].quaternion
     energy, unstable = objective.energy(q), classification.unstable
+    squares = objective.squares(energy, objective.best_scale(q))
     return Component(
         kind=classification.kinds[index],
         basis=np.array([canonical(v) for v in frame.vectors[frame.rows(index)]]).T,
@@ -267,7 +268,7 @@ def _component(
         eigenvalues=present(eigenvalues),
         witness=curvature.witness,
         energy=nearest_double(energy),
-        rmse=nearest_root(energy / objective.moments.total_weight),
+        rmse=nearest_root(squares / objective.moments.total_weight),
         rotation=rotation_double(q),
         quaternion_wxyz=unit_double(q),
         angle_to_optimum=_angle_to_optimum(frame.critical, q) if index else 0.0,

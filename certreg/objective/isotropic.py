@@ -260,6 +260,10 @@ class Isotropic(Brief):
             return self.energy(q) + shifted
         return self.scaling.energy_at(self.alignment(q), scale, shifted)
 
+    def squares(self, energy: Fraction, scale: Fraction) -> Fraction:
+        """The sum w |y - s R x - t|^2 of a pose of that energy: the symmetric one is over s."""
+        return energy * scale if self.scaling is not None and self.scaling.symmetric else energy
+
     def translation_energy(
         self,
         q: Sequence[int],

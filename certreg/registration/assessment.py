@@ -206,7 +206,7 @@ def _assessment(
         energies=JudgedEnergies.of(facts),
         words=words_of_pose(facts, verdict) + _notes(facts, verdict, given),
         objective=nearest_double(facts.energy),
-        rmse=nearest_root(facts.energy / registration.solution.moments.total_weight),
+        rmse=nearest_root(facts.squares / registration.solution.moments.total_weight),
         gap_lower=bounds.gap_lower,
         gap_upper=bounds.gap_upper,
         gap_share=bounds.share_upper,

@@ -20,7 +20,7 @@ from certreg.dynamics import (
 )
 from certreg.equilibrium import breathing_equilibria
 from certreg.errors import InvalidProblemError
-from certreg.exact import nearest_double, nearest_root, power_of_two
+from certreg.exact import nearest_double, power_of_two
 from certreg.native import Integrator
 from certreg.problem import Scale, lift
 from certreg.results import OUT_OF_RANGE, Absent, Explained, Presented
@@ -114,13 +114,11 @@ def scaled_equilibria(objective: Isotropic, rigid: EquilibriumSet) -> ScaledEqui
 
 
 def _equilibrium(objective: Isotropic, component: Component, q: Sequence[int]) -> ScaledEquilibrium:
-    scale, squares = objective.best_scale(q), objective.energy(q)
-    if objective.scaling is not None and objective.scaling.symmetric:
-        squares *= scale  # the symmetric energy is over the scale
+    scale = objective.best_scale(q)
     return ScaledEquilibrium(
         component=component,
         scale=nearest_double(scale) or None,
-        rmse=nearest_root(squares / objective.moments.total_weight),
+        rmse=component.rmse,
         absent=dict.fromkeys(("scale", "rmse"), OUT_OF_RANGE),
     )
 

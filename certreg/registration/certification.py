@@ -417,8 +417,8 @@ def _registration(
 ) -> Registration:
     pose, moments, certificate = solution.pose, solution.moments, solution.certificate
     place = exact_pose(pose)
-    energy, scaling = pose_energy(solution.objective, place), solution.objective.scaling
-    squares = energy if scaling is None or not scaling.symmetric else energy * place.scale
+    energy = pose_energy(solution.objective, place)
+    squares = solution.objective.squares(energy, place.scale)
     return Registration(
         problem=solution.problem,
         solution=solution,

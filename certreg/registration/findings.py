@@ -96,6 +96,7 @@ class Findings:
     bounds: PoseBounds
     rounding_cost: Fraction  # of the optimal pose, see `certreg.registration.rounding`
     energy: Fraction
+    squares: Fraction  # sum w |y - s R x - t|^2
     translation_energy: Fraction  # what the translation adds to the best one
     energy_range: Fraction  # the scale that says which energies are small
     angles: list[float]  # to each component of equilibria
@@ -155,11 +156,13 @@ def findings(registration: Registration, pose: ExactPose, cost: Fraction) -> Fin
     bounds = pose_bounds(objective, solution.certificate.body, pose)
     if bounds.angle_upper is not None:  # proved from more bits than a computed angle has
         angles[0] = min(angles[0], bounds.angle_upper)
+    energy = pose_energy(objective, pose)
     return Findings(
         registration=registration,
         bounds=bounds,
         rounding_cost=cost,
-        energy=pose_energy(objective, pose),
+        energy=energy,
+        squares=objective.squares(energy, pose.scale),
         translation_energy=objective.translation_energy(q, pose.translation, pose.scale),
         energy_range=_energy_range(solution),
         angles=angles,

@@ -249,8 +249,8 @@ def _scale_remedy(scale: Fraction | None) -> str:
     if unit is not None:
         return f"if the units differ, multiply the target by {unit[0]:.6g} and certify again"
     digits = 12 if abs(times - 1.0) < SMALL else 6
-    factor = f"by {times:.{digits}g} " if 0.0 < times < math.inf else ""
-    return f"if the sizes may differ, multiply the target {factor}and certify again"
+    factor = f" by {times:.{digits}g}" if 0.0 < times < math.inf else ""
+    return f"if the sizes may differ, certify with --scale, or multiply the target{factor}"
 
 
 def _outlier_remedy(rows: RowFit, names: RowNames) -> str:

@@ -146,7 +146,7 @@ def test_no_digest_stands_for_two_problems_and_another_model_is_told_in_one_line
             assert verdict.proved == (other is problem)
             if other is not problem:
                 said = problem.model_options or "neither --scale nor --rotation-only"
-                assert verdict.words == f"what is certified has {said}: give just that"
+                assert verdict.words == f"the certificate has {said}: give the same"
 
 
 @pytest.mark.parametrize("scale", SCALES)

@@ -86,6 +86,19 @@ def objective(result: Any, pose: Similarity) -> Fraction:
 
 
 @pytest.mark.parametrize("scale", SCALES)
+def test_the_rmse_of_a_fit_of_its_equilibrium_and_of_its_assessment_is_that_of_the_distances(
+    scale: str,
+):
+    result = certified(scale)
+    found = assess(result, result.pose)
+    apart = result.problem.target - result.pose.apply(result.problem.source)
+    rmse = np.sqrt(np.square(apart).sum(axis=1).mean())
+
+    told = (result.rmse, result.equilibria.components[0].rmse, found.rmse, found.optimum_rmse)
+    assert np.allclose(np.array(told, dtype=float), rmse, rtol=1e-12, atol=0.0)
+
+
+@pytest.mark.parametrize("scale", SCALES)
 def test_the_parts_are_what_the_objective_rises_by_as_each_is_spoilt(scale: str):
     result = certified(scale)
     best = result.pose

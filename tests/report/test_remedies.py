@@ -45,7 +45,7 @@ CASES = {  # a spoilt target, its sigma, and the whole of what is advised
     "scale": (
         1.25 * GOOD,
         None,
-        r"if the sizes may differ, multiply the target by 0\.80\d+ and certify",
+        r"if the sizes may differ, certify with --scale, or multiply the target by 0\.80\d+",
     ),
     "row": (moved(5), None, "check row 5; if it is wrong, mend it or leave it out, and certify"),
     "rows": (
