@@ -23,7 +23,7 @@ from certreg.registration.findings import (
     verdict_of,
 )
 from certreg.registration.headlines import NO_ROTATION
-from certreg.registration.scaled_poses import read_for, scale_note
+from certreg.registration.scaled_poses import NOT_SCALED, read_for, scale_note
 from certreg.registration.slips import slip_of
 from certreg.registration.spring_assessment import judged_on_springs
 from certreg.registration.spring_result import SpringRegistration
@@ -52,7 +52,6 @@ NO_SLIP = Absent(
     "no single slip of those that are tried leads to it from a pose within 0.001 radians, and a "
     "millionth of the range of energies, of the optimum; two at once are not tried"
 )
-NOT_SCALED = Absent("the scale is not free")
 NO_SCALED_SLIP = Absent("no slip is tried where the scale is free")
 NOT_TRIED = Absent("the optimum could not be certified, and no slip was tried")
 OF_OPTIMUM = dict.fromkeys(("optimum_objective", "optimum_rmse"), OUT_OF_RANGE)

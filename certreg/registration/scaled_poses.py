@@ -21,7 +21,7 @@ from certreg.exact import double_above, rational_root_above
 from certreg.registration.outlying import independent_rows
 from certreg.registration.rounding import rounding_errors
 from certreg.registration.units import unit_words
-from certreg.results import Brief
+from certreg.results import Absent, Brief
 
 if TYPE_CHECKING:
     import numpy as np
@@ -38,6 +38,7 @@ RANGE = 9  # the range over its lower bound: l1^2 <= 3/4 F^2 over F^2 / 12; symm
 TURNS, MOTIONS = 3, 6  # degrees of freedom of a rotation, of a pose
 UNSCALED = 1e-12  # off 1: what the rounding of a rotation makes of its scale
 RIGID = " It has no scale of its own and was judged with scale 1."
+NOT_SCALED = Absent("the scale is not free")
 BEST_SCALE = " Only a rotation was given: it was judged with the best {} for it."
 
 

@@ -22,6 +22,7 @@ from certreg.registration.headlines import (
     loose_words,
     share_words,
 )
+from certreg.registration.scaled_poses import NOT_SCALED
 from certreg.registration.spring_findings import (
     spring_findings,
     spring_sigma_distance,
@@ -49,7 +50,8 @@ if TYPE_CHECKING:
 
 NUMBERS = (
     *("objective", "rmse", "gap_lower", "gap_upper", "gap_share", "rounding_cost", "angle_upper"),
-    *("shift_upper", "angle_to_optimum", "nearest_index", "nearest_angle", "sigma_distance"),
+    *("gap_parts", "shift_upper", "angle_to_optimum", "nearest_index", "nearest_angle"),
+    "sigma_distance",
 )
 NOT_UNIQUE = Absent("other poses are as good: no angle to 'the' optimum exists")
 NOT_MET = Absent("no equilibrium was met at the pose, and those of general springs are not listed")
@@ -81,6 +83,7 @@ def judged_on_springs(
         "gap_lower": facts.bounds.gap_lower,
         "gap_upper": facts.bounds.gap_upper,
         "gap_share": facts.bounds.stated("share_upper"),
+        "gap_parts": NOT_SCALED,
         "rounding_cost": double_above(facts.rounding_cost),
         "angle_upper": facts.bounds.stated("angle_upper"),
         "shift_upper": facts.bounds.stated("shift_upper"),

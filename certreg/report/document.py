@@ -26,6 +26,7 @@ from certreg.report.fields import (
     optimality_fields,
     pose_fields,
     robustness_fields,
+    scale_of,
 )
 from certreg.report.methods import methods_fields
 from certreg.report.spring_document import spring_fields
@@ -190,6 +191,7 @@ def assessment_document(assessment: Assessment) -> Document:
             "gap_lower": assessment.stated("gap_lower"),
             "gap_upper": finite(assessment.stated("gap_upper")),
             "gap_share": finite(assessment.stated("gap_share")),
+            "gap_parts": _gap_parts(assessment),
             "rounding_cost": finite(assessment.stated("rounding_cost")),
             "angle_upper_deg": degrees_above(assessment.stated("angle_upper")),
             "shift_upper": finite(assessment.stated("shift_upper")),
@@ -205,12 +207,21 @@ def assessment_document(assessment: Assessment) -> Document:
                 "rotation": assessment.optimum.rotation,
                 "translation": assessment.optimum.translation,
                 "quaternion_wxyz": assessment.optimum.quaternion_wxyz,
+                "scale": scale_of(assessment.optimum),
                 "objective": assessment.stated("optimum_objective"),
                 "rmse": assessment.stated("optimum_rmse"),
             },
             "fit": fit_fields(assessment.fit),
         }
     )
+
+
+def _gap_parts(assessment: Assessment) -> Document | Absent:
+    parts = assessment.stated("gap_parts")
+    if isinstance(parts, Absent):
+        return parts
+    rotation, scale, translation = map(finite, parts.doubles)
+    return {"scale": scale, "rotation": rotation, "translation": translation}
 
 
 def _sigma_distance(assessment: Assessment) -> Document | Absent:

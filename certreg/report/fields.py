@@ -16,6 +16,7 @@ from certreg.results import OUT_OF_RANGE, Absent
 
 if TYPE_CHECKING:
     from certreg.certificate import SimilarityClaims
+    from certreg.geometry import Pose
     from certreg.registration import AnyRegistration, Fit, FitRow
     from certreg.report.encoding import Document
 
@@ -37,10 +38,14 @@ def pose_fields(registration: AnyRegistration) -> Document:
 
 def _scale(registration: AnyRegistration) -> Document:
     """The scale, and proved bounds of it."""
-    pose = registration.pose
-    if not isinstance(pose, Similarity):
-        return {"scale": NO_SCALE, "scale_interval": NO_SCALE}
-    return {"scale": pose.scale, "scale_interval": scale_interval(registration)}
+    scale = scale_of(registration.pose)
+    interval = scale if isinstance(scale, Absent) else scale_interval(registration)
+    return {"scale": scale, "scale_interval": interval}
+
+
+def scale_of(pose: Pose | Similarity) -> float | Absent:
+    """Of a similarity, or why a pose has none."""
+    return pose.scale if isinstance(pose, Similarity) else NO_SCALE
 
 
 def scale_interval(registration: AnyRegistration) -> tuple[float, float] | Absent:

@@ -89,6 +89,34 @@ def test_what_a_pose_costs_is_told_apart():
     assert "from the scale, under 0.1 % from the rotation, " in told
 
 
+def test_json_has_the_parts_of_a_gap_and_the_scale_of_the_optimum():
+    problem, best = stated(scale="asymmetric"), certified(scale="asymmetric").pose
+    found = certreg.assess(problem, replace(best, scale=1.2 * best.scale))
+    told = found.to_dict()
+    parts = found.gap_parts
+
+    assert parts is not None
+    assert list(told["gap_parts"]) == ["scale", "rotation", "translation"]
+    for name, cost in told["gap_parts"].items():
+        exact = getattr(parts, name)
+        assert exact <= Fraction(cost) <= exact * (1 + Fraction(1, 2**52))
+    assert sum(told["gap_parts"].values()) >= told["gap_lower"] > 0
+    assert told["optimum"]["scale"] == best.scale
+
+
+def test_json_says_why_a_rigid_problem_or_no_rotation_has_neither():
+    planes = certreg.RegistrationProblem(SOURCE, SOURCE, normals=np.eye(3).repeat(3, axis=0))
+    for problem in (stated(), planes):
+        told = certreg.assess(problem, np.eye(3)).to_dict()
+        assert told["gap_parts"] is told["optimum"]["scale"] is None
+        assert told["reasons"]["gap_parts"] == "the scale is not free"
+        assert told["reasons"]["optimum.scale"] == "the scale was not asked for"
+    told = certreg.assess(stated(scale="asymmetric"), np.diag([1.0, 1.0, -1.0])).to_dict()
+    assert told["verdict"] == "not-a-rotation"
+    assert told["gap_parts"] is None
+    assert told["reasons"]["gap_parts"] == told["words"]
+
+
 def test_there_is_no_relaxation_of_a_free_scale():
     reasons = certreg.certify(stated(scale="asymmetric")).to_dict()["reasons"]
 
