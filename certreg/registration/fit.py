@@ -54,6 +54,10 @@ ZERO_MEDIAN = Absent("at least half of the residuals are zero")
 ROUNDED = Absent("the residuals are at rounding: there is nothing to test")
 NO_NOISE = Absent("no noise was given: the residuals are compared with nothing")
 UNTESTED = Absent("with a free scale, or without a translation, no rows and no scale are tested")
+NOT_LOOKED_FOR = (
+    "not tested for wrong rows, another order of the rows, or a mirror image: only fits of scale 1 "
+    "with a translation are"
+)
 NO_CHI2 = Absent("the symmetric scale is not the one of the least squares, which are tested")
 UNNAMED = RowNames(None)
 MOST_ROWS = 10  # that are listed
@@ -85,6 +89,7 @@ class Fit(Explained):
     chi2: None without sigma.
     outlier_rows: those that a warning names, the worst first, at most ten.
     warnings: none for a good fit.
+    untested: which tests there are not, of a free scale or without a translation; else None.
     """
 
     explained: float | None
@@ -95,6 +100,7 @@ class Fit(Explained):
     chi2: ChiSquared | None
     outlier_rows: tuple[int, ...]
     warnings: tuple[FitWarning, ...]
+    untested: str | None
 
     @property
     def rounded(self) -> bool:
@@ -142,6 +148,7 @@ def fit_of(
         chi2=present(chi2),
         outlier_rows=rows.far if rows is not None and outlying and not rows.tied else (),
         warnings=warnings,
+        untested=None,
         absent={
             **{name: value for name, value in values.items() if isinstance(value, Absent)},
             **({"chi2": chi2} if isinstance(chi2, Absent) else {}),
@@ -176,6 +183,7 @@ def _of_model(
         warnings=()
         if words is None or isinstance(chi2, Absent)
         else (FitWarning(code=FitCode.CHI2, text=words, remedy=chi2_remedy(chi2)),),
+        untested=NOT_LOOKED_FOR,
         absent={
             **{name: value for name, value in values.items() if isinstance(value, Absent)},
             **({"chi2": chi2} if isinstance(chi2, Absent) else {}),

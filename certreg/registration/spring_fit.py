@@ -56,6 +56,7 @@ def spring_fit(
         chi2=present(chi2),
         outlier_rows=(),
         warnings=warnings,
+        untested=None,
         absent={
             **dict.fromkeys(("explained", "best_scale", "scale_p"), UNTESTED),
             **({"chi2": chi2} if isinstance(chi2, Absent) else {}),

@@ -99,6 +99,9 @@ def _noted(value: Any, doubt: str | None) -> Any:
 def fit_fields(fit: Fit) -> Document:
     """Statistics of the fit: nothing of it is proved."""
     chi2 = fit.stated("chi2")
+    warnings = [
+        {"code": one.code.value, "text": one.text, "remedy": one.remedy} for one in fit.warnings
+    ]
     return {
         "explained": fit.stated("explained"),
         "best_scale": fit.stated("best_scale"),
@@ -108,9 +111,7 @@ def fit_fields(fit: Fit) -> Document:
         "chi2": chi2
         if isinstance(chi2, Absent)
         else {"value": chi2.value, "dof": chi2.dof, "p": chi2.p, "bound": chi2.bound},
-        "warnings": [
-            {"code": one.code.value, "text": one.text, "remedy": one.remedy} for one in fit.warnings
-        ],
+        "warnings": warnings if fit.untested is None else Noted(warnings, fit.untested),
     }
 
 

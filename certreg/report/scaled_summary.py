@@ -8,7 +8,7 @@ from certreg.geometry import Similarity
 from certreg.problem import Scale
 from certreg.registration import scaled_equilibria, unit_of
 from certreg.report.breathing import scaled_equilibria_words
-from certreg.report.remedies import ADVICE, remedies
+from certreg.report.remedies import ADVICE, remedies, why_warned
 from certreg.report.robustness import robustness_words
 from certreg.report.summary import (
     explained_words,
@@ -17,6 +17,7 @@ from certreg.report.summary import (
     rigid_summary,
     status_lines,
     uncertainty_lines,
+    untested_lines,
 )
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ def _scaled_summary(registration: Registration) -> str:
     """The same where the scale is free."""
     pose, problem = registration.pose, registration.problem
     scale = pose.scale if isinstance(pose, Similarity) else 1.0
-    unit = unit_of(registration)
+    unit, fit = unit_of(registration), registration.fit
     return "\n".join(
         (
             *status_lines(registration),
@@ -59,7 +60,8 @@ def _scaled_summary(registration: Registration) -> str:
             f"  translation       {' '.join(map(repr, pose.translation.tolist()))}",
             *uncertainty_lines(registration),
             f"  RMSE              {number(registration.rmse)}  (weighted, unit of the target)",
-            f"  explained         {explained_words(registration.fit)}",
+            f"  explained         {explained_words(fit)}{why_warned(fit)}",
+            *untested_lines(fit),
             f"  robustness        {robustness_words(registration)}",
             *method_lines(registration),
             "",

@@ -84,6 +84,7 @@ def rigid_summary(registration: Registration) -> str:
             *uncertainty_lines(registration),
             f"  RMSE              {number(registration.rmse)}  ({weighted})",
             f"  explained         {explained_words(fit)}{why_warned(fit)}",
+            *untested_lines(fit),
             f"  ambiguity margin  {margin_words(registration.equilibria)}",
             f"  robustness        {robustness_words(registration)}",
             *method_lines(registration),
@@ -92,6 +93,11 @@ def rigid_summary(registration: Registration) -> str:
             equilibria_summary(registration.equilibria),
         )
     )
+
+
+def untested_lines(fit: Fit) -> list[str]:
+    """Which tests of a fit there are not, in a line, if any are missing."""
+    return [] if fit.untested is None else [f"                    {fit.untested}"]
 
 
 def uncertainty_lines(registration: Registration) -> list[str]:

@@ -40,6 +40,24 @@ def test_the_text_says_which_scale_it_is_and_what_noise_does_to_it(scale: str):
     assert "meanwhile the scale stays between" in told
 
 
+MODELS = [{"scale": "asymmetric"}, {"scale": "symmetric"}, {"rotation_only": True}]
+
+
+@pytest.mark.parametrize("options", MODELS)
+def test_text_and_json_say_which_tests_of_the_fit_there_are_not(options: dict[str, Any]):
+    found, rigid = certified(**options), certified()
+    words = (
+        "not tested for wrong rows, another order of the rows, or a mirror image: only fits of "
+        "scale 1 with a translation are"
+    )
+
+    assert f"\n                    {words}\n" in found.summary()
+    assert found.to_dict()["reasons"]["fit.warnings"] == words
+    assert rigid.fit.untested is None
+    assert words not in rigid.summary()
+    assert "fit.warnings" not in rigid.to_dict()["reasons"]
+
+
 def test_clouds_that_do_not_correspond_have_the_scale_0_in_words():
     point = certreg.RegistrationProblem(SOURCE, [[1.0, 2.0, 3.0]] * 9, scale="asymmetric")
     told = certreg.certify(point, relaxation=False, simulation=False).summary()
