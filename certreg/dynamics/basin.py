@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.equilibrium import unit_double
+from certreg.equilibrium import unit_entries
 from certreg.errors import DegenerateProblemError
 from certreg.native import BASIN, named
 from certreg.results import Brief
@@ -60,8 +60,8 @@ def certified_basin(objective: Isotropic, length_exponent: int) -> Basin:
     Raises DegenerateProblemError where doubles do not tell the optima from the other poses.
     """
     optima, gaps = objective.classification.pattern[0], basin_gaps(objective, length_exponent)
-    vectors = [unit_double(v).tolist() for v in objective.eigenvectors]
-    numbers = [entry for vector in vectors for entry in vector] + [0.0] * optima + gaps
+    vectors = [entry for v in objective.eigenvectors for entry in unit_entries(v)]
+    numbers = [*vectors, *[0.0] * optima, *gaps]
     return Basin(record=named(numbers, BASIN))
 
 

@@ -132,7 +132,8 @@ def step_parameters(
         return steps
     h = np.minimum(settings.step or np.inf, SPLITTING_SHARE * period)
     mu = bodies["damping"]
-    steps["h"], steps["decay"], steps["impulse"] = h, np.exp(-mu * h), -np.expm1(-mu * h) / mu
+    decayed = -mu * h
+    steps["h"], steps["decay"], steps["impulse"] = h, np.exp(decayed), -np.expm1(decayed) / mu
     return steps
 
 

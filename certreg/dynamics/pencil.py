@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.geometry import dot, rotation_matrix
+from certreg.geometry import rotation_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,20 +30,22 @@ def spring_ratios_of_one(
     Raises ValueError or ZeroDivisionError where rounding leaves J without a root.
     """
     triangle = _root(inertia)
-    half = _solved(triangle, _hessian(q, cross))
-    whitened = _solved(triangle, list(zip(*half, strict=True)))
-    return np.linalg.eigvalsh(np.array(whitened)).astype(np.float64)
+    whitened = _solved(triangle, _solved(triangle, _hessian(q, cross)))
+    return np.linalg.eigvalsh(np.array(whitened).T).astype(np.float64)
 
 
 def _hessian(q: Sequence[float], cross: Sequence[float]) -> Rows:
-    columns = [cross[k::3] for k in range(3)]
-    aligned = [
-        [dot(turned, column) for column in columns]
-        for turned in zip(*rotation_matrix(q), strict=True)
-    ]
-    (a, b, c), (d, e, f), (g, h, i) = aligned
-    xy, xz, yz = -(b + d), -(c + g), -(f + h)
-    return ((2.0 * (e + i), xy, xz), (xy, 2.0 * (a + i), yz), (xz, yz, 2.0 * (a + e)))
+    rows, (a, b, c, d, e, f, g, h, i) = rotation_matrix(q), cross
+    (x, y, z), (s, t, u), (v, w, r) = zip(*rows, strict=True)
+    xx, xy, xz = x * a + y * d + z * g, x * b + y * e + z * h, x * c + y * f + z * i
+    yx, yy, yz = s * a + t * d + u * g, s * b + t * e + u * h, s * c + t * f + u * i
+    zx, zy, zz = v * a + w * d + r * g, v * b + w * e + r * h, v * c + w * f + r * i
+    across, along, beside = -(xy + yx), -(xz + zx), -(yz + zy)
+    return (
+        (2.0 * (yy + zz), across, along),
+        (across, 2.0 * (xx + zz), beside),
+        (along, beside, 2.0 * (xx + yy)),
+    )
 
 
 def _root(inertia: Sequence[float]) -> Sequence[float]:
@@ -57,9 +59,10 @@ def _root(inertia: Sequence[float]) -> Sequence[float]:
 
 
 def _solved(triangle: Sequence[float], rows: Rows) -> Rows:
-    """L^-1 times a matrix."""
+    """L^-1 times a matrix, transposed."""
     a, b, c, d, e, f = triangle
-    first = [x / a for x in rows[0]]
-    second = [(y - b * x) / c for x, y in zip(first, rows[1], strict=True)]
-    third = [(z - d * x - e * y) / f for x, y, z in zip(first, second, rows[2], strict=True)]
-    return first, second, third
+    (p, q, r), (s, t, u), (v, w, x) = rows
+    p, q, r = p / a, q / a, r / a
+    s, t, u = (s - b * p) / c, (t - b * q) / c, (u - b * r) / c
+    v, w, x = (v - d * p - e * s) / f, (w - d * q - e * t) / f, (x - d * r - e * u) / f
+    return (p, s, v), (q, t, w), (r, u, x)

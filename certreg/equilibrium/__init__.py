@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from certreg.equilibrium.presentation import equilibrium_set as equilibrium_set
     from certreg.equilibrium.presentation import rotation_double as rotation_double
     from certreg.equilibrium.presentation import unit_double as unit_double
+    from certreg.equilibrium.presentation import unit_entries as unit_entries
     from certreg.equilibrium.quartics import FloatingQuartic as FloatingQuartic
     from certreg.equilibrium.quartics import QuarticDescent as QuarticDescent
     from certreg.equilibrium.quartics import descended as descended
@@ -94,6 +95,7 @@ __getattr__ = lazy_face(
             "equilibrium_set",
             "rotation_double",
             "unit_double",
+            "unit_entries",
         ),
         "quartics": (
             "QuarticDescent",

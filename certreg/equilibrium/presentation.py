@@ -196,7 +196,7 @@ def _over_one(values: Sequence[Fraction]) -> tuple[list[int], int]:
 
 def unit_double(q: Sequence[int]) -> NDArray[np.float64]:
     """An integer quaternion as a unit quaternion of doubles, every entry within an ulp."""
-    return np.array(_unit_entries(tuple(q)))
+    return np.array(unit_entries(tuple(q)))
 
 
 def rotation_double(q: Sequence[int]) -> NDArray[np.float64]:
@@ -205,9 +205,10 @@ def rotation_double(q: Sequence[int]) -> NDArray[np.float64]:
 
 
 @lru_cache(maxsize=16)  # the quaternions of one problem are asked for by every part of its answer
-def _unit_entries(q: tuple[int, ...]) -> list[float]:
+def unit_entries(q: tuple[int, ...]) -> tuple[float, ...]:
+    """The same entries, of a tuple."""
     norm = math.isqrt(squared_norm(q) << (2 * DOUBLE_BITS))
-    return [(entry << DOUBLE_BITS) / norm for entry in q]
+    return tuple([(entry << DOUBLE_BITS) / norm for entry in q])
 
 
 @lru_cache(maxsize=16)

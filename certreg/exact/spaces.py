@@ -95,5 +95,5 @@ def resolved(spaces_at: Callable[[int], tuple[Space, ...]]) -> Resolution:
 
 def _narrowest_gap(spaces: tuple[Space, ...], bits: int) -> int:
     """The least difference of neighbouring values, in fixed point; full scale if alone."""
-    gaps = [upper.value - lower.value for upper, lower in pairwise(spaces)]
+    gaps = [upper - lower for upper, lower in pairwise([space.value for space in spaces])]
     return max(1, min(gaps, default=1 << bits))

@@ -6,6 +6,7 @@ Where it answers, a tenth of the time that Jacobi's rotations take in Python's i
 from __future__ import annotations
 
 import ctypes
+import struct
 import sys
 from functools import cache
 from typing import TYPE_CHECKING, Any
@@ -48,8 +49,7 @@ def fixed_eigenbasis(
 
 
 def _integers(content: bytes) -> tuple[int, ...]:
-    starts = range(0, len(content), _SIZE)
-    parts = [content[k : k + _SIZE] for k in starts]
+    parts = struct.unpack(f"{_SIZE}s" * (len(content) // _SIZE), content)
     return tuple([int.from_bytes(part, "little", signed=True) for part in parts])
 
 

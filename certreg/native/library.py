@@ -34,6 +34,8 @@ from certreg.native.optima import ProvedOptima
 from certreg.native.stationary import StationaryPoses
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import NDArray
 
     from certreg.native.loops import Batch, Log, Rules
@@ -263,12 +265,13 @@ class Library:
         name = f"certreg_{kind}{batch.integrator.value}_{'single' if single else 'lanes'}"
         record = None
         if log is not None:
-            record = _Log(_address(log.rows), len(log.rows), log.count, log.stride)
+            (rows,) = _addresses((log.rows,))
+            record = _Log(rows, len(log.rows), log.count, log.stride)
         fields = (batch.bodies, batch.basins, batch.steps, batch.states, batch.taken)
         fields += (batch.status, batch.escapes, batch.times)
         passed = _Batch(
             len(batch.bodies),
-            *[_address(array) for array in fields],
+            *_addresses(fields),
             None if record is None else ctypes.pointer(record),
         )
         getattr(self.handle, name)(ctypes.byref(passed), ctypes.byref(_settings(rules)))
@@ -355,10 +358,9 @@ def _joined(words: list[int]) -> int:
     return value
 
 
-def _address(array: NDArray[Any]) -> int:
-    """Of a contiguous, writable array that is not empty; `array.ctypes` takes thrice as long."""
-    memory: Any = array
-    return ctypes.addressof(ctypes.c_char.from_buffer(memory))
+def _addresses(arrays: Iterable[Any]) -> list[int]:
+    """Of contiguous, writable arrays that are not empty; `array.ctypes` takes thrice as long."""
+    return [ctypes.addressof(ctypes.c_char.from_buffer(array)) for array in arrays]
 
 
 def _settings(rules: Rules) -> _Settings:

@@ -22,8 +22,6 @@ from certreg.native.layout import (
     SPRING_BODY,
     SPRING_SAMPLE,
     STEP,
-    named,
-    plain,
 )
 
 if TYPE_CHECKING:
@@ -252,8 +250,9 @@ class Log:
 
     @property
     def samples(self) -> Records:
-        """A copy of the filled rows: of doubles, as NumPy copies records part by part."""
-        return named(plain(self.rows[: self.count]).copy(), self.rows.dtype)
+        """A copy of the filled rows: of bytes, as NumPy copies records part by part."""
+        filled = self.rows[: self.count].tobytes()
+        return np.frombuffer(bytearray(filled), self.rows.dtype)
 
 
 class Engine(Protocol):

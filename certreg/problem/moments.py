@@ -152,9 +152,6 @@ def moments_of(sums: Sums, n: int, *, about_origin: bool = False) -> ExactMoment
     source_sum, target_sum = _vector(parts["source"]), _vector(parts["target"])
     if about_origin:
         source_sum = target_sum = (0, 0, 0)
-    source_scatter, target_scatter = (
-        _symmetric(parts[name]) for name in ("source_scatter", "target_scatter")
-    )
     return ExactMoments(
         n=n,
         source_exponent=sums.source_exponent or 0,
@@ -164,8 +161,8 @@ def moments_of(sums: Sums, n: int, *, about_origin: bool = False) -> ExactMoment
         source_sum=source_sum,
         target_sum=target_sum,
         cross=_centred(mass, parts["cross"], target_sum, source_sum),
-        source_scatter=_centred(mass, source_scatter, source_sum, source_sum),
-        target_scatter=_centred(mass, target_scatter, target_sum, target_sum),
+        source_scatter=_scatter(mass, parts["source_scatter"], source_sum),
+        target_scatter=_scatter(mass, parts["target_scatter"], target_sum),
     )
 
 
@@ -240,17 +237,22 @@ def _vector(entries: Sequence[int]) -> Vector3[int]:
     return (x, y, z)
 
 
-def _symmetric(upper: Sequence[int]) -> list[int]:
-    """The nine entries of a symmetric matrix from the six above the diagonal and on it."""
-    xx, xy, xz, yy, yz, zz = upper
-    return [xx, xy, xz, xy, yy, yz, xz, yz, zz]
-
-
 def _centred(
     mass: int, products: Sequence[int], left: Vector3[int], right: Vector3[int]
 ) -> Matrix3[int]:
     entries = [mass * product - left[k // 3] * right[k % 3] for k, product in enumerate(products)]
     return (_vector(entries[:3]), _vector(entries[3:6]), _vector(entries[6:]))
+
+
+def _scatter(mass: int, products: Sequence[int], total: Vector3[int]) -> Matrix3[int]:
+    """The same of one cloud, from the six products on the diagonal and above it."""
+    (xx, xy, xz, yy, yz, zz), (x, y, z) = products, total
+    xy, xz, yz = mass * xy - x * y, mass * xz - x * z, mass * yz - y * z
+    return (
+        (mass * xx - x * x, xy, xz),
+        (xy, mass * yy - y * y, yz),
+        (xz, yz, mass * zz - z * z),
+    )
 
 
 def _summed(clouds: CloudPair, threads: int) -> tuple[CloudPair, FloatingSums]:
