@@ -42,6 +42,7 @@ class BodyRun:
 
     names = "certreg_quaternion_"  # of the functions of a state
     steps_prefix = "certreg_"  # of those of a step
+    unknowns = ("omega",)  # of a midpoint step: the middle velocities
 
     def __init__(self, machine: Engine, batch: Batch, rules: Rules, log: Log | None) -> None:
         self.machine, self.batch, self.rules, self.log = machine, batch, rules, log
@@ -110,20 +111,24 @@ class BodyRun:
         return None, 0.0
 
     def _middle(self, state: Array, size: float) -> Array | None:
-        """The middle angular velocity by Newton's method; None if it does not converge."""
-        middle, before = named(state, QUATERNION_STATE)["omega"].copy(), math.inf
+        """The middle velocities by Newton's method; None if it does not converge."""
+        parts = named(state, QUATERNION_STATE)
+        middle, before = np.concatenate([parts[name] for name in self.unknowns]), math.inf
         for _ in range(NEWTON_STEPS):
             residual, slope = self.machine.evaluate(
-                "certreg_midpoint_residual", state, self.body, middle, np.array([size])
+                f"{self.steps_prefix}midpoint_residual", state, self.body, middle, np.array([size])
             )
             try:
-                change = np.linalg.solve(slope.reshape(3, 3), residual)
+                change = np.linalg.solve(slope.reshape(len(middle), -1), residual)
             except np.linalg.LinAlgError:
                 return None
             middle = middle - change
-            length, moved = float(middle @ middle), float(change @ change)
-            if not math.isfinite(length) or size * size * length > LARGEST_TURN**2:
+            turn = float(middle[-3:] @ middle[-3:])
+            if not np.isfinite(middle).all() or size * size * turn > LARGEST_TURN**2:
                 return None
+            shift, shifted = middle[:-3], change[:-3]  # of no numbers where only the turn is sought
+            moved = float(change[-3:] @ change[-3:])
+            moved += float(shifted @ shifted) / (1.0 + float(shift @ shift))
             small = size * size * moved <= NEWTON_TOLERANCE**2
             if small and (moved >= before / 4.0 or moved == 0.0):
                 return middle
@@ -188,12 +193,21 @@ class BodyRun:
 
 
 def least_curvature(hessian: Array) -> tuple[float, Array]:
-    """The least eigenvalue of a symmetric (3, 3) matrix and its unit eigenvector.
+    """The least eigenvalue of a symmetric (3, 3) matrix and its unit eigenvector."""
+    values, vectors = eigenbasis(hessian, JACOBI_SWEEPS)
+    k = int(np.argmin(values))
+    return float(values[k]), vectors[:, k]
 
-    By Jacobi's rotations as in escape.c: another method could take the other side of a saddle.
+
+def eigenbasis(matrix: Array, sweeps: int) -> tuple[Array, Array]:
+    """Eigenvalues of a symmetric matrix and unit eigenvectors, columns.
+
+    By Jacobi's rotations as in jacobi.h: another method could take the other side of a saddle.
     """
-    a, v = hessian.copy(), np.eye(3)
-    for p, q in ((0, 1), (0, 2), (1, 2)) * JACOBI_SWEEPS:
+    n = len(matrix)
+    a, v = matrix.copy(), np.eye(n)
+    pairs = [(p, q) for p in range(n - 1) for q in range(p + 1, n)]
+    for p, q in pairs * sweeps:
         if a[p, q] == 0.0:
             continue
         theta = float(a[q, q] - a[p, p]) / (2.0 * float(a[p, q]))
@@ -203,8 +217,7 @@ def least_curvature(hessian: Array) -> tuple[float, Array]:
         a[:, [p, q]] = a[:, [p, q]] @ turn
         a[[p, q]] = turn.T @ a[[p, q]]
         v[:, [p, q]] = v[:, [p, q]] @ turn
-    k = int(np.argmin(np.diag(a)))
-    return float(a[k, k]), v[:, k]
+    return np.diag(a).copy(), v
 
 
 def turned_by(state: Array, integrator: Integrator, cosine: float, sine: Array) -> Array:
