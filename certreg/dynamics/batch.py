@@ -23,11 +23,12 @@ import numpy as np
 
 from certreg.dynamics.basin import basins_of
 from certreg.dynamics.body import SMALLEST_INERTIA
-from certreg.dynamics.integrators import SimulationSettings, integrate, step_parameters
+from certreg.dynamics.ends import ManyEnds, run_all
+from certreg.dynamics.integrators import SimulationSettings, step_parameters
 from certreg.dynamics.spring_batch import SpringBodies, simulate_on_springs
 from certreg.equilibrium import clouds, stationary_poses
 from certreg.errors import DegenerateProblemError
-from certreg.geometry import rotation_matrix
+from certreg.geometry import rotation_matrices
 from certreg.native import (
     BODY,
     MATRIX_STATE,
@@ -71,7 +72,7 @@ class Bodies(Brief):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Ends(Brief):
+class Ends(ManyEnds):
     """Where the bodies ended, and how.
 
     status: (count,), 0 out of steps, 1 converged, 2 at rest at one of several optima; steps,
@@ -79,24 +80,10 @@ class Ends(Brief):
     parts c, R for Euler, else q, v and omega, lengths as in `Bodies`.
     """
 
-    integrator: Integrator
-    status: NDArray[np.int32]
-    steps: NDArray[np.int64]
-    escapes: NDArray[np.int32]
-    times: NDArray[np.float64]
-    states: Records
-
     @property
     def converged(self) -> NDArray[np.bool_]:
         """Whether each came to rest at the optimum, or at one of the optima, (count,)."""
         return (self.status == Ending.CONVERGED) | (self.status == Ending.AT_REST)
-
-    @property
-    def rotations(self) -> NDArray[np.float64]:
-        """The rotations at the ends, (count, 3, 3), body to world: target from source."""
-        if self.integrator is Integrator.EULER:
-            return self.states["R"]
-        return _rotations(self.states)
 
 
 def bodies_of(
@@ -216,20 +203,8 @@ def simulate_many(
         steps=step_parameters(integrator, bodies.records, bodies.basins, settings),
         states=_stepped(bodies.starts, integrator),
     )
-    count = len(batch.states)
-    portion = count if progress is None else PORTION
-    for start in range(0, count, portion or 1):
-        integrate(batch.part(slice(start, start + portion)), settings)
-        if progress is not None:
-            progress(min(start + portion, count), count)
-    return Ends(
-        integrator=integrator,
-        status=batch.status,
-        steps=batch.taken,
-        escapes=batch.escapes,
-        times=batch.times,
-        states=batch.states,
-    )
+    run_all(batch, settings, PORTION, progress)
+    return Ends.of(batch)
 
 
 def _length_exponents(poses: StationaryPoses) -> NDArray[np.int64]:
@@ -273,12 +248,7 @@ def _stepped(starts: Records, integrator: Integrator) -> Records:
     if integrator is not Integrator.EULER:
         return starts
     states = np.empty(len(starts), dtype=MATRIX_STATE)
-    states["R"] = _rotations(starts)
+    states["R"] = rotation_matrices(starts["q"])
     for part in ("c", "v", "omega"):
         states[part] = starts[part]
     return states
-
-
-def _rotations(states: Records) -> NDArray[np.float64]:
-    """The rotation matrices of states with quaternions, (count, 3, 3)."""
-    return np.moveaxis(np.array(rotation_matrix(list(states["q"].T))), -1, 0)

@@ -20,14 +20,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.dynamics.integrators import SimulationSettings, integrate
+from certreg.dynamics.ends import ManyEnds, run_all
+from certreg.dynamics.integrators import SimulationSettings
 from certreg.dynamics.spring_simulation import moving_of, spring_steps
 from certreg.equilibrium import many_springs
 from certreg.errors import DegenerateProblemError
-from certreg.geometry import rotation_matrix
 from certreg.native import QUATERNION_STATE, Batch, Ending, Integrator
 from certreg.objective import Springs
-from certreg.problem import DEFAULT_DAMPING, GivenSprings, checked_damping, spring_moments
+from certreg.problem import DEFAULT_DAMPING, checked_damping, spring_moments
 from certreg.results import Brief
 
 if TYPE_CHECKING:
@@ -54,30 +54,19 @@ class SpringBodies(Brief):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SpringEnds(Brief):
+class SpringEnds(ManyEnds):
     """Where bodies on general springs ended, and how.
 
     status: (count,), 0 out of steps, 2 at rest, in whichever valley; steps, escapes: (count,)
     integers; times: (count,), of the springs. states: (count,) records as in `SpringBodies`.
     """
 
-    integrator: Integrator
     bodies: SpringBodies
-    status: NDArray[np.int32]
-    steps: NDArray[np.int64]
-    escapes: NDArray[np.int32]
-    times: NDArray[np.float64]
-    states: Records
 
     @property
     def at_rest(self) -> NDArray[np.bool_]:
         """Whether each came to rest, (count,): at the optimum or at another equilibrium."""
         return self.status == Ending.AT_REST
-
-    @property
-    def rotations(self) -> NDArray[np.float64]:
-        """The rotations at the ends, (count, 3, 3), body to world: target from source."""
-        return np.moveaxis(np.array(rotation_matrix(list(self.states["q"].T))), -1, 0)
 
     @property
     def translations(self) -> NDArray[np.float64]:
@@ -130,13 +119,11 @@ def bodies_on_springs(  # noqa: PLR0913 - each is one question, and has its usua
     given = many_springs(
         sources,
         targets,
-        GivenSprings(
-            normals=normals,
-            directions=directions,
-            covariances=covariances,
-            information=information,
-            factors=factors,
-        ),
+        normals=normals,
+        directions=directions,
+        covariances=covariances,
+        information=information,
+        factors=factors,
         sigma=sigma,
         weights=weights,
     )
@@ -164,25 +151,11 @@ def simulate_on_springs(
 ) -> SpringEnds:
     """Every body simulated to its end, as `simulate_many` says. Raises ValueError for Euler."""
     integrator, settings = Integrator(integrator), settings or SimulationSettings()
-    records = np.array([body.record for body in bodies.bodies])
     batch = Batch.on_springs(
         integrator,
-        bodies=records,
+        bodies=np.array([body.record for body in bodies.bodies]),
         steps=spring_steps(integrator, bodies.bodies, bodies.starts, settings),
         states=bodies.starts,
     )
-    count = len(records)
-    portion = count if progress is None else PORTION
-    for start in range(0, count, portion):
-        integrate(batch.part(slice(start, start + portion)), settings)
-        if progress is not None:
-            progress(min(start + portion, count), count)
-    return SpringEnds(
-        integrator=integrator,
-        bodies=bodies,
-        status=batch.status,
-        steps=batch.taken,
-        escapes=batch.escapes,
-        times=batch.times,
-        states=batch.states,
-    )
+    run_all(batch, settings, PORTION, progress)
+    return SpringEnds.of(batch, bodies=bodies)

@@ -141,13 +141,11 @@ def solve_many_springs(  # noqa: PLR0913 - each is one question, and has its usu
     given = many_springs(
         sources,
         targets,
-        GivenSprings(
-            normals=normals,
-            directions=directions,
-            covariances=covariances,
-            information=information,
-            factors=factors,
-        ),
+        normals=normals,
+        directions=directions,
+        covariances=covariances,
+        information=information,
+        factors=factors,
         sigma=sigma,
         weights=weights,
     )
@@ -168,13 +166,16 @@ def solve_many_springs(  # noqa: PLR0913 - each is one question, and has its usu
 def many_springs(
     sources: ArrayLike,
     targets: ArrayLike,
-    given: GivenSprings,
     *,
     sigma: ArrayLike | None,
     weights: ArrayLike | None,
+    **springs: ArrayLike | None,
 ) -> ManySprings:
-    """The problems as `solve_many_springs` takes them. Raises InvalidProblemError for others."""
-    points = clouds(sources, targets, None)
+    """The problems as `solve_many_springs` takes them. Raises InvalidProblemError for others.
+
+    springs: fields of `GivenSprings`.
+    """
+    points, given = clouds(sources, targets, None), GivenSprings(**springs)
     require_finite(points)
     return stated_many(points.sources, points.targets, given, sigma, weights, points.count)
 
