@@ -192,7 +192,7 @@ def compare_interval(low: Fraction, high: Fraction, best: Reference, tally: Tall
 def accepted(path: Path) -> int:
     """How many certificates of a file the checker verifies, in a process of its own."""
     ask = [sys.executable, "-I", "-S", str(CHECKER), str(path)]
-    said = subprocess.run(ask, capture_output=True, text=True, check=False).stdout
+    said = subprocess.run(ask, capture_output=True, encoding="utf-8", check=False).stdout
     return int(said.splitlines()[-1].split(" of ")[0])
 
 

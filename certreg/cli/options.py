@@ -126,7 +126,7 @@ def model_options(command: Callable[..., Any]) -> Callable[..., Any]:
         type=click.Choice(["none", "asymmetric", "symmetric"]),
         default="none",
         show_default=True,
-        help="Estimate the scale, too: asymmetric (Umeyama; noise in SOURCE makes it too small), or "
+        help="Estimate the scale: asymmetric (Umeyama; noise in SOURCE makes it too small), or "
         "symmetric (Horn; right where both have the same relative noise, too large with noise in "
         "TARGET alone).",
     )

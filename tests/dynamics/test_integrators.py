@@ -520,8 +520,8 @@ def test_what_is_no_batch_of_problems_is_refused():
     points = np.array(AXES)
     for sources, targets, words in (
         (points, points[:-1], "they correspond"),
-        (points[:, :2], points[:, :2], "give finite numbers"),
-        (points[0], points, "give finite numbers"),
+        (points[:, :2], points[:, :2], r"give \(count, N, 3\) or \(N, 3\)"),
+        (points[0], points, r"give \(count, N, 3\) or \(N, 3\)"),
         (points, points * np.nan, "targets of instance 0, row 0, is .nan, nan, nan.: every value"),
     ):
         with pytest.raises(InvalidProblemError, match=words):
