@@ -20,19 +20,21 @@ ONE_PER_CENT = compare_checkers.COUNT // 100
 def test_a_mutated_certificate_is_refused_unless_all_its_claims_are_true(count: int):
     checker = compare_checkers.loaded(TEXT, "checker_as_shipped")
     rng, certificates = random.Random(7), compare_checkers.originals()
-    accepted = 0
+    asked = accepted = 0
     for _ in range(count):
         content = compare_checkers.mutated(certificates, rng)
         verified, theorems, reason = compare_checkers.answer(checker, content, None)
 
         assert verified == bool(theorems) == (not reason)
         assert reason.isascii()
-        if verified and b'"isotropic"' in content:  # as the definition beside
+        asked += b'"isotropic"' in content  # as the definition beside
+        if verified and b'"isotropic"' in content:
             accepted += 1
             moved = b'"rotation_only"' not in content  # which has a translation
             assert not moved or compare_checkers.is_true(json.loads(content)), content
 
-    assert accepted > count // 30
+    assert asked > count // 5
+    assert accepted > asked // 20
 
 
 def test_the_vectors_are_accepted_by_definition_exactly_where_the_manifest_says_so():
