@@ -41,8 +41,9 @@ demo: $(RUNS)  ## register the packaged real data and prove the answers
 test: $(READY)  ## run the tests and the examples in the docstrings
 	@$(RUN) $(STRICT) -m pytest
 
+# Of the folders in TESTS, where it is given.
 test-long: kernels  ## the rest of the samples of which `make test` takes a part (five minutes)
-	@$(RUN) $(STRICT) -m pytest -m 'long or hypothesis' --hypothesis-profile long
+	@$(RUN) $(STRICT) -m pytest -m 'long or hypothesis' --hypothesis-profile long $(TESTS)
 
 # In one session, which finds and proves but once what both need; of the folders in TESTS, where it is given.
 test-all: kernels  ## both of them: `make test` and the rest of the samples
