@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from certreg.problem.blocks import SpringBlock as SpringBlock
     from certreg.problem.blocks import contiguous as contiguous
     from certreg.problem.blocks import first_row as first_row
+    from certreg.problem.bounds import checked_bounds as checked_bounds
     from certreg.problem.exact_sums import FACTORS as FACTORS
     from certreg.problem.exact_sums import UPPER as UPPER
     from certreg.problem.exact_sums import second_method as second_method
@@ -95,6 +96,7 @@ __getattr__ = lazy_face(
             "contiguous",
             "first_row",
         ),
+        "bounds": ("checked_bounds",),
         "exact_sums": (
             "FACTORS",
             "UPPER",
