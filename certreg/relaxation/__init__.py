@@ -1,6 +1,7 @@
 """Semidefinite relaxations, of the rotation problem and of a quartic: what other methods solve.
 
-And the optimum of general springs that they propose, or else the paths to all critical lines.
+And the optimum of general springs that they propose, or else the paths to all critical lines; and
+poses with many pairs within their bounds, where some pairs are wrong.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from certreg._loading import lazy_face
 
 if TYPE_CHECKING:
     from certreg.relaxation.conic import RelaxationStatus as RelaxationStatus
+    from certreg.relaxation.consensus_search import candidates as candidates
     from certreg.relaxation.optimum import Found as Found
     from certreg.relaxation.optimum import find_optimum as find_optimum
     from certreg.relaxation.optimum import optimum_of as optimum_of
@@ -19,11 +21,16 @@ if TYPE_CHECKING:
     from certreg.relaxation.refining import refined as refined
     from certreg.relaxation.shor import Relaxation as Relaxation
     from certreg.relaxation.shor import relax as relax
+    from certreg.relaxation.truncated_squares import Candidate as Candidate
+    from certreg.relaxation.truncated_squares import (
+        graduated_nonconvexity as graduated_nonconvexity,
+    )
 
 __getattr__ = lazy_face(
     __name__,
     {
         "conic": ("RelaxationStatus",),
+        "consensus_search": ("candidates",),
         "optimum": (
             "Found",
             "find_optimum",
@@ -37,6 +44,10 @@ __getattr__ = lazy_face(
         "shor": (
             "Relaxation",
             "relax",
+        ),
+        "truncated_squares": (
+            "Candidate",
+            "graduated_nonconvexity",
         ),
     },
 )

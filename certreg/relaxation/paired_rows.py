@@ -1,0 +1,109 @@
+"""Pairs of points with a bound each, and the poses that fit some of them, in floating point.
+
+Both clouds are shifted to their medians, which a few wrong rows do not move, and scaled by a power
+of two: an offset costs no digits, and squares neither overflow nor vanish.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from certreg.geometry import davenport_matrix
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Reals = NDArray[np.float64]
+    Rows = NDArray[np.int64]
+
+# Davenport's matrix is linear in C, and R(q)_ij is q^T of its part of C_ij, by its definition.
+DAVENPORT = np.array(
+    [davenport_matrix(one.reshape(3, 3).tolist()) for one in np.eye(9)], dtype=np.float64
+).reshape(9, 16)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PairedRows:
+    """The rows about their medians, in units of `unit`.
+
+    source, target: (3, N). bounds: (N,). features: (N, 16), each row's 1, x, y and y x^T, of which
+    every weighted fit takes sums. source_centre, target_centre: (3,), in the unit of the clouds.
+    """
+
+    source: Reals
+    target: Reals
+    bounds: Reals
+    features: Reals
+    source_centre: Reals
+    target_centre: Reals
+    unit: float
+
+    def __len__(self) -> int:
+        return len(self.bounds)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Poses:
+    """Rigid motions y = R x + t of paired rows, in their unit and about their centres.
+
+    rotations: (..., 3, 3), proper. translations: (..., 3).
+    """
+
+    rotations: Reals
+    translations: Reals
+
+    def __getitem__(self, index: int | Rows) -> Poses:
+        return Poses(self.rotations[index], self.translations[index])
+
+
+def paired_rows(source: Reals, target: Reals, bounds: Reals) -> PairedRows:
+    """Points (N, 3) and (N, 3) with bounds (N,), centred and scaled."""
+    source_centre, target_centre = np.median(source, axis=0), np.median(target, axis=0)
+    x, y = (source - source_centre).T, (target - target_centre).T
+    largest = max(float(np.abs(x).max()), float(np.abs(y).max()), float(bounds.max()))
+    unit = math.ldexp(1.0, math.frexp(largest)[1])
+    x, y = np.ascontiguousarray(x) / unit, np.ascontiguousarray(y) / unit
+    features = np.empty((len(bounds), 16))
+    features[:, 0], features[:, 1:4], features[:, 4:7] = 1.0, x.T, y.T
+    features[:, 7:] = (y[:, np.newaxis] * x).reshape(9, -1).T
+    return PairedRows(
+        source=x,
+        target=y,
+        bounds=bounds / unit,
+        features=features,
+        source_centre=source_centre,
+        target_centre=target_centre,
+        unit=unit,
+    )
+
+
+def fitted(pairs: PairedRows, weights: Reals) -> Poses:
+    """The poses of least weighted squares, of weights (..., N) whose sums are positive.
+
+    The rotation is the top eigenvector of Davenport's matrix: never a reflection.
+    """
+    sums = weights @ pairs.features
+    means = sums[..., 1:7] / sums[..., :1]
+    shift = means[..., 3:, np.newaxis] * sums[..., np.newaxis, 1:4]
+    C = sums[..., 7:] - shift.reshape(*shift.shape[:-2], 9)
+    K = (C @ DAVENPORT).reshape(*C.shape[:-1], 4, 4)
+    q = np.linalg.eigh(K)[1][..., -1]
+    products = (q[..., np.newaxis] * q[..., np.newaxis, :]).reshape(*q.shape[:-1], 16)
+    R = (products @ DAVENPORT.T).reshape(*q.shape[:-1], 3, 3)
+    t = means[..., 3:] - (R @ means[..., :3, np.newaxis])[..., 0]
+    return Poses(R, t)
+
+
+def squared_ratios(pairs: PairedRows, poses: Poses) -> Reals:
+    """(|R x + t - y| / bound)^2 of each row, (..., N): at most 1 within the bound."""
+    misses = poses.rotations @ pairs.source
+    misses += poses.translations[..., np.newaxis]
+    misses -= pairs.target
+    misses *= misses
+    ratios = misses.sum(axis=-2)
+    ratios /= pairs.bounds * pairs.bounds
+    return ratios

@@ -1,0 +1,122 @@
+"""Candidates of a maximum consensus: rows within bounds at proper poses, ever more of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from wrong_pairs import WrongPairs, wrong_pairs
+
+from certreg.geometry import is_reflection
+from certreg.relaxation import candidates, graduated_nonconvexity
+
+EPSILON = 1e-9  # of a bound: what other roundings may add
+
+
+def made(points=50, wrong=0.5, seed=0):
+    return wrong_pairs(np.random.default_rng(seed), points, wrong)
+
+
+def all_candidates(pairs, **options):
+    return list(candidates(pairs.source, pairs.target, pairs.bounds, **options))
+
+
+def misses(pairs, candidate):
+    moved = pairs.source @ candidate.rotation.T + candidate.translation
+    return np.linalg.norm(moved - pairs.target, axis=1)
+
+
+def without_order(source, target, bounds):
+    return WrongPairs(
+        source=np.array(source, dtype=float),
+        target=np.array(target, dtype=float),
+        bounds=np.array(bounds, dtype=float),
+        true=np.ones(len(bounds), dtype=bool),
+    )
+
+
+def mirrored():
+    pairs = made(20, 0.0, seed=3)
+    return replace(pairs, target=pairs.target * [1.0, 1.0, -1.0])
+
+
+def many_to_one():
+    pairs = made(40, 0.5, seed=4)
+    return replace(pairs, source=pairs.source[np.arange(40) // 2])
+
+
+LINE = np.outer(np.arange(8.0), [1.0, 2.0, 2.0])
+ZOO = {
+    "half wrong": made(),
+    "all wrong": made(30, 1.0, seed=1),
+    "none wrong": made(30, 0.0, seed=2),
+    "three rows": made(3, 0.0),
+    "mirrored": mirrored(),
+    "many to one": many_to_one(),
+    "mixed bounds": replace(made(), bounds=np.linspace(0.01, 0.2, 50)),
+    "collinear": without_order(LINE, LINE[:, ::-1] + 5.0, np.full(8, 0.01)),
+    "coincident": without_order(np.ones((6, 3)), np.full((6, 3), 2.0), np.full(6, 0.1)),
+    "far from each other": without_order(LINE, LINE[::-1] ** 3 * 100.0, np.full(8, 1e-3)),
+}
+
+
+@pytest.mark.parametrize("name", ZOO)
+def test_candidates_are_rows_within_bounds_at_proper_poses_and_ever_more(name):
+    pairs = ZOO[name]
+    found = all_candidates(pairs, effort=0.2)
+    gnc = graduated_nonconvexity(pairs.source, pairs.target, pairs.bounds)
+
+    assert found
+    for one in [*found, gnc]:
+        np.testing.assert_allclose(one.rotation @ one.rotation.T, np.eye(3), atol=1e-12)
+        assert not is_reflection(one.rotation)
+        assert (np.diff(one.inliers) > 0).all()
+        ratios = misses(pairs, one) / pairs.bounds
+        assert (ratios[one.inliers] <= 1.0 + EPSILON).all()
+        assert (np.delete(ratios, one.inliers) > 1.0 - EPSILON).all()
+    sizes = [len(one.inliers) for one in [gnc, *found]]
+    assert sizes == sorted(sizes)
+    assert len(set(sizes[1:])) == len(found)
+
+
+@pytest.mark.parametrize("wrong", [0.0, 0.5, 0.8])
+def test_all_true_rows_are_found(wrong):
+    pairs = made(100, wrong, seed=5)
+    found = all_candidates(pairs)
+
+    assert len(found[-1].inliers) >= pairs.true.sum()
+    assert np.isin(np.flatnonzero(pairs.true), found[-1].inliers).all()
+
+
+def test_the_same_seed_gives_the_same_candidates():
+    first, again = (all_candidates(made(40, 0.9), seed=7, effort=0.2) for _ in range(2))
+
+    assert [one.inliers.tolist() for one in first] == [one.inliers.tolist() for one in again]
+    for one, other in zip(first, again, strict=True):
+        np.testing.assert_array_equal(one.rotation, other.rotation)
+
+
+@pytest.mark.parametrize(("scale", "shift"), [(1e-6, 0.0), (1e6, 0.0), (1.0, 1e8), (1e6, 1e8)])
+def test_rows_are_the_same_at_every_scale_and_offset(scale, shift):
+    pairs = made(40, 0.6, seed=6)
+    moved = replace(
+        pairs,
+        source=pairs.source * scale + shift,
+        target=pairs.target * scale - shift,
+        bounds=pairs.bounds * scale,
+    )
+    last, there = all_candidates(pairs)[-1], all_candidates(moved)[-1]
+
+    np.testing.assert_array_equal(there.inliers, last.inliers)
+
+
+def test_rows_are_the_same_in_every_order():
+    pairs = made(40, 0.6, seed=6)
+    order = np.random.default_rng(0).permutation(40)
+    turned = replace(
+        pairs, source=pairs.source[order], target=pairs.target[order], bounds=pairs.bounds[order]
+    )
+    last, there = all_candidates(pairs)[-1], all_candidates(turned)[-1]
+
+    np.testing.assert_array_equal(np.sort(order[there.inliers]), last.inliers)
