@@ -120,6 +120,10 @@ CHAPTERS = (
             "spring_index",
         ),
     ),
+    Chapter(
+        "Wrong pairs",
+        ("pair_lengths",),
+    ),
 )
 
 
