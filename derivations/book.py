@@ -122,7 +122,7 @@ CHAPTERS = (
     ),
     Chapter(
         "Wrong pairs",
-        ("pair_lengths", "few_neighbours", "few_colours"),
+        ("pair_lengths", "few_neighbours", "few_colours", "weighted_refutation"),
     ),
 )
 
