@@ -122,7 +122,13 @@ CHAPTERS = (
     ),
     Chapter(
         "Wrong pairs",
-        ("pair_lengths", "few_neighbours", "few_colours", "weighted_refutation"),
+        (
+            "pair_lengths",
+            "few_neighbours",
+            "few_colours",
+            "weighted_refutation",
+            "angle_of_consensus",
+        ),
     ),
 )
 
