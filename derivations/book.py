@@ -128,6 +128,8 @@ CHAPTERS = (
             "few_colours",
             "weighted_refutation",
             "angle_of_consensus",
+            "chord_bound",
+            "truncated_box",
         ),
     ),
 )
