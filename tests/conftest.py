@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis.strategies import none
+from samples import leave_cases
 
 from certreg.errors import SlowSimulationWarning
 
@@ -56,6 +57,7 @@ SLOW_FIXTURES = {"counts", "drawn"}
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """What is not slow is quick: `-m quick` takes less than a minute. What is long is slow."""
+    leave_cases(items)
     for item in items:
         plots = item.path.name == "plots.py"  # imports Matplotlib
         long = item.get_closest_marker("long") is not None

@@ -305,6 +305,7 @@ CHANGES = {
 }
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("what", CHANGES)
 def test_a_pair_whose_files_have_changed_is_computed_anew_with_a_note(folder, what):
     name, content, code = CHANGES[what]

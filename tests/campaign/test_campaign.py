@@ -446,6 +446,7 @@ def test_a_lost_certificate_is_written_anew(tmp_path):
     assert tree(tmp_path) == before
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("which", [0, 1, 2])
 @pytest.mark.parametrize("damaged", [lambda whole: whole[:-9], lambda whole: whole + b"\n"])
 def test_a_certificate_that_was_damaged_is_written_anew(tmp_path, which: int, damaged):

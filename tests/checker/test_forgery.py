@@ -147,6 +147,7 @@ def test_a_changed_quaternion_is_refused_unless_it_is_near_enough():
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("certificate", CERTIFICATES)
 @pytest.mark.parametrize("name", ["delta", "mu"])
 def test_changed_bounds_are_refused_unless_they_are_true(certificate, name):
@@ -185,6 +186,7 @@ LITERALS = [
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("path", PATHS, ids=lambda path: ".".join(map(str, path)))
 def test_any_other_value_in_any_place_is_refused_unless_it_is_true(path):
     for value in VALUES:

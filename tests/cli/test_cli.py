@@ -288,6 +288,7 @@ def test_every_row_of_the_classification_is_in_the_zoo():
     assert set(WORDS) == {specimen.name for specimen in ZOO if specimen.pattern[0] > 1}
 
 
+@pytest.mark.one_in(4)
 @each_specimen
 def test_every_row_of_the_classification_ends_with_its_code_and_its_words(specimen, tmp_path: Path):
     source = write_csv(tmp_path / "source.csv", specimen.source)
@@ -528,6 +529,7 @@ def test_a_demo_that_comes_out_otherwise_ends_with_code_1(tmp_path: Path, monkey
 # equilibria --------------------------------------------------------------------------------------
 
 
+@pytest.mark.one_in(4)
 @each_specimen
 def test_equilibria_are_those_of_certify(specimen, tmp_path: Path):
     source = write_csv(tmp_path / "source.csv", specimen.source)
@@ -545,6 +547,7 @@ def test_equilibria_are_those_of_certify(specimen, tmp_path: Path):
     assert WORDS.get(specimen.name, "Equilibria (exact, complete): ") in told.out
 
 
+@pytest.mark.one_in(4)
 @each_specimen
 def test_what_is_numerical_is_not_called_exact(specimen, tmp_path: Path):
     source = write_csv(tmp_path / "source.csv", specimen.source)
@@ -674,6 +677,7 @@ def test_the_checker_alone_accepts_the_certificate_and_refuses_a_stronger_claim(
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(4)
 @each_specimen
 def test_no_certificate_of_the_zoo_survives_a_stronger_claim(specimen, tmp_path: Path):
     source = write_csv(tmp_path / "source.csv", specimen.source)
@@ -998,6 +1002,7 @@ def test_what_is_no_rotation_is_called_so(data: Path, tmp_path: Path):
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(4)
 @each_specimen
 def test_assess_answers_every_row_of_the_classification(specimen, tmp_path: Path):
     source = write_csv(tmp_path / "source.csv", specimen.source)

@@ -30,6 +30,7 @@ def limited(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.usefixtures("limited")
 @pytest.mark.parametrize(
     "ends",

@@ -126,6 +126,7 @@ def test_every_counterexample_of_the_file_is_used():
     assert all(any(example is u for u in used) for example in EXAMPLES.values())
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_a_counterexample_with_one_point_moved_is_refused(name):
     example = EXAMPLES[name]
@@ -135,6 +136,7 @@ def test_a_counterexample_with_one_point_moved_is_refused(name):
         assert replace(example, clouds=mutated).recheck().ruling is Ruling.REFUTED
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_a_counterexample_that_tells_another_value_is_refused(name):
     example = EXAMPLES[name]

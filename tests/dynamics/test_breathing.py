@@ -118,6 +118,7 @@ def test_a_step_loses_what_damping_takes_and_nothing_else(seed, size):
     assert ends[1] - ends[0] == pytest.approx(-h * DAMPING * lost, rel=1e-9, abs=1e-12)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
 @pytest.mark.parametrize("seed", range(4))
 def test_the_body_grows_or_shrinks_to_the_optimum(seed, scale):
@@ -172,6 +173,7 @@ def test_a_body_that_doubles_cannot_move_is_refused(sign: int):
         simulate_breathing(outside, DAMPING)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("seed", range(6))
 def test_with_less_energy_than_a_point_the_scale_stays_above_its_bound(seed):
     objective = objective_of(*clouds(seed, noise=1.0))

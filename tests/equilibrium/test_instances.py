@@ -87,6 +87,7 @@ def assert_same(
 # The same as one by one --------------------------------------------------------------------------
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("points", [3, 4, 20, 100, 10_000])
 @pytest.mark.parametrize("offset", [0.0, 1e8, 1e13])
 def test_many_are_solved_as_each_alone(points, offset):
@@ -571,6 +572,7 @@ def test_what_is_not_finite_is_named_by_its_number_among_all(monkeypatch):
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize("name", ["sources", "targets"])
 @pytest.mark.parametrize("machine", [current_engine, evaluator])

@@ -88,6 +88,7 @@ def test_a_thousand_random_instances_agree_by_all_methods_with_four_equilibria_e
             assert turned_apart(p, r) < ANGLE
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("specimen", strategies.ZOO, ids=lambda s: s.name)
 def test_every_row_is_the_same_by_both_exact_methods_and_not_contradicted_by_the_third(specimen):
     sets = critical_sets(specimen.problem)
@@ -98,6 +99,7 @@ def test_every_row_is_the_same_by_both_exact_methods_and_not_contradicted_by_the
     assert compare(sets).angle < 1e-25
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("gap", [1e-3, 1e-6, 1e-9, 1e-12])
 @pytest.mark.parametrize("seed", range(5))
 def test_near_degeneracy_is_decided_exactly_and_the_homotopy_is_right_or_says_so(gap, seed):

@@ -132,6 +132,7 @@ def test_the_texts_parse_back_to_the_same_polynomials():
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("pattern", sorted({s.pattern for s in strategies.ZOO}), ids=str)
 def test_the_reference_finds_dimension_and_degree_of_every_row_in_the_entries_of_R(pattern):
     """Components are points, conics, Veronese surfaces (degree 4) and SO(3) (degree 8)."""

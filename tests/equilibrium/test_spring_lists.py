@@ -46,6 +46,7 @@ def listed(name) -> Any:
     return checked(search(objective(name), "homotopy").critical)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     "cell", range(len(spring_families.LISTED)), ids=map(str, spring_families.LISTED)
 )
@@ -104,6 +105,7 @@ def test_ranks_are_those_of_the_table(name):
     assert RANKS._rank(table, prime) == of_plane
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     "name",
     [pytest.param(n, marks=pytest.mark.slow) if n == "screw" else n for n in TABLE],

@@ -229,6 +229,7 @@ def test_the_schema_is_one_of_draft_2020_12():
     Draft202012Validator.check_schema(VALIDATOR.schema)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("path", "value"),
     [

@@ -162,6 +162,7 @@ COMMANDS = {
 }
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("encoding", ["cp1252", "ascii"])
 @pytest.mark.parametrize("name", COMMANDS)
 def test_names_that_the_console_cannot_show_are_escaped(

@@ -145,6 +145,7 @@ def test_verify_is_the_function_after_every_order_of_imports(forget, every):
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("statement", IMPORTS)
 def test_verify_is_the_function_in_a_new_process(statement):
     code = f"{statement}\nimport certreg\nassert not certreg.verify(b'{{}}').proved"

@@ -341,6 +341,7 @@ def made_verdict(words: str) -> str:
     return CertificateVerdict(ruling=results.Ruling.REFUTED, words=words)._repr_html_()
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("scale", [1e-150, 1.0, 1e150])
 @pytest.mark.parametrize("n", [1, 2, 1000])
 def test_clouds_of_every_size_have_a_card(scale, n):

@@ -116,6 +116,7 @@ def test_bad_input_is_one_clear_line_and_nothing_is_written(tmp_path: Path, name
         assert words in run.err
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", [name for name in BAD if "--out" not in BAD[name].options])
 def test_every_command_that_reads_clouds_refuses_the_same(tmp_path: Path, name: str):
     bad = BAD[name]
@@ -223,6 +224,7 @@ def test_reflected_clouds_get_the_best_rotation_not_a_reflection(tmp_path: Path)
     assert run.document["rmse"] > 0.1
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("suffix", [".csv", ".npy"])
 @pytest.mark.parametrize("scale", [1e200, 1e-170, 1e300, 1e-300])
 def test_scale_changes_neither_the_rotation_nor_the_proof(

@@ -65,6 +65,7 @@ def values(code: str) -> st.SearchStrategy[Any]:
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("code", sorted(set(files.PLY_CODES.values())))
 def test_a_ply_file_of_any_type_and_order_is_read_bit_for_bit(code: str):
     value, names = values(code), [name for name, of in files.PLY_CODES.items() if of == code]
@@ -588,6 +589,7 @@ REFUSED: dict[str, tuple[str, bytes, str]] = {
 }
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", REFUSED)
 def test_a_broken_file_is_refused_in_one_line(tmp_path: Path, name: str):
     suffix, content, words = REFUSED[name]
@@ -618,6 +620,7 @@ def test_the_list_of_broken_files_is_long_and_its_good_files_are_good():
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("number", "seed"), [(700, 2), pytest.param(2300, 3, marks=pytest.mark.long)]
 )

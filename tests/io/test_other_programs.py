@@ -44,6 +44,7 @@ def read_or_skip(name: str):
 SLOW = {"laspy.laz": [pytest.mark.slow]}  # it takes a process
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", [pytest.param(n, marks=SLOW.get(n, [])) for n in FILES])
 def test_a_file_of_another_program_holds_its_points(name: str):
     read = read_or_skip(name)

@@ -100,6 +100,7 @@ def torque_over_curvature(bodies: Bodies, q: np.ndarray, axis: np.ndarray, k: in
     return float(np.abs(torque).max() / np.abs(hessian).max())
 
 
+@pytest.mark.one_in(4)
 @each_machine
 @each_integrator
 @pytest.mark.parametrize("index", [1, 2, 3])
@@ -114,6 +115,7 @@ def test_a_body_on_a_saddle_is_turned_towards_the_optimum(machine, integrator, i
     assert np.abs(rotations(batch) - expected).max() < 1e-12
 
 
+@pytest.mark.one_in(4)
 @each_machine
 @each_integrator
 @pytest.mark.parametrize(("share", "heard"), [(1 / 3, False), (3.0, True)])
@@ -134,6 +136,7 @@ def test_a_torque_above_its_rounding_chooses_the_side(
     assert np.abs(rotations(batch) - [rotation_matrix(p) for p in expected]).max() < 1e-10
 
 
+@pytest.mark.one_in(4)
 @each_machine
 @each_integrator
 @pytest.mark.parametrize(("share", "kicked"), [(0.98, True), (1.02, False)])

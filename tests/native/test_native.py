@@ -143,6 +143,7 @@ def assert_same(one: Trajectory, other: Trajectory, *, tolerance: float) -> None
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(6)
 @pytest.mark.usefixtures("compiled")
 @each_integrator
 @pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: specimen.name)
@@ -154,6 +155,7 @@ def test_the_evaluator_takes_the_same_way_through_the_zoo(specimen, integrator, 
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(4)
 @pytest.mark.usefixtures("compiled")
 @each_integrator
 @pytest.mark.parametrize("index", [1, 2, 3])
@@ -183,6 +185,7 @@ def test_the_evaluator_runs_out_of_steps_where_the_library_does(steps, integrato
     assert_same(*pair, tolerance=1e-12)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.usefixtures("compiled")
 @each_integrator
 @pytest.mark.parametrize(("turn", "escapes"), [(1.0, 0), (math.pi - 1e-3, 3)])

@@ -100,6 +100,7 @@ def test_the_integers_do_not_depend_on_how_the_points_are_divided(problem):
         assert sum(parts, start=EMPTY) == sum(reversed(parts), start=EMPTY) == sums(problem)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.usefixtures("compiled")
 @pytest.mark.parametrize("step", [2, 71, 72, 73, 74, 400])
 @pytest.mark.parametrize("n", [2, native.FEW_POINTS, native.FEW_POINTS + 1])
@@ -113,6 +114,7 @@ def test_few_points_of_near_and_of_far_exponents_have_the_sums_of_the_definition
     assert sums_by(SumMethod.BY_EXPONENT, problem) == sums_by(SumMethod.INTEGERS, problem)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.usefixtures("compiled")
 @pytest.mark.parametrize(
     ("source", "weight"),

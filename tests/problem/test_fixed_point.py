@@ -154,6 +154,7 @@ SPANS = [
 ]
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(("span", "weight"), SPANS)
 def test_no_total_overflows_and_no_digit_is_lost_at_the_edges(libraries, span, weight, sign):

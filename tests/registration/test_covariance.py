@@ -124,6 +124,7 @@ def is_sampled_from(samples, predicted) -> bool:
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("convention", ["matrix", "ros", "gtsam"])
 def test_the_covariance_is_that_of_ten_thousand_experiments(experiment, convention):
     covariance = covariance_of(experiment.problem(experiment.clean))

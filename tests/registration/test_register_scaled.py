@@ -43,6 +43,7 @@ def agree(found: Any, best: Any, x: Any, y: Any) -> bool:
     )
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(("scale", "only"), MODELS)
 @pytest.mark.parametrize("long", [False, True])
 def test_it_is_the_certified_pose_by_either_way(monkeypatch, scale: str, only: bool, long: bool):  # noqa: FBT001

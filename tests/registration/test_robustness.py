@@ -95,6 +95,7 @@ def moved(rng, points, length, kind, *, only):
     return points + 0.999 * length * d
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(("scale", "only"), MODELS)
 @pytest.mark.parametrize("seed", range(4))
 def test_no_move_within_the_radius_takes_the_scale_out_of_its_range(scale, only, seed):

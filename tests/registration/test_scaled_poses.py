@@ -55,6 +55,7 @@ FORMS: dict[str, Callable[[Any], Any]] = {
 }
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("scale", SCALES)
 def test_the_certified_similarity_is_optimal_in_every_form(scale: str, form: str):

@@ -27,6 +27,7 @@ OPTIMUM = package.certify(PROBLEM, relaxation=False, simulation=False).pose
 R, T = OPTIMUM.rotation, OPTIMUM.translation
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("case", slips.SLIPS, ids=lambda case: case.name)
 def test_a_slip_is_named_right(case: slips.SlipCase):
     for said in slips.judged(case, SAMPLE):
@@ -228,6 +229,7 @@ def test_of_what_is_no_multiple_of_a_rotation_no_slip_is_named(matrix: np.ndarra
     assert found.optimum.quaternion_wxyz.tolist() == OPTIMUM.quaternion_wxyz.tolist()
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("specimen", ZOO, ids=lambda specimen: specimen.name)
 def test_slips_of_every_kind_of_problem_are_tried_without_a_fault(specimen):
     """Where every rotation is optimal, or many are, what is named is optimal all the same."""

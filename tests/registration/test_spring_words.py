@@ -172,6 +172,7 @@ def certified(name: str) -> Any:
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", NAMES)
 def test_a_degenerate_configuration_gets_exactly_its_words(name: str):
     case, registration = cases()[name], certified(name)
@@ -185,6 +186,7 @@ def test_a_degenerate_configuration_gets_exactly_its_words(name: str):
     assert len(freedom.symmetry) == case.symmetry
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", [name for name in NAMES if cases()[name].unique is not True])
 def test_where_one_pose_is_not_proved_to_be_optimal_nothing_calls_it_unique(name: str):
     registration = certified(name)

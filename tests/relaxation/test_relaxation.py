@@ -195,6 +195,7 @@ def statement(form):
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("form", Form)
 @pytest.mark.parametrize("seed", range(8))
 def test_the_direct_call_gives_what_cvxpy_gives(form, seed):

@@ -180,6 +180,7 @@ def near(value: Any, rel: float = 1e-7) -> Any:
     return pytest.approx(value, rel=rel, abs=0.0)
 
 
+@pytest.mark.one_in(4)
 def test_the_pose_is_that_of_kabsch(case: Case):
     pose, reference = case.document["pose"], case.reference
     told = pose_document(case.registration)
@@ -294,6 +295,7 @@ def _add_column(path: Path, name: str, values: list[float]) -> None:
     path.write_text("".join(f"{a},{b}\n" for a, b in zip(lines, cells, strict=True)), "utf-8")
 
 
+@pytest.mark.one_in(4)
 def test_a_line_of_a_batch_and_its_table_hold_the_same_numbers(
     case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):

@@ -68,6 +68,7 @@ def good(tmp_path_factory) -> dict[str, Any]:
     return documents(folder / "out", source, write_csv(folder / "b.csv", axes.target))
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("kind", SCHEMAS)
 def test_a_schema_is_one_of_draft_2020_12(kind: str):
     Draft202012Validator.check_schema(validator(kind).schema)
@@ -80,6 +81,7 @@ def test_all_eight_kinds_of_equilibrium_set_are_in_the_zoo():
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(4)
 @each_specimen
 def test_every_document_of_the_zoo_is_valid(specimen, tmp_path: Path):
     source = write_csv(tmp_path / "a.csv", specimen.source)
@@ -134,6 +136,7 @@ def changed(document: Any, path: tuple, *value: Any) -> Iterator[Any]:
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_key_may_be_missing(kind: str, good):
     free = ("about", "reasons", "timings_ms")
@@ -145,6 +148,7 @@ def test_no_key_may_be_missing(kind: str, good):
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_value_may_be_of_another_type(kind: str, good):
     free = ("about", "reasons", "timings_ms")
