@@ -130,6 +130,7 @@ CHAPTERS = (
             "angle_of_consensus",
             "chord_bound",
             "truncated_box",
+            "arcs",
         ),
     ),
 )
