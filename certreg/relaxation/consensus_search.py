@@ -1,25 +1,40 @@
 """Poses with ever more pairs within their bounds: a search that goes on only while it is asked.
 
 It proposes and proves nothing: whoever can prove that no pose has more rows stops asking. It begins
-with graduated non-convexity, whose rows are fitted anew as long as their number grows.
+with graduated non-convexity. Then come large cliques of rows that agree in their lengths, and last
+triples of them. Each pose is fitted to its rows anew, and widened by rows on the edge of their
+bounds; rows with too few others that agree with them to be of a larger set are left out.
 """
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from certreg.relaxation.paired_rows import fitted, paired_rows, squared_ratios
+import numpy as np
+
+from certreg.relaxation.cliques import consistency, core, greedy_clique, triangles
+from certreg.relaxation.edge_rows import exchanged, grown, held, widened
+from certreg.relaxation.paired_rows import fitted, paired_rows, poses_of_triples, squared_ratios
 from certreg.relaxation.truncated_squares import Candidate, candidate_of, truncated_fit
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    import numpy as np
     from numpy.typing import NDArray
 
-    from certreg.relaxation.paired_rows import PairedRows, Poses
+    from certreg.relaxation.edge_rows import Held
+    from certreg.relaxation.paired_rows import PairedRows, Reals, Rows
 
-MOST_REFITS = 20  # three are usual
+    Graph = NDArray[np.bool_]
+
+CLIQUES = 64  # that are tried at effort 1: a hundred wrong ones of a thousand rows take a second
+TRIPLES = 4096  # that are tried at effort 1
+BATCH = 256  # triples at a time
+LOOSE = 4.0  # squared ratio that counts at the pose of a triple: it is not yet fitted
+KEPT = 4  # triples of a batch that are fitted
+NEARLY = 1  # row fewer than the best set has: a pose that is worth widening
 
 
 def candidates(
@@ -27,9 +42,9 @@ def candidates(
     target: NDArray[np.float64],
     bounds: NDArray[np.float64],
     *,
-    seed: int = 0,  # noqa: ARG001
-    effort: float = 1.0,  # noqa: ARG001
-    consistent: NDArray[np.bool_] | None = None,  # noqa: ARG001
+    seed: int = 0,
+    effort: float = 1.0,
+    consistent: NDArray[np.bool_] | None = None,
 ) -> Iterator[Candidate]:
     """Poses of strictly growing numbers of inliers, each computed when it is asked for.
 
@@ -38,20 +53,96 @@ def candidates(
     which two rows a pose may have within their bounds both; None: told by their lengths.
     """
     pairs = paired_rows(source, target, bounds)
-    pose = grown(pairs, truncated_fit(pairs))
-    yield candidate_of(pairs, pose, squared_ratios(pairs, pose))
+    search = _Search(pairs, effort, np.random.default_rng(seed))
+    count = -1
+    for found in search.proposals(consistent):
+        if found.count > count:
+            count = found.count
+            yield candidate_of(pairs, found.pose, squared_ratios(pairs, found.pose))
 
 
-def grown(pairs: PairedRows, pose: Poses) -> Poses:
-    """The pose after its rows have been fitted anew as long as their number grows."""
-    precisions = 1.0 / (pairs.bounds * pairs.bounds)
-    within = squared_ratios(pairs, pose) <= 1.0
-    for _ in range(MOST_REFITS):
-        if not within.any():
-            break
-        refit = fitted(pairs, within * precisions)
-        inside = squared_ratios(pairs, refit) <= 1.0
-        if inside.sum() <= within.sum():
-            break
-        pose, within = refit, inside
-    return pose
+@dataclass(slots=True, eq=False)
+class _Search:
+    """What is sought, and the best that was met."""
+
+    pairs: PairedRows
+    effort: float
+    rng: np.random.Generator
+    best: int = -1
+    tried: set[bytes] = field(default_factory=set[bytes])
+
+    def proposals(self, consistent: Graph | None) -> Iterator[Held]:
+        """Sets of rows, not yet sifted: those of each source of poses in turn."""
+        yield from self.followed(held(self.pairs, truncated_fit(self.pairs)))
+        graph = consistency(self.pairs) if consistent is None else consistent.copy()
+        np.fill_diagonal(graph, val=False)
+        yield from self.of_cliques(graph)
+        yield from self.of_triples(graph)
+
+    def followed(self, start: Held) -> Iterator[Held]:
+        """What a pose leads to."""
+        found = grown(self.pairs, start)
+        key = found.within.tobytes()
+        if found.count < self.best - NEARLY or key in self.tried:
+            return
+        self.tried.add(key)
+        yield self.counted(found)
+        if not found.count:  # a bound below the rounding of the points
+            return
+        found = self.counted(widened(self.pairs, found))
+        yield found
+        yield self.counted(exchanged(self.pairs, found))
+
+    def counted(self, found: Held) -> Held:
+        self.best = max(self.best, found.count)
+        return found
+
+    def of_cliques(self, graph: Graph) -> Iterator[Held]:
+        """From large cliques, begun at rows of most triangles that are in no clique so far."""
+        rows = core(graph, self.best)
+        part = graph[np.ix_(rows, rows)]
+        order = np.argsort(-triangles(part, self.rng), kind="stable")
+        covered = np.zeros(len(rows), dtype=bool)
+        left = math.ceil(CLIQUES * self.effort)
+        for seed in order:
+            if left <= 0 or len(rows) <= self.best:
+                return
+            if covered[seed]:
+                continue
+            left -= 1
+            clique = greedy_clique(part, int(seed))
+            covered[clique] = True
+            yield from self.followed(self.fit_of(rows[clique]))
+
+    def fit_of(self, rows: Rows) -> Held:
+        weights = np.zeros(len(self.pairs))
+        weights[rows] = self.pairs.precisions[rows]
+        return held(self.pairs, fitted(self.pairs, weights))
+
+    def of_triples(self, graph: Graph) -> Iterator[Held]:
+        """From triples of rows that agree, drawn at random, those with most rows near them."""
+        for _ in range(math.ceil(TRIPLES * self.effort / BATCH)):
+            rows = core(graph, self.best)
+            if len(rows) <= max(self.best, 2):
+                return
+            some = self.pairs.of(rows)
+            triples = drawn_triples(graph[np.ix_(rows, rows)], BATCH, self.rng)
+            if not len(triples):
+                return
+            poses = poses_of_triples(some, triples)
+            near = (squared_ratios(some, poses) <= LOOSE).sum(axis=1)
+            for index in np.argsort(-near, kind="stable")[:KEPT]:
+                yield from self.followed(held(self.pairs, poses[int(index)]))
+
+
+def drawn_triples(graph: Graph, count: int, rng: np.random.Generator) -> Rows:
+    """Triangles of the graph, (up to `count`, 3): a random edge and a random common neighbour."""
+    first, second = np.nonzero(graph)
+    if not len(first):
+        return np.empty((0, 3), dtype=np.int64)
+    chosen = rng.integers(len(first), size=count)
+    i, j = first[chosen], second[chosen]
+    common = graph[i] & graph[j]
+    i, j, common = i[some := common.any(axis=1)], j[some], common[some]
+    lots: Reals = rng.random(common.shape)
+    return np.stack([i, j, np.where(common, lots, -1.0).argmax(axis=1)], axis=1)

@@ -7,7 +7,7 @@ of two: an offset costs no digits, and squares neither overflow nor vanish.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -44,6 +44,21 @@ class PairedRows:
 
     def __len__(self) -> int:
         return len(self.bounds)
+
+    @property
+    def precisions(self) -> Reals:
+        """The weights (N,) that count distances in bounds."""
+        return 1.0 / (self.bounds * self.bounds)
+
+    def of(self, rows: Rows) -> PairedRows:
+        """These rows alone, in the same unit and about the same centres."""
+        return replace(
+            self,
+            source=self.source[:, rows],
+            target=self.target[:, rows],
+            bounds=self.bounds[rows],
+            features=self.features[rows],
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,3 +122,10 @@ def squared_ratios(pairs: PairedRows, poses: Poses) -> Reals:
     ratios = misses.sum(axis=-2)
     ratios /= pairs.bounds * pairs.bounds
     return ratios
+
+
+def poses_of_triples(pairs: PairedRows, triples: Rows) -> Poses:
+    """The least-squares pose of each of B triples of rows, (B, 3)."""
+    weights = np.zeros((len(triples), len(pairs)))
+    np.put_along_axis(weights, triples, pairs.precisions[triples], axis=1)
+    return fitted(pairs, weights)

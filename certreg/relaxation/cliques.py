@@ -1,0 +1,76 @@
+"""Which pairs of points agree with each other, and sets of rows that all do.
+
+Two rows may lie within their bounds at one pose only if the lengths between their points differ by
+no more than both bounds together. Rows of one pose are a clique of that graph: large cliques are
+where poses with many rows begin.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from certreg.relaxation.paired_rows import PairedRows, Rows
+
+    Graph = NDArray[np.bool_]
+
+ROUNDING = 1e-9  # of the bounds: an edge on the boundary is kept
+BLOCK = 1 << 18  # entries of the graph that are computed at a time: they stay in the cache
+SAMPLED = 512  # rows by which triangles are counted where there are more
+
+
+def consistency(pairs: PairedRows) -> Graph:
+    """(N, N): which rows agree in the length between them. No row agrees with itself."""
+    count = len(pairs)
+    graph = np.empty((count, count), dtype=bool)
+    height = max(1, BLOCK // count)
+    for first in range(0, count, height):
+        rows = slice(first, first + height)
+        lengths = [_lengths(points, rows) for points in (pairs.source, pairs.target)]
+        slack = (1.0 + ROUNDING) * (pairs.bounds[rows, np.newaxis] + pairs.bounds)
+        graph[rows] = np.abs(lengths[0] - lengths[1]) <= slack
+    np.fill_diagonal(graph, val=False)
+    return graph
+
+
+def _lengths(points: NDArray[np.float64], rows: slice) -> NDArray[np.float64]:
+    squares = sum((axis[rows, np.newaxis] - axis) ** 2 for axis in points)
+    return np.sqrt(squares)
+
+
+def core(graph: Graph, degree: int) -> Rows:
+    """The rows that are left when rows with fewer neighbours left than `degree` are taken away."""
+    rows = np.arange(len(graph))
+    part = graph
+    while len(rows):
+        kept = part.sum(axis=1) >= degree
+        if kept.all():
+            break
+        rows, part = rows[kept], part[np.ix_(kept, kept)]
+    return rows
+
+
+def greedy_clique(graph: Graph, row: int) -> Rows:
+    """A clique that holds a row: the neighbour of most that are left is taken, again and again."""
+    clique = [row]
+    left = np.flatnonzero(graph[row])
+    part = graph[np.ix_(left, left)].astype(np.float32)
+    while len(left):
+        best = int(part.sum(axis=1).argmax())
+        clique.append(int(left[best]))
+        kept = np.flatnonzero(part[best])
+        left, part = left[kept], part[np.ix_(kept, kept)]
+    return np.sort(np.array(clique))
+
+
+def triangles(graph: Graph, rng: np.random.Generator) -> NDArray[np.float32]:
+    """How many triangles each row is of, (N,), up to a factor; of a large graph by a sample."""
+    links = graph.astype(np.float32)
+    some = links
+    if len(graph) > SAMPLED:
+        some = links[:, rng.choice(len(graph), SAMPLED, replace=False)]
+    return np.einsum("ij,ij->i", links @ some, some)
