@@ -131,6 +131,8 @@ CHAPTERS = (
             "chord_bound",
             "truncated_box",
             "arcs",
+            "springs_that_break",
+            "scaled_lengths",
         ),
     ),
 )
