@@ -267,12 +267,13 @@ SAMPLE = [pytest.param(k, marks=pytest.mark.long) for k in (0, 2, 6)]
 @pytest.mark.slow
 @pytest.mark.parametrize("cell", [11, *SAMPLE])
 def test_elimination_finds_the_same_equilibria_without_paths_and_boxes(cell, monkeypatch):
+    by_paths = listed(cell)
     monkeypatch.setattr(HOMOTOPY, "critical_lines", None)
     found = by_elimination(cell)
-    agreement = compare([listed(cell), found])
+    agreement = compare([by_paths, found])
 
     assert found.completeness is Completeness.LINES
-    assert (found.pairs, found.tied) == (listed(cell).pairs, listed(cell).tied)
+    assert (found.pairs, found.tied) == (by_paths.pairs, by_paths.tied)
     assert agreement.angle < 1e-18
     assert agreement.energy < 1e-30
 
