@@ -7,6 +7,7 @@ certreg/relaxation/generated/: what CVXPY makes of the semidefinite programs.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -205,16 +206,16 @@ def _curvature(state: State, body: Body) -> tuple[Port, ...]:
     return port("hessian", hessian(state, body)), port("torque", torque)
 
 
-def all_files() -> dict[str, bytes]:
-    """Everything that is generated, by name of the file.
-
-    Of the rigid and the breathing body on isotropic springs, and of general springs.
-    """
-    general = generated_files(spring_emit.definitions(), spring_emit.records(), GENERAL)
-    breathing = generated_files(breathing_emit.definitions(), breathing_emit.records(), BREATHING)
-    return {**generated_files(definitions(), records()), **breathing, **general}
+EDITIONS: dict[str, Callable[[], dict[str, bytes]]] = {  # of which body on which springs
+    "rigid": lambda: generated_files(definitions(), records()),
+    "breathing": lambda: generated_files(
+        breathing_emit.definitions(), breathing_emit.records(), BREATHING
+    ),
+    "springs": lambda: generated_files(spring_emit.definitions(), spring_emit.records(), GENERAL),
+}
 
 
 if __name__ == "__main__":
-    write_files(GENERATED, all_files())
+    for files_of in EDITIONS.values():
+        write_files(GENERATED, files_of())
     write_files(CONES_FOLDER, cone_files())

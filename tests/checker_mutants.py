@@ -850,7 +850,7 @@ def answers(every: int = 1) -> dict[str, str | None]:
     found |= {mutant.says: noticed(text, mutant, cases) for mutant in SIMILARITY[::every]}
     early = early_list_cases()
     cases = list_cases()[len(early) :]  # each takes 50 ms
-    lists = LISTS[:: every**2]
+    lists = LISTS[every - 1 :: every**2]  # the first one takes two seconds
     return found | {mutant.says: noticed(text, mutant, cases, early) for mutant in lists}
 
 

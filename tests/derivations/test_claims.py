@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from claim_outcomes import HEAVY, outcome
+from claim_outcomes import TAKEN, outcome
 
 from certreg.results import Ruling
 from derivations import book, latex
@@ -20,12 +20,8 @@ from derivations.steps import Kind
 ROOT = Path(__file__).parents[2]
 
 
-SAMPLE = [pytest.param(k, marks=pytest.mark.long if k in HEAVY else ()) for k in book.names()]
-RUN = [name for name in book.names() if book.claim(name).runs]
-RUN_SAMPLE = [
-    pytest.param(name, marks=pytest.mark.long if k % 3 or name in HEAVY else ())
-    for k, name in enumerate(RUN)
-]
+SAMPLE = [pytest.param(k, marks=() if k in TAKEN else pytest.mark.long) for k in book.names()]
+RUN = [case for case in SAMPLE if book.claim(str(*case.values)).runs]
 
 
 @pytest.mark.slow
@@ -61,7 +57,7 @@ def sabotaged(*_arguments, **_named):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", RUN_SAMPLE)
+@pytest.mark.parametrize("name", RUN)
 def test_the_proof_runs_the_code_that_it_is_said_to_run(name, monkeypatch):
     """With any one of these functions gone, the proof breaks off."""
     claim = book.claim(name)

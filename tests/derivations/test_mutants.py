@@ -22,14 +22,9 @@ def loaded():
     book.claims()
 
 
-SAMPLE = [
-    pytest.param(mutant, id=mutant.says, marks=[] if k % 6 == 0 else [pytest.mark.long])
-    for k, mutant in enumerate(MUTANTS)
-]
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("mutant", SAMPLE)
+@pytest.mark.one_in(18)
+@pytest.mark.parametrize("mutant", MUTANTS, ids=lambda mutant: mutant.says)
 def test_every_mutant_of_a_shipped_formula_is_noticed(mutant):
     assert noticed_apart(mutant) is not None
 
