@@ -33,7 +33,7 @@ from typing import Any, ClassVar, Protocol
 
 Matrix = list[list[int]]
 Limits = Mapping[str, Fraction]
-TYPES = {"int": int, "bool": bool, "str": str}  # of an entry; else of how many integers it is:
+TYPES: dict[str, type] = {"int": int, "bool": bool, "str": str}  # else it is of so many integers:
 SUMS: dict[bytes, Any] = {}  # of other data, by prefix: doubles a pair, their sums, what to give
 LENGTHS = {"Fraction": (2,), "tuple[int, int, int, int]": (4,), "tuple[int, ...]": range(5)}
 FORMAT = "certreg-certificate/1"
@@ -1727,8 +1727,300 @@ def index_of(P: Line, J: list[Line], most: int) -> int:
 
 # --- end of kind: springs-list ------------------------------------------------------------------
 
+# --- kind: consensus ----------------------------------------------------------------------------
+# Pair i has a bound b_i > 0; a motion (R, t) meets it if |y_i - R x_i - t| <= b_i. Claimed: no one
+# meets more than so many pairs; which pairs all motions that meet K or more of them meet, K as many
+# as the witness does, and which pairs none.
+
+ROWS_MAX = 4096  # bounds the time: half a minute for all pairs of pairs
+LEAST = 3  # pairs to meet: any two are met by some motion, or refuted at once
+Steps = list[Any]
+Document = dict[str, Any]
+TYPES.update(Steps=list, Document=dict)
+
+
+@dataclass(frozen=True)
+class ConsensusStatement(Statement):
+    """witness, stages, tau make the proof; labels: of each pair "i", "o" or "?", where not proved.
+
+    fit: a certificate of the least squares over the pairs that the witness meets, without data.
+    """
+
+    kind: ClassVar = "consensus"
+    keys: ClassVar = {
+        "": "about claims fit format kind problem reach? stages witness",
+        "claims": "labels upper",
+        "problem": "data digest n",
+        "reach?": "sin2_half_angle tau",
+        "witness": "quaternion shift",
+    }
+    prefix: ClassVar = b"certreg-consensus/1\0"
+    model: ClassVar = "--max-residual"
+
+    n: int
+    data: str | None
+    digest: str
+    quaternion: tuple[int, int, int, int]  # of any length
+    shift: tuple[int, int, int, int]  # three integers, the exponent of their unit
+    labels: str
+    upper: int
+    stages: Steps
+    fit: Document | None
+    sin2_half_angle: Fraction | None
+    tau: Fraction | None
+
+    def prove(self, m: Matrix, e: int, *, equal: bool) -> Outcome:
+        """All claims, of rows (x, y, w, b) over 2^e.
+
+        With K = |I| of the set I that the witness meets, every motion that meets K pairs or more
+        meets none outside of the first stage's set C: those are outliers. Where C = I, every such
+        motion meets just I. Where so few pairs but i are left that fewer than K of them can be met,
+        every such motion meets i: an inlier.
+        """
+        del equal  # weights are of the fit alone
+        met = self._met(m, e)
+        K, n = len(met), len(m)
+        require(K >= LEAST, "the witness meets {} pairs: {} needed", K, LEAST)
+        within, near = sum(1 << i for i in met), consistent(m)
+        first = alive = (1 << n) - 1
+        last, upper, sure = K, n, 0
+        for number, stage in enumerate(self.stages):
+            least, without, steps = listed(stage, 3)
+            k, i = whole(least, n + 1), whole(without, n)
+            require(k == K if number == 0 or i < n else k >= last, "a stage is misplaced")
+            require(number or i == n, "the first stage leaves a pair out")
+            left = Thinning(m, near, (first & ~(1 << i)) if i < n else alive, k).after(steps)
+            if i < n:
+                sure |= (left.bit_count() < K) << i
+                continue
+            alive, last, upper = left, k, min(upper, max(k - 1, left.bit_count()))
+            first = first if number else left
+        sure = within if first == within else sure
+        require(len(self.labels) == n, "claims.labels is not of n pairs")
+        proved = {"i": sure, "o": ~first, "?": -1}
+        for i, label in enumerate(self.labels):
+            require(proved.get(label, 0) >> i & 1, "claims.labels: that of row {} is not proved", i)
+        require(self.upper >= upper, "claims.upper is below the proved bound {}", upper)
+        fit = self._fitted(m, e, met)
+        words = (*self._words(K, fit), *self._reach([m[i] for i in met]), *fit.theorems)
+        last_words = "Not proved: anything under `about`, and where the points come from."
+        theorems = (*[w for w in words if w != last_words], last_words)
+        return Outcome(verified=True, theorems=theorems, reason="", worth=fit.worth)
+
+    def _met(self, m: Matrix, e: int) -> list[int]:
+        """The rows that the witness meets, exactly."""
+        w, x, y, z = q = self.quaternion
+        *t, exponent = self.shift
+        norm, low = sum(c * c for c in q), min(e, exponent)
+        require(norm and abs(exponent) <= EXPONENT_MAX, "witness is no motion")
+        R = [
+            [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z],
+        ]
+        t, unit, met = [norm * k << exponent - low for k in t], e - low, list[int]()
+        for i, row in enumerate(m):
+            turned = [sum(map(mul, line, row)) for line in R]
+            off = [((norm * b - a) << unit) - k for a, b, k in zip(turned, row[3:6], t)]
+            require(row[7] > 0 <= row[6], "the bound of row {} is not above 0", i)
+            if sum(c * c for c in off) <= (norm * row[7] << unit) ** 2:
+                met.append(i)
+        return met
+
+    def _fitted(self, m: Matrix, e: int, met: list[int]) -> Outcome:
+        """What `fit` proves of the pairs that the witness meets."""
+        if self.fit is None:
+            return Outcome(verified=True, theorems=(), reason="")
+        require(self.fit.get("kind") == IsotropicStatement.kind, "fit is of another kind")
+        try:
+            rows = [[ldexp(k, e) if abs(e) < 2000 else float("nan") for k in m[i]] for i in met]
+        except OverflowError as error:
+            raise RefusalError("fit is of numbers beyond doubles") from error
+        parts = [[row[k] for row in rows for k in span] for span in ((0, 1, 2), (3, 4, 5), (6,))]
+        x, y, w = (array("d", part) for part in parts)
+        fit = check(json.dumps(self.fit).encode(), Clouds(x, y, w))
+        require(fit.verified, "fit is refused: {}", fit.reason)
+        return fit
+
+    def _reach(self, rows: Matrix) -> Iterator[str]:
+        """A motion that meets all of these rows has c = S - B <= 2 p^T K p, see `weighed`.
+
+        If c I - 2 K + t (u u^T - (1 - s) I) > 0, t = tau S > 0, u = q/|q| of the fit, then
+        0 < t ((u.p)^2 - (1 - s)), that is sin^2(a/2) < s.
+        """
+        s, tau, q = self.sin2_half_angle, self.tau, (self.fit or {}).get("pose")
+        if s is None and tau is None:
+            return
+        if not (s and tau and q):
+            raise RefusalError("reach is not of a fit, sin2_half_angle and tau")
+        spread, bound, K = weighed(rows, [row[6] for row in rows])
+        d, (a, b) = s.denominator, tau.as_integer_ratio()
+        norm = sum(c * c for c in q)
+        level = ((spread - bound) * b * d - a * spread * (d - s.numerator)) * norm
+        parts = zip(q, K)
+        A = [
+            [a * d * spread * i * j - 2 * b * d * norm * k for j, k in zip(q, r)] for i, r in parts
+        ]
+        require(a > 0 < s.numerator < d and definite(raised(A, level)), "reach is not proved")
+        angle = Fraction(2) * root_up(s.numerator, d - s.numerator)  # a/2 < tan(a/2)
+        yield (
+            "Every motion that meets these pairs has its rotation within "
+            f"{rounded(angle * DEGREES, 3):.2e} degrees of that of the fit below."
+        )
+
+    def _words(self, K: int, fit: Outcome) -> Iterator[str]:
+        n, out, sure = self.n, self.labels.count("o"), self.labels.count("i")
+        yield f"Data: n = {n} pairs, each with a bound. SHA-256 of their doubles is {self.digest}."
+        yield f"One rigid motion brings {K} of the {n} pairs within their bounds."
+        yield f"No rigid motion brings more than {self.upper} within."
+        if sure + out == n:
+            yield f"Every motion that brings {K} within brings these {K} within, and only these."
+        yield f"{out} pairs are outliers, {sure} inliers in EVERY motion that brings {K} within."
+        if sure + out < n:
+            yield f"Not proved: which of the other {n - sure - out} pairs are."
+        if fit.theorems:
+            yield f"Of the least squares over the {K} pairs that the found motion brings within:"
+
+
+@dataclass(frozen=True)
+class Thinning:
+    """Of `alive`, a set of pairs as bits, what every motion that meets at least K of it can meet.
+
+    near: of each pair those that one motion may meet with it; a motion meets a clique.
+    """
+
+    rows: Matrix
+    near: list[int]
+    alive: int
+    K: int
+
+    def after(self, steps: Steps) -> int:
+        """The pairs left. A motion that meets K pairs or more of `alive` meets none struck.
+
+        A step [e, [T, L], ...] strikes e. Sets T of neighbours of e, disjoint, each not met as a
+        whole by a motion that meets e, hold at most |T| - 1 met pairs each, and the other
+        neighbours at most as many as they have colours, if no two of one colour are neighbours. So
+        a motion that meets e meets at most 1 + sum (|T| - 1) + colours < K.
+        """
+        alive = self._linked(self.alive)
+        for step in listed(steps):
+            row, *groups = listed(step) or [None]
+            e = whole(row, len(self.rows) - 1)
+            rest, most = self.near[e] & alive, self.K - 2
+            require(alive >> e & 1, "a step strikes row {} twice", e)
+            for group in groups:
+                T, L = (tuple(map(whole, listed(part))) for part in listed(group, 2))
+                mask = sum({1 << i for i in T})
+                good = T and mask.bit_count() == len(T) and mask & ~rest == 0
+                require(good, "a group of row {} is not of its neighbours, each once", e)
+                require(len(L) == len(T) + 1 and any(L), "a group of row {} is not weighed", e)
+                spread, bound, K = weighed([self.rows[i] for i in (e, *T)], L)
+                A = [[-2 * k for k in row] for row in K]
+                require(definite(raised(A, spread - bound)), "a group of row {} is not refuted", e)
+                rest, most = rest & ~mask, most - len(T) + 1
+            require(colours(rest, self.near, most) <= most, "row {} is not struck", e)
+            alive = self._linked(alive & ~(1 << e))
+        return alive
+
+    def _linked(self, alive: int) -> int:
+        """Less those with fewer than K - 1 neighbours, until none is left that has so few."""
+        while True:
+            few = [i for i in bits(alive) if (self.near[i] & alive).bit_count() < self.K - 1]
+            if not few:
+                return alive
+            alive &= ~sum(1 << i for i in few)
+
+
+def listed(value: Any, count: int | None = None) -> list[Any]:
+    """The entries of a list, of so many."""
+    good = value.__class__ is list and (count is None or len(value) == count)
+    require(good, "a stage, a step or a group is not a list of the right length")
+    return value
+
+
+def whole(value: Any, most: int = 1 << BITS) -> int:
+    """The number; RefusalError if it is none of 0, 1, ..., most."""
+    require(value.__class__ is int and 0 <= value <= most, "a number of the stages is out of range")
+    return value
+
+
+def raised(A: Matrix, by: int) -> Matrix:
+    """A + by I."""
+    return [[k + by * (i == j) for j, k in enumerate(row)] for i, row in enumerate(A)]
+
+
+def bits(mask: int) -> Iterator[int]:
+    """The places of the ones."""
+    while mask:
+        low = mask & -mask
+        yield low.bit_length() - 1
+        mask ^= low
+
+
+def colours(mask: int, near: list[int], most: int) -> int:
+    """How many colours the rows need, each taking the first that no neighbour has; or most + 1."""
+    count = 0
+    while mask and count <= most:
+        free, count = mask, count + 1
+        while free:
+            low = free & -free
+            mask ^= low
+            free &= ~(near[low.bit_length() - 1] | low)
+    return count
+
+
+def weighed(rows: Matrix, weights: Sequence[int]) -> tuple[int, int, Matrix]:
+    """S, B, K: motions with M sum w r^2 <= B have 2 p^T K p >= S - B, p their unit quaternion.
+
+    B = M sum w b^2, M = sum w: for the best shift, M sum w r^2 is S - 2 p^T K p.
+    """
+    first, m, bound = rows[0], [[0] * 7 for _ in range(7)], 0
+    for row, w in zip(rows, weights):
+        a = [1, *[k - o for k, o in zip(row[:6], first)]]
+        bound += w * row[7] ** 2
+        for i, left in enumerate(a):
+            for j in range(i, 7 if i < 4 else i + 1):
+                m[i][j] += w * left * a[j]
+    return sum(spreads(m)), m[0][0] * bound, davenport(cross(m))
+
+
+def consistent(rows: Matrix) -> list[int]:
+    """Of each row those that one motion may meet with it.
+
+    It keeps lengths: | |xj - xi| - |yj - yi| | <= bi + bj = d. With A, B the squared lengths and
+    D = A + B - d^2 that is false iff A + B - 2 sqrt(A B) > d^2, iff D > 0 and D^2 > 4 A B.
+    """
+    near = [0] * len(rows)
+    for i, (a, b, c, f, g, h, _, u) in enumerate(rows):
+        own, bit = 0, 1 << i
+        for j, (k, l, m, o, p, q, _, v) in enumerate(rows[:i]):
+            A = (a - k) ** 2 + (b - l) ** 2 + (c - m) ** 2
+            B = (f - o) ** 2 + (g - p) ** 2 + (h - q) ** 2
+            D = A + B - (u + v) ** 2
+            if D <= 0 or D * D <= 4 * A * B:
+                own |= 1 << j
+                near[j] |= bit
+        near[i] |= own
+    return near
+
+
+def bounded_rows(doubles: bytes | memoryview, n: int) -> tuple[Matrix, int]:
+    """A row x1, x2, x3, y1, y2, y3, w, b of integers for each pair, and e: all times 2^e."""
+    require(n <= ROWS_MAX, "more than {} pairs", ROWS_MAX)
+    (k,), e = _integers(doubles, [0], 8 * n, EXPONENT_MAX)
+    columns = [k[3 * n * c + i : 3 * n * (c + 1) : 3] for c in (0, 1) for i in (0, 1, 2)]
+    return [list(row) for row in zip(*columns, k[6 * n : 7 * n], k[7 * n :])], e
+
+
+SUMS[ConsensusStatement.prefix] = (
+    2,
+    bounded_rows,
+    "bounds or weights are others, or not given: as for certify give --max-residual",
+)
+# --- end of kind: consensus ---------------------------------------------------------------------
+
 FORMS = IsotropicStatement, SimilarityStatement, CountStatement, SpringsSosStatement
-LAST = SpringsConesStatement, SpringsListStatement
+LAST = SpringsConesStatement, SpringsListStatement, ConsensusStatement
 KINDS: dict[str, type[Statement]] = {form.kind: form for form in (*FORMS, *LAST)}
 
 if __name__ == "__main__":

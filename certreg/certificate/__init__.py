@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from certreg.certificate.checking import verify as verify
     from certreg.certificate.checking import verify_lines as verify_lines
     from certreg.certificate.checking import verify_with_coq as verify_with_coq
+    from certreg.certificate.consensus import ConsensusBody as ConsensusBody
     from certreg.certificate.count import AT_MOST as AT_MOST
     from certreg.certificate.count import CountBody as CountBody
     from certreg.certificate.envelope import Certificate as Certificate
@@ -32,6 +33,11 @@ if TYPE_CHECKING:
     from certreg.certificate.producing import count_certificate as count_certificate
     from certreg.certificate.producing import produce as produce
     from certreg.certificate.producing import produce_similarity as produce_similarity
+    from certreg.certificate.producing_consensus import Consensus as Consensus
+    from certreg.certificate.producing_consensus import ConsensusProver as ConsensusProver
+    from certreg.certificate.producing_consensus import (
+        consensus_certificate as consensus_certificate,
+    )
     from certreg.certificate.producing_springs import springs_certificate as springs_certificate
     from certreg.certificate.producing_springs import (
         springs_list_certificate as springs_list_certificate,
@@ -71,6 +77,7 @@ __getattr__ = lazy_face(
             "verify_lines",
             "verify_with_coq",
         ),
+        "consensus": ("ConsensusBody",),
         "count": (
             "AT_MOST",
             "CountBody",
@@ -93,6 +100,11 @@ __getattr__ = lazy_face(
             "count_certificate",
             "produce",
             "produce_similarity",
+        ),
+        "producing_consensus": (
+            "Consensus",
+            "ConsensusProver",
+            "consensus_certificate",
         ),
         "producing_springs": (
             "springs_certificate",

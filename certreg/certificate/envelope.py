@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, TypeVar, get_args
 
+from certreg.certificate.consensus import ConsensusBody
 from certreg.certificate.count import CountBody
 from certreg.certificate.isotropic import IsotropicBody
 from certreg.certificate.similarity import SimilarityBody
@@ -46,7 +47,13 @@ class CertificateBody(Protocol):
 
 
 AnyBody = (
-    IsotropicBody | SimilarityBody | CountBody | SpringsSosBody | SpringsConesBody | SpringsListBody
+    IsotropicBody
+    | SimilarityBody
+    | CountBody
+    | SpringsSosBody
+    | SpringsConesBody
+    | SpringsListBody
+    | ConsensusBody
 )
 KINDS: dict[str, type[AnyBody]] = {body.KIND: body for body in get_args(AnyBody)}
 AnyBody_co = TypeVar("AnyBody_co", bound=CertificateBody, covariant=True)
@@ -114,7 +121,7 @@ class Certificate(Brief, Generic[AnyBody_co]):
             text = fields["problem"]["data"]
             data = None if text is None else base64.b64decode(text, validate=True)
             body = KINDS[fields["kind"]].from_fields(fields)
-        except (RefusalError, ValueError, MemoryError) as error:
+        except (RefusalError, ValueError, TypeError, MemoryError) as error:
             reason = str(error) or "not enough memory"
             message = f"{name}: is no certificate ({reason}): give a file that certreg wrote"
             raise InvalidFileError(
@@ -130,7 +137,8 @@ class Certificate(Brief, Generic[AnyBody_co]):
 
     def pieces(self) -> Iterator[bytes]:
         """The file's content, piece by piece."""
-        yield from file_pieces(self._document(), self.data)
+        form = LINE if getattr(self.body, "COMPACT", False) else FILE
+        yield from file_pieces(self._document(), self.data, form=form)
 
     def _document(self) -> dict[str, Any]:
         return {

@@ -1,0 +1,139 @@
+"""Certificates of kind "consensus": which pairs every motion that meets the most of them meets.
+
+The rules, and why they are sound, are in `certreg.verify`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from certreg.exact import Dyadic
+from certreg.results import Brief
+
+INLIER, OUTLIER, UNDECIDED = "i", "o", "?"  # labels of a file, a letter a pair
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Group(Brief):
+    """Rows that no motion meets together with the struck row: their weights, that row's first."""
+
+    rows: tuple[int, ...]
+    weights: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Strike(Brief):
+    """A row that no motion meets that meets enough, and the groups that show it."""
+
+    row: int
+    groups: tuple[Group, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stage(Brief):
+    """Rows struck because no motion that meets at least `least` pairs meets them.
+
+    without: a pair that is left out, to see that the others alone are not enough; None: all pairs.
+    """
+
+    least: int
+    without: int | None
+    strikes: tuple[Strike, ...]
+
+    def to_fields(self, n: int) -> list[Any]:
+        """As a file holds it; n: of pairs."""
+        steps = [[s.row, *[[[*g.rows], [*g.weights]] for g in s.groups]] for s in self.strikes]
+        return [self.least, n if self.without is None else self.without, steps]
+
+    @classmethod
+    def from_fields(cls, fields: list[Any], n: int) -> Stage:
+        """The inverse of `to_fields`."""
+        least, without, steps = fields
+        return cls(
+            least=least,
+            without=None if without == n else without,
+            strikes=tuple(
+                Strike(row=row, groups=tuple(Group(rows=(*T,), weights=(*L,)) for T, L in groups))
+                for row, *groups in steps
+            ),
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Witness(Brief):
+    """A motion in integers, the evidence that it meets so many pairs: no best pose.
+
+    quaternion: of any length. shift: three integers and the exponent of their unit.
+    """
+
+    quaternion: tuple[int, int, int, int]
+    shift: tuple[int, int, int, int]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reach(Brief):
+    """sin^2(a/2) is less, a the angle between two motions that meet the pairs; tau proves it."""
+
+    sin2_half_angle: Dyadic
+    tau: Dyadic
+
+    def to_fields(self) -> dict[str, Any]:
+        """The object `reach` of the file."""
+        return {"sin2_half_angle": self.sin2_half_angle.pair, "tau": self.tau.pair}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ConsensusBody(Brief):
+    """What is proved of the pairs, and of the least squares over those that the witness meets.
+
+    labels: of each pair "i", an inlier in every motion that meets as many as the witness, "o", an
+        outlier in all of them, or "?", not proved.
+    upper: no motion meets more pairs.
+    fit: the certificate of the least-squares pose, as a file holds it; None where none was found.
+    """
+
+    KIND: ClassVar[str] = "consensus"
+    COMPACT: ClassVar[bool] = True  # thousands of small integers: no line for each
+
+    witness: Witness
+    labels: str
+    upper: int
+    stages: tuple[Stage, ...]
+    fit: dict[str, Any] | None
+    reach: Reach | None = None
+
+    def to_fields(self) -> dict[str, Any]:
+        """The part of the file that is of this kind alone."""
+        n = len(self.labels)
+        return {
+            "claims": {"labels": self.labels, "upper": self.upper},
+            "fit": self.fit,
+            "stages": [stage.to_fields(n) for stage in self.stages],
+            "witness": {
+                "quaternion": list(self.witness.quaternion),
+                "shift": list(self.witness.shift),
+            },
+            **({} if self.reach is None else {"reach": self.reach.to_fields()}),
+        }
+
+    @classmethod
+    def from_fields(cls, fields: dict[str, Any]) -> ConsensusBody:
+        """The inverse of `to_fields`, of a file that the checker has found well-formed.
+
+        Raises ValueError or TypeError where stages are not lists of integers.
+        """
+        witness, reach, labels = fields["witness"], fields.get("reach"), fields["claims"]["labels"]
+        return cls(
+            witness=Witness(quaternion=tuple(witness["quaternion"]), shift=tuple(witness["shift"])),
+            labels=labels,
+            upper=fields["claims"]["upper"],
+            stages=tuple(Stage.from_fields(stage, len(labels)) for stage in fields["stages"]),
+            fit=fields["fit"],
+            reach=None
+            if reach is None
+            else Reach(
+                sin2_half_angle=Dyadic.of_pair(reach["sin2_half_angle"]),
+                tau=Dyadic.of_pair(reach["tau"]),
+            ),
+        )

@@ -1,0 +1,203 @@
+"""Producing a certificate of consensus from a motion that meets many pairs.
+
+Stages, each a set of strikes: with K = the number of pairs met, what is left are the pairs that any
+motion that meets K or more can meet. If these are just the met ones, all labels are proved and K is
+the maximum. Else K + 1 is tried, and whether the others are enough without each met pair.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from certreg.certificate.consensus import (
+    INLIER,
+    OUTLIER,
+    UNDECIDED,
+    ConsensusBody,
+    Reach,
+    Stage,
+    Witness,
+)
+from certreg.certificate.consistency import (
+    QUATERNION_BITS,
+    SHIFT_BITS,
+    ExactRows,
+    consistent_pairs,
+    mask_of,
+)
+from certreg.certificate.envelope import Certificate
+from certreg.certificate.refuting import PointRows, davenport_stack
+from certreg.certificate.thinning import Graph, Thinning
+from certreg.exact import dyadic_above
+from certreg.geometry import quaternion_from_matrix
+from certreg.problem import LEAST_PAIRS
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from certreg.certificate.isotropic import IsotropicBody
+    from certreg.problem import ConsensusProblem
+
+MOST_LEFT_OUT = 64  # pairs tried as inliers one by one, at effort 1: each is a stage of its own
+ANGLE_BITS = 24  # of the bound on an angle
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Consensus:
+    """What is proved with one motion: witness, the rows that it meets, stages and what follows.
+
+    labels: of each row "i", "o" or "?". upper: no motion meets more.
+    """
+
+    witness: Witness
+    met: tuple[int, ...]
+    stages: tuple[Stage, ...]
+    labels: str
+    upper: int
+
+    @property
+    def decided(self) -> bool:
+        """Whether every label is proved."""
+        return UNDECIDED not in self.labels
+
+    @property
+    def worth(self) -> tuple[int, int, int]:
+        """To compare two: pairs met, then labels proved, then how low the bound is."""
+        return len(self.met), len(self.labels) - self.labels.count(UNDECIDED), -self.upper
+
+
+class ConsensusProver:
+    """Proves as much as it can of one problem; the graph of consistent pairs is made once."""
+
+    def __init__(self, problem: ConsensusProblem, *, effort: float = 1.0) -> None:
+        self.problem = problem
+        self._exact = ExactRows(problem)
+        self._effort = effort
+        self.graph = Graph(consistent_pairs(problem), PointRows.of(problem), effort)
+
+    def prove(
+        self, rotation: NDArray[np.float64], translation: NDArray[np.float64]
+    ) -> Consensus | None:
+        """What is proved with this motion as witness; None where it meets too few pairs."""
+        witness = witness_of(rotation, translation)
+        met = self._exact.met_by(witness)
+        if len(met) < LEAST_PAIRS:
+            return None
+        n, K, within = self.problem.n, len(met), mask_of(met)
+        stages: list[Stage] = []
+        first = self._stage(stages, (1 << n) - 1, K, within)
+        upper, sure = first.bit_count(), within if first == within else 0
+        if not sure:
+            upper = self._upper(stages, first, K, within)
+            sure = self._inliers(stages, first, met)
+        labels = "".join(
+            INLIER if sure >> i & 1 else UNDECIDED if first >> i & 1 else OUTLIER for i in range(n)
+        )
+        return Consensus(witness, tuple(met), tuple(stages), labels, upper)
+
+    def _stage(
+        self, stages: list[Stage], alive: int, least: int, clique: int, without: int | None = None
+    ) -> int:
+        """The rows left; the stage is kept where it is the first, or shows something."""
+        thinning = Thinning(self.graph, alive, least, clique)
+        thinning.run()
+        left = thinning.alive
+        useful = not stages or (left.bit_count() < least if without is not None else left != alive)
+        if useful:
+            stages.append(Stage(least=least, without=without, strikes=tuple(thinning.strikes)))
+        return left
+
+    def _upper(self, stages: list[Stage], alive: int, K: int, within: int) -> int:
+        """No motion meets more: by stages that ask for more and more pairs."""
+        upper, least = alive.bit_count(), K + 1
+        while least <= upper:
+            alive = self._stage(stages, alive, least, within)
+            upper = min(upper, max(least - 1, alive.bit_count()))
+            least += 1
+        return upper
+
+    def _inliers(self, stages: list[Stage], first: int, met: list[int]) -> int:
+        """The met rows without which the others are not enough."""
+        sure, within = 0, mask_of(met)
+        if first.bit_count() - len(met) > len(met):
+            return 0  # far from decided: no single row will be
+        for row in met[: round(MOST_LEFT_OUT * self._effort)]:
+            others = ~(1 << row)
+            left = self._stage(stages, first & others, len(met), within & others, row)
+            sure |= (left.bit_count() < len(met)) << row
+        return sure
+
+
+def witness_of(rotation: NDArray[np.float64], translation: NDArray[np.float64]) -> Witness:
+    """A motion in integers, next to one in doubles."""
+    w, x, y, z = np.rint(np.ldexp(quaternion_from_matrix(rotation), QUATERNION_BITS)).tolist()
+    size = float(np.abs(translation).max())
+    exponent = int(np.frexp(size)[1]) - SHIFT_BITS if size else 0
+    a, b, c = (int(Fraction(k) / Fraction(2) ** exponent) for k in translation.tolist())
+    return Witness(quaternion=(int(w), int(x), int(y), int(z)), shift=(a, b, c, exponent))
+
+
+def consensus_certificate(
+    problem: ConsensusProblem,
+    found: Consensus,
+    fit: Certificate[IsotropicBody] | None,
+    about: dict[str, Any] | None = None,
+) -> Certificate[ConsensusBody]:
+    """The certificate; fit: of the least squares over the rows that the witness meets."""
+    data = problem.data_bytes()
+    body = ConsensusBody(
+        witness=found.witness,
+        labels=found.labels,
+        upper=found.upper,
+        stages=found.stages,
+        fit=None if fit is None else {**json.loads(fit.line()), "problem": _unheld(fit)},
+        reach=None if fit is None else _reach(problem, found.met, fit.body.quaternion),
+    )
+    digest = hashlib.sha256(data).hexdigest()
+    return Certificate(n=problem.n, digest=digest, inline=data, body=body, about=about or {})
+
+
+def _unheld(fit: Certificate[IsotropicBody]) -> dict[str, Any]:
+    """Its `problem`, without the points: they are those of the outer one."""
+    return {"data": None, "digest": fit.digest, "n": fit.n}
+
+
+def _reach(
+    problem: ConsensusProblem, met: tuple[int, ...], quaternion: tuple[int, ...]
+) -> Reach | None:
+    """How far motions that meet all these rows may turn from that of the fit; None if not bounded.
+
+    They have 2 p^T K p >= c, c = S - B. In the frame of the eigenvectors of K, l1 >= l2, u the
+    first, c I - 2 K + t (u u^T - (1 - s) I) > 0 asks for t s > 2 l1 - c and t (1 - s) < c - 2 l2:
+    there is such a t iff s > (2 l1 - c) / (2 l1 - 2 l2). Doubles: the checker decides.
+    """
+    rows = list(met)
+    points, weights = PointRows.of(problem), problem.of_rows(met).weights
+    x, y = (p[rows] - p[rows[0]] for p in (points.source, points.target))
+    w = (weights / weights.max())[:, None]
+    x, y = (p - (w * p).sum(axis=0) / w.sum() for p in (x, y))
+    spread = float((w * (x * x + y * y)).sum())
+    c = spread - float((w[:, 0] * points.bounds[rows] ** 2).sum())
+    K = davenport_stack(((w * y).T @ x)[None])[0]
+    u = np.array(quaternion, dtype=float)
+    u /= np.linalg.norm(u)
+    across = np.linalg.svd(u[None])[2][1:]
+    first = float(2.0 * u @ K @ u)
+    second = float(2.0 * np.linalg.eigvalsh(across @ K @ across.T)[-1])
+    if not (first > c > second):
+        return None
+    s = (first - c) / (first - second) * (1.0 + 1e-6) + 1e-12
+    if s >= 1.0:
+        return None
+    low, high = (first - c) / s, (c - second) / (1.0 - s)
+    tau = (low + high) / 2.0 / spread
+    return Reach(
+        sin2_half_angle=dyadic_above(Fraction(s), ANGLE_BITS),
+        tau=dyadic_above(Fraction(tau), 53),
+    )

@@ -1,0 +1,106 @@
+"""A problem with wrong pairs: points, weights, and for each pair a bound on its residual."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from certreg.errors import InvalidProblemError
+from certreg.problem.bounds import NAME, checked_bounds
+from certreg.problem.problem import RegistrationProblem
+from certreg.results import Brief
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+PREFIX = b"certreg-consensus/1\0"
+LEAST_PAIRS = 3  # two pairs of equal lengths always fit: a set of two says nothing
+MOST_PAIRS = 4096  # whose eight million pairs of pairs the checker tests in half a minute
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ConsensusProblem(Brief):
+    """Which pairs does one rigid motion bring within their bounds, at most?
+
+    A motion (R, t) meets pair i where |y_i - R x_i - t| <= bounds[i].
+
+    Attributes
+    ----------
+    problem
+        Points, and the weights of the least squares over the pairs that are met.
+    bounds
+        (N,), > 0, in the unit of the clouds.
+    """
+
+    problem: RegistrationProblem
+    bounds: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, problem: RegistrationProblem, max_residual: Any) -> ConsensusProblem:
+        """The problem with one bound for all pairs, or (N,) of them.
+
+        Raises InvalidProblemError for bounds that are not finite and > 0, or so wide that they say
+        nothing; for fewer than 3 or more than 4,096 pairs; for general springs, a free scale, and
+        without a translation.
+        """
+        if problem.factors is not None:
+            message = f"{NAME} goes with one weight for each pair, not yet with general springs"
+            raise InvalidProblemError(f"{message}: leave one out", array=NAME)
+        if problem.model_options:
+            message = f"{NAME} is of a rigid motion, not yet with {problem.model_options}"
+            raise InvalidProblemError(f"{message}: leave one out", array=NAME)
+        if not LEAST_PAIRS <= problem.n <= MOST_PAIRS:
+            message = (
+                f"{NAME} needs {LEAST_PAIRS} to {MOST_PAIRS} pairs, there are {problem.n}: "
+                "give more, or some of them"
+            )
+            limit = LEAST_PAIRS if problem.n < LEAST_PAIRS else MOST_PAIRS
+            raise InvalidProblemError(message, array=NAME, value=problem.n, limit=limit)
+        bounds = checked_bounds(max_residual, problem.n)
+        _require_narrow(problem, bounds)
+        return cls(problem, bounds)
+
+    @property
+    def n(self) -> int:
+        """Number of pairs."""
+        return self.problem.n
+
+    def data_bytes(self) -> bytes:
+        """The bytes that state the problem: prefix, n (u64), points, weights, then bounds."""
+        head = PREFIX + self.n.to_bytes(8, "little")
+        block = self.problem.block(slice(None))
+        arrays = block.source, block.target, block.weights, self.bounds
+        return head + b"".join((array + 0.0).astype("<f8").tobytes() for array in arrays)
+
+    def digest(self) -> str:
+        """SHA-256 of `data_bytes()`, 64 hexadecimal digits: the identity of the problem."""
+        return hashlib.sha256(self.data_bytes()).hexdigest()
+
+    def of_rows(self, rows: Sequence[int]) -> RegistrationProblem:
+        """The least-squares problem of some of the pairs, with their weights."""
+        block, chosen = self.problem.block(slice(None)), list(rows)
+        return RegistrationProblem(
+            block.source[chosen], block.target[chosen], weights=block.weights[chosen]
+        )
+
+
+def _require_narrow(problem: RegistrationProblem, bounds: NDArray[np.float64]) -> None:
+    """Refuses a bound of at least half the diameter of the smaller cloud: everything fits then."""
+    block = problem.block(slice(None))
+    half = min(_diameter(block.source), _diameter(block.target)) / 2.0
+    if float(bounds.min()) >= half:
+        message = (
+            f"{NAME} is {float(bounds.min()):g}, not below half the diameter of the smaller cloud, "
+            f"{half:g}: every pair may be brought within; give a smaller bound"
+        )
+        raise InvalidProblemError(message, array=NAME, value=float(bounds.min()), limit=half)
+
+
+def _diameter(points: NDArray[np.float64]) -> float:
+    """The diagonal of the box around them, at least their diameter."""
+    return float(np.linalg.norm(points.max(axis=0) - points.min(axis=0)))
