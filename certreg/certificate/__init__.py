@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from certreg.certificate.bounds import sin2_half_angle_between as sin2_half_angle_between
     from certreg.certificate.checking import CertificateVerdict as CertificateVerdict
     from certreg.certificate.checking import check_own as check_own
+    from certreg.certificate.checking import check_own_consensus as check_own_consensus
     from certreg.certificate.checking import require_accepted as require_accepted
     from certreg.certificate.checking import verify as verify
     from certreg.certificate.checking import verify_lines as verify_lines
@@ -72,6 +73,7 @@ __getattr__ = lazy_face(
         "checking": (
             "CertificateVerdict",
             "check_own",
+            "check_own_consensus",
             "require_accepted",
             "verify",
             "verify_lines",

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from certreg.certificate.consensus import Witness
     from certreg.problem import ConsensusProblem
 
-# A difference of doubles has a relative error of 2^-53, a squared length of three terms 4, a root 3,
-# their difference and the sum of two bounds one more: eight times 2^-53 of all would do.
+# Relative errors: a difference of doubles 2^-53, a squared length of three terms four times that,
+# its root three times, and the last sums one more: eight times 2^-53 of all would do.
 LENGTH_ERROR = 2.0**-48
 BLOCK_ROWS = 256  # rows against all others at a time: 25 MB of 4,096
 QUATERNION_BITS, SHIFT_BITS = 60, 64  # of a witness: its rounding is far below that of its points
@@ -60,7 +60,7 @@ def _lengths(points: NDArray[np.float64], others: NDArray[np.float64]) -> NDArra
 
 
 class ExactRows:
-    """The points and bounds of a problem as integers over one power of two, when first asked for."""
+    """The points and bounds of a problem as integers over a power of two, when first asked for."""
 
     def __init__(self, problem: ConsensusProblem) -> None:
         self._problem = problem

@@ -2,8 +2,8 @@
 
 With weights l_i >= 0 of the rows of a group T, every motion has sum l_i r_i^2 >= S - 2 l1, S the
 centred squares of both clouds, l1 the largest eigenvalue of Davenport's matrix. If that is more
-than sum l_i b_i^2, no motion meets all of T. The best weights are those of the motion of least
-max r_i / b_i; Lawson's method finds them: each weight times the residual that it leaves [Lawson1961].
+than sum l_i b_i^2, no motion meets all of T. The best weights belong to the motion of least largest
+r_i / b_i; Lawson's method finds them: each weight times the residual that it leaves.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ class PointRows:
         y = self.target[picked] - self.target[row]
         squares = self.bounds[picked] ** 2
         found: list[tuple[int, ...] | None] = [None] * len(groups)
-        open_groups = np.arange(len(groups))
+        open_groups = list(range(len(groups)))
         weights = used / squares
         for _ in range(ROUNDS):
             share = weights * squares
@@ -76,7 +76,8 @@ class PointRows:
             keep = ~good
             if not keep.any():
                 break
-            open_groups, x, y, squares = (a[keep] for a in (open_groups, x, y, squares))
+            open_groups = [k for k, still in zip(open_groups, keep.tolist(), strict=True) if still]
+            x, y, squares = x[keep], y[keep], squares[keep]
             weights = weights[keep] * np.sqrt(residuals[keep] / squares)
         return found
 

@@ -1,8 +1,8 @@
-"""Striking pairs that no motion meets that meets enough: what remains, and the strikes that show it.
+"""Striking pairs that no motion meets that meets enough: what remains, and what shows it.
 
 A motion that meets K pairs meets a clique of K in the graph of consistent pairs. So a row falls
-that has fewer than K - 1 neighbours; or whose neighbours, a part of them coloured, hold too few that
-can be met together with it: of each group that is refuted with it, at least one is not met.
+that has fewer than K - 1 neighbours; or of whose neighbours too few can be met together with it: of
+each colour one at most, of each group that is refuted with it all but one.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ import shlex
 import sys
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import click
 
@@ -16,40 +16,49 @@ from certreg.cli.options import (
     FOLDER,
     NUMBER,
     cloud_options,
+    consensus_options,
     fit_options,
     limit_options,
 )
 from certreg.dynamics import ONLY_MIDPOINT
 from certreg.registration import (
     DONE,
+    NOT_CERTIFIED,
     REFUSED,
     ROBUSTNESS_ANGLE,
     STORIES,
     code_of_registration,
     differences,
     tell,
+    worst,
 )
 from certreg.registration import certify as certified
 from certreg.report import (
     REPORT,
+    consensus_document,
     dumps,
     printable,
     registration_summary,
     result_document,
+    write_consensus_folder,
     write_folder,
 )
 from certreg.verify import shown
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from certreg.cli.options import WrongPairs
     from certreg.io import Pair
     from certreg.problem import RegistrationProblem
-    from certreg.registration import FitDemands
+    from certreg.registration import ConsensusRegistration, FitDemands
 
 
 @click.command(epilog=EXIT_CODES)
 @cloud_options
 @limit_options
 @fit_options
+@consensus_options
 @click.option("--no-relaxation", is_flag=True, help="Leave the semidefinite relaxation out.")
 @click.option(
     "--solver",
@@ -89,6 +98,7 @@ def certify(
     max_angle: float,
     robustness_angle: float,
     demands: FitDemands,
+    wrong: WrongPairs | None,
     out: Path | None,
     as_json: bool,
 ) -> int:
@@ -99,6 +109,18 @@ def certify(
     if integrator not in {None, "midpoint"} and problem.scaled:
         message = f"--integrator {integrator}: {ONLY_MIDPOINT}"
         raise click.UsageError(message)
+    if wrong is not None:
+        found = certified(
+            problem,
+            max_residual=wrong.bounds(pair, problem.n),
+            effort=wrong.effort,
+            about={"certreg": __version__, **pair.about},
+            max_gap=max_gap,
+            max_angle=max_angle,
+        )
+        return _told_of_consensus(
+            cast("ConsensusRegistration", found), pair.notes, demands, out, as_json=as_json
+        )
     registration = certified(
         problem,
         relaxation=solver or not no_relaxation,
@@ -122,6 +144,30 @@ def certify(
     for words in demands.unmet(registration):
         click.echo(f"certreg: {words}: exit code 4", err=True)
     return code_of_registration(registration, demands)
+
+
+def _told_of_consensus(
+    result: ConsensusRegistration,
+    notes: Sequence[str],
+    demands: FitDemands,
+    out: Path | None,
+    *,
+    as_json: bool,
+) -> int:
+    """Writes and prints a registration with wrong pairs; the exit code."""
+    path = None if out is None else write_consensus_folder(result, out, notes=notes)
+    if as_json:
+        place = None if path is None else str(path)
+        click.echo(dumps(consensus_document(result, place, notes=notes)))
+    else:
+        click.echo(result.summary())
+        if path is not None:
+            place = printable(path)
+            click.echo(f"\nCertificate: {place}  (re-check it: certreg verify {place})")
+    unmet = demands.unmet(result.fit)
+    for words in unmet:
+        click.echo(f"certreg: {words}: exit code 4", err=True)
+    return worst([result.exit_code, NOT_CERTIFIED] if unmet else [result.exit_code])
 
 
 @click.command(epilog="Exit code 0 when every problem came out as told, else 1.")

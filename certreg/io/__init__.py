@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from certreg.io.atomic import write_files as write_files
     from certreg.io.atomic import write_together as write_together
     from certreg.io.atomic import written_atomically as written_atomically
+    from certreg.io.bounds import read_bounds as read_bounds
     from certreg.io.clouds import BY_LABEL as BY_LABEL
     from certreg.io.clouds import Match as Match
     from certreg.io.clouds import Pair as Pair
@@ -46,6 +47,7 @@ __getattr__ = lazy_face(
             "write_together",
             "written_atomically",
         ),
+        "bounds": ("read_bounds",),
         "clouds": (
             "BY_LABEL",
             "Match",

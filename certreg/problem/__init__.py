@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from certreg.problem.bounds import checked_bounds as checked_bounds
     from certreg.problem.consensus import LEAST_PAIRS as LEAST_PAIRS
     from certreg.problem.consensus import ConsensusProblem as ConsensusProblem
+    from certreg.problem.effort import checked_effort as checked_effort
     from certreg.problem.exact_sums import FACTORS as FACTORS
     from certreg.problem.exact_sums import UPPER as UPPER
     from certreg.problem.exact_sums import second_method as second_method
@@ -103,6 +104,7 @@ __getattr__ = lazy_face(
             "LEAST_PAIRS",
             "ConsensusProblem",
         ),
+        "effort": ("checked_effort",),
         "exact_sums": (
             "FACTORS",
             "UPPER",

@@ -25,7 +25,7 @@ MOST_PAIRS = 4096  # whose eight million pairs of pairs the checker tests in hal
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ConsensusProblem(Brief):
-    """Which pairs does one rigid motion bring within their bounds, at most?
+    """Pairs of which one rigid motion shall bring as many as possible within their bounds.
 
     A motion (R, t) meets pair i where |y_i - R x_i - t| <= bounds[i].
 

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from certreg.registration.ambiguity import NEARLY_AMBIGUOUS as NEARLY_AMBIGUOUS
     from certreg.registration.ambiguity import ambiguous_words as ambiguous_words
     from certreg.registration.ambiguity import narrow_words as narrow_words
+    from certreg.registration.any_certification import certify as certify
     from certreg.registration.any_registration import AnyRegistration as AnyRegistration
     from certreg.registration.assessed import Assessment as Assessment
     from certreg.registration.assessment import assess as assess
@@ -22,13 +23,13 @@ if TYPE_CHECKING:
     from certreg.registration.certification import CROSS_CHECK as CROSS_CHECK
     from certreg.registration.certification import NOT_ASKED as NOT_ASKED
     from certreg.registration.certification import certified as certified
-    from certreg.registration.certification import certify as certify
     from certreg.registration.certification import optimally_damped as optimally_damped
     from certreg.registration.certification import proved_end as proved_end
     from certreg.registration.certification import simulate as simulate
     from certreg.registration.certification import simulated as simulated
     from certreg.registration.closed_form import horn as horn
     from certreg.registration.closed_form import register as register
+    from certreg.registration.consensus import ConsensusRegistration as ConsensusRegistration
     from certreg.registration.covariance import NO_RESIDUALS as NO_RESIDUALS
     from certreg.registration.covariance import PoseCovariance as PoseCovariance
     from certreg.registration.covariance import parameters_of as parameters_of
@@ -139,6 +140,7 @@ __getattr__ = lazy_face(
             "ambiguous_words",
             "narrow_words",
         ),
+        "any_certification": ("certify",),
         "any_registration": ("AnyRegistration",),
         "assessed": ("Assessment",),
         "assessment": (
@@ -155,7 +157,6 @@ __getattr__ = lazy_face(
             "CROSS_CHECK",
             "NOT_ASKED",
             "certified",
-            "certify",
             "optimally_damped",
             "proved_end",
             "simulate",
@@ -165,6 +166,7 @@ __getattr__ = lazy_face(
             "horn",
             "register",
         ),
+        "consensus": ("ConsensusRegistration",),
         "covariance": (
             "NO_RESIDUALS",
             "PoseCovariance",

@@ -6,7 +6,7 @@ import logging
 import time
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal, Unpack, cast
+from typing import TYPE_CHECKING, Any, Literal
 
 from certreg.certificate import (
     check_own,
@@ -37,7 +37,7 @@ from certreg.registration.breathing import (
     simulated_breathing,
 )
 from certreg.registration.optimum import exact_pose, optimal_pose
-from certreg.registration.parts import counted, logged
+from certreg.registration.parts import logged
 from certreg.registration.result import (
     ProblemTrajectory,
     Registration,
@@ -46,24 +46,14 @@ from certreg.registration.result import (
     exact_energy_unit,
     final_state,
 )
-from certreg.registration.robustness import ROBUSTNESS_ANGLE, checked_angle
-from certreg.registration.spring_certification import SPRING_PARTS, certified_springs
 from certreg.registration.spring_simulation import SimulatedSprings, simulated_springs
-from certreg.registration.stating import ProblemOptions, stated_problem_of
 from certreg.relaxation import relax
-from certreg.results import (
-    MAX_ANGLE,
-    MAX_GAP,
-    OUT_OF_RANGE,
-    Absent,
-    Limits,
-)
+from certreg.results import OUT_OF_RANGE, Absent, Limits
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
 
     from certreg.certificate import Certificate, IsotropicBody, SimilarityBody
-    from certreg.registration.parts import Progress
     from certreg.relaxation import Relaxation
     from certreg.results import Verdict
 
@@ -74,96 +64,6 @@ NOT_ASKED = Absent("not asked for")
 NOT_CERTIFIED = Absent("not certified")
 NO_SCALE_THERE = Absent("the relaxation is of scale 1, not of a free one")
 CROSS_CHECK = Integrator.SPLITTING  # a few large steps, however stiff the springs
-
-
-def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
-    problem: Any,
-    target: Any = None,
-    *,
-    relaxation: bool | str = True,
-    simulation: bool | str | SimulationSettings = True,
-    about: dict[str, Any] | None = None,
-    max_gap: float = MAX_GAP,
-    max_angle: float = MAX_ANGLE,
-    robustness_angle: float | None = ROBUSTNESS_ANGLE,
-    progress: Progress | None = None,
-    **statement: Unpack[ProblemOptions],
-) -> Registration:
-    """Register, enumerate all equilibria, cross-check, certify, and run the checker.
-
-    Which equilibria there are is decided here; their numbers, the covariance and the fit are
-    computed when they are first asked for, of clouds that are mapped from a file at once.
-
-    Parameters
-    ----------
-    problem, target
-        A `RegistrationProblem`; or source and target, as `certreg.pair` takes them: files, arrays,
-        data frames, paired by label where both have labels.
-    relaxation
-        Whether to take the relaxation, too; all else is the same. Instead of True, its solver by
-        CVXPY's name for it.
-    simulation
-        Whether to simulate, too; instead of True, settings, or the name of the integrator. Where
-        the problem names no damping, that of the fastest decay is taken.
-    about
-        What else the certificate is to hold, unproved, besides damping and integrator.
-    max_gap, max_angle
-        What must be proved of the pose to call it certified, see `Limits`.
-    robustness_angle
-        Degrees, at most 90: how far the points may be off with the optimum proved to stay within
-        that angle; None to leave it out.
-    progress
-        Called with the number of parts that are done and that of all: exact sums, relaxation,
-        simulation, certificate and checker.
-    **statement
-        `sigma`, `weights`, `damping`, `scale` and `rotation_only`, as for a problem, beside source
-        and target; what is noted of the pairs goes to the logger.
-
-    Returns
-    -------
-    Registration
-        The pose, what is proved of it, all equilibria, and the certificate. Of general springs a
-        `SpringRegistration`, which has the same but no equilibria and no simulation; its relaxation
-        is a part of the search, and always taken.
-
-    Raises
-    ------
-    InvalidProblemError, InvalidFileError
-        For what states no problem.
-    ContradictionError, RefusedCertificateError
-        Where certreg contradicts itself.
-    OutOfRangeError
-        Where no double can hold the pose.
-    """
-    stated, named = stated_problem_of(problem, target, statement)
-    limits = Limits(max_gap=max_gap, max_angle=max_angle)
-    if stated.factors is not None:
-        found = certified_springs(
-            stated,
-            solver=relaxation if isinstance(relaxation, str) else None,
-            robustness_angle=checked_angle(robustness_angle),
-            about={**named, **(about or {})},
-            limits=limits,
-            done=counted(progress, SPRING_PARTS),
-        )
-        return cast("Registration", found)
-    registration = certified(
-        stated,
-        relaxation=relaxation,
-        integrator=_integrator(simulation, stated) if simulation else None,
-        settings=simulation if isinstance(simulation, SimulationSettings) else None,
-        robustness_angle=checked_angle(robustness_angle),
-        about={**named, **(about or {})},
-        done=counted(progress, PARTS + bool(relaxation) + bool(simulation)),
-    )
-    return replace(registration, limits=limits)
-
-
-def _integrator(
-    simulation: str | SimulationSettings | Literal[True], problem: RegistrationProblem
-) -> str:
-    usual = Integrator.MIDPOINT if problem.scaled else CROSS_CHECK
-    return Integrator(simulation).value if isinstance(simulation, str) else usual.value
 
 
 def certified(  # noqa: PLR0913 - as above

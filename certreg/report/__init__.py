@@ -10,6 +10,8 @@ if TYPE_CHECKING:
     from certreg.report.breathing import breathing_document as breathing_document
     from certreg.report.breathing import breathing_summary as breathing_summary
     from certreg.report.breathing import scaled_enumeration_summary as scaled_enumeration_summary
+    from certreg.report.consensus_document import consensus_document as consensus_document
+    from certreg.report.consensus_folder import write_consensus_folder as write_consensus_folder
     from certreg.report.document import assessment_document as assessment_document
     from certreg.report.document import dumps as dumps
     from certreg.report.document import equilibria_document as equilibria_document
@@ -50,6 +52,8 @@ __getattr__ = lazy_face(
             "scaled_enumeration_summary",
         ),
         "judged_pose": ("assessment_summary",),
+        "consensus_document": ("consensus_document",),
+        "consensus_folder": ("write_consensus_folder",),
         "document": (
             "assessment_document",
             "dumps",

@@ -53,6 +53,7 @@ EQUILIBRIA_SCHEMA = "certreg-equilibria/1"
 POSE_SCHEMA = "certreg-pose/1"
 SIMULATION_SCHEMA = "certreg-simulation/1"
 
+NO_BOUND = Absent("no bound on residuals was given (--max-residual)")
 NOT_WRITTEN = Absent("nothing is written without --out")
 NOT_A_BOUND = Absent("its multiplier could not be made a proved bound")
 ALIKE = Absent("each pair has one weight, and a spring alike in every way")
@@ -91,6 +92,7 @@ def result_document(
             "objective": registration.stated("objective"),
             "rmse": registration.stated("rmse"),
             **own,
+            "consensus": NO_BOUND,
             "fit": fit_fields(registration.fit),
             "residuals": _residuals(registration),
             "certificate": written,

@@ -17,6 +17,7 @@ from certreg.io import write_atomically
 from certreg.registration import (
     AnyRegistration,
     Assessment,
+    ConsensusRegistration,
     ListedEquilibria,
     ListedSpringEquilibria,
     ProblemTrajectory,
@@ -44,6 +45,10 @@ from certreg.report.cards import (
     trajectory_card,
     verdict_card,
 )
+from certreg.report.consensus_card import consensus_card
+from certreg.report.consensus_document import consensus_document
+from certreg.report.consensus_folder import write_consensus_folder
+from certreg.report.consensus_summary import consensus_summary
 from certreg.report.document import (
     assessment_document,
     equilibria_document,
@@ -127,6 +132,9 @@ SHAPES: dict[type, Shape] = {
         words=registration_summary, document=result_document, card=registration_card
     ),
     SpringRegistration: Shape(words=spring_summary, document=result_document, card=spring_card),
+    ConsensusRegistration: Shape(
+        words=consensus_summary, document=consensus_document, card=consensus_card
+    ),
     Assessment: Shape(words=assessment_summary, document=assessment_document, card=assessment_card),
     ListedEquilibria: Shape(
         words=_enumeration_words, document=_enumeration_document, card=equilibria_card
@@ -183,8 +191,12 @@ class ReportPresenter:
         write_atomically(place, html_page(report_on(result)))
         return place
 
-    def save(self, result: AnyRegistration, folder: str | os.PathLike[str]) -> Path | None:
+    def save(
+        self, result: AnyRegistration | ConsensusRegistration, folder: str | os.PathLike[str]
+    ) -> Path | None:
         """Write the files of a registration; the certificate's path."""
+        if isinstance(result, ConsensusRegistration):
+            return write_consensus_folder(result, folder)
         return write_folder(result, folder)
 
     def plot(self, result: AnyRegistration, axes: Any) -> Any:

@@ -18,8 +18,8 @@ from jsonschema import Draft202012Validator
 from certreg.geometry import GivenPose
 from certreg.problem import RegistrationProblem
 from certreg.registration import NOT_CERTIFIED, spring_simulation
+from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
-from certreg.registration.certification import certify
 from certreg.registration.findings import AssessmentSettings
 from certreg.registration.nearby_equilibrium import TIE, NearbyEquilibrium
 from certreg.registration.spring_findings import spring_findings, spring_verdict_of

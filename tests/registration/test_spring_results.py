@@ -14,8 +14,8 @@ import certreg
 from certreg.equilibrium import critical_lines, unit_double
 from certreg.errors import InvalidProblemError
 from certreg.problem import RegistrationProblem
+from certreg.registration import certify, optimally_damped
 from certreg.registration.assessment import assess
-from certreg.registration.certification import certify, optimally_damped
 from certreg.registration.exit_codes import code_of_registration
 from certreg.registration.spring_covariance import half_hessian, source_centre
 from certreg.registration.spring_curvature import slope_and_curvature

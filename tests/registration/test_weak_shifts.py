@@ -12,8 +12,8 @@ import pytest
 
 from certreg.objective import Springs
 from certreg.problem import RegistrationProblem, spring_moments
+from certreg.registration.any_certification import certify
 from certreg.registration.assessment import assess
-from certreg.registration.certification import certify
 from certreg.registration.spring_simulation import simulated_springs
 from certreg.registration.weak_shifts import HARDLY, weak_shift_words, weak_shifts
 from certreg.report import result_document

@@ -18,7 +18,7 @@ from strategies import ZOO, random_problem
 
 from certreg.certificate.bounds import ExactPose, PoseBounds, pose_bounds
 from certreg.exact.dyadic import Dyadic
-from certreg.registration.certification import certify
+from certreg.registration.any_certification import certify
 from certreg.report.document import result_document
 from certreg.report.page import Report
 from certreg.report.pages import html_page

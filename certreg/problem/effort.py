@@ -1,0 +1,38 @@
+"""How hard to search: one factor on all budgets."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from certreg.errors import InvalidProblemError
+
+MOST_EFFORT = 1e6
+
+
+def checked_effort(effort: Any) -> float:
+    """A factor on the budgets of searches and proofs.
+
+    Parameters
+    ----------
+    effort
+        A number above 0, at most a million.
+
+    Returns
+    -------
+    float
+        The same.
+
+    Raises
+    ------
+    InvalidProblemError
+        For others.
+    """
+    try:
+        value = float(effort)
+    except (TypeError, ValueError, OverflowError):
+        value = math.nan
+    if isinstance(effort, str) or not 0.0 < value <= MOST_EFFORT:
+        message = f"effort is {effort!r}: give a number above 0, at most {MOST_EFFORT:g}"
+        raise InvalidProblemError(message, array="effort", value=effort, limit=MOST_EFFORT)
+    return value

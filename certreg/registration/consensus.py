@@ -1,0 +1,282 @@
+"""Registration with wrong pairs: the most pairs that one motion meets, and what is proved of them.
+
+A candidate is found in doubles and its proof is tried; only where that leaves something open a
+better candidate is sought: the proof is the stopping rule.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from certreg.certificate import (
+    Consensus,
+    ConsensusProver,
+    check_own_consensus,
+    consensus_certificate,
+    require_accepted,
+)
+from certreg.errors import InvalidProblemError, UndecidedError
+from certreg.geometry import Pose
+from certreg.problem import LEAST_PAIRS, checked_effort
+from certreg.registration.certification import certified
+from certreg.registration.consensus_words import Labels, headline
+from certreg.registration.exit_codes import (
+    DONE,
+    NOT_CERTIFIED,
+    NOT_UNIQUE,
+    code_of_registration,
+    worst,
+)
+from certreg.registration.row_names import RowNames
+from certreg.relaxation import candidates
+from certreg.results import Limits, Presented, presenter
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from certreg.certificate import Certificate, ConsensusBody
+    from certreg.problem import ConsensusProblem
+    from certreg.registration.result import Registration
+    from certreg.results import Verdict
+
+CONSENSUS_PARTS = 3  # of certify: consensus, fit, checker
+SECOND_EFFORT = 0.3  # of the search among the other pairs: a hint, nothing of it is proved
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ConsensusRegistration(Presented):
+    """The pose of the pairs that are met, and what is proved of every pair.
+
+    Attributes
+    ----------
+    problem
+        As it was stated, with its bounds.
+    found
+        The witness, the rows that it meets and their labels.
+    fit
+        The least squares over these rows, a registration with its own proof.
+    certificate
+        Of kind "consensus", the proof of the fit inside; the checker has accepted it.
+    verdict
+        The checker's.
+    second
+        How many of the other pairs another motion meets, as far as one was found; nothing of it is
+        proved. None where fewer than three are left, or met.
+    timings
+        Seconds per phase.
+    """
+
+    problem: ConsensusProblem
+    found: Consensus
+    fit: Registration
+    certificate: Certificate[ConsensusBody]
+    verdict: Verdict
+    second: int | None
+    timings: dict[str, float]
+
+    def __repr__(self) -> str:
+        met, n = len(self.found.met), self.problem.n
+        word = "labels proved" if self.labels_unique else f"at most {self.upper} proved"
+        return f"<ConsensusRegistration: {met} of {n} pairs within their bounds; {word}>"
+
+    @property
+    def pose(self) -> Pose:
+        """The least-squares pose of the pairs that are met."""
+        pose = self.fit.pose
+        assert isinstance(pose, Pose)  # noqa: S101 - the fit has no scale
+        return pose
+
+    @property
+    def witness(self) -> Pose:
+        """A motion that meets all of them, exactly before it is rounded to doubles."""
+        return self.found.witness.pose
+
+    @property
+    def lower(self) -> int:
+        """So many pairs one motion meets, proved."""
+        return len(self.found.met)
+
+    @property
+    def upper(self) -> int:
+        """No motion meets more, proved."""
+        return self.found.upper
+
+    @property
+    def labels_unique(self) -> bool:
+        """Whether it is proved that every motion that meets as many meets just these."""
+        return self.found.decided
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Of each pair: "inlier" or "outlier" in every motion that meets as many; "undecided"."""
+        return self._counted.words
+
+    @property
+    def _counted(self) -> Labels:
+        return Labels(self.found.labels)
+
+    @property
+    def inliers(self) -> NDArray[np.intp]:
+        """Rows of the pairs that the witness meets."""
+        return np.array(self.found.met, dtype=np.intp)
+
+    @property
+    def residuals(self) -> NDArray[np.float64]:
+        """(N,), how far each pair is off at `pose`, in the unit of length."""
+        block, pose = self.problem.problem.block(slice(None)), self.pose
+        moved = block.source @ pose.rotation.T + pose.translation
+        return np.linalg.norm(block.target - moved, axis=1)
+
+    @property
+    def broken(self) -> tuple[int, ...]:
+        """Met rows that the least-squares pose leaves outside of their bounds."""
+        off = self.residuals > self.problem.bounds
+        return tuple(row for row in self.found.met if off[row])
+
+    @property
+    def names(self) -> RowNames:
+        """Of the rows."""
+        return RowNames.of(self.certificate.about, self.problem.n)
+
+    @property
+    def headline(self) -> str:
+        """What is proved, in words."""
+        return headline(self.problem, self.found, self.names)
+
+    @property
+    def exit_code(self) -> int:
+        """0: all labels proved; 3: the maximum, but not the labels; 4: less; or that of the fit."""
+        own = NOT_UNIQUE if self.upper == self.lower else NOT_CERTIFIED
+        return worst([DONE if self.labels_unique else own, code_of_registration(self.fit)])
+
+    def save(self, folder: str | os.PathLike[str]) -> Path | None:
+        """Write what `certify --out` writes.
+
+        Parameters
+        ----------
+        folder
+            Made if it is missing.
+
+        Returns
+        -------
+        Path | None
+            Of the certificate.
+
+        Raises
+        ------
+        InvalidFileError
+            Where the files cannot be written.
+        """
+        return presenter().save(self, folder)
+
+    def report(self, path: str | os.PathLike[str]) -> Path:
+        """Write one HTML file that shows the pairs and what is proved of them, offline.
+
+        Parameters
+        ----------
+        path
+            Of the file; it is written whole or not at all.
+
+        Returns
+        -------
+        Path
+            Of the file.
+
+        Raises
+        ------
+        InvalidFileError
+            Where the file cannot be written.
+        """
+        return presenter().report(self, path)
+
+
+def certified_consensus(
+    problem: ConsensusProblem,
+    *,
+    effort: float = 1.0,
+    limits: Limits | None = None,
+    about: dict[str, Any] | None = None,
+    done: Callable[[str], None],
+) -> ConsensusRegistration:
+    """Find, prove, fit, and run the checker; done: called with the name of each part.
+
+    Raises UndecidedError where no motion was found that meets three pairs, and InvalidProblemError
+    where all pairs that were met have weight 0.
+    """
+    timings: dict[str, float] = {}
+    start = time.perf_counter()
+    prover = ConsensusProver(problem, effort=checked_effort(effort))
+    found = _best(problem, prover, effort)
+    timings["consensus"] = time.perf_counter() - start
+    done("consensus")
+    if found is None:
+        message = (
+            f"no rigid motion was found that brings {LEAST_PAIRS} pairs within their bounds: give "
+            "wider bounds, other pairs, or more --effort"
+        )
+        raise UndecidedError(message)
+    start = time.perf_counter()
+    fit = _fit(problem, found, limits)
+    certificate = consensus_certificate(problem, found, fit.certificate, about)
+    timings["fit"] = time.perf_counter() - start
+    done("fit")
+    start = time.perf_counter()
+    verdict = check_own_consensus(certificate)
+    require_accepted(verdict)
+    timings["check"] = time.perf_counter() - start
+    done("checker")
+    return ConsensusRegistration(
+        problem=problem,
+        found=found,
+        fit=fit,
+        certificate=certificate,
+        verdict=verdict,
+        second=_second(problem, found, effort),
+        timings=timings,
+    )
+
+
+def _best(problem: ConsensusProblem, prover: ConsensusProver, effort: float) -> Consensus | None:
+    """Of all candidates the one of which most is proved; no more are sought once all is."""
+    block, best = problem.problem.block(slice(None)), None
+    for candidate in candidates(block.source, block.target, problem.bounds, effort=effort):
+        found = prover.prove(candidate.rotation, candidate.translation)
+        if found is not None and (best is None or found.worth > best.worth):
+            best = found
+        if best is not None and best.decided:
+            break
+    return best
+
+
+def _fit(problem: ConsensusProblem, found: Consensus, limits: Limits | None) -> Registration:
+    """The least squares over the pairs that are met."""
+    if not problem.problem.weights[list(found.met)].any():
+        rows = RowNames(None).words(found.met[:3], len(found.met))
+        message = f"weights are 0 for all pairs that were met ({rows}): give one of them a weight"
+        raise InvalidProblemError(message, array="weights", value=0.0, row=found.met[0])
+    fit = certified(problem.of_rows(found.met), relaxation=False, integrator=None)
+    return fit if limits is None else replace(fit, limits=limits)
+
+
+def _second(problem: ConsensusProblem, found: Consensus, effort: float) -> int | None:
+    """The most of the other pairs that a motion was seen to meet."""
+    others = sorted(set(range(problem.n)) - set(found.met))
+    if len(others) < LEAST_PAIRS:
+        return None
+    block = problem.problem.block(slice(None))
+    rest = candidates(
+        block.source[others],
+        block.target[others],
+        problem.bounds[others],
+        effort=SECOND_EFFORT * effort,
+    )
+    most = max((len(candidate.inliers) for candidate in rest), default=0)
+    return most if most >= LEAST_PAIRS else None

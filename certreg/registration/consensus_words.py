@@ -1,0 +1,92 @@
+"""What is proved of pairs within bounds, in words that are no stronger."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from certreg.certificate import Consensus
+    from certreg.problem import ConsensusProblem
+    from certreg.registration.row_names import RowNames
+
+WORDS = {"i": "inlier", "o": "outlier", "?": "undecided"}
+NAMED_ROWS = 5  # of the undecided ones, in a sentence
+
+
+@dataclass(frozen=True, slots=True)
+class Labels:
+    """A letter for each pair, as a certificate holds them."""
+
+    letters: str
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """Of each pair."""
+        return tuple(WORDS[letter] for letter in self.letters)
+
+    @property
+    def undecided(self) -> list[int]:
+        """The rows of which nothing is proved."""
+        return [row for row, letter in enumerate(self.letters) if letter == "?"]
+
+    def count(self, word: str) -> int:
+        """How many have it."""
+        return self.words.count(word)
+
+
+def headline(problem: ConsensusProblem, found: Consensus, names: RowNames) -> str:
+    """The first line: CERTIFIED only where every label is proved."""
+    n, met, labels = problem.n, len(found.met), Labels(found.labels)
+    within = _within(problem)
+    if found.decided and met == n:
+        return f"CERTIFIED: one rigid motion brings all {n} pairs {within}: no outliers."
+    out = labels.count("outlier")
+    if found.decided:
+        others = "The other pair is an outlier" if out == 1 else f"The other {out} are outliers"
+        return (
+            f"CERTIFIED: no rigid motion brings more than {met} of the {n} pairs {within}, and "
+            f"only these {met}. {others} in EVERY such motion."
+        )
+    open_rows = labels.undecided
+    rest = f"{len(open_rows)} undecided ({names.words(open_rows[:NAMED_ROWS], len(open_rows))})"
+    sure = labels.count("inlier")
+    kept = f", {_pairs(sure)} inliers" if sure > 1 else ", one pair an inlier" if sure else ""
+    if found.upper == met:
+        return (
+            f"MAXIMUM PROVED, LABELS NOT: no rigid motion brings more than {met} of the {n} pairs "
+            f"{within}; which {met} is not proved. {_outliers(out)}{kept} in every motion that "
+            f"brings {met}; {rest}."
+        )
+    if out:
+        return (
+            f"PARTLY PROVED: {met} of {n} pairs found {within}; proved: not more than "
+            f"{found.upper}. {_outliers(out)}{kept} in every motion that reaches {met}; {rest}."
+        )
+    return (
+        f"NOT PROVED: {met} of {n} pairs found {within}; proved: not more than {found.upper}. The "
+        f"bound is {_share(problem):.2g} % of the cloud's size: so many pairs agree by chance "
+        f"that none is proved an outlier."
+    )
+
+
+def _within(problem: ConsensusProblem) -> str:
+    bounds = problem.bounds
+    return f"within {bounds[0]:g}" if (bounds == bounds[0]).all() else "within their bounds"
+
+
+def _outliers(count: int) -> str:
+    return f"{_pairs(count)} {'is an outlier' if count == 1 else 'are outliers'}"
+
+
+def _pairs(count: int) -> str:
+    return f"{count} pair{'s' * (count != 1)}"
+
+
+def _share(problem: ConsensusProblem) -> float:
+    """The largest bound in percent of the smaller cloud's box."""
+    block = problem.problem.block(slice(None))
+    sizes = (np.linalg.norm(np.ptp(p, axis=0)) for p in (block.source, block.target))
+    return 100.0 * float(problem.bounds.max()) / float(min(sizes))

@@ -1,0 +1,30 @@
+"""A registration with wrong pairs as a card in a notebook."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from certreg.report.cards import Card
+from certreg.report.summary import number
+
+if TYPE_CHECKING:
+    from certreg.registration import ConsensusRegistration
+
+
+def consensus_card(result: ConsensusRegistration) -> str:
+    """The headline, the numbers of pairs, and the pose of the least squares over the met ones."""
+    labels, pose = result.labels, result.pose
+    counts = (f"{labels.count(word)} {word}" for word in ("inlier", "outlier", "undecided"))
+    rmse = result.fit.rmse
+    return Card(
+        headline=result.headline,
+        notes=(),
+        good=result.labels_unique,
+        facts=(
+            ("within bounds", f"{result.lower} found, at most {result.upper} (proved)"),
+            ("labels", ", ".join(counts)),
+            ("rotation (wxyz)", " ".join(map(repr, pose.quaternion_wxyz.tolist()))),
+            ("translation", " ".join(map(repr, pose.translation.tolist()))),
+            ("RMSE", "beyond doubles" if rmse is None else number(rmse)),
+        ),
+    ).html()

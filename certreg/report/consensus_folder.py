@@ -1,0 +1,58 @@
+"""The folder that `certify --out` writes of a registration with wrong pairs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from certreg.errors import InvalidFileError
+from certreg.io import csv_field, write_together
+from certreg.report.consensus_document import consensus_document
+from certreg.report.document import dumps, pose_document
+from certreg.report.folder import CERTIFICATE, FIT, POSE, REPORT, RESULT, SURE_POSE, TRAJECTORY
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Sequence
+
+    from certreg.registration import ConsensusRegistration
+
+HEADER = "row,label,residual,bound,proved\n"
+
+
+def write_consensus_folder(
+    result: ConsensusRegistration, folder: str | os.PathLike[str], *, notes: Sequence[str] = ()
+) -> Path:
+    """Write the files, all or none; the path of the certificate. Raises InvalidFileError."""
+    place = Path(folder)
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        message = f"{place}: cannot be made a folder ({error.strerror}): choose another place"
+        raise InvalidFileError(message, path=place) from error
+    path = place / CERTIFICATE
+    document = consensus_document(result, str(path), notes=notes)
+    rows = result.pose.T_target_source.tolist()
+    contents = {
+        CERTIFICATE: result.certificate.to_json(),
+        RESULT: (dumps(document) + "\n").encode(),
+        POSE: ("\n".join(" ".join(map(repr, row)) for row in rows) + "\n").encode(),
+        SURE_POSE: (dumps(pose_document(result.fit)) + "\n").encode(),
+        FIT: fit_table(result).encode(),
+    }
+    write_together(
+        {place / name: content for name, content in contents.items()},
+        obsolete=[place / TRAJECTORY, place / REPORT],
+    )
+    return path
+
+
+def fit_table(result: ConsensusRegistration) -> str:
+    """A line for each pair: its residual at the pose, its bound, and what is proved of it."""
+    names = result.names
+    columns = (result.residuals.tolist(), result.problem.bounds.tolist(), result.labels)
+    lines = (
+        f"{row},{csv_field(names.label(row) or '')},{residual!r},{bound!r},{word}\n"
+        for row, (residual, bound, word) in enumerate(zip(*columns, strict=True))
+    )
+    return HEADER + "".join(lines)

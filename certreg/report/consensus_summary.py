@@ -1,0 +1,76 @@
+"""A registration with wrong pairs as a person reads it in a terminal."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from certreg.exact import double_above
+from certreg.report.remedies import ADVICE, remedies
+from certreg.report.summary import explained_words, number, verdict_words
+
+if TYPE_CHECKING:
+    from certreg.registration import ConsensusRegistration
+
+TOLD_SECOND = 4  # pairs: any three of equal lengths fit
+SHOWN_ROWS = 8
+HARDER = "give more --effort to search and to prove harder, or smaller bounds if those are true"
+
+
+def consensus_summary(result: ConsensusRegistration) -> str:
+    """The result of `certify` with bounds on residuals, readable."""
+    fit, pose, labels = result.fit, result.pose, result.labels
+    found, undecided = result.lower, labels.count("undecided")
+    sure, out = labels.count("inlier"), labels.count("outlier")
+    rmse = "beyond doubles" if fit.rmse is None else number(fit.rmse)
+    largest = float(result.residuals[result.inliers].max())
+    lines = [
+        result.headline,
+        *([f"{ADVICE}{HARDER}."] if undecided else []),
+        *(f"{ADVICE}{words}" for words in remedies(fit)),
+        "",
+        f"  correspondences   {result.problem.n}",
+        f"  within bounds     {found} found, at most {result.upper} (proved)",
+        f"  labels            {sure} inliers, {out} outliers, {undecided} undecided",
+        *_second(result),
+        f"  least squares     of these {found}: {verdict_words(fit)[0]}",
+        f"  rotation (wxyz)   {' '.join(map(repr, pose.quaternion_wxyz.tolist()))}",
+        f"  translation       {' '.join(map(repr, pose.translation.tolist()))}",
+        f"  RMSE              {rmse}  (of these {found}; explained {explained_words(fit.fit)})",
+        f"  largest residual  {number(largest)}",
+        *_broken(result),
+        *_reach(result),
+    ]
+    return "\n".join(lines)
+
+
+def _second(result: ConsensusRegistration) -> list[str]:
+    if result.second is None or result.second < TOLD_SECOND:
+        return []
+    return [f"  another motion    fits {result.second} of the other pairs (found, not proved)"]
+
+
+def _broken(result: ConsensusRegistration) -> list[str]:
+    """Where the least-squares pose leaves its own set, the motion that meets it."""
+    broken = result.broken
+    if not broken:
+        return []
+    rows = result.names.words(broken[:SHOWN_ROWS], len(broken))
+    witness = result.witness
+    return [
+        f"                    of {rows}: beyond the bound at the least-squares pose, though one",
+        f"                    motion brings all {result.lower} within, the witness:",
+        f"    its rotation    {' '.join(map(repr, witness.quaternion_wxyz.tolist()))}",
+        f"    its translation {' '.join(map(repr, witness.translation.tolist()))}",
+    ]
+
+
+def _reach(result: ConsensusRegistration) -> list[str]:
+    """How far apart the rotations of all motions that meet these pairs may be."""
+    reach = result.certificate.body.reach
+    if reach is None:
+        return []
+    angle = 2.0 * math.asin(min(1.0, math.sqrt(double_above(reach.sin2_half_angle.value))))
+    degrees = math.degrees(angle) * (1.0 + 1e-12)
+    turn = f"within {number(degrees)} degrees of this rotation (proved)"
+    return [f"  other motions     that bring these {result.lower} within: {turn}"]
