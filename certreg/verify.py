@@ -1802,7 +1802,9 @@ class ConsensusStatement(Statement):
             require(proved.get(label, 0) >> i & 1, "claims.labels: that of row {} is not proved", i)
         require(self.upper >= upper, "claims.upper is below the proved bound {}", upper)
         fit = self._fitted(m, e, met)
-        words = (*self._words(K, fit), *self._reach([m[i] for i in met]), *fit.theorems)
+        words = [*self._words(K), *self._reach([m[i] for i in met])]
+        words += [f"Of the least squares over these {K} pairs:"] * bool(fit.theorems)
+        words += fit.theorems
         last_words = "Not proved: anything under `about`, and where the points come from."
         theorems = (*[w for w in words if w != last_words], last_words)
         return Outcome(verified=True, theorems=theorems, reason="", worth=fit.worth)
@@ -1864,11 +1866,11 @@ class ConsensusStatement(Statement):
         require(a > 0 < s.numerator < d and definite(raised(A, level)), "reach is not proved")
         angle = Fraction(2) * root_up(s.numerator, d - s.numerator)  # a/2 < tan(a/2)
         yield (
-            "Every motion that meets these pairs has its rotation within "
-            f"{rounded(angle * DEGREES, 3):.2e} degrees of that of the fit below."
+            f"Every motion that brings these {len(rows)} within has its rotation within "
+            f"{rounded(angle * DEGREES, 3):.2e} degrees of that of the least squares."
         )
 
-    def _words(self, K: int, fit: Outcome) -> Iterator[str]:
+    def _words(self, K: int) -> Iterator[str]:
         n, out, sure = self.n, self.labels.count("o"), self.labels.count("i")
         yield f"Data: n = {n} pairs, each with a bound. SHA-256 of their doubles is {self.digest}."
         yield f"One rigid motion brings {K} of the {n} pairs within their bounds."
@@ -1878,8 +1880,6 @@ class ConsensusStatement(Statement):
         yield f"{out} pairs are outliers, {sure} inliers in EVERY motion that brings {K} within."
         if sure + out < n:
             yield f"Not proved: which of the other {n - sure - out} pairs are."
-        if fit.theorems:
-            yield f"Of the least squares over the {K} pairs that the found motion brings within:"
 
 
 @dataclass(frozen=True)
