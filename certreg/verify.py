@@ -114,7 +114,7 @@ def check(certificate: bytes, clouds: Clouds | None = None, limits: Limits = {})
         equal = bytes(doubles[-8 * stated.n :]) == bytes(doubles[-8:]) * stated.n  # weights
         sums = SUMS.get(stated.prefix, (1, moments))[1](doubles, stated.n)
         return within(stated.prove(*sums, equal=equal), limits)
-    except (RefusalError, MemoryError) as error:
+    except (RefusalError, MemoryError, RecursionError) as error:
         return Outcome(verified=False, theorems=(), reason=str(error) or "not enough memory")
 
 
@@ -1727,159 +1727,11 @@ def index_of(P: Line, J: list[Line], most: int) -> int:
 
 # --- end of kind: springs-list ------------------------------------------------------------------
 
-# --- kind: consensus ----------------------------------------------------------------------------
-# Pair i has a bound b_i > 0; a motion (R, t) meets it if |y_i - R x_i - t| <= b_i. Claimed: no one
-# meets more than so many pairs; which pairs all motions that meet K or more of them meet, K as many
-# as the witness does, and which pairs none.
+# --- part: thinning -----------------------------------------------------------------------------
+# Pairs i, each with a bound b_i > 0, that one motion may meet together: |y_i - R x_i - t| <= b_i.
 
-ROWS_MAX = 4096  # bounds the time: half a minute for all pairs of pairs
-LEAST = 3  # pairs to meet: any two are met by some motion, or refuted at once
+LOOKS_MAX = 1 << 26  # at pairs, in all stages: a minute
 Steps = list[Any]
-Document = dict[str, Any]
-TYPES.update(Steps=list, Document=dict)
-
-
-@dataclass(frozen=True)
-class ConsensusStatement(Statement):
-    """witness, stages, tau make the proof; labels: of each pair "i", "o" or "?", where not proved.
-
-    fit: a certificate of the least squares over the pairs that the witness meets, without data.
-    """
-
-    kind: ClassVar = "consensus"
-    keys: ClassVar = {
-        "": "about claims fit format kind problem reach? stages witness",
-        "claims": "labels upper",
-        "problem": "data digest n",
-        "reach?": "sin2_half_angle tau",
-        "witness": "quaternion shift",
-    }
-    prefix: ClassVar = b"certreg-consensus/1\0"
-    model: ClassVar = "--max-residual"
-
-    n: int
-    data: str | None
-    digest: str
-    quaternion: tuple[int, int, int, int]  # of any length
-    shift: tuple[int, int, int, int]  # three integers, the exponent of their unit
-    labels: str
-    upper: int
-    stages: Steps
-    fit: Document | None
-    sin2_half_angle: Fraction | None
-    tau: Fraction | None
-
-    def prove(self, m: Matrix, e: int, *, equal: bool) -> Outcome:
-        """All claims, of rows (x, y, w, b) over 2^e.
-
-        With K = |I| of the set I that the witness meets, every motion that meets K pairs or more
-        meets none outside of the first stage's set C: those are outliers. Where C = I, every such
-        motion meets just I. Where so few pairs but i are left that fewer than K of them can be met,
-        every such motion meets i: an inlier.
-        """
-        del equal  # weights are of the fit alone
-        met = self._met(m, e)
-        K, n = len(met), len(m)
-        require(K >= LEAST, "the witness meets {} pairs: {} needed", K, LEAST)
-        within, near = sum(1 << i for i in met), consistent(m)
-        first = alive = (1 << n) - 1
-        last, upper, sure = K, n, 0
-        for number, stage in enumerate(self.stages):
-            least, without, steps = listed(stage, 3)
-            k, i = whole(least, n + 1), whole(without, n)
-            require(k == K if number == 0 or i < n else k >= last, "a stage is misplaced")
-            require(number or i == n, "the first stage leaves a pair out")
-            left = Thinning(m, near, (first & ~(1 << i)) if i < n else alive, k).after(steps)
-            if i < n:
-                sure |= (left.bit_count() < K) << i
-                continue
-            alive, last, upper = left, k, min(upper, max(k - 1, left.bit_count()))
-            first = first if number else left
-        sure = within if first == within else sure
-        require(len(self.labels) == n, "claims.labels is not of n pairs")
-        proved = {"i": sure, "o": ~first, "?": -1}
-        for i, label in enumerate(self.labels):
-            require(proved.get(label, 0) >> i & 1, "claims.labels: that of row {} is not proved", i)
-        require(self.upper >= upper, "claims.upper is below the proved bound {}", upper)
-        fit = self._fitted(m, e, met)
-        words = [*self._words(K), *self._reach([m[i] for i in met])]
-        words += [f"Of the least squares over these {K} pairs:"] * bool(fit.theorems)
-        words += fit.theorems
-        last_words = "Not proved: anything under `about`, and where the points come from."
-        theorems = (*[w for w in words if w != last_words], last_words)
-        return Outcome(verified=True, theorems=theorems, reason="", worth=fit.worth)
-
-    def _met(self, m: Matrix, e: int) -> list[int]:
-        """The rows that the witness meets, exactly."""
-        w, x, y, z = q = self.quaternion
-        *t, exponent = self.shift
-        norm, low = sum(c * c for c in q), min(e, exponent)
-        require(norm and abs(exponent) <= EXPONENT_MAX, "witness is no motion")
-        R = [
-            [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z],
-        ]
-        t, unit, met = [norm * k << exponent - low for k in t], e - low, list[int]()
-        for i, row in enumerate(m):
-            turned = [sum(map(mul, line, row)) for line in R]
-            off = [((norm * b - a) << unit) - k for a, b, k in zip(turned, row[3:6], t)]
-            require(row[7] > 0 <= row[6], "the bound of row {} is not above 0", i)
-            if sum(c * c for c in off) <= (norm * row[7] << unit) ** 2:
-                met.append(i)
-        return met
-
-    def _fitted(self, m: Matrix, e: int, met: list[int]) -> Outcome:
-        """What `fit` proves of the pairs that the witness meets."""
-        if self.fit is None:
-            return Outcome(verified=True, theorems=(), reason="")
-        require(self.fit.get("kind") == IsotropicStatement.kind, "fit is of another kind")
-        try:
-            rows = [[ldexp(k, e) if abs(e) < 2000 else float("nan") for k in m[i]] for i in met]
-        except OverflowError as error:
-            raise RefusalError("fit is of numbers beyond doubles") from error
-        parts = [[row[k] for row in rows for k in span] for span in ((0, 1, 2), (3, 4, 5), (6,))]
-        x, y, w = (array("d", part) for part in parts)
-        fit = check(json.dumps(self.fit).encode(), Clouds(x, y, w))
-        require(fit.verified, "fit is refused: {}", fit.reason)
-        return fit
-
-    def _reach(self, rows: Matrix) -> Iterator[str]:
-        """A motion that meets all of these rows has c = S - B <= 2 p^T K p, see `weighed`.
-
-        If c I - 2 K + t (u u^T - (1 - s) I) > 0, t = tau S > 0, u = q/|q| of the fit, then
-        0 < t ((u.p)^2 - (1 - s)), that is sin^2(a/2) < s.
-        """
-        s, tau, q = self.sin2_half_angle, self.tau, (self.fit or {}).get("pose")
-        if s is None and tau is None:
-            return
-        if not (s and tau and q):
-            raise RefusalError("reach is not of a fit, sin2_half_angle and tau")
-        spread, bound, K = weighed(rows, [row[6] for row in rows])
-        d, (a, b) = s.denominator, tau.as_integer_ratio()
-        norm = sum(c * c for c in q)
-        level = ((spread - bound) * b * d - a * spread * (d - s.numerator)) * norm
-        parts = zip(q, K)
-        A = [
-            [a * d * spread * i * j - 2 * b * d * norm * k for j, k in zip(q, r)] for i, r in parts
-        ]
-        require(a > 0 < s.numerator < d and definite(raised(A, level)), "reach is not proved")
-        angle = Fraction(2) * root_up(s.numerator, d - s.numerator)  # a/2 < tan(a/2)
-        yield (
-            f"Every motion that brings these {len(rows)} within has its rotation within "
-            f"{rounded(angle * DEGREES, 3):.2e} degrees of that of the least squares."
-        )
-
-    def _words(self, K: int) -> Iterator[str]:
-        n, out, sure = self.n, self.labels.count("o"), self.labels.count("i")
-        yield f"Data: n = {n} pairs, each with a bound. SHA-256 of their doubles is {self.digest}."
-        yield f"One rigid motion brings {K} of the {n} pairs within their bounds."
-        yield f"No rigid motion brings more than {self.upper} within."
-        if sure + out == n:
-            yield f"Every motion that brings {K} within brings these {K} within, and only these."
-        yield f"{out} pairs are outliers, {sure} inliers in EVERY motion that brings {K} within."
-        if sure + out < n:
-            yield f"Not proved: which of the other {n - sure - out} pairs are."
 
 
 @dataclass(frozen=True)
@@ -1893,6 +1745,7 @@ class Thinning:
     near: list[int]
     alive: int
     K: int
+    looks: list[int]  # one number: how many there may be yet
 
     def after(self, steps: Steps) -> int:
         """The pairs left. A motion that meets K pairs or more of `alive` meets none struck.
@@ -1902,21 +1755,22 @@ class Thinning:
         neighbours at most as many as they have colours, if no two of one colour are neighbours. So
         a motion that meets e meets at most 1 + sum (|T| - 1) + colours < K.
         """
-        alive = self._linked(self.alive)
+        alive, last = self._linked(self.alive), len(self.rows) - 1
         for step in listed(steps):
             row, *groups = listed(step) or [None]
-            e = whole(row, len(self.rows) - 1)
+            e = whole(row, last)
             rest, most = self.near[e] & alive, self.K - 2
             require(alive >> e & 1, "a step strikes row {} twice", e)
             for group in groups:
-                T, L = (tuple(map(whole, listed(part))) for part in listed(group, 2))
+                T = [whole(i, last) for i in listed(listed(group, 2)[0])]
+                L = [whole(k, 1 << BITS) for k in listed(group[1])]
                 mask = sum({1 << i for i in T})
                 good = T and mask.bit_count() == len(T) and mask & ~rest == 0
                 require(good, "a group of row {} is not of its neighbours, each once", e)
                 require(len(L) == len(T) + 1 and any(L), "a group of row {} is not weighed", e)
-                spread, bound, K = weighed([self.rows[i] for i in (e, *T)], L)
+                squares, bound, K = weighed([self.rows[i] for i in (e, *T)], L)
                 A = [[-2 * k for k in row] for row in K]
-                require(definite(raised(A, spread - bound)), "a group of row {} is not refuted", e)
+                require(definite(raised(A, squares - bound)), "a group of row {} is not refuted", e)
                 rest, most = rest & ~mask, most - len(T) + 1
             require(colours(rest, self.near, most) <= most, "row {} is not struck", e)
             alive = self._linked(alive & ~(1 << e))
@@ -1925,7 +1779,9 @@ class Thinning:
     def _linked(self, alive: int) -> int:
         """Less those with fewer than K - 1 neighbours, until none is left that has so few."""
         while True:
-            few = [i for i in bits(alive) if (self.near[i] & alive).bit_count() < self.K - 1]
+            self.looks[0] -= alive.bit_count()
+            require(self.looks[0] >= 0, "the stages take more than {} looks", LOOKS_MAX)
+            few = [i for i in ones(alive) if (self.near[i] & alive).bit_count() < self.K - 1]
             if not few:
                 return alive
             alive &= ~sum(1 << i for i in few)
@@ -1938,7 +1794,7 @@ def listed(value: Any, count: int | None = None) -> list[Any]:
     return value
 
 
-def whole(value: Any, most: int = 1 << BITS) -> int:
+def whole(value: Any, most: int) -> int:
     """The number; RefusalError if it is none of 0, 1, ..., most."""
     require(value.__class__ is int and 0 <= value <= most, "a number of the stages is out of range")
     return value
@@ -1949,7 +1805,7 @@ def raised(A: Matrix, by: int) -> Matrix:
     return [[k + by * (i == j) for j, k in enumerate(row)] for i, row in enumerate(A)]
 
 
-def bits(mask: int) -> Iterator[int]:
+def ones(mask: int) -> Iterator[int]:
     """The places of the ones."""
     while mask:
         low = mask & -mask
@@ -2002,6 +1858,158 @@ def consistent(rows: Matrix) -> list[int]:
                 near[j] |= bit
         near[i] |= own
     return near
+
+
+# --- end of part: thinning ----------------------------------------------------------------------
+# --- kind: consensus ----------------------------------------------------------------------------
+# Pair i has a bound b_i > 0; a motion (R, t) meets it if |y_i - R x_i - t| <= b_i. Claimed: no one
+# meets more than so many pairs; which pairs all motions that meet K or more of them meet, K as many
+# as the witness does, and which pairs none.
+
+ROWS_MAX = 4096  # bounds the time: half a minute for all pairs of pairs
+LEAST = 3  # pairs to meet: any two are met by some motion, or refuted at once
+Document = dict[str, Any]
+TYPES.update(Steps=list, Document=dict)
+
+
+@dataclass(frozen=True)
+class ConsensusStatement(Statement):
+    """witness, stages, tau make the proof; labels: of each pair "i", "o" or "?", where not proved.
+
+    fit: a certificate of the least squares over the pairs that the witness meets, without data.
+    """
+
+    kind: ClassVar = "consensus"
+    keys: ClassVar = {
+        "": "about claims fit format kind problem reach? stages witness",
+        "claims": "labels upper",
+        "problem": "data digest n",
+        "reach?": "sin2_half_angle tau",
+        "witness": "quaternion shift",
+    }
+    prefix: ClassVar = b"certreg-consensus/1\0"
+    model: ClassVar = "--max-residual"
+
+    n: int
+    data: str | None
+    digest: str
+    quaternion: tuple[int, int, int, int]  # of any length
+    shift: tuple[int, int, int, int]  # three integers, the exponent of their unit
+    labels: str
+    upper: int
+    stages: Steps
+    fit: Document | None
+    sin2_half_angle: Fraction | None
+    tau: Fraction | None
+
+    def prove(self, m: Matrix, e: int, *, equal: bool) -> Outcome:
+        """All claims, of rows (x, y, w, b) over 2^e.
+
+        With K = |I| of the set I that the witness meets, every motion that meets K pairs or more
+        meets none outside of the first stage's set C: those are outliers. Where C = I, every such
+        motion meets just I. Where so few pairs but i are left that fewer than K of them can be met,
+        every such motion meets i: an inlier.
+        """
+        del equal  # weights are of the fit alone
+        met = self._met(m, e)
+        K, n = len(met), len(m)
+        require(K >= LEAST, "the witness meets {} pairs: {} needed", K, LEAST)
+        within, near = sum(1 << i for i in met), consistent(m)
+        first = alive = (1 << n) - 1
+        last, upper, sure, looks = K, n, 0, [LOOKS_MAX]
+        for number, stage in enumerate(self.stages):
+            least, without, steps = listed(stage, 3)
+            k, i = whole(least, n + 1), whole(without, n)
+            require(k == K if number == 0 or i < n else k >= last, "a stage is misplaced")
+            require(number or i == n, "the first stage leaves a pair out")
+            others = first & ~(1 << i) if i < n else alive
+            left = Thinning(m, near, others, k, looks).after(steps)
+            if i < n:
+                sure |= (left.bit_count() < K) << i
+                continue
+            alive, last, upper = left, k, min(upper, max(k - 1, left.bit_count()))
+            first = first if number else left
+        sure = within if first == within else sure
+        require(len(self.labels) == n, "claims.labels is not of n pairs")
+        proved = {"i": sure, "o": ~first, "?": -1}
+        for i, label in enumerate(self.labels):
+            require(proved.get(label, 0) >> i & 1, "claims.labels: that of row {} is not proved", i)
+        require(self.upper >= upper, "claims.upper is below the proved bound {}", upper)
+        fit = self._fitted(m, e, met)
+        words = [*self._words(K), *self._reach([m[i] for i in met])]
+        words += [f"Of the least squares over these {K} pairs:"] * bool(fit.theorems)
+        words += fit.theorems
+        last_words = "Not proved: anything under `about`, and where the points come from."
+        theorems = (*[w for w in words if w != last_words], last_words)
+        return Outcome(verified=True, theorems=theorems, reason="", worth=fit.worth)
+
+    def _met(self, m: Matrix, e: int) -> list[int]:
+        """The rows that the witness meets, exactly."""
+        w, x, y, z = q = self.quaternion
+        *t, exponent = self.shift
+        norm, low = sum(c * c for c in q), min(e, exponent)
+        require(norm and abs(exponent) <= EXPONENT_MAX, "witness is no motion")
+        R = [
+            [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z],
+        ]
+        t, unit, met = [norm * k << exponent - low for k in t], e - low, list[int]()
+        for i, row in enumerate(m):
+            turned = [sum(map(mul, line, row)) for line in R]
+            off = [((norm * b - a) << unit) - k for a, b, k in zip(turned, row[3:6], t)]
+            require(row[7] > 0 <= row[6], "the bound of row {} is not above 0", i)
+            if sum(c * c for c in off) <= (norm * row[7] << unit) ** 2:
+                met.append(i)
+        return met
+
+    def _fitted(self, m: Matrix, e: int, met: list[int]) -> Outcome:
+        """What `fit` proves of the pairs that the witness meets."""
+        if self.fit is None:
+            return Outcome(verified=True, theorems=(), reason="")
+        require(self.fit.get("kind") == "isotropic", "fit is of another kind")
+        spans = (0, 1, 2), (3, 4, 5), (6,)
+        x, y, w = (array("d", [ldexp(m[i][k], e) for i in met for k in span]) for span in spans)
+        fit = check(json.dumps(self.fit).encode(), Clouds(x, y, w))
+        require(fit.verified, "fit is refused: {}", fit.reason)
+        return fit
+
+    def _reach(self, rows: Matrix) -> Iterator[str]:
+        """A motion that meets all of these rows has c = S - B <= 2 p^T K p, see `weighed`.
+
+        If c I - 2 K + t (u u^T - (1 - s) I) > 0, t = tau S > 0, u = q/|q| of the fit, then
+        0 < t ((u.p)^2 - (1 - s)), that is sin^2(a/2) < s.
+        """
+        s, tau, q = self.sin2_half_angle, self.tau, (self.fit or {}).get("pose")
+        if s is None and tau is None:
+            return
+        if not (s and tau and q):
+            raise RefusalError("reach is not of a fit, sin2_half_angle and tau")
+        squares, bound, K = weighed(rows, [row[6] for row in rows])
+        d, (a, b) = s.denominator, tau.as_integer_ratio()
+        norm = sum(c * c for c in q)
+        level = ((squares - bound) * b * d - a * squares * (d - s.numerator)) * norm
+        parts = zip(q, K)
+        A = [
+            [a * d * squares * i * j - 2 * b * d * norm * k for j, k in zip(q, r)] for i, r in parts
+        ]
+        require(a > 0 < s.numerator < d and definite(raised(A, level)), "reach is not proved")
+        angle = Fraction(2) * root_up(s.numerator, d - s.numerator)  # a/2 < tan(a/2)
+        yield (
+            f"Every motion that brings these {len(rows)} within has its rotation within "
+            f"{rounded(angle * DEGREES, 3):.2e} degrees of that of the least squares."
+        )
+
+    def _words(self, K: int) -> Iterator[str]:
+        n, out, sure = self.n, self.labels.count("o"), self.labels.count("i")
+        yield f"Data: n = {n} pairs, each with a bound. SHA-256 of their doubles is {self.digest}."
+        yield f"One rigid motion brings {K} of the {n} pairs within their bounds."
+        yield f"No rigid motion brings more than {self.upper} within."
+        if sure + out == n:
+            yield f"Every motion that brings {K} within brings these {K} within, and only these."
+        yield f"{out} pairs are outliers, {sure} inliers in EVERY motion that brings {K} within."
+        if sure + out < n:
+            yield f"Not proved: which of the other {n - sure - out} pairs are."
 
 
 def bounded_rows(doubles: bytes | memoryview, n: int) -> tuple[Matrix, int]:
