@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from certreg.problem import ConsensusProblem
 
 ROUNDS = 10  # of reweighting: the weights of the few rows that matter have settled
+LEAST_SHARE = 1e-12  # of a residual that is 0: where all are, no weights are left
 WEIGHT_MAX = 255  # integers, so that a group takes few bytes
 # Of n <= 4,096 rows, sums of products of differences err by n 2^-51 of S, the eigenvalue by 2^-47.
 MARGIN = 1e-9
@@ -78,7 +79,7 @@ class PointRows:
                 break
             open_groups = [k for k, still in zip(open_groups, keep.tolist(), strict=True) if still]
             x, y, squares = x[keep], y[keep], squares[keep]
-            weights = weights[keep] * np.sqrt(residuals[keep] / squares)
+            weights = weights[keep] * np.sqrt(residuals[keep] / squares + LEAST_SHARE)
         return found
 
 

@@ -9,7 +9,7 @@ import threading
 import warnings
 from array import array
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +27,7 @@ from certreg.verify import INLINE_MAX, Clouds
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
 
-    from certreg.io import Pair, Pairing, SpringSource
+    from certreg.io import Pairing, SpringSource
     from certreg.problem import RegistrationProblem
 
 EXIT_CODES = """
@@ -192,66 +192,6 @@ def fit_options(command: Callable[..., Any]) -> Callable[..., Any]:
         return command(*args, demands=demands, **options)
 
     return wrapped
-
-
-def consensus_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """[--max-residual X|FILE] [--objective consensus] [--effort N], made one argument `wrong`."""
-
-    @click.option(
-        "--max-residual",
-        metavar="X|FILE",
-        help="Pairs may be wrong: how far apart the two points of a right pair are at most, in the "
-        "clouds' unit; or a file, one number per row of SOURCE. The most pairs that one motion "
-        "brings within are sought, and which they are is proved.",
-    )
-    @click.option(
-        "--objective",
-        type=click.Choice(["consensus"]),
-        help="With --max-residual: the number of pairs within.",
-    )
-    @click.option(
-        "--effort",
-        type=NUMBER,
-        metavar="N",
-        help="With --max-residual: a factor on all budgets of search and proof.  [default: 1]",
-    )
-    @functools.wraps(command)
-    def wrapped(
-        *args: Any,
-        max_residual: str | None,
-        objective: str | None,
-        effort: float | None,
-        **options: Any,
-    ) -> Any:
-        if max_residual is None and (objective or effort) is not None:
-            message = "--objective and --effort go with --max-residual"
-            raise click.UsageError(message)
-        wrong = None
-        if max_residual is not None:
-            wrong = WrongPairs(max_residual, 1.0 if effort is None else effort)
-        return command(*args, wrong=wrong, **options)
-
-    return wrapped
-
-
-@dataclass(frozen=True, slots=True)
-class WrongPairs:
-    """That pairs may be wrong: the bound as it was typed, a number or a file; and the effort."""
-
-    max_residual: str
-    effort: float
-
-    def bounds(self, pair: Pair, n: int) -> Any:
-        """One number, or one for each of n pairs."""
-        try:
-            return NUMBER.convert(self.max_residual, None, None)
-        except click.BadParameter as error:
-            if not Path(self.max_residual).is_file():
-                message = (
-                    f"--max-residual {printable(self.max_residual)}: neither a number nor a file"
-                )
-                raise click.UsageError(message) from error
-        return io.read_bounds(Path(self.max_residual), pair, n)
 
 
 def bound_clouds(*, lightly: bool) -> Callable[[Callable[..., Any]], Callable[..., Any]]:

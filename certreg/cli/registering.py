@@ -16,10 +16,10 @@ from certreg.cli.options import (
     FOLDER,
     NUMBER,
     cloud_options,
-    consensus_options,
     fit_options,
     limit_options,
 )
+from certreg.cli.wrong_pairs import consensus_options
 from certreg.dynamics import ONLY_MIDPOINT
 from certreg.registration import (
     DONE,
@@ -48,7 +48,7 @@ from certreg.verify import shown
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from certreg.cli.options import WrongPairs
+    from certreg.cli.wrong_pairs import WrongPairs
     from certreg.io import Pair
     from certreg.problem import RegistrationProblem
     from certreg.registration import ConsensusRegistration, FitDemands

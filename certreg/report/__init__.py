@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from certreg.report.breathing import breathing_document as breathing_document
     from certreg.report.breathing import breathing_summary as breathing_summary
     from certreg.report.breathing import scaled_enumeration_summary as scaled_enumeration_summary
-    from certreg.report.consensus_document import consensus_document as consensus_document
+    from certreg.report.consensus_fields import consensus_document as consensus_document
     from certreg.report.consensus_folder import write_consensus_folder as write_consensus_folder
     from certreg.report.document import assessment_document as assessment_document
     from certreg.report.document import dumps as dumps
@@ -52,7 +52,7 @@ __getattr__ = lazy_face(
             "scaled_enumeration_summary",
         ),
         "judged_pose": ("assessment_summary",),
-        "consensus_document": ("consensus_document",),
+        "consensus_fields": ("consensus_document",),
         "consensus_folder": ("write_consensus_folder",),
         "document": (
             "assessment_document",

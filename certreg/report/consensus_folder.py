@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError
 from certreg.io import csv_field, write_together
-from certreg.report.consensus_document import consensus_document
+from certreg.report.consensus_fields import consensus_document
 from certreg.report.document import dumps, pose_document
 from certreg.report.folder import CERTIFICATE, FIT, POSE, REPORT, RESULT, SURE_POSE, TRAJECTORY
 

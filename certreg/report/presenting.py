@@ -46,7 +46,7 @@ from certreg.report.cards import (
     verdict_card,
 )
 from certreg.report.consensus_card import consensus_card
-from certreg.report.consensus_document import consensus_document
+from certreg.report.consensus_fields import consensus_document
 from certreg.report.consensus_folder import write_consensus_folder
 from certreg.report.consensus_summary import consensus_summary
 from certreg.report.document import (

@@ -33,8 +33,8 @@ from certreg.native.evaluator import evaluator
 from certreg.objective.isotropic import Isotropic
 from certreg.problem.moments import exact_moments
 from certreg.problem.problem import RegistrationProblem, lift
+from certreg.registration import certified, certify
 from certreg.registration.agreement import require_sound_trajectory
-from certreg.registration.certification import certified, certify
 from certreg.registration.examples import STORIES, tell
 from certreg.registration.exit_codes import DONE, code_of_registration
 from certreg.registration.result import final_state

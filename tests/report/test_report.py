@@ -30,7 +30,7 @@ from strategies import ZOO, random_rotation
 from certreg.dynamics import Trajectory
 from certreg.geometry import quaternion_from_matrix, quaternions_from_matrices
 from certreg.problem.problem import RegistrationProblem
-from certreg.registration.certification import certified, certify
+from certreg.registration import certified, certify
 from certreg.registration.examples import STORIES, stated, tell
 from certreg.report.any_report import EMBEDDED_BYTES
 from certreg.report.markup import asset, coded, environment_of, inert, inert_json
