@@ -5,14 +5,10 @@ The rules, and why they are sound, are in `certreg.verify`.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
-
 from certreg.exact import Dyadic
-from certreg.geometry import Pose, rotation_matrix
 from certreg.results import Brief
 
 INLIER, OUTLIER, UNDECIDED = "i", "o", "?"  # labels of a file, a letter a pair
@@ -73,17 +69,6 @@ class Witness(Brief):
 
     quaternion: tuple[int, int, int, int]
     shift: tuple[int, int, int, int]
-
-    @property
-    def pose(self) -> Pose:
-        """The same in doubles, rounded."""
-        q = np.array([float(k) for k in self.quaternion])
-        *t, exponent = self.shift
-        translation = [math.ldexp(k, exponent) for k in t]
-        rotation = np.array(rotation_matrix((q / np.linalg.norm(q)).tolist()))
-        matrix = np.eye(4)
-        matrix[:3, :3], matrix[:3, 3] = rotation, translation
-        return Pose.from_matrix(matrix)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

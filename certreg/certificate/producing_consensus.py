@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
@@ -35,7 +36,7 @@ from certreg.certificate.envelope import Certificate
 from certreg.certificate.refuting import PointRows, davenport_stack
 from certreg.certificate.thinning import Graph, Thinning
 from certreg.exact import dyadic_above
-from certreg.geometry import quaternion_from_matrix
+from certreg.geometry import Pose, quaternion_from_matrix, rotation_matrix
 from certreg.problem import LEAST_PAIRS
 
 if TYPE_CHECKING:
@@ -141,6 +142,16 @@ def witness_of(rotation: NDArray[np.float64], translation: NDArray[np.float64]) 
     exponent = int(np.frexp(size)[1]) - SHIFT_BITS if size else 0
     a, b, c = (int(Fraction(k) / Fraction(2) ** exponent) for k in translation.tolist())
     return Witness(quaternion=(int(w), int(x), int(y), int(z)), shift=(a, b, c, exponent))
+
+
+def pose_of(witness: Witness) -> Pose:
+    """The motion in doubles, rounded."""
+    q = np.array([float(k) for k in witness.quaternion])
+    *shift, exponent = witness.shift
+    matrix = np.eye(4)
+    matrix[:3, :3] = rotation_matrix((q / np.linalg.norm(q)).tolist())
+    matrix[:3, 3] = [math.ldexp(k, exponent) for k in shift]
+    return Pose.from_matrix(matrix)
 
 
 def consensus_certificate(

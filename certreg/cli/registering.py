@@ -6,7 +6,7 @@ import shlex
 import sys
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import click
 
@@ -109,23 +109,16 @@ def certify(
     if integrator not in {None, "midpoint"} and problem.scaled:
         message = f"--integrator {integrator}: {ONLY_MIDPOINT}"
         raise click.UsageError(message)
+    about = {"certreg": __version__, **pair.about}
     if wrong is not None:
-        found = certified(
-            problem,
-            max_residual=wrong.bounds(pair, problem.n),
-            effort=wrong.effort,
-            about={"certreg": __version__, **pair.about},
-            max_gap=max_gap,
-            max_angle=max_angle,
-        )
-        return _told_of_consensus(
-            cast("ConsensusRegistration", found), pair.notes, demands, out, as_json=as_json
-        )
+        limits = {"max_gap": max_gap, "max_angle": max_angle}
+        result = _with_wrong_pairs(problem, wrong.bounds(pair, problem.n), wrong, about, limits)
+        return _told_of_consensus(result, pair.notes, demands, out, as_json=as_json)
     registration = certified(
         problem,
         relaxation=solver or not no_relaxation,
         simulation=not no_simulation and (integrator or True),
-        about={"certreg": __version__, **pair.about},
+        about=about,
         max_gap=max_gap,
         max_angle=max_angle,
         robustness_angle=robustness_angle,
@@ -144,6 +137,18 @@ def certify(
     for words in demands.unmet(registration):
         click.echo(f"certreg: {words}: exit code 4", err=True)
     return code_of_registration(registration, demands)
+
+
+def _with_wrong_pairs(
+    problem: RegistrationProblem,
+    bounds: Any,
+    wrong: WrongPairs,
+    about: dict[str, Any],
+    limits: dict[str, float],
+) -> ConsensusRegistration:
+    """The registration of the most pairs that one motion brings within their bounds."""
+    result = certified(problem, max_residual=bounds, effort=wrong.effort, about=about, **limits)
+    return cast("ConsensusRegistration", result)
 
 
 def _told_of_consensus(

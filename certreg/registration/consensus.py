@@ -17,6 +17,7 @@ from certreg.certificate import (
     ConsensusProver,
     check_own_consensus,
     consensus_certificate,
+    pose_of,
     require_accepted,
 )
 from certreg.errors import InvalidProblemError, UndecidedError
@@ -97,7 +98,7 @@ class ConsensusRegistration(Presented):
     @property
     def witness(self) -> Pose:
         """A motion that meets all of them, exactly before it is rounded to doubles."""
-        return self.found.witness.pose
+        return pose_of(self.found.witness)
 
     @property
     def lower(self) -> int:
@@ -224,7 +225,7 @@ def certified_consensus(
         )
         raise UndecidedError(message)
     start = time.perf_counter()
-    fit = _fit(problem, found, limits)
+    fit = _fit(problem, found, limits, RowNames.of(about or {}, problem.n))
     certificate = consensus_certificate(problem, found, fit.certificate, about)
     timings["fit"] = time.perf_counter() - start
     done("fit")
@@ -256,14 +257,26 @@ def _best(problem: ConsensusProblem, prover: ConsensusProver, effort: float) -> 
     return best
 
 
-def _fit(problem: ConsensusProblem, found: Consensus, limits: Limits | None) -> Registration:
-    """The least squares over the pairs that are met."""
+def _fit(
+    problem: ConsensusProblem, found: Consensus, limits: Limits | None, names: RowNames
+) -> Registration:
+    """The least squares over the pairs that are met; its rows say which of all they are."""
     if not problem.problem.weights[list(found.met)].any():
         rows = RowNames(None).words(found.met[:3], len(found.met))
         message = f"weights are 0 for all pairs that were met ({rows}): give one of them a weight"
         raise InvalidProblemError(message, array="weights", value=0.0, row=found.met[0])
-    fit = certified(problem.of_rows(found.met), relaxation=False, integrator=None)
+    fit = certified(
+        problem.of_rows(found.met),
+        relaxation=False,
+        integrator=None,
+        about={"labels": [_label(names, row) for row in found.met]},
+    )
     return fit if limits is None else replace(fit, limits=limits)
+
+
+def _label(names: RowNames, row: int) -> str:
+    label = names.label(row)
+    return f"row {row} of all" if label is None else f"{label}, row {row} of all"
 
 
 def _second(problem: ConsensusProblem, found: Consensus, effort: float) -> int | None:

@@ -30,6 +30,12 @@ def consensus_document(
     document = result_document(result.fit, certificate_path, notes=notes)
     residuals = result.residuals
     worst = residuals.argsort()[::-1][:WORST].tolist()
+    rows = result.found.met
+    for one in document["fit"]["worst"]:
+        one["row"] = rows[one["row"]]
+        one.pop("label", None)
+        if (label := result.names.label(one["row"])) is not None:
+            one["label"] = label
     reasons = {
         name: why
         for name, why in document["reasons"].items()

@@ -30,6 +30,19 @@ GOOD = "cloud.csv noisy.csv"
 
 CASES = (
     NetCase(
+        "wrong-pairs",
+        (
+            "certify cloud.csv noisy.csv --max-residual 0.08 --out o",
+            "file o o/result.json o/fit.csv",
+            "verify o/certificate.json",
+            "certify cloud.csv noisy.csv --max-residual weights.txt",
+            "certify cloud.csv noisy.csv --max-residual 0.08 --effort 0",
+            "certify cloud.csv noisy.csv --max-residual nothing.txt",
+            "certify cloud.csv noisy.csv --effort 2",
+            "certify cloud.csv noisy.csv --max-residual 0.08 --scale asymmetric",
+        ),
+    ),
+    NetCase(
         "certify-all",
         (
             "certify axes.csv turned.csv --damping 3",

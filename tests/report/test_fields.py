@@ -93,6 +93,7 @@ def test_every_field_of_a_result_is_the_number_of_its_name(registration: Registr
             "growth": None,
         },
         "springs": None,
+        "consensus": None,
         "margin": {
             "eigenvalue_gap": equilibria.margin.eigenvalue_gap,
             "relative": equilibria.margin.relative,
