@@ -33,7 +33,7 @@ CASES = (
         "wrong-pairs",
         (
             "certify cloud.csv noisy.csv --max-residual 0.08 --out o",
-            "file o o/result.json o/fit.csv",
+            "file o o/fit.csv",
             "verify o/certificate.json",
             "certify cloud.csv noisy.csv --max-residual weights.txt",
             "certify cloud.csv noisy.csv --max-residual 0.08 --effort 0",

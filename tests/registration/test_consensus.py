@@ -178,6 +178,7 @@ def test_a_least_squares_pose_that_breaks_its_own_consensus_is_told():
 def test_the_document_and_the_files(tmp_path):
     result = certified(*wrong_pairs(1))
     path = result.save(tmp_path / "out")
+    assert path is not None
     document = json.loads((tmp_path / "out" / "result.json").read_text())
     assert document["consensus"] == {
         "lower": 14,
@@ -261,7 +262,10 @@ def test_what_is_refused_is_refused_in_one_line(change, words):
 def test_pairs_without_weight_have_no_least_squares():
     source, target = wrong_pairs(1)
     weights = np.repeat([0.0, 1.0], [14, 6])
-    words = "pairs that were met (rows 0, 1, 2 and 11 others): give one of them a weight"
+    words = (
+        "weights are 0 for all pairs that were met (rows 0, 1, 2 and 11 others): give one of them "
+        "a weight"
+    )
     with pytest.raises(InvalidProblemError, match=re.escape(words)):
         certified(source, target, weights=weights)
 
