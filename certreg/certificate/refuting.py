@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from certreg.problem import ConsensusProblem
 
 ROUNDS = 10  # of reweighting: the weights of the few rows that matter have settled
-LEAST_SHARE = 1e-12  # of a residual that is 0: where all are, no weights are left
 WEIGHT_MAX = 255  # integers, so that a group takes few bytes
 # Of n <= 4,096 rows, sums of products of differences err by n 2^-51 of S, the eigenvalue by 2^-47.
 MARGIN = 1e-9
@@ -74,12 +73,12 @@ class PointRows:
             for k in np.flatnonzero(good).tolist():
                 count = len(groups[open_groups[k]]) + 1
                 found[open_groups[k]] = tuple(whole[k, :count].astype(int).tolist())
-            keep = ~good
+            weights *= np.sqrt(residuals / squares)
+            keep = ~good & weights.any(axis=1)  # without weights: a motion fits all of them exactly
             if not keep.any():
                 break
             open_groups = [k for k, still in zip(open_groups, keep.tolist(), strict=True) if still]
-            x, y, squares = x[keep], y[keep], squares[keep]
-            weights = weights[keep] * np.sqrt(residuals[keep] / squares + LEAST_SHARE)
+            x, y, squares, weights = (part[keep] for part in (x, y, squares, weights))
         return found
 
 
