@@ -6,7 +6,7 @@ import shlex
 import sys
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, cast
 
 import click
 
@@ -111,9 +111,16 @@ def certify(
         raise click.UsageError(message)
     about = {"certreg": __version__, **pair.about}
     if wrong is not None:
-        limits = {"max_gap": max_gap, "max_angle": max_angle}
-        result = _with_wrong_pairs(problem, wrong.bounds(pair, problem.n), wrong, about, limits)
-        return _told_of_consensus(result, pair.notes, demands, out, as_json=as_json)
+        result = certified(
+            problem,
+            max_residual=wrong.bounds(pair, problem.n),
+            effort=wrong.effort,
+            about=about,
+            max_gap=max_gap,
+            max_angle=max_angle,
+        )
+        chosen = cast("ConsensusRegistration", result)
+        return _told_of_consensus(chosen, pair.notes, demands, out, as_json=as_json)
     registration = certified(
         problem,
         relaxation=solver or not no_relaxation,
@@ -137,18 +144,6 @@ def certify(
     for words in demands.unmet(registration):
         click.echo(f"certreg: {words}: exit code 4", err=True)
     return code_of_registration(registration, demands)
-
-
-def _with_wrong_pairs(
-    problem: RegistrationProblem,
-    bounds: Any,
-    wrong: WrongPairs,
-    about: dict[str, Any],
-    limits: dict[str, float],
-) -> ConsensusRegistration:
-    """The registration of the most pairs that one motion brings within their bounds."""
-    result = certified(problem, max_residual=bounds, effort=wrong.effort, about=about, **limits)
-    return cast("ConsensusRegistration", result)
 
 
 def _told_of_consensus(

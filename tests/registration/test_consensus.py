@@ -6,6 +6,7 @@ import itertools
 import json
 import re
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -24,13 +25,13 @@ def wrong_pairs(seed, n=20, wrong=6, *, noise=0.005):
     """Clouds of which the last pairs are wrong, and how many are right."""
     rng = np.random.default_rng(seed)
     source = rng.uniform(size=(n, 3))
-    turn = Rotation.random(random_state=rng).as_matrix()
+    turn = Rotation.from_quat(rng.normal(size=4)).as_matrix()
     target = source @ turn.T + rng.uniform(-1, 1, 3) + rng.uniform(-noise, noise, (n, 3))
     target[n - wrong :] = target.mean(axis=0) + rng.uniform(-0.8, 0.8, (wrong, 3))
     return source, target
 
 
-def certified(source, target, bound=BOUND, **options) -> ConsensusRegistration:
+def certified(source, target, bound: Any = BOUND, **options) -> ConsensusRegistration:
     result = certreg.certify(source, target, max_residual=bound, **options)
     assert isinstance(result, ConsensusRegistration)
     return result
