@@ -52,6 +52,7 @@ def test_where_squares_prove_the_optimum_unique_no_cone_is_cut():
     assert "cones" not in certificate.about
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", ["plane 7", "choi-lam", "two optima", "flat 9"])
 def test_a_certificate_is_read_as_it_was_written(name):
     made = case(name, 0)
@@ -77,6 +78,7 @@ def test_choi_and_lam_with_random_planes():
     assert "unique by cones 1, by squares 0 of 1" in cone_rates.perturbed_rates(1)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", ["plane 6", "line 3"])
 def test_of_tied_optima_a_gap_is_proved_and_no_uniqueness(name):
     told = cone_rates.minimal_rates(name, 2, checked=1)

@@ -398,6 +398,7 @@ def test_damping_changes_the_eigenvalues_and_nothing_else(data: Path):
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("damping", ["1e-150", "1e150"])
 def test_extreme_damping_is_answered_in_numbers_or_with_a_reason(data: Path, damping: str):
     run = certreg("certify", *SURVEY.paths(data), "--damping", damping, "--json")
@@ -883,6 +884,7 @@ def test_the_flipped_survey_is_the_worst_rotation_there_is(data: Path, tmp_path:
     assert document["gap_lower"] <= document["gap_upper"]
 
 
+@pytest.mark.one_in(3)
 @each_pair
 def test_each_spurious_equilibrium_is_recognised(data: Path, tmp_path: Path, pair: Packaged):
     for index in (1, 2, 3):

@@ -149,6 +149,7 @@ WITH_COMMANDS = [
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("guide", WITH_COMMANDS)
 def test_the_commands_of_a_guide_run(guide, tmp_path, data):
     """`certreg` is this checkout's; the shell stops at the first command that fails."""

@@ -117,6 +117,7 @@ def papers_loop(problem: RegistrationProblem, unit: float, step: float, toleranc
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("seed", range(3))
 def test_euler_is_the_loop_of_the_paper(seed):
     problem = random_problem(np.random.default_rng(seed), n=8, noise=0.2)

@@ -365,6 +365,7 @@ def test_without_its_bound_a_decision_would_be_wrong(monkeypatch):
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("machine", [current_engine, evaluator])
 def test_eigenvalues_are_as_near_as_the_bound_says(machine):
     for group in adversaries():

@@ -93,6 +93,7 @@ def test_the_motion_dies_out_at_the_rate_of_the_slowest_mode(mu: float):
     np.testing.assert_allclose(np.median((last - first) / told), 1.0, atol=0.03)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("mu", [0.1, 1.0, 2.2, 10.0])
 def test_the_steps_are_those_that_the_slowest_mode_tells(mu: float):
     found = measured("damping", mu)
@@ -213,6 +214,7 @@ def test_near_a_mirror_image_times_grow_as_one_over_the_distance():
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("points", "sigma"), [(100, 0.0), (100, 3.2), (1000, 10.0)])
 def test_the_margin_is_that_of_the_central_limit(points: int, sigma: float):
     count = 2000

@@ -115,6 +115,7 @@ def test_bad_mapped_weights_are_refused_with_what_and_where(tmp_path, cloud):
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("name", "value"), [("source", np.nan), ("target", np.inf), ("weights", -1)]
 )

@@ -124,6 +124,7 @@ def test_a_scale_is_seen_where_weights_differ():
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("n", [4, 5, 7])
 def test_few_points_raise_no_alarm_though_some_rows_are_far(n):
     """Half of them always agree on a pose: only the number of ways to choose them tells."""
@@ -314,6 +315,7 @@ def test_p_values_of_the_scale_are_uniform_where_it_is_one():
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("moved", "parameters"), [([1, 1, 1], 6), ([1, 0, 0], 5), ([0, 0, 0], 3)])
 def test_chi_squared_has_a_degree_less_for_each_number_that_moves_the_source(
     moved: list[int], parameters: int

@@ -80,6 +80,7 @@ def experiment(request):
     return Experiment(request.param)
 
 
+@pytest.mark.one_in(3)
 def test_it_is_that_of_six_hundred_experiments(experiment):
     covariance = experiment.registration(experiment.clean).covariance
     assert covariance is not None
@@ -101,6 +102,7 @@ def test_it_is_that_of_six_hundred_experiments(experiment):
     assert np.allclose(told, np.sqrt(np.diag(predicted)), rtol=1e-12)
 
 
+@pytest.mark.one_in(3)
 def test_chi_squared_has_as_many_degrees_of_freedom_as_the_numbers_found_leave(experiment):
     found = [experiment.registration(target) for target in experiment.targets[:60]]
     tests = [one.fit.chi2 for one in found]
@@ -196,6 +198,7 @@ def test_standardised_residuals_are_in_standard_deviations():
             assert squares == pytest.approx(3 * 400 - 7, rel=0.15 if model else 1e-9)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("model", MODELS)
 def test_it_is_told_everywhere(model):
     experiment = Experiment(model)
@@ -226,6 +229,7 @@ def test_residuals_at_rounding_tell_no_noise():
     ).fit.rounded
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("factor", "warned"), [(1.0, False), (3.0, True)])
 def test_residuals_larger_than_sigma_are_warned_of(factor, warned):
     experiment = Experiment(MODELS[0])

@@ -214,6 +214,7 @@ def test_the_direct_call_gives_what_cvxpy_gives(form, seed):
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("form", Form)
 @pytest.mark.parametrize("solver", ["SCS", "clarabel"])
 def test_a_solver_that_is_named_gives_what_clarabel_gives_directly(form, solver):

@@ -132,6 +132,7 @@ def test_the_gap_of_the_relaxation_is_rounded_up(registration: Registration):
     assert "of the certified rotation independently: at most 1.01." in page
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("gap", "nothing"), [(1 - 2**-50, False), (1, True), (2, True)])
 def test_a_gap_of_the_relaxation_that_reaches_over_the_range_bounds_nothing(
     registration: Registration, gap: float, *, nothing: bool
