@@ -151,20 +151,23 @@ def test_a_campaign_gives_up_where_workers_do_nothing_but_die():
 
 
 @pytest.mark.slow
-def test_a_killed_process_of_the_pool_is_replaced(tmp_path):
+@pytest.mark.parametrize(
+    ("processes", "deadly"), [(1, {1}), pytest.param(2, {1, 6}, marks=pytest.mark.long)]
+)
+def test_a_killed_process_of_the_pool_is_replaced(processes, deadly, tmp_path):
     tasks = (
         Task(
             shard=k,
-            function=die_once if k in {1, 6} else echo,
-            arguments={"words": str(k)} | ({"folder": str(tmp_path)} if k in {1, 6} else {}),
+            function=die_once if k in deadly else echo,
+            arguments={"words": str(k)} | ({"folder": str(tmp_path)} if k in deadly else {}),
         )
         for k in range(9)
     )
-    with LocalWorkers(2) as workers:
+    with LocalWorkers(processes) as workers:
         found = [result.content.decode() for _, result in completed(tasks, workers, VERSIONS)]
 
     assert sorted(map(int, found)) == list(range(9))
-    assert len(list(tmp_path.iterdir())) == 2
+    assert len(list(tmp_path.iterdir())) == len(deadly)
 
 
 @pytest.mark.slow

@@ -11,11 +11,12 @@ import pytest
 import scale_rates
 from mpmath import mpf, sqrt, workdps
 
-SAMPLE = scale_rates.PROBLEMS // 100
+SAMPLE = scale_rates.PROBLEMS // 500
 
 
-def test_scales_and_poses_are_those_of_the_reference_and_each_certificate_is_accepted():
-    tally = scale_rates.counted(0, SAMPLE)
+@pytest.mark.parametrize("count", [SAMPLE, pytest.param(5 * SAMPLE, marks=pytest.mark.long)])
+def test_scales_and_poses_are_those_of_the_reference_and_each_certificate_is_accepted(count):
+    tally = scale_rates.counted(0, count)
 
     assert tally.good
     assert 0 < tally.scale < 1e-15  # the scale is rounded to a double

@@ -659,8 +659,9 @@ def forgeries(certificate: bytes) -> dict[str, bytes]:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("every", [4, pytest.param(1, marks=pytest.mark.long)])
 def test_the_checker_alone_accepts_the_certificate_and_refuses_a_stronger_claim(
-    data: Path, survey: Path, tmp_path: Path
+    data: Path, survey: Path, tmp_path: Path, every: int
 ):
     certificate = survey / "certificate.json"
     plain, bound = alone(certificate), certreg("verify", certificate, *SURVEY.paths(data))
@@ -670,7 +671,7 @@ def test_the_checker_alone_accepts_the_certificate_and_refuses_a_stronger_claim(
     assert bound.out == plain.stdout
     assert certreg("verify", certificate).out == plain.stdout
     forged = tmp_path / "forged.json"
-    for name, content in forgeries(certificate.read_bytes()).items():
+    for name, content in [*forgeries(certificate.read_bytes()).items()][::every]:
         forged.write_bytes(content)
         refused = alone(forged)
         assert refused.returncode == 1, name

@@ -20,6 +20,7 @@ import strategies
 from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
+from syntax import nodes
 
 import certreg
 from certreg import RegistrationProblem
@@ -396,7 +397,7 @@ def test_one_module_knows_the_solver_and_none_of_the_programs_knows_equilibria_o
             continue  # nothing of interest to parse
         names = [
             alias if isinstance(node, ast.Import) else node.module or ""
-            for node in ast.walk(ast.parse(text))
+            for node in nodes(text)
             if isinstance(node, (ast.Import, ast.ImportFrom))
             for alias in [node.names[0].name]
         ]
