@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 ROUNDING = 1e-9  # of the bounds: an edge on the boundary is kept
 BLOCK = 1 << 18  # entries of the graph that are computed at a time: they stay in the cache
-FIT_STEPS = 32  # of an enumeration: what it takes to see whether the rows of one clique fit
+FIT_STEPS = 32  # of an enumeration, and two a row: what it takes to see whether a clique fits
 SAMPLED = 512  # rows by which triangles are counted where there are more
 
 
@@ -51,7 +51,7 @@ def core(graph: Graph, degree: int) -> Rows:
     rows = np.arange(len(graph))
     part = graph
     while len(rows):
-        kept = part.sum(axis=1) >= degree
+        kept = np.count_nonzero(part, axis=1) >= degree
         if kept.all():
             break
         rows, part = rows[kept], part[np.ix_(kept, kept)]
@@ -61,13 +61,17 @@ def core(graph: Graph, degree: int) -> Rows:
 def greedy_clique(graph: Graph, row: int) -> Rows:
     """A clique that holds a row: the neighbour of most that are left is taken, again and again."""
     clique = [row]
-    left = np.flatnonzero(graph[row])
-    part = graph[np.ix_(left, left)].astype(np.float32)
-    while len(left):
-        best = int(part.sum(axis=1).argmax())
-        clique.append(int(left[best]))
-        kept = np.flatnonzero(part[best])
-        left, part = left[kept], part[np.ix_(kept, kept)]
+    rows = np.flatnonzero(graph[row])
+    part = graph[np.ix_(rows, rows)]
+    links = part.astype(np.float32)
+    counts = links.sum(axis=1)
+    left = np.ones(len(rows), dtype=bool)
+    while left.any():
+        best = int(np.where(left, counts, -1.0).argmax())
+        clique.append(int(rows[best]))
+        gone = np.flatnonzero(left & ~part[best])
+        left &= part[best]
+        counts -= links[gone].sum(axis=0)  # each row goes once
     return np.sort(np.array(clique))
 
 
@@ -109,7 +113,7 @@ class Enumeration:
             first = (left[-1] & -left[-1]).bit_length() - 1
             left[-1] ^= 1 << first
             if missing == 1:
-                self.steps -= FIT_STEPS
+                self.steps -= FIT_STEPS + 2 * size
                 yield order[[*path, first]].tolist()
                 continue
             path.append(first)

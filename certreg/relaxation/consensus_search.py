@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     Graph = NDArray[np.bool_]
 
 CLIQUES = 32  # that are tried at effort 1: a hundred wrong ones of a thousand rows take a second
-TRIPLES = 4096  # that are tried at effort 1
+TRIPLES = 1 << 22  # rows that are held against poses of triples at effort 1
 STEPS = 1 << 16  # of the enumeration of cliques at effort 1: a tenth of a second
 ENTRIES = 1 << 10  # rows of the cliques that are fitted at a time
 BATCH = 256  # triples at a time
@@ -145,10 +145,12 @@ class _Search:
 
     def of_triples(self, graph: Graph) -> Iterator[Held]:
         """From triples of rows that agree, drawn at random, those with most rows near them."""
-        for _ in range(math.ceil(TRIPLES * self.effort / BATCH)):
+        left = TRIPLES * self.effort
+        while left > 0:
             rows = core(graph, self.best)
             if len(rows) <= max(self.best, 2):
                 return
+            left -= BATCH * len(rows)
             some = self.pairs.of(rows)
             triples = drawn_triples(graph[np.ix_(rows, rows)], BATCH, self.rng)
             if not len(triples):
