@@ -107,6 +107,7 @@ def test_few_calls_are_drawn_ahead_of_what_is_asked_for():
     assert drawn <= 5 + 2 * runner.UNDER_WAY
 
 
+@pytest.mark.slow
 def test_nothing_runs_far_ahead_of_a_slow_shard():
     """While shard 0 does not end, others do, but only so many must be held for their turn."""
     import threading
@@ -129,6 +130,7 @@ def test_nothing_runs_far_ahead_of_a_slow_shard():
     assert max(seen[: seen.index(0)]) <= 2 * 10
 
 
+@pytest.mark.slow
 @given(st.sets(st.integers(0, 40), max_size=3))
 def test_what_dead_workers_held_is_done_by_others(deaths):
     workers = InProcess(2)
@@ -323,6 +325,7 @@ class OtherSystem:
         return getattr(os, name)
 
 
+@pytest.mark.slow
 @given(st.data())
 def test_damage_to_a_shard_is_seen(tmp_path_factory, data):
     folder = tmp_path_factory.mktemp("shards")
@@ -543,6 +546,7 @@ def without_figures(monkeypatch) -> list[int | None]:
     return asked
 
 
+@pytest.mark.slow
 def test_many_runs_of_reproduce_are_a_campaign_that_goes_on(tmp_path, monkeypatch):
     in_process = without_figures(monkeypatch)
     monkeypatch.setattr(reproducing, "workers_at", lambda _: InProcess(2))

@@ -32,6 +32,7 @@ def test_the_reference_knows_a_scale_that_is_exact():
     assert np.abs(best.rotation - turn).max() < 1e-50
 
 
+@pytest.mark.slow
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("error", ["scale", "rotation", "translation"])
 def test_a_reference_that_is_off_by_little_is_seen(monkeypatch, error):
@@ -73,6 +74,7 @@ def test_intervals_that_are_wide_or_beside_the_scale_are_seen():
         assert tally.good == (not wide and not outside)
 
 
+@pytest.mark.slow
 def test_what_the_checker_refuses_is_counted(tmp_path):
     line = scale_rates.certified(scale_rates.random_problem(1), scale_rates.Tally())
     forged = json.loads(line)
@@ -83,6 +85,7 @@ def test_what_the_checker_refuses_is_counted(tmp_path):
     assert scale_rates.accepted(path) == 2
 
 
+@pytest.mark.slow
 def test_a_pose_that_is_not_the_rigid_one_is_counted(monkeypatch):
     honest = scale_rates.Problem.stated
 

@@ -37,6 +37,7 @@ def test_a_mutated_certificate_is_refused_unless_all_its_claims_are_true(count: 
     assert accepted > asked // 20
 
 
+@pytest.mark.slow
 def test_the_vectors_are_accepted_by_definition_exactly_where_the_manifest_says_so():
     vectors = json.loads((compare_checkers.VECTORS / "manifest.json").read_bytes())["vectors"]
     for vector in vectors:

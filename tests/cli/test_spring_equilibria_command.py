@@ -50,6 +50,7 @@ def listed(folder, name, *more):
     return certreg("equilibria", *clouds, "--normals", folder / f"{name}.npy", *more)
 
 
+@pytest.mark.slow
 def test_all_equilibria_are_told_with_what_is_stable(answers):
     text, document = answers["seven"]
     found = document.document["equilibria"]
@@ -140,6 +141,7 @@ def test_poses_of_one_weight_per_pair_are_written_too(tmp_path):
     assert first @ [3, 1, -2, 1] == pytest.approx([1, -2, 3, 1])
 
 
+@pytest.mark.slow
 def test_a_certificate_of_the_list_is_written_and_verified(folder, tmp_path):
     run = listed(folder, "seven", "--out", tmp_path / "list.json")
     verdict = certreg("verify", tmp_path / "list.json")

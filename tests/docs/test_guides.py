@@ -85,6 +85,7 @@ def test_there_are_guides():
     assert {path.stem for path in GUIDES} >= {"embed-the-c-code", "simulate"}
 
 
+@pytest.mark.slow
 @each_guide
 def test_the_python_of_a_guide_runs(guide, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # where the files are that it writes

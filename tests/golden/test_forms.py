@@ -9,6 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import pytest
 from syntax import nodes
 
 import certreg
@@ -98,6 +99,7 @@ def told() -> str:
     return plain(f"{records}\n{joined}")
 
 
+@pytest.mark.slow
 def test_every_sentence_of_a_result_is_told_in_a_record_or_a_test():
     assert untold(told(), modules()) == {}
 

@@ -32,6 +32,7 @@ def marked(case: NetCase):
     return pytest.param(case, id=case.name, marks=marks)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", [marked(case) for case in CASES])
 def test_what_is_seen_is_what_is_recorded(case):
     kept = record_of(case.name)

@@ -159,6 +159,7 @@ def test_imports_only_go_down_the_map():
     assert upward(sources()) == []
 
 
+@pytest.mark.slow
 def test_a_wing_is_entered_through_its_face():
     assert trespassing(sources()) == []
 
@@ -187,6 +188,7 @@ def test_a_planted_import_of_a_private_module_is_seen():
     ]
 
 
+@pytest.mark.slow
 def test_a_face_shows_what_its_types_say_and_no_name_of_a_module():
     for module, text in sources().items():
         if "lazy_face(" not in text or module == "certreg._loading":
@@ -229,6 +231,7 @@ def test_the_checker_is_a_common_part_and_a_section_for_each_kind():
     assert text.count("# --- ") == 2 * len(sections)
 
 
+@pytest.mark.slow
 def test_a_section_of_the_checker_is_read_beside_the_common_part_alone():
     """No kind uses a name of another's section, and the common part only those of the kinds.
 
@@ -266,6 +269,7 @@ def test_finding_does_not_know_proving():
             assert wing(one.source + ".") not in PROVERS, str(one)
 
 
+@pytest.mark.slow
 def test_functions_and_modules_keep_to_the_sizes_of_the_house():
     for module, source in sources().items():
         if module.startswith("certreg.native.generated"):

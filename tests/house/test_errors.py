@@ -108,6 +108,7 @@ def calls(folder: Path) -> list[tuple[str, str, set[str]]]:
     return made
 
 
+@pytest.mark.slow
 def test_readers_and_problems_never_refuse_without_evidence():
     made = calls(PACKAGE / "io") + calls(PACKAGE / "problem")
 
@@ -247,6 +248,7 @@ TEXTS = {
 }
 
 
+@pytest.mark.slow
 @given(
     suffix=st.sampled_from(sorted(TEXTS)),
     row=st.integers(0, 3),

@@ -130,6 +130,7 @@ def colours(kind: str, type_: str) -> bytes:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.one_in(4)
 @pytest.mark.parametrize("kind", ["binary_little_endian", "binary_big_endian"])
 @pytest.mark.parametrize("type_", ["float", "double"])

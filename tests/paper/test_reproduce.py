@@ -212,6 +212,7 @@ def failed(setup: Setup) -> set[str]:
 SMALL = Setup(runs=2)
 
 
+@pytest.mark.slow
 def test_a_wrong_sign_in_the_torque_of_the_paper_is_seen(monkeypatch):
     right = Particles.torque
     monkeypatch.setattr(Particles, "torque", lambda self, state: -right(self, state))
@@ -687,6 +688,7 @@ def test_one_seed_gives_the_same_observations_and_another_others():
     assert first.simulations[0].error != other.simulations[0].error
 
 
+@pytest.mark.slow
 def test_progress_counts_up_to_the_end():
     told: list[tuple[str, int, int]] = []
 

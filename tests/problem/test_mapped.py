@@ -38,6 +38,7 @@ def cloud():
     return strategies.random_problem(np.random.default_rng(4), n=MANY)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("compiled")
 def test_a_mapped_problem_is_the_same_problem(tmp_path, cloud):
     mapped = mapped_problem(tmp_path, cloud)

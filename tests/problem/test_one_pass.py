@@ -97,6 +97,7 @@ def test_blocks_lose_nothing_however_many_there_are():
         assert found[2:8] == pytest.approx(np.full(6, exact), rel=0.0, abs=510 * 0.013)
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(st.integers(0, 2**32), st.integers(1, 300), st.booleans())
 def test_compiled_and_plain_sums_agree_within_their_bounds(seed, n, single):
@@ -299,6 +300,7 @@ def test_points_further_apart_than_the_doubles_keep_their_digits(wide):
     assert error <= bound < 1e-11 * np.abs(found.cross_covariance).max()
 
 
+@pytest.mark.slow
 @given(st.integers(0, 2**32), st.sampled_from([-150, 0, 150]), st.integers(1, 40))
 @example(33, -150, 2)  # whose weights are all below a half: over a power of two of their own
 def test_scaling_and_order_and_shift_change_nothing_but_rounding(seed, decades, n):

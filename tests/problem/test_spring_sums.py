@@ -61,6 +61,7 @@ def test_compiled_code_finds_the_integers_that_python_finds(method, problem):
     assert spring_sums_by(method, problem) == spring_sums_by(SumMethod.INTEGERS, problem)
 
 
+@pytest.mark.slow
 @compiled
 @settings(max_examples=30)
 @given(st.lists(st.tuples(EXPONENTS, *[st.integers(-(2**53), 2**53)] * 12), min_size=1, max_size=3))

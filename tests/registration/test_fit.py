@@ -110,6 +110,7 @@ def test_good_problems_raise_no_alarm():
     assert list(rates.alarms(40)) == []
 
 
+@pytest.mark.slow
 def test_good_problems_raise_no_alarm_where_few_rows_weigh_more():
     assert list(rates.weighted_alarms(40)) == []
 
@@ -350,6 +351,7 @@ def test_a_scale_beyond_the_doubles_is_told_by_a_bound(power, words):
     assert misfits._times_words(Fraction(10) ** power) == words
 
 
+@pytest.mark.slow
 def test_light_rows_are_not_blamed_where_two_heavy_ones_carry_the_fit():
     """Noise of all rows alike, relative weights: two rows of weight 1 leave nothing to test by."""
     blamed = 0
