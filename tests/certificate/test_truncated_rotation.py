@@ -41,6 +41,7 @@ def certificate(problem: TruncatedProblem):
     return produced(problem, solved(problem))[0]
 
 
+@pytest.mark.slow
 def test_labels_and_the_angle_are_proved(problem: TruncatedProblem, certificate):
     found, verdict = solved(problem), verify(certificate)
 
@@ -55,6 +56,7 @@ def test_labels_and_the_angle_are_proved(problem: TruncatedProblem, certificate)
     assert found.cost - 1e-8 < float(verdict.worth.minimum) <= found.cost
 
 
+@pytest.mark.slow
 def test_the_file_is_read_back_and_is_of_the_schema(certificate):
     content = certificate.to_json()
     schema = files("certreg.report") / "schemas" / "certreg-truncated-rotation-1.json"
@@ -66,6 +68,7 @@ def test_the_file_is_read_back_and_is_of_the_schema(certificate):
     assert not validator.is_valid(forged)
 
 
+@pytest.mark.slow
 def test_equal_optima_have_open_labels_and_no_angle():
     x = np.eye(3)
     tie = stated(np.vstack([x, x]), np.vstack([x @ TURN.T, x @ TURN]), 0.25)
@@ -78,6 +81,7 @@ def test_equal_optima_have_open_labels_and_no_angle():
     assert made.body.claims.sin2_half_angle is None
 
 
+@pytest.mark.slow
 def test_a_circle_of_optima_is_certified_without_an_angle():
     x = np.outer([1.0, 2.0, -3.0], [0.0, 0.0, 1.0])
     line = stated(x, x, 0.25)
@@ -89,6 +93,7 @@ def test_a_circle_of_optima_is_certified_without_an_angle():
     assert (made.body.claims.labels, made.body.claims.unique) == ("111", False)
 
 
+@pytest.mark.slow
 def test_labels_that_are_wrong_are_never_certified(problem: TruncatedProblem):
     found = solved(problem)
     forged = replace(found, labels=np.where(np.arange(problem.n) == 3, 1, 0) ^ found.labels)
@@ -100,6 +105,7 @@ def test_labels_that_are_wrong_are_never_certified(problem: TruncatedProblem):
     assert "too many boxes" in verdict.words
 
 
+@pytest.mark.slow
 def test_a_gap_that_is_too_small_is_widened(problem: TruncatedProblem):
     found = solved(problem)
     off = found.quaternion + np.array([1e-5, -2e-5, 1e-5, 0.0])

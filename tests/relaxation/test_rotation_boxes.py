@@ -24,6 +24,7 @@ def best_of_all_fits(pairs: BoundedPairs) -> float:
     return least
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wrong", [0.0, 0.4, 0.7])
 def test_the_cost_is_that_of_an_exhaustive_search(wrong: float):
     given = rotated_pairs(np.random.default_rng(5), 9, wrong)
@@ -75,6 +76,7 @@ def test_a_small_effort_leaves_labels_open():
     assert few.gap > 1.0
 
 
+@pytest.mark.slow
 def test_bounds_of_a_millionth_of_the_points_are_no_hindrance():
     rng = np.random.default_rng(4)
     x = rng.normal(size=(12, 3))
