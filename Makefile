@@ -30,7 +30,7 @@ NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_E
 unexport PYTHONDONTWRITEBYTECODE
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test test-all test-long test-lowest chromium coq test-browser open-pages test-huge test-oracles golden record proofs fuzz fit-rates acceptance radius spring-minima spring-stability breathing cone-rates list-rates list-certificates slips brackets scale-rates umeyama hard compare-checkers kills generate kernels report-asset check-report-asset lint bench peers lock clean
+.PHONY: help demo docs test test-all test-long test-lowest chromium coq test-browser open-pages test-huge test-oracles golden record proofs fuzz fit-rates acceptance radius spring-minima spring-stability breathing cone-rates list-rates list-certificates slips brackets scale-rates truncated-rates umeyama hard compare-checkers kills generate kernels report-asset check-report-asset lint bench peers lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -148,6 +148,9 @@ brackets: kernels  ## every printed bound beside an exact oracle, on 5,000 rando
 
 scale-rates: kernels  ## certified scales beside Umeyama's formulas in 60 digits: 10,000 random problems (six minutes)
 	@$(RUN) tests/scale_rates.py
+
+truncated-rates: kernels  ## truncated squares over rotations: random problems proved, beside exhaustive searches, forgeries refused (a minute)
+	@$(RUN) tests/truncated_rates.py
 
 umeyama: kernels  ## certified similarities beside Umeyama's closed form in other libraries (`make peers`; six minutes)
 	@PYTHONPATH=.:tests $(BENCH) tests/umeyama.py

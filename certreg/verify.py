@@ -1726,6 +1726,205 @@ def index_of(P: Line, J: list[Line], most: int) -> int:
 
 
 # --- end of kind: springs-list ------------------------------------------------------------------
+# --- kind: truncated-rotation -------------------------------------------------------------------
+# Claims: R is optimal up to proved bounds for F(R) = sum min(|y_i - R x_i|^2 / b_i^2, 1), b_i > 0
+# the bound of a pair, t = 0; and which pairs are within their bounds at every optimum.
+
+TRUNCATED = b"certreg-truncated-rotation/1\0"
+UNITS, CHORD, HALVINGS = 64, 32, 40  # bits of F, of a slope, of an entry of a quaternion
+PAIRS_MAX, TESTS_MAX = 10**5, 1 << 24  # of pairs in boxes, 16 more a box: half a minute
+Bounded = tuple[list[int], int]
+
+
+@dataclass(frozen=True)
+class TruncatedRotationStatement(Statement):
+    """labels: 1, 0, ? of a pair: at every optimum within its bound, not within, no claim."""
+
+    kind: ClassVar = "truncated-rotation"
+    prefix: ClassVar = TRUNCATED
+    model: ClassVar = "--rotation-only --objective truncated"
+    keys: ClassVar = {
+        "": "about claims format kind optimality pose problem",
+        "claims": "gap labels sin2_half_angle unique",
+        "optimality": "mu",
+        "problem": "data digest n",
+    }
+
+    n: int
+    data: str | None
+    digest: str
+    pose: tuple[int, int, int, int]  # a quaternion of any length; R is its rotation
+    gap: Fraction
+    labels: str
+    mu: Fraction  # makes the proof of the angle short
+    sin2_half_angle: Fraction | None
+    unique: bool  # only true claims
+
+    def prove(self, m: Matrix, e: int, *, equal: bool) -> Outcome:
+        """Every rotation S with F(S) <= F(R) has the labels, and F(S) > F(R) - gap (`survey`).
+
+        So have all optima, and R. With u = q/|q|, let c(p) be the sum of |y_i - R(p) x_i|^2 / b_i^2
+        over the pairs labelled 1, for unit p. If no label is open, c(p) <= c(u) at an optimum R(p).
+        Let L be the sum of the forms of `form_of`: L(p) <= c(p) <= L(p) + 6 n, in their unit. If
+            L - (L(u) + 6 n + mu - delta) I + mu u u^T > 0, then
+            c(p) - c(u) > mu (1 - (u.p)^2) - delta
+        for all unit p: sin^2(a/2) = 1 - (u.p)^2 < delta/mu, a the angle from R to an optimum. All
+        optima minimise c, as F is at most c plus the number of the other pairs. If delta <= mu, c
+        has one line of minima: of a plane of them one, p, is across u, and c(p) > c(u).
+        """
+        del e, equal  # all is relative to the bounds
+        q, norm, known = self.pose, sum(c * c for c in self.pose), {*self.labels}
+        require(0 < norm < 1 << 2 * BITS and self.gap > 0, "gap or pose is out of range")
+        require(len(self.labels) == self.n and known <= {*"10?"}, "labels are not n of 1, 0, ?")
+        pairs, one = [form_of(row) for row in m], 1 << UNITS
+        cost = sum([min(-(-form_at(k, q) // norm) + 6, one) for k, _ in pairs])
+        gap, angle, mu = self.gap * one, self.sin2_half_angle, int(self.mu * one)
+        survey(pairs, self.labels, cost, int(gap))
+        delta = 0 if angle is None else int(angle * mu)
+        inliers = [k for (k, _), label in zip(pairs, self.labels) if label == "1"]
+        L = [*map(sum, zip(*inliers))] or [0] * 10
+        level = form_at(L, q) + (6 * self.n + mu - delta) * norm
+        A = [[norm * k for k in row] for row in twice(L)]
+        for (i, j), k in zip(PRODUCTS, [2 * mu * (q[i] * q[j]) for i, j in PRODUCTS]):
+            A[i][j - i] += k - 2 * level * (i == j)
+        proved = "?" not in known and mu > 0 and positive_definite(A)
+        require(angle is None or proved, "claims.sin2_half_angle is not proved")
+        require(not self.unique or (angle and delta <= mu), "claims.unique is not proved")
+        wide = max([sum([min(k[j], one) for k, _ in pairs]) for j in (0, 4, 7, 9)]) - cost
+        share = Fraction(int(gap) + 1, wide) if wide > 0 else Fraction(1)  # k[j]: F at q = e_i
+        least, length = max(cost - gap, Fraction(0)) / one, root_up(int(gap) + 1, self.n * one)
+        bound = None if angle is None else angle_bound(delta, mu)
+        worth = Worth(Fraction(self.n), Fraction(cost, one), least, self.gap, length, share, bound)
+        return Outcome(verified=True, theorems=(*self._words(worth),), reason="", worth=worth)
+
+    def _words(self, w: Worth) -> Iterator[str]:
+        length = isqrt(sum(c * c for c in self.pose) << 128)
+        unit = ", ".join(f"{(c << 64) / length:.12f}" for c in self.pose)
+        value, least = f"{rounded(w.objective, 12):g}", f"{rounded(w.minimum, 12, ROUND_FLOOR):g}"
+        yield f"Data: n = {self.n} pairs, a bound each. SHA-256 of their doubles is {self.digest}."
+        yield f"The certified rotation R is that of the quaternion ({unit}), rounded here; w first."
+        yield "Cost of a rotation: sum of (residual / bound)^2, or of 1 where that is more."
+        above = f"less than {rounded(w.gap, 2):.1e} above the global minimum"
+        yield f"The cost of R is at most {value}, {above}, which is at least {least}."
+        for label, told in ("1", "within"), ("0", "NOT within"):
+            rows = [str(k) for k, one in enumerate(self.labels) if one == label]
+            more = f" and {len(rows) - 20} more" * (len(rows) > 20)
+            named = f": rows {', '.join(rows[:20])}{more} (from 0)" if rows else ""
+            yield f"At every global optimum {told} their bounds are {len(rows)} pairs{named}."
+        yield f"Pairs of which that is not proved: {self.labels.count('?')}."
+        if w.angle:
+            degrees = rounded(w.angle * DEGREES, 2)
+            yield f"Every global optimum is within {degrees:.1e} degrees of R."
+        if self.unique:
+            yield "The global optimum is unique: every other rotation has a larger cost."
+        yield "Not proved: anything under `about`, and where the points come from."
+
+
+def bounded_pairs(doubles: bytes | memoryview, n: int) -> tuple[Matrix, int]:
+    """Of each pair x, y and its bound, integers times 2^e."""
+    require(n <= PAIRS_MAX, f"more than {PAIRS_MAX} pairs")
+    weights = struct.unpack_from(f"<{n}d", doubles, 48 * n)
+    require({*weights} == {1.0}, "a weight is not 1")
+    (*points, bounds), e = _integers(doubles, [*range(0, 6 * n, n), 7 * n], n, EXPONENT_MAX)
+    require(min(bounds) > 0, "a bound is not positive")
+    x, y = chain(*points[:3]), chain(*points[3:])
+    return [[*row] for row in zip(x, x, x, y, y, y, bounds)], e
+
+
+def form_of(row: Sequence[int]) -> Bounded:
+    """A form and a reach of a pair, both in units: 2^UNITS (r/b)^2 and 2^(UNITS/2) r/b.
+
+    With r = |y - R(q) x| the form at q is at most |q|^2 (r/b)^2, and less by 6 |q|^2 at most: ten
+    coefficients are rounded down, and sum |q_i q_j| <= 2.5 |q|^2, i <= j. Let |d_j| <= h for three
+    entries d_j, the fourth 0. The angle of q + d and q, half of that of their rotations, has a sine
+    of |d|/|q| at most: |q| r at R(q + d) and |q| r at R(q) differ by 2 sqrt(3) h min(|x|, |y|), at
+    most, and in units by less than h reach.
+    """
+    x, y, square = row[:3], row[3:6], row[6] ** 2
+    K, u, v = davenport([[i * j for j in x] for i in y]), sum(map(mul, x, x)), sum(map(mul, y, y))
+    form = [(u + v) * (i == j) - (4 - 2 * (i == j)) * K[i][j] for i, j in PRODUCTS]
+    slack = [3 * (i == j) for i, j in PRODUCTS]
+    reach = isqrt((12 * min(u, v) << UNITS) // square) + 1
+    return [(k << UNITS) // square - s for k, s in zip(form, slack)], reach
+
+
+def form_at(form: Sequence[int], q: Sequence[int]) -> int:
+    """Coefficients in the order of PRODUCTS."""
+    return sum([k * q[i] * q[j] for k, (i, j) in zip(form, PRODUCTS)])
+
+
+def twice(form: Sequence[int]) -> Matrix:
+    """Twice its matrix, rows from the diagonal on."""
+    a, b, c, d, e, f, g, h, i, j = form
+    return [[2 * a, b, c, d], [2 * e, f, g], [2 * h, i], [2 * j]]
+
+
+def survey(pairs: list[Bounded], labels: str, cost: int, gap: int) -> None:
+    """RefusalError where a rotation may be as good as cost, but has not the labels or is too good.
+
+    Every rotation is in one of four boxes: |q_f| is the largest entry of q, q_f = 2^HALVINGS. In a
+    box, q_j - h <= p_j <= q_j + h, j != f, each pair is out (its residual r is above b), in (it is
+    not), or open; a box of which that is not enough is cut in eight, to which out and in pass.
+    Open ones have r <= s, s > b: min(r^2/b^2, 1) >= r^2/s^2, as the left is concave in r^2.
+    So F is at least the number of pairs out plus a form, by |p|^2; less the cost it is the form A,
+    in units of 2^-(UNITS + CHORD). If A(p) > 0 in all of the box then F > cost there.
+    """
+    one = 1 << HALVINGS
+    units, tests = [[one * (j == f) for j in range(4)] for f in range(4)], 0
+    boxes = [(q, f, one, 0, True, [0] * 10, [*range(len(pairs))]) for f, q in enumerate(units)]
+    while boxes:
+        q, f, h, out, fits, sums, left = boxes.pop()
+        tests += len(left) + 16
+        require(tests <= TESTS_MAX and h > 1, "the labels or the gap need too many boxes")
+        products = [q[i] * q[j] for i, j in PRODUCTS]
+        norm, chords, still = sum([c * c for c in q]), [0] * 10, list[int]()
+        size = isqrt(norm << UNITS)  # |q| in units
+        for k in left:
+            form, reach = pairs[k]
+            low, far = sum(map(mul, form, products)), reach * h
+            if low > (size + 1 + far) ** 2:
+                out, fits = out + 1, fits and labels[k] != "1"
+                if out << UNITS > cost:
+                    break
+            elif far <= size and low + 6 * norm <= (size - far) ** 2:
+                sums, fits = [*map(add, sums, form)], fits and labels[k] != "0"
+            else:
+                most = isqrt(low + 6 * norm) + 1 + far  # above size
+                slope = (size * size << CHORD) // (most * most)
+                chords = [c + slope * a for c, a in zip(chords, form)]
+                still.append(k)
+        else:
+            A = [c + (a << CHORD) for c, a in zip(chords, sums)]
+            spare, slack = cost - (out << UNITS), 6 * len(pairs)
+            good = positive(A, q, f, h, spare, slack)
+            if not good and fits and {labels[k] for k in still} <= {"?"}:
+                good = positive(A, q, f, h, spare - gap, slack)
+            if not good:
+                h //= 2
+                for signs in product((-h, h), repeat=3):
+                    p = [*map(add, q, (*signs[:f], 0, *signs[f:]))]
+                    boxes.append((p, f, h, out, fits, sums, still))
+
+
+def positive(form: list[int], q: list[int], f: int, h: int, spare: int, slack: int) -> bool:
+    """Whether form - spare |p|^2 > 0 in a box; spare and slack by 2^CHORD; form >= -slack |p|^2.
+
+    With p = q + d it is A(q) + the sum of slopes times d_j + A(d), and A(d) >= -(spare + slack)
+    |d|^2, |d|^2 <= 3 h^2. Or it is positive everywhere.
+    """
+    A = [k - (spare << CHORD) * (i == j) for k, (i, j) in zip(form, PRODUCTS)]
+    rows, slopes = twice(A), [0, 0, 0, 0]
+    for i, j in PRODUCTS:
+        slopes[i] += rows[i][j - i] * q[j]
+        slopes[j] += rows[i][j - i] * q[i] * (i < j)
+    steep = sum(map(abs, slopes)) - abs(slopes[f])
+    curved = 3 * h * (max(spare + slack, 0) << CHORD)
+    return sum(map(mul, slopes, q)) > 2 * h * (steep + curved) or positive_definite(rows)
+
+
+SUMS[TRUNCATED] = (2, bounded_pairs, "bounds are other ones: give --max-residual")
+
+# --- end of kind: truncated-rotation ------------------------------------------------------------
 
 # --- part: thinning -----------------------------------------------------------------------------
 # Pairs i, each with a bound b_i > 0, that one motion may meet together: |y_i - R x_i - t| <= b_i.
@@ -2028,7 +2227,7 @@ SUMS[ConsensusStatement.prefix] = (
 # --- end of kind: consensus ---------------------------------------------------------------------
 
 FORMS = IsotropicStatement, SimilarityStatement, CountStatement, SpringsSosStatement
-LAST = SpringsConesStatement, SpringsListStatement, ConsensusStatement
+LAST = SpringsConesStatement, SpringsListStatement, TruncatedRotationStatement, ConsensusStatement
 KINDS: dict[str, type[Statement]] = {form.kind: form for form in (*FORMS, *LAST)}
 
 if __name__ == "__main__":

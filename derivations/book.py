@@ -124,6 +124,7 @@ CHAPTERS = (
         "Wrong pairs",
         (
             "pair_lengths",
+            "scaled_lengths",
             "few_neighbours",
             "few_colours",
             "weighted_refutation",
@@ -132,7 +133,6 @@ CHAPTERS = (
             "truncated_box",
             "arcs",
             "springs_that_break",
-            "scaled_lengths",
         ),
     ),
 )

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 settings.register_profile(
     "certreg",
-    max_examples=30,  # of 100 in `make test-long`, where a test does not say how many
+    max_examples=20,  # of 100 in `make test-long`, where a test does not say how many
     derandomize=True,
     deadline=None,  # the machines are shared: no property is about time
     database=None,

@@ -1,4 +1,4 @@
-"""How much of a sample `make test` takes: a third of a property's examples, one case in k.
+"""How much of a sample `make test` takes: a fifth of a property's examples, one case in k.
 
 `make test-long` takes the rest. What is asked of a case is the same in both.
 """
@@ -19,9 +19,9 @@ WHOLE = 100  # what the profiles of the long samples take where a test does not 
 
 
 def examples(count: int) -> settings:
-    """A property takes so many examples in the long samples, and a third of them in `make test`."""
+    """A property takes so many examples in the long samples, and a fifth of them in `make test`."""
     whole = settings().max_examples >= WHOLE
-    return settings(max_examples=count if whole else count // 3)
+    return settings(max_examples=count if whole else count // 5)
 
 
 def leave_cases(items: Iterable[pytest.Item]) -> None:

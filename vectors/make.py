@@ -19,12 +19,13 @@ import isotropic
 import lists
 import similarity
 import squares
+import truncated
 from envelope import dumped
 
 
 def vectors() -> dict[str, tuple[bytes, str]]:
     """Content and class by file name; the class of an accepted one is empty."""
-    kinds = (isotropic, count, squares, cones, lists, similarity)
+    kinds = (isotropic, count, squares, cones, lists, similarity, truncated)
     made = {
         name: (dumped(certificate), reason)
         for kind in kinds

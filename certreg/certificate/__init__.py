@@ -44,6 +44,9 @@ if TYPE_CHECKING:
     from certreg.certificate.producing_springs import (
         springs_list_certificate as springs_list_certificate,
     )
+    from certreg.certificate.producing_truncated import (
+        truncated_certificate as truncated_certificate,
+    )
     from certreg.certificate.radius import MOST_DEGREES as MOST_DEGREES
     from certreg.certificate.radius import Radius as Radius
     from certreg.certificate.similarity import SimilarityBody as SimilarityBody
@@ -59,6 +62,8 @@ if TYPE_CHECKING:
     from certreg.certificate.springs_list import SpringsListBody as SpringsListBody
     from certreg.certificate.springs_sos import SpringsClaims as SpringsClaims
     from certreg.certificate.springs_sos import SpringsSosBody as SpringsSosBody
+    from certreg.certificate.truncated import TruncatedClaims as TruncatedClaims
+    from certreg.certificate.truncated import TruncatedRotationBody as TruncatedRotationBody
 
 __getattr__ = lazy_face(
     __name__,
@@ -114,6 +119,7 @@ __getattr__ = lazy_face(
             "springs_certificate",
             "springs_list_certificate",
         ),
+        "producing_truncated": ("truncated_certificate",),
         "radius": (
             "MOST_DEGREES",
             "Radius",
@@ -138,5 +144,6 @@ __getattr__ = lazy_face(
             "SpringsSosBody",
         ),
         "spring_bounds": ("spring_pose_bounds",),
+        "truncated": ("TruncatedClaims", "TruncatedRotationBody"),
     },
 )

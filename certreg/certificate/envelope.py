@@ -20,6 +20,7 @@ from certreg.certificate.similarity import SimilarityBody
 from certreg.certificate.springs_cones import SpringsConesBody
 from certreg.certificate.springs_list import SpringsListBody
 from certreg.certificate.springs_sos import SpringsSosBody
+from certreg.certificate.truncated import TruncatedRotationBody
 from certreg.errors import InvalidFileError
 from certreg.io import write_atomically
 from certreg.results import Brief
@@ -54,6 +55,7 @@ AnyBody = (
     | SpringsConesBody
     | SpringsListBody
     | ConsensusBody
+    | TruncatedRotationBody
 )
 KINDS: dict[str, type[AnyBody]] = {body.KIND: body for body in get_args(AnyBody)}
 AnyBody_co = TypeVar("AnyBody_co", bound=CertificateBody, covariant=True)

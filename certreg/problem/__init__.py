@@ -80,6 +80,7 @@ if TYPE_CHECKING:
     from certreg.problem.springs import SPRINGS_PREFIX as SPRINGS_PREFIX
     from certreg.problem.springs import GivenSprings as GivenSprings
     from certreg.problem.springs import SpringSummary as SpringSummary
+    from certreg.problem.truncated import TruncatedProblem as TruncatedProblem
 
 __getattr__ = lazy_face(
     __name__,
@@ -191,5 +192,6 @@ __getattr__ = lazy_face(
             "GivenSprings",
             "SpringSummary",
         ),
+        "truncated": ("TruncatedProblem",),
     },
 )

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from certreg.relaxation.quartic import QuarticRelaxation as QuarticRelaxation
     from certreg.relaxation.quartic import relax_quartic as relax_quartic
     from certreg.relaxation.refining import refined as refined
+    from certreg.relaxation.rotation_boxes import BoxSearch as BoxSearch
+    from certreg.relaxation.rotation_boxes import search_boxes as search_boxes
     from certreg.relaxation.shor import Relaxation as Relaxation
     from certreg.relaxation.shor import relax as relax
     from certreg.relaxation.truncated_squares import Candidate as Candidate
@@ -41,6 +43,10 @@ __getattr__ = lazy_face(
             "relax_quartic",
         ),
         "refining": ("refined",),
+        "rotation_boxes": (
+            "BoxSearch",
+            "search_boxes",
+        ),
         "shor": (
             "Relaxation",
             "relax",

@@ -1,21 +1,24 @@
 """Poses with ever more pairs within their bounds: a search that goes on only while it is asked.
 
 It proposes and proves nothing: whoever can prove that no pose has more rows stops asking. It begins
-with graduated non-convexity. Then come large cliques of rows that agree in their lengths, and last
-triples of them. Each pose is fitted to its rows anew, and widened by rows on the edge of their
-bounds; rows with too few others that agree with them to be of a larger set are left out.
+with graduated non-convexity. Then come large cliques of rows that agree in their lengths, and all
+cliques of one row more than the best set: mostly few, and when none of them fits, the search ends.
+Where they are too many, triples of rows are drawn. Each pose is fitted to its rows anew, and
+widened by rows on the edge of their bounds; rows that agree with too few others to be of a larger
+set are left out.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.relaxation.cliques import consistency, core, greedy_clique, triangles
-from certreg.relaxation.edge_rows import exchanged, grown, held, widened
+from certreg.relaxation.cliques import Enumeration, consistency, core, greedy_clique, triangles
+from certreg.relaxation.edge_rows import best_that_fits, exchanged, grown, held, widened
 from certreg.relaxation.paired_rows import fitted, paired_rows, poses_of_triples, squared_ratios
 from certreg.relaxation.truncated_squares import Candidate, candidate_of, truncated_fit
 
@@ -29,8 +32,10 @@ if TYPE_CHECKING:
 
     Graph = NDArray[np.bool_]
 
-CLIQUES = 64  # that are tried at effort 1: a hundred wrong ones of a thousand rows take a second
-TRIPLES = 4096  # that are tried at effort 1
+CLIQUES = 32  # that are tried at effort 1: a hundred wrong ones of a thousand rows take a second
+TRIPLES = 1 << 22  # rows that are held against poses of triples at effort 1
+STEPS = 1 << 16  # of the enumeration of cliques at effort 1: a tenth of a second
+ENTRIES = 1 << 10  # rows of the cliques that are fitted at a time
 BATCH = 256  # triples at a time
 LOOSE = 4.0  # squared ratio that counts at the pose of a triple: it is not yet fitted
 KEPT = 4  # triples of a batch that are fitted
@@ -76,8 +81,11 @@ class _Search:
         yield from self.followed(held(self.pairs, truncated_fit(self.pairs)))
         graph = consistency(self.pairs) if consistent is None else consistent.copy()
         np.fill_diagonal(graph, val=False)
-        yield from self.of_cliques(graph)
-        yield from self.of_triples(graph)
+        yield from self.of_greedy_cliques(graph)
+        enumeration = Enumeration(math.ceil(STEPS * self.effort))
+        yield from self.of_all_cliques(graph, enumeration)
+        if enumeration.steps < 0:
+            yield from self.of_triples(graph)
 
     def followed(self, start: Held) -> Iterator[Held]:
         """What a pose leads to."""
@@ -97,7 +105,7 @@ class _Search:
         self.best = max(self.best, found.count)
         return found
 
-    def of_cliques(self, graph: Graph) -> Iterator[Held]:
+    def of_greedy_cliques(self, graph: Graph) -> Iterator[Held]:
         """From large cliques, begun at rows of most triangles that are in no clique so far."""
         rows = core(graph, self.best)
         part = graph[np.ix_(rows, rows)]
@@ -114,6 +122,22 @@ class _Search:
             covered[clique] = True
             yield from self.followed(self.fit_of(rows[clique]))
 
+    def of_all_cliques(self, graph: Graph, enumeration: Enumeration) -> Iterator[Held]:
+        """From every clique of one row more than the best set, until none fits."""
+        gained = True
+        while gained:
+            gained = False
+            size = max(self.best, 0) + 1
+            rows = core(graph, size - 1)
+            found = enumeration.of_size(graph[np.ix_(rows, rows)], size)
+            while not gained and (batch := list(islice(found, max(1, ENTRIES // size)))):
+                sets = np.zeros((len(batch), len(self.pairs)), dtype=bool)
+                np.put_along_axis(sets, rows[np.array(batch)], values=True, axis=1)
+                better = best_that_fits(self.pairs, sets, self.best)
+                if better is not None:
+                    gained = True
+                    yield from self.followed(better)
+
     def fit_of(self, rows: Rows) -> Held:
         weights = np.zeros(len(self.pairs))
         weights[rows] = self.pairs.precisions[rows]
@@ -121,10 +145,12 @@ class _Search:
 
     def of_triples(self, graph: Graph) -> Iterator[Held]:
         """From triples of rows that agree, drawn at random, those with most rows near them."""
-        for _ in range(math.ceil(TRIPLES * self.effort / BATCH)):
+        left = TRIPLES * self.effort
+        while left > 0:
             rows = core(graph, self.best)
             if len(rows) <= max(self.best, 2):
                 return
+            left -= BATCH * len(rows)
             some = self.pairs.of(rows)
             triples = drawn_triples(graph[np.ix_(rows, rows)], BATCH, self.rng)
             if not len(triples):

@@ -72,7 +72,7 @@ def widened(pairs: PairedRows, start: Held) -> Held:
     """The rows with others near them, one at a time, as long as all fit together."""
     for _ in range(len(pairs)):
         sets = start.within | _one_hot(_near(pairs, start), len(pairs))
-        better = _best_that_fits(pairs, sets, start.count)
+        better = best_that_fits(pairs, sets, start.count)
         if better is None:
             break
         start = better
@@ -90,7 +90,7 @@ def exchanged(pairs: PairedRows, start: Held) -> Held:
     weights = lawson_fits(pairs, joined).weights
     heavy = np.argsort(-weights, axis=1, kind="stable")[:, :SUPPORTS]
     sets = joined[:, np.newaxis] & ~_one_hot(heavy.ravel(), size).reshape(*heavy.shape, size)
-    better = _best_that_fits(pairs, sets.reshape(-1, size), start.count)
+    better = best_that_fits(pairs, sets.reshape(-1, size), start.count)
     return start if better is None else widened(pairs, better)
 
 
@@ -106,7 +106,7 @@ def _one_hot(rows: Iterable[int], size: int) -> Sets:
     return np.array(list(rows), dtype=np.int64)[:, np.newaxis] == np.arange(size)
 
 
-def _best_that_fits(pairs: PairedRows, sets: Sets, count: int) -> Held | None:
+def best_that_fits(pairs: PairedRows, sets: Sets, count: int) -> Held | None:
     """Of sets that fit, the pose with most rows, the more the better, if more than `count`."""
     if not len(sets):
         return None

@@ -44,7 +44,7 @@ EACH = nonnegative_by(
     standing=Standing.CASE,
 )
 BOX = nonnegative_by(
-    r"$R(p)$ is in the box about $R(q)$: $(q \cdot p)^2 \ge (1 - \sigma)\,|q|^2 |p|^2$.",
+    r"$R(p)$ is in the box about $R(q)$: $(1 - \sigma)\,|q|^2 |p|^2$ is at most $(q \cdot p)^2$.",
     (Q.T * P)[0] ** 2 - (1 - SINE) * square(Q) * square(P),
     standing=Standing.CASE,
     example={SPREAD: 1, TAU: 8, Q[0]: 1, P[1]: 1, K[1, 1]: 2, SINE: Fraction(1, 2), K[0, 0]: -3},

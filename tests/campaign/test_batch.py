@@ -110,6 +110,7 @@ BROKEN = {
 }
 
 
+@pytest.mark.slow
 def test_a_broken_pair_is_an_error_in_its_place_and_the_others_go_on(folder):
     write_csv(folder / "nan.csv", [[0.0, 0.0, 1.0], [float("nan"), 0.0, 0.0]])
     write_csv(folder / "short.csv", [[1.0, 2.0, 3.0]])
@@ -132,6 +133,7 @@ def test_a_broken_pair_is_an_error_in_its_place_and_the_others_go_on(folder):
     assert all(map(valid, entries))
 
 
+@pytest.mark.slow
 def test_the_exit_code_is_the_worst_of_the_contract(folder):
     line = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]
     write_csv(folder / "line.csv", line)
@@ -144,6 +146,7 @@ def test_the_exit_code_is_the_worst_of_the_contract(folder):
     assert certreg("batch", listing(folder, broken, not_unique, good)).code == 2
 
 
+@pytest.mark.slow
 def test_near_ambiguity_is_told_to_machines_and_leaves_the_exit_code(folder):
     rod = [[0, 0, 0], [1000, 0.001, 0], [2000, 0, 0.002], [3000, 0, 0]]
     line = [[0, 0, 0], [1, 0, 0], [2, 0, 0]]
@@ -230,6 +233,7 @@ def test_columns_that_are_not_read_are_told_once(folder):
     assert lines(run.out)[0]["name"] == "x"
 
 
+@pytest.mark.slow
 def test_the_folder_holds_lines_certificates_and_a_table(folder):
     rows = ["a0.csv,b0.csv,../../up", "a1.csv,none.csv,b", "a2.csv,b2.csv,c d\u00e9"]
     path, out = listing(folder, *rows, header="source,target,name"), folder / "out"
@@ -283,6 +287,7 @@ def test_each_column_of_the_table_is_what_it_is_called(folder):
     assert (row["rmse"], row["margin"], row["nearly_ambiguous"]) == (4.0, 5.0, 0)
 
 
+@pytest.mark.slow
 def test_what_was_mended_is_done_when_the_same_is_run_again(folder):
     path, out = listing(folder, "a0.csv,b0.csv", "a1.csv,none.csv"), folder / "out"
     assert certreg("batch", path, "--out", out).code == 2
@@ -305,6 +310,7 @@ CHANGES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.one_in(5)
 @pytest.mark.parametrize("what", CHANGES)
 def test_a_pair_whose_files_have_changed_is_computed_anew_with_a_note(folder, what):
@@ -335,6 +341,7 @@ def test_a_pair_whose_files_have_changed_is_computed_anew_with_a_note(folder, wh
     assert tree(out) == tree(folder / "new") != before
 
 
+@pytest.mark.slow
 def test_one_note_tells_of_all_files_that_have_changed(folder):
     path, out = listing(folder, "a0.csv,b0.csv", "a0.csv,b1.csv"), folder / "out"
     assert certreg("batch", path, "--out", out).code == 0
@@ -349,6 +356,7 @@ def test_one_note_tells_of_all_files_that_have_changed(folder):
     assert poor[1:] == [f'{total}; "remedy" beside it says what to do']
 
 
+@pytest.mark.slow
 def test_parquet_goes_with_a_folder(folder):
     pytest.importorskip("pyarrow")
     path = listing(folder, "a0.csv,b0.csv", "a1.csv,none.csv")
@@ -362,6 +370,7 @@ def test_parquet_goes_with_a_folder(folder):
     assert table["n"].to_pylist() == [6, None]
 
 
+@pytest.mark.slow
 def test_a_long_list_is_never_held_as_objects(folder):
     """Rows are drawn as workers ask for them: many cost what their bytes cost."""
     from certreg.campaign import PairCampaign, read_listing
@@ -428,6 +437,7 @@ def test_ctrl_c_ends_cleanly_and_says_how_to_go_on(folder):
     assert not list(out.rglob(".certreg-*"))
 
 
+@pytest.mark.slow
 def test_no_cell_of_the_table_is_a_formula(folder):
     """Names are the user's, and an error repeats what a file holds; JSON keeps them as they are."""
     names = ["=1+1", "+cmd", "-2+3", "@SUM(A1)", "-1.5", "a;=1"]
@@ -449,6 +459,7 @@ def test_no_cell_of_the_table_is_a_formula(folder):
             assert not [cell for cell in row if cell[:1] in set("=+@") or cell[:2] == "-2"]
 
 
+@pytest.mark.slow
 def test_a_campaign_without_compiled_motions_writes_the_same(folder, monkeypatch):
     """Certificates, and documents key by key: of good pairs, of one with a wrong row, of a slip."""
     rng = np.random.default_rng(4)

@@ -107,6 +107,7 @@ def test_few_calls_are_drawn_ahead_of_what_is_asked_for():
     assert drawn <= 5 + 2 * runner.UNDER_WAY
 
 
+@pytest.mark.slow
 def test_nothing_runs_far_ahead_of_a_slow_shard():
     """While shard 0 does not end, others do, but only so many must be held for their turn."""
     import threading
@@ -129,6 +130,7 @@ def test_nothing_runs_far_ahead_of_a_slow_shard():
     assert max(seen[: seen.index(0)]) <= 2 * 10
 
 
+@pytest.mark.slow
 @given(st.sets(st.integers(0, 40), max_size=3))
 def test_what_dead_workers_held_is_done_by_others(deaths):
     workers = InProcess(2)
@@ -151,20 +153,23 @@ def test_a_campaign_gives_up_where_workers_do_nothing_but_die():
 
 
 @pytest.mark.slow
-def test_a_killed_process_of_the_pool_is_replaced(tmp_path):
+@pytest.mark.parametrize(
+    ("processes", "deadly"), [(1, {1}), pytest.param(2, {1, 6}, marks=pytest.mark.long)]
+)
+def test_a_killed_process_of_the_pool_is_replaced(processes, deadly, tmp_path):
     tasks = (
         Task(
             shard=k,
-            function=die_once if k in {1, 6} else echo,
-            arguments={"words": str(k)} | ({"folder": str(tmp_path)} if k in {1, 6} else {}),
+            function=die_once if k in deadly else echo,
+            arguments={"words": str(k)} | ({"folder": str(tmp_path)} if k in deadly else {}),
         )
         for k in range(9)
     )
-    with LocalWorkers(2) as workers:
+    with LocalWorkers(processes) as workers:
         found = [result.content.decode() for _, result in completed(tasks, workers, VERSIONS)]
 
     assert sorted(map(int, found)) == list(range(9))
-    assert len(list(tmp_path.iterdir())) == 2
+    assert len(list(tmp_path.iterdir())) == len(deadly)
 
 
 @pytest.mark.slow
@@ -320,6 +325,7 @@ class OtherSystem:
         return getattr(os, name)
 
 
+@pytest.mark.slow
 @given(st.data())
 def test_damage_to_a_shard_is_seen(tmp_path_factory, data):
     folder = tmp_path_factory.mktemp("shards")
@@ -540,6 +546,7 @@ def without_figures(monkeypatch) -> list[int | None]:
     return asked
 
 
+@pytest.mark.slow
 def test_many_runs_of_reproduce_are_a_campaign_that_goes_on(tmp_path, monkeypatch):
     in_process = without_figures(monkeypatch)
     monkeypatch.setattr(reproducing, "workers_at", lambda _: InProcess(2))

@@ -46,6 +46,7 @@ def written(folder: Path, *rows: str) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_rows_say_their_model_and_the_options_what_the_others_have(listed: Path) -> None:
     out = listed / "out"
     run = certreg("batch", written(listed, *MODELS), "--scale", "asymmetric", "--out", out)

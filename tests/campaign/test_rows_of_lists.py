@@ -93,6 +93,7 @@ def test_the_files_of_a_row_lie_beside_the_list(folder: Path):
     assert pair.left_out == (2, 2)
 
 
+@pytest.mark.slow
 def test_a_certificate_that_is_kept_leaves_no_reason_for_its_absence(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ):

@@ -35,6 +35,7 @@ def certificate_of(problem: RegistrationProblem) -> Any:
     return springs_certificate(problem, objective, find_optimum(objective))
 
 
+@pytest.mark.slow
 def test_where_squares_fail_cones_are_cut_and_the_certificate_says_so():
     problem = choi_lam()
     certificate = certificate_of(problem)
@@ -52,6 +53,8 @@ def test_where_squares_prove_the_optimum_unique_no_cone_is_cut():
     assert "cones" not in certificate.about
 
 
+@pytest.mark.slow
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", ["plane 7", "choi-lam", "two optima", "flat 9"])
 def test_a_certificate_is_read_as_it_was_written(name):
     made = case(name, 0)
@@ -77,6 +80,8 @@ def test_choi_and_lam_with_random_planes():
     assert "unique by cones 1, by squares 0 of 1" in cone_rates.perturbed_rates(1)
 
 
+@pytest.mark.slow
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", ["plane 6", "line 3"])
 def test_of_tied_optima_a_gap_is_proved_and_no_uniqueness(name):
     told = cone_rates.minimal_rates(name, 2, checked=1)
@@ -84,6 +89,7 @@ def test_of_tied_optima_a_gap_is_proved_and_no_uniqueness(name):
     assert told.startswith("gap 2 of 2, unique {None: 2}; 1 of 1 accepted")
 
 
+@pytest.mark.slow
 def test_local_minima_are_refused_and_left_for_the_optimum():
     assert cone_rates.spurious_rates(2) == "2 of 2 refused; 2 times the optimum is found from there"
 

@@ -231,6 +231,7 @@ def number(word: str) -> int:
     return int(word.strip("()"), 16)
 
 
+@pytest.mark.slow
 def test_verify_with_coq_without_coq_is_one_line_and_exit_code_2(tmp_path):
     path = VECTORS / "accept-pattern-1111.json"
     environment = {"PATH": str(tmp_path), "PYTHONPATH": str(ROOT)}
@@ -347,6 +348,7 @@ def test_an_answer_that_lists_no_assumptions_is_no_answer():
     assert axioms_in("Axioms:\na.b : False\n  -> c : d\nE.f\n  : g\n") == ("a.b", "E.f")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("late", ["Vectors.v", "Vectors.vo", "Checker.v"])
 def test_proofs_of_which_a_part_is_newer_than_the_last_are_compiled_again(tmp_path, late):
     for name in needed(PROOFS):
@@ -359,6 +361,7 @@ def test_proofs_of_which_a_part_is_newer_than_the_last_are_compiled_again(tmp_pa
     assert not is_compiled(tmp_path, needed(PROOFS), PROOFS)
 
 
+@pytest.mark.slow
 def test_compiled_proofs_of_other_sources_are_not_taken(tmp_path):
     for name in needed(PROOFS):
         shutil.copyfile(PROOFS / f"{name}.v", tmp_path / f"{name}.v")
@@ -530,6 +533,7 @@ def spinning_states(count: int) -> list[tuple[bytes, bool]]:
     return found
 
 
+@pytest.mark.slow
 def test_a_spinning_state_is_accepted_up_to_the_level_whatever_its_exponent():
     exponents = set()
     for certificate, inside in spinning_states(12):

@@ -84,6 +84,7 @@ def test_full_rank_modulo_a_number_is_full_rank(rows):
             assert determinant % modulus == 0
 
 
+@pytest.mark.slow
 def test_no_proof_passes_where_the_equilibria_form_a_continuum():
     """Whatever the chart and the modulus: the theorem would be false."""
     random.seed(3)
@@ -136,6 +137,7 @@ def test_with_a_half_turn_only_a_chart_that_sees_it_proves_the_count():
     assert not refused(certificate | {"proof": {"chart": [1, 2, 4, 8], "modulus": 2**61 - 1}})
 
 
+@pytest.mark.slow
 def test_the_command_writes_a_certificate_that_the_checker_accepts_alone(data, tmp_path: Path):
     out = tmp_path / "count.json"
     run = certreg(

@@ -32,6 +32,8 @@ def made(cell: Cell, seed: int = 0) -> Any:
     return problem, objective, springs_list_certificate(problem, objective, lines)
 
 
+@pytest.mark.slow
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("cell", LISTED[1:3], ids=str)
 def test_the_list_of_a_random_problem_is_proved(cell):
     problem, _, certificate = made(cell)
@@ -44,6 +46,7 @@ def test_the_list_of_a_random_problem_is_proved(cell):
     assert {*indices} == {0, 1, 2, 3}
 
 
+@pytest.mark.slow
 def test_the_rates_of_one_instance():
     assert list_certificates.rates(LISTED[4], 1).startswith("1 of 1 accepted")
 

@@ -74,6 +74,7 @@ def test_nothing_is_left_to_the_slow_way_where_compiled_code_does_it():
     assert certreg.certify_many(SOURCES, TARGETS, weights=WEIGHTS)._others == {}
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(problems())
 def test_claims_are_those_of_the_slow_way_for_problems_of_every_kind(problem):
@@ -118,6 +119,7 @@ def test_every_pattern_is_certified_among_others(specimen):
     assert np.isnan(found.angles[0]) == (specimen.pattern[0] != 1)
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(
     st.integers(-120, 120),
@@ -355,6 +357,7 @@ def test_rows_that_are_not_there_are_not_read():
             library.prove_optima(clouds, np.array([size]), np.array([start]))
 
 
+@pytest.mark.slow
 def test_a_forged_proof_is_refused_by_the_checker():
     """Stronger claims than the proof's, and another problem's quaternion."""
     found = certreg.certify_many(SOURCES[:2], TARGETS[:2])

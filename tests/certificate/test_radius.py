@@ -92,6 +92,7 @@ def test_the_radius_is_not_far_below_the_true_one():
     assert turn > 5.0
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(seed=st.integers(0, 10**6), power=st.integers(-6, 6), shift=st.integers(-3, 3))
 def test_claims_a_little_larger_are_refused(seed, power, shift):

@@ -11,11 +11,12 @@ import pytest
 import scale_rates
 from mpmath import mpf, sqrt, workdps
 
-SAMPLE = scale_rates.PROBLEMS // 100
+SAMPLE = scale_rates.PROBLEMS // 500
 
 
-def test_scales_and_poses_are_those_of_the_reference_and_each_certificate_is_accepted():
-    tally = scale_rates.counted(0, SAMPLE)
+@pytest.mark.parametrize("count", [SAMPLE, pytest.param(5 * SAMPLE, marks=pytest.mark.long)])
+def test_scales_and_poses_are_those_of_the_reference_and_each_certificate_is_accepted(count):
+    tally = scale_rates.counted(0, count)
 
     assert tally.good
     assert 0 < tally.scale < 1e-15  # the scale is rounded to a double
@@ -31,6 +32,8 @@ def test_the_reference_knows_a_scale_that_is_exact():
     assert np.abs(best.rotation - turn).max() < 1e-50
 
 
+@pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("error", ["scale", "rotation", "translation"])
 def test_a_reference_that_is_off_by_little_is_seen(monkeypatch, error):
     honest = scale_rates.reference
@@ -71,6 +74,7 @@ def test_intervals_that_are_wide_or_beside_the_scale_are_seen():
         assert tally.good == (not wide and not outside)
 
 
+@pytest.mark.slow
 def test_what_the_checker_refuses_is_counted(tmp_path):
     line = scale_rates.certified(scale_rates.random_problem(1), scale_rates.Tally())
     forged = json.loads(line)
@@ -81,6 +85,7 @@ def test_what_the_checker_refuses_is_counted(tmp_path):
     assert scale_rates.accepted(path) == 2
 
 
+@pytest.mark.slow
 def test_a_pose_that_is_not_the_rigid_one_is_counted(monkeypatch):
     honest = scale_rates.Problem.stated
 

@@ -149,6 +149,8 @@ def test_no_digest_stands_for_two_problems_and_another_model_is_told_in_one_line
                 assert verdict.words == f"the certificate has {said}: give the same"
 
 
+@pytest.mark.slow
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("scale", SCALES)
 def test_forgeries_are_refused(scale):
     """Of each number of the proof and of each claim, made stronger by many factors."""

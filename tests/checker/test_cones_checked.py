@@ -92,6 +92,7 @@ def reason(certificate: dict[str, Any]) -> str:
 NAMES = ("choi-lam", "perturbed", "plane 6", "plane 7", "plane 20")
 
 
+@pytest.mark.slow
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", NAMES)
 def test_what_the_producer_proposes_is_accepted(name):
@@ -104,6 +105,7 @@ def test_what_the_producer_proposes_is_accepted(name):
     assert (outcome.worth.angle is not None) == bool(unique)
 
 
+@pytest.mark.slow
 def test_of_choi_and_lam_the_gap_is_proved_and_nothing_else():
     outcome = outcome_of(made("choi-lam"))
 
@@ -199,6 +201,7 @@ def made_curvature(name: str) -> Fraction:
     return Dyadic.of_pair(made(name)["proof"]["caps"][4:6]).value
 
 
+@pytest.mark.slow
 def test_in_another_cap_the_objective_stays_above_the_level():
     """Six planes: several minima whose energies are 0, but for rounding; mu lifts the level."""
     body = made("plane 6")["proof"]
@@ -209,6 +212,7 @@ def test_in_another_cap_the_objective_stays_above_the_level():
     assert reason(raised) == "a cap proves too little"
 
 
+@pytest.mark.slow
 def test_without_its_cap_a_tied_minimum_is_found():
     caps = made("plane 6")["proof"]["caps"]
 
@@ -264,6 +268,7 @@ def test_forms_of_the_proof_that_are_nonsense_are_refused():
 # Ties --------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_two_optima_of_exact_numbers_are_seen_to_be_tied():
     outcome, proof = outcome_of(made("two optima")), made("two optima")["proof"]
 
@@ -290,6 +295,7 @@ def test_a_rotation_that_is_nearly_tied_is_not_taken_for_a_tie():
     assert reason(changed("two optima", caps=[*caps, *moved])) == "a cap proves too little"
 
 
+@pytest.mark.slow
 def test_an_optimum_is_not_tied_with_itself():
     """Exact planes through exact points: the identity is stationary, and the only optimum."""
     points = np.random.default_rng(1).integers(-4, 5, size=(12, 3)).astype(float)

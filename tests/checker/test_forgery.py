@@ -109,6 +109,7 @@ def test_a_certificate_is_refused_when_a_digit_of_its_digest_changes():
         assert is_refused(oracle.dump(replaced(GENERIC, ("problem", "digest"), other)))
 
 
+@pytest.mark.slow
 def test_a_certificate_of_other_points_is_refused_although_the_digest_is_theirs():
     """High bits of the mantissas and the sign: the optimum moves by more than the proved bound."""
     content = base64.b64decode(GENERIC["problem"]["data"])
@@ -318,6 +319,7 @@ def test_long_integers_and_far_exponents_are_refused_in_time():
             assert is_refused(oracle.dump(replaced(GENERIC, path, [1, exponent])))
 
 
+@pytest.mark.slow
 def test_broken_text_is_refused():
     text = oracle.dump(GENERIC)
     for length in [*range(0, len(text), 7), len(text) - 1]:
@@ -388,6 +390,7 @@ def test_files_of_more_bytes_or_points_than_allowed_are_refused(monkeypatch, tmp
             assert is_refused(text)
 
 
+@pytest.mark.slow
 @given(st.binary(max_size=300))
 @examples(300)
 def test_random_bytes_are_refused(content):

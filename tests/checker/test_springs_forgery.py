@@ -34,6 +34,7 @@ def clouds_of(*arrays):
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("count", [80, pytest.param(500, marks=pytest.mark.long)])
 @pytest.mark.parametrize("cell", CELLS, ids=str)
 def test_a_mutated_certificate_is_refused_unless_it_is_true(cell, count):

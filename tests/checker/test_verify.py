@@ -114,6 +114,7 @@ def test_points_of_weight_zero_do_not_make_a_cloud_noncollinear():
     assert not verdict(changed(certificate, unstable=[0, 2])).verified
 
 
+@pytest.mark.slow
 def test_multiplicities_follow_from_the_signed_singular_values_in_any_position():
     rotations = [rotation_numerator(q) for q in ((1, 0, 0, 0), (1, 2, -1, 3), (5, -1, 2, 0))]
     for d in itertools.product(range(-3, 4), repeat=3):
@@ -151,6 +152,7 @@ def test_the_quadratic_form_of_k_is_the_trace_objective():
         assert (K == K.T).all()
 
 
+@pytest.mark.slow
 def test_definiteness_is_that_of_all_leading_minors():
     random = np.random.default_rng(6)
     seen = set()
@@ -190,6 +192,7 @@ def test_moments_are_exact_at_every_magnitude(magnitude):
         assert second * unit**2 == mass * S2[j][k]
 
 
+@pytest.mark.slow
 def test_moments_of_several_blocks_add_up():
     n = 2 * checker.BLOCK + 5
     random = np.random.default_rng(9)
@@ -319,6 +322,7 @@ def test_uniqueness_is_refused_where_the_optimum_is_not_unique(name):
     assert "unique" in verdict(changed(certificate, unique=True)).reason
 
 
+@pytest.mark.slow
 def test_any_other_count_of_unstable_directions_is_refused(generic):
     for other in itertools.product(range(4), repeat=4):
         forged = changed(generic, unstable=list(other))
@@ -622,6 +626,7 @@ def test_a_certificate_is_parsed_once_and_never_changed(generic):
 # --- The command ----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_file_runs_alone_in_an_empty_environment(generic, tmp_path):
     path = tmp_path / "certificate.json"
     path.write_bytes(oracle.dump(generic))
@@ -635,6 +640,7 @@ def test_the_file_runs_alone_in_an_empty_environment(generic, tmp_path):
     assert run(forged, code=1).stdout.startswith("REFUSED: claims.gap")
 
 
+@pytest.mark.slow
 def test_the_file_imports_nothing_but_the_standard_library():
     names = {
         node.module if isinstance(node, ast.ImportFrom) else alias.name
@@ -688,6 +694,7 @@ def test_a_malformed_certificate_is_refused_with_exit_code_one(tmp_path):
     assert checker.main([str(path)]) == 1
 
 
+@pytest.mark.slow
 def test_the_outcome_says_the_same_in_every_language_setting(generic, tmp_path):
     path = tmp_path / "certificate.json"
     generic = {**generic, "about": {"name": "\u001b[31m \u2028 \ud800 intruder"}}

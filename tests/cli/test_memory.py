@@ -90,6 +90,7 @@ def test_commands_that_compute_say_so_and_the_checker_runs(data, monkeypatch):
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("size", [80, 200])
 def test_a_real_limit_ends_in_the_message(size, data):
     code = (

@@ -143,6 +143,7 @@ def test_a_run_that_does_not_converge_ends_with_code_four(data: Path, monkeypatc
 
 
 @pytest.mark.slow  # a million steps: minutes without a compiler
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("options", "note"),
     [

@@ -57,6 +57,7 @@ def sabotaged(*_arguments, **_named):
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", RUN)
 def test_the_proof_runs_the_code_that_it_is_said_to_run(name, monkeypatch):
     """With any one of these functions gone, the proof breaks off."""

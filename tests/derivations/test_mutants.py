@@ -40,6 +40,7 @@ def test_every_mutant_is_one_of_the_code_as_it_is():
     assert [says for says, count in stand.items() if count != 1] == []
 
 
+@pytest.mark.slow
 def test_the_unmutated_formula_is_not_noticed():
     assert UNCHANGED.claims == ("davenport",)
     assert noticed_apart(UNCHANGED) is None

@@ -48,6 +48,7 @@ def test_the_matrix_that_is_decided_is_the_one_of_the_definition():
     assert values(symbols, pairs).tolist() == wanted
 
 
+@pytest.mark.slow
 def test_what_the_basin_compares_is_alignment_less_a_quarter_of_twice_the_kinetic_energy():
     expression = shipped.checked_alignment(
         davenport_matrix(matrix("C").tolist()), symmetric("J"), quaternion(), vector("omega")

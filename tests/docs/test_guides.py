@@ -85,6 +85,7 @@ def test_there_are_guides():
     assert {path.stem for path in GUIDES} >= {"embed-the-c-code", "simulate"}
 
 
+@pytest.mark.slow
 @each_guide
 def test_the_python_of_a_guide_runs(guide, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # where the files are that it writes
@@ -149,6 +150,7 @@ WITH_COMMANDS = [
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("guide", WITH_COMMANDS)
 def test_the_commands_of_a_guide_run(guide, tmp_path, data):
     """`certreg` is this checkout's; the shell stops at the first command that fails."""

@@ -81,6 +81,7 @@ def test_its_python_runs_in_a_few_lines(capsys):
     assert capsys.readouterr().out.startswith("CERTIFIED: the global optimum, and unique")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("checkout")
 def test_its_commands_print_what_it_shows():
     (console,) = blocks("console")

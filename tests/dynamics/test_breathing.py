@@ -173,6 +173,7 @@ def test_a_body_that_doubles_cannot_move_is_refused(sign: int):
         simulate_breathing(outside, DAMPING)
 
 
+@pytest.mark.slow
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("seed", range(6))
 def test_with_less_energy_than_a_point_the_scale_stays_above_its_bound(seed):

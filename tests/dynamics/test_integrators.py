@@ -44,7 +44,8 @@ from certreg.problem.problem import RegistrationProblem
 
 COMPILED = isinstance(current_engine(), Library)
 # instances; without a compiler each takes a millisecond
-MANY, FEW, STEPS = (20_000, 83, 20_000) if COMPILED else (1_000, 11, 1_000)
+MANY, FEW, STEPS = (4_000, 83, 20_000) if COMPILED else (1_000, 11, 1_000)
+ALL = 25 * MANY
 of_many = pytest.mark.slow if COMPILED else pytest.mark.quick  # whoever asks first waits
 EPSILON = 2.0**-52
 each_integrator = pytest.mark.parametrize("integrator", Integrator)
@@ -117,6 +118,7 @@ def papers_loop(problem: RegistrationProblem, unit: float, step: float, toleranc
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("seed", range(3))
 def test_euler_is_the_loop_of_the_paper(seed):
     problem = random_problem(np.random.default_rng(seed), n=8, noise=0.2)
@@ -244,9 +246,7 @@ def test_eigenvalues_are_told_apart_relative_to_their_range(size):
     assert (basins["gaps"] == size * np.array([[0.0, 2.0, 4.0, 6.0], [0.0, 0.0, 6.0, 6.0]])).all()
 
 
-@pytest.fixture(
-    scope="module", params=[MANY, pytest.param(5 * MANY, marks=pytest.mark.long)], ids=str
-)
+@pytest.fixture(scope="module", params=[MANY, pytest.param(ALL, marks=pytest.mark.long)], ids=str)
 def registrations(request) -> list[tuple[Clouds, Bodies, Ends]]:
     """A tenth of them of 4, 5, 6 points: nearly ambiguous, nearly collinear ones among them."""
     rng, found = np.random.default_rng(2029), []
@@ -284,7 +284,7 @@ def test_splitting_reaches_the_optimum_and_says_so(registrations):
         assert (ends.status[~ends.converged] == Ending.OUT_OF_STEPS).all()
         reached, total = reached + int(at_optimum.sum()), total + len(off)
 
-    assert total in {MANY, 5 * MANY}
+    assert total in {MANY, ALL}
     assert reached >= 0.9999 * total
 
 

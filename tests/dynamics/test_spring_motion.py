@@ -253,6 +253,7 @@ def test_compiled_code_and_python_take_the_same_way():
         assert np.abs(mine - theirs).max() < 1e-11
 
 
+@pytest.mark.slow
 def test_bodies_side_by_side_end_as_each_alone():
     bodies = [moving_springs(spring_moments(planes(20, seed)), 1.5) for seed in range(19)]
     starts = np.array([body.start for body in bodies])
@@ -304,6 +305,7 @@ def test_what_has_no_trace_has_none():
     assert np.abs(table[(0, 3, 5), :].sum(axis=0)).max() < 1e-14
 
 
+@pytest.mark.slow
 def test_unstable_eigenvalues_are_the_proved_index():
     tally = counted(2, families=("plane", "aniso"))
     assert tally.equilibria >= 16

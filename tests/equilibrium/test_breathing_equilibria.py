@@ -22,6 +22,7 @@ def of_axes(diagonal: list[float]) -> Isotropic:
     return Isotropic(exact_moments(RegistrationProblem(AXES, AXES * diagonal)))
 
 
+@pytest.mark.slow
 def test_counts_and_indices_are_those_of_the_linearised_motion():
     found = breathing.counted(50)
 

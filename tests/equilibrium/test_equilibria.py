@@ -50,6 +50,7 @@ def test_forces_and_torques_balance_point_by_point_at_every_component(problem):
         assert np.abs(torque).max() <= 1e-12 * scale
 
 
+@pytest.mark.slow
 @given(strategies.problems())
 def test_components_are_mutually_orthogonal_eigenspaces_that_fill_the_space(problem):
     basis = np.hstack([c.basis for c in certreg.equilibria(problem).components])
@@ -108,6 +109,7 @@ def test_rates_that_rounding_would_drown_are_not_given():
     assert rates(9, 9) is None
 
 
+@pytest.mark.slow
 @given(strategies.problems())
 def test_energy_rises_with_the_index_and_the_optimum_comes_first(problem):
     found = certreg.equilibria(problem)
@@ -120,6 +122,7 @@ def test_energy_rises_with_the_index_and_the_optimum_comes_first(problem):
     assert [c.optimal for c in found.components] == [True] + [False] * (len(indices) - 1)
 
 
+@pytest.mark.slow
 @given(strategies.problems())
 def test_spurious_components_are_half_a_turn_from_the_optimum(problem):
     angles = [np.degrees(c.angle_to_optimum) for c in certreg.equilibria(problem).components]
@@ -265,6 +268,7 @@ def test_gaps_below_the_doubles_keep_their_signs():
     assert [c.witness is None for c in found.components] == [True, False, False, False]
 
 
+@pytest.mark.slow
 @given(strategies.problems())
 def test_turning_about_the_witness_lowers_the_energy(problem):
     w, x, y = centred(problem)

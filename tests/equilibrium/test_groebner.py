@@ -54,6 +54,7 @@ def test_elimination_and_discriminant_give_the_same_pattern(C):
     assert tuple(p.dimension + 1 for p in fibres(eliminated(C), 60)) == pattern_of(C)
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(matrices)
 def test_all_six_quadratics_vanish_on_every_vector_found(C):

@@ -23,6 +23,7 @@ def near_degenerate(gap, seed):
     return frame @ np.diag([1, 0.3, 0.3 - gap, gap - 1.6]) @ frame.T
 
 
+@pytest.mark.slow
 def test_a_thousand_random_instances_have_four_roots_each_and_none_is_silently_wrong():
     K = davenports(1000)
     found = continuation(K)
@@ -119,6 +120,8 @@ def test_every_row_is_reported_as_what_it_is(specimen):
     assert found.outcomes == (expected,)
 
 
+@pytest.mark.slow
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("gap", [1e-3, 1e-6, 1e-9, 1e-12])
 def test_near_degeneracy_is_resolved_or_flagged(gap):
     """Whatever is called FOUND is right; nothing else is called so."""

@@ -172,6 +172,7 @@ def test_no_instance_depends_on_its_neighbours_or_on_the_number_of_threads():
         assert_identical(few.part(slice(k, k + 1)), whole.part(slice(one, one + 1)))
 
 
+@pytest.mark.slow
 def test_the_evaluator_finds_the_same(monkeypatch):
     given = some(600, n=7, decades=3.0, offset=10.0)
     by_engine = solve_many(**given, spectrum=True)
@@ -365,6 +366,7 @@ def test_without_its_bound_a_decision_would_be_wrong(monkeypatch):
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("machine", [current_engine, evaluator])
 def test_eigenvalues_are_as_near_as_the_bound_says(machine):
     for group in adversaries():

@@ -33,6 +33,7 @@ def torque(points, targets, R):
     return total
 
 
+@pytest.mark.slow
 @given(matrices, matrices, quaternions)
 def test_the_first_three_quadratics_are_the_torque_summed_point_by_point(points, targets, q):
     C = [
@@ -45,6 +46,7 @@ def test_the_first_three_quadratics_are_the_torque_summed_point_by_point(points,
     assert values == expected
 
 
+@pytest.mark.slow
 @given(matrices, quaternions)
 def test_the_six_quadratics_are_sums_and_differences_of_the_minors_of_q_and_Kq(C, q):
     image = [dot(row, q) for row in davenport_matrix(C)]

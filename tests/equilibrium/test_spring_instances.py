@@ -94,6 +94,7 @@ def descended(one, start):
     return cost
 
 
+@pytest.mark.slow
 def test_all_minima_that_descent_finds_are_listed_and_every_listed_one_is_found():
     """SciPy's descent knows nothing of quartics and paths."""
     one = spring_families.instance(spring_families.Cell("plane", 7, 0.05), 3)

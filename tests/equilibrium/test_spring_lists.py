@@ -105,6 +105,7 @@ def test_ranks_are_those_of_the_table(name):
     assert RANKS._rank(table, prime) == of_plane
 
 
+@pytest.mark.slow
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     "name",
@@ -193,6 +194,7 @@ def test_a_bound_of_forty_is_not_proved_of_a_constant_or_a_continuum():
         assert infinitely_many(quartic) == 7
 
 
+@pytest.mark.slow
 def test_finitely_many_are_never_called_infinitely_many():
     assert infinitely_many(objective(0).quartic) is None
     assert infinitely_many(objective("sphere").quartic) is None
@@ -311,6 +313,7 @@ def test_equal_energies_in_another_order_agree_and_another_rotation_does_not():
             compare([found, other])
 
 
+@pytest.mark.slow
 def test_rates_of_lists_are_those_of_the_script():
     rate = list_rates.rate_of(spring_families.LISTED[10], 2)
 
@@ -318,6 +321,7 @@ def test_rates_of_lists_are_those_of_the_script():
     assert "2 of 2 proved complete" in str(rate)
 
 
+@pytest.mark.slow
 def test_forty_boxes_without_the_ranks_are_no_complete_list(monkeypatch):
     module = import_module("certreg.equilibrium.line_set")
     monkeypatch.setattr(module, "at_most_forty", lambda _: None)

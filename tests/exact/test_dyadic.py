@@ -3,6 +3,7 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 
+import pytest
 from flint import arb, ctx
 from hypothesis import example, given
 from hypothesis import strategies as st
@@ -58,6 +59,7 @@ def test_the_nearest_double_is_none_only_outside_the_doubles(value):
         assert abs(Fraction(nearest) - value) <= value / 2**52 + Fraction(5e-324)
 
 
+@pytest.mark.slow
 @given(positive)
 def test_roots_are_right_where_the_square_is_far_outside_the_doubles(value):
     root = nearest_root(value)

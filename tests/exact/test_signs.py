@@ -29,6 +29,7 @@ def test_the_polynomial_is_that_of_sympy(entries):
     assert list(characteristic(A)) == sympy.Matrix(A).charpoly().all_coeffs()
 
 
+@pytest.mark.slow
 @given(st.lists(st.lists(st.integers(-9, 9), min_size=4, max_size=4), max_size=4), st.data())
 def test_signs_follow_sylvesters_law(vectors, data):
     signs = data.draw(st.lists(st.sampled_from([-1, 1]), min_size=4, max_size=4))

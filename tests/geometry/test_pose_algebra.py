@@ -47,6 +47,7 @@ def is_whole(pose: Pose) -> bool:
     return bool(unit and first > 0.0 and np.abs(pose.rotation - R).max() < 1e-15 * 8)
 
 
+@pytest.mark.slow
 @FEW
 @given(SEEDS)
 def test_poses_obey_the_laws_of_a_group(seed: int):
@@ -95,6 +96,7 @@ def test_scipys_rigid_transforms_are_the_same_group(seed: int):
     assert np.allclose(a.as_scipy().as_matrix(), a.rotation, atol=1e-15)
 
 
+@pytest.mark.slow
 def test_a_long_product_does_not_drift_from_the_rotations():
     rng = np.random.default_rng(5)
     step, product = random_pose(rng), Pose.from_matrix(np.eye(4))
@@ -292,6 +294,7 @@ def test_a_scale_is_named_whatever_digits_are_printed():
     assert "scales by 1e-05:" in str(why_no_rotation(np.round(1e-5 * R, 10)))
 
 
+@pytest.mark.slow
 def test_digits_that_are_not_printed_are_no_scale():
     """Of 2,000 rotations with four decimals; dividing a scale out leaves a rotation."""
     rng, refused = np.random.default_rng(11), 0

@@ -34,6 +34,7 @@ def is_close(a: Similarity, b: Similarity, within: float = 1e-13) -> bool:
     return bool(same and q <= within and math.isclose(a.scale, b.scale, rel_tol=within))
 
 
+@pytest.mark.slow
 @FEW
 @given(SEEDS)
 def test_similarities_obey_the_laws_of_a_group(seed: int):

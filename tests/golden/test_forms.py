@@ -9,6 +9,9 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import pytest
+from syntax import nodes
+
 import certreg
 
 if TYPE_CHECKING:
@@ -59,13 +62,12 @@ def sentences(source: str) -> tuple[str, ...]:
 
 
 def _sentences(source: str) -> Iterator[str]:
-    tree = ast.parse(source)
     documented = {
         id(node.value)
-        for node in ast.walk(tree)
+        for node in nodes(source)
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
     }
-    for node in ast.walk(tree):
+    for node in nodes(source):
         if isinstance(node, ast.Constant) and id(node) not in documented:
             parts = re.split(r"\{[^{}]*\}|\n", node.value) if isinstance(node.value, str) else []
             yield from (words for part in parts if SENTENCE.search(words := plain(part).strip()))
@@ -97,6 +99,7 @@ def told() -> str:
     return plain(f"{records}\n{joined}")
 
 
+@pytest.mark.slow
 def test_every_sentence_of_a_result_is_told_in_a_record_or_a_test():
     assert untold(told(), modules()) == {}
 

@@ -26,10 +26,13 @@ SLOW |= SHOWN_SLOWLY
 
 
 def marked(case: NetCase):
+    """Of those that are slow one in two is asked in every run of the tests."""
     marks = [pytest.mark.slow] if case.name in SLOW else []
+    marks += [pytest.mark.long] if case.name in sorted(SLOW)[1::2] else []
     return pytest.param(case, id=case.name, marks=marks)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", [marked(case) for case in CASES])
 def test_what_is_seen_is_what_is_recorded(case):
     kept = record_of(case.name)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from syntax import nodes, tree
 
 import certreg
 
@@ -88,7 +89,7 @@ def statements(node: ast.AST, *, inner: bool = False) -> Iterator[tuple[ast.AST,
 def imports_of(module: str, source: str) -> tuple[Import, ...]:
     """Everything that a module imports from certreg, for types alone, too."""
     found: list[Import] = []
-    for node, inner in statements(ast.parse(source)):
+    for node, inner in statements(tree(source)):
         if isinstance(node, ast.Import):
             pairs = [alias.name.rpartition(".")[::2] for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
@@ -135,7 +136,7 @@ def trespassing(texts: dict[str, str]) -> list[str]:
 
 def homes(source: str) -> dict[str, str]:
     """What the call of `lazy_face` says: the module of each name, relative to the package."""
-    calls = [n for n in ast.walk(ast.parse(source)) if isinstance(n, ast.Call)]
+    calls = [n for n in nodes(source) if isinstance(n, ast.Call)]
     (call,) = [c for c in calls if isinstance(c.func, ast.Name) and c.func.id == "lazy_face"]
     shown: dict[str, tuple[str, ...]] = ast.literal_eval(call.args[1])
     return {name: module for module, names in shown.items() for name in names}
@@ -158,6 +159,7 @@ def test_imports_only_go_down_the_map():
     assert upward(sources()) == []
 
 
+@pytest.mark.slow
 def test_a_wing_is_entered_through_its_face():
     assert trespassing(sources()) == []
 
@@ -186,6 +188,7 @@ def test_a_planted_import_of_a_private_module_is_seen():
     ]
 
 
+@pytest.mark.slow
 def test_a_face_shows_what_its_types_say_and_no_name_of_a_module():
     for module, text in sources().items():
         if "lazy_face(" not in text or module == "certreg._loading":
@@ -228,6 +231,7 @@ def test_the_checker_is_a_common_part_and_a_section_for_each_kind():
     assert text.count("# --- ") == 2 * len(sections)
 
 
+@pytest.mark.slow
 def test_a_section_of_the_checker_is_read_beside_the_common_part_alone():
     """No kind uses a name of another's section, and the common part only those of the kinds.
 
@@ -243,21 +247,19 @@ def test_a_section_of_the_checker_is_read_beside_the_common_part_alone():
     own = [
         {
             ast.unparse(node.targets[0]) if isinstance(node, ast.Assign) else node.name
-            for node in ast.parse(part).body
+            for node in tree(part).body
             if isinstance(node, (ast.Assign, ast.ClassDef, ast.FunctionDef))
         }
         for part in sections
     ]
-    used = [
-        {n.id for n in ast.walk(ast.parse(part)) if isinstance(n, ast.Name)} for part in sections
-    ]
+    used = [{n.id for n in nodes(part) if isinstance(n, ast.Name)} for part in sections]
 
     for k, names in enumerate(used):
         others = [own[j] for j in range(len(own)) if j != k and not shared[j]]
         assert not names & set().union(*others)
         if shared[k]:
             assert not names & set().union(*own[k + 1 :])
-    among = {node.id for node in ast.walk(ast.parse(common)) if isinstance(node, ast.Name)}
+    among = {node.id for node in nodes(common) if isinstance(node, ast.Name)}
     assert among & set().union(*own) == {form.__name__ for form in verify.KINDS.values()}
 
 
@@ -267,12 +269,13 @@ def test_finding_does_not_know_proving():
             assert wing(one.source + ".") not in PROVERS, str(one)
 
 
+@pytest.mark.slow
 def test_functions_and_modules_keep_to_the_sizes_of_the_house():
     for module, source in sources().items():
         if module.startswith("certreg.native.generated"):
             continue  # by `make generate`, for no reader
         assert module == "certreg.verify" or len(source.splitlines()) <= 450, module
-        for node, _ in statements(ast.parse(source)):
+        for node, _ in statements(tree(source)):
             if isinstance(node, ast.FunctionDef):
                 lines = (node.end_lineno or 0) - node.lineno + 1
                 told = ast.get_docstring(node, clean=False) or ""  # whose sections are long

@@ -6,6 +6,7 @@ import ast
 from pathlib import Path
 
 import pytest
+from syntax import nodes
 
 import certreg
 
@@ -16,7 +17,7 @@ STATED = {"read_text": 0, "write_text": 1}  # which argument says it, where no n
 def unstated(source: str) -> list[int]:
     """The lines that leave the encoding of a text to the machine."""
     lines: list[int] = []
-    for node in ast.walk(ast.parse(source)):
+    for node in nodes(source):
         if not isinstance(node, ast.Call):
             continue
         named = {keyword.arg: keyword.value for keyword in node.keywords}

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from syntax import nodes
 
 import certreg
 from certreg import RegistrationProblem, errors
@@ -98,7 +99,7 @@ def calls(folder: Path) -> list[tuple[str, str, set[str]]]:
     names = {kind.__name__ for kind in KINDS}
     made: list[tuple[str, str, set[str]]] = []
     for path in sorted(folder.rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        for node in nodes(path.read_text("utf-8")):
             if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Name)):
                 continue
             if node.func.id in names:
@@ -107,6 +108,7 @@ def calls(folder: Path) -> list[tuple[str, str, set[str]]]:
     return made
 
 
+@pytest.mark.slow
 def test_readers_and_problems_never_refuse_without_evidence():
     made = calls(PACKAGE / "io") + calls(PACKAGE / "problem")
 
@@ -246,6 +248,7 @@ TEXTS = {
 }
 
 
+@pytest.mark.slow
 @given(
     suffix=st.sampled_from(sorted(TEXTS)),
     row=st.integers(0, 3),

@@ -95,6 +95,7 @@ def test_every_command_runs_without_what_windows_lacks(tmp_path: Path):
     assert (line["name"], line["exit_code"]) == (r"\n", 0)
 
 
+@pytest.mark.slow
 def test_no_name_that_windows_lacks_is_used_unasked():
     """Each of these uses asks first, or stands in code that runs where the name is."""
     words = "|".join(f"{module}\\.(?:{'|'.join(names)})" for module, names in NAMES.items())
@@ -199,6 +200,7 @@ def test_json_on_such_a_console_is_the_same_document(
 # Files --------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_no_file_of_results_has_the_line_ends_of_the_system(
     foreign: Path, monkeypatch: pytest.MonkeyPatch
 ):

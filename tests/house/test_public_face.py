@@ -82,7 +82,9 @@ def test_import_certreg_loads_nothing_heavy():
 
 
 @pytest.mark.slow
-def test_help_and_verify_load_no_numerical_library(tmp_path: Path):
+@pytest.mark.one_in(4)
+@pytest.mark.parametrize("which", ["--help", "verify --help", "verify", "certify --no-relaxation"])
+def test_help_and_verify_load_no_numerical_library(which: str, tmp_path: Path):
     certificate = tmp_path / "certificate.json"
     problem = certreg.RegistrationProblem([[0, 0, 1], [2, 0, 0]], [[1, 0, 0], [0, 1, 0]])
     made = certreg.certify(problem).certificate
@@ -93,14 +95,12 @@ def test_help_and_verify_load_no_numerical_library(tmp_path: Path):
             "\n".join(",".join(map(str, p)) for p in points) + "\n", "utf-8"
         )
 
-    for arguments in (
-        ("--help",),
-        ("verify", "--help"),
-        ("verify", certificate, tmp_path / "a.csv", tmp_path / "b.csv"),
-    ):
-        assert not top_level_modules(command(*arguments)) & {*HEAVY, "numpy"}
-    light = ("certify", *PAIR, "--no-relaxation")
-    assert not top_level_modules(command(*light)) & HEAVY
+    name, *options = which.split()
+    given = {"verify": (certificate, tmp_path / "a.csv", tmp_path / "b.csv"), "certify": PAIR}
+    arguments = (*options, *(() if "--help" in which else given[name]))
+    absent = HEAVY if name == "certify" else {*HEAVY, "numpy"}
+
+    assert not top_level_modules(command(name, *arguments)) & absent
 
 
 @pytest.fixture
@@ -191,7 +191,9 @@ def test_an_unknown_name_is_an_attribute_error():
 
 
 @pytest.mark.slow
-def test_a_command_is_imported_when_it_is_run_and_not_when_it_is_listed():
+@pytest.mark.one_in(3)
+@pytest.mark.parametrize("which", ["help", "version", "names"])
+def test_a_command_is_imported_when_it_is_run_and_not_when_it_is_listed(which: str):
     complete = (
         "from click import Context\n"
         "from certreg.cli.main import cli\n"
@@ -201,8 +203,9 @@ def test_a_command_is_imported_when_it_is_run_and_not_when_it_is_listed():
     absent = "import sys\nassert not [m for m in sys.modules if m in {!r}]".format(
         {f"certreg.cli.{entry.module}" for entry in COMMANDS.values()}
     )
-    for code in (command("--help"), command("--version"), complete):
-        assert not top_level_modules(f"{code}\n{absent}") & {*HEAVY, "numpy"}
+    code = {"help": command("--help"), "version": command("--version"), "names": complete}[which]
+
+    assert not top_level_modules(f"{code}\n{absent}") & {*HEAVY, "numpy"}
     with pytest.raises(AssertionError):
         top_level_modules(f"{command('info')}\n{absent}")
 

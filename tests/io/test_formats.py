@@ -150,6 +150,7 @@ def test_in_ascii_the_number_that_is_written_counts():
     )
 
 
+@pytest.mark.slow
 def test_a_ply_file_of_437645_vertices_is_read_within_a_second(tmp_path: Path):
     points = np.random.default_rng(1).normal(size=(437_645, 3)).astype(">f4")
     head = b"ply\nformat binary_big_endian 1.0\nelement vertex 437645\n"
@@ -218,6 +219,7 @@ def test_a_missing_point_of_an_organised_cloud_is_named(data: str):
         read(content, ".pcd")
 
 
+@pytest.mark.slow
 @given(st.binary(max_size=40).map(lambda part: part * 9 + bytes(300) + part))
 def test_lzf_gives_back_what_was_packed(raw: bytes):
     packed = files.lzf(raw)
@@ -750,6 +752,7 @@ def test_pairs_tell_which_row_is_which(tmp_path: Path, clouds, kind: str):
     assert (refused.code, refused.out[:8]) == (1, "REFUSED:")
 
 
+@pytest.mark.slow
 def test_every_command_on_clouds_takes_pairs(tmp_path: Path, clouds):
     source, target, order = clouds
     (tmp_path / "p.csv").write_text("".join(f"{i},{j}\n" for i, j in enumerate(order)), "utf-8")
@@ -901,6 +904,7 @@ def test_weights_are_counted_by_the_rows_of_the_file(tmp_path: Path, labelled):
 # Through the commands ----------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", ["ply", "pcd", "npz", "xyz", "npy"])
 def test_every_format_states_the_same_problem(tmp_path: Path, suffix: str):
     content = {

@@ -52,6 +52,7 @@ def bits(array: NDArray[np.float64]) -> bytes:
 # Round trips -------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @given(points=POINTS, suffix=st.sampled_from(FORMATS))
 @example(points=np.array([[-0.0, 5e-324, 1.7976931348623157e308]]), suffix=".csv")
 @example(points=np.array([[-0.0, 5e-324, 1.7976931348623157e308]]), suffix=".txt")

@@ -130,6 +130,8 @@ def colours(kind: str, type_: str) -> bytes:
     )
 
 
+@pytest.mark.slow
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("kind", ["binary_little_endian", "binary_big_endian"])
 @pytest.mark.parametrize("type_", ["float", "double"])
 def test_a_ply_file_stays_in_its_place_whatever_is_around(tmp_path, kind, type_, all_large):

@@ -241,6 +241,7 @@ def test_clouds_that_do_not_pair_are_input_errors(source, target, words):
     assert words in str(caught.value)
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(*[st.floats(allow_nan=False, allow_infinity=False)] * 3), min_size=1))
 @settings(max_examples=50, deadline=None, derandomize=True)
 def test_every_double_survives_the_text(tmp_path_factory, rows):

@@ -242,6 +242,7 @@ def test_the_sources_to_embed_compile_without_a_warning_and_reproduce_a_trajecto
     assert np.allclose(np.array(state, dtype=float), trajectory.states[-1], atol=1e-12)
 
 
+@pytest.mark.slow
 def test_the_example_says_what_it_expects(tmp_path):
     write_sources(tmp_path)
     compiler = c_compiler()

@@ -331,6 +331,7 @@ def pretend(built: Built, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     return make
 
 
+@pytest.mark.slow
 def test_a_build_fills_the_folder_and_removes_what_stood_there(pretend, folder):
     pretend()
     folder.mkdir()
@@ -346,6 +347,7 @@ def test_a_build_fills_the_folder_and_removes_what_stood_there(pretend, folder):
     assert chosen_library()[0].exists()
 
 
+@pytest.mark.slow
 def test_what_is_built_of_its_sources_is_left_alone(pretend, folder):
     log = pretend()
     found = build_kernels.renewed()
@@ -359,6 +361,7 @@ def test_what_is_built_of_its_sources_is_left_alone(pretend, folder):
     assert len(list(folder.glob("kernels-*"))) == len(found.variants)
 
 
+@pytest.mark.slow
 def test_only_what_changed_is_compiled_again(pretend, folder, tmp_path, monkeypatch):
     log = pretend()
     before = build_kernels.renewed()
@@ -376,6 +379,7 @@ def test_only_what_changed_is_compiled_again(pretend, folder, tmp_path, monkeypa
     assert len(objects) == len(kernels.UNITS) * len(after.variants)
 
 
+@pytest.mark.slow
 def test_builds_share_their_objects_in_a_folder_that_is_named(
     pretend, folder, tmp_path, monkeypatch
 ):
@@ -394,6 +398,7 @@ def test_builds_share_their_objects_in_a_folder_that_is_named(
     assert (tmp_path / "shared" / "of-another-compiler.o").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not X86, reason="of x86-64")
 def test_a_compiler_that_does_not_know_a_level_makes_the_others(pretend, folder):
     pretend('case "$*" in *x86-64-v4*-c*) echo "error: bad value" >&2; exit 1;; esac')
@@ -402,6 +407,7 @@ def test_a_compiler_that_does_not_know_a_level_makes_the_others(pretend, folder)
     assert folder.exists()
 
 
+@pytest.mark.slow
 def test_a_library_that_does_not_run_is_not_taken(pretend, folder, monkeypatch):
     def crashing(path: Path) -> None:
         if BASELINE not in path.name:
@@ -415,6 +421,7 @@ def test_a_library_that_does_not_run_is_not_taken(pretend, folder, monkeypatch):
     assert folder.exists()
 
 
+@pytest.mark.slow
 def test_the_trial_is_a_process_of_its_own(built, copied):
     assert built.variants
     build_kernels._try(chosen_library()[0])
@@ -448,6 +455,7 @@ def no_index(_: Path) -> Compiler:
     raise BuildError("no index")
 
 
+@pytest.mark.slow
 def test_code_that_is_wrong_asks_for_no_other_compiler_in_the_tests(pretend, folder, monkeypatch):
     monkeypatch.setattr(build_kernels, "_fetched_zig", lambda _: pytest.fail("fetched"))
     pretend('case "$*" in *" -c "*) echo "error: wrong" >&2; exit 1;; esac')
@@ -456,6 +464,7 @@ def test_code_that_is_wrong_asks_for_no_other_compiler_in_the_tests(pretend, fol
     assert folder.exists()
 
 
+@pytest.mark.slow
 def test_set_up_tries_again_where_there_was_no_compiler_and_the_tests_do_not(
     pretend, folder, monkeypatch
 ):
@@ -536,6 +545,7 @@ def test_a_wheel_with_libraries_is_for_this_platform_and_any_python(pretend, tmp
 # Widths ------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_no_integer_that_c_and_python_share_has_a_width_of_the_system():
     """`long` has 32 bits on 64-bit Windows, where ctypes.c_long and NumPy's int_ follow it."""
     for path in (*kernels.UNITS, *kernels.HEADERS, kernels.PROCESSOR):

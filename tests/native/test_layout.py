@@ -81,11 +81,13 @@ def faults(folder, types, include=GENERATED) -> list[str]:
     return [name for name, one, other in zip(names, expected, found, strict=True) if one != other]
 
 
+@pytest.mark.slow
 def test_every_part_of_every_record_stands_where_the_c_says(tmp_path):
     assert set(layout._TYPES) == set(RECORDS)
     assert faults(tmp_path, layout._TYPES) == []
 
 
+@pytest.mark.slow
 def test_a_part_in_another_place_is_seen(tmp_path):
     """Two parts of a body exchanged in one of both: the other no longer fits."""
     parts = dict(RECORDS["body"].parts)
@@ -119,6 +121,7 @@ def test_the_records_are_those_of_the_derivations():
             assert mine == list(motion.flat({part: value})), (name, part)
 
 
+@pytest.mark.slow
 def test_structs_that_python_passes_are_those_of_the_headers(tmp_path):
     lines, expected = [], []
     for name, struct in STRUCTS.items():
@@ -137,6 +140,7 @@ def test_structs_that_python_passes_are_those_of_the_headers(tmp_path):
     assert printed(tmp_path, lines) == expected
 
 
+@pytest.mark.slow
 def test_numbers_that_c_and_python_share_are_equal(tmp_path):
     lines = [
         "CERTREG_FIXED_WORDS",

@@ -232,6 +232,7 @@ def test_a_state_that_is_no_number_ends_out_of_steps_at_once(bad, integrator):
         assert alone.taken.max() <= 2
 
 
+@pytest.mark.slow
 def test_theleast_curvature_is_that_of_lapack():
     rng = np.random.default_rng(5)
     for _ in range(100):

@@ -51,6 +51,7 @@ def energy_at(problem, q, translation):
     return total
 
 
+@pytest.mark.slow
 @given(strategies.problems())
 def test_form_value_energy_and_best_translation_say_the_same(problem):
     objective, isotropic = objective_of(problem), Isotropic(exact_moments(problem))
@@ -65,6 +66,7 @@ def test_form_value_energy_and_best_translation_say_the_same(problem):
     assert objective.free_translations == ()
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(strategies.problems(), st.tuples(*[st.integers(-9, 9)] * 4).filter(any))
 def test_a_loss_is_the_share_of_the_range_of_energies_above_the_least(problem, q):

@@ -93,6 +93,7 @@ def test_the_motion_dies_out_at_the_rate_of_the_slowest_mode(mu: float):
     np.testing.assert_allclose(np.median((last - first) / told), 1.0, atol=0.03)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("mu", [0.1, 1.0, 2.2, 10.0])
 def test_the_steps_are_those_that_the_slowest_mode_tells(mu: float):
     found = measured("damping", mu)
@@ -110,6 +111,7 @@ def test_the_fewest_steps_are_made_near_optimal_damping():
     assert abs(math.log10(best / DEFAULT_DAMPING)) < 1 / 6  # of a decade: the values' distance
 
 
+@pytest.mark.slow
 def test_the_escape_time_is_logarithmic_in_the_distance_from_the_saddle():
     made = gaussian_instances(np.random.default_rng(1), count=COUNT)
     modes = solve_many(made.sources, made.targets, damping=2.0, spectrum=True).eigenvalues
@@ -135,6 +137,7 @@ def test_the_escape_is_told_by_the_linear_motion_from_rest(damping: float, growi
     assert sweeping.predicted_escape_times(np.array([growing]), damping, 3.6).tolist() == [0.0]
 
 
+@pytest.mark.slow
 def test_the_papers_rule_stops_at_a_saddle_and_certreg_does_not():
     near, far = measured("start", 1e-6), measured("start", 1e-2)
 
@@ -159,6 +162,7 @@ def test_lost_is_what_stops_more_than_90_degrees_from_the_optimum(monkeypatch):
     assert lost.tolist() == [False, False, True, True, True]
 
 
+@pytest.mark.slow
 def test_the_margin_is_proportional_to_the_break_of_symmetry():
     for value in (1e-10, 1e-6, 1e-3):
         found = measured("symmetry", value)
@@ -166,6 +170,7 @@ def test_the_margin_is_proportional_to_the_break_of_symmetry():
         assert found.four.all()
 
 
+@pytest.mark.slow
 def test_a_cube_that_is_not_moved_has_no_margin_but_rounding():
     found = measured("symmetry", 0.0)
 
@@ -203,6 +208,7 @@ def test_four_are_not_taken_for_granted_where_doubles_do_not_decide():
     assert four.tolist() == [False, False]
 
 
+@pytest.mark.slow
 def test_near_a_mirror_image_times_grow_as_one_over_the_distance():
     near, far = measured("degeneracy", 0.01), measured("degeneracy", 0.1)
 
@@ -213,6 +219,7 @@ def test_near_a_mirror_image_times_grow_as_one_over_the_distance():
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("points", "sigma"), [(100, 0.0), (100, 3.2), (1000, 10.0)])
 def test_the_margin_is_that_of_the_central_limit(points: int, sigma: float):
     count = 2000
@@ -224,6 +231,7 @@ def test_the_margin_is_that_of_the_central_limit(points: int, sigma: float):
     assert abs((margins < told).mean() - 0.5) < 3 * 0.5 / math.sqrt(count) + 0.02
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sigma", [0.0, 1.0])
 def test_the_limit_is_the_median_of_random_instances(sigma: float):
     made = gaussian_instances(np.random.default_rng(0), points=1000, sigma=sigma, count=200)
@@ -232,6 +240,7 @@ def test_the_limit_is_the_median_of_random_instances(sigma: float):
     assert limit_margin(1000, sigma) == pytest.approx(median, rel=0.15)
 
 
+@pytest.mark.slow
 def test_the_limit_is_told_from_ten_points_on():
     told = [
         bool(np.isfinite(FAMILIES["points"].sample(np.random.default_rng(0), n, 2).margins).all())
@@ -248,6 +257,7 @@ def test_zero_stands_a_quarter_of_the_axis_before_the_others():
     assert least - zero == pytest.approx((largest - least) / 4)
 
 
+@pytest.mark.slow
 def test_the_limit_falls_as_one_over_the_root_of_the_points():
     assert limit_margin(10**6, 0.01) / limit_margin(10**4, 0.01) == pytest.approx(0.1, rel=0.02)
 
@@ -260,6 +270,7 @@ def test_the_margin_of_a_diagonal_is_that_of_its_singular_values():
 # measuring
 
 
+@pytest.mark.slow
 def test_portions_are_of_one_stream_and_all_there():
     whole = measured("noise", 0.1, 12)
     family, rng = FAMILIES["noise"], np.random.default_rng(1)
@@ -424,6 +435,7 @@ def test_a_row_of_the_table_has_the_numbers_of_its_columns():
     assert [row["four_equilibria"] for row in rows[:2]] == [3, 2]
 
 
+@pytest.mark.slow
 def test_the_table_has_a_row_for_each_value_and_the_documents_fields(found):
     listed = list(csv.DictReader(io.StringIO(sweep_table(found).decode())))
     fields = SCHEMA["properties"]["maps"]["items"]["properties"]

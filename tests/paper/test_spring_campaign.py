@@ -66,6 +66,7 @@ def whole(tmp_path_factory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_a_campaign_sees_what_is_seen_in_one_process(whole):
     counts = write_spring_results(KIND, whole)
     expected = tuple(measured(cell, 5, 3) for cell in CELLS)
@@ -75,6 +76,7 @@ def test_a_campaign_sees_what_is_seen_in_one_process(whole):
     assert len({seen for each in counts for seen in each.seen}) > 1  # a row knows its instance
 
 
+@pytest.mark.slow
 def test_a_campaign_that_was_stopped_goes_on_to_the_same_bytes(whole, tmp_path):
     def stop(_):
         raise KeyboardInterrupt
@@ -181,6 +183,7 @@ def figures(monkeypatch) -> list[tuple[SpringCounts, ...]]:
     return asked
 
 
+@pytest.mark.slow
 def test_reproduce_reads_its_maps_from_the_campaign_and_goes_on(figures, tmp_path, whole):
     given = ("--scheduler", "tcp://here:1", "--runs", 3, "--seed", 5, "--out", tmp_path)
     first, again = (run_command("reproduce", "--beyond", *given) for _ in range(2))

@@ -61,6 +61,7 @@ def test_weights_three_hundred_decades_apart_are_no_contradiction():
     assert not registration.equilibria.classification.unique
 
 
+@pytest.mark.slow
 def test_numbers_too_long_for_a_certificate_end_in_words_or_a_certificate():
     big, small = 2.0**1020, 5e-324
     source = [[big, 0, 0], [-big, 0, 0], [0, 0, 0], [0, small, 0], [small, 0, 0], [-small, 0, 0]]

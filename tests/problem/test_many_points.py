@@ -34,6 +34,7 @@ def random_problem(**options) -> RegistrationProblem:
     return strategies.random_problem(np.random.default_rng(2), **options)
 
 
+@pytest.mark.slow
 @given(st.binary(max_size=20), texts, st.dictionaries(texts, texts | st.none(), max_size=3))
 def test_a_file_in_pieces_is_the_json_of_its_document(data, kind, about):
     def document(text):

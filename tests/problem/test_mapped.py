@@ -38,6 +38,7 @@ def cloud():
     return strategies.random_problem(np.random.default_rng(4), n=MANY)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("compiled")
 def test_a_mapped_problem_is_the_same_problem(tmp_path, cloud):
     mapped = mapped_problem(tmp_path, cloud)
@@ -115,6 +116,7 @@ def test_bad_mapped_weights_are_refused_with_what_and_where(tmp_path, cloud):
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("name", "value"), [("source", np.nan), ("target", np.inf), ("weights", -1)]
 )

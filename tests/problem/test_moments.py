@@ -28,6 +28,7 @@ def definition(problem):
     return mass, mx, my, C, S, T
 
 
+@pytest.mark.slow
 @given(strategies.problems())
 def test_exact_moments_are_those_of_the_definition(problem):
     mass, mx, my, C, S, T = definition(problem)

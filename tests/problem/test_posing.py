@@ -48,6 +48,7 @@ def agree(one: Any, other: Any, size: float, near: float = NEAR) -> bool:
     )
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(strategies.problems())
 def test_over_the_whole_zoo_both_ways_give_one_answer(problem):

@@ -25,6 +25,7 @@ CLOUD = [[0.0, 0, 0], [1, 0, 0], [0, 2, 0]]
 finite = st.floats(allow_nan=False, allow_infinity=False)
 
 
+@pytest.mark.slow
 @given(arrays(np.float64, st.integers(1, 6), elements=finite))
 def test_lifting_keeps_every_double_exactly(values):
     lifted = lift(values)

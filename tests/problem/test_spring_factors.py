@@ -150,6 +150,7 @@ def test_a_matrix_with_an_eigenvalue_below_zero_is_refused_and_no_other(entries)
         assert found.indefinite[0] or found.ranks[0] == scalars.rank(exact)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("spread", [0, 4, 8, 10])
 def test_a_covariance_is_bit_by_bit_as_written_and_its_spring_is_its_inverse(spread: int) -> None:
     matrices = _matrices(100 + spread, 60, spread)

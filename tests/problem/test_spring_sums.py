@@ -61,6 +61,7 @@ def test_compiled_code_finds_the_integers_that_python_finds(method, problem):
     assert spring_sums_by(method, problem) == spring_sums_by(SumMethod.INTEGERS, problem)
 
 
+@pytest.mark.slow
 @compiled
 @settings(max_examples=30)
 @given(st.lists(st.tuples(EXPONENTS, *[st.integers(-(2**53), 2**53)] * 12), min_size=1, max_size=3))
@@ -73,6 +74,7 @@ def test_numbers_of_all_sizes_are_summed_exactly(rows):
     assert [spring_sums_by(method, problem) for method in COMPILED] == [want, want]
 
 
+@pytest.mark.one_in(4)
 @compiled
 @pytest.mark.parametrize("method", COMPILED)
 @pytest.mark.parametrize("size", [2.0, 4.0])

@@ -61,6 +61,8 @@ def test_one_vector_alone_is_certified_not_unique():
     assert certreg.assess(found, turn).verdict is PoseVerdict.OPTIMAL
 
 
+@pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("noise", [0.0, 0.1, 3.0])
 def test_a_finite_weight_stands_for_an_infinite_one(noise: float):
     """The bounds of the page hold, and the rotation is SciPy's, for 40 sets of vectors."""

@@ -116,6 +116,8 @@ def test_what_differs_at_rounding_is_not_ruled_out():
     assert not equilibria(RegistrationProblem(rod, rod)).nearly_ambiguous
 
 
+@pytest.mark.slow
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("given", [False, True])
 @pytest.mark.parametrize("n", [4, 30])
 def test_what_the_noise_rules_out_is_not_the_truth(n, given):

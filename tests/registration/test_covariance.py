@@ -132,6 +132,7 @@ def test_the_covariance_is_that_of_ten_thousand_experiments(experiment, conventi
     assert is_sampled_from(experiment.errors(convention), getattr(covariance, convention))
 
 
+@pytest.mark.slow
 def test_what_is_told_of_each_number_is_the_scatter_of_the_experiments(experiment):
     """Each within five standard deviations, 1/sqrt(2 n) of a standard deviation's own."""
     covariance = covariance_of(experiment.problem(experiment.clean))

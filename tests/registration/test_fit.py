@@ -110,6 +110,7 @@ def test_good_problems_raise_no_alarm():
     assert list(rates.alarms(40)) == []
 
 
+@pytest.mark.slow
 def test_good_problems_raise_no_alarm_where_few_rows_weigh_more():
     assert list(rates.weighted_alarms(40)) == []
 
@@ -124,6 +125,7 @@ def test_a_scale_is_seen_where_weights_differ():
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("n", [4, 5, 7])
 def test_few_points_raise_no_alarm_though_some_rows_are_far(n):
     """Half of them always agree on a pose: only the number of ways to choose them tells."""
@@ -314,6 +316,7 @@ def test_p_values_of_the_scale_are_uniform_where_it_is_one():
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("moved", "parameters"), [([1, 1, 1], 6), ([1, 0, 0], 5), ([0, 0, 0], 3)])
 def test_chi_squared_has_a_degree_less_for_each_number_that_moves_the_source(
     moved: list[int], parameters: int
@@ -348,6 +351,7 @@ def test_a_scale_beyond_the_doubles_is_told_by_a_bound(power, words):
     assert misfits._times_words(Fraction(10) ** power) == words
 
 
+@pytest.mark.slow
 def test_light_rows_are_not_blamed_where_two_heavy_ones_carry_the_fit():
     """Noise of all rows alike, relative weights: two rows of weight 1 leave nothing to test by."""
     blamed = 0

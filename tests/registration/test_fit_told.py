@@ -174,6 +174,7 @@ def test_the_command_line_asks_for_a_fit(clouds):
         assert certreg("certify", source, target, "--max-rmse", nonsense).code == 2
 
 
+@pytest.mark.slow
 def test_a_list_names_its_poor_pairs(clouds, tmp_path: Path, monkeypatch):
     monkeypatch.setattr("certreg.cli.campaigns.workers_at", lambda _: InProcess(1))
     listing = tmp_path / "list.csv"

@@ -65,6 +65,7 @@ def test_a_tie_ends_at_the_limit_and_what_is_worse_begins_beyond_it():
     assert not near(1.0, left=math.inf).is_worse
 
 
+@pytest.mark.slow
 def test_a_body_that_rests_at_another_exact_fit_is_told_to_be_as_good():
     run = rested()
 
@@ -76,6 +77,8 @@ def test_a_body_that_rests_at_another_exact_fit_is_told_to_be_as_good():
     assert "better rotation" not in str(run)
 
 
+@pytest.mark.slow
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("found", "as_good", "words"),
     [
@@ -94,6 +97,7 @@ def test_the_words_follow_what_newtons_steps_reach(monkeypatch, found, as_good, 
     assert str(run).startswith(f"{AT_REST}{words}")
 
 
+@pytest.mark.slow
 def test_a_stable_wrong_pose_is_not_near_optimal_however_little_it_costs():
     """Where uniqueness is not decided no angle is known: the gap is 1e-6 of the range."""
     found = lines()
@@ -122,6 +126,7 @@ def test_a_pose_near_one_of_several_fits_is_bounded_and_no_more():
     assert "NEAR-OPTIMAL" not in text
 
 
+@pytest.mark.slow
 def test_the_command_ends_with_code_4_where_a_pose_is_only_bounded(tmp_path: Path):
     for name, rows in (("a", SOURCE), ("b", TARGET)):
         write_csv(tmp_path / f"{name}.csv", rows)

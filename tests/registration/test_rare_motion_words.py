@@ -72,6 +72,7 @@ def trapped() -> SimulatedSprings:
 # --- motions
 
 
+@pytest.mark.slow
 def test_a_body_that_rests_elsewhere_is_told_with_how_far_it_is_and_how_much_higher():
     told = str(trapped())
 
@@ -122,6 +123,7 @@ def test_a_method_that_is_none_of_general_springs_is_refused_by_those_there_are(
         enumerated_springs(problem_of(SIX), "spectral")
 
 
+@pytest.mark.slow
 def test_of_several_that_are_as_good_none_is_called_the_optimum():
     found = six().equilibria
     reasons = spring_equilibria_document(six())["reasons"]

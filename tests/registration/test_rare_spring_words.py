@@ -104,6 +104,7 @@ def test_as_many_springs_as_unknowns_leave_nothing_for_the_noise():
     assert absent == Absent(words)
 
 
+@pytest.mark.slow
 def test_an_angle_without_uniqueness_is_told_as_what_it_is():
     """A certificate that claims less: an angle to every optimum, and not that there is one."""
     found = seven_planes()

@@ -80,6 +80,8 @@ def experiment(request):
     return Experiment(request.param)
 
 
+@pytest.mark.slow
+@pytest.mark.one_in(3)
 def test_it_is_that_of_six_hundred_experiments(experiment):
     covariance = experiment.registration(experiment.clean).covariance
     assert covariance is not None
@@ -101,6 +103,8 @@ def test_it_is_that_of_six_hundred_experiments(experiment):
     assert np.allclose(told, np.sqrt(np.diag(predicted)), rtol=1e-12)
 
 
+@pytest.mark.slow
+@pytest.mark.one_in(3)
 def test_chi_squared_has_as_many_degrees_of_freedom_as_the_numbers_found_leave(experiment):
     found = [experiment.registration(target) for target in experiment.targets[:60]]
     tests = [one.fit.chi2 for one in found]
@@ -127,6 +131,7 @@ def test_without_sigma_it_is_scaled_by_the_residuals(experiment):
     assert np.allclose(np.array(estimated), np.array(given) * factor, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_turn_and_the_scale_are_uncorrelated_and_the_centre_scatters_as_the_mean():
     experiment = Experiment(MODELS[0])
     covariance = experiment.registration(experiment.clean).covariance
@@ -196,6 +201,8 @@ def test_standardised_residuals_are_in_standard_deviations():
             assert squares == pytest.approx(3 * 400 - 7, rel=0.15 if model else 1e-9)
 
 
+@pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("model", MODELS)
 def test_it_is_told_everywhere(model):
     experiment = Experiment(model)
@@ -226,6 +233,8 @@ def test_residuals_at_rounding_tell_no_noise():
     ).fit.rounded
 
 
+@pytest.mark.slow
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("factor", "warned"), [(1.0, False), (3.0, True)])
 def test_residuals_larger_than_sigma_are_warned_of(factor, warned):
     experiment = Experiment(MODELS[0])

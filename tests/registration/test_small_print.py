@@ -195,6 +195,7 @@ def test_the_inverse_is_rounded_about_the_centroid_that_it_moves():
         assert float(cost) <= 1.01 * least + 1e4 * float((halves**2).sum())
 
 
+@pytest.mark.slow
 def test_rows_that_are_far_by_chance_are_none_of_the_outliers():
     """Of few points one is soon six medians off: no warning, and no row is marked."""
     rng = np.random.default_rng(5)
@@ -317,6 +318,7 @@ def test_fewer_rows_must_leave_half_of_what_another_cause_leaves(
     assert list(misfits._likeliest(causes, sums, rows).values()) == [told]
 
 
+@pytest.mark.slow
 def test_what_random_pairings_explain_is_that_of_rotations_alone(monkeypatch: pytest.MonkeyPatch):
     """In the median: the largest eigenvalue of Davenport's matrix, of other random matrices."""
     monkeypatch.setattr(misfits, "CHANCE", 0.5)

@@ -174,6 +174,7 @@ def test_a_certified_pose_is_judged_optimal_and_another_by_its_proved_distance()
     assert 0.3 <= other.angle_upper <= 0.3001
 
 
+@pytest.mark.slow
 def test_a_stable_wrong_pose_is_named_as_what_a_local_method_stops_at():
     given = plane(np.random.default_rng(3), 7, 0.3)
     found: Any = certify(RegistrationProblem(**statement(given)))

@@ -70,6 +70,7 @@ def test_a_body_at_rest_elsewhere_is_not_called_converged():
     assert "another equilibrium" in str(spurious)
 
 
+@pytest.mark.slow
 def test_a_wall_is_told_to_coast():
     source = np.random.default_rng(7).normal(size=(10, 3))
     target = source + np.array([3, 0, 0.5])

@@ -220,6 +220,7 @@ def test_where_no_squares_reach_the_gap_is_told_and_nothing_is_called_unique():
     assert "and unique" not in text
 
 
+@pytest.mark.slow
 def test_of_five_planes_the_energy_itself_is_the_better_bound():
     rng = np.random.default_rng(4)
     source, normals = rng.integers(-9, 10, (2, 5, 3)).astype(float)

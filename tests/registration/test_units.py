@@ -68,6 +68,8 @@ def test_too_few_pairs_tell_no_unit_but_by_the_data_themselves():
     assert unit_words(Fraction(0), Fraction(0), 5) is None
 
 
+@pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("of", ["source", "target", "both"])
 def test_the_true_scale_is_between_whichever_cloud_the_noise_is_in(of: str):
     """Of 200 problems with up to 10 % of noise; without the deviations it is not."""

@@ -95,6 +95,8 @@ def test_refining_stops_where_the_hessian_is_flat():
     assert abs(q[3]) > q[0]
 
 
+@pytest.mark.slow
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("cell", spring_minima.CELLS, ids=str)
 def test_no_better_minimum_is_on_the_complete_list(cell):
     """One of the 500 instances of `make spring-minima`, where there are several minima."""
@@ -104,6 +106,7 @@ def test_no_better_minimum_is_on_the_complete_list(cell):
     assert not outcome.missed
 
 
+@pytest.mark.slow
 def test_a_minimum_that_is_missed_is_seen(monkeypatch):
     """The worst, given out for the best: six planes are met exactly at several poses."""
     (cell,) = [c for c in spring_minima.CELLS if (c.family, c.noise) == ("plane", 0.05)]
@@ -127,6 +130,7 @@ def of_factors(source, target, factors):
     return Springs(spring_moments(RegistrationProblem(source, target, factors=rows)))
 
 
+@pytest.mark.slow
 def test_of_a_continuum_of_optima_some_are_found_and_the_words_do_not_count_them_as_all():
     """One wall: turns about its normal cost nothing."""
     rng = np.random.default_rng(0)

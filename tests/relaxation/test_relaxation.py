@@ -20,6 +20,7 @@ import strategies
 from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
+from syntax import nodes
 
 import certreg
 from certreg import RegistrationProblem
@@ -214,6 +215,7 @@ def test_the_direct_call_gives_what_cvxpy_gives(form, seed):
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("form", Form)
 @pytest.mark.parametrize("solver", ["SCS", "clarabel"])
 def test_a_solver_that_is_named_gives_what_clarabel_gives_directly(form, solver):
@@ -227,6 +229,7 @@ def test_a_solver_that_is_named_gives_what_clarabel_gives_directly(form, solver)
     assert np.abs(found.matrix - direct.matrix).max() < 1e-5
 
 
+@pytest.mark.slow
 def test_the_named_solver_of_certify_stands_in_the_result(data):
     clouds = (data / "survey_source.csv", data / "survey_target.csv")
     run = commands.certreg("certify", *clouds, "--no-simulation", "--solver", "scs", "--json")
@@ -386,6 +389,7 @@ def test_nothing_is_printed_or_warned_and_nothing_is_loaded_before_it_is_used():
     assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
 
 
+@pytest.mark.slow
 def test_one_module_knows_the_solver_and_none_of_the_programs_knows_equilibria_or_proofs():
     """The search for the optimum of general springs takes the paths to all equilibria beside."""
     for path in PACKAGE.rglob("*.py"):
@@ -395,7 +399,7 @@ def test_one_module_knows_the_solver_and_none_of_the_programs_knows_equilibria_o
             continue  # nothing of interest to parse
         names = [
             alias if isinstance(node, ast.Import) else node.module or ""
-            for node in ast.walk(ast.parse(text))
+            for node in nodes(text)
             if isinstance(node, (ast.Import, ast.ImportFrom))
             for alias in [node.names[0].name]
         ]
@@ -512,6 +516,7 @@ def test_the_proved_multiplier_is_above_the_largest_eigenvalue_and_bounds_the_ga
     assert gap <= Fraction(1, 10**6) * (moments.spread or found.unit)
 
 
+@pytest.mark.slow
 @given(strategies.problems(), st.integers(-180, 0), st.booleans())
 def test_no_number_below_the_largest_eigenvalue_is_ever_proved(problem, exponent, above):
     moments = exact_moments(problem)

@@ -73,12 +73,14 @@ def test_every_printed_bound_is_one(seed: int):
     assert len(bounds) > 15
 
 
+@pytest.mark.slow
 def test_every_place_where_a_bound_is_printed_is_read(registration: Registration):
     kinds = {bound.kind for bound in bounds_of(registration.problem)}
 
     assert kinds >= EVERYWHERE
 
 
+@pytest.mark.slow
 def test_a_bound_that_is_none_is_seen():
     bounds = [bound for bound in bounds_of(made(0)) if bound.printed]
     for bound in bounds:
@@ -132,6 +134,8 @@ def test_the_gap_of_the_relaxation_is_rounded_up(registration: Registration):
     assert "of the certified rotation independently: at most 1.01." in page
 
 
+@pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("gap", "nothing"), [(1 - 2**-50, False), (1, True), (2, True)])
 def test_a_gap_of_the_relaxation_that_reaches_over_the_range_bounds_nothing(
     registration: Registration, gap: float, *, nothing: bool

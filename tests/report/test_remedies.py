@@ -207,6 +207,7 @@ def test_colours_end_at_ten_sigma_or_beyond_it_at_the_largest():
     assert colours_end(outside) == {"end": None, "words": "the largest, 10 σ"}
 
 
+@pytest.mark.slow
 def test_a_length_has_the_unit_of_the_target_where_the_clouds_may_have_two():
     other, same = proved(CLOUD, 1000.0 * GOOD), proved(CLOUD, GOOD)
 

@@ -124,6 +124,7 @@ PLANTED = environment_of(
 )
 
 
+@pytest.mark.slow
 @given(words=st.text(), value=st.text())
 @example(words="</p><script>", value='"><img src=x onerror=1>')
 @example(words="{{ 7 * 7 }}{% raw %}", value="{{ words }}")
@@ -157,6 +158,7 @@ def test_code_in_words_is_set_as_code(words: str, shown: str):
     assert coded(words) == shown
 
 
+@pytest.mark.slow
 @given(st.dictionaries(st.text(), st.text()))
 def test_no_data_end_their_block(document: dict[str, str]):
     block = inert_json(document)
@@ -572,6 +574,7 @@ def test_a_trajectory_of_other_data_is_not_shown(folder: Path, data: Path, tmp_p
     assert (folder / "report.html").read_bytes() == first
 
 
+@pytest.mark.slow
 def test_the_damping_of_the_result_is_kept(data: Path, tmp_path: Path):
     pair = [data / name for name in SURVEY]
     certreg("certify", *pair, "--damping", "0.7", "--no-relaxation", "--out", tmp_path)
@@ -608,6 +611,7 @@ def test_what_is_no_certificate_of_a_pose_is_refused(folder: Path, data: Path):
     assert certreg("report", folder / "pose.txt").code == 1
 
 
+@pytest.mark.slow
 def test_labels_stand_in_the_certificate_unless_they_are_too_many(tmp_path: Path):
     rng = np.random.default_rng(5)
     points = rng.normal(size=(6, 3)).tolist()
@@ -669,6 +673,7 @@ def test_a_pushed_body_leaves_every_saddle_for_the_optimum(survey: Registration)
         assert abs(run.quaternions[-1] @ best) == pytest.approx(1.0, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_ten_thousand_points_make_a_file_of_at_most_a_megabyte_and_a_half():
     rng = np.random.default_rng(7)
     x = rng.normal(size=(10_000, 3))

@@ -91,6 +91,8 @@ def test_every_document_of_the_zoo_is_valid(specimen, tmp_path: Path):
         assert [error.message for error in validator(kind).iter_errors(document)] == [], kind
 
 
+@pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("pair", ["survey", "head", "abeta"])
 def test_the_documents_of_real_data_are_valid(pair: str, data: Path, tmp_path: Path):
     source, target = sorted(data.glob(f"{pair}_*.csv"))[:2]

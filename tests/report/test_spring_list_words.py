@@ -146,6 +146,7 @@ def test_of_a_row_that_shows_the_energy_of_the_first_it_is_said_by_how_much_it_i
     assert "higher by" not in spring_equilibria_words(found)
 
 
+@pytest.mark.slow
 def test_a_bound_below_zero_is_told_as_zero_since_the_energy_is_a_sum_of_squares():
     certificate = certified_list(RegistrationProblem(**STATED), six().objective)
 

@@ -48,6 +48,7 @@ def forty() -> Listed:
     return found
 
 
+@pytest.mark.slow
 def test_the_eighteen_planes_have_three_stable_equilibria_that_are_wrong_and_hold_the_body(forty):
     traps = [row for row in forty.rows if row.trap]
 
@@ -60,6 +61,7 @@ def test_the_eighteen_planes_have_three_stable_equilibria_that_are_wrong_and_hol
     assert [row.index for row in forty.rows].count("0") == 4
 
 
+@pytest.mark.slow
 def test_the_page_has_a_row_for_each_equilibrium_and_marks_the_traps():
     page = html_page(SpringReport.of(eighteen()))
     body = page.decode().partition("All equilibria of these springs")[2]
@@ -144,6 +146,7 @@ def test_a_list_that_may_not_be_whole_is_not_among_what_is_known(forty):
     assert open_.startswith("that no equilibria are missing in the list above: ")
 
 
+@pytest.mark.slow
 def test_what_is_not_decided_is_under_what_is_not_claimed_and_not_among_what_is_exact():
     rng = np.random.default_rng(4)
     source, normals = rng.integers(-9, 10, (2, 5, 3)).astype(float)
@@ -166,6 +169,7 @@ def test_only_what_came_back_is_said_to_have_come_back(monkeypatch, seen):
     assert found.rows[0].words == "the optimum"
 
 
+@pytest.mark.slow
 def test_a_body_released_at_a_saddle_does_not_come_back():
     found = eighteen()
     problem, objective = found.problem, found.solution.objective
@@ -176,6 +180,7 @@ def test_a_body_released_at_a_saddle_does_not_come_back():
     assert spring_release.returns(problem, objective, saddle) is False
 
 
+@pytest.mark.slow
 def test_springs_on_collinear_points_have_no_motion_and_nothing_is_said_of_it():
     points = np.outer(np.arange(1.0, 7.0), [1.0, 2.0, 3.0])
     target = points + np.random.default_rng(1).standard_normal((6, 3))

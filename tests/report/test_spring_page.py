@@ -84,6 +84,7 @@ def test_the_result_follows_its_schema_and_every_null_has_its_reason(kind: str):
     assert json.loads(dumps(pose_document(registered(kind))))["T_target_source"]
 
 
+@pytest.mark.slow
 def test_the_files_of_a_folder_are_written_and_its_report_is_made_again(tmp_path: Path):
     found = registered("plane")
     path = found.save(tmp_path)

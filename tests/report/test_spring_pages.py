@@ -92,6 +92,7 @@ def test_what_is_proved_names_its_theorems_and_the_robustness(planes):
     assert "spring_caps" not in table
 
 
+@pytest.mark.slow
 def test_of_one_wall_nothing_is_said_of_robustness():
     rng = np.random.default_rng(3)
     x, y = rng.standard_normal((2, 12, 3))

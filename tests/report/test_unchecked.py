@@ -73,6 +73,7 @@ def forged_state(document: Any) -> None:
     }
 
 
+@pytest.mark.slow
 def test_a_report_made_with_the_simulation_says_that_its_end_is_the_state(folder: Path):
     words, how = said(folder / "report.html", OWN)
 
@@ -83,6 +84,7 @@ def test_a_report_made_with_the_simulation_says_that_its_end_is_the_state(folder
     assert how == "numerical"
 
 
+@pytest.mark.slow
 def test_a_forged_state_is_named_and_no_simulation_is_said_to_end_there(folder: Path):
     edited(folder / "certificate.json", forged_state)
     assert certreg("verify", folder / "certificate.json").code == 0  # it is in the basin
@@ -117,6 +119,7 @@ def test_a_trajectory_of_another_damping_is_never_called_exact(folder: Path, mon
     assert any(words.startswith(OWN) for words in exact)  # of the state, true under any damping
 
 
+@pytest.mark.slow
 def test_an_edited_result_changes_no_report_and_no_judgement(folder: Path, data: Path):
     pair = [data / name for name in SURVEY]
     before = (folder / "report.html").read_bytes()

@@ -51,6 +51,7 @@ def test_nothing_is_claimed_of_other_poses_beyond_the_bounds(usual: str):
     assert "the bounds hold for this one, with the translation of the matrix" in usual
 
 
+@pytest.mark.slow
 def test_a_pose_that_is_only_bounded_is_not_the_best_motion(usual: str):
     bounded = replace(proof(SOURCE, TARGET), limits=Limits(max_gap=0.0))
 

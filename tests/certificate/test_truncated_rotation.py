@@ -1,0 +1,117 @@
+"""Certificates of truncated squares: made, accepted, and of the form that is published."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from importlib.resources import files
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+from rotated_pairs import rotated_pairs
+
+from certreg.certificate import Certificate, truncated_certificate, verify
+from certreg.problem import RegistrationProblem, TruncatedProblem
+from certreg.relaxation import BoxSearch, search_boxes
+
+TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+
+
+def stated(source, target, bounds) -> TruncatedProblem:
+    return TruncatedProblem(RegistrationProblem(source, target, rotation_only=True), bounds)
+
+
+def solved(problem: TruncatedProblem) -> BoxSearch:
+    return search_boxes(problem.source, problem.target, problem.bounds)
+
+
+def produced(problem: TruncatedProblem, found: BoxSearch):
+    return truncated_certificate(problem, found.quaternion, found.labels, found.gap)
+
+
+@pytest.fixture(scope="module")
+def problem() -> TruncatedProblem:
+    given = rotated_pairs(np.random.default_rng(7), 20, 0.5)
+    return stated(given.source, given.target, given.bounds)
+
+
+@pytest.fixture(scope="module")
+def certificate(problem: TruncatedProblem):
+    return produced(problem, solved(problem))[0]
+
+
+@pytest.mark.slow
+def test_labels_and_the_angle_are_proved(problem: TruncatedProblem, certificate):
+    found, verdict = solved(problem), verify(certificate)
+
+    assert verdict.proved
+    assert verdict.worth is not None
+    assert verdict.worth.angle is not None
+    assert certificate.body.claims.labels == "".join(map(str, found.labels))
+    assert certificate.body.claims.unique
+    assert verdict.worth.angle < 1e-6
+    assert verdict.worth.share < 1e-8
+    assert float(verdict.worth.objective) == pytest.approx(found.cost, abs=1e-12)
+    assert found.cost - 1e-8 < float(verdict.worth.minimum) <= found.cost
+
+
+@pytest.mark.slow
+def test_the_file_is_read_back_and_is_of_the_schema(certificate):
+    content = certificate.to_json()
+    schema = files("certreg.report") / "schemas" / "certreg-truncated-rotation-1.json"
+    validator = Draft202012Validator(json.loads(schema.read_text("utf-8")))
+
+    assert Certificate.load(content) == certificate
+    assert [error.message for error in validator.iter_errors(json.loads(content))] == []
+    forged = json.loads(content) | {"rotation_only": True}
+    assert not validator.is_valid(forged)
+
+
+@pytest.mark.slow
+def test_equal_optima_have_open_labels_and_no_angle():
+    x = np.eye(3)
+    tie = stated(np.vstack([x, x]), np.vstack([x @ TURN.T, x @ TURN]), 0.25)
+
+    made, verdict = produced(tie, solved(tie))
+
+    assert verdict.proved
+    assert made is not None
+    assert made.body.claims.labels == "??1??1"
+    assert made.body.claims.sin2_half_angle is None
+
+
+@pytest.mark.slow
+def test_a_circle_of_optima_is_certified_without_an_angle():
+    x = np.outer([1.0, 2.0, -3.0], [0.0, 0.0, 1.0])
+    line = stated(x, x, 0.25)
+
+    made, verdict = produced(line, solved(line))
+
+    assert verdict.proved
+    assert made is not None
+    assert (made.body.claims.labels, made.body.claims.unique) == ("111", False)
+
+
+@pytest.mark.slow
+def test_labels_that_are_wrong_are_never_certified(problem: TruncatedProblem):
+    found = solved(problem)
+    forged = replace(found, labels=np.where(np.arange(problem.n) == 3, 1, 0) ^ found.labels)
+
+    made, verdict = produced(problem, forged)
+
+    assert made is None
+    assert not verdict.proved
+    assert "too many boxes" in verdict.words
+
+
+@pytest.mark.slow
+def test_a_gap_that_is_too_small_is_widened(problem: TruncatedProblem):
+    found = solved(problem)
+    off = found.quaternion + np.array([1e-5, -2e-5, 1e-5, 0.0])
+
+    made, verdict = produced(problem, replace(found, quaternion=off))
+
+    assert verdict.proved
+    assert made is not None
+    assert made.body.gap > problem.n * 2.0**-30
