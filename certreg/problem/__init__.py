@@ -64,7 +64,9 @@ if TYPE_CHECKING:
     from certreg.problem.random_instances import PAPER_POINTS as PAPER_POINTS
     from certreg.problem.random_instances import PAPER_SIGMA as PAPER_SIGMA
     from certreg.problem.random_instances import Instances as Instances
+    from certreg.problem.random_instances import OutlierInstance as OutlierInstance
     from certreg.problem.random_instances import gaussian_instances as gaussian_instances
+    from certreg.problem.random_instances import outlier_instance as outlier_instance
     from certreg.problem.row_labels import LABEL as LABEL
     from certreg.problem.row_labels import RowLabels as RowLabels
     from certreg.problem.row_labels import labels_of as labels_of
@@ -164,10 +166,12 @@ __getattr__ = lazy_face(
         ),
         "random_instances": (
             "Instances",
+            "OutlierInstance",
             "PAPER_DAMPING",
             "PAPER_POINTS",
             "PAPER_SIGMA",
             "gaussian_instances",
+            "outlier_instance",
         ),
         "row_labels": (
             "LABEL",
