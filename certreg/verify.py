@@ -1929,7 +1929,7 @@ SUMS[TRUNCATED] = (2, bounded_pairs, "bounds are other ones: give --max-residual
 # --- part: thinning -----------------------------------------------------------------------------
 # Pairs i, each with a bound b_i > 0, that one motion may meet together: |y_i - R x_i - t| <= b_i.
 
-LOOKS_MAX = 1 << 26  # at pairs, in all stages: a minute
+LOOKS_MAX = 1 << 26  # at pairs and groups, in all stages: a minute
 Steps = list[Any]
 
 
@@ -1949,37 +1949,64 @@ class Thinning:
     def after(self, steps: Steps) -> int:
         """The pairs left. A motion that meets K pairs or more of `alive` meets none struck.
 
-        A step [e, [T, L], ...] strikes e. Sets T of neighbours of e, disjoint, each not met as a
-        whole by a motion that meets e, hold at most |T| - 1 met pairs each, and the other
-        neighbours at most as many as they have colours, if no two of one colour are neighbours. So
-        a motion that meets e meets at most 1 + sum (|T| - 1) + colours < K.
+        A step [e, [T, L], ...] strikes e. A motion that meets e misses a row of each T, a set of
+        neighbours of e that is not met as a whole with e. If no r rows hit every T, it misses
+        r + 1 rows of their union U or more, and of the other neighbours it meets at most as many
+        as they have colours, if no two of one colour are neighbours: 1 + |U| - r - 1 + colours in
+        all, less than K if r > |U| + colours - K.
         """
         alive, last = self._linked(self.alive), len(self.rows) - 1
         for step in listed(steps):
             row, *groups = listed(step) or [None]
             e = whole(row, last)
-            rest, most = self.near[e] & alive, self.K - 2
+            beside, sets, union = self.near[e] & alive, list[int](), 0
             require(alive >> e & 1, "a step strikes row {} twice", e)
             for group in groups:
                 T = [whole(i, last) for i in listed(listed(group, 2)[0])]
                 L = [whole(k, 1 << BITS) for k in listed(group[1])]
                 mask = sum({1 << i for i in T})
-                good = T and mask.bit_count() == len(T) and mask & ~rest == 0
+                good = T and mask.bit_count() == len(T) and mask & ~beside == 0
                 require(good, "a group of row {} is not of its neighbours, each once", e)
                 require(len(L) == len(T) + 1 and any(L), "a group of row {} is not weighed", e)
                 squares, bound, K = weighed([self.rows[i] for i in (e, *T)], L)
                 A = [[-2 * k for k in row] for row in K]
                 require(definite(raised(A, squares - bound)), "a group of row {} is not refuted", e)
-                rest, most = rest & ~mask, most - len(T) + 1
-            require(colours(rest, self.near, most) <= most, "row {} is not struck", e)
+                sets, union = [*sets, mask], union | mask
+            most = self.K - 2 + len(sets) - union.bit_count()
+            others = colours(beside & ~union, self.near, most)
+            left_out = union.bit_count() + others - self.K + 1
+            struck = others <= most and not self._hit(sets, left_out)
+            require(struck, "row {} is not struck", e)
             alive = self._linked(alive & ~(1 << e))
         return alive
+
+    def _hit(self, sets: list[int], most: int) -> bool:
+        """Whether so many rows, or fewer, are enough for one of each set.
+
+        Sets without a common row need a row each; else each row of the first is tried.
+        """
+        open_sets = [(sets, most)]
+        while open_sets:
+            left, most = open_sets.pop()
+            self._look(1 + len(left))
+            apart = taken = 0
+            for mask in left:
+                if not mask & taken:
+                    apart, taken = apart + 1, taken | mask
+            if apart <= most and not left:
+                return True
+            if apart <= most:
+                open_sets += [([T for T in left if not T >> i & 1], most - 1) for i in ones(left[0])]
+        return False
+
+    def _look(self, count: int) -> None:
+        self.looks[0] -= count
+        require(self.looks[0] >= 0, "the stages take more than {} looks", LOOKS_MAX)
 
     def _linked(self, alive: int) -> int:
         """Less those with fewer than K - 1 neighbours, until none is left that has so few."""
         while True:
-            self.looks[0] -= alive.bit_count()
-            require(self.looks[0] >= 0, "the stages take more than {} looks", LOOKS_MAX)
+            self._look(alive.bit_count())
             few = [i for i in ones(alive) if (self.near[i] & alive).bit_count() < self.K - 1]
             if not few:
                 return alive

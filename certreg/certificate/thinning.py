@@ -10,8 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from certreg.certificate.consensus import Group, Strike
 from certreg.certificate.consistency import mask_of, rows_of
 
@@ -20,9 +18,8 @@ if TYPE_CHECKING:
 
     from certreg.certificate.refuting import PointRows
 
-SIZES = (3, 5, 8)  # of groups, tried in this order, and at last all rows in as few as will do
-SHUFFLES = 4  # of the rows that are dealt into groups, for each size, at effort 1
-MOST_GROUPS = 64  # refuted at a time
+MOST_GROUPS = 64  # of one row, at effort 1
+MOST_LEFT_OUT = 4  # rows, where groups share some: the sets to be tried grow as its power
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,7 +41,7 @@ class Thinning:
     def __init__(self, graph: Graph, alive: int, least: int, clique: int) -> None:
         self._graph, self._least, self._clique = graph, least, clique
         self._spared = clique if clique.bit_count() >= least else 0
-        self._random = np.random.default_rng(0)
+        self._failed: dict[int, tuple[int, int]] = {}
         self.strikes: list[Strike] = []
         self.alive = linked(graph.near, alive, least)
 
@@ -77,35 +74,69 @@ class Thinning:
     def _groups(self, e: int) -> tuple[Group, ...] | None:
         """Groups of the clique, each refuted with e, so many that e falls; None if not found.
 
-        Of p rows of the clique beside e and m groups of them p - m are met, of the other rows at
-        most as many as they have colours.
+        A motion that meets e and enough others leaves out so many rows of the clique at most, and
+        one of each group.
         """
         beside = self._graph.near[e] & self.alive
-        rows = list(rows_of(beside & self._clique))
+        rows = beside & self._clique
         others = colours(beside & ~self._clique, self._graph.near, self._least)
-        needed = len(rows) + others - (self._least - 2)
-        if not 0 < needed <= len(rows) // 2:
+        most = rows.bit_count() + others - (self._least - 1)
+        failed = self._failed.get(e)
+        if not 0 <= most < rows.bit_count() or (failed == (rows, most)):
             return None
-        found: list[Group] = []
-        most = len(rows) // needed
-        for size in sorted({min(size, most) for size in (*SIZES, most)}):
-            for _ in range(max(1, round(SHUFFLES * self._graph.effort))):
-                self._refute(e, rows, size, found, needed)
-                if len(found) >= needed:
-                    return tuple(found[:needed])
+        family = self._apart(e, rows, most)
+        if len(family) <= most:
+            family = self._shared(e, rows, most, family)
+        if family is None:
+            self._failed[e] = rows, most
+            return None
+        return tuple(family)
+
+    def _apart(self, e: int, rows: int, most: int) -> list[Group]:
+        """Groups without a common row, one more than `most` if there are so many."""
+        family: list[Group] = []
+        while rows and len(family) <= most:
+            group = self._graph.points.refutation(e, list(rows_of(rows)))
+            if group is None:
+                break
+            family.append(group)
+            rows &= ~mask_of(group.rows)
+        return family
+
+    def _shared(self, e: int, rows: int, most: int, family: list[Group]) -> list[Group] | None:
+        """More groups, until no `most` rows meet all; None if not found.
+
+        Rows that meet all so far are left out, and the others refuted.
+        """
+        limit = round(MOST_GROUPS * self._graph.effort)
+        masks = [mask_of(group.rows) for group in family]
+        while most <= MOST_LEFT_OUT and len(family) < limit:
+            out = transversal(masks, most)
+            if out is None:
+                return family
+            group = self._graph.points.refutation(e, list(rows_of(rows & ~out)))
+            if group is None:
+                return None
+            family.append(group)
+            masks.append(mask_of(group.rows))
         return None
 
-    def _refute(self, e: int, rows: list[int], size: int, found: list[Group], needed: int) -> None:
-        """Adds groups of so many rows that are in no group yet, dealt at random."""
-        used = {row for group in found for row in group.rows}
-        free = self._random.permutation([row for row in rows if row not in used]).tolist()
-        count = min(len(free) // size, max(2 * needed, 8), MOST_GROUPS)
-        groups = [free[k * size : (k + 1) * size] for k in range(count)]
-        if groups:
-            weights = self._graph.points.refutations(e, groups)
-            for group, weight in zip(groups, weights, strict=True):
-                if weight is not None:
-                    found.append(Group(rows=tuple(group), weights=weight))
+
+def transversal(sets: list[int], most: int) -> int | None:
+    """At most so many rows, one of each set at least, as bits; None if there are no such rows."""
+    apart, taken = 0, 0
+    for mask in sets:
+        if not mask & taken:
+            apart, taken = apart + 1, taken | mask
+    if apart > most:
+        return None
+    if not sets:
+        return 0
+    for row in rows_of(sets[0]):
+        found = transversal([mask for mask in sets if not mask >> row & 1], most - 1)
+        if found is not None:
+            return found | 1 << row
+    return None
 
 
 def linked(near: list[int], alive: int, least: int) -> int:
