@@ -1995,8 +1995,8 @@ class Thinning:
                     apart, taken = apart + 1, taken | mask
             if apart <= most and not left:
                 return True
-            if apart <= most:
-                open_sets += [([T for T in left if not T >> i & 1], most - 1) for i in ones(left[0])]
+            for i in ones(left[0]) if apart <= most else ():
+                open_sets.append(([T for T in left if not T >> i & 1], most - 1))
         return False
 
     def _look(self, count: int) -> None:

@@ -54,10 +54,9 @@ class PointRows:
         picked, best = np.array([row, *rows]), None
         while (weights := self._weights(picked)) is not None:
             kept = self._heaviest(picked, weights)
-            picked, best = picked[kept], Group(
-                rows=tuple(picked[kept][1:].tolist()),
-                weights=tuple(weights[kept].astype(int).tolist()),
-            )
+            picked = picked[kept]
+            whole = weights[kept].astype(int).tolist()
+            best = Group(rows=tuple(picked[1:].tolist()), weights=tuple(whole))
             if len(kept) == len(weights):
                 break
         return best
