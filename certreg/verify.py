@@ -2184,7 +2184,7 @@ class ConsensusStatement(Statement):
         for i, row in enumerate(m):
             turned = [sum(map(mul, line, row)) for line in R]
             off = [((norm * b - a) << unit) - k for a, b, k in zip(turned, row[3:6], t)]
-            require(row[7] > 0 <= row[6], "the bound of row {} is not above 0", i)
+            require(row[7] > 0 <= row[6], "row {} has a bound <= 0 or a weight < 0", i)
             if sum(c * c for c in off) <= (norm * row[7] << unit) ** 2:
                 met.append(i)
         return met

@@ -14,6 +14,7 @@ import sys
 from pathlib import Path
 
 import cones
+import consensus
 import count
 import isotropic
 import lists
@@ -25,7 +26,7 @@ from envelope import dumped
 
 def vectors() -> dict[str, tuple[bytes, str]]:
     """Content and class by file name; the class of an accepted one is empty."""
-    kinds = (isotropic, count, squares, cones, lists, similarity, truncated)
+    kinds = (isotropic, count, squares, cones, lists, similarity, truncated, consensus)
     made = {
         name: (dumped(certificate), reason)
         for kind in kinds

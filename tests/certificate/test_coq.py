@@ -45,7 +45,8 @@ from derivations.coq.theorems import ORDER, theorems
 checker = import_module("certreg.verify")
 ROOT = Path(__file__).parents[2]
 PROOFS, VECTORS = ROOT / "derivations" / "coq", ROOT / "vectors"
-NOT_COQS = {"count", "rotation", "similarity", "springs"}  # words in names of what it does not read
+# Words in names of what it does not read.
+NOT_COQS = {"consensus", "count", "rotation", "similarity", "springs"}
 SECONDS = 5.0  # the contract: 100 points, from the command to the verdict
 needs_coq = pytest.mark.skipif(
     not (os.environ.get("CERTREG_PROOFS") and shutil.which("coqc") and shutil.which("coqchk")),
@@ -254,12 +255,14 @@ def test_verify_with_coq_of_a_missing_file_is_exit_code_2(tmp_path):
     assert done.err.count("\n") == 1
 
 
-def test_verify_with_coq_of_a_certificate_of_the_count_is_one_line_and_exit_code_2():
-    done = certreg("verify", "--coq", VECTORS / "accept-count.json")
+@pytest.mark.parametrize("kind", ["count", "consensus"])
+def test_verify_with_coq_of_another_kind_is_one_line_and_exit_code_2(kind):
+    done = certreg("verify", "--coq", VECTORS / f"accept-{kind}.json")
 
     assert done.code == 2
     assert done.out == ""
-    assert "of kind count, and Coq decides on kind isotropic alone: leave out --coq" in done.err
+    assert done.err.count("\n") == 1
+    assert f"of kind {kind}, and Coq decides on kind isotropic alone: leave out --coq" in done.err
 
 
 @pytest.mark.parametrize(

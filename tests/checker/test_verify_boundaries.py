@@ -7,6 +7,7 @@ from importlib import import_module
 import checker_boundaries as boundaries
 import pytest
 from checker_mutants import FILE, LISTS, MUTANTS, answers, failing
+from consensus_boundaries import consensus_cases
 from list_boundaries import early_list_cases, list_cases
 from similarity_boundaries import similarity_cases
 from springs_boundaries import springs_cases
@@ -35,6 +36,13 @@ def test_the_checker_answers_rightly_of_a_free_scale():
     cases = similarity_cases()
 
     assert len(cases) >= 200
+    assert [case.name for case in cases if not case.passes(checker)] == []
+
+
+def test_the_checker_answers_rightly_of_wrong_pairs():
+    cases = consensus_cases()
+
+    assert len(cases) >= 350
     assert [case.name for case in cases if not case.passes(checker)] == []
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,6 +30,7 @@ from certreg.results import Absent
 if TYPE_CHECKING:
     from certreg.registration.spring_enumeration import SpringEnumeration
 
+VECTORS = Path(__file__).parents[2] / "vectors"
 SIX, SEVEN = (spring_families.instance(spring_families.LISTED[k], 0) for k in (0, 2))
 
 
@@ -216,3 +218,9 @@ def test_no_report_is_made_of_a_list_of_equilibria(tmp_path):
     words = ", which `certreg verify` tells in words: give the certificate.json that certify wrote"
     with pytest.raises(InvalidFileError, match=words):
         report_of(tmp_path / "list.json")
+
+
+def test_no_report_is_made_of_wrong_pairs():
+    words = "kind consensus, which `certreg verify` tells in words: give the certificate.json that"
+    with pytest.raises(InvalidFileError, match=words):
+        report_of(VECTORS / "accept-consensus.json")
