@@ -1985,18 +1985,20 @@ class Thinning:
 
         Sets without a common row need a row each; else each row of the first is tried.
         """
-        open_sets = [(sets, most)]
-        while open_sets:
-            left, most = open_sets.pop()
+        trail = [(sets, most + 1, 1 << len(self.rows))]  # it begins with a row of no set
+        while trail:
+            left, most, tried = trail.pop()
             self._look(1 + len(left))
-            apart = taken = 0
+            low = tried & -tried
+            trail += [(left, most, tried ^ low)] * (tried != low)
+            left, most, apart, taken = [T for T in left if not T & low], most - 1, 0, 0
             for mask in left:
                 if not mask & taken:
                     apart, taken = apart + 1, taken | mask
             if apart <= most and not left:
                 return True
-            for i in ones(left[0]) if apart <= most else ():
-                open_sets.append(([T for T in left if not T >> i & 1], most - 1))
+            if apart <= most:
+                trail.append((left, most, left[0]))
         return False
 
     def _look(self, count: int) -> None:

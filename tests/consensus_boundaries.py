@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import copy
 import json
+import random
 import struct
 from base64 import b64decode
 from dataclasses import dataclass, field
@@ -293,12 +294,10 @@ def group_cases() -> Iterator[Case]:
         ("one group and two colours", [one], 5, struck),
         ("one group and two colours, one less", [one], 4, STRUCK),
         ("no group", [], 5, STRUCK),
-        (
-            "a row in two groups",
-            [one, [[2, 3], [2, 1, 1]]],
-            5,
-            "REFUSED: a group of row 0 is not of",
-        ),
+        ("a row in two groups", [one, [[2, 3], [2, 1, 1]]], 5, struck),
+        ("a row in two groups, one less", [one, [[2, 3], [2, 1, 1]]], 4, STRUCK),
+        ("a group twice", [one, one], 5, struck),
+        ("a group twice, one less", [one, one], 4, STRUCK),
     ):
         yield Case(name, left(complete(5), K, [[0, *groups]], line), answer)
     gone = [[0, one, two], [1, [[0], [1, 1]]]]
@@ -306,6 +305,40 @@ def group_cases() -> Iterator[Case]:
         "a group of a struck row", left(complete(5), 4, gone, line), "REFUSED: a group of row 1"
     )
     yield from weight_cases(refuted)
+    yield from hit_cases()
+
+
+def hit_cases() -> Iterator[Case]:
+    """How many rows hold one of each set: against all subsets, of random sets of eight rows."""
+    rng = random.Random(5)
+    families = [
+        [rng.randrange(1, 256) & rng.randrange(1, 256) or 1 for _ in range(rng.randrange(9))]
+        for _ in range(60)
+    ]
+
+    def hit(checker: Any) -> bool:
+        for sets in families:
+            least = min(
+                rows.bit_count() for rows in range(256) if all(rows & mask for mask in sets)
+            )
+            thin = checker.Thinning([[0] * 8] * 8, complete(8), 255, 3, [MANY])
+            found = [thin._hit(sets, most) for most in range(-2, 9)]
+            if found != [most >= least for most in range(-2, 9)]:
+                return False
+        return True
+
+    yield Case("rows that hold one of each set", value_of(hit), "True$")
+
+    def costly(checker: Any) -> str:
+        sets = [1 << i | 1 << j for i, j in combinations(range(40), 2)]  # 39 rows are needed
+        thin = checker.Thinning([], [], 0, 3, [10**5])
+        try:
+            thin._hit(sets, 38)
+        except checker.RefusalError:
+            return "REFUSED"
+        return "found"
+
+    yield Case("a search without end", costly, "REFUSED$")
 
 
 def roll(point: tuple[int, int, int], by: int, off: int) -> list[int]:
@@ -450,7 +483,7 @@ def size_cases() -> Iterator[Case]:
     yield Case("a fit of any depth", answers, r"\{False\}$")
 
 
-LOOKS = 63  # of the first vector
+LOOKS = 69  # of the first vector
 
 
 # --- Reach, fit, words ----------------------------------------------------------------------------

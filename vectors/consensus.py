@@ -60,6 +60,8 @@ MIXED = paired(BODY + WRONG, moved(BODY) + ELSEWHERE, 6)
 FEW_COLOURS: list[Any] = [[7], [10], [6, [[4, 0, 1], [1, 1, 1, 1]]]]
 MIXED_STAGES: list[Any] = [[6, 12, [*FEW_COLOURS, [8, [[3, 5, 4], [1, 1, 1, 1]]]]]]
 PLATE_STAGES: list[Any] = [[6, 7, [[6, [[0, 1, 2], [1, 1, 1, 1]], [[3, 4, 5], [1, 1, 1, 1]]]]]]
+PLATE_GROUPS = [[0, 1, 2], [0, 3, 4], [1, 3, 5]]  # no row is in all: two are missed
+PLATE_SHARED: list[Any] = [[6, 7, [[6, *[[T, [1, 1, 1, 1]] for T in PLATE_GROUPS]]]]]
 SHARED_STAGES: list[Any] = [[6, 8, []], [7, 8, []], *[[6, i, []] for i in range(1, 6)]]
 
 
@@ -151,6 +153,7 @@ def accepted() -> dict[str, Certificate]:
         "-uneven": produced(uneven(), [[6, 12, FEW_COLOURS]], mixed, 6, **long),
         "-far-off": produced(off, MIXED_STAGES, mixed, 6, shift=[*map(int, shift), 0]),
         "-two-groups": produced(mirrored(), PLATE_STAGES, "iiiiiio", 6),
+        "-shared-groups": produced(mirrored(), PLATE_SHARED, "iiiiiio", 6),
         "-undecided": produced(shared(), SHARED_STAGES, "?iiiii?o", 6),
         "-upper-alone": bare(produced(shared(), SHARED_STAGES[:2], "?" * 8, 6)),
         "-claims-less": bare(claim(good, labels="i?????o?????", upper=9)),
@@ -265,7 +268,7 @@ def of_groups(made: dict[str, Certificate]) -> Vectors:
     one, two = PLATE_STAGES[0][2][0][1:]
     groups: dict[str, list[Any]] = {
         "group-left-out": [one],
-        "group-of-another-shared-row": [one, [[2, 3, 4], [1, 1, 1, 1]]],
+        "group-of-another-with-a-shared-row": [one, [[2, 3, 4], [1, 1, 1, 1]]],
         "group-of-the-row-itself": [one, [[6, 4, 5], [1, 1, 1, 1]]],
         "group-of-a-row-twice": [one, [[3, 3, 5], [1, 1, 1, 1]]],
         "group-of-no-row": [one, [[], [1]]],
