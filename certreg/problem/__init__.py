@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from certreg.problem.blocks import contiguous as contiguous
     from certreg.problem.blocks import first_row as first_row
     from certreg.problem.bounds import checked_bounds as checked_bounds
+    from certreg.problem.breaking import BreakingProblem as BreakingProblem
+    from certreg.problem.breaking import ExactSprings as ExactSprings
     from certreg.problem.exact_sums import FACTORS as FACTORS
     from certreg.problem.exact_sums import UPPER as UPPER
     from certreg.problem.exact_sums import second_method as second_method
@@ -98,6 +100,10 @@ __getattr__ = lazy_face(
             "first_row",
         ),
         "bounds": ("checked_bounds",),
+        "breaking": (
+            "BreakingProblem",
+            "ExactSprings",
+        ),
         "exact_sums": (
             "FACTORS",
             "UPPER",
