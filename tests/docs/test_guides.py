@@ -22,6 +22,7 @@ ROOT = Path(__file__).parents[2]
 NAMES = (
     "embed-the-c-code",
     "simulate",
+    "springs-that-break",
     "many-problems",
     "cluster",
     "coming-from",
