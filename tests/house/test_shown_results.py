@@ -102,6 +102,7 @@ def parts(value: Any, depth: int = DEPTH) -> Iterator[Any]:
                 yield from parts(attribute, depth - 1)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", certreg.__all__)
 def test_the_repr_of_all_that_a_public_name_gives_is_short(name, made):
     for part in parts(made[name]):
