@@ -39,11 +39,13 @@ if TYPE_CHECKING:
     from certreg.registration import AssessmentSettings as AssessmentSettings
     from certreg.registration import Registration as Registration
     from certreg.registration import assess as assess
+    from certreg.registration import breaking_equilibria as breaking_equilibria
     from certreg.registration import certify as certify
     from certreg.registration import certify_many as certify_many
     from certreg.registration import equilibria as equilibria
     from certreg.registration import register as register
     from certreg.registration import simulate as simulate
+    from certreg.registration import simulate_breaking as simulate_breaking
     from certreg.results import Verdict as Verdict
 
 __version__ = "0.1.0"
@@ -65,6 +67,7 @@ __all__ = [
     "assess",
     "bodies_of",
     "bodies_on_springs",
+    "breaking_equilibria",
     "certify",
     "certify_many",
     "equilibria",
@@ -75,6 +78,7 @@ __all__ = [
     "read_problem",
     "register",
     "simulate",
+    "simulate_breaking",
     "simulate_many",
     "solve_many",
     "solve_many_springs",
@@ -119,11 +123,13 @@ __getattr__ = lazy_face(
             "AssessmentSettings",
             "Registration",
             "assess",
+            "breaking_equilibria",
             "certify",
             "certify_many",
             "equilibria",
             "register",
             "simulate",
+            "simulate_breaking",
         ),
         "results": ("Verdict",),
     },

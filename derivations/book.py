@@ -131,6 +131,7 @@ CHAPTERS = (
             "angle_of_consensus",
             "chord_bound",
             "truncated_box",
+            "truncated_survey",
             "arcs",
             "springs_that_break",
         ),

@@ -1104,6 +1104,34 @@ MUTANTS = (
         "arm = power_of_two",
         ("scale_covariance",),
     ),
+    Mutant(
+        "a form in a box that does not bend",
+        CHECKER,
+        "curved = 3 * h * (max(spare + slack, 0) << CHORD)",
+        "curved = 0",
+        ("truncated_survey",),
+    ),
+    Mutant(
+        "a reach without the diagonal of the box",
+        CHECKER,
+        "reach = isqrt((12 * min(u, v) << UNITS)",
+        "reach = isqrt((4 * min(u, v) << UNITS)",
+        ("truncated_survey",),
+    ),
+    Mutant(
+        "a form that is not lowered",
+        CHECKER,
+        "slack = [3 * (i == j) for i, j in PRODUCTS]",
+        "slack = [-3 * (i == j) for i, j in PRODUCTS]",
+        ("truncated_survey",),
+    ),
+    Mutant(
+        "outliers whatever their label",
+        CHECKER,
+        'out, fits = out + 1, fits and labels[k] != "1"',
+        "out, fits = out + 1, fits",
+        ("truncated_survey",),
+    ),
 )
 UNCHANGED = Mutant("unchanged", SO3, MUTANTS[0].old, MUTANTS[0].old, ("davenport",))
 

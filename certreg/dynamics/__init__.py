@@ -14,6 +14,11 @@ if TYPE_CHECKING:
     from certreg.dynamics.body import body_of as body_of
     from certreg.dynamics.body import start_at_rest as start_at_rest
     from certreg.dynamics.body import state_at_rest as state_at_rest
+    from certreg.dynamics.breaking import SHRINKING as SHRINKING
+    from certreg.dynamics.breaking import BreakingRun as BreakingRun
+    from certreg.dynamics.breaking import BreakingStage as BreakingStage
+    from certreg.dynamics.breaking import BreakingStatus as BreakingStatus
+    from certreg.dynamics.breaking import run_breaking as run_breaking
     from certreg.dynamics.breathing import ONLY_MIDPOINT as ONLY_MIDPOINT
     from certreg.dynamics.breathing import BreathingBody as BreathingBody
     from certreg.dynamics.breathing import BreathingStatus as BreathingStatus
@@ -50,6 +55,13 @@ __getattr__ = lazy_face(
             "body_of",
             "start_at_rest",
             "state_at_rest",
+        ),
+        "breaking": (
+            "BreakingRun",
+            "BreakingStage",
+            "BreakingStatus",
+            "SHRINKING",
+            "run_breaking",
         ),
         "breathing": (
             "BreathingBody",

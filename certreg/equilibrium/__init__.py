@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     from certreg.equilibrium.batch import exactly as exactly
     from certreg.equilibrium.batch import solve_many as solve_many
     from certreg.equilibrium.batch import stationary_poses as stationary_poses
+    from certreg.equilibrium.breaking import Labels as Labels
+    from certreg.equilibrium.breaking import RestPose as RestPose
+    from certreg.equilibrium.breaking import SpringSet as SpringSet
     from certreg.equilibrium.breathing import BreathingEquilibria as BreathingEquilibria
     from certreg.equilibrium.breathing import BreathingEquilibrium as BreathingEquilibrium
     from certreg.equilibrium.breathing import breathing_equilibria as breathing_equilibria
@@ -46,6 +49,8 @@ if TYPE_CHECKING:
     from certreg.equilibrium.spring_batch import SpringSolutions as SpringSolutions
     from certreg.equilibrium.spring_batch import many_springs as many_springs
     from certreg.equilibrium.spring_batch import solve_many_springs as solve_many_springs
+    from certreg.equilibrium.spring_sets import LEAST_SPRINGS as LEAST_SPRINGS
+    from certreg.equilibrium.spring_sets import label_sets as label_sets
     from certreg.equilibrium.stability import TRANSLATION_STIFFNESS as TRANSLATION_STIFFNESS
 
 __getattr__ = lazy_face(
@@ -57,6 +62,11 @@ __getattr__ = lazy_face(
             "exactly",
             "stationary_poses",
             "solve_many",
+        ),
+        "breaking": (
+            "Labels",
+            "RestPose",
+            "SpringSet",
         ),
         "breathing": (
             "BreathingEquilibria",
@@ -107,6 +117,10 @@ __getattr__ = lazy_face(
             "SpringSolutions",
             "many_springs",
             "solve_many_springs",
+        ),
+        "spring_sets": (
+            "LEAST_SPRINGS",
+            "label_sets",
         ),
         "stability": ("TRANSLATION_STIFFNESS",),
     },

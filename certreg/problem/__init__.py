@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from certreg.problem.blocks import contiguous as contiguous
     from certreg.problem.blocks import first_row as first_row
     from certreg.problem.bounds import checked_bounds as checked_bounds
+    from certreg.problem.breaking import BreakingProblem as BreakingProblem
+    from certreg.problem.breaking import ExactSprings as ExactSprings
     from certreg.problem.consensus import LEAST_PAIRS as LEAST_PAIRS
     from certreg.problem.consensus import ConsensusProblem as ConsensusProblem
     from certreg.problem.effort import checked_effort as checked_effort
@@ -103,6 +105,10 @@ __getattr__ = lazy_face(
             "first_row",
         ),
         "bounds": ("checked_bounds",),
+        "breaking": (
+            "BreakingProblem",
+            "ExactSprings",
+        ),
         "consensus": (
             "LEAST_PAIRS",
             "ConsensusProblem",

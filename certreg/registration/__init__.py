@@ -16,6 +16,11 @@ if TYPE_CHECKING:
     from certreg.registration.assessed import Assessment as Assessment
     from certreg.registration.assessment import assess as assess
     from certreg.registration.assessment import judged as judged
+    from certreg.registration.breaking import BreakingEquilibria as BreakingEquilibria
+    from certreg.registration.breaking import BreakingEquilibrium as BreakingEquilibrium
+    from certreg.registration.breaking import breaking_equilibria as breaking_equilibria
+    from certreg.registration.breaking_simulation import SimulatedBreaking as SimulatedBreaking
+    from certreg.registration.breaking_simulation import simulate_breaking as simulate_breaking
     from certreg.registration.breathing import ScaledEquilibria as ScaledEquilibria
     from certreg.registration.breathing import SimulatedBreathing as SimulatedBreathing
     from certreg.registration.breathing import scaled_equilibria as scaled_equilibria
@@ -43,6 +48,7 @@ if TYPE_CHECKING:
     from certreg.registration.enumeration import equilibria as equilibria
     from certreg.registration.enumeration import equilibrium_poses as equilibrium_poses
     from certreg.registration.examples import STORIES as STORIES
+    from certreg.registration.examples import TWIN_MOTIONS as TWIN_MOTIONS
     from certreg.registration.examples import differences as differences
     from certreg.registration.examples import stated as stated
     from certreg.registration.examples import tell as tell
@@ -147,6 +153,15 @@ __getattr__ = lazy_face(
             "assess",
             "judged",
         ),
+        "breaking": (
+            "BreakingEquilibria",
+            "BreakingEquilibrium",
+            "breaking_equilibria",
+        ),
+        "breaking_simulation": (
+            "SimulatedBreaking",
+            "simulate_breaking",
+        ),
         "breathing": (
             "ScaledEquilibria",
             "SimulatedBreathing",
@@ -185,6 +200,7 @@ __getattr__ = lazy_face(
         ),
         "examples": (
             "STORIES",
+            "TWIN_MOTIONS",
             "differences",
             "stated",
             "tell",

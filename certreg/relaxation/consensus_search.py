@@ -79,7 +79,8 @@ class _Search:
     def proposals(self, consistent: Graph | None) -> Iterator[Held]:
         """Sets of rows, not yet sifted: those of each source of poses in turn."""
         yield from self.followed(held(self.pairs, truncated_fit(self.pairs)))
-        graph = consistency(self.pairs) if consistent is None else consistent.copy()
+        rows = self.pairs.rows
+        graph = consistency(self.pairs) if consistent is None else consistent[np.ix_(rows, rows)]
         np.fill_diagonal(graph, val=False)
         yield from self.of_greedy_cliques(graph)
         enumeration = Enumeration(math.ceil(STEPS * self.effort))

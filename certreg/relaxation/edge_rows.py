@@ -151,12 +151,13 @@ def lawson_fits(pairs: PairedRows, sets: Sets) -> LawsonFits:
         largest[place] = tops[better]
         rotations[place], translations[place] = poses.rotations[better], poses.translations[better]
         lower = (now * ratios).sum(axis=1)
-        go_on = (tops > 1.0) & (lower <= 1.0)
+        now *= np.sqrt(ratios)
+        totals = now.sum(axis=1)
+        go_on = (tops > 1.0) & (lower <= 1.0) & (totals > 0.0)
         open_sets = open_sets[go_on]
         if not len(open_sets):
             break
-        now = now[go_on] * np.sqrt(ratios[go_on])
-        weights[open_sets] = now / now.sum(axis=1, keepdims=True)
+        weights[open_sets] = now[go_on] / totals[go_on, np.newaxis]
     full = np.zeros(sets.shape)
     full[:, used] = weights
     return LawsonFits(Poses(rotations, translations), largest, full)

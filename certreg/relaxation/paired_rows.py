@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     Reals = NDArray[np.float64]
     Rows = NDArray[np.int64]
 
+FAR = 1e60  # units: farther points are out of reach, bounds are between 1 / FAR and this
+
 # Davenport's matrix is linear in C, and R(q)_ij is q^T of its part of C_ij, by its definition.
 DAVENPORT = np.array(
     [davenport_matrix(one.reshape(3, 3).tolist()) for one in np.eye(9)], dtype=np.float64
@@ -30,10 +32,12 @@ DAVENPORT = np.array(
 class PairedRows:
     """The rows about their medians, in units of `unit`.
 
-    source, target: (3, N). bounds: (N,). features: (N, 16), each row's 1, x, y and y x^T, of which
-    every weighted fit takes sums. source_centre, target_centre: (3,), in the unit of the clouds.
+    rows: (N,), the numbers that they were given with. source, target: (3, N). bounds: (N,).
+    features: (N, 16), each row's 1, x, y and y x^T, of which every weighted fit takes sums.
+    source_centre, target_centre: (3,), in the unit of the clouds.
     """
 
+    rows: Rows
     source: Reals
     target: Reals
     bounds: Reals
@@ -54,6 +58,7 @@ class PairedRows:
         """These rows alone, in the same unit and about the same centres."""
         return replace(
             self,
+            rows=self.rows[rows],
             source=self.source[:, rows],
             target=self.target[:, rows],
             bounds=self.bounds[rows],
@@ -76,24 +81,35 @@ class Poses:
 
 
 def paired_rows(source: Reals, target: Reals, bounds: Reals) -> PairedRows:
-    """Points (N, 3) and (N, 3) with bounds (N,), centred and scaled."""
+    """Points (N, 3) and (N, 3) with bounds (N,), centred and scaled, but for rows out of reach."""
     source_centre, target_centre = np.median(source, axis=0), np.median(target, axis=0)
     x, y = (source - source_centre).T, (target - target_centre).T
-    largest = max(float(np.abs(x).max()), float(np.abs(y).max()), float(bounds.max()))
-    unit = math.ldexp(1.0, math.frexp(largest)[1])
+    unit = _unit(x, y, bounds)
     x, y = np.ascontiguousarray(x) / unit, np.ascontiguousarray(y) / unit
+    rows = np.flatnonzero((np.maximum(np.abs(x), np.abs(y)) < FAR).all(axis=0))
+    if len(rows) < len(bounds):
+        x, y, bounds = x[:, rows], y[:, rows], bounds[rows]
     features = np.empty((len(bounds), 16))
     features[:, 0], features[:, 1:4], features[:, 4:7] = 1.0, x.T, y.T
     features[:, 7:] = (y[:, np.newaxis] * x).reshape(9, -1).T
     return PairedRows(
+        rows=rows,
         source=x,
         target=y,
-        bounds=bounds / unit,
+        bounds=np.clip(bounds / unit, 1.0 / FAR, FAR),
         features=features,
         source_centre=source_centre,
         target_centre=target_centre,
         unit=unit,
     )
+
+
+def _unit(x: Reals, y: Reals, bounds: Reals) -> float:
+    """A power of two near the usual distance from the centre, or what there is if that is 0."""
+    sizes = [np.abs(points).max(axis=0) for points in (x, y)]
+    usual = max(float(np.median(size)) for size in sizes)
+    size = usual or max(float(size.max()) for size in sizes) or float(bounds.max())
+    return math.ldexp(1.0, math.frexp(size)[1])
 
 
 def fitted(pairs: PairedRows, weights: Reals) -> Poses:

@@ -352,6 +352,7 @@ def test_an_answer_that_lists_no_assumptions_is_no_answer():
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("late", ["Vectors.v", "Vectors.vo", "Checker.v"])
 def test_proofs_of_which_a_part_is_newer_than_the_last_are_compiled_again(tmp_path, late):
     for name in needed(PROOFS):

@@ -41,6 +41,7 @@ def turn(p, q):
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("cell", CELLS, ids=str)
 def test_no_move_within_the_radius_turns_the_optimum_further(cell):
     made = families.instance(cell, 0)

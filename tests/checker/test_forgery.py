@@ -494,8 +494,8 @@ def test_hostile_files_are_refused_within_bounds_of_time_and_memory(tmp_path):
 @pytest.mark.slow
 def test_the_checker_says_so_when_the_memory_is_too_small(tmp_path):
     path = Path(tmp_path) / "big.json"
-    path.write_bytes(oracle.dump({**GENERIC, "about": {"x": "y" * 60 * 10**6}}))
-    command = [sys.executable, "-I", "-S", "-c", CHILD, checker.__file__, tmp_path, str(10**8)]
+    path.write_bytes(oracle.dump({**GENERIC, "about": {"x": "y" * 30 * 10**6}}))
+    command = [sys.executable, "-I", "-S", "-c", CHILD, checker.__file__, tmp_path, str(5 * 10**7)]
 
     done = subprocess.run(
         command, capture_output=True, text=True, check=False, timeout=60, encoding="utf-8"

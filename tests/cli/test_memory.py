@@ -40,7 +40,7 @@ def limited(monkeypatch: pytest.MonkeyPatch) -> None:
         "import os, signal; signal.signal(2, signal.SIG_DFL); os.kill(os.getpid(), 2)",  # no thread
         "import os; os.kill(os.getpid(), 11)",
         "bytearray(1 << 27)",  # more than is left
-        "while True: pass",  # as it does, too
+        pytest.param("while True: pass", marks=pytest.mark.long),  # as it does, too
     ],
 )
 def test_libraries_that_do_not_load_are_a_message(ends, monkeypatch):

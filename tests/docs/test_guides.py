@@ -22,6 +22,7 @@ ROOT = Path(__file__).parents[2]
 NAMES = (
     "embed-the-c-code",
     "simulate",
+    "springs-that-break",
     "many-problems",
     "cluster",
     "coming-from",
@@ -86,6 +87,7 @@ def test_there_are_guides():
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(2)
 @each_guide
 def test_the_python_of_a_guide_runs(guide, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # where the files are that it writes

@@ -322,6 +322,7 @@ def refused_states(registration):
     return states
 
 
+@pytest.mark.one_in(4)
 @each_story
 @pytest.mark.parametrize(
     "what", ["equilibrium 1", "equilibrium 2", "equilibrium 3", "too fast", "zero"]

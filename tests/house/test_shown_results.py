@@ -64,6 +64,9 @@ def made(problem, registration) -> dict[str, Any]:
         "assess": certreg.assess(problem, pose.rotation, pose.translation),
         "bodies_of": bodies,
         "bodies_on_springs": certreg.bodies_on_springs(x, x, normals=x + 1.0),
+        "breaking_equilibria": certreg.breaking_equilibria(
+            problem.source, problem.target, max_residual=20.0
+        ),
         "certify": registration,
         "certify_many": certreg.certify_many([problem], relaxation=False, simulation=False),
         "equilibria": certreg.equilibria(problem, "all"),
@@ -74,6 +77,9 @@ def made(problem, registration) -> dict[str, Any]:
         "read_problem": certreg.read_problem(*FILES),
         "register": certreg.register(problem.source, problem.target),
         "simulate": certreg.simulate(problem),
+        "simulate_breaking": certreg.simulate_breaking(
+            problem.source, problem.target, max_residual=20.0
+        ),
         "simulate_many": certreg.simulate_many(bodies),
         "solve_many": certreg.solve_many(x, x),
         "solve_many_springs": certreg.solve_many_springs(x, x, normals=x + 1.0),
@@ -96,6 +102,7 @@ def parts(value: Any, depth: int = DEPTH) -> Iterator[Any]:
                 yield from parts(attribute, depth - 1)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", certreg.__all__)
 def test_the_repr_of_all_that_a_public_name_gives_is_short(name, made):
     for part in parts(made[name]):

@@ -287,6 +287,7 @@ def test_a_translation_that_no_double_holds_is_refused(tmp_path: Path):
     assert re.fullmatch(r"certreg: [^\n]*change the unit of length[^\n]*\n", run.err)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     "array",
     [

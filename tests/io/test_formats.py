@@ -728,6 +728,7 @@ PAIR_FILES = {
 }
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("kind", PAIR_FILES)
 def test_pairs_tell_which_row_is_which(tmp_path: Path, clouds, kind: str):
     source, target, order = clouds
@@ -905,6 +906,7 @@ def test_weights_are_counted_by_the_rows_of_the_file(tmp_path: Path, labelled):
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("suffix", ["ply", "pcd", "npz", "xyz", "npy"])
 def test_every_format_states_the_same_problem(tmp_path: Path, suffix: str):
     content = {

@@ -135,6 +135,7 @@ def cases() -> list[tuple[list[int], np.ndarray]]:
     ]
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("quartic", "caps"), cases())
 def test_every_variant_and_python_cut_the_same_cones(quartic, caps):
     found = [search_compiled(one, quartic, caps, BUDGET) for one in libraries()]

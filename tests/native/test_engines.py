@@ -158,6 +158,7 @@ def test_a_body_is_off_a_saddle_where_the_torque_is_a_share_of_the_curvature(
     assert (batch.escapes == kicked).all()
 
 
+@pytest.mark.one_in(3)
 @each_integrator
 def test_steps_and_kicks_from_a_saddle_are_counted_alike(integrator, bodies):
     """In lanes, alone and in Python; what stands in the counters before is of no account."""

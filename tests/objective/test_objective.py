@@ -167,7 +167,7 @@ def test_residuals_and_energies_of_eigenvectors_are_those_of_their_definitions(p
 
 # Their values at a point are compared for the whole zoo, above; symbols take long.
 SYMBOLIC = [
-    pytest.param(specimen, id=specimen.name, marks=[pytest.mark.long] if k % 4 else [])
+    pytest.param(specimen, id=specimen.name, marks=[pytest.mark.long] if k % 8 else [])
     for k, specimen in enumerate(strategies.ZOO)
 ]
 

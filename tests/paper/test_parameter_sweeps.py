@@ -66,9 +66,15 @@ def found() -> tuple[Sweep, ...]:
         patch.undo()
 
 
+@pytest.fixture(scope="module", params=[2, pytest.param(None, marks=pytest.mark.long)])
+def shown(request, found) -> tuple[Sweep, ...]:
+    """The maps of which figures are drawn, some or all: each takes a fifth of a second."""
+    return found[: request.param]
+
+
 @pytest.fixture(scope="module")
-def drawn(found):
-    return sweep_drawings(found)
+def drawn(shown):
+    return sweep_drawings(shown)
 
 
 # theory
@@ -219,8 +225,14 @@ def test_near_a_mirror_image_times_grow_as_one_over_the_distance():
 
 
 @pytest.mark.slow
-@pytest.mark.one_in(3)
-@pytest.mark.parametrize(("points", "sigma"), [(100, 0.0), (100, 3.2), (1000, 10.0)])
+@pytest.mark.parametrize(
+    ("points", "sigma"),
+    [
+        (100, 3.2),
+        pytest.param(100, 0.0, marks=pytest.mark.long),
+        pytest.param(1000, 10.0, marks=pytest.mark.long),
+    ],
+)
 def test_the_margin_is_that_of_the_central_limit(points: int, sigma: float):
     count = 2000
     made = gaussian_instances(np.random.default_rng(3), points=points, sigma=sigma, count=count)
@@ -301,13 +313,13 @@ def test_one_seed_gives_the_same_maps(found):
 
 
 @pytest.mark.slow
-def test_every_family_has_a_figure_with_three_panels(drawn):
-    assert [drawing.name for drawing in drawn] == [f"map-{name}" for name in FAMILIES]
+def test_every_family_has_a_figure_with_three_panels(shown, drawn):
+    assert [drawing.name for drawing in drawn] == [f"map-{name}" for name in FAMILIES][: len(shown)]
     assert all(len(drawing.figure.axes) == len(QUANTITIES) for drawing in drawn)
 
 
-def test_the_curves_are_medians_and_worsts_of_the_instances(found, drawn):
-    for one, drawing in zip(found, drawn, strict=True):
+def test_the_curves_are_medians_and_worsts_of_the_instances(shown, drawn):
+    for one, drawing in zip(shown, drawn, strict=True):
         for panel, quantity in zip(drawing.figure.axes, QUANTITIES, strict=True):
             values = [getattr(each, quantity.name) for each in one.measurements]
             medians, worsts = (
@@ -319,8 +331,8 @@ def test_the_curves_are_medians_and_worsts_of_the_instances(found, drawn):
     assert QUANTITIES[2].worst(np.array([1.0, 2.0])) == 1.0
 
 
-def test_theory_is_drawn_where_there_is_one(found, drawn):
-    for one, drawing in zip(found, drawn, strict=True):
+def test_theory_is_drawn_where_there_is_one(shown, drawn):
+    for one, drawing in zip(shown, drawn, strict=True):
         for panel, quantity in zip(drawing.figure.axes, QUANTITIES, strict=True):
             told = one.curves(quantity).predicted
             labels = [line.get_label() for line in panel.lines]
@@ -341,10 +353,10 @@ def test_labels_are_whole_apart_and_large_enough(drawn):
             assert over == [], (drawing.name, text.get_text())
 
 
-def test_captions_tell_the_counts(found, drawn):
-    for one, drawing in zip(found, drawn, strict=True):
+def test_captions_tell_the_counts(shown, drawn):
+    for one, drawing in zip(shown, drawn, strict=True):
         assert drawing.caption.startswith(f"{len(one.measurements[0].steps)} random instances")
-    total = sum(len(each.four) for each in found[1].measurements)
+    total = sum(len(each.four) for each in shown[1].measurements)
     assert f"{total} of {total} instances" in drawn[1].caption
 
 

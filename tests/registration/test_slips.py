@@ -191,6 +191,7 @@ def test_whole_numbers_are_not_taken_for_few_digits():
     assert "decimals" not in slip.words
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("unit", [1000.0, 100.0, 10.0, 25.4, 0.3048])
 def test_a_translation_in_another_unit_is_named_with_its_factor(unit: float):
     result = package.certify(PROBLEM, relaxation=False, simulation=False)

@@ -28,8 +28,8 @@ def all_candidates(pairs, **options):
 
 
 def misses(pairs, candidate):
-    moved = pairs.source @ candidate.rotation.T + candidate.translation
-    return np.linalg.norm(moved - pairs.target, axis=1)
+    x, y, z = (pairs.source @ candidate.rotation.T + candidate.translation - pairs.target).T
+    return np.hypot(np.hypot(x, y), z)  # squares of a row out of reach overflow
 
 
 def without_order(source, target, bounds):
@@ -62,6 +62,12 @@ def exhausted(pairs):
     return most
 
 
+def far_row(size):
+    """A wrong target that no sum of squares holds beside the others."""
+    pairs = made(30, 0.3, seed=8)
+    return replace(pairs, target=np.vstack([[size, 0.0, 0.0], pairs.target[1:]]))
+
+
 LINE = np.outer(np.arange(8.0), [1.0, 2.0, 2.0])
 ZOO = {
     "half wrong": made(),
@@ -73,6 +79,8 @@ ZOO = {
     "mixed bounds": replace(made(), bounds=np.linspace(0.01, 0.2, 50)),
     "collinear": without_order(LINE, LINE[:, ::-1] + 5.0, np.full(8, 0.01)),
     "coincident": without_order(np.ones((6, 3)), np.full((6, 3), 2.0), np.full(6, 0.1)),
+    "one row far": far_row(1e20),
+    "one row out of reach": far_row(1e200),
     "far from each other": without_order(LINE, LINE[::-1] ** 3 * 100.0, np.full(8, 1e-3)),
 }
 
@@ -94,6 +102,17 @@ def test_candidates_are_rows_within_bounds_at_proper_poses_and_ever_more(name):
     sizes = [len(one.inliers) for one in [gnc, *found]]
     assert sizes == sorted(sizes)
     assert len(set(sizes[1:])) == len(found)
+
+
+def test_bounds_below_rounding_are_no_error():
+    """Weights of some rows fall to 0 there in Lawson's iteration, and to nothing in all."""
+    rng = np.random.default_rng(21)
+    source = rng.integers(0, 3, (13, 3)).astype(float)
+    target = source[:, [1, 0, 2]] * [-1.0, 1.0, 1.0]
+    target[:6] = rng.random((6, 3))
+    pairs = without_order(source, target, 10.0 ** rng.uniform(-15.0, -9.0, 13))
+
+    assert len(all_candidates(pairs, effort=0.1)[-1].inliers) >= 3
 
 
 @pytest.mark.parametrize("wrong", [0.0, 0.5, 0.8])

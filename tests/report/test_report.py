@@ -454,6 +454,7 @@ class Full:
             self.stream.write(part)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("room", [0, 3_000, 10_000, 20_000])
 def test_a_full_disk_leaves_the_files_of_the_run_before(
     folder: Path, data: Path, monkeypatch: pytest.MonkeyPatch, room: int
@@ -473,6 +474,7 @@ def test_a_full_disk_leaves_the_files_of_the_run_before(
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("broken", range(5))
 def test_a_failure_between_two_files_leaves_none_of_another_problem(
     folder: Path, data: Path, monkeypatch: pytest.MonkeyPatch, broken: int

@@ -240,6 +240,7 @@ def test_the_motion_is_told_and_drawn_with_its_scale():
     assert turned.split("</section>")[0].count("<polyline") == 1
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("model", list(MODELS))
 def test_the_report_is_made_again_from_the_certificate(model: str, tmp_path: Path):
     found = registered(model)

@@ -1,0 +1,201 @@
+"""A body on springs that break, whose bounds are drawn in until they are those that were given.
+
+At first the bounds are so wide that all springs hold, then they shrink by a factor at a time, as
+those of graduated non-convexity do [Yang2020GNC]; widths at which no spring breaks are left out. At
+each the body moves on the springs that hold until it rests; then springs beyond their bounds break,
+broken ones within them mend, and it moves on, until none breaks or mends. Neither raises the energy
+V = sum of min(w r^2, w b^2): at rest the springs that hold have the least energy there is of these,
+and a spring that breaks or mends takes the smaller of two energies. So no set of springs comes back
+at the same bounds.
+
+Springs break and mend only while the body is at rest: its motion in between is that of `simulate`,
+the mass being that of the springs that hold. Floating point: what it ends in is a proposal.
+"""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from certreg.dynamics.body import core_of, state_at_rest
+from certreg.dynamics.simulation import simulate
+from certreg.equilibrium import LEAST_SPRINGS
+from certreg.native import MATRIX_STATE, Integrator, named
+from certreg.objective import Isotropic
+from certreg.results import Brief
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from certreg.dynamics.integrators import SimulationSettings
+    from certreg.problem import BreakingProblem
+
+SHRINKING = 1.4  # of the bounds at a time, as [Yang2020GNC] has it
+MOST_ROUNDS = 50  # of motions at the same bounds; three are usual
+
+
+class BreakingStatus(enum.Enum):
+    """How a simulation with springs that break ended; the value is the message for users."""
+
+    SETTLED = "The springs that hold at the end are just those within their bounds."
+    UNSETTLED = "Springs still broke or mended at the same bounds when the rounds ran out."
+    LOOSE = "So many springs broke that those that hold are on one line: no motion is defined."
+    OUT_OF_STEPS = "The steps ran out before the body was at rest."
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BreakingStage(Brief):
+    """The body at rest with bounds of one width.
+
+    width: the bounds over those that were given, 1 at the end. held: (N,), which springs hold.
+    energy: V at these bounds, in objective units; given_energy: with the bounds that were given.
+    rounds: of motion, 0 where no spring broke or mended. steps, time: of all rounds so far.
+    """
+
+    width: float
+    held: NDArray[np.bool_]
+    energy: float
+    given_energy: float
+    rounds: int
+    steps: int
+    time: float
+
+    @property
+    def count(self) -> int:
+        """How many springs hold."""
+        return int(self.held.sum())
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BreakingRun(Brief):
+    """A simulation with springs that break, stage by stage.
+
+    rotation: (3, 3), translation: (3,), in the unit of the clouds, of the end: y = R x + t.
+    """
+
+    status: BreakingStatus
+    stages: tuple[BreakingStage, ...]
+    rotation: NDArray[np.float64]
+    translation: NDArray[np.float64]
+    integrator: Integrator
+
+
+def run_breaking(
+    problem: BreakingProblem,
+    integrator: Integrator,
+    *,
+    shrinking: float = SHRINKING,
+    settings: SimulationSettings | None = None,
+) -> BreakingRun:
+    """The run of a body released at rest where it was given, with bounds that hold all springs.
+
+    shrinking: > 1, by which the bounds are divided from one stage to the next.
+    Raises DegenerateProblemError where the source is collinear, or the motion cannot be simulated.
+    """
+    annealed = _Annealed(problem, integrator, settings)
+    stages, status = list[BreakingStage](), BreakingStatus.SETTLED
+    width = max(1.0, float(annealed.ratios().max()))
+    while True:
+        status, stage = annealed.stage(width)
+        stages.append(stage)
+        if width == 1.0 or status is not BreakingStatus.SETTLED:
+            break
+        longest = float(annealed.ratios()[stage.held].max())
+        width /= shrinking
+        while width > max(1.0, longest):  # none breaks, and none mends
+            width /= shrinking
+        width = max(1.0, width)
+    return BreakingRun(
+        status=status,
+        stages=tuple(stages),
+        rotation=annealed.rotation,
+        translation=annealed.given_translation,
+        integrator=integrator,
+    )
+
+
+class _Annealed:
+    """The body as it goes: its pose about the means of both clouds, and what it took."""
+
+    def __init__(
+        self, problem: BreakingProblem, integrator: Integrator, settings: SimulationSettings | None
+    ) -> None:
+        block = problem.problem.block(slice(None))
+        self._problem, self._integrator, self._settings = problem, integrator, settings
+        self._centres = block.source.mean(axis=0), block.target.mean(axis=0)
+        self._source = block.source - self._centres[0]
+        self._target = block.target - self._centres[1]
+        self._weights = block.weights
+        self.rotation, self._shift = np.eye(3), self._centres[0] - self._centres[1]
+        self._held, self._steps, self._time = np.zeros(problem.n, dtype=np.bool_), 0, 0.0
+
+    @property
+    def given_translation(self) -> NDArray[np.float64]:
+        """The translation in the frame of the clouds as they were given."""
+        here, there = self._centres
+        return self._shift + there - self.rotation @ here
+
+    def ratios(self) -> NDArray[np.float64]:
+        """(N,): residuals over the bounds that were given."""
+        ends = self._target - self._source @ self.rotation.T - self._shift
+        return np.linalg.norm(ends, axis=1) / self._problem.bounds
+
+    def stage(self, width: float) -> tuple[BreakingStatus, BreakingStage]:
+        """The body moves at bounds of this width until no spring breaks or mends."""
+        status, rounds = BreakingStatus.UNSETTLED, 0
+        while True:
+            held = self.ratios() <= width
+            if (held == self._held).all():
+                status = BreakingStatus.SETTLED
+                break
+            if rounds == MOST_ROUNDS:
+                break
+            self._held, rounds = held, rounds + 1
+            stopped = self._move(held)
+            if stopped is not None:
+                status = stopped
+                break
+        return status, self._recorded(width, rounds)
+
+    def _move(self, held: NDArray[np.bool_]) -> BreakingStatus | None:
+        """The body moves on some springs until it rests; why it cannot go on, if so."""
+        rows = np.flatnonzero(held)
+        if len(rows) < LEAST_SPRINGS:
+            return BreakingStatus.LOOSE
+        objective = Isotropic.of(self._problem.of_rows(rows.tolist()))
+        if not objective.classification.inertia_definite and not held.all():
+            return BreakingStatus.LOOSE
+        weights = self._weights[rows] / self._weights[rows].sum()
+        here, there = weights @ self._source[rows], weights @ self._target[rows]
+        unit = 2.0 ** core_of(objective.moments).length_exponent
+        apart = (self.rotation @ here + self._shift - there) / unit
+        run = simulate(
+            objective,
+            self._problem.problem.damping,
+            self._integrator,
+            start=state_at_rest(self.rotation, apart),
+            settings=self._settings,
+        )
+        end = named(run.states[-1], MATRIX_STATE)
+        self.rotation = np.array(end["R"])
+        self._shift = there + end["c"] * unit - self.rotation @ here
+        self._steps += run.steps
+        self._time += float(run.times[-1])
+        return None if run.converged else BreakingStatus.OUT_OF_STEPS
+
+    def _recorded(self, width: float, rounds: int) -> BreakingStage:
+        ratios, bounds = self.ratios(), self._problem.bounds
+        scale = self._weights * bounds * bounds
+        squares = ratios * ratios
+        return BreakingStage(
+            width=width,
+            held=self._held.copy(),
+            energy=float(scale @ np.minimum(squares, width * width)),
+            given_energy=float(scale @ np.minimum(squares, 1.0)),
+            rounds=rounds,
+            steps=self._steps,
+            time=self._time,
+        )

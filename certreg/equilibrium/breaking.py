@@ -1,0 +1,197 @@
+"""The equilibria of a body on springs that break, for one set of unbroken springs.
+
+V = sum of min(w r_i^2, w b_i^2) has near a pose with |r_i| != b_i for all i the form
+
+    V_S = sum over S of w r_i^2 + sum over the others of w b_i^2,    S = the i with |r_i| < b_i,
+
+and so its equilibria are those of V_S, the eigenspaces of the Davenport matrix of S, with just the
+labels S: the springs of S within their bounds, the others beyond. Labels are decided in integers:
+with `sin2` of an eigenline the exact residual differs from the one at the integer quaternion by at
+most 2 sin |x - mean|, and a spring whose bound lies in that range is named, not guessed.
+
+On a tie, |r_i| = b_i for some i, no minimum of V lies: V is there at most V_T and V_U, T and U with
+and without the spring, and equal to both, so that both gradients would be zero at a minimum. But
+they differ by that of w r_i^2, which is -2 w r_i != 0 in the translation. Proof: derivations,
+springs_that_break.
+"""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from functools import cached_property
+from math import isqrt
+from typing import TYPE_CHECKING
+
+from certreg.equilibrium.eigenlines import eigenlines, energy_is_at_least
+from certreg.exact import power_of_two
+from certreg.geometry import dot, rotation_matrix, squared_norm
+from certreg.objective import Isotropic
+from certreg.results import Brief
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from fractions import Fraction
+
+    from certreg.equilibrium.eigenlines import Eigenline
+    from certreg.exact import IntegerQuaternion
+    from certreg.geometry import Vector3
+    from certreg.problem import BreakingProblem, ExactSprings
+    from certreg.results import ComponentKind
+
+
+class Labels(enum.Enum):
+    """What is decided of the springs at a rest pose; the value is the sentence for users."""
+
+    PROVED = "Just these springs hold, all others are broken: proved in integers."
+    TIED = "The residual of a spring equals its bound: an equilibrium is not defined, no minimum."
+    TOO_NEAR = "The residual of a spring is nearer to its bound than a billionth of a billionth."
+    CONTINUUM = "The rest poses form a continuum, and springs may break along it: not decided."
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RestPose(Brief):
+    """A rest pose of the body on one set of springs, or a continuum of them.
+
+    unbroken: the rows of the set, ascending. index: number of independent directions in which the
+    energy falls. energy: V at `quaternion`, exactly, in objective units. doubtful: the rows whose
+    labels are not proved, of a tie those on it; of a continuum at its member nearest to the
+    identity, which may have none.
+    """
+
+    unbroken: tuple[int, ...]
+    quaternion: IntegerQuaternion
+    kind: ComponentKind
+    index: int
+    energy: Fraction
+    labels: Labels
+    doubtful: tuple[int, ...]
+
+
+class SpringSet:
+    """Some springs of a problem as if they did not break: their objective, and rest poses."""
+
+    def __init__(self, problem: BreakingProblem, unbroken: tuple[int, ...]) -> None:
+        self.problem, self.unbroken = problem, unbroken
+
+    @cached_property
+    def objective(self) -> Isotropic:
+        """The energy of these springs alone."""
+        return Isotropic.of(self.problem.of_rows(self.unbroken))
+
+    @property
+    def never_holds(self) -> bool:
+        """Whether it is proved that at no pose all these springs are within their bounds.
+
+        There sum w r^2 < sum w b^2, so it is where the least of the left side is not less. Then no
+        larger set holds either. False: not proved.
+        """
+        return energy_is_at_least(self.objective, self._most)
+
+    @cached_property
+    def _most(self) -> Fraction:
+        """More than these springs have where they hold: what they have once they break."""
+        rows = self.problem.rows
+        return sum(rows.broken(i) for i in self.unbroken) * power_of_two(rows.exponent)
+
+    def rest_poses(self) -> Iterator[RestPose]:
+        """Those at which no spring is proved to have another label than in this set."""
+        broken = self.problem.broken_energy(self.unbroken)
+        for line in eigenlines(self.objective):
+            labels = self._labels(line)
+            if labels is not None:
+                yield RestPose(
+                    unbroken=self.unbroken,
+                    quaternion=line.quaternion,
+                    kind=line.kind,
+                    index=line.index,
+                    energy=self.objective.energy(line.quaternion) + broken,
+                    labels=labels.verdict,
+                    doubtful=labels.doubtful,
+                )
+
+    def _labels(self, line: Eigenline) -> _Found | None:
+        """What is proved of the springs at an eigenspace; None: one has another label."""
+        energy = self.objective.energy(line.quaternion)
+        if energy - 2 * line.error >= self._most:
+            return None
+        residuals = _Residuals(self.problem.rows, self.unbroken, line, energy + 2 * line.error)
+        kept, doubtful, verdict = set(self.unbroken), list[int](), Labels.PROVED
+        others = [i for i in range(self.problem.n) if i not in kept]
+        for i in (*self.unbroken, *others):
+            low, high, bound = residuals.between(i)
+            if high < bound if i in kept else low > bound:
+                continue
+            if low > bound if i in kept else high < bound:
+                return None
+            doubtful.append(i)
+            if low < high and verdict is not Labels.TOO_NEAR:
+                verdict = Labels.TOO_NEAR
+            elif verdict is Labels.PROVED:
+                verdict = Labels.TIED
+        if doubtful and line.sin2 is None:
+            verdict = Labels.CONTINUUM
+        return _Found(verdict, tuple(sorted(doubtful)))
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """A verdict and the rows that it leaves open."""
+
+    verdict: Labels
+    doubtful: tuple[int, ...]
+
+
+class _Residuals:
+    """Residuals at the exact rotations of an eigenspace and the best translation, in integers.
+
+    With the mass M, the means X, Y of the set times M, and n = |q|^2, the lengths are over M n.
+    """
+
+    def __init__(
+        self, rows: ExactSprings, unbroken: tuple[int, ...], line: Eigenline, energy: Fraction
+    ) -> None:
+        self._rows, self._unbroken, self._line, self._energy = rows, unbroken, line, energy
+        weights = [rows.weights[i] for i in unbroken]
+        self._mass, self._norm = sum(weights), squared_norm(line.quaternion)
+        self._source = _sum(weights, [rows.sources[i] for i in unbroken])
+        self._target = _sum(weights, [rows.targets[i] for i in unbroken])
+        self._turn = rotation_matrix(line.quaternion)
+
+    def between(self, row: int) -> tuple[int, int, int]:
+        """Two bounds of the residual, and the length at which the spring breaks.
+
+        In a continuum those of all rotations, | |y| - |x| | and |y| + |x| about the means, and of a
+        spring of the set sqrt(E / w), E the energy of the set, which is the same all along it.
+        """
+        rows, mass, norm = self._rows, self._mass, self._norm
+        x = [mass * k - mean for k, mean in zip(rows.sources[row], self._source, strict=True)]
+        y = [mass * k - mean for k, mean in zip(rows.targets[row], self._target, strict=True)]
+        bound = rows.bounds[row] * mass * norm
+        if self._line.sin2 is None:
+            (a, c), (b, d) = (_roots(squared_norm(v) * norm**2) for v in (x, y))
+            return max(0, a - d, b - c), min(c + d, self._longest(row, c + d)), bound
+        ends = [norm * k - dot(turn, x) for k, turn in zip(y, self._turn, strict=True)]
+        low, high = _roots(squared_norm(ends))
+        turned = 4 * norm**2 * squared_norm(x) * self._line.sin2  # (2 sin |x|)^2
+        _, slack = _roots(-(-turned.numerator // turned.denominator))
+        return low - slack, high + slack, bound
+
+    def _longest(self, row: int, otherwise: int) -> int:
+        """The residual of a spring of the set that has all its energy."""
+        if row not in self._unbroken:
+            return otherwise
+        square = self._energy * (self._mass * self._norm) ** 2 / self._rows.weights[row]
+        square /= power_of_two(self._rows.exponent)
+        return _roots(-(-square.numerator // square.denominator))[1]
+
+
+def _sum(weights: list[int], points: list[Vector3[int]]) -> list[int]:
+    columns = zip(*points, strict=True)
+    return [sum(w * k for w, k in zip(weights, column, strict=True)) for column in columns]
+
+
+def _roots(square: int) -> tuple[int, int]:
+    """The integers next to a square root, below and above; the same of a perfect square."""
+    below = isqrt(square)
+    return below, below + (below * below < square)

@@ -1,0 +1,112 @@
+"""All sets of springs that may hold at one pose, with proofs that the others do not.
+
+Where springs i and j both hold, |r_i| < b_i and |r_j| < b_j, the difference of their residuals is
+shorter than b_i + b_j, and the lengths |x_j - x_i| and |y_j - y_i| differ by less. So a set that
+holds is a clique in the graph of the pairs that pass this test, decided in integers; a set of at
+least k has its springs where each has k - 1 neighbours; and a set that never holds, for its least
+energy is too large, is part of none that does.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from certreg.equilibrium.breaking import SpringSet
+from certreg.errors import UndecidedError
+from certreg.geometry import squared_norm
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from certreg.problem import BreakingProblem, ExactSprings
+
+LEAST_SPRINGS = 3  # two hold the body in no pose: it turns about their line
+LARGEST_TRIED = 12  # springs of a set that is tried with all larger ones: more seldom refute
+
+
+def consistent_springs(problem: BreakingProblem) -> list[set[int]]:
+    """For each spring those that may hold at one pose with it."""
+    near: list[set[int]] = [set() for _ in range(problem.n)]
+    for j in range(problem.n):
+        for i in range(j):
+            if _agree(problem.rows, i, j):
+                near[i].add(j)
+                near[j].add(i)
+    return near
+
+
+def label_sets(problem: BreakingProblem, least: int, most_sets: int) -> Iterator[SpringSet]:
+    """All sets of at least `least` >= 3 springs that may hold: cliques that are not refuted.
+
+    Raises UndecidedError where more than `most_sets` sets would have to be looked at.
+    """
+    yield from _Sets(problem, least, most_sets).all()
+
+
+@dataclass(frozen=True, slots=True)
+class _Branch:
+    """The sets of all of `taken` and some of `free`; last: of `taken`, where it was looked at."""
+
+    taken: tuple[int, ...]
+    free: frozenset[int]
+    last: SpringSet | None
+
+
+class _Sets:
+    """A search through the cliques: each spring in turn is taken, or left out."""
+
+    def __init__(self, problem: BreakingProblem, least: int, most_sets: int) -> None:
+        self._problem, self._least = problem, least
+        self._most = self._left = most_sets
+        self._near = consistent_springs(problem)
+
+    def all(self) -> Iterator[SpringSet]:
+        branches = [_Branch((), frozenset(range(self._problem.n)), None)]
+        while branches:
+            branch = branches.pop()
+            taken, free = branch.taken, self._linked(branch)
+            if len(taken) + len(free) < self._least:
+                continue
+            if not free:
+                yield branch.last or self._looked_at(taken)
+                continue
+            first = min(free)
+            branches.append(_Branch(taken, free - {first}, branch.last))
+            more = (*taken, first)
+            grown = self._looked_at(more) if LEAST_SPRINGS <= len(more) <= LARGEST_TRIED else None
+            if grown is None or not grown.never_holds:
+                branches.append(_Branch(more, free & self._near[first], grown))
+
+    def _linked(self, branch: _Branch) -> frozenset[int]:
+        """The free springs, less those with too few neighbours for a set that is large enough."""
+        free, needed = branch.free, self._least - len(branch.taken) - 1
+        while True:
+            kept = frozenset(i for i in free if len(self._near[i] & free) >= needed)
+            if kept == free:
+                return free
+            free = kept
+
+    def _looked_at(self, rows: tuple[int, ...]) -> SpringSet:
+        if not self._left:
+            message = (
+                f"more than {self._most} sets of springs may hold together: give narrower bounds, "
+                "ask for more unbroken springs (`least`), or for more sets (`most_sets`)"
+            )
+            raise UndecidedError(message, method="label sets")
+        self._left -= 1
+        return SpringSet(self._problem, rows)
+
+
+def _agree(rows: ExactSprings, i: int, j: int) -> bool:
+    """Whether | |x_j - x_i| - |y_j - y_i| | < b_i + b_j = d, in integers and without a root.
+
+    With A >= B the squared lengths it is so iff A - B - d^2 < 2 d sqrt(B).
+    """
+    x, y = (
+        squared_norm([q - p for p, q in zip(points[i], points[j], strict=True)])
+        for points in (rows.sources, rows.targets)
+    )
+    A, B, d = max(x, y), min(x, y), rows.bounds[i] + rows.bounds[j]
+    excess = A - B - d * d
+    return excess < 0 or excess * excess < 4 * d * d * B

@@ -1,0 +1,250 @@
+"""All equilibria of a body on springs that break, each with just the springs that hold there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from certreg.equilibrium import LEAST_SPRINGS, Labels, label_sets
+from certreg.errors import InvalidProblemError
+from certreg.exact import nearest_double, power_of_two
+from certreg.problem import BreakingProblem, RegistrationProblem
+from certreg.registration.optimum import pose_at
+from certreg.relaxation import candidates
+from certreg.results import OUT_OF_RANGE, Brief, ComponentKind, Explained
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import ArrayLike
+
+    from certreg.equilibrium import RestPose, SpringSet
+    from certreg.geometry import Pose, Similarity
+
+FEW = 12  # springs, of which all sets are looked at: at most 4,000, ten seconds
+MOST_SETS = 4096  # that are looked at, two milliseconds each
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BreakingEquilibrium(Explained):
+    """A rest pose of the body on springs that break.
+
+    Attributes
+    ----------
+    unbroken
+        The rows whose springs hold, ascending; all others are broken.
+    pose
+        Of a continuum its member with the least rotation.
+    kind
+        A point, or a continuum of rotations.
+    energy
+        The sum of w r^2 of the springs that hold and of w b^2 of the others; None where no double
+        holds it.
+    morse_index
+        The number of independent directions in which the energy falls, exact.
+    labels
+        Whether it is proved which springs hold.
+    doubtful
+        The rows of which it is not.
+    """
+
+    unbroken: tuple[int, ...]
+    pose: Pose | Similarity
+    kind: ComponentKind
+    energy: float | None
+    morse_index: int
+    labels: Labels
+    doubtful: tuple[int, ...]
+
+    @property
+    def stable(self) -> bool:
+        """Whether it is proved to be a strict local minimum of the energy."""
+        proved = self.labels is Labels.PROVED
+        return proved and self.morse_index == 0 and self.kind is ComponentKind.POINT
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BreakingEquilibria(Brief):
+    """All equilibria with at least so many unbroken springs.
+
+    Attributes
+    ----------
+    least
+        Equilibria with fewer unbroken springs are not listed.
+    sets
+        How many sets of springs were looked at that may hold together.
+    equilibria
+        By ascending energy. Each has just the labels that it shows, and no spring on its bound.
+    doubtful
+        Rest poses on some springs of which that is not decided, or on a tie, by ascending energy.
+    optimum_listed
+        Whether it is proved that no pose has less energy than all that are listed as equilibria.
+    """
+
+    problem: BreakingProblem
+    least: int
+    sets: int
+    equilibria: tuple[BreakingEquilibrium, ...]
+    doubtful: tuple[BreakingEquilibrium, ...]
+    optimum_listed: bool
+
+    @property
+    def stable(self) -> tuple[BreakingEquilibrium, ...]:
+        """Those that are strict local minima of the energy."""
+        return tuple(each for each in self.equilibria if each.stable)
+
+    @property
+    def complete(self) -> bool:
+        """Whether no rest pose is left undecided; those on a tie are decided, they are none."""
+        return all(each.labels is Labels.TIED for each in self.doubtful)
+
+    def __repr__(self) -> str:
+        left = "" if self.complete else f", {len(self.doubtful)} doubtful"
+        return (
+            f"<BreakingEquilibria: {len(self.equilibria)} with {self.least} or more of "
+            f"{self.problem.n} springs, {len(self.stable)} stable{left}>"
+        )
+
+
+def breaking_equilibria(
+    source: Any,
+    target: Any,
+    *,
+    max_residual: ArrayLike,
+    weights: ArrayLike | None = None,
+    least: int | None = None,
+    most_sets: int = MOST_SETS,
+) -> BreakingEquilibria:
+    """All equilibria of the body whose springs break where they are longer than a bound.
+
+    The energy is the sum of the least of w r^2 and w b^2, r the residual of a pair and b its bound:
+    truncated least squares. Wherever no residual equals its bound, the springs that hold are some
+    set S, and the equilibria are those of S alone, at most four or a continuum, which have just the
+    labels S. So the list is made set by set, and it is complete: (1) two springs that hold together
+    have lengths |x_j - x_i| and |y_j - y_i| that differ by less than the sum of their bounds, so S
+    is a clique of such pairs; (2) where the least energy of some springs alone is not below that
+    of breaking them, they never hold together, nor does a larger set; (3) of each set that is left
+    the rest poses are the eigenspaces of its Davenport matrix, all of them, and (4) each label is
+    decided in integers, for the exact rotation, or the pose is called doubtful. No minimum of the
+    energy is missed at a residual that equals its bound: none is there (claim
+    `springs_that_break`).
+
+    Parameters
+    ----------
+    source, target
+        (N, 3), as for `RegistrationProblem`, in one unit of length.
+    max_residual
+        The bounds b, one for all or (N,), > 0, in that unit.
+    weights
+        (N,), or one for all, > 0; None: 1.
+    least
+        How many springs hold at each equilibrium that is listed, 3 or more. None: 3 for up to 12
+        pairs; for more as many as hold at the best pose that a search finds, which is no bound on
+        what there is: ask for fewer to see more.
+    most_sets
+        How many sets of springs may be looked at, about two milliseconds each.
+
+    Returns
+    -------
+    BreakingEquilibria
+        With energies, indices, stability, and what is not decided.
+
+    Raises
+    ------
+    InvalidProblemError
+        For points, weights or bounds that state no problem, and other numbers `least`.
+    UndecidedError
+        Where there are more sets than `most_sets`, or 3,700 digits do not tell two energies apart.
+    OutOfRangeError
+        Where no double can hold a translation.
+
+    Examples
+    --------
+    >>> source = [[0, 0, 0], [3, 0, 0], [0, 3, 0], [0, 0, 3], [20, 0, 0], [20, 3, 0], [20, 0, 3]]
+    >>> target = [[0, 0, 0], [3, 0, 0], [0, 3, 0], [0, 0, 3], [24, 0, 0], [24, 3, 0], [24, 0, 3]]
+    >>> for each in breaking_equilibria(source, target, max_residual=1.0).stable:
+    ...     print(each.unbroken, each.energy)
+    (0, 1, 2, 3) 3.0
+    (4, 5, 6) 4.0
+    """
+    stated = RegistrationProblem(source, target, weights=weights)
+    problem = BreakingProblem.of(stated, max_residual)
+    fewest = _fewest(problem, least)
+    counted = _Counted(label_sets(problem, fewest, most_sets))
+    found = sorted(
+        ((pose, of) for of in counted for pose in of.rest_poses()),
+        key=lambda pair: (pair[0].energy, pair[0].unbroken, pair[0].index),
+    )
+    proved = [pair for pair in found if pair[0].labels is Labels.PROVED]
+    doubtful = [pair for pair in found if pair[0].labels is not Labels.PROVED]
+    return BreakingEquilibria(
+        problem=problem,
+        least=fewest,
+        sets=counted.count,
+        equilibria=tuple(equilibrium_of(*pair) for pair in proved),
+        doubtful=tuple(equilibrium_of(*pair) for pair in doubtful),
+        optimum_listed=_optimum_listed(
+            problem, fewest, [pose for pose, _ in proved], [pose for pose, _ in doubtful]
+        ),
+    )
+
+
+class _Counted:
+    """Sets of springs, counted as they come."""
+
+    def __init__(self, sets: Iterator[SpringSet]) -> None:
+        self._sets, self.count = sets, 0
+
+    def __iter__(self) -> Iterator[SpringSet]:
+        for each in self._sets:
+            self.count += 1
+            yield each
+
+
+def equilibrium_of(pose: RestPose, of: SpringSet) -> BreakingEquilibrium:
+    """A rest pose on a set of springs, rounded for users."""
+    return BreakingEquilibrium(
+        unbroken=pose.unbroken,
+        pose=pose_at(of.objective, pose.quaternion),
+        kind=pose.kind,
+        energy=nearest_double(pose.energy),
+        morse_index=pose.index,
+        labels=pose.labels,
+        doubtful=pose.doubtful,
+        absent={"energy": OUT_OF_RANGE},
+    )
+
+
+def _fewest(problem: BreakingProblem, least: int | None) -> int:
+    """How many springs hold at what is listed."""
+    if least is not None:
+        if not LEAST_SPRINGS <= least <= problem.n:
+            message = (
+                f"least is {least}: give a number of springs from {LEAST_SPRINGS} to {problem.n}; "
+                "fewer hold the body in no pose, it turns about their line"
+            )
+            raise InvalidProblemError(message, array="least", value=least, limit=problem.n)
+        return least
+    if problem.n <= FEW:
+        return LEAST_SPRINGS
+    block = problem.problem.block(slice(None))
+    found = candidates(block.source, block.target, problem.bounds)
+    return max([LEAST_SPRINGS, *[len(each.inliers) for each in found]])
+
+
+def _optimum_listed(
+    problem: BreakingProblem, least: int, proved: list[RestPose], doubtful: list[RestPose]
+) -> bool:
+    """Whether the least energy of all poses is that of an equilibrium that is listed.
+
+    It is taken at a local minimum, so off all ties. Where fewer than `least` springs hold, the
+    others have at least the energy of as many that break most easily. False: not proved.
+    """
+    open_minima = [pose for pose in doubtful if pose.index == 0 and pose.labels is not Labels.TIED]
+    if open_minima or not proved:
+        return False
+    rows = problem.rows
+    broken = sorted(rows.broken(i) for i in range(problem.n))[: problem.n - least + 1]
+    elsewhere = sum(broken, Fraction(0)) * power_of_two(rows.exponent)
+    return proved[0].energy <= elsewhere

@@ -1,0 +1,93 @@
+"""A body on springs that break: what each stage of narrower bounds leaves of them."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from wrong_pairs import wrong_pairs
+
+from certreg.dynamics import breaking
+from certreg.dynamics.breaking import BreakingRun, BreakingStatus, run_breaking
+from certreg.native import Integrator
+from certreg.problem import BreakingProblem, RegistrationProblem
+from certreg.registration import register
+
+OFFSET = 1e6  # of both clouds, apart: bounds that no spring reaches are skipped
+SEEDS = (0, 1, 3, 4)
+
+
+def made(seed: int, n: int = 24, wrong: float = 0.5) -> BreakingProblem:
+    pairs = wrong_pairs(np.random.default_rng(seed), n, wrong)
+    weights = np.random.default_rng(seed).uniform(0.5, 2.0, n)
+    problem = RegistrationProblem(pairs.source + OFFSET, pairs.target - OFFSET, weights=weights)
+    return BreakingProblem.of(problem, 0.06)
+
+
+def ratios(problem: BreakingProblem, run: BreakingRun) -> np.ndarray:
+    ends = problem.problem.source @ run.rotation.T + run.translation
+    return np.linalg.norm(problem.problem.target - ends, axis=1) / problem.bounds
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_at_first_all_springs_hold_and_the_energy_never_rises(seed):
+    problem = made(seed)
+    run = run_breaking(problem, Integrator.MIDPOINT)
+    widths = [stage.width for stage in run.stages]
+
+    assert run.status is BreakingStatus.SETTLED
+    assert run.stages[0].held.all()
+    assert widths[-1] == 1.0
+    steps = np.log([a / b for a, b in pairwise(widths[:-1])]) / np.log(1.4)
+    np.testing.assert_allclose(steps, np.rint(steps), atol=1e-9)
+    assert len(widths) < 20  # however far off the body is at first
+    energies = [stage.energy for stage in run.stages]
+    assert all(b <= a for a, b in pairwise(energies))
+    assert run.stages[-1].energy == run.stages[-1].given_energy
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_at_the_end_the_springs_within_their_bounds_hold_at_their_least_squares_fit(seed):
+    problem = made(seed)
+    run = run_breaking(problem, Integrator.MIDPOINT)
+    last = run.stages[-1]
+    fit = register(
+        *(p[last.held] for p in (problem.problem.source, problem.problem.target)),
+        weights=problem.problem.weights[last.held],
+    )
+    square = ratios(problem, run) ** 2
+    expected = problem.problem.weights * problem.bounds**2 @ np.minimum(square, 1.0)
+
+    assert ((square <= 1.0) == last.held).all()
+    np.testing.assert_allclose(run.rotation, fit.rotation, atol=2e-3)
+    assert last.energy == pytest.approx(expected, rel=1e-6)
+
+
+def test_springs_may_mend():
+    """A spring that broke while the body was far off is within its bound later."""
+    run = run_breaking(made(21), Integrator.MIDPOINT)
+    held = np.array([stage.held for stage in run.stages])
+
+    assert (held[1:] & ~held[:-1]).any()
+
+
+def test_when_the_rounds_run_out_it_is_unsettled(monkeypatch):
+    monkeypatch.setattr(breaking, "MOST_ROUNDS", 0)
+    run = run_breaking(made(0), Integrator.MIDPOINT)
+
+    assert run.status is BreakingStatus.UNSETTLED
+    assert len(run.stages) == 1
+
+
+def test_weak_bounds_at_once_are_no_annealing():
+    """With a huge factor the bounds jump to those given: fewer springs are saved than by steps."""
+    slow, fast = (
+        sum(
+            run_breaking(made(seed), Integrator.MIDPOINT, shrinking=factor).stages[-1].count >= 12
+            for seed in range(8)
+        )
+        for factor in (1.4, 1e6)
+    )
+
+    assert slow > fast
