@@ -18,7 +18,8 @@ VECTORS = ROOT / "vectors"
 MANIFEST = json.loads((VECTORS / "manifest.json").read_bytes())["vectors"]
 REASONS = {  # what the checker's words are about, by class
     "form": r"exactly the keys|list of integers|not JSON|appears twice|wrong type",
-    "data": r"digest|not canonical|not of n points|not finite|negative|weight is not 1|positive|too many sizes",
+    "data": r"digest|not canonical|not of n points|not finite|negative|weight is not 1|positive"
+    r"|too many sizes",
     "optimality": r"pose",
     "labels": r"^(the )?labels\b",
     "claim": r"claims\.(gap|sin2_half_angle|pattern|unstable|unique|at_most|second|indices) is",
