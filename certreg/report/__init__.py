@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING
 from certreg._loading import lazy_face
 
 if TYPE_CHECKING:
+    from certreg.report.breaking import BreakingCourse as BreakingCourse
+    from certreg.report.breaking import breaking_course as breaking_course
+    from certreg.report.breaking import breaking_fragment as breaking_fragment
     from certreg.report.breathing import breathing_document as breathing_document
     from certreg.report.breathing import breathing_summary as breathing_summary
     from certreg.report.breathing import scaled_enumeration_summary as scaled_enumeration_summary
@@ -46,6 +49,11 @@ if TYPE_CHECKING:
 __getattr__ = lazy_face(
     __name__,
     {
+        "breaking": (
+            "BreakingCourse",
+            "breaking_course",
+            "breaking_fragment",
+        ),
         "breathing": (
             "breathing_document",
             "breathing_summary",

@@ -5,6 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
+from certreg.equilibrium.breaking import SpringSet
+from certreg.problem.breaking import BreakingProblem
+from certreg.problem.problem import RegistrationProblem
+
 from ..algebra import facts, identity, nonnegative, positive
 from ..hypothesis import Hypothesis, Standing, nonnegative_by, positive_by
 from ..kernel import Claim, Mutation, Proof
@@ -98,6 +104,20 @@ def energy(shift: Point, motion: Point) -> tuple[int, list[bool]]:
     return sum(min(square, BOUND**2) for square in off), [square < BOUND**2 for square in off]
 
 
+def _set_of(shift: Point, rows: Sequence[int]) -> SpringSet:
+    """Some springs of the instance, as certreg has them."""
+    sources = np.array([*FIRST, *SECOND], float)
+    targets = sources + np.array([[0, 0, 0]] * len(FIRST) + [shift] * len(SECOND), float)
+    problem = BreakingProblem.of(RegistrationProblem(sources, targets), float(BOUND))
+    return SpringSet(problem, tuple(rows))
+
+
+def _stable(shift: Point, rows: Sequence[int]) -> list[tuple[Any, str]]:
+    """Energies and labels of the poses of index 0 at which these springs may hold."""
+    poses = _set_of(shift, rows).rest_poses()
+    return [(pose.energy, pose.labels.name) for pose in poses if pose.index == 0]
+
+
 def _two_stable(shift: Point) -> Proof:
     halfway = tuple(entry // 2 for entry in SHIFT)
     spread = [
@@ -118,6 +138,17 @@ def _two_stable(shift: Point) -> Proof:
             *(found >= 2 for found in spread),
         ],
         [(3, [True] * 4 + [False] * 3), (4, [False] * 4 + [True] * 3), 7, True, True],
+    )
+    yield facts(
+        "`certreg.equilibrium.breaking.SpringSet`, which decides labels in integers, has these "
+        "two poses, both of index $0$ and with just these springs unbroken, and proves that the "
+        "seven never hold together, nor the four with one of the three.",
+        [
+            _stable(shift, (0, 1, 2, 3)),
+            _stable(shift, (4, 5, 6)),
+            *(_set_of(shift, rows).never_holds for rows in (range(7), (0, 1, 2, 3, 4))),
+        ],
+        [[(3, "PROVED")], [(4, "PROVED")], True, True],
     )
     yield facts(
         "An unbroken spring is a pair within its bound. So every equilibrium with $K$ unbroken "
@@ -155,7 +186,7 @@ CLAIM = Claim(
     "of the pairs whose springs it leaves unbroken. Every equilibrium with $K$ unbroken springs "
     "or more is a motion that brings their pairs within their bounds. Stable equilibria that are "
     "not the best exist: seven pairs with two minima.",
-    concludes=tuple(range(1, 6)),
+    concludes=tuple(range(1, 7)),
     hypotheses=(RISES, MORE, TRUNCATED, LEAST),
     setting=(
         "$f$ is the slope of one tie, $g$ that of the springs without a tie.",
@@ -175,5 +206,13 @@ CLAIM = Claim(
     not_claimed="That there are few equilibria: each set of pairs has some of its own. Nor, "
     "without a translation, that no minimum sits on a tie: there the slope may be $0$.",
     needs=("maximum_likelihood", "morse_bott", "pair_lengths", "few_neighbours"),
+    runs=(
+        "certreg.equilibrium.breaking.SpringSet.rest_poses",
+        "certreg.equilibrium.breaking.SpringSet._labels",
+    ),
+    used_by=(
+        "certreg.equilibrium.spring_sets.label_sets",
+        "certreg.dynamics.breaking",
+    ),
     not_in_coq="All of it: the theorems in Coq are about springs that do not break.",
 )

@@ -466,6 +466,7 @@ def test_a_certificate_that_was_damaged_is_written_anew(tmp_path, which: int, da
     assert tree(tmp_path) == before
 
 
+@pytest.mark.slow
 def test_the_table_is_the_same_in_both_formats(tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet")
     finish(FEW, tmp_path)

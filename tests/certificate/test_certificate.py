@@ -146,6 +146,7 @@ def test_the_proven_angle_is_honest_at_every_margin(margin):
         assert bounds.angle_upper is None
 
 
+@pytest.mark.slow
 def test_no_random_rotation_does_better_than_the_certified_minimum():
     rng = np.random.default_rng(6)
     problem = strategies.random_problem(rng, noise=1.0)

@@ -14,6 +14,7 @@ from mpmath import mpf, sqrt, workdps
 SAMPLE = scale_rates.PROBLEMS // 500
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [SAMPLE, pytest.param(5 * SAMPLE, marks=pytest.mark.long)])
 def test_scales_and_poses_are_those_of_the_reference_and_each_certificate_is_accepted(count):
     tally = scale_rates.counted(0, count)

@@ -243,6 +243,7 @@ def wall(normals):
     return RegistrationProblem(x, x @ np.diag([1.0, -1.0, -1.0]) + 0.01, normals=rows)
 
 
+@pytest.mark.slow
 def test_of_one_wall_a_gap_is_proved_and_the_optimum_proved_not_unique():
     problem = wall([[1, 2, 2]])
     objective = Springs(spring_moments(problem))

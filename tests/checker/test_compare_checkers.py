@@ -51,6 +51,7 @@ def test_the_vectors_are_accepted_by_definition_exactly_where_the_manifest_says_
             assert true == (vector["verdict"] == "VERIFIED"), vector["file"]
 
 
+@pytest.mark.slow
 @pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     "change",

@@ -255,6 +255,7 @@ def test_optimality_is_decided_as_by_the_definition(count: int):
     assert 0.2 < np.mean(seen) < 0.8
 
 
+@pytest.mark.slow
 def test_a_certificate_is_verified_at_every_scale_of_lengths_and_weights():
     source, target, weights = GENERIC
     for a, b, c in [(1e-100, 1e-100, 1e-50), (1e90, 1e-90, 1e10), (1e70, 1e70, 1e70), (1, 1e-7, 3)]:
@@ -495,6 +496,7 @@ def test_an_optimum_that_is_not_unique_is_told_so(name, words):
     assert words in "\n".join(verdict(oracle.produce(source, target, pattern=pattern)).theorems)
 
 
+@pytest.mark.slow
 @given(st.integers(1, 10**400), st.integers(1, 10**400), st.integers(2, 25))
 @examples(200)
 def test_bounds_are_rounded_up_to_the_next_decimal(numerator, denominator, digits):

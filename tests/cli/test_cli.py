@@ -702,6 +702,7 @@ def test_no_certificate_of_the_zoo_survives_a_stronger_claim(specimen, tmp_path:
         assert (run.code, run.out[:9]) == (1, "REFUSED: "), name
 
 
+@pytest.mark.slow
 def test_verify_binds_the_certificate_to_the_points(data: Path, survey: Path, tmp_path: Path):
     certificate, (source, target) = survey / "certificate.json", SURVEY.paths(data)
     lines = target.read_text("utf-8").splitlines()
@@ -807,6 +808,7 @@ def test_verify_refuses_bounds_that_are_larger_than_asked(data: Path, survey: Pa
     assert certreg("verify", certificate, *SURVEY.paths(data), "--any-weight").out == whole
 
 
+@pytest.mark.slow
 def test_any_weight_is_refused_where_the_weights_are_in_the_digest_only(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
@@ -879,6 +881,7 @@ def spurious_pose(data: Path, pair: Packaged, index: int) -> NDArray[np.float64]
     return homogeneous(R, problem.target.mean(axis=0) - R @ problem.source.mean(axis=0))
 
 
+@pytest.mark.slow
 def test_the_flipped_survey_is_the_worst_rotation_there_is(data: Path, tmp_path: Path):
     code, document, told = assess(data, SURVEY, spurious_pose(data, SURVEY, 3), tmp_path)
 

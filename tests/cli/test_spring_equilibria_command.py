@@ -67,6 +67,7 @@ def test_all_equilibria_are_told_with_what_is_stable(answers):
     assert energies == sorted(energies)
 
 
+@pytest.mark.slow
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", NAMES)
 def test_the_document_is_as_its_schema_says(answers, name):
@@ -104,6 +105,7 @@ def test_what_could_not_be_told_apart_is_said_and_not_counted(answers):
     assert found["components"][0]["stable"] is None
 
 
+@pytest.mark.slow
 def test_poses_are_written_in_the_order_of_the_list(folder, tmp_path):
     run = listed(folder, "seven", "--json", "--poses", tmp_path)
     parts = run.document["equilibria"]["components"]
@@ -152,6 +154,7 @@ def test_a_certificate_of_the_list_is_written_and_verified(folder, tmp_path):
     assert "VERIFIED" in verdict.out
 
 
+@pytest.mark.slow
 def test_where_the_list_is_in_doubt_no_certificate_is_written(folder, tmp_path):
     run = listed(folder, "sphere", "--out", tmp_path / "list.json")
 
@@ -181,6 +184,7 @@ def test_eigenspaces_are_refused(folder):
     assert "have no eigenspaces" in run.err
 
 
+@pytest.mark.slow
 def test_in_python_the_same_text_and_document(answers):
     made = spring_families.instance(SEVEN, 0)
     found = equilibria(RegistrationProblem(**spring_families.statement(made)))

@@ -80,6 +80,7 @@ def test_when_the_rounds_run_out_it_is_unsettled(monkeypatch):
     assert len(run.stages) == 1
 
 
+@pytest.mark.slow
 def test_weak_bounds_at_once_are_no_annealing():
     """With a huge factor the bounds jump to those given: fewer springs are saved than by steps."""
     slow, fast = (

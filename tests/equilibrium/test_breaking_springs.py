@@ -85,6 +85,8 @@ def by_all_sets(problem: BreakingProblem) -> Iterator[tuple[tuple[int, ...], int
                     yield tuple(rows), index, energy(problem, turn, t)
 
 
+@pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("seed", range(6))
 def test_the_list_is_what_all_sets_give_in_floating_point(seed):
     problem = mixed(seed, bound=(0.4, 0.8)[seed % 2])
@@ -101,6 +103,8 @@ def turned(R: NDArray, t: NDArray, step: NDArray) -> tuple[NDArray, NDArray]:
     return R @ np.array(rotation_matrix((half / np.linalg.norm(half)).tolist())), t + step[3:]
 
 
+@pytest.mark.slow
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("seed", range(2))
 def test_energy_slope_and_index_are_those_of_the_truncated_cost(seed):
     problem, h = mixed(seed, bound=0.8), 1e-4
@@ -131,6 +135,8 @@ def fitted(problem: BreakingProblem, held: NDArray) -> tuple[NDArray, NDArray]:
     return R, m @ y - R @ (m @ x)
 
 
+@pytest.mark.slow
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("seed", range(3))
 def test_a_descent_from_anywhere_ends_in_a_minimum_of_the_list(seed):
     problem = mixed(seed, bound=0.7)
@@ -256,6 +262,7 @@ def test_a_continuum_is_decided_only_where_no_rotation_mends_a_spring():
     assert (broken.labels, broken.doubtful, broken.index) == (Labels.PROVED, (), 0)
 
 
+@pytest.mark.slow
 def test_labels_do_not_change_with_the_unit_and_the_origin():
     rng = np.random.default_rng(5)
     x, y = rng.integers(-8, 9, size=(2, 6, 3)).astype(float)
@@ -290,6 +297,7 @@ def test_two_springs_whose_lengths_differ_by_both_bounds_never_hold_together():
     ]
 
 
+@pytest.mark.slow
 def test_sets_that_never_hold_are_not_the_end_of_others():
     problem = mixed(0, bound=0.8)
     refuted = [
@@ -304,6 +312,7 @@ def test_sets_that_never_hold_are_not_the_end_of_others():
     assert not [rows for rows in refuted if any(set(rows) <= each for each in listed)]
 
 
+@pytest.mark.slow
 def test_with_a_larger_least_the_list_is_the_part_of_so_many_springs():
     problem = mixed(3, bound=0.8)
     whole = all_rest_poses(problem)

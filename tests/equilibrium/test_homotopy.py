@@ -50,6 +50,7 @@ def test_lost_paths_are_tried_again_with_another_gamma(monkeypatch):
     assert (again.attempts > 1).tolist() == missing
 
 
+@pytest.mark.slow
 def test_what_is_tried_again_is_told_of_its_last_attempt_and_the_others_of_their_first(monkeypatch):
     """Two of five lose their paths: one at the first attempt, one at two."""
     K, followed, calls = davenports(5), homotopy._followed, list[int]()

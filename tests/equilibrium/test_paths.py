@@ -91,6 +91,7 @@ def test_a_constant_has_no_lines_to_track():
     assert (found.outcome, len(found.points), found.statuses) == (PathsOutcome.CONSTANT, 0, ())
 
 
+@pytest.mark.slow
 def test_without_compiled_code_the_ends_are_the_same(monkeypatch):
     monkeypatch.setattr(paths, "quartic_paths", lambda *_: None)
     found = critical_lines(random_quartic(0))

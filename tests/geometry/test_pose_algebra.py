@@ -65,6 +65,7 @@ def test_poses_obey_the_laws_of_a_group(seed: int):
     assert all(map(is_whole, (a, a @ b, a.inverse())))
 
 
+@pytest.mark.slow
 @FEW
 @given(SEEDS)
 def test_composing_is_multiplying_matrices_and_moving_twice(seed: int):
@@ -80,6 +81,7 @@ def test_composing_is_multiplying_matrices_and_moving_twice(seed: int):
     assert np.allclose(rows[:, :3], a @ points, atol=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(
     not hasattr(scipy_transform, "RigidTransform"), reason="SciPy before 1.16 has none"
 )

@@ -51,6 +51,7 @@ def test_similarities_obey_the_laws_of_a_group(seed: int):
     assert is_close(a.inverse().inverse(), a)
 
 
+@pytest.mark.slow
 @FEW
 @given(SEEDS)
 def test_composing_is_multiplying_matrices_and_moving_twice(seed: int):
@@ -67,6 +68,7 @@ def test_composing_is_multiplying_matrices_and_moving_twice(seed: int):
     assert np.allclose(a @ points[0], (a @ points)[0], rtol=1e-13)
 
 
+@pytest.mark.slow
 @FEW
 @given(SEEDS)
 def test_a_pose_composes_with_a_similarity_on_either_side_as_one_of_scale_1(seed: int):

@@ -104,6 +104,7 @@ def test_every_sentence_of_a_result_is_told_in_a_record_or_a_test():
     assert untold(told(), modules()) == {}
 
 
+@pytest.mark.slow
 def test_what_is_not_recorded_still_stands_in_the_program():
     said = [words for source in modules().values() for words in sentences(source)]
 

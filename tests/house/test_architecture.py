@@ -164,6 +164,7 @@ def test_a_wing_is_entered_through_its_face():
     assert trespassing(sources()) == []
 
 
+@pytest.mark.slow
 def test_a_planted_upward_import_is_seen():
     planted = sources()
     planted["certreg.problem.moments"] += "\nfrom certreg.registration import certify\n"

@@ -342,6 +342,7 @@ def test_the_page_is_made_from_the_committed_run():
     assert str(LATEST.relative_to(ROOT)) in page
 
 
+@pytest.mark.slow
 def test_a_bound_that_is_missed_is_the_exit_code(monkeypatch, capsys):
     good, bad = figure(11.0, least=10.0), figure(9.0, least=10.0)
     for found, code in ((good, 0), (bad, 1)):

@@ -216,6 +216,7 @@ def test_every_command_that_prints_a_result_is_compared():
 # Files and pictures -------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_save_writes_what_the_command_writes(registration, tmp_path):
     path = registration.save(tmp_path / "python")
     run("certify", *FILES, "--sigma", 1.0, "--out", tmp_path / "command")

@@ -689,6 +689,7 @@ def test_one_to_one_is_about_pairs_and_says_nothing_where_they_are_so(tmp_path: 
     assert (good.code, good.err) == (0, "")
 
 
+@pytest.mark.slow
 def test_a_set_of_nearest_neighbours_is_certified_and_assessed_as_its_rows(tmp_path, clouds):
     """Many to one: as the same points written out."""
     pairs = np.array([(0, 0), (1, 0), (2, 3), (3, 4), (4, 4), (5, 2)], dtype=np.int32)

@@ -142,6 +142,7 @@ def test_a_gram_matrix_is_definite_exactly_when_its_rank_is_full(rows):
     assert is_positive_definite(gram) == (rank(rows) == 3)
 
 
+@pytest.mark.slow
 @given(st.lists(small, min_size=6, max_size=6), st.lists(small, min_size=3, max_size=3))
 def test_a_definite_matrix_is_positive_on_every_vector(entries, v):
     assume(any(v))

@@ -140,6 +140,7 @@ def test_gradient_and_hessian_are_the_derivatives_at_a_point(specimen):
         assert of_row == list(row)
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(strategies.problems())
 def test_the_form_is_a_symmetric_matrix_of_ten(problem):
@@ -149,6 +150,7 @@ def test_the_form_is_a_symmetric_matrix_of_ten(problem):
     assert [tuple(column) for column in zip(*form, strict=True)] == list(form)
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(strategies.problems())
 def test_residuals_and_energies_of_eigenvectors_are_those_of_their_definitions(problem):

@@ -95,6 +95,7 @@ def test_a_campaign_that_was_stopped_goes_on_to_the_same_bytes(whole, tmp_path):
     assert tree(tmp_path) == tree(whole)
 
 
+@pytest.mark.slow
 def test_the_table_has_a_row_for_each_instance(whole):
     rows = list(csv.DictReader(io.StringIO((whole / SUMMARY).read_text("utf-8"))))
     first = measured(CELLS[0], 5, 1).seen[0]

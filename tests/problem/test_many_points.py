@@ -54,6 +54,7 @@ def test_data_larger_than_a_piece_is_encoded_as_one():
     assert last.endswith(b'"\n}\n')
 
 
+@pytest.mark.slow
 @given(strategies.problems())
 def test_sums_by_either_way_are_the_moments_of_the_checker(problem):
     """The table is filled from i <= j, over one power of two; of y with y it has squares only."""

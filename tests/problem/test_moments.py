@@ -43,6 +43,7 @@ def test_exact_moments_are_those_of_the_definition(problem):
     assert m.spread == T + S[0][0] + S[1][1] + S[2][2]
 
 
+@pytest.mark.slow
 @given(strategies.problems())
 def test_moments_do_not_depend_on_the_order_of_the_points(problem):
     from certreg import RegistrationProblem

@@ -70,6 +70,7 @@ def whole(number):
 # The sums ----------------------------------------------------------------------------------------
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("n", SIZES)
 @pytest.mark.parametrize("weighted", [True, False])
 def test_every_sum_is_within_260_units_of_its_terms(n, weighted):
@@ -408,6 +409,7 @@ def test_points_on_a_line_are_refused(cloud):
         certreg.register(cloud, cloud)
 
 
+@pytest.mark.slow
 @given(st.integers(0, 2**32), st.integers(0, 60))
 def test_a_pose_that_is_given_is_within_the_promise(seed, thin):
     # Nearly on a line, ever thinner: refused at last, and until then within 1e-3 of the exact pose.

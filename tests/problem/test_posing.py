@@ -64,6 +64,7 @@ def test_over_the_whole_zoo_both_ways_give_one_answer(problem):
         assert agree(short, answer(*arrays), size, near)
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @given(st.integers(0, 99), st.sampled_from([1, 2, 3, 7, 31, 32, 33, 65, 256, 300]), st.booleans())
 def test_every_layout_gives_the_same_pose(seed, n, weighted):

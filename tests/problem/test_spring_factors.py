@@ -59,6 +59,7 @@ def _dyads(seed: int, n: int, rank: int) -> np.ndarray:
     return np.asarray(full).reshape(n, 9)[:, SIX]
 
 
+@pytest.mark.slow
 @given(vectors)
 @example((1.0, 0.0, 0.0))
 @example((-2.0, 0.0, 0.0))
@@ -150,6 +151,7 @@ def test_a_matrix_with_an_eigenvalue_below_zero_is_refused_and_no_other(entries)
         assert found.indefinite[0] or found.ranks[0] == scalars.rank(exact)
 
 
+@pytest.mark.slow
 @pytest.mark.one_in(4)
 @pytest.mark.parametrize("spread", [0, 4, 8, 10])
 def test_a_covariance_is_bit_by_bit_as_written_and_its_spring_is_its_inverse(spread: int) -> None:

@@ -41,6 +41,7 @@ def of(seed, n, *, planes=False, scales=(1.0, 1.0, 1.0), decades=0.0):
     return RegistrationProblem(arrays[0], arrays[1], factors=arrays[2])
 
 
+@pytest.mark.one_in(4)
 @compiled
 @pytest.mark.parametrize("method", COMPILED)
 @pytest.mark.parametrize(

@@ -149,6 +149,8 @@ def test_what_is_told_of_each_number_is_the_scatter_of_the_experiments(experimen
     assert covariance.loosest_sigma >= max(covariance.rotation_sigma)
 
 
+@pytest.mark.slow
+@pytest.mark.one_in(2)
 def test_the_p_value_of_chi_squared_is_uniform(experiment):
     """Kolmogorov and Smirnov: sqrt(n) times the distance is above 2.2 once in 10^4 samples."""
     degrees = 3 * len(experiment.source) - 6
@@ -211,6 +213,7 @@ def test_the_second_order_of_the_turn_is_that_of_sampled_turns():
     assert covariance_of(RegistrationProblem(SQUARE, SQUARE, sigma=0.01)).second_order == 0.0
 
 
+@pytest.mark.slow
 def test_a_sigma_from_the_residuals_is_as_sure_as_is_said():
     """Its standard deviation is 1/sqrt(2 (3N - 6)) of it, to a tenth at 30 degrees of freedom."""
     experiment = Experiment("isotropic", even=True)

@@ -159,6 +159,7 @@ def clouds(tmp_path: Path) -> list[Path]:
     return [write_csv(tmp_path / f"{name}.csv", array.tolist()) for name, array in arrays.items()]
 
 
+@pytest.mark.slow
 def test_the_command_line_asks_for_a_fit(clouds):
     source, target, wrong = clouds
     quick = ("--no-relaxation", "--no-simulation")
@@ -197,6 +198,7 @@ def test_a_list_names_its_poor_pairs(clouds, tmp_path: Path, monkeypatch):
     assert certreg("batch", listing, "--require-fit").code == 4
 
 
+@pytest.mark.slow
 def test_what_is_asked_of_the_fit_may_change_when_a_campaign_goes_on(
     clouds, tmp_path: Path, monkeypatch
 ):

@@ -111,6 +111,7 @@ def test_a_stable_wrong_pose_is_not_near_optimal_however_little_it_costs():
     assert "from a stable equilibrium, at which a local method stops" in judged.headline
 
 
+@pytest.mark.slow
 def test_a_pose_near_one_of_several_fits_is_bounded_and_no_more():
     found = lines()
     settings = AssessmentSettings()

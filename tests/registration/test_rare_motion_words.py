@@ -110,6 +110,7 @@ def test_of_many_optima_the_end_is_told_to_be_as_good_as_the_one_that_was_found(
     assert told.endswith(words)
 
 
+@pytest.mark.slow
 def test_the_rates_of_a_motion_on_general_springs_are_told_to_be_missing():
     reasons = trapped().to_dict()["reasons"]
 

@@ -131,6 +131,7 @@ def test_the_pose_that_certify_prints_is_optimal_to_rounding(specimen, form: str
     assert ("not the only one" in found.words) != unique
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", FORMS)
 def test_a_pose_that_costs_more_than_its_rounding_is_near_optimal(form: str):
     registration = solved(0.0, 0.0)

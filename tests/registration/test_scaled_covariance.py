@@ -118,6 +118,8 @@ def test_chi_squared_has_as_many_degrees_of_freedom_as_the_numbers_found_leave(e
     assert abs(mean - degrees) < 4.0 * math.sqrt(2.0 * degrees / len(found))
 
 
+@pytest.mark.slow
+@pytest.mark.one_in(4)
 def test_without_sigma_it_is_scaled_by_the_residuals(experiment):
     target = experiment.targets[0]
     given = experiment.registration(target).covariance

@@ -385,6 +385,7 @@ def test_the_optimum_stands_beside_the_pose(tmp_path):
     json.dumps(document, allow_nan=False)
 
 
+@pytest.mark.slow
 def test_a_certificate_and_a_line_of_a_trajectory_are_judged(tmp_path):
     files = [
         write_csv(tmp_path / f"{n}.csv", getattr(PROBLEM, n).tolist()) for n in ("source", "target")

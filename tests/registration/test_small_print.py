@@ -268,6 +268,7 @@ def test_of_equally_bad_rows_the_first_come_first():
     assert [(one.row, one.residual) for one in fit.worst] == [(row, 2.0) for row in range(6)]
 
 
+@pytest.mark.slow
 def test_the_median_of_many_rows_is_not_that_of_the_first():
     n = 3 * SAMPLE_ROWS
     rng = np.random.default_rng(9)

@@ -47,6 +47,7 @@ def test_another_statement_gives_other_bytes(monkeypatch):
     assert chain.cone_files()[CONES_FILE] != (GENERATED / CONES_FILE).read_bytes()
 
 
+@pytest.mark.slow
 def test_what_the_numbers_would_not_hold_is_refused():
     x, p = cvxpy.Variable(3), cvxpy.Parameter(3)
     inside = cvxpy.diag(x) >> 0

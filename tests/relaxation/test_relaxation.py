@@ -580,6 +580,7 @@ def test_a_proposal_far_too_small_is_not_proved_and_one_too_large_is_taken():
     assert 2 * largest <= generous.value <= 2 * largest * (1 + Fraction(1, 2**38))
 
 
+@pytest.mark.slow
 def test_what_the_solver_returns_is_below_the_truth_in_a_considerable_share_of_runs():
     """Why value and multiplier are not called bounds."""
     rng = np.random.default_rng(0)

@@ -64,6 +64,7 @@ def registration() -> Registration:
 # The sample --------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.one_in(4)
 @pytest.mark.parametrize("seed", range(3 * len(FAMILIES)))
 def test_every_printed_bound_is_one(seed: int):

@@ -209,6 +209,7 @@ def test_the_policy_admits_these_two_texts_and_nothing_else(survey: Registration
     ]
 
 
+@pytest.mark.slow
 def test_the_certificate_stands_in_the_page_byte_by_byte(folder: Path):
     content = (folder / "certificate.json").read_bytes()
     outline = Outline((folder / "report.html").read_bytes())
@@ -242,6 +243,7 @@ def test_what_is_not_unique_is_said_first(specimen):
         assert "The best rotation is not unique" in words
 
 
+@pytest.mark.slow
 @given(*[st.none() | st.floats(0.0, 180.0)] * 2)
 def test_a_method_that_ends_elsewhere_is_not_said_to_lead_here(
     survey: Registration, relaxation: float | None, simulation: float | None
@@ -272,6 +274,7 @@ def test_every_theorem_has_its_page_under_its_title():
         assert f"# {title}\n" in text
 
 
+@pytest.mark.slow
 def test_with_documentation_the_theorems_are_links(survey: Registration):
     made = html_page(Report.of(survey, documentation="../")).decode()
 
@@ -300,6 +303,7 @@ def test_the_report_again_is_the_same_and_says_how_the_motion_is_computed(
         assert (tmp_path / "again.html").read_bytes() == first
 
 
+@pytest.mark.slow
 def test_a_motion_by_another_integrator_is_shown_again(tmp_path: Path):
     registration = certified(stated(STORIES[0]), relaxation=False, integrator="splitting")
     certificate = checked(registration.certificate)

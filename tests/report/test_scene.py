@@ -57,6 +57,7 @@ def test_a_single_spot_and_a_vertical_line_are_seen_from_somewhere():
         assert np.allclose(axes @ axes.T, np.eye(3))
 
 
+@pytest.mark.slow
 def test_all_of_few_points_are_named_and_of_many_those_that_do_not_fit():
     few, many = cloud(NAMED), cloud(NAMED + 1)
     names = [f"P{i}" for i in range(NAMED + 1)]

@@ -112,6 +112,7 @@ def test_where_nothing_is_listed_the_page_has_no_such_section(monkeypatch):
     assert "or infinitely many, stable ones among them, and this page lists none;" in said
 
 
+@pytest.mark.slow
 def test_a_complete_list_is_known_and_how_and_nothing_says_that_none_is_listed(forty):
     found = eighteen()
     (said,) = [one for one in spring_sentences(found, forty) if "The list was made" in one.words]
