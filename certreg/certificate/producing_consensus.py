@@ -82,10 +82,21 @@ class ConsensusProver:
         self._effort = effort
         self.graph = Graph(consistent_pairs(problem), PointRows.of(problem), effort)
 
+    @property
+    def consistent(self) -> NDArray[np.bool_]:
+        """(N, N), which two pairs one motion may meet."""
+        n = self.problem.n
+        packed = b"".join(mask.to_bytes(-(-n // 8), "little") for mask in self.graph.near)
+        rows = np.frombuffer(packed, dtype=np.uint8).reshape(n, -1)
+        return np.unpackbits(rows, axis=1, bitorder="little", count=n).astype(bool)
+
     def prove(
-        self, rotation: NDArray[np.float64], translation: NDArray[np.float64]
+        self, rotation: NDArray[np.float64], translation: NDArray[np.float64], *, whole: bool = True
     ) -> Consensus | None:
-        """What is proved with this motion as witness; None where it meets too few pairs."""
+        """What is proved with this motion as witness; None where it meets too few pairs.
+
+        whole: False: no more than whether all labels are, or that no motion meets more pairs.
+        """
         witness = witness_of(rotation, translation)
         met = self._exact.met_by(witness)
         if len(met) < LEAST_PAIRS:
@@ -95,8 +106,8 @@ class ConsensusProver:
         first = self._stage(stages, (1 << n) - 1, K, within)
         upper, sure = first.bit_count(), within if first == within else 0
         if not sure:
-            upper = self._upper(stages, first, K, within)
-            sure = self._inliers(stages, first, met)
+            upper = self._upper(stages, first, K, within, whole=whole)
+            sure = self._inliers(stages, first, met) if whole else 0
         labels = "".join(
             INLIER if sure >> i & 1 else UNDECIDED if first >> i & 1 else OUTLIER for i in range(n)
         )
@@ -105,23 +116,32 @@ class ConsensusProver:
     def _stage(
         self, stages: list[Stage], alive: int, least: int, clique: int, without: int | None = None
     ) -> int:
-        """The rows left; the stage is kept where it is the first, or shows something."""
+        """The rows left; the stage is kept where it is the first, or they are too few."""
         thinning = Thinning(self.graph, alive, least, clique)
         thinning.run()
         left = thinning.alive
-        useful = not stages or (left.bit_count() < least if without is not None else left != alive)
-        if useful:
+        if not stages or left.bit_count() < least:
             stages.append(Stage(least=least, without=without, strikes=tuple(thinning.strikes)))
         return left
 
-    def _upper(self, stages: list[Stage], alive: int, K: int, within: int) -> int:
-        """No motion meets more: by stages that ask for more and more pairs."""
-        upper, least = alive.bit_count(), K + 1
-        while least <= upper:
-            alive = self._stage(stages, alive, least, within)
-            upper = min(upper, max(least - 1, alive.bit_count()))
-            least += 1
-        return upper
+    def _upper(self, stages: list[Stage], alive: int, K: int, within: int, *, whole: bool) -> int:
+        """No motion meets more: the least number found of which too few rows are left.
+
+        K itself is tried, and only if whole others are, by halving.
+        """
+        low, high = K, alive.bit_count()
+        middle, last = low, list[Stage]()
+        while low < high:
+            tried = [*stages]
+            if self._stage(tried, alive, middle + 1, within).bit_count() <= middle:
+                high, last = middle, tried[len(stages) :]
+            else:
+                low = middle + 1
+            if not whole:
+                break
+            middle = (low + high) // 2
+        stages += last
+        return high
 
     def _inliers(self, stages: list[Stage], first: int, met: list[int]) -> int:
         """The met rows without which the others are not enough."""

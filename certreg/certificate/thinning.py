@@ -34,13 +34,13 @@ class Graph:
 class Thinning:
     """What is left of `alive` that a motion that meets at least `least` of it can meet.
 
-    clique: rows that are consistent with each other, dealt into groups. Where they are as many as
-    `least` a motion that meets them may be there, and none of them is tried.
+    clique: rows that are consistent with each other, of which the groups are. None of them is
+    tried: they fall by themselves where the others have fallen and they are too few.
     """
 
     def __init__(self, graph: Graph, alive: int, least: int, clique: int) -> None:
         self._graph, self._least, self._clique = graph, least, clique
-        self._spared = clique if clique.bit_count() >= least else 0
+        self._coloured: dict[int, int] = {}
         self._failed: dict[int, tuple[int, int]] = {}
         self.strikes: list[Strike] = []
         self.alive = linked(graph.near, alive, least)
@@ -54,7 +54,7 @@ class Thinning:
         """Tries all rows once, those with few neighbours first; whether one fell."""
         near, struck = self._graph.near, False
         rows = sorted(
-            rows_of(self.alive & ~self._spared),
+            rows_of(self.alive & ~self._clique),
             key=lambda e: (near[e] & self.alive).bit_count(),
         )
         for e in rows:
@@ -67,9 +67,13 @@ class Thinning:
         return struck
 
     def _no_groups(self, e: int) -> tuple[Group, ...] | None:
-        most = self._least - 2
-        few = colours(self._graph.near[e] & self.alive, self._graph.near, most) <= most
-        return () if few else None
+        beside, most = self._graph.near[e] & self.alive, self._least - 2
+        if self._coloured.get(e) == beside or (beside & self._clique).bit_count() > most:
+            return None
+        if colours(beside, self._graph.near, most) <= most:
+            return ()
+        self._coloured[e] = beside
+        return None
 
     def _groups(self, e: int) -> tuple[Group, ...] | None:
         """Groups of the clique, each refuted with e, so many that e falls; None if not found.

@@ -246,15 +246,18 @@ def certified_consensus(
 
 
 def _best(problem: ConsensusProblem, prover: ConsensusProver, effort: float) -> Consensus | None:
-    """Of all candidates the one of which most is proved; no more are sought once all is."""
-    block, best = problem.problem.block(slice(None)), None
-    for candidate in candidates(block.source, block.target, problem.bounds, effort=effort):
-        found = prover.prove(candidate.rotation, candidate.translation)
+    """Of all candidates the one of which most is proved; no more are sought once none has more."""
+    block, graph, best, last = problem.problem.block(slice(None)), prover.consistent, None, None
+    x, y = block.source, block.target
+    for candidate in candidates(x, y, problem.bounds, effort=effort, consistent=graph):
+        found = prover.prove(candidate.rotation, candidate.translation, whole=False)
         if found is not None and (best is None or found.worth > best.worth):
-            best = found
-        if best is not None and best.decided:
+            best, last = found, candidate
+        if best is not None and best.upper == len(best.met):
             break
-    return best
+    if best is None or last is None or best.decided:
+        return best
+    return prover.prove(last.rotation, last.translation)
 
 
 def _fit(
