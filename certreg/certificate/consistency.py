@@ -7,6 +7,7 @@ d = b_i + b_j, a motion that moves each y by at most its bound changes b by at m
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,38 +26,51 @@ if TYPE_CHECKING:
 # Relative errors: a difference of doubles 2^-53, a squared length of three terms four times that,
 # its root three times, and the last sums one more: eight times 2^-53 of all would do.
 LENGTH_ERROR = 2.0**-48
-BLOCK_ROWS = 256  # rows against all others at a time: 25 MB of 4,096
+MOTION_ERROR = 2.0**-44  # a residual: forty roundings of at most |x| + |y| + |t|, 2^-53 each
+BLOCK_ROWS = 32  # rows against all others at a time: of 1,000 they stay in the cache
 QUATERNION_BITS, SHIFT_BITS = 60, 64  # of a witness: its rounding is far below that of its points
 
 
 def consistent_pairs(problem: ConsensusProblem) -> list[int]:
     """For each pair those that one motion may meet with it, as bits of an integer."""
     block = problem.problem.block(slice(None))
-    size = float(max(np.abs(block.source).max(), np.abs(block.target).max(), problem.bounds.max()))
-    one = 2.0 ** -np.frexp(size)[1]  # exact, but for what is too small to matter beside the errors
+    one = 2.0 ** -_exponent(problem)  # exact, but for what is too small to matter beside errors
     x, y, bounds = block.source * one, block.target * one, problem.bounds * one
     exact = ExactRows(problem)
-    near: list[int] = []
+    allowed = np.empty((problem.n, problem.n), dtype=bool)
     for start in range(0, problem.n, BLOCK_ROWS):
-        rows = slice(start, start + BLOCK_ROWS)
-        a, b = _lengths(x[rows], x), _lengths(y[rows], y)
-        room = bounds[rows, None] + bounds - np.abs(a - b)
-        allowed = room >= 0.0
-        doubtful = np.abs(room) <= LENGTH_ERROR * (a + b + bounds[rows, None] + bounds) + 1e-300
-        for i, j in np.argwhere(doubtful).tolist():
-            allowed[i, j] = exact.agree(start + i, j)
-        packed = np.packbits(allowed, axis=1, bitorder="little")
-        near += [int.from_bytes(row.tobytes(), "little") for row in packed]
-    return [mask & ~(1 << i) for i, mask in enumerate(near)]
+        rows, later = slice(start, start + BLOCK_ROWS), slice(start, None)
+        a, b = _lengths(x[rows], x[later]), _lengths(y[rows], y[later])
+        error = LENGTH_ERROR * float(a.max() + b.max() + 2.0 * bounds.max()) + 1e-300
+        room = np.add.outer(bounds[rows], bounds[later])
+        a -= b
+        room -= np.abs(a, out=a)
+        block = room >= 0.0
+        for i, j in np.argwhere(np.abs(room, out=room) <= error).tolist():
+            block[i, j] = exact.agree(start + i, start + j)
+        allowed[rows, later] = block
+        allowed[later, rows] = block.T
+    np.fill_diagonal(allowed, val=False)
+    packed = np.packbits(allowed, axis=1, bitorder="little")
+    return [int.from_bytes(row.tobytes(), "little") for row in packed]
+
+
+def _exponent(problem: ConsensusProblem) -> int:
+    """Of a power of two near the size of the problem."""
+    block = problem.problem.block(slice(None))
+    size = max(np.abs(block.source).max(), np.abs(block.target).max(), problem.bounds.max())
+    return int(np.frexp(size)[1])
 
 
 def _lengths(points: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:
     """(m, n): distances of each point from each other."""
-    square = np.zeros((len(points), len(others)))
-    for axis in range(3):
-        difference = points[:, None, axis] - others[None, :, axis]
-        square += difference * difference
-    return np.sqrt(square)
+    square = np.subtract.outer(points[:, 0], others[:, 0])
+    square *= square
+    for axis in (1, 2):
+        difference = np.subtract.outer(points[:, axis], others[:, axis])
+        difference *= difference
+        square += difference
+    return np.sqrt(square, out=square)
 
 
 class ExactRows:
@@ -90,7 +104,24 @@ class ExactRows:
         )
 
     def met_by(self, witness: Witness) -> list[int]:
-        """The rows that a motion meets, exactly."""
+        """The rows that a motion meets, exactly: in integers where doubles leave it open."""
+        block, unit = self._problem.problem.block(slice(None)), _exponent(self._problem)
+        one, q = 2.0**-unit, np.array([float(k) for k in witness.quaternion])
+        x, y, bounds = block.source * one, block.target * one, self._problem.bounds * one
+        *shift, exponent = witness.shift
+        R = np.array(rotation_matrix((q / np.linalg.norm(q)).tolist()))
+        t = np.array([math.ldexp(k, exponent - unit) for k in shift])
+        room = bounds - np.linalg.norm(y - x @ R.T - t, axis=1)
+        sizes = np.abs(x).sum(axis=1) + np.abs(y).sum(axis=1)
+        error = MOTION_ERROR * (sizes + np.abs(t).sum() + bounds) + 1e-300
+        sure = np.abs(room) > error
+        doubtful = set(self._met_by(witness, np.flatnonzero(~sure).tolist()))
+        return [i for i in range(len(room)) if (room[i] > 0.0 if sure[i] else i in doubtful)]
+
+    def _met_by(self, witness: Witness, some: list[int]) -> list[int]:
+        """Those of some rows."""
+        if not some:
+            return []
         rows, q = self.rows, witness.quaternion
         norm, turn = squared_norm(q), _turn(q)
         *shift, exponent = witness.shift
@@ -98,14 +129,15 @@ class ExactRows:
         up, t = self.exponent - low, [norm * k << exponent - low for k in shift]
         return [
             i
-            for i, row in enumerate(rows)
+            for i in some
             if squared_norm(
                 [
-                    (norm * row[3 + k] - sum(turn[k][m] * row[m] for m in range(3)) << up) - t[k]
+                    (norm * rows[i][3 + k] - sum(turn[k][m] * rows[i][m] for m in range(3)) << up)
+                    - t[k]
                     for k in range(3)
                 ]
             )
-            <= (norm * row[6] << up) ** 2
+            <= (norm * rows[i][6] << up) ** 2
         ]
 
 

@@ -43,7 +43,7 @@ class Thinning:
         self._coloured: dict[int, int] = {}
         self._failed: dict[int, tuple[int, int]] = {}
         self.strikes: list[Strike] = []
-        self.alive = linked(graph.near, alive, least)
+        self.alive = linked(graph.near, alive, least, alive)
 
     def run(self) -> None:
         """Strikes rows until none falls."""
@@ -62,7 +62,7 @@ class Thinning:
                 return False
             if self.alive >> e & 1 and (groups := proof(e)) is not None:
                 self.strikes.append(Strike(row=e, groups=groups))
-                self.alive = linked(near, self.alive & ~(1 << e), self._least)
+                self.alive = linked(near, self.alive & ~(1 << e), self._least, near[e])
                 struck = True
         return struck
 
@@ -143,13 +143,18 @@ def transversal(sets: list[int], most: int) -> int | None:
     return None
 
 
-def linked(near: list[int], alive: int, least: int) -> int:
-    """Less those with fewer than `least` - 1 neighbours, until none is left that has so few."""
-    while True:
-        few = [i for i in rows_of(alive) if (near[i] & alive).bit_count() < least - 1]
-        if not few:
-            return alive
+def linked(near: list[int], alive: int, least: int, touched: int) -> int:
+    """Less those with fewer than `least` - 1 neighbours, until none is left that has so few.
+
+    touched: rows that may have so few; those that lose a neighbour follow.
+    """
+    while touched:
+        few = [i for i in rows_of(touched & alive) if (near[i] & alive).bit_count() < least - 1]
         alive &= ~mask_of(few)
+        touched = 0
+        for i in few:
+            touched |= near[i]
+    return alive
 
 
 def colours(rows: int, near: list[int], most: int) -> int:
