@@ -97,7 +97,10 @@ class ConsensusProver:
 
         whole: False: no more than whether all labels are, or that no motion meets more pairs.
         """
-        witness = witness_of(rotation, translation)
+        return self.witnessed(witness_of(rotation, translation), whole=whole)
+
+    def witnessed(self, witness: Witness, *, whole: bool = True) -> Consensus | None:
+        """The same of a witness."""
         met = self._exact.met_by(witness)
         if len(met) < LEAST_PAIRS:
             return None

@@ -215,7 +215,7 @@ def certified_consensus(
     timings: dict[str, float] = {}
     start = time.perf_counter()
     prover = ConsensusProver(problem, effort=checked_effort(effort))
-    found = _best(problem, prover, effort)
+    found = proved_consensus(problem, prover, effort)
     timings["consensus"] = time.perf_counter() - start
     done("consensus")
     if found is None:
@@ -245,19 +245,19 @@ def certified_consensus(
     )
 
 
-def _best(problem: ConsensusProblem, prover: ConsensusProver, effort: float) -> Consensus | None:
+def proved_consensus(
+    problem: ConsensusProblem, prover: ConsensusProver, effort: float
+) -> Consensus | None:
     """Of all candidates the one of which most is proved; no more are sought once none has more."""
-    block, graph, best, last = problem.problem.block(slice(None)), prover.consistent, None, None
+    block, graph, best = problem.problem.block(slice(None)), prover.consistent, None
     x, y = block.source, block.target
     for candidate in candidates(x, y, problem.bounds, effort=effort, consistent=graph):
         found = prover.prove(candidate.rotation, candidate.translation, whole=False)
         if found is not None and (best is None or found.worth > best.worth):
-            best, last = found, candidate
+            best = found
         if best is not None and best.upper == len(best.met):
             break
-    if best is None or last is None or best.decided:
-        return best
-    return prover.prove(last.rotation, last.translation)
+    return best if best is None or best.decided else prover.witnessed(best.witness)
 
 
 def _fit(
