@@ -8,8 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from itertools import combinations, product
 
+from certreg.verify import Thinning
+
 SIZE = 5  # 1024 graphs
 EVERY = (1 << SIZE) - 1
+LOOKS = 1000  # more than the checker takes at such graphs
 Graph = Sequence[int]
 Rule = Callable[[Graph, int, int], int]  # the graph, the vertices left, K; those left then
 
@@ -53,6 +56,15 @@ def lost(rule: Rule) -> tuple[int, int]:
             sets = (s for s in range(1, EVERY + 1) if s & gone and s.bit_count() >= K)
             damaged += sum(is_clique(near, s) for s in sets)
     return damaged, struck
+
+
+def kept(near: Graph, alive: int, K: int, steps: Sequence[object] = ()) -> int:
+    """What the checker leaves of a graph after steps without groups: rows are not looked at.
+
+    Raises certreg.verify.RefusalError for a step that strikes too much.
+    """
+    rows = [[0]] * len(near)
+    return Thinning(rows, [*near], alive, K, [LOOKS]).after([*steps])
 
 
 def thinned(near: Graph, alive: int, strikes: Callable[[int, int], bool]) -> int:

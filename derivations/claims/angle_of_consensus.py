@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from types import SimpleNamespace
 from typing import Any
 
 from certreg.geometry.so3 import body_frame, dot
-from certreg.verify import davenport, proves_level
+from certreg.verify import ConsensusStatement, RefusalError
 
 from ..algebra import Square, facts, identity, nonnegative, positive
 from ..hypotheses import definite
@@ -16,6 +17,7 @@ from ..kernel import Claim, Mutation, Proof
 from ..notation import Matrix, inner, quaternion, rotation, scalar, square, symmetric
 
 Built = Callable[[], Any]
+Test = Callable[[list[list[int]], Fraction, Fraction], bool]
 SPREAD, BUDGET, COST = scalar("S"), scalar("B"), scalar("W")
 TAU, SINE = scalar("tau"), scalar("s")
 K, Q, P = symmetric("K", 4), quaternion(), quaternion("p")
@@ -59,18 +61,24 @@ def _definite_by(built: Built) -> Hypothesis:
 DEFINITE = _definite_by(reach_matrix)
 
 
-def within(budget: Fraction, tau: Fraction, sine: Fraction) -> bool:
-    """Whether the checker proves the reach of the octahedron about the identity: S = 12."""
-    turned = davenport([[4 * (i == j) for j in range(3)] for i in range(3)])  # 2 K
-    level = 12 - budget - tau * (1 - sine)
-    unit = level.denominator * tau.denominator
-    rows = [[entry * unit for entry in row] for row in turned]
-    return proves_level(rows, 1, (1, 0, 0, 0), int(level * unit), int(tau * unit))
+def octahedron(bound: int) -> list[list[int]]:
+    """Six corners at a distance of 4, each its own target, as the checker has them."""
+    corners = [[4 * sign * (i == j) for j in range(3)] for i in range(3) for sign in (1, -1)]
+    return [[*corner, *corner, 1, bound] for corner in corners]
+
+
+def reached(rows: list[list[int]], tau: Fraction, sine: Fraction) -> bool:
+    """Whether the checker proves that reach of the rows about the identity."""
+    statement = SimpleNamespace(sin2_half_angle=sine, tau=tau, fit={"pose": [1, 0, 0, 0]})
+    try:
+        return len([*vars(ConsensusStatement)["_reach"](statement, rows)]) == 1
+    except RefusalError:
+        return False
 
 
 def proof(
     built: Built = reach_matrix,
-    test: Callable[[Fraction, Fraction, Fraction], bool] = within,
+    test: Test = reached,
     *,
     trace: int = 4,
 ) -> Proof:
@@ -100,11 +108,11 @@ def proof(
         [SINE * n * m - square(across), 3 * n * m - trace * square(across)],
     )
     yield facts(
-        r"The six corners $\pm e_j$, each its own target, with bounds of $1/4$ and equal weights: "
-        r"$S = 12$, $B = 3/8$. `certreg.verify.proves_level` proves $\sin^2(\theta/2) < 1/32$ "
-        r"about the identity with $\tau = 15$, and not $1/64$, which a turn about an axis "
-        r"reaches: it moves four corners by $2 \sin(\theta/2) = 1/4$.",
-        [test(Fraction(3, 8), Fraction(15), Fraction(1, k)) for k in (32, 64)],
+        r"The six corners $\pm 4 e_j$, each its own target, with bounds of $1$ and equal weights. "
+        r"The function of the checker that decides the reach, which is given $\tau/S$, proves "
+        r"$\sin^2(\theta/2) < 1/32$ about the identity with $5/4$, and not $1/64$, which a turn "
+        r"about an axis reaches: it moves four corners by $8 \sin(\theta/2) = 1$.",
+        [test(octahedron(1), Fraction(5, 4), Fraction(1, k)) for k in (32, 64)],
         [True, False],
     )
 
@@ -146,12 +154,13 @@ CLAIM = Claim(
         ),
         "the trace as 3 - 2 sin^2": Mutation(at=3, proof=lambda: proof(trace=2)),
         "a program that forgets the bounds": Mutation(
-            at=4, proof=lambda: proof(test=lambda _, tau, s: within(Fraction(0), tau, s))
+            at=4, proof=lambda: proof(test=lambda _, tau, s: reached(octahedron(0), tau, s))
         ),
     },
     not_claimed="That $s$ is as small as can be. Nor anything of motions that bring other pairs "
     "within their bounds.",
     needs=("davenport", "weighted_refutation", "optimality_certificate", "elimination"),
-    runs=("certreg.verify.davenport", "certreg.verify.proves_level"),
+    runs=("certreg.verify.ConsensusStatement._reach", "certreg.verify.weighed"),
+    used_by=("certreg.certificate.producing_consensus.ConsensusProver",),
     not_in_coq="All of it: the checker in Coq reads no bounds of pairs.",
 )

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
+from certreg.verify import RefusalError, colours
+
 from ..algebra import facts, nonnegative
-from ..graphs import Graph, Rule, graph, graphs, lost, members, thinned
+from ..graphs import EVERY, Graph, Rule, graph, graphs, kept, lost, members, thinned
 from ..hypothesis import nonnegative_by
 from ..kernel import Claim, Mutation, Proof
 from ..notation import scalar
-from .few_neighbours import peeled
 
+Count = Callable[[int, list[int], int], int]
 MEMBERS, LEAST, IDLE = scalar("k"), scalar("K"), scalar("n")
 ENOUGH = nonnegative_by("$k \\ge K$.", MEMBERS - LEAST, example={LEAST: 1})
 EMPTY = nonnegative_by("$n \\ge 0$.", IDLE, example={IDLE: -1})
@@ -32,10 +35,11 @@ def colouring(near: Graph, vertices: int) -> list[int]:
 
 def faded(near: Graph, alive: int, K: int) -> int:
     """The vertices left if those are struck whose neighbours need fewer than K - 1 colours."""
-    return thinned(near, alive, lambda _, left: len(colouring(near, left)) < K - 1)
+    most = K - 2
+    return thinned(near, alive, lambda _, left: colours(left, [*near], most) <= most)
 
 
-def proof(rule: Rule = faded, *, missing: int = 1) -> Proof:
+def proof(rule: Rule = faded, count: Count = colours, *, missing: int = 1) -> Proof:
     """The number of colours; the colouring; all small graphs; a wheel."""
     yield nonnegative(
         r"Let a rigid motion bring $k \ge K$ of the pairs that are left within their bounds, and "
@@ -46,7 +50,7 @@ def proof(rule: Rule = faded, *, missing: int = 1) -> Proof:
         MEMBERS - 1 + IDLE - (LEAST - missing),
         [[ENOUGH[0]], [EMPTY[0]]],
     )
-    yield _proper()
+    yield _proper(count)
     yield facts(
         "As before, by induction, no vertex of such a set is struck. For $K = 3, 4, 5$, on all "
         "these graphs, no clique of $K$ vertices or more loses a vertex, while $12685$ vertices "
@@ -56,24 +60,36 @@ def proof(rule: Rule = faded, *, missing: int = 1) -> Proof:
     )
     yield facts(
         "That is more than for few neighbours. The hub of a wheel with four spokes has four, and "
-        "no two beside each other on the rim need more than two colours: for $K = 4$ all is "
-        "struck, where each vertex has three neighbours or four.",
-        [peeled(WHEEL, 31, 4), rule(WHEEL, 31, 4)],
-        [31, 0],
+        "the rim needs two colours: for $K = 4$ each vertex has three neighbours or four, and "
+        "`certreg.verify.Thinning.after` strikes the hub, and after it all. For $K = 3$ it "
+        "refuses to.",
+        [kept(WHEEL, EVERY, 4), kept(WHEEL, EVERY, 4, [[0]]), _refused(WHEEL, 3)],
+        [EVERY, 0, True],
     )
 
 
-def _proper() -> Any:
-    """The colouring is one, of all graphs."""
-    improper = spoiled = 0
+def _refused(near: Graph, K: int) -> bool:
+    """Whether the checker refuses to strike the first vertex."""
+    try:
+        kept(near, EVERY, K, [[0]])
+    except RefusalError:
+        return True
+    return False
+
+
+def _proper(count: Count) -> Any:
+    """The colouring is one, of all graphs, and it has as many colours as the checker says."""
+    improper = other = 0
     for near in graphs():
-        classes = colouring(near, 31)
+        classes = colouring(near, EVERY)
         improper += any(near[i] & one for one in classes for i in members(one))
-        spoiled += sum(classes) != 31
+        improper += sum(classes) != EVERY
+        other += any(count(EVERY, near, most) != min(len(classes), most + 1) for most in (1, 2, 5))
     return facts(
         "Each vertex in turn takes the first colour that no neighbour has. On all $1024$ graphs "
-        "with five vertices no two neighbours have one colour, and each vertex has one.",
-        [improper, spoiled],
+        "with five vertices no two neighbours have one colour, each vertex has one, and there are "
+        "as many as `certreg.verify.colours` says.",
+        [improper, other],
         [0, 0],
     )
 
@@ -81,6 +97,10 @@ def _proper() -> Any:
 def _greedy(near: Graph, alive: int, K: int) -> int:
     """The vertices left if K colours are asked for."""
     return faded(near, alive, K + 1)
+
+
+def _one(mask: int, _near: Graph, _most: int) -> int:
+    return int(mask > 0)
 
 
 CLAIM = Claim(
@@ -100,9 +120,12 @@ CLAIM = Claim(
             at=1, proof=lambda: proof(missing=0), point={MEMBERS: 3, LEAST: 3}
         ),
         "a rule that asks for K colours": Mutation(at=3, proof=lambda: proof(_greedy)),
-        "that few neighbours strike as many": Mutation(at=3, proof=lambda: proof(peeled)),
+        "a colour for all": Mutation(at=2, proof=lambda: proof(count=_one)),
+        "that few neighbours strike as many": Mutation(at=3, proof=lambda: proof(kept)),
     },
     not_claimed="That the colours are as few as possible: more of them strike less.",
     needs=("pair_lengths", "few_neighbours"),
+    runs=("certreg.verify.colours", "certreg.verify.Thinning.after"),
+    used_by=("certreg.certificate.thinning.Thinning",),
     not_in_coq="All of it: the checker in Coq reads no bounds of pairs.",
 )

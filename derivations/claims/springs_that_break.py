@@ -10,14 +10,14 @@ import numpy as np
 from certreg.equilibrium.breaking import SpringSet
 from certreg.problem.breaking import BreakingProblem
 from certreg.problem.problem import RegistrationProblem
+from certreg.verify import consistent
 
 from ..algebra import facts, identity, nonnegative, positive
+from ..graphs import kept
 from ..hypothesis import Hypothesis, Standing, nonnegative_by, positive_by
 from ..kernel import Claim, Mutation, Proof
 from ..notation import gradient, matrix, scalar, square, vector
 from ..rationals import rank
-from .few_neighbours import peeled
-from .pair_lengths import refuted
 
 Point = Sequence[int]
 SLOPE, OTHERS, REST = scalar("f"), scalar("w"), scalar("g")
@@ -155,26 +155,16 @@ def _two_stable(shift: Point) -> Proof:
         "springs or more, stable or not, has them in what is left of all pairs by claims "
         "`few_neighbours`, `few_colours`, `weighted_refutation` and `arcs`. Here, for $K = 4$, "
         "lengths and numbers of neighbours leave the four.",
-        [peeled(_neighbours(shift), 127, 4)],
+        [kept(consistent(_rows(shift)), 127, 4)],
         [15],
     )
 
 
-def _neighbours(shift: Point) -> list[int]:
-    """The graph of the pairs that their lengths do not refute."""
-    sources = [*FIRST, *SECOND]
+def _rows(shift: Point) -> list[list[int]]:
+    """The pairs as the checker has them: source, target, weight, bound."""
     moved = [tuple(a + b for a, b in zip(p, shift, strict=True)) for p in SECOND]
-    targets = [*FIRST, *moved]
-    near = [0] * len(sources)
-    for i, (x, y) in enumerate(zip(sources, targets, strict=True)):
-        for j in range(len(sources)):
-            lengths = _apart(x, sources[j]), _apart(y, targets[j])
-            near[i] |= (i != j and not refuted(*lengths, 2 * BOUND)) << j
-    return near
-
-
-def _apart(a: Point, b: Point) -> int:
-    return sum((u - v) ** 2 for u, v in zip(a, b, strict=True))
+    pairs = zip((*FIRST, *SECOND), (*FIRST, *moved), strict=True)
+    return [[*x, *y, 1, BOUND] for x, y in pairs]
 
 
 CLAIM = Claim(
@@ -209,6 +199,8 @@ CLAIM = Claim(
     runs=(
         "certreg.equilibrium.breaking.SpringSet.rest_poses",
         "certreg.equilibrium.breaking.SpringSet._labels",
+        "certreg.verify.consistent",
+        "certreg.verify.Thinning.after",
     ),
     used_by=(
         "certreg.equilibrium.spring_sets.label_sets",

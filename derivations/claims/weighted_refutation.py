@@ -3,21 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from fractions import Fraction
 from typing import Any
 
-from certreg.verify import cross, davenport, definite, spreads
+from certreg.geometry.so3 import squared_norm
+from certreg.verify import (
+    RefusalError,
+    Thinning,
+    consistent,
+    definite,
+    quadratic,
+    raised,
+    weighed,
+)
 
 from ..algebra import combination, contraction, facts, identity, nonnegative, positive
+from ..graphs import LOOKS
 from ..hypotheses import ROTATION
 from ..hypotheses import definite as definite_at
 from ..hypothesis import Hypothesis, Standing, nonnegative_by, positive_by
 from ..kernel import Claim, Mutation, Proof
 from ..moments import MomentCloud
 from ..notation import Matrix, inner, matrix, quaternion, scalar, square, symmetric, vector
-from .pair_lengths import refuted
+from ..rationals import apply, rotation_of, scale, subtract
 
-Test = Callable[[Sequence[Sequence[int]], Sequence[int]], bool]
-Row = Sequence[int]  # x, y, beta
+Row = list[int]  # x, y, weight, bound
+Test = Callable[[list[Row], Sequence[int]], bool]
+Weighed = Callable[[list[Row], Sequence[int]], tuple[int, int, Any]]
+ROWS = (
+    [1, 0, 2, 3, -1, 0, 1, 2],
+    [-3, 4, 0, 0, 5, 1, 1, 1],
+    [0, 5, 1, 2, 2, -7, 1, 3],
+    [6, -2, 3, -4, 1, 1, 1, 5],
+)
+LAMBDA = (2, 0, 3, 1)
+TURNS = (1, 0, 0, 0), (1, 2, 3, 4), (0, 5, -1, 2)
 SPREAD, BUDGET = scalar("S"), scalar("B")
 K, P, R = symmetric("K", 4), quaternion("p"), matrix("R")
 WEIGHTS = [scalar(f"lambda_{i}") for i in (1, 2, 3)]
@@ -80,31 +100,25 @@ def _definite_by(built: Callable[[Any], Any]) -> Hypothesis:
 DEFINITE = _definite_by(bound_matrix)
 
 
-def refutes(rows: Sequence[Row], weights: Sequence[int]) -> bool:
+def refutes(rows: list[Row], weights: Sequence[int]) -> bool:
     """Whether no motion brings these rows within their bounds, with the functions of the checker.
 
     False means not refuted by these weights.
     """
-    points = [(1, *row[:6]) for row in rows]
-    table = [
-        [sum(w * a[i] * a[j] for w, a in zip(weights, points, strict=True)) for j in range(7)]
-        for i in range(7)
-    ]
-    limits = sum(w * row[6] ** 2 for w, row in zip(weights, rows, strict=True))
-    left = sum(spreads(table)) - table[0][0] * limits
-    turned = davenport(cross(table))
-    return definite([[left * (i == j) - 2 * turned[i][j] for j in range(4)] for i in range(4)])
+    squares, limits, turned = weighed(rows, weights)
+    return definite(raised([[-2 * entry for entry in line] for line in turned], squares - limits))
 
 
-def mirrored(bound: int) -> list[list[int]]:
+def mirrored(bound: int) -> list[Row]:
     """Four pairs, the targets the mirror images of the sources, with this bound each."""
     corners = [[10 * (i == j) for j in range(3)] for i in range(-1, 3)]
-    return [[*corner, *corner[:2], -corner[2], bound] for corner in corners]
+    return [[*corner, *corner[:2], -corner[2], 1, bound] for corner in corners]
 
 
 def proof(
     test: Test = refutes,
     built: Callable[[Any], Any] = bound_matrix,
+    sums: Weighed = weighed,
     *,
     groups: int = 1,
     own: int = 1,
@@ -112,7 +126,8 @@ def proof(
     """The sum within the bounds; the least sum; what the checker decides; groups; mirror images."""
     yield from _sums(built)
     yield from _groups(groups, own)
-    yield _numbers(test)
+    yield _decided(sums)
+    yield from _numbers(test)
 
 
 def _sums(built: Callable[[Any], Any]) -> Proof:
@@ -169,31 +184,70 @@ def _groups(groups: int, own: int) -> Proof:
     )
 
 
-def _numbers(test: Test) -> Any:
-    rows, ones = mirrored(4), (1, 1, 1, 1)
-    lengths = [
-        refuted(_apart(a[:3], b[:3]), _apart(a[3:6], b[3:6]), a[6] + b[6])
-        for a in rows
-        for b in rows
-    ]
+def _decided(sums: Weighed) -> Any:
+    squares, limits, turned = sums([*ROWS], LAMBDA)
+    mass = sum(LAMBDA)
+    least = [_least_at(q) * mass for q in TURNS]
+    told = [squares - Fraction(2 * quadratic(turned, q), squared_norm(q)) for q in TURNS]
+    bound = sum(w * row[7] ** 2 for w, row in zip(LAMBDA, ROWS, strict=True))
     return facts(
-        "Mirror images, $x = 0$, $10 e_1$, $10 e_2$, $10 e_3$ and $y = 0$, $10 e_1$, $10 e_2$, "
-        "$-10 e_3$, agree in all lengths. The least sum of squares is $100$: with bounds of $4$, "
-        "$B = 64$, the equal weights refute them, by `certreg.verify.definite` and the sums of "
-        "the checker. With bounds of $5$ it is $B$, and they do not. Three of the four are not "
-        "refuted: the mirror image of a triangle is the triangle, turned.",
-        [any(lengths), test(rows, ones), test(mirrored(5), ones), test(rows[:3], (1, 1, 1))],
-        [False, True, False, False],
+        r"`certreg.verify.weighed` has these numbers times $\sum \lambda$, and so no quotient: of "
+        r"four pairs at three rotations, $S - 2 p^{\mathsf T} K p/|p|^2$ is the sum at the best "
+        "translation, which is computed in fractions.",
+        [*told, limits],
+        [*least, mass * bound],
     )
 
 
-def _apart(a: Row, b: Row) -> int:
-    """The squared distance."""
-    return sum((u - v) ** 2 for u, v in zip(a, b, strict=True))
+def _least_at(q: Sequence[int]) -> Fraction:
+    """The weighted sum of squares of the rows at a rotation and its best translation."""
+    R, mass = rotation_of(q), sum(LAMBDA)
+    missed = [subtract(tuple(row[3:6]), apply(R, tuple(row[:3]))) for row in ROWS]
+    weighted = [scale(w, off) for w, off in zip(LAMBDA, missed, strict=True)]
+    mean = tuple(sum(column, start=Fraction(0)) / mass for column in zip(*weighted, strict=True))
+    total = Fraction(0)
+    for w, off in zip(LAMBDA, missed, strict=True):
+        total += w * squared_norm(subtract(off, mean))
+    return total
 
 
-def _without_bounds(rows: Sequence[Row], weights: Sequence[int]) -> bool:
-    return refutes([[*row[:6], 0] for row in rows], weights)
+def _numbers(test: Test) -> Proof:
+    rows, ones = mirrored(4), (1, 1, 1, 1)
+    yield facts(
+        "Mirror images, $x = 0$, $10 e_1$, $10 e_2$, $10 e_3$ and $y = 0$, $10 e_1$, $10 e_2$, "
+        "$-10 e_3$, agree in all lengths. The least sum of squares is $100$: with bounds of $4$, "
+        "$B = 64$, the equal weights refute them, by `certreg.verify.definite`. With bounds of "
+        "$5$ it is $B$, and they do not. Three of the four are not refuted: the mirror image of a "
+        "triangle is the triangle, turned.",
+        [consistent(rows), test(rows, ones), test(mirrored(5), ones), test(rows[:3], ones[:3])],
+        [[14, 13, 11, 7], True, False, False],
+    )
+    yield facts(
+        "`certreg.verify.Thinning.after` strikes the first of them with the other three for a "
+        "group, for $K = 4$, and then the others, which have too few neighbours. With bounds of "
+        "$5$ it refuses, and for $K = 3$, where $1 + (3 - 1) = K$.",
+        [_struck(4, 4), _struck(5, 4), _struck(4, 3)],
+        [0, None, None],
+    )
+
+
+def _struck(bound: int, K: int) -> int | None:
+    """What is left of the mirror images after the first is struck; None if that is refused."""
+    rows = mirrored(bound)
+    thinning = Thinning(rows, consistent(rows), 15, K, [LOOKS])
+    try:
+        return thinning.after([[0, [[1, 2, 3], [1, 1, 1, 1]]]])
+    except RefusalError:
+        return None
+
+
+def _without_bounds(rows: list[Row], weights: Sequence[int]) -> bool:
+    return refutes([[*row[:7], 0] for row in rows], weights)
+
+
+def _without_mass(rows: list[Row], weights: Sequence[int]) -> tuple[int, int, Any]:
+    squares, limits, turned = weighed(rows, weights)
+    return squares, limits // sum(weights), turned
 
 
 CLAIM = Claim(
@@ -206,7 +260,7 @@ CLAIM = Claim(
     r"are refuted so, each with $e$ in it, the other neighbours have $c$ colours, and $1 + \sum_g "
     "(|T_g| - 1) + c < K$, then no motion brings $e$ and $K - 1$ others within their bounds: "
     "strike it. Of $n$ pairs left, $n - K + 1$ groups are enough.",
-    concludes=tuple(range(1, 7)),
+    concludes=tuple(range(1, 9)),
     hypotheses=(LIGHT, WITHIN, ROTATION, DEFINITE, SHORT, COLOURED, STRUCK),
     setting=(
         "$k_0$ of the other neighbours, $k_1$ and $k_2$ of the groups are within.",
@@ -226,18 +280,23 @@ CLAIM = Claim(
             point={SIZES[0]: 1, SIZES[1]: 1, LEAST: 1},
         ),
         "a group less": Mutation(at=5, proof=lambda: proof(groups=0)),
+        "bounds that are not multiplied": Mutation(at=6, proof=lambda: proof(sums=_without_mass)),
         "weights that refute whatever the bounds": Mutation(
-            at=6, proof=lambda: proof(_without_bounds)
+            at=7, proof=lambda: proof(_without_bounds)
         ),
     },
     not_claimed="That pairs which no weights refute are within their bounds under one motion: the "
     "least sum of squares is a bound of the least maximum, and not more.",
     needs=("davenport", "translation_gap", "few_colours", "elimination"),
     runs=(
-        "certreg.verify.spreads",
-        "certreg.verify.cross",
-        "certreg.verify.davenport",
+        "certreg.verify.weighed",
+        "certreg.verify.raised",
         "certreg.verify.definite",
+        "certreg.verify.Thinning.after",
+    ),
+    used_by=(
+        "certreg.certificate.refuting.PointRows.refutations",
+        "certreg.certificate.thinning.Thinning",
     ),
     not_in_coq="All of it: the checker in Coq reads no bounds of pairs.",
 )
