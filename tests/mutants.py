@@ -1168,11 +1168,11 @@ MUTANTS = (
         ("few_colours",),
     ),
     Mutant(
-        "a colour more than there may be",
+        "a row more that is left out",
         CHECKER,
-        "self.near[e] & alive, self.K - 2",
-        "self.near[e] & alive, self.K - 1",
-        ("few_colours", "weighted_refutation"),
+        "union.bit_count() + others - self.K + 1",
+        "union.bit_count() + others - self.K",
+        ("weighted_refutation",),
     ),
     Mutant(
         "bounds that are not squared",
@@ -1182,10 +1182,10 @@ MUTANTS = (
         ("weighted_refutation",),
     ),
     Mutant(
-        "a refuted group that counts for two",
+        "a row that counts for two",
         CHECKER,
-        "most - len(T) + 1",
-        "most - len(T) + 2",
+        "if not T >> i & 1], most - 1))",
+        "if not T >> i & 1], most - 2))",
         ("weighted_refutation",),
     ),
     Mutant(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from itertools import combinations_with_replacement
 from typing import Any
 
 from certreg.geometry.so3 import squared_norm
@@ -29,6 +30,7 @@ from ..rationals import apply, rotation_of, scale, subtract
 
 Row = list[int]  # x, y, weight, bound
 Test = Callable[[list[Row], Sequence[int]], bool]
+Hit = Callable[[Thinning, list[int], int], bool]
 Weighed = Callable[[list[Row], Sequence[int]], tuple[int, int, Any]]
 ROWS = (
     [1, 0, 2, 3, -1, 0, 1, 2],
@@ -36,6 +38,7 @@ ROWS = (
     [0, 5, 1, 2, 2, -7, 1, 3],
     [6, -2, 3, -4, 1, 1, 1, 5],
 )
+HITS: Hit = vars(Thinning)["_hit"]
 LAMBDA = (2, 0, 3, 1)
 TURNS = (1, 0, 0, 0), (1, 2, 3, 4), (0, 5, -1, 2)
 SPREAD, BUDGET = scalar("S"), scalar("B")
@@ -44,8 +47,8 @@ WEIGHTS = [scalar(f"lambda_{i}") for i in (1, 2, 3)]
 LIMITS = [scalar(f"beta_{i}") for i in (1, 2, 3)]
 RESIDUALS = [vector(f"r{i}") for i in (1, 2, 3)]
 LEAST, MEMBERS, COLOURS = scalar("K"), scalar("k"), scalar("c")
-SIZES = [scalar(f"t_{i}") for i in (1, 2)]  # of two groups
-PARTS = [scalar(f"k_{i}") for i in (0, 1, 2)]  # what the motion brings within of the rest, of each
+UNION, HIT = scalar("u"), scalar("r")  # pairs of all groups; so many do not hit every group
+PARTS = [scalar(f"k_{i}") for i in (0, 1)]  # of the rest, of the groups: within their bounds
 POOL = scalar("n")
 
 LIGHT = nonnegative_by(r"$\lambda_i \ge 0$.", WEIGHTS, example={WEIGHTS[0]: -1, LIMITS[0]: 1})
@@ -56,26 +59,26 @@ WITHIN = nonnegative_by(
     example={WEIGHTS[0]: 1, RESIDUALS[0][0]: 1},
 )
 SHORT = nonnegative_by(
-    "Of each refuted group at least one pair is not within.",
-    [size - 1 - part for size, part in zip(SIZES, PARTS[1:], strict=True)],
+    "Of each group a pair is not within, and no $r$ pairs hit all groups.",
+    UNION - HIT - 1 - PARTS[1],
     standing=Standing.CASE,
-    example={PARTS[1]: 2, SIZES[0]: 1, SIZES[1]: 1, LEAST: 2},
+    example={PARTS[1]: 2, UNION: 2, HIT: 1, LEAST: 2},
 )
 COLOURED = nonnegative_by(
     "Of the rest there are no more within than colours.",
     COLOURS - PARTS[0],
     standing=Standing.CASE,
-    example={PARTS[0]: 3, SIZES[0]: 1, SIZES[1]: 1, LEAST: 2},
+    example={PARTS[0]: 3, UNION: 1, LEAST: 2},
 )
 
 
 def _struck_by(own: int) -> Hypothesis:
     """The count is below K; own: 1 if e itself is counted."""
     return positive_by(
-        r"$1 + \sum_g (|T_g| - 1) + c < K$.",
-        LEAST - own - sum(size - 1 for size in SIZES) - COLOURS,
+        "$1 + (u - r - 1) + c < K$.",
+        LEAST - own - (UNION - HIT - 1) - COLOURS,
         standing=Standing.CASE,
-        example={SIZES[0]: 1, SIZES[1]: 1},
+        example={UNION: 1},
     )
 
 
@@ -119,6 +122,7 @@ def proof(
     test: Test = refutes,
     built: Callable[[Any], Any] = bound_matrix,
     sums: Weighed = weighed,
+    hit: Hit = HITS,
     *,
     groups: int = 1,
     own: int = 1,
@@ -126,6 +130,7 @@ def proof(
     """The sum within the bounds; the least sum; what the checker decides; groups; mirror images."""
     yield from _sums(built)
     yield from _groups(groups, own)
+    yield _hitting(hit)
     yield _decided(sums)
     yield from _numbers(test)
 
@@ -166,21 +171,36 @@ def _groups(groups: int, own: int) -> Proof:
     struck = STRUCK if own else _struck_by(own)
     yield positive(
         "Let a motion bring $e$ and others that are left within their bounds, $k$ pairs in all; "
-        r"they are neighbours of $e$. Let disjoint groups $T_1, T_2, \ldots$ of neighbours of $e$ "
-        "be refuted, each together with $e$: of $T_g$ at most $|T_g| - 1$ are within. Let the "
-        "other neighbours have $c$ colours: of them at most $c$ are within (claim "
-        r"`few_colours`). So if $1 + \sum_g (|T_g| - 1) + c < K$, then $k < K$, and $e$ is struck "
-        "(two groups written out).",
+        r"they are neighbours of $e$. Let groups $T_1, T_2, \ldots$ of neighbours of $e$ be "
+        "refuted, each together with $e$: of each at least one pair is not within. If no $r$ "
+        "pairs hit all groups (hold one of each), more than $r$ of their $u$ pairs are not "
+        "within. Let the other neighbours have $c$ colours: of them at most $c$ are within "
+        "(claim `few_colours`). So if $1 + (u - r - 1) + c < K$, then $k < K$, and $e$ is struck.",
         LEAST - 1 - sum(PARTS),
-        [[SHORT[0]], [SHORT[1]], [COLOURED[0]], [struck[0]]],
+        [[SHORT[0]], [COLOURED[0]], [struck[0]]],
     )
     omitted = POOL - LEAST
     yield identity(
-        "In particular, of $n$ pairs that are left let $r = n - K$: with $r + 1$ groups and a "
-        "colour for each pair beside them, the number on the left is $1 + (n - 1) - (r + 1) = K - "
-        "1$.",
+        "In particular $g$ disjoint groups are not hit by $g - 1$ pairs. Of $n$ pairs that are "
+        "left let $r = n - K$: with $r + 1$ disjoint groups and a colour for each pair beside "
+        "them, the number on the left is $1 + (n - 1) - (r + 1) = K - 1$.",
         1 + (POOL - 1) - (omitted + groups),
         LEAST - 1,
+    )
+
+
+def _hitting(hit: Hit) -> Any:
+    """Of all families of three sets of four rows: whether so many rows hit them."""
+    thinning = Thinning([], [], 0, 0, [10**6])
+    wrong = 0
+    for sets in combinations_with_replacement(range(1, 16), 3):
+        least = min(rows.bit_count() for rows in range(16) if all(rows & T for T in sets))
+        wrong += any(hit(thinning, [*sets], most) != (least <= most) for most in range(-1, 4))
+    return facts(
+        "The checker looks for $r$ pairs that hit all groups: each pair of the first group is "
+        "tried. Of all $680$ families of three groups of four pairs it finds the least $r$.",
+        [wrong],
+        [0],
     )
 
 
@@ -245,6 +265,10 @@ def _without_bounds(rows: list[Row], weights: Sequence[int]) -> bool:
     return refutes([[*row[:7], 0] for row in rows], weights)
 
 
+def _one_each(_thinning: Thinning, sets: list[int], most: int) -> bool:
+    return len(sets) <= most
+
+
 def _without_mass(rows: list[Row], weights: Sequence[int]) -> tuple[int, int, Any]:
     squares, limits, turned = weighed(rows, weights)
     return squares, limits // sum(weights), turned
@@ -256,16 +280,14 @@ CLAIM = Claim(
     statement=r"Let $\lambda_i \ge 0$ be weights of the pairs of a set $T$. If $(S - B)\, I - 2 "
     "K$ is positive definite, with $K$ Davenport's matrix, $S$ the sum of the traces of both "
     r"scatters, of these weights, and $B = \sum \lambda_i \beta_i^2$, then no rigid motion brings "
-    "all pairs of $T$ within their bounds. If disjoint groups $T_g$ of neighbours of a pair $e$ "
-    r"are refuted so, each with $e$ in it, the other neighbours have $c$ colours, and $1 + \sum_g "
-    "(|T_g| - 1) + c < K$, then no motion brings $e$ and $K - 1$ others within their bounds: "
-    "strike it. Of $n$ pairs left, $n - K + 1$ groups are enough.",
-    concludes=tuple(range(1, 9)),
+    "all pairs of $T$ within their bounds. If groups of neighbours of a pair $e$ are refuted so, "
+    "each with $e$ in it, no $r$ pairs hit all groups, which have $u$ pairs, the other "
+    "neighbours have $c$ colours, and $1 + (u - r - 1) + c < K$, then no motion brings $e$ and "
+    "$K - 1$ others within their bounds: strike it. Of $n$ pairs left, $n - K + 1$ disjoint "
+    "groups are enough.",
+    concludes=tuple(range(1, 10)),
     hypotheses=(LIGHT, WITHIN, ROTATION, DEFINITE, SHORT, COLOURED, STRUCK),
-    setting=(
-        "$k_0$ of the other neighbours, $k_1$ and $k_2$ of the groups are within.",
-        "$t_g = |T_g|$.",
-    ),
+    setting=("$k_0$ of the other neighbours and $k_1$ of the groups are within.",),
     source="elementary; weak duality",
     proof=proof,
     controls={
@@ -275,14 +297,13 @@ CLAIM = Claim(
             point={SPREAD: 4, P[0]: 1} | {K[i, i]: 3 for i in range(4)},
         ),
         "a count without e itself": Mutation(
-            at=4,
-            proof=lambda: proof(own=0),
-            point={SIZES[0]: 1, SIZES[1]: 1, LEAST: 1},
+            at=4, proof=lambda: proof(own=0), point={UNION: 1, LEAST: 1}
         ),
         "a group less": Mutation(at=5, proof=lambda: proof(groups=0)),
-        "bounds that are not multiplied": Mutation(at=6, proof=lambda: proof(sums=_without_mass)),
+        "groups that need a pair each": Mutation(at=6, proof=lambda: proof(hit=_one_each)),
+        "bounds that are not multiplied": Mutation(at=7, proof=lambda: proof(sums=_without_mass)),
         "weights that refute whatever the bounds": Mutation(
-            at=7, proof=lambda: proof(_without_bounds)
+            at=8, proof=lambda: proof(_without_bounds)
         ),
     },
     not_claimed="That pairs which no weights refute are within their bounds under one motion: the "
@@ -293,6 +314,7 @@ CLAIM = Claim(
         "certreg.verify.raised",
         "certreg.verify.definite",
         "certreg.verify.Thinning.after",
+        "certreg.verify.Thinning._hit",
     ),
     used_by=(
         "certreg.certificate.refuting.PointRows.refutations",
