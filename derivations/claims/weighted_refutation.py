@@ -245,18 +245,19 @@ def _numbers(test: Test) -> Proof:
     yield facts(
         "`certreg.verify.Thinning.after` strikes the first of them with the other three for a "
         "group, for $K = 4$, and then the others, which have too few neighbours. With bounds of "
-        "$5$ it refuses, and for $K = 3$, where $1 + (3 - 1) = K$.",
-        [_struck(4, 4), _struck(5, 4), _struck(4, 3)],
-        [0, None, None],
+        "$5$ it refuses, and for $K = 3$, where $1 + (3 - 1) = K$, also if the group is said "
+        "twice.",
+        [_struck(4, 4), _struck(5, 4), _struck(4, 3), _struck(4, 3, said=2)],
+        [0, None, None, None],
     )
 
 
-def _struck(bound: int, K: int) -> int | None:
+def _struck(bound: int, K: int, said: int = 1) -> int | None:
     """What is left of the mirror images after the first is struck; None if that is refused."""
     rows = mirrored(bound)
     thinning = Thinning(rows, consistent(rows), 15, K, [LOOKS])
     try:
-        return thinning.after([[0, [[1, 2, 3], [1, 1, 1, 1]]]])
+        return thinning.after([[0, *[[[1, 2, 3], [1, 1, 1, 1]]] * said]])
     except RefusalError:
         return None
 
