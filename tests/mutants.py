@@ -1184,8 +1184,8 @@ MUTANTS = (
     Mutant(
         "a row that counts for two",
         CHECKER,
-        "if not T >> i & 1], most - 1))",
-        "if not T >> i & 1], most - 2))",
+        "if not T & low], most - 1, 0, 0",
+        "if not T & low], most - 2, 0, 0",
         ("weighted_refutation",),
     ),
     Mutant(

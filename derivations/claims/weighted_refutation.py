@@ -191,7 +191,7 @@ def _groups(groups: int, own: int) -> Proof:
 
 def _hitting(hit: Hit) -> Any:
     """Of all families of three sets of four rows: whether so many rows hit them."""
-    thinning = Thinning([], [], 0, 0, [10**6])
+    thinning = Thinning([[0]] * 4, [], 0, 0, [10**6])
     wrong = 0
     for sets in combinations_with_replacement(range(1, 16), 3):
         least = min(rows.bit_count() for rows in range(16) if all(rows & T for T in sets))
