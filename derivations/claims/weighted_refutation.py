@@ -318,7 +318,7 @@ CLAIM = Claim(
         "certreg.verify.Thinning._hit",
     ),
     used_by=(
-        "certreg.certificate.refuting.PointRows.refutations",
+        "certreg.certificate.refuting.PointRows.refutation",
         "certreg.certificate.thinning.Thinning",
     ),
     not_in_coq="All of it: the checker in Coq reads no bounds of pairs.",
