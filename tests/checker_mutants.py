@@ -19,6 +19,7 @@ from checker_boundaries import Case, quick_cases
 from list_boundaries import early_list_cases, list_cases
 from similarity_boundaries import similarity_cases
 from springs_boundaries import springs_cases
+from truncated_boundaries import truncated_cases
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -802,7 +803,165 @@ SIMILARITY = mutants(
     ("rounded(high / low - 1, 2)", "rounded(high - low, 2)"),
     ("root_up(*(weight * k * real)", "root_up(*(k * real)"),
 )
-MUTANTS = tuple(mutant for group, _ in GROUPS for mutant in group) + SPRINGS + SIMILARITY + LISTS
+TRUNCATED = mutants(
+    ("HALVINGS = 64, 32, 40", "HALVINGS = 63, 32, 40"),
+    (
+        "require(0 < norm < 1 << 2 * BITS and self.gap > 0,",
+        "require(0 <= norm < 1 << 2 * BITS and self.gap > 0,",
+        "require(0 < norm and self.gap > 0,",
+        "require(0 < norm <= 1 << 2 * BITS and self.gap > 0,",
+        "require(0 < norm < 1 << 2 * BITS and self.gap >= 0,",
+        "require(0 < norm < 1 << 2 * BITS,",
+    ),
+    (
+        "len(self.labels) == self.n and known <=",
+        "known <=",
+        "len(self.labels) <= self.n and known <=",
+    ),
+    ('known <= {*"10?"}', "True"),
+    (
+        "min(-(-form_at(k, q) // norm) + 6, one)",
+        "-(-form_at(k, q) // norm) + 6",
+        "min(-(-form_at(k, q) // norm), one)",
+        "min(-(-form_at(k, q) // norm) + 6 * one, one)",
+    ),
+    ("gap, angle, mu = self.gap * one,", "gap, angle, mu = self.gap * one * 2,"),
+    ("survey(pairs, self.labels, cost, int(gap))\n", "\n"),
+    (
+        "survey(pairs, self.labels, cost, int(gap))",
+        "survey(pairs, self.labels, cost, 2 * int(gap))",
+    ),
+    ("survey(pairs, self.labels, cost, int(gap))", "survey(pairs, self.labels, 0, int(gap))"),
+    ("int(angle * mu)\n", "int(angle * mu) * 2\n", "mu\n"),
+    ('if label == "1"]\n        L', 'if label != "?"]\n        L', 'if label == "0"]\n        L'),
+    (
+        "form_at(L, q) + (6 * self.n + mu - delta) * norm",
+        "form_at(L, q) + (mu - delta) * norm",
+        "form_at(L, q) + (6 * self.n + mu) * norm",
+        "form_at(L, q) + (6 * self.n - delta) * norm",
+        "form_at(L, q) + (6 * self.n + mu - delta)",
+        "(6 * self.n + mu - delta) * norm",
+    ),
+    ("[[norm * k for k in row] for row in twice(L)]", "twice(L)"),
+    ("[2 * mu * (q[i] * q[j])", "[mu * (q[i] * q[j])", "[4 * mu * (q[i] * q[j])"),
+    ("+= k - 2 * level * (i == j)", "+= k - level * (i == j)", "+= k - 2 * level"),
+    ('proved = "?" not in known and mu > 0', "proved = mu > 0", 'proved = "?" not in known'),
+    ("mu > 0 and positive_definite(A)\n", "mu > 0\n"),
+    ("require(angle is None or proved,", "require(True,"),
+    (
+        "require(not self.unique or (angle and delta <= mu),",
+        "require(not self.unique or angle,",
+        "require(not self.unique or delta <= mu,",
+        "require(not self.unique or (angle and delta < mu),",
+        "require(True,",
+    ),
+    ("wide = max([sum(", "wide = min([sum("),
+    ("for j in (0, 4, 7, 9)]) - cost", "for j in (0, 4, 7, 9)])", "for j in (0, 4, 7)]) - cost"),
+    (
+        "Fraction(int(gap) + 1, wide) if",
+        "Fraction(1, wide) if",
+        "Fraction(int(gap) + 1, 2 * wide) if",
+    ),
+    ("max(cost - gap, Fraction(0)) / one", "Fraction(cost, one)", "(cost + gap) / one"),
+    ("root_up(int(gap) + 1, self.n * one)", "root_up(int(gap) + 1, one)"),
+    ("bound = None if angle is None else angle_bound(delta, mu)", "bound = angle_bound(delta, mu)"),
+    ("worth = Worth(Fraction(self.n), ", "worth = Worth(Fraction(1), "),
+    ("require(n <= PAIRS_MAX, f", "require(n < PAIRS_MAX, f", "require(True, f"),
+    ("require({*weights} == {1.0}, ", "require(1.0 in weights, ", "require(True, "),
+    ('require(min(bounds) > 0, "a', 'require(min(bounds) >= 0, "a', 'require(bounds[0] > 0, "a'),
+    ("[*range(0, 6 * n, n), 7 * n]", "[*range(0, 6 * n, n), 6 * n]"),
+    ("chain(*points[:3]), chain(*points[3:])", "chain(*points[3:]), chain(*points[:3])"),
+    ("x, y, square = row[:3], row[3:6], row[6] ** 2", "x, y, square = row[:3], row[3:6], row[6]"),
+    ("davenport([[i * j for j in x] for i in y])", "davenport([[i * j for j in y] for i in x])"),
+    ("(u + v) * (i == j) - (4 - 2 * (i == j)) *", "(u + v) * (i == j) - (4 - 3 * (i == j)) *"),
+    ("[3 * (i == j) for i, j in PRODUCTS]", "[2 * (i == j) for i, j in PRODUCTS]"),
+    (
+        "isqrt((12 * min(u, v) << UNITS) // square) + 1",
+        "isqrt((12 * min(u, v) << UNITS) // square)",
+    ),
+    (
+        "isqrt((12 * min(u, v) << UNITS)",
+        "isqrt((11 * min(u, v) << UNITS)",
+        "isqrt((12 * u << UNITS)",
+    ),
+    ("return [[2 * a, b, c, d], [2 * e, f, g]", "return [[a, b, c, d], [2 * e, f, g]"),
+    ("[[one * (j == f) for j in range(4)] for f in range(4)], 0", "[[one, 0, 0, 0]], 0"),
+    ("tests += len(left) + 16", "tests += 0"),
+    ("tests <= TESTS_MAX and h > 1", "tests <= TESTS_MAX", "h > 1"),
+    (
+        "if low > (size + 1 + far) ** 2:",
+        "if low > (size + 1 - far) ** 2:",
+        "if low > (size + 1) ** 2:",
+        "if low > far**2:",
+    ),
+    ('out + 1, fits and labels[k] != "1"', "out + 1, fits", 'out, fits and labels[k] != "1"'),
+    ('out + 1, fits and labels[k] != "1"', 'out + 2, fits and labels[k] != "1"'),
+    ("if out << UNITS > cost:", "if out << UNITS > 0:", "if out << UNITS >= cost:"),
+    (
+        "elif far <= size and low + 6 * norm <= (size - far) ** 2:",
+        "elif low + 6 * norm <= (size - far) ** 2:",
+        "elif far <= size and low + 6 * norm <= size**2:",
+        "elif far <= size and low + 6 * norm <= (size + far) ** 2:",
+    ),
+    ('fits and labels[k] != "0"', "fits"),
+    ("[*map(add, sums, form)], fits", "[*map(mul, sums, form)], fits", "sums, fits"),
+    (
+        "most = isqrt(low + 6 * norm) + 1 + far",
+        "most = isqrt(low + 6 * norm) + 1",
+        "most = isqrt(low + 6 * norm) + 1 - far",
+        "most = size",
+    ),
+    ("(size * size << CHORD) // (most * most)", "(size << CHORD) // most", "1 << CHORD", "0"),
+    ("[c + slope * a for c, a in zip(chords, form)]", "[slope * a for a in form]"),
+    ("                still.append(k)\n", "                pass\n"),
+    ("[c + (a << CHORD) for c, a in zip(chords, sums)]", "[c + a for c, a in zip(chords, sums)]"),
+    (
+        "spare, slack = cost - (out << UNITS), 6",
+        "spare, slack = cost, 6",
+        "spare, slack = -cost, 6",
+    ),
+    ("if not good and fits and {", "if not good and {"),
+    ('{labels[k] for k in still} <= {"?"}', "True", "not still"),
+    ("positive(A, q, f, h, spare - gap, slack)", "positive(A, q, f, h, spare - 2 * gap, slack)"),
+    ("positive(A, q, f, h, spare - gap, slack)", "True"),
+    ("                h //= 2\n", "                h //= 4\n"),
+    ("for signs in product((-h, h), repeat=3):", "for signs in product((h,), repeat=3):"),
+    ("(*signs[:f], 0, *signs[f:])", "(0, *signs)", "(*signs[:f], h, *signs[f:])"),
+    (
+        "boxes.append((p, f, h, out, fits, sums, still))",
+        "boxes.append((p, f, h, out, True, sums, still))",
+    ),
+    (
+        "boxes.append((p, f, h, out, fits, sums, still))",
+        "boxes.append((p, f, h, 0, fits, sums, still))",
+    ),
+    ("k - (spare << CHORD) * (i == j) for", "k - (spare << CHORD) for", "k for"),
+    ("slopes[i] += rows[i][j - i] * q[j]", "slopes[i] += rows[i][j - i] * q[i]"),
+    ("* q[i] * (i < j)", "* q[i]", "* 0"),
+    (
+        "sum(map(abs, slopes)) - abs(slopes[f])",
+        "sum(map(abs, slopes))",
+        "0",
+        "max(map(abs, slopes))",
+    ),
+    ("3 * h * (max(spare + slack, 0) << CHORD)", "3 * h * (spare + slack << CHORD)", "0"),
+    ("3 * h * (max(spare + slack, 0) << CHORD)", "2 * h * (max(spare + slack, 0) << CHORD)"),
+    ("3 * h * (max(spare + slack, 0) << CHORD)", "3 * h * (max(spare, 0) << CHORD)"),
+    (
+        "> 2 * h * (steep + curved) or positive_definite(rows)",
+        ">= 2 * h * (steep + curved) or positive_definite(rows)",
+        "> h * (steep + curved) or positive_definite(rows)",
+        "> 2 * h * (steep + curved)",
+    ),
+    ('(2, bounded_pairs, "bounds', '(1, bounded_pairs, "bounds'),
+)
+MUTANTS = (
+    tuple(mutant for group, _ in GROUPS for mutant in group)
+    + SPRINGS
+    + SIMILARITY
+    + TRUNCATED
+    + LISTS
+)
 
 
 def noticed(text: str, mutant: Mutant, cases: list[Case], early: Sequence[Case] = ()) -> str | None:
@@ -848,6 +1007,8 @@ def answers(every: int = 1) -> dict[str, str | None]:
     found |= {mutant.says: noticed(text, mutant, cases) for mutant in SPRINGS[::every]}
     cases = similarity_cases()
     found |= {mutant.says: noticed(text, mutant, cases) for mutant in SIMILARITY[::every]}
+    cases = [*truncated_cases()]
+    found |= {mutant.says: noticed(text, mutant, cases) for mutant in TRUNCATED[::every]}
     early = early_list_cases()
     cases = list_cases()[len(early) :]  # each takes 50 ms
     lists = LISTS[every - 1 :: every**2]  # the first one takes two seconds

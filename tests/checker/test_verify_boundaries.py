@@ -11,6 +11,7 @@ from consensus_boundaries import consensus_cases
 from list_boundaries import early_list_cases, list_cases
 from similarity_boundaries import similarity_cases
 from springs_boundaries import springs_cases
+from truncated_boundaries import truncated_cases
 
 checker = import_module("certreg.verify")
 
@@ -54,6 +55,14 @@ def test_the_checker_answers_rightly_of_lists_of_equilibria(every: int):
 
     assert len(cases) >= 140
     assert [case.name for case in asked if not case.passes(checker)] == []
+
+
+@pytest.mark.slow
+def test_the_checker_answers_rightly_of_truncated_squares():
+    cases = truncated_cases()
+
+    assert len(cases) >= 120
+    assert [case.name for case in cases if not case.passes(checker)] == []
 
 
 @pytest.mark.long
