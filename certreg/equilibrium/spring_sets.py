@@ -23,16 +23,17 @@ if TYPE_CHECKING:
 
 LEAST_SPRINGS = 3  # two hold the body in no pose: it turns about their line
 LARGEST_TRIED = 12  # springs of a set that is tried with all larger ones: more seldom refute
+BRANCHES_A_SET = 16  # of the search, each quicker than a set: those without an end are given up
 
 
-def consistent_springs(problem: BreakingProblem) -> list[set[int]]:
-    """For each spring those that may hold at one pose with it."""
-    near: list[set[int]] = [set() for _ in range(problem.n)]
+def consistent_springs(problem: BreakingProblem) -> list[int]:
+    """For each spring those that may hold at one pose with it, as bits of an integer."""
+    near = [0] * problem.n
     for j in range(problem.n):
         for i in range(j):
             if _agree(problem.rows, i, j):
-                near[i].add(j)
-                near[j].add(i)
+                near[i] |= 1 << j
+                near[j] |= 1 << i
     return near
 
 
@@ -49,7 +50,7 @@ class _Branch:
     """The sets of all of `taken` and some of `free`; last: of `taken`, where it was looked at."""
 
     taken: tuple[int, ...]
-    free: frozenset[int]
+    free: int
     last: SpringSet | None
 
 
@@ -59,43 +60,64 @@ class _Sets:
     def __init__(self, problem: BreakingProblem, least: int, most_sets: int) -> None:
         self._problem, self._least = problem, least
         self._most = self._left = most_sets
+        self._branches_left = BRANCHES_A_SET * most_sets + problem.n
         self._near = consistent_springs(problem)
 
     def all(self) -> Iterator[SpringSet]:
-        branches = [_Branch((), frozenset(range(self._problem.n)), None)]
+        branches = [_Branch((), (1 << self._problem.n) - 1, None)]
         while branches:
             branch = branches.pop()
+            self._count_branch()
             taken, free = branch.taken, self._linked(branch)
-            if len(taken) + len(free) < self._least:
+            if len(taken) + free.bit_count() < self._least:
                 continue
             if not free:
                 yield branch.last or self._looked_at(taken)
                 continue
-            first = min(free)
-            branches.append(_Branch(taken, free - {first}, branch.last))
-            more = (*taken, first)
+            first = free & -free
+            row = first.bit_length() - 1
+            branches.append(_Branch(taken, free ^ first, branch.last))
+            more = (*taken, row)
             grown = self._looked_at(more) if LEAST_SPRINGS <= len(more) <= LARGEST_TRIED else None
             if grown is None or not grown.never_holds:
-                branches.append(_Branch(more, free & self._near[first], grown))
+                branches.append(_Branch(more, free & self._near[row], grown))
 
-    def _linked(self, branch: _Branch) -> frozenset[int]:
+    def _linked(self, branch: _Branch) -> int:
         """The free springs, less those with too few neighbours for a set that is large enough."""
         free, needed = branch.free, self._least - len(branch.taken) - 1
-        while True:
-            kept = frozenset(i for i in free if len(self._near[i] & free) >= needed)
-            if kept == free:
-                return free
-            free = kept
+        while needed > 0:
+            few = [i for i in rows_of(free) if (self._near[i] & free).bit_count() < needed]
+            if not few:
+                break
+            free &= ~sum(1 << i for i in few)
+        return free
+
+    def _count_branch(self) -> None:
+        if not self._branches_left:
+            raise self._too_many
+        self._branches_left -= 1
 
     def _looked_at(self, rows: tuple[int, ...]) -> SpringSet:
         if not self._left:
-            message = (
-                f"more than {self._most} sets of springs may hold together: give narrower bounds, "
-                "ask for more unbroken springs (`least`), or for more sets (`most_sets`)"
-            )
-            raise UndecidedError(message, method="label sets")
+            raise self._too_many
         self._left -= 1
         return SpringSet(self._problem, rows)
+
+    @property
+    def _too_many(self) -> UndecidedError:
+        message = (
+            f"more than {self._most} sets of springs may hold together: give narrower bounds, "
+            "ask for more unbroken springs (`least`), or for more sets (`most_sets`)"
+        )
+        return UndecidedError(message, method="label sets")
+
+
+def rows_of(mask: int) -> Iterator[int]:
+    """The places of the ones, ascending."""
+    while mask:
+        low = mask & -mask
+        yield low.bit_length() - 1
+        mask ^= low
 
 
 def _agree(rows: ExactSprings, i: int, j: int) -> bool:

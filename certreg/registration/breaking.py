@@ -6,10 +6,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from certreg.equilibrium import LEAST_SPRINGS, Labels, label_sets
-from certreg.errors import InvalidProblemError
+from certreg.errors import DegenerateProblemError, InvalidProblemError
 from certreg.exact import nearest_double, power_of_two
 from certreg.problem import BreakingProblem, RegistrationProblem
+from certreg.registration.closed_form import register
 from certreg.registration.optimum import pose_at
 from certreg.relaxation import candidates
 from certreg.results import OUT_OF_RANGE, Brief, ComponentKind, Explained
@@ -23,6 +26,7 @@ if TYPE_CHECKING:
     from certreg.geometry import Pose, Similarity
 
 FEW = 12  # springs, of which all sets are looked at: at most 4,000, ten seconds
+MOST_MOVES = 50  # of the body until no spring breaks or mends: three are usual
 MOST_SETS = 4096  # that are looked at, two milliseconds each
 
 
@@ -140,8 +144,8 @@ def breaking_equilibria(
         (N,), or one for all, > 0; None: 1.
     least
         How many springs hold at each equilibrium that is listed, 3 or more. None: 3 for up to 12
-        pairs; for more as many as hold at the best pose that a search finds, which is no bound on
-        what there is: ask for fewer to see more.
+        pairs; for more as many as hold at rest, from the best pose that a search finds, which is no
+        bound on what there is: ask for fewer to see more.
     most_sets
         How many sets of springs may be looked at, about two milliseconds each.
 
@@ -229,8 +233,30 @@ def _fewest(problem: BreakingProblem, least: int | None) -> int:
     if problem.n <= FEW:
         return LEAST_SPRINGS
     block = problem.problem.block(slice(None))
-    found = candidates(block.source, block.target, problem.bounds)
-    return max([LEAST_SPRINGS, *[len(each.inliers) for each in found]])
+    found = [*candidates(block.source, block.target, problem.bounds)]
+    return max(LEAST_SPRINGS, _held_at_rest(problem, found[-1].inliers.tolist()) if found else 0)
+
+
+def _held_at_rest(problem: BreakingProblem, held: list[int]) -> int:
+    """How many springs hold after those of a pose have moved the body, and broken or mended.
+
+    The energy falls all the while. 0 where they leave the rotation open. Floating point: it says
+    how long a list is asked for, not what is in it.
+    """
+    for _ in range(MOST_MOVES):
+        moved = problem.of_rows(held) if len(held) >= LEAST_SPRINGS else None
+        if moved is None:
+            return 0
+        try:
+            pose = register(moved.source, moved.target, weights=moved.weights)
+        except DegenerateProblemError:
+            return 0
+        off = problem.problem.target - pose.apply(problem.problem.source)
+        within = np.flatnonzero(np.linalg.norm(off, axis=1) < problem.bounds).tolist()
+        if within == held:
+            break
+        held = within
+    return len(held)
 
 
 def _optimum_listed(

@@ -48,6 +48,22 @@ def test_of_many_pairs_those_equilibria_are_listed_that_have_as_many_springs_as_
     )
 
 
+def test_as_many_springs_are_asked_for_as_hold_at_rest_not_at_the_pose_that_was_found():
+    """A pose brings ten pairs within the bound, their least squares only nine."""
+    x, y, _ = clouds(17, 20, 0.5)
+    (best,) = certreg.breaking_equilibria(x, y, max_residual=0.035).stable
+    ten = certreg.breaking_equilibria(x, y, max_residual=0.035, least=10)
+
+    assert len(best.unbroken) == 9
+    assert ten.equilibria == ()
+    assert not ten.optimum_listed
+
+
+def test_where_no_pose_is_found_sets_of_three_are_asked_for():
+    rng = np.random.default_rng(0)
+    assert certreg.breaking_equilibria(*rng.normal(size=(2, 13, 3)), max_residual=1e-6).least == 3
+
+
 def test_what_is_not_decided_is_said():
     line = [[-3, 0, 0], [0, 0, 0], [3, 0, 0]]
     found = certreg.breaking_equilibria(
