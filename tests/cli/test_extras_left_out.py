@@ -73,7 +73,7 @@ def certified(tmp_path_factory: pytest.TempPathFactory) -> Path:
         for name in LEFT_OUT
     ],
 )
-@pytest.mark.parametrize("every", [3, pytest.param(1, marks=pytest.mark.long)])
+@pytest.mark.parametrize("every", [6, pytest.param(1, marks=pytest.mark.long)])
 def test_each_command_runs_or_ends_in_one_line(
     which: str, every: int, certified: Path, tmp_path: Path
 ):

@@ -87,7 +87,7 @@ def test_there_are_guides():
 
 
 @pytest.mark.slow
-@pytest.mark.one_in(2)
+@pytest.mark.one_in(3)
 @each_guide
 def test_the_python_of_a_guide_runs(guide, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # where the files are that it writes

@@ -109,7 +109,7 @@ def test_ranks_are_those_of_the_table(name):
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(n, marks=pytest.mark.slow) if n == "screw" else n for n in TABLE],
+    [pytest.param(n, marks=pytest.mark.long) if n == "screw" else n for n in TABLE],
 )
 def test_a_list_is_complete_or_says_what_could_not_be_told_apart(name):
     _, finiteness, apart = TABLE[name]
