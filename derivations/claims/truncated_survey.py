@@ -57,7 +57,7 @@ TILTS = nonnegative_by(
     example={A[0, 1]: -1, Q[0]: 1, STEP[1]: 1, HALF: 1},
 )
 BOUND = positive_by(
-    r"$L - (L(u) + e + \mu - \delta) I + \mu u u^{\mathsf T} \succ 0$, $u = q/|q|$.",
+    r"$L + \mu u u^{\mathsf T} - b I \succ 0$ for $b = L(u) + e + \mu - \delta$, $u = q/|q|$.",
     (P.T * (NORM * C + MU * Q * Q.T) * P)[0]
     - ((Q.T * C * Q)[0] + (ROUNDED + MU - DELTA) * NORM) * OTHER,
     further=lambda point: definite(
