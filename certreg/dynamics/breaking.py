@@ -21,8 +21,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.dynamics.body import core_of, state_at_rest
-from certreg.dynamics.simulation import simulate
-from certreg.equilibrium import LEAST_SPRINGS
+from certreg.dynamics.simulation import require_dynamics, simulate
+from certreg.errors import DegenerateProblemError
 from certreg.native import MATRIX_STATE, Integrator, named
 from certreg.objective import Isotropic
 from certreg.results import Brief
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from certreg.problem import BreakingProblem
 
 SHRINKING = 1.4  # of the bounds at a time, as [Yang2020GNC] has it
+LEAST_BOUND = 1e-100  # of the clouds' size: far below what doubles tell of a residual
 MOST_ROUNDS = 50  # of motions at the same bounds; three are usual
 
 
@@ -51,7 +52,8 @@ class BreakingStage(Brief):
     """The body at rest with bounds of one width.
 
     width: the bounds over those that were given, 1 at the end. held: (N,), which springs hold.
-    energy: V at these bounds, in objective units; given_energy: with the bounds that were given.
+    energy: V at these bounds, in objective units, infinite beyond the doubles; given_energy: with
+    the bounds that were given.
     rounds: of motion, 0 where no spring broke or mended. steps, time: of all rounds so far.
     """
 
@@ -93,7 +95,8 @@ def run_breaking(
     """The run of a body released at rest where it was given, with bounds that hold all springs.
 
     shrinking: > 1, by which the bounds are divided from one stage to the next.
-    Raises DegenerateProblemError where the source is collinear, or the motion cannot be simulated.
+    Raises DegenerateProblemError where the source is collinear, or the motion cannot be simulated:
+    too stiff, or bounds below 1e-100 of the clouds' size.
     """
     annealed = _Annealed(problem, integrator, settings)
     stages, status = list[BreakingStage](), BreakingStatus.SETTLED
@@ -126,22 +129,36 @@ class _Annealed:
         block = problem.problem.block(slice(None))
         self._problem, self._integrator, self._settings = problem, integrator, settings
         self._centres = block.source.mean(axis=0), block.target.mean(axis=0)
-        self._source = block.source - self._centres[0]
-        self._target = block.target - self._centres[1]
-        self._weights = block.weights
-        self.rotation, self._shift = np.eye(3), self._centres[0] - self._centres[1]
+        apart = self._centres[0] - self._centres[1]
+        lengths = (block.source, block.target, problem.bounds, apart)
+        self._exponent = int(np.frexp(max(float(np.abs(part).max()) for part in lengths))[1])
+        self._source = self._in_units(block.source - self._centres[0])
+        self._target = self._in_units(block.target - self._centres[1])
+        self._bounds, self._weights = self._in_units(problem.bounds), block.weights
+        least = float(self._bounds.min())
+        if least < LEAST_BOUND:
+            message = "a bound is so small beside the clouds that the motion cannot be simulated"
+            raise DegenerateProblemError(message, value=least, limit=LEAST_BOUND)
+        self.rotation, self._shift = np.eye(3), self._in_units(apart)
         self._held, self._steps, self._time = np.zeros(problem.n, dtype=np.bool_), 0, 0.0
 
     @property
     def given_translation(self) -> NDArray[np.float64]:
         """The translation in the frame of the clouds as they were given."""
         here, there = self._centres
-        return self._shift + there - self.rotation @ here
+        return np.ldexp(self._shift, self._exponent) + there - self.rotation @ here
+
+    def _in_units(self, lengths: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Over 2^exponent, so that no square overflows, and none that matters vanishes."""
+        return np.ldexp(lengths, -self._exponent)
 
     def ratios(self) -> NDArray[np.float64]:
         """(N,): residuals over the bounds that were given."""
+        return self._residuals() / self._bounds
+
+    def _residuals(self) -> NDArray[np.float64]:
         ends = self._target - self._source @ self.rotation.T - self._shift
-        return np.linalg.norm(ends, axis=1) / self._problem.bounds
+        return np.linalg.norm(ends, axis=1)
 
     def stage(self, width: float) -> tuple[BreakingStatus, BreakingStage]:
         """The body moves at bounds of this width until no spring breaks or mends."""
@@ -163,15 +180,17 @@ class _Annealed:
     def _move(self, held: NDArray[np.bool_]) -> BreakingStatus | None:
         """The body moves on some springs until it rests; why it cannot go on, if so."""
         rows = np.flatnonzero(held)
-        if len(rows) < LEAST_SPRINGS:
+        if not len(rows):
             return BreakingStatus.LOOSE
         objective = Isotropic.of(self._problem.of_rows(rows.tolist()))
-        if not objective.classification.inertia_definite and not held.all():
+        if held.all():
+            require_dynamics(objective)
+        if not objective.classification.inertia_definite:
             return BreakingStatus.LOOSE
         weights = self._weights[rows] / self._weights[rows].sum()
         here, there = weights @ self._source[rows], weights @ self._target[rows]
-        unit = 2.0 ** core_of(objective.moments).length_exponent
-        apart = (self.rotation @ here + self._shift - there) / unit
+        places = core_of(objective.moments).length_exponent - self._exponent
+        apart = np.ldexp(self.rotation @ here + self._shift - there, -places)
         run = simulate(
             objective,
             self._problem.problem.damping,
@@ -181,20 +200,22 @@ class _Annealed:
         )
         end = named(run.states[-1], MATRIX_STATE)
         self.rotation = np.array(end["R"])
-        self._shift = there + end["c"] * unit - self.rotation @ here
+        self._shift = there + np.ldexp(end["c"], places) - self.rotation @ here
         self._steps += run.steps
         self._time += float(run.times[-1])
         return None if run.converged else BreakingStatus.OUT_OF_STEPS
 
     def _recorded(self, width: float, rounds: int) -> BreakingStage:
-        ratios, bounds = self.ratios(), self._problem.bounds
-        scale = self._weights * bounds * bounds
-        squares = ratios * ratios
+        residuals, energies = self._residuals(), list[float]()
+        with np.errstate(over="ignore"):
+            for most in (width * self._bounds, self._bounds):
+                energy = self._weights @ np.minimum(residuals, most) ** 2
+                energies.append(float(np.ldexp(energy, 2 * self._exponent)))
         return BreakingStage(
             width=width,
             held=self._held.copy(),
-            energy=float(scale @ np.minimum(squares, width * width)),
-            given_energy=float(scale @ np.minimum(squares, 1.0)),
+            energy=energies[0],
+            given_energy=energies[1],
             rounds=rounds,
             steps=self._steps,
             time=self._time,

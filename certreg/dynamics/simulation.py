@@ -77,9 +77,7 @@ def simulate(
     so little damped that the integrator gains energy without end.
     """
     settings = settings or SimulationSettings()
-    if not objective.classification.inertia_definite:
-        message = "the source points are collinear: the rotational dynamics is not defined"
-        raise DegenerateProblemError(message, rank=rank(objective.moments.source_scatter))
+    require_dynamics(objective)
     moving = body_of(objective.moments, damping)
     basin = certified_basin(objective, moving.length_exponent)
     bodies, basins = moving.record[np.newaxis], basin.record[np.newaxis]
@@ -99,6 +97,13 @@ def simulate(
     if (start is None or np.isfinite(start).all()) and _overflows(moving, batch):
         raise _gains_energy(moving, integrator)
     return _trajectory(moving, basin, batch, log, settings)
+
+
+def require_dynamics(objective: Isotropic) -> None:
+    """Raises DegenerateProblemError where the source is collinear."""
+    if not objective.classification.inertia_definite:
+        message = "the source points are collinear: the rotational dynamics is not defined"
+        raise DegenerateProblemError(message, rank=rank(objective.moments.source_scatter))
 
 
 def _overflows(moving: Body, batch: Batch) -> bool:

@@ -251,8 +251,9 @@ def _held_at_rest(problem: BreakingProblem, held: list[int]) -> int:
             pose = register(moved.source, moved.target, weights=moved.weights)
         except DegenerateProblemError:
             return 0
-        off = problem.problem.target - pose.apply(problem.problem.source)
-        within = np.flatnonzero(np.linalg.norm(off, axis=1) < problem.bounds).tolist()
+        with np.errstate(over="ignore"):
+            off = (problem.problem.target - pose.apply(problem.problem.source)).T / problem.bounds
+            within = np.flatnonzero((off * off).sum(axis=0) < 1.0).tolist()
         if within == held:
             break
         held = within

@@ -140,7 +140,8 @@ def simulate_breaking(  # noqa: PLR0913 - the data of a problem, then how it is 
     ValueError
         For other integrators.
     DegenerateProblemError
-        Where the source is collinear, or the motion too stiff.
+        Where the source is collinear, the motion too stiff, or a bound below 1e-100 of the clouds'
+        size.
     OutOfRangeError
         Where no double can hold a translation.
 

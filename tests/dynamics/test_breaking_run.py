@@ -10,6 +10,7 @@ from wrong_pairs import wrong_pairs
 
 from certreg.dynamics import breaking
 from certreg.dynamics.breaking import BreakingRun, BreakingStatus, run_breaking
+from certreg.errors import DegenerateProblemError
 from certreg.native import Integrator
 from certreg.problem import BreakingProblem, RegistrationProblem
 from certreg.registration import register
@@ -92,3 +93,39 @@ def test_weak_bounds_at_once_are_no_annealing():
     )
 
     assert slow > fast
+
+
+@pytest.mark.parametrize("exponent", [-900, -500, 500, 900])
+def test_a_run_is_the_same_in_every_unit(exponent):
+    pairs = wrong_pairs(np.random.default_rng(4), 16, 0.25)
+    usual, scaled = (
+        run_breaking(
+            BreakingProblem.of(
+                RegistrationProblem(np.ldexp(pairs.source, k), np.ldexp(pairs.target, k)),
+                np.ldexp(pairs.bounds, k),
+            ),
+            Integrator.MIDPOINT,
+        )
+        for k in (0, exponent)
+    )
+
+    assert usual.status is BreakingStatus.SETTLED
+    assert (usual.rotation == scaled.rotation).all()
+    assert (np.ldexp(usual.translation, exponent) == scaled.translation).all()
+    assert [s.held.tolist() for s in usual.stages] == [s.held.tolist() for s in scaled.stages]
+    with np.errstate(over="ignore"):
+        expected = np.ldexp([stage.energy for stage in usual.stages], 2 * exponent)
+    assert [stage.energy for stage in scaled.stages] == expected.tolist()
+
+
+def test_a_source_on_a_line_and_bounds_of_no_size_are_refused():
+    line = [[0, 0, 0], [1, 0, 0], [2, 0, 0]]
+    corner = [[0, 0, 0], [1, 0, 0], [0, 2, 0]]
+    for source, bound, words in (
+        (line, 1.0, "the source points are collinear"),
+        (corner[:2], 1.0, "the source points are collinear"),
+        (corner, 1e-101, "a bound is so small beside the clouds"),
+    ):
+        problem = BreakingProblem.of(RegistrationProblem(source, source), bound)
+        with pytest.raises(DegenerateProblemError, match=words):
+            run_breaking(problem, Integrator.MIDPOINT)

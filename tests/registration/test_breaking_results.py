@@ -11,6 +11,7 @@ from certreg.dynamics import BreakingStatus, SimulationSettings
 from certreg.equilibrium import Labels
 from certreg.errors import InvalidProblemError, UndecidedError
 from certreg.registration.examples import TWIN_MOTIONS as TWINS
+from certreg.results import OUT_OF_RANGE
 
 
 def clouds(seed: int, n: int, wrong: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -57,6 +58,16 @@ def test_as_many_springs_are_asked_for_as_hold_at_rest_not_at_the_pose_that_was_
     assert len(best.unbroken) == 9
     assert ten.equilibria == ()
     assert not ten.optimum_listed
+
+
+@pytest.mark.parametrize("unit", [1e-200, 1e200])
+def test_energies_that_no_double_holds_are_none_and_say_so(unit):
+    x, y, true = clouds(1, 14, 0.3)
+    (best,) = certreg.breaking_equilibria(x * unit, y * unit, max_residual=0.06 * unit).stable
+
+    assert best.unbroken == tuple(np.flatnonzero(true).tolist())
+    assert best.energy is None
+    assert best.stated("energy") is OUT_OF_RANGE
 
 
 def test_where_no_pose_is_found_sets_of_three_are_asked_for():
