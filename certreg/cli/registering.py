@@ -164,6 +164,7 @@ def _told_of_consensus(
         if path is not None:
             place = printable(path)
             click.echo(f"\nCertificate: {place}  (re-check it: certreg verify {place})")
+            click.echo(f"Report: {printable(path.with_name(REPORT))}  (open it in a browser)")
     unmet = demands.unmet(result.fit)
     for words in unmet:
         click.echo(f"certreg: {words}: exit code 4", err=True)

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 from certreg.errors import InvalidFileError
 from certreg.io import csv_field, write_together
 from certreg.report.consensus_fields import consensus_document
+from certreg.report.consensus_page import ConsensusReport
 from certreg.report.document import dumps, pose_document
 from certreg.report.folder import CERTIFICATE, FIT, POSE, REPORT, RESULT, SURE_POSE, TRAJECTORY
+from certreg.report.pages import html_page
 
 if TYPE_CHECKING:
     import os
@@ -39,10 +41,11 @@ def write_consensus_folder(
         POSE: ("\n".join(" ".join(map(repr, row)) for row in rows) + "\n").encode(),
         SURE_POSE: (dumps(pose_document(result.fit)) + "\n").encode(),
         FIT: fit_table(result).encode(),
+        REPORT: html_page(ConsensusReport.of(result)),
     }
     write_together(
         {place / name: content for name, content in contents.items()},
-        obsolete=[place / TRAJECTORY, place / REPORT],
+        obsolete=[place / TRAJECTORY],
     )
     return path
 

@@ -66,11 +66,17 @@ def _broken(result: ConsensusRegistration) -> list[str]:
 
 
 def _reach(result: ConsensusRegistration) -> list[str]:
-    """How far apart the rotations of all motions that meet these pairs may be."""
-    reach = result.certificate.body.reach
-    if reach is None:
+    degrees = reach_degrees(result)
+    if degrees is None:
         return []
-    angle = 2.0 * math.asin(min(1.0, math.sqrt(double_above(reach.sin2_half_angle.value))))
-    degrees = math.degrees(angle) * (1.0 + 1e-12)
     turn = f"within {number(degrees)} degrees of this rotation (proved)"
     return [f"  other motions     that bring these {result.lower} within: {turn}"]
+
+
+def reach_degrees(result: ConsensusRegistration) -> float | None:
+    """A bound on the angle to the rotations of all motions that meet these pairs; None: none."""
+    reach = result.certificate.body.reach
+    if reach is None:
+        return None
+    sine = math.sqrt(double_above(reach.sin2_half_angle.value))
+    return math.degrees(2.0 * math.asin(min(1.0, sine))) * (1.0 + 1e-12)

@@ -101,7 +101,7 @@ def registration_picture(registration: AnyRegistration) -> Picture | None:
     """
     sample = Sample.of(registration, SHOWN)
     clouds = [sample.target, sample.moved, *([] if sample.ends is None else [sample.ends])]
-    flat = _flattened(np.stack(clouds))
+    flat = flattened(np.stack(clouds))
     if flat is None:
         return None
     target, moved, *ends = flat
@@ -109,12 +109,10 @@ def registration_picture(registration: AnyRegistration) -> Picture | None:
     bodied = len(target) <= BODY and not ends
     return Picture(
         words=f"{CLOUDS}{shown_words(registration)}",
-        springs=_pixels(np.hstack([*(ends or [target]), moved])),
-        rings=_pixels(target),
-        dots=_pixels(moved),
-        spokes=_pixels(np.hstack([np.broadcast_to(centre, target.shape), target]))
-        if bodied
-        else (),
+        springs=pixels(np.hstack([*(ends or [target]), moved])),
+        rings=pixels(target),
+        dots=pixels(moved),
+        spokes=pixels(np.hstack([np.broadcast_to(centre, target.shape), target])) if bodied else (),
         radii=(5, 3) if bodied else (3, 1.6),
     )
 
@@ -131,7 +129,7 @@ def springs_picture(registration: SpringRegistration) -> Picture | None:
     axes, ends, pieces = sample.axes, sample.ends, sample.pieces
     if axes is None or ends is None or pieces is None:
         return None
-    flat = _flattened(np.stack([sample.target, sample.moved, ends, *pieces]))
+    flat = flattened(np.stack([sample.target, sample.moved, ends, *pieces]))
     if flat is None:
         return None
     target, moved, ends, *corners = flat
@@ -139,10 +137,10 @@ def springs_picture(registration: SpringRegistration) -> Picture | None:
     shapes = np.hstack(corners)[held]
     return Picture(
         words=f"{CLOUDS}{shown_words(registration, ON_PAGE)}",
-        springs=_pixels(np.hstack([ends, moved])),
-        rings=_pixels(target),
-        dots=_pixels(moved),
-        pieces=tuple(map(" ".join, _pixels(shapes))),
+        springs=pixels(np.hstack([ends, moved])),
+        rings=pixels(target),
+        dots=pixels(moved),
+        pieces=tuple(map(" ".join, pixels(shapes))),
         radii=(2, 1.1) if len(target) <= CROWD else (1, 0.6),
         stroke=0.5 if len(target) <= CROWD else 0.25,
     )
@@ -173,15 +171,16 @@ def _over_time(
     down = HEIGHT - MARGIN - (HEIGHT - 2 * MARGIN) * (height / top)
     return Picture(
         words=words,
-        curve=" ".join(map(",".join, _pixels(np.column_stack([across, down])))),
+        curve=" ".join(map(",".join, pixels(np.column_stack([across, down])))),
     )
 
 
-def _pixels(rows: NDArray[np.float64]) -> tuple[tuple[str, ...], ...]:
+def pixels(rows: NDArray[np.float64]) -> tuple[tuple[str, ...], ...]:
+    """Numbers of rows as text, to a tenth of a pixel."""
     return tuple(tuple(f"{value:.1f}" for value in row) for row in rows.tolist())
 
 
-def _flattened(clouds: NDArray[np.float64]) -> Iterator[NDArray[np.float64]] | None:
+def flattened(clouds: NDArray[np.float64]) -> Iterator[NDArray[np.float64]] | None:
     """Clouds (m, k, 3) in pixels (k, 2) each: the widest direction of both across the picture.
 
     Up goes the second, and some of the thinnest: along it a mirrored cloud is off.

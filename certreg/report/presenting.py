@@ -48,6 +48,7 @@ from certreg.report.cards import (
 from certreg.report.consensus_card import consensus_card
 from certreg.report.consensus_fields import consensus_document
 from certreg.report.consensus_folder import write_consensus_folder
+from certreg.report.consensus_page import ConsensusReport
 from certreg.report.consensus_summary import consensus_summary
 from certreg.report.document import (
     assessment_document,
@@ -182,9 +183,14 @@ class ReportPresenter:
         """HTML for a notebook."""
         return CARDS[type(result)](result)
 
-    def report(self, result: AnyRegistration, path: str | os.PathLike[str]) -> Path:
+    def report(
+        self, result: AnyRegistration | ConsensusRegistration, path: str | os.PathLike[str]
+    ) -> Path:
         """Write the page of a registration; where it was written."""
         place = Path(path)
+        if isinstance(result, ConsensusRegistration):
+            write_atomically(place, html_page(ConsensusReport.of(result)))
+            return place
         if result.certificate is None:
             message = f"{shown(place)}: not written: there is no certificate to report"
             raise InvalidFileError(message, path=place)

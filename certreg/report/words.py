@@ -24,6 +24,11 @@ if TYPE_CHECKING:
 
 THEOREMS = {  # claims of `certreg derive`, by the titles of their pages
     "optimality_certificate": "The optimality certificate",
+    "pair_lengths": "Two pairs within their bounds have nearly the same length",
+    "few_neighbours": "Many pairs within their bounds are many neighbours",
+    "few_colours": "Neighbours with few colours",
+    "weighted_refutation": "Weights that refute pairs together",
+    "angle_of_consensus": "The rotation of every motion within the bounds",
     "translation_gap": "What a translation costs",
     "classification": "The eight kinds of equilibrium set",
     "eigenvectors": "Equilibria are eigenvectors",

@@ -1,0 +1,186 @@
+"""The report of a registration with wrong pairs: still pictures, and no script."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar, Self, cast
+
+from certreg.registration import simulate_breaking
+from certreg.report.any_report import AnyReport, head_of
+from certreg.report.breaking import breaking_course
+from certreg.report.consensus_picture import pairs_picture, residual_chart
+from certreg.report.consensus_summary import HARDER, TOLD_SECOND, reach_degrees
+from certreg.report.overview import Fact, Overview
+from certreg.report.summary import number
+from certreg.report.words import Sentence, begun, sentence
+from certreg.results import Guarantee
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from certreg.registration import ConsensusRegistration
+    from certreg.report.viewer import Names
+
+MOST_ROWS = 40  # undecided pairs in the table
+MOST_MOVED = 200  # pairs of which the motion on springs that break is shown
+RULES = ("pair_lengths", "few_neighbours", "few_colours", "weighted_refutation")
+NOT_CLAIMED = (
+    "that an inlier is a right pair: only that every motion that meets as many meets it, too",
+    "how many pairs the other motion meets: a search found it, and none is proved to be best",
+    "anything of the names in the certificate, and where the points come from",
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ConsensusReport(AnyReport[Any]):
+    """What a page shows of a registration with wrong pairs."""
+
+    TEMPLATE: ClassVar = "report/templates/consensus.html"
+    DIGESTED: ClassVar = "points, weights and bounds"
+
+    registration: ConsensusRegistration
+
+    @classmethod
+    def of(cls, registration: Any, *, documentation: str | None = None) -> Self:
+        """The report of a registration with wrong pairs just made."""
+        result = cast("ConsensusRegistration", registration)
+        return cls(
+            registration=result,
+            certificate=result.certificate,
+            content=result.certificate.to_json(),
+            verdict=result.verdict,
+            documentation=documentation,
+        )
+
+    def values(self, names: Names) -> Mapping[str, Any]:
+        """Headline, pose and pictures; residuals, what is undecided, the other motion; proofs."""
+        result = self.registration
+        undecided = "undecided" in result.labels
+        picture = pairs_picture(result)
+        head = head_of(
+            result.headline,
+            further=(),
+            todo=[f"{HARDER}."] if undecided else [],
+            warnings=[one.text for one in result.fit.fit.warnings],
+        )
+        return {
+            **head,
+            "good": result.labels_unique,
+            "overview": _overview(result),
+            "picture": picture,
+            "picture_words": "" if picture is None else sentence(begun(picture.words)),
+            "chart": residual_chart(result),
+            "residual_words": list(_residual_words(result)),
+            "rows": list(_undecided_rows(result, names)),
+            "undecided_words": _undecided_words(result),
+            "other_words": _other_words(result),
+            "course": _course(result),
+            "known": list(_known(result)),
+            "not_claimed": [sentence(begun(words)) for words in NOT_CLAIMED],
+            "labelled": names.labels is not None,
+            "certificate_link": self.certificate_link,
+        }
+
+
+def _overview(result: ConsensusRegistration) -> Overview:
+    """That of the least squares over the met pairs, with what is proved of all pairs first."""
+    labels, found = result.labels, result.lower
+    own = Overview.of(result.fit)
+    reach = reach_degrees(result)
+    counts = ", ".join(
+        f"{labels.count(word)} {word}" for word in ("inlier", "outlier", "undecided")
+    )
+    facts = [
+        Fact(name="Within bounds", value=f"{found} of {result.problem.n}", words="by one motion"),
+        Fact(name="No motion", value=f"more than {result.upper}", words="within"),
+        Fact(name="Labels", value=counts, words=f"in every motion that brings {found} within"),
+    ]
+    if reach is not None:
+        words = f"from all motions that bring these {found} within, at most"
+        facts.append(Fact(name="Angle", value=f"{number(reach)}°", words=words))
+    return replace(own, proved=(*facts, *own.proved))
+
+
+def _residual_words(result: ConsensusRegistration) -> Iterator[str]:
+    largest = number(float(result.residuals[result.inliers].max()))
+    yield f"The pose is that of the least squares over the {result.lower} pairs that are met."
+    if result.broken:
+        rows = result.names.words(result.broken[:8], len(result.broken))
+        yield (
+            f"It leaves {rows} beyond the bound, though one motion, the witness in the "
+            "certificate, meets all of them."
+        )
+    yield f"The largest residual of a met pair is {largest}."
+
+
+def _undecided_rows(result: ConsensusRegistration, names: Names) -> Iterator[dict[str, str]]:
+    residuals, bounds = result.residuals, result.problem.bounds
+    rows = [row for row, word in enumerate(result.labels) if word == "undecided"]
+    for row in sorted(rows, key=lambda row: float(residuals[row] / bounds[row]))[:MOST_ROWS]:
+        yield {
+            "row": str(row),
+            "label": "" if names.labels is None else names.labels[row],
+            "residual": number(float(residuals[row])),
+            "share": f"{float(residuals[row] / bounds[row]):.3g}",
+        }
+
+
+def _undecided_words(result: ConsensusRegistration) -> str:
+    count = result.labels.count("undecided")
+    more = f" The {MOST_ROWS} nearest to their bounds are listed." if count > MOST_ROWS else ""
+    return (
+        f"Of {count} pairs nothing is proved: no test showed that a motion that meets "
+        f"{result.lower} pairs must leave them out, or must meet them. Those a little beyond their "
+        f"bounds may be met by another motion that is as good.{more}"
+    )
+
+
+def _other_words(result: ConsensusRegistration) -> str | None:
+    if result.second is None or result.second < TOLD_SECOND:
+        return None
+    return (
+        f"Another motion fits {result.second} of the other {result.problem.n - result.lower} pairs "
+        "(found, not proved to be the most): a second body, or an agreement by chance."
+    )
+
+
+def _course(result: ConsensusRegistration) -> Any:
+    """The motion while the springs break; None of many pairs."""
+    if result.problem.n > MOST_MOVED:
+        return None
+    block = result.problem.problem.block(slice(None))
+    run = simulate_breaking(block.source, block.target, max_residual=result.problem.bounds)
+    return breaking_course(run)
+
+
+def _known(result: ConsensusRegistration) -> Iterator[Sentence]:
+    labels, found = result.labels, result.lower
+    exact, out, sure = Guarantee.EXACT, labels.count("outlier"), labels.count("inlier")
+    yield Sentence(
+        words=f"One rigid motion brings {found} of the {result.problem.n} pairs within their "
+        "bounds: the witness, tested in integers.",
+        guarantee=exact,
+    )
+    yield Sentence(
+        words=f"No rigid motion brings more than {result.upper} within.",
+        guarantee=exact,
+        theorems=RULES,
+    )
+    yield Sentence(
+        words=f"{out} of the pairs are outliers and {sure} are inliers in every motion that brings "
+        f"{found} within.",
+        guarantee=exact,
+        theorems=RULES,
+    )
+    if (reach := reach_degrees(result)) is not None:
+        yield Sentence(
+            words=f"Every motion that brings these {found} within has its rotation within "
+            f"{number(reach)} degrees of that of the least squares.",
+            guarantee=exact,
+            theorems=("angle_of_consensus",),
+        )
+    yield Sentence(
+        words=f"The least squares over these {found} pairs: {result.fit.status.value}.",
+        guarantee=exact,
+        theorems=("optimality_certificate",),
+    )

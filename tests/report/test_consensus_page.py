@@ -1,0 +1,132 @@
+"""The page of wrong pairs: complete, and no stronger than its proof."""
+
+from __future__ import annotations
+
+import html
+import re
+import sys
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import certreg
+from certreg.report.consensus_page import ConsensusReport
+from certreg.report.consensus_picture import pairs_picture, residual_chart
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+BOUND = 0.05
+
+
+@cache
+def result(*, twins: bool = False, named: bool = False) -> Any:
+    rng = np.random.default_rng(3)
+    source = rng.uniform(size=(16, 3))
+    target = source[:, [1, 2, 0]] + rng.uniform(-0.005, 0.005, (16, 3))
+    target[10:] = (source[10:] if twins else rng.uniform(-2, 2, (6, 3))) + [0.3, 0.2, -0.4]
+    if twins:
+        source, target = source[4:], target[4:]
+    about = {"labels": [f"P{row}" for row in range(len(source))]} if named else None
+    return certreg.certify(source, target, max_residual=BOUND, about=about)
+
+
+def words_of(found: Any) -> str:
+    """What stands on its page, without style, pictures and tags, in one line."""
+    text = ConsensusReport.of(found).html().decode()
+    text = re.sub(r"(?s)<(style|svg)>?.*?</\1>", " ", text)
+    return " ".join(html.unescape(re.sub(r"<[^>]*>", " ", text)).split())
+
+
+def test_the_page_says_what_is_proved():
+    found = result()
+    page = words_of(found)
+    assert found.labels_unique
+    assert found.headline.removeprefix("CERTIFIED: n") in page
+    for words in (
+        "Within bounds 10 of 16 by one motion",
+        "No motion more than 10 within",
+        "Labels 10 inlier, 6 outlier, 0 undecided in every motion that brings 10 within",
+        "from all motions that bring these 10 within, at most",
+        "The pose is that of the least squares over the 10 pairs that are met.",
+        "The largest residual of a met pair is ",
+        "One rigid motion brings 10 of the 16 pairs within their bounds: the witness, tested in",
+        "No rigid motion brings more than 10 within.",
+        "6 of the pairs are outliers and 10 are inliers in every motion that brings 10 within.",
+        "Every motion that brings these 10 within has its rotation within ",
+        " degrees of that of the least squares.",
+        "The least squares over these 10 pairs: certified.",
+        "That an inlier is a right pair: only that every motion that meets as many meets it, too.",
+        "How many pairs the other motion meets: a search found it, and none is proved to be best.",
+        "Anything of the names in the certificate, and where the points come from.",
+        "it loads nothing, runs nothing and sends nothing.",
+        "On springs that break",
+        "points, weights and bounds",
+    ):
+        assert words in page, words
+    assert "What is undecided" not in page
+    assert "script-src 'none'" in html.unescape(ConsensusReport.of(found).html().decode())
+
+
+def test_the_page_says_what_is_undecided_and_the_other_motion():
+    found = result(twins=True, named=True)
+    page = words_of(found)
+    assert found.lower == 6
+    assert found.second == 6
+    assert (
+        "Of 12 pairs nothing is proved: no test showed that a motion that meets 6 pairs must leave "
+        "them out, or must meet them. Those a little beyond their bounds may be met by another "
+        "motion that is as good."
+    ) in page
+    assert (
+        "Another motion fits 6 of the other 6 pairs (found, not proved to be the most): a second "
+        "body, or an agreement by chance."
+    ) in page
+    assert " P3 " in page
+
+
+def test_a_pose_that_breaks_its_own_consensus_is_said(monkeypatch):
+    monkeypatch.setattr(type(result()), "broken", (1, 2))
+    assert (
+        "It leaves rows 1, 2 beyond the bound, though one motion, the witness in the certificate, "
+        "meets all of them."
+    ) in words_of(result())
+
+
+def test_many_undecided_pairs_are_listed_in_part(monkeypatch):
+    page = sys.modules["certreg.report.consensus_page"]
+    monkeypatch.setattr(page, "MOST_ROWS", 5)
+    monkeypatch.setattr(page, "MOST_MOVED", 1)
+    words = words_of(result(twins=True))
+    assert "The 5 nearest to their bounds are listed." in words
+    assert "On springs that break" not in words
+
+
+def test_every_pair_is_drawn_once_in_its_colour(monkeypatch):
+    found = result()
+    picture = pairs_picture(found)
+    assert picture is not None
+    assert [(g.word, g.count, len(g.dots)) for g in picture.groups] == [
+        ("inlier", 10, 10),
+        ("outlier", 6, 6),
+        ("undecided", 0, 0),
+    ]
+    chart = residual_chart(found)
+    bound = next(float(mark.place) for mark in chart.marks if mark.strong)
+    inliers, outliers, _ = chart.groups
+    assert all(float(y) > bound for _, y in inliers.dots)
+    assert all(float(y) < bound for _, y in outliers.dots)
+    monkeypatch.setattr("certreg.report.consensus_picture.MOST", 8)
+    thinned = pairs_picture(found)
+    assert thinned is not None
+    assert thinned.words.endswith("by label; 8 of 16 pairs")
+
+
+def test_the_report_and_the_card(tmp_path: Path):
+    found = result()
+    path = found.report(tmp_path / "report.html")
+    assert path.read_bytes() == ConsensusReport.of(found).html()
+    card = found._repr_html_()
+    assert "10 found, at most 10 (proved)" in card
+    assert "10 inlier, 6 outlier, 0 undecided" in card
