@@ -132,9 +132,7 @@ def certify(
     )
     path = None if out is None else write_folder(registration, out, notes=pair.notes)
     if as_json:
-        place = None if path is None else str(path)
-        document = result_document(registration, place, notes=pair.notes)
-        click.echo(dumps(document))
+        click.echo(dumps(result_document(registration, path and str(path), notes=pair.notes)))
     else:
         click.echo(registration.summary())
         if path is not None:
