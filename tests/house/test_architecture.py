@@ -176,6 +176,7 @@ def test_a_planted_upward_import_is_seen():
     ]
 
 
+@pytest.mark.slow
 def test_a_planted_import_of_a_private_module_is_seen():
     planted = sources()
     planted["certreg.dynamics.body"] += "\nfrom certreg.problem.moments import trace\n"

@@ -180,7 +180,7 @@ def test_the_document_and_the_files(tmp_path):
     result = certified(*wrong_pairs(1))
     path = result.save(tmp_path / "out")
     assert path is not None
-    document = json.loads((tmp_path / "out" / "result.json").read_text())
+    document = json.loads((tmp_path / "out" / "result.json").read_text("utf-8"))
     assert document["consensus"] == {
         "lower": 14,
         "upper": 14,
@@ -191,14 +191,14 @@ def test_the_document_and_the_files(tmp_path):
     }
     assert document["n"] == 20
     assert document["digest"] == result.problem.digest()
-    table = (tmp_path / "out" / "fit.csv").read_text().splitlines()
+    table = (tmp_path / "out" / "fit.csv").read_text("utf-8").splitlines()
     assert table[0] == "row,label,residual,bound,proved"
     assert [line.rsplit(",", 1)[1] for line in table[1:]] == list(result.labels)
     assert certreg.verify(path).proved
     kept = Certificate.load(path)
     assert kept == result.certificate
     assert kept.body.to_fields() == result.certificate.body.to_fields()
-    (tmp_path / "file").write_text("")
+    (tmp_path / "file").write_text("", "utf-8")
     with pytest.raises(InvalidFileError, match="cannot be made a folder"):
         result.save(tmp_path / "file")
 
