@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from certreg.certificate.producing_consensus import (
         consensus_certificate as consensus_certificate,
     )
+    from certreg.certificate.producing_consensus import consensus_of as consensus_of
     from certreg.certificate.producing_consensus import pose_of as pose_of
     from certreg.certificate.producing_springs import springs_certificate as springs_certificate
     from certreg.certificate.producing_springs import (
@@ -113,6 +114,7 @@ __getattr__ = lazy_face(
             "Consensus",
             "ConsensusProver",
             "consensus_certificate",
+            "consensus_of",
             "pose_of",
         ),
         "producing_springs": (

@@ -167,6 +167,12 @@ def witness_of(rotation: NDArray[np.float64], translation: NDArray[np.float64]) 
     return Witness(quaternion=(int(w), int(x), int(y), int(z)), shift=(a, b, c, exponent))
 
 
+def consensus_of(problem: ConsensusProblem, body: ConsensusBody) -> Consensus:
+    """What a certificate says that the checker has accepted for the problem."""
+    met = tuple(ExactRows(problem).met_by(body.witness))
+    return Consensus(body.witness, met, body.stages, body.labels, body.upper)
+
+
 def pose_of(witness: Witness) -> Pose:
     """The motion in doubles, rounded."""
     q = np.array([float(k) for k in witness.quaternion])

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from certreg.registration.closed_form import horn as horn
     from certreg.registration.closed_form import register as register
     from certreg.registration.consensus import ConsensusRegistration as ConsensusRegistration
+    from certreg.registration.consensus import restated_consensus as restated_consensus
     from certreg.registration.covariance import NO_RESIDUALS as NO_RESIDUALS
     from certreg.registration.covariance import PoseCovariance as PoseCovariance
     from certreg.registration.covariance import parameters_of as parameters_of
@@ -181,7 +182,7 @@ __getattr__ = lazy_face(
             "horn",
             "register",
         ),
-        "consensus": ("ConsensusRegistration",),
+        "consensus": ("ConsensusRegistration", "restated_consensus"),
         "covariance": (
             "NO_RESIDUALS",
             "PoseCovariance",

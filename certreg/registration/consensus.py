@@ -17,6 +17,7 @@ from certreg.certificate import (
     ConsensusProver,
     check_own_consensus,
     consensus_certificate,
+    consensus_of,
     pose_of,
     require_accepted,
 )
@@ -242,6 +243,25 @@ def certified_consensus(
         verdict=verdict,
         second=_second(problem, found, effort),
         timings=timings,
+    )
+
+
+def restated_consensus(
+    problem: ConsensusProblem, certificate: Certificate[ConsensusBody], verdict: Verdict
+) -> ConsensusRegistration:
+    """As a certificate says that the checker has accepted for the problem.
+
+    The least squares, and what another motion fits, are computed anew.
+    """
+    found = consensus_of(problem, certificate.body)
+    return ConsensusRegistration(
+        problem=problem,
+        found=found,
+        fit=_fit(problem, found, None, RowNames.of(certificate.about, problem.n)),
+        certificate=certificate,
+        verdict=verdict,
+        second=_second(problem, found, 1.0),
+        timings={},
     )
 
 

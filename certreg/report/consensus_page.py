@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 MOST_ROWS = 40  # undecided pairs in the table
 MOST_MOVED = 200  # pairs of which the motion on springs that break is shown
+WEAK_FIT = "This certificate proves far less of the least-squares pose than can be proved."
 RULES = ("pair_lengths", "few_neighbours", "few_colours", "weighted_refutation")
 NOT_CLAIMED = (
     "that an inlier is a right pair: only that every motion that meets as many meets it, too",
@@ -59,7 +60,7 @@ class ConsensusReport(AnyReport[Any]):
         picture = pairs_picture(result)
         head = head_of(
             result.headline,
-            further=(),
+            further=[WEAK_FIT] if self.weak else [],
             todo=[f"{HARDER}."] if undecided else [],
             warnings=[one.text for one in result.fit.fit.warnings],
         )

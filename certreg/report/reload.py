@@ -31,8 +31,21 @@ from certreg.errors import InvalidFileError, RefusedCertificateError
 from certreg.geometry import Similarity
 from certreg.io import reading
 from certreg.native import Integrator
-from certreg.problem import MAX_DAMPING, MIN_DAMPING, RegistrationProblem, Scale
-from certreg.registration import CROSS_CHECK, SPRING_KINDS, certified, certified_springs
+from certreg.problem import (
+    MAX_DAMPING,
+    MIN_DAMPING,
+    ConsensusProblem,
+    RegistrationProblem,
+    Scale,
+)
+from certreg.registration import (
+    CROSS_CHECK,
+    SPRING_KINDS,
+    certified,
+    certified_springs,
+    restated_consensus,
+)
+from certreg.report.consensus_page import ConsensusReport
 from certreg.report.pages import page_of
 from certreg.report.spring_page import SpringReport
 from certreg.verify import FILE_MAX, Clouds, shown
@@ -46,6 +59,7 @@ if TYPE_CHECKING:
     from certreg.results import Verdict
 
 SPRING = 12 * 8  # bytes of two points and six entries of a factor
+BOUNDED_PAIR = 8 * 8  # bytes of two points, a weight and a bound
 PAIR = 7 * 8  # bytes of two points and a weight; the data end with these, after a header
 WEAKER = 1e3  # times the bounds that certreg proves: the page warns of such a certificate
 
@@ -110,6 +124,8 @@ def report_of(
     if loaded is None or body is None or not verdict.proved:
         message = f"{shown(file)}: REFUSED: {verdict.words}: there is nothing to report"
         raise RefusedCertificateError(message, verdict=verdict)
+    if isinstance(body, ConsensusBody):
+        return _consensus_report(replace(loaded, body=body), content, verdict, file)
     stated = points if isinstance(points, RegistrationProblem) else _problem(loaded, points)
     if stated.factors is not None:
         return _spring_report(stated, replace(loaded, body=body), content, verdict, file.name)
@@ -162,7 +178,7 @@ def _loaded(content: bytes) -> Certificate[Any] | None:
 def _required_body(certificate: Certificate[Any], file: Path, *, pointless: bool) -> Any:
     """InvalidFileError for a certificate of which no report can be made, sound as it may be."""
     body = certificate.body
-    if isinstance(body, (CountBody, SpringsListBody, ConsensusBody)):
+    if isinstance(body, (CountBody, SpringsListBody)):
         held = "holds no pose" if isinstance(body, CountBody) else "`certreg verify` tells in words"
         what = f"is a certificate of kind {shown(body.KIND)}, which {held}"
         message = f"{shown(file)}: {what}: give the certificate.json that certify wrote"
@@ -232,6 +248,29 @@ def _spring_report(
         verdict=verdict,
         name=name,
         weak=_weaker(given, registration.bounds),
+    )
+
+
+def _consensus_report(
+    certificate: Certificate[ConsensusBody], content: bytes, verdict: Verdict, file: Path
+) -> ConsensusReport:
+    """The report of a certificate of wrong pairs: of its fit no more than it proves itself."""
+    n, data, fields = certificate.n, certificate.data or b"", certificate.body.fit
+    if fields is None or not data:
+        message = f"{shown(file)}: holds no least squares, or no points: there is no pose to report"
+        raise InvalidFileError(message, path=file)
+    doubles = np.frombuffer(data, dtype="<f8", offset=len(data) - BOUNDED_PAIR * n)
+    source, target, weights, bounds = np.split(doubles, [3 * n, 6 * n, 7 * n])
+    stated = RegistrationProblem(source.reshape(n, 3), target.reshape(n, 3), weights=weights)
+    result = restated_consensus(ConsensusProblem.of(stated, bounds), certificate, verdict)
+    given = _bounds(IsotropicBody.from_fields(fields), result.fit)
+    return ConsensusReport(
+        registration=replace(result, fit=replace(result.fit, bounds=given)),
+        certificate=certificate,
+        content=content,
+        verdict=verdict,
+        name=file.name,
+        weak=_weaker(given, result.fit.bounds),
     )
 
 

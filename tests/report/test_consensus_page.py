@@ -5,12 +5,16 @@ from __future__ import annotations
 import html
 import re
 import sys
+from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pytest
 
 import certreg
+from certreg.errors import InvalidFileError
+from certreg.report import report_of
 from certreg.report.consensus_page import ConsensusReport
 from certreg.report.consensus_picture import pairs_picture, residual_chart
 
@@ -121,6 +125,30 @@ def test_every_pair_is_drawn_once_in_its_colour(monkeypatch):
     thinned = pairs_picture(found)
     assert thinned is not None
     assert thinned.words.endswith("by label; 8 of 16 pairs")
+
+
+def test_the_report_is_made_anew_of_the_certificate_alone(tmp_path: Path):
+    found = result(named=True)
+    found.save(tmp_path)
+    report = report_of(tmp_path / "certificate.json")
+    assert isinstance(report, ConsensusReport)
+    again = report.registration
+    assert (again.labels, again.upper, again.second) == (found.labels, found.upper, found.second)
+    assert np.array_equal(again.pose.T_target_source, found.pose.T_target_source)
+    assert words_of(again) == words_of(found)
+    assert not report.weak
+    weak = "This certificate proves far less of the least-squares pose than can be proved."
+    assert weak not in report.html().decode()
+    assert weak in replace(report, weak=True).html().decode()
+
+
+def test_no_report_is_made_of_a_certificate_without_a_least_squares(tmp_path: Path):
+    kept = result().certificate
+    bare = replace(kept, body=replace(kept.body, fit=None, reach=None))
+    bare.save(tmp_path / "bare.json")
+    words = "bare.json: holds no least squares, or no points: there is no pose to report"
+    with pytest.raises(InvalidFileError, match=words):
+        report_of(tmp_path / "bare.json")
 
 
 def test_the_report_and_the_card(tmp_path: Path):
