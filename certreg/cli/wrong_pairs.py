@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import functools
+import logging
+import sys
+import time
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,9 +19,13 @@ from certreg.cli.numbers import NUMBER
 from certreg.report import printable
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Generator
 
     from certreg.io import Pair
+
+
+SEARCH = "certreg.registration.consensus"  # the logger that tells what was found
+PATIENCE = 1.0  # seconds before anything is said
 
 
 def consensus_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -55,7 +63,8 @@ def consensus_options(command: Callable[..., Any]) -> Callable[..., Any]:
         wrong = None
         if max_residual is not None:
             wrong = WrongPairs(max_residual, 1.0 if effort is None else effort)
-        return command(*args, wrong=wrong, **options)
+        with _told_on_terminal():
+            return command(*args, wrong=wrong, **options)
 
     return wrapped
 
@@ -78,3 +87,32 @@ class WrongPairs:
                 )
                 raise click.UsageError(message) from error
         return io.read_bounds(Path(self.max_residual), pair, n)
+
+
+class _Patient(logging.Handler):
+    """Says on stderr how far a search has come, once it takes longer than a second."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.INFO)
+        self._begun = time.monotonic()
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if time.monotonic() - self._begun > PATIENCE:
+            click.echo(record.getMessage(), err=True)
+
+
+@contextmanager
+def _told_on_terminal() -> Generator[None]:
+    """While a search runs, what it has found is said, to a terminal only."""
+    if not sys.stderr.isatty():
+        yield
+        return
+    log, handler = logging.getLogger(SEARCH), _Patient()
+    level = log.level
+    log.addHandler(handler)
+    log.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        log.removeHandler(handler)
+        log.setLevel(level)

@@ -6,6 +6,7 @@ better candidate is sought: the proof is the stopping rule.
 
 from __future__ import annotations
 
+import logging
 import time
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -49,6 +50,7 @@ if TYPE_CHECKING:
     from certreg.registration.result import Registration
     from certreg.results import Verdict
 
+LOG = logging.getLogger(__name__)
 CONSENSUS_PARTS = 3  # of certify: consensus, fit, checker
 SECOND_EFFORT = 0.3  # of the search among the other pairs: a hint, nothing of it is proved
 
@@ -275,6 +277,12 @@ def proved_consensus(
         found = prover.prove(candidate.rotation, candidate.translation, whole=False)
         if found is not None and (best is None or found.worth > best.worth):
             best = found
+            LOG.info(
+                "%d of %d pairs within their bounds, at most %d (proved); searching on ...",
+                len(best.met),
+                problem.n,
+                best.upper,
+            )
         if best is not None and best.upper == len(best.met):
             break
     return best if best is None or best.decided else prover.witnessed(best.witness)
