@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
     from certreg.problem import ConsensusProblem
 
-ROUNDS = 60  # of reweighting: five are usual, and more where the least largest residual is near 1
-WEIGHT_MAX = 255  # integers, so that a group takes few bytes
+ROUNDS = 100  # of reweighting: five are usual, more where the least largest residual is near 1
+WEIGHT_MAX = 65535  # integers, so that a group takes few bytes; 255 miss refutations of one percent
 SIZES = (3, 4, 5, 6, 8, 12, 20, 40)  # of the heaviest rows of a group, which may do without others
 # Of n <= 4,096 rows, sums of products of differences err by n 2^-51 of S, the eigenvalue by 2^-47.
 MARGIN = 1e-9
