@@ -30,7 +30,7 @@ NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_E
 unexport PYTHONDONTWRITEBYTECODE
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test test-all test-long test-lowest chromium coq test-browser open-pages test-huge test-oracles golden record proofs fuzz fit-rates acceptance radius spring-minima spring-stability breathing cone-rates list-rates list-certificates slips brackets scale-rates truncated-rates candidate-rates umeyama hard compare-checkers kills generate kernels report-asset check-report-asset lint bench peers lock clean
+.PHONY: help demo docs test test-all test-long test-lowest chromium coq test-browser open-pages test-huge test-oracles golden record proofs fuzz fit-rates acceptance consensus-peers radius spring-minima spring-stability breathing cone-rates list-rates list-certificates slips brackets scale-rates truncated-rates candidate-rates umeyama hard compare-checkers kills generate kernels report-asset check-report-asset lint bench peers lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -116,8 +116,13 @@ fuzz: $(READY)  ## a million broken files for the readers (two minutes)
 fit-rates: kernels  ## warnings of a fit: ten misfits, 2,000 good problems (half a minute)
 	@$(RUN) tests/fit_rates.py
 
-acceptance: kernels  ## general springs: 500 problems of each of 49 cells certified unique (five minutes)
-	@$(RUN) tests/acceptance.py
+# Of one part alone with WING=springs or WING=consensus; of that COUNT problems a cell, in CELLS="100,500" pairs.
+acceptance: kernels  ## general springs: 500 problems of each of 49 cells certified unique; labels of wrong pairs proved (fifteen minutes)
+	@$(if $(filter consensus,$(WING)),true,$(RUN) tests/acceptance.py)
+	@$(if $(filter springs,$(WING)),true,$(RUN) tests/consensus_rates.py $(or $(COUNT),50) '$(CELLS)')
+
+consensus-peers: kernels  ## wrong pairs: how often GNC, RANSAC, KISS-Matcher and certreg are right, how often they say so (`make peers`; two minutes)
+	@PYTHONPATH=.:tests $(BENCH) tests/consensus_peers.py
 
 radius: kernels  ## 10,000 moves of the points within the proved radius: none turns the optimum further (two minutes)
 	@$(RUN) tests/radius_moves.py
