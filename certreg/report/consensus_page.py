@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self, cast
 
+from certreg.errors import DegenerateProblemError
 from certreg.registration import simulate_breaking
 from certreg.report.any_report import AnyReport, head_of
 from certreg.report.breaking import breaking_course
@@ -146,11 +147,19 @@ def _other_words(result: ConsensusRegistration) -> str | None:
 
 
 def _course(result: ConsensusRegistration) -> Any:
-    """The motion while the springs break; None of many pairs."""
-    if result.problem.n > MOST_MOVED:
-        return None
+    """The motion while the springs break; None of many pairs, and where none is defined."""
     block = result.problem.problem.block(slice(None))
-    run = simulate_breaking(block.source, block.target, max_residual=result.problem.bounds)
+    if result.problem.n > MOST_MOVED or not block.weights.all():
+        return None
+    try:
+        run = simulate_breaking(
+            block.source,
+            block.target,
+            max_residual=result.problem.bounds,
+            weights=block.weights,
+        )
+    except DegenerateProblemError:  # a source on a line, or nearly so
+        return None
     return breaking_course(run)
 
 

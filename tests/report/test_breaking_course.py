@@ -118,3 +118,29 @@ def test_where_nothing_moved_there_is_no_picture():
 
     assert breaking_course(still).picture is None
     assert "<svg" not in breaking_fragment(still)
+
+
+@pytest.mark.parametrize("thin", [0.0, 1e-8])
+def test_a_report_of_wrong_pairs_is_written_where_no_motion_can_be_simulated(thin, tmp_path):
+    """A source on a line, or nearly so."""
+    x = np.random.default_rng(0).normal(size=(8, 3)) * [1.0, thin, thin]
+    y = x + 1.0
+    y[6:] += [0.0, 3.0, 1.0]
+    result = certreg.certify(certreg.RegistrationProblem(x, y), max_residual=0.1)
+
+    assert "On springs that break" not in result.report(tmp_path / "page.html").read_text("utf-8")
+
+
+def test_a_report_of_wrong_pairs_moves_springs_of_their_weights(tmp_path):
+    pairs = wrong_pairs(np.random.default_rng(2), 12, 0.25)
+    weights = np.linspace(1.0, 3.0, 12)
+    result = certreg.certify(
+        certreg.RegistrationProblem(pairs.source, pairs.target, weights=weights),
+        max_residual=0.0554,
+    )
+    run = certreg.simulate_breaking(
+        pairs.source, pairs.target, max_residual=0.0554, weights=weights
+    )
+    page = result.report(tmp_path / "page.html").read_text("utf-8")
+
+    assert f"<td>{run.stages[0].energy:.6g}</td>" in page
