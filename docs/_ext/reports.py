@@ -10,8 +10,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, cast
 
+import numpy as np
 from docutils import nodes
 from sphinx.errors import ExtensionError
 from sphinx.util.docutils import SphinxDirective
@@ -19,6 +20,7 @@ from sphinx.util.docutils import SphinxDirective
 from certreg.problem import RegistrationProblem
 from certreg.registration import STORIES, certify, tell
 from certreg.report import rendered
+from certreg.report.consensus_page import ConsensusReport
 from certreg.report.page import Report
 from certreg.report.pages import html_page
 from certreg.report.picture import registration_picture
@@ -29,7 +31,8 @@ if TYPE_CHECKING:
     from sphinx.application import Sphinx
     from sphinx.util.typing import ExtensionMetadata
 
-    from certreg.registration import Registration
+    from certreg.registration import ConsensusRegistration, Registration
+    from certreg.report.any_report import AnyReport
 
 PICTURE = "report/templates/picture.html"
 FOLDER = "gallery"  # beside the page, in the built documentation
@@ -77,6 +80,26 @@ EXAMPLES = {
 }
 
 
+def wrong_pairs(*, second: bool) -> ConsensusRegistration:
+    """Twenty pairs of which eight are wrong; or of which ten have moved on their own."""
+    random = np.random.default_rng(7)
+    source = random.uniform(size=(20, 3))
+    target = source[:, [1, 2, 0]] + random.uniform(-0.005, 0.005, (20, 3))
+    if second:
+        target[10:] = source[10:] + np.array([0.3, -0.2, 0.4])
+    else:
+        target[12:] = random.uniform(-0.3, 1.3, (8, 3))
+    about = {"source": "source", "target": "target"}
+    result = certify(source, target, max_residual=0.03, about=about)
+    return cast("ConsensusRegistration", result)
+
+
+WRONG = {
+    "wrong-pairs": lambda: wrong_pairs(second=False),
+    "two-bodies": lambda: wrong_pairs(second=True),
+}
+
+
 class Reports(SphinxDirective):
     """Reports and a table of them: the report with a picture, what to look at, multiplicities."""
 
@@ -87,33 +110,38 @@ class Reports(SphinxDirective):
         told = dict(line.split(": ", 1) for line in self.content if line.strip())
         registrations = {story.name: lambda story=story: tell(story) for story in STORIES}
         registrations |= {name: example.register for name, example in EXAMPLES.items()}
-        if told.keys() != registrations.keys():
-            missed = ", ".join(sorted(told.keys() ^ registrations.keys()))
+        if told.keys() != {*registrations, *WRONG}:
+            missed = ", ".join(sorted(told.keys() ^ {*registrations, *WRONG}))
             raise ExtensionError(
                 f"{self.env.docname}: reports that are not on both lists: {missed}"
             )
         body = nodes.tbody()
         for name, words in told.items():
-            registration = registrations[name]()
-            self.write(name, registration)
-            pattern = ", ".join(map(str, registration.equilibria.classification.pattern))
             link = nodes.reference("", name.replace("-", " "), refuri=f"{FOLDER}/{name}.html")
             inlines, _ = self.state.inline_text(words, self.lineno)
-            picture = rendered(PICTURE, picture=registration_picture(registration))
+            if name in WRONG:
+                result = WRONG[name]()
+                self.write(name, ConsensusReport.of(result, documentation="../"))
+                drawn, further = result.fit, f" {result.headline}"
+            else:
+                drawn = registrations[name]()
+                self.write(name, Report.of(drawn, documentation="../"))
+                pattern = ", ".join(map(str, drawn.equilibria.classification.pattern))
+                further = f" Multiplicities {pattern}."
+            picture = rendered(PICTURE, picture=registration_picture(drawn))
             small = nodes.raw("", picture, format="html")
-            body += row([link, small], [*inlines, nodes.Text(f" Multiplicities {pattern}.")])
+            body += row([link, small], [*inlines, nodes.Text(further)])
         titles = ("report", "what to look at")
         head = nodes.thead("", row(*([nodes.Text(words)] for words in titles)))
         widths = [nodes.colspec(colwidth=width) for width in (30, 70)]
         table = nodes.tgroup("", *widths, head, body, cols=2)
         return [nodes.table("", table, classes=["gallery"])]
 
-    def write(self, name: str, registration: Registration) -> None:
+    def write(self, name: str, report: AnyReport[Any]) -> None:
         """Write a report whose theorems lead to the pages of the proofs."""
         folder = Path(self.env.app.outdir) / FOLDER
         folder.mkdir(parents=True, exist_ok=True)
-        content = html_page(Report.of(registration, documentation="../"))
-        (folder / f"{name}.html").write_bytes(content)
+        (folder / f"{name}.html").write_bytes(html_page(report))
 
 
 def row(*cells: Sequence[nodes.Node]) -> nodes.row:
