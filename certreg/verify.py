@@ -1766,8 +1766,7 @@ class TruncatedRotationStatement(Statement):
         So have all optima, and R. With u = q/|q|, let c(p) be the sum of |y_i - R(p) x_i|^2 / b_i^2
         over the pairs labelled 1, for unit p. If no label is open, c(p) <= c(u) at an optimum R(p).
         Let L be the sum of the forms of `form_of`: L(p) <= c(p) <= L(p) + 6 n, in their unit. If
-            L - (L(u) + 6 n + mu - delta) I + mu u u^T > 0, then
-            c(p) - c(u) > mu (1 - (u.p)^2) - delta
+        L - (L(u) + 6 n + mu - delta) I + mu u u^T > 0, then c(p) - c(u) > mu (1 - (u.p)^2) - delta
         for all unit p: sin^2(a/2) = 1 - (u.p)^2 < delta/mu, a the angle from R to an optimum. All
         optima minimise c, as F is at most c plus the number of the other pairs. If delta <= mu, c
         has one line of minima: of a plane of them one, p, is across u, and c(p) > c(u).
