@@ -35,13 +35,13 @@ from certreg.registration import (
 from certreg.registration import certify as certified
 from certreg.report import (
     REPORT,
-    consensus_document,
     dumps,
     printable,
     registration_summary,
     result_document,
-    write_consensus_folder,
     write_folder,
+    write_wrong_pairs,
+    wrong_pairs_document,
 )
 from certreg.verify import shown
 
@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from certreg.cli.wrong_pairs import WrongPairs
     from certreg.io import Pair
     from certreg.problem import RegistrationProblem
-    from certreg.registration import ConsensusRegistration, FitDemands
+    from certreg.registration import ConsensusRegistration, FitDemands, TruncatedRegistration
 
 
 @click.command(epilog=EXIT_CODES)
@@ -113,13 +113,12 @@ def certify(
     if wrong is not None:
         result = certified(
             problem,
-            max_residual=wrong.bounds(pair, problem.n),
-            effort=wrong.effort,
+            **wrong.asked(pair, problem.n),
             about=about,
             max_gap=max_gap,
             max_angle=max_angle,
         )
-        chosen = cast("ConsensusRegistration", result)
+        chosen = cast("ConsensusRegistration | TruncatedRegistration", result)
         return _told_of_consensus(chosen, pair.notes, demands, out, as_json=as_json)
     registration = certified(
         problem,
@@ -145,7 +144,7 @@ def certify(
 
 
 def _told_of_consensus(
-    result: ConsensusRegistration,
+    result: ConsensusRegistration | TruncatedRegistration,
     notes: Sequence[str],
     demands: FitDemands,
     out: Path | None,
@@ -153,16 +152,17 @@ def _told_of_consensus(
     as_json: bool,
 ) -> int:
     """Writes and prints a registration with wrong pairs; the exit code."""
-    path = None if out is None else write_consensus_folder(result, out, notes=notes)
+    path = None if out is None else write_wrong_pairs(result, out, notes=notes)
     if as_json:
         place = None if path is None else str(path)
-        click.echo(dumps(consensus_document(result, place, notes=notes)))
+        click.echo(dumps(wrong_pairs_document(result, place, notes=notes)))
     else:
         click.echo(result.summary())
         if path is not None:
             place = printable(path)
             click.echo(f"\nCertificate: {place}  (re-check it: certreg verify {place})")
-            click.echo(f"Report: {printable(path.with_name(REPORT))}  (open it in a browser)")
+            if path.with_name(REPORT).exists():
+                click.echo(f"Report: {printable(path.with_name(REPORT))}  (open it in a browser)")
     unmet = demands.unmet(result.fit)
     for words in unmet:
         click.echo(f"certreg: {words}: exit code 4", err=True)

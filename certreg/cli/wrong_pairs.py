@@ -29,7 +29,7 @@ PATIENCE = 1.0  # seconds before anything is said
 
 
 def consensus_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """[--max-residual X|FILE] [--objective consensus] [--effort N], made one argument `wrong`."""
+    """[--max-residual X|FILE] [--objective NAME] [--effort N], made one argument `wrong`."""
 
     @click.option(
         "--max-residual",
@@ -40,8 +40,9 @@ def consensus_options(command: Callable[..., Any]) -> Callable[..., Any]:
     )
     @click.option(
         "--objective",
-        type=click.Choice(["consensus"]),
-        help="With --max-residual: the number of pairs within.",
+        type=click.Choice(["consensus", "truncated"]),
+        help="With --max-residual: the number of pairs within (the default), or the sum of "
+        "min((residual / X)^2, 1), with --rotation-only.",
     )
     @click.option(
         "--effort",
@@ -62,7 +63,7 @@ def consensus_options(command: Callable[..., Any]) -> Callable[..., Any]:
             raise click.UsageError(message)
         wrong = None
         if max_residual is not None:
-            wrong = WrongPairs(max_residual, 1.0 if effort is None else effort)
+            wrong = WrongPairs(max_residual, 1.0 if effort is None else effort, objective)
         with _told_on_terminal():
             return command(*args, wrong=wrong, **options)
 
@@ -71,10 +72,16 @@ def consensus_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 @dataclass(frozen=True, slots=True)
 class WrongPairs:
-    """That pairs may be wrong: the bound as it was typed, a number or a file; and the effort."""
+    """That pairs may be wrong: the bound as it was typed, a number or a file; and what is asked."""
 
     max_residual: str
     effort: float
+    objective: str | None
+
+    def asked(self, pair: Pair, n: int) -> dict[str, Any]:
+        """The arguments of `certify` of n pairs."""
+        bounds = self.bounds(pair, n)
+        return {"max_residual": bounds, "objective": self.objective, "effort": self.effort}
 
     def bounds(self, pair: Pair, n: int) -> Any:
         """One number, or one for each of n pairs."""

@@ -89,7 +89,10 @@ class TruncatedProblem(Brief):
 def _require_model(points: RegistrationProblem) -> None:
     """InvalidProblemError where this is no problem of rotations alone, with weights of 1."""
     if not points.rotation_only:
-        message = "truncated squares go without a translation for now: give rotation_only=True"
+        message = (
+            "truncated squares go without a translation for now: give --rotation-only "
+            "(rotation_only=True)"
+        )
         raise InvalidProblemError(message, array="rotation_only", value=False)
     if points.scale is not Scale.NONE:
         message = f"scale is {points.scale.value!r}: truncated squares go without a free scale"

@@ -136,6 +136,7 @@ if TYPE_CHECKING:
     from certreg.registration.spring_simulation import at_end_words as at_end_words
     from certreg.registration.spring_simulation import moving_words as moving_words
     from certreg.registration.spring_simulation import simulated_springs as simulated_springs
+    from certreg.registration.truncated import TruncatedRegistration as TruncatedRegistration
     from certreg.registration.weak_shifts import weak_shift_words as weak_shift_words
 
 __getattr__ = lazy_face(
@@ -305,6 +306,7 @@ __getattr__ = lazy_face(
             "SpringSolution",
         ),
         "spring_rows": ("SpringAxes",),
+        "truncated": ("TruncatedRegistration",),
         "weak_shifts": ("weak_shift_words",),
         "spring_simulation": (
             "NO_RATE",

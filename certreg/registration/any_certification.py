@@ -3,26 +3,34 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import TYPE_CHECKING, Any, Literal, TypedDict, cast
 
 from certreg.dynamics import SimulationSettings
 from certreg.native import Integrator
-from certreg.problem import ConsensusProblem
+from certreg.problem import ConsensusProblem, TruncatedProblem
 from certreg.registration.certification import CROSS_CHECK, PARTS, certified
 from certreg.registration.consensus import CONSENSUS_PARTS, certified_consensus
 from certreg.registration.parts import counted
 from certreg.registration.robustness import ROBUSTNESS_ANGLE, checked_angle
 from certreg.registration.spring_certification import SPRING_PARTS, certified_springs
 from certreg.registration.stating import stated_problem_of
+from certreg.registration.truncated import (
+    TRUNCATED,
+    TRUNCATED_PARTS,
+    certified_truncated,
+    checked_objective,
+)
 from certreg.results import MAX_ANGLE, MAX_GAP, Limits
 
 if TYPE_CHECKING:
     from typing import Unpack
 
     from certreg.problem import RegistrationProblem
+    from certreg.registration.consensus import ConsensusRegistration
     from certreg.registration.parts import Progress
     from certreg.registration.result import Registration
     from certreg.registration.stating import ProblemOptions
+    from certreg.registration.truncated import TruncatedRegistration
 
 
 def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
@@ -36,6 +44,7 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
     max_angle: float = MAX_ANGLE,
     robustness_angle: float | None = ROBUSTNESS_ANGLE,
     max_residual: Any = None,
+    objective: str | None = None,
     effort: float = 1.0,
     progress: Progress | None = None,
     **statement: Unpack[ProblemOptions],
@@ -67,6 +76,9 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
         Where pairs may be wrong: how far apart the two points of a right one are at most, one
         number or (N,), in the unit of length. Then the most pairs that one motion brings within
         are sought, and what is proved of each; relaxation and simulation are left out.
+    objective
+        With `max_residual`: "consensus", the number of pairs within, or "truncated", the sum of
+        min((residual / max_residual)^2, 1), of rotations alone; None is "consensus".
     effort
         A factor on the budgets of that search and its proof.
     progress
@@ -81,7 +93,8 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
     Registration
         The pose, what is proved of it, all equilibria, and the certificate. Of general springs a
         `SpringRegistration`, which has the same but no equilibria and no simulation; its relaxation
-        is a part of the search, and always taken. With `max_residual` a `ConsensusRegistration`.
+        is a part of the search, and always taken. With `max_residual` a `ConsensusRegistration`,
+        or a `TruncatedRegistration`.
 
     Raises
     ------
@@ -94,14 +107,14 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
     """
     stated, named = stated_problem_of(problem, target, statement)
     limits = Limits(max_gap=max_gap, max_angle=max_angle)
+    checked_objective(objective, max_residual)
     if max_residual is not None:
-        chosen = certified_consensus(
-            ConsensusProblem.of(stated, max_residual),
-            effort=effort,
-            limits=limits,
-            about={**named, **(about or {})},
-            done=counted(progress, CONSENSUS_PARTS),
-        )
+        asked: _Settings = {
+            "effort": effort,
+            "limits": limits,
+            "about": {**named, **(about or {})},
+        }
+        chosen = _with_wrong_pairs(stated, max_residual, objective, asked, progress)
         return cast("Registration", chosen)
     if stated.factors is not None:
         found = certified_springs(
@@ -123,6 +136,26 @@ def certify(  # noqa: PLR0913 - each is one question, and has its usual answer
         done=counted(progress, PARTS + bool(relaxation) + bool(simulation)),
     )
     return replace(registration, limits=limits)
+
+
+class _Settings(TypedDict):
+    effort: float
+    limits: Limits
+    about: dict[str, Any]
+
+
+def _with_wrong_pairs(
+    stated: RegistrationProblem,
+    max_residual: Any,
+    objective: str | None,
+    settings: _Settings,
+    progress: Progress | None,
+) -> ConsensusRegistration | TruncatedRegistration:
+    if objective == TRUNCATED:
+        problem = TruncatedProblem(stated, max_residual)
+        return certified_truncated(problem, done=counted(progress, TRUNCATED_PARTS), **settings)
+    pairs = ConsensusProblem.of(stated, max_residual)
+    return certified_consensus(pairs, done=counted(progress, CONSENSUS_PARTS), **settings)
 
 
 def _integrator(

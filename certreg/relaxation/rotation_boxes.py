@@ -43,11 +43,13 @@ class BoxSearch(Brief):
     quaternion: (4,), w first, of length 1. cost: there. labels: (N,), 1 for pairs within their
     bounds at all rotations that may be as good, 0 for pairs beyond them at all, else -1.
     gap: the cost exceeds the minimum by less, as far as doubles tell. boxes: how many were looked
-    at. complete: whether all ended, so that no label is open for want of time.
+    at. complete: whether all ended, so that no label is open for want of time. within: (N,), which
+    pairs are within their bounds at the rotation.
     """
 
     quaternion: Reals
     cost: float
+    within: NDArray[np.bool_]
     labels: Labels
     gap: float
     boxes: int
@@ -171,6 +173,7 @@ class _Survey:
         return BoxSearch(
             quaternion=self.quaternion,
             cost=self.cost,
+            within=self.within,
             labels=labels,
             gap=gap,
             boxes=self.boxes,

@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from certreg.report.breathing import breathing_summary as breathing_summary
     from certreg.report.breathing import scaled_enumeration_summary as scaled_enumeration_summary
     from certreg.report.consensus_fields import consensus_document as consensus_document
-    from certreg.report.consensus_folder import write_consensus_folder as write_consensus_folder
+    from certreg.report.consensus_folder import write_wrong_pairs as write_wrong_pairs
+    from certreg.report.consensus_folder import wrong_pairs_document as wrong_pairs_document
     from certreg.report.document import assessment_document as assessment_document
     from certreg.report.document import dumps as dumps
     from certreg.report.document import equilibria_document as equilibria_document
@@ -61,7 +62,7 @@ __getattr__ = lazy_face(
         ),
         "judged_pose": ("assessment_summary",),
         "consensus_fields": ("consensus_document",),
-        "consensus_folder": ("write_consensus_folder",),
+        "consensus_folder": ("write_wrong_pairs", "wrong_pairs_document"),
         "document": (
             "assessment_document",
             "dumps",

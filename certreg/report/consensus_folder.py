@@ -7,24 +7,42 @@ from typing import TYPE_CHECKING
 
 from certreg.errors import InvalidFileError
 from certreg.io import csv_field, write_together
+from certreg.registration import TruncatedRegistration
 from certreg.report.consensus_fields import consensus_document
 from certreg.report.consensus_page import ConsensusReport
 from certreg.report.document import dumps, pose_document
 from certreg.report.folder import CERTIFICATE, FIT, POSE, REPORT, RESULT, SURE_POSE, TRAJECTORY
 from certreg.report.pages import html_page
+from certreg.report.truncated_fields import truncated_document
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Sequence
 
     from certreg.registration import ConsensusRegistration
+    from certreg.report.encoding import Document
 
 HEADER = "row,label,residual,bound,proved\n"
 
 
-def write_consensus_folder(
-    result: ConsensusRegistration, folder: str | os.PathLike[str], *, notes: Sequence[str] = ()
-) -> Path:
+def wrong_pairs_document(
+    result: ConsensusRegistration | TruncatedRegistration,
+    certificate_path: str | None = None,
+    *,
+    notes: Sequence[str] = (),
+) -> Document:
+    """The JSON of either."""
+    if isinstance(result, TruncatedRegistration):
+        return truncated_document(result, certificate_path, notes=notes)
+    return consensus_document(result, certificate_path, notes=notes)
+
+
+def write_wrong_pairs(
+    result: ConsensusRegistration | TruncatedRegistration,
+    folder: str | os.PathLike[str],
+    *,
+    notes: Sequence[str] = (),
+) -> Path | None:
     """Write the files, all or none; the path of the certificate. Raises InvalidFileError."""
     place = Path(folder)
     try:
@@ -33,24 +51,28 @@ def write_consensus_folder(
         message = f"{place}: cannot be made a folder ({error.strerror}): choose another place"
         raise InvalidFileError(message, path=place) from error
     path = place / CERTIFICATE
-    document = consensus_document(result, str(path), notes=notes)
+    proof = result.certificate
+    document = wrong_pairs_document(result, None if proof is None else str(path), notes=notes)
     rows = result.pose.T_target_source.tolist()
     contents = {
-        CERTIFICATE: result.certificate.to_json(),
+        **({} if proof is None else {CERTIFICATE: proof.to_json()}),
         RESULT: (dumps(document) + "\n").encode(),
         POSE: ("\n".join(" ".join(map(repr, row)) for row in rows) + "\n").encode(),
         SURE_POSE: (dumps(pose_document(result.fit)) + "\n").encode(),
         FIT: fit_table(result).encode(),
-        REPORT: html_page(ConsensusReport.of(result)),
     }
+    if not isinstance(result, TruncatedRegistration):  # which has no page yet
+        contents[REPORT] = html_page(ConsensusReport.of(result))
     write_together(
         {place / name: content for name, content in contents.items()},
-        obsolete=[place / TRAJECTORY],
+        obsolete=[
+            place / name for name in (CERTIFICATE, REPORT, TRAJECTORY) if name not in contents
+        ],
     )
-    return path
+    return None if proof is None else path
 
 
-def fit_table(result: ConsensusRegistration) -> str:
+def fit_table(result: ConsensusRegistration | TruncatedRegistration) -> str:
     """A line for each pair: its residual at the pose, its bound, and what is proved of it."""
     names = result.names
     columns = (result.residuals.tolist(), result.problem.bounds.tolist(), result.labels)

@@ -28,6 +28,7 @@ from certreg.registration import (
     SimulatedSprings,
     SpringEquilibria,
     SpringRegistration,
+    TruncatedRegistration,
     proved_end,
 )
 from certreg.report.breathing import (
@@ -47,7 +48,7 @@ from certreg.report.cards import (
 )
 from certreg.report.consensus_card import consensus_card
 from certreg.report.consensus_fields import consensus_document
-from certreg.report.consensus_folder import write_consensus_folder
+from certreg.report.consensus_folder import write_wrong_pairs
 from certreg.report.consensus_page import ConsensusReport
 from certreg.report.consensus_summary import consensus_summary
 from certreg.report.document import (
@@ -81,6 +82,8 @@ from certreg.report.summary import (
     equilibria_words,
     simulation_summary,
 )
+from certreg.report.truncated_fields import truncated_document
+from certreg.report.truncated_summary import truncated_card, truncated_summary
 from certreg.verify import shown
 
 if TYPE_CHECKING:
@@ -135,6 +138,9 @@ SHAPES: dict[type, Shape] = {
     SpringRegistration: Shape(words=spring_summary, document=result_document, card=spring_card),
     ConsensusRegistration: Shape(
         words=consensus_summary, document=consensus_document, card=consensus_card
+    ),
+    TruncatedRegistration: Shape(
+        words=truncated_summary, document=truncated_document, card=truncated_card
     ),
     Assessment: Shape(words=assessment_summary, document=assessment_document, card=assessment_card),
     ListedEquilibria: Shape(
@@ -198,11 +204,13 @@ class ReportPresenter:
         return place
 
     def save(
-        self, result: AnyRegistration | ConsensusRegistration, folder: str | os.PathLike[str]
+        self,
+        result: AnyRegistration | ConsensusRegistration | TruncatedRegistration,
+        folder: str | os.PathLike[str],
     ) -> Path | None:
         """Write the files of a registration; the certificate's path."""
-        if isinstance(result, ConsensusRegistration):
-            return write_consensus_folder(result, folder)
+        if isinstance(result, ConsensusRegistration | TruncatedRegistration):
+            return write_wrong_pairs(result, folder)
         return write_folder(result, folder)
 
     def plot(self, result: AnyRegistration, axes: Any) -> Any:

@@ -23,6 +23,7 @@ from certreg.certificate import (
     PoseBounds,
     SimilarityBody,
     SpringsListBody,
+    TruncatedRotationBody,
     pose_bounds,
     spring_pose_bounds,
     verify,
@@ -178,7 +179,7 @@ def _loaded(content: bytes) -> Certificate[Any] | None:
 def _required_body(certificate: Certificate[Any], file: Path, *, pointless: bool) -> Any:
     """InvalidFileError for a certificate of which no report can be made, sound as it may be."""
     body = certificate.body
-    if isinstance(body, (CountBody, SpringsListBody)):
+    if isinstance(body, (CountBody, SpringsListBody, TruncatedRotationBody)):
         held = "holds no pose" if isinstance(body, CountBody) else "`certreg verify` tells in words"
         what = f"is a certificate of kind {shown(body.KIND)}, which {held}"
         message = f"{shown(file)}: {what}: give the certificate.json that certify wrote"

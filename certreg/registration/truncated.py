@@ -1,0 +1,245 @@
+"""Registration by truncated squares, of rotations alone: the least cost, and what is proved.
+
+The search is in doubles, over all rotations; what it finds counts only as far as the checker, which
+searches again in integers, accepts the certificate.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from certreg.certificate import truncated_certificate
+from certreg.errors import InvalidProblemError, UndecidedError
+from certreg.exact import double_above
+from certreg.geometry import Pose
+from certreg.problem import RegistrationProblem, checked_effort
+from certreg.registration.certification import certified
+from certreg.registration.exit_codes import DONE, NOT_CERTIFIED, NOT_UNIQUE
+from certreg.registration.row_names import RowNames
+from certreg.relaxation import search_boxes
+from certreg.results import Presented, presenter
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from certreg.certificate import Certificate, CertificateVerdict, TruncatedRotationBody
+    from certreg.problem import TruncatedProblem
+    from certreg.registration.result import Registration
+    from certreg.results import Limits
+
+TRUNCATED_PARTS = 3  # of certify: search, certificate and checker, fit
+CONSENSUS, TRUNCATED = "consensus", "truncated"  # objectives
+WORDS = {1: "inlier", 0: "outlier", -1: "undecided"}
+NAMED_ROWS = 5  # of the undecided ones, in a sentence
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TruncatedRegistration(Presented):
+    """The rotation of least truncated cost, and what is proved of it and of every pair.
+
+    Attributes
+    ----------
+    problem
+        As it was stated, with its bounds.
+    cost
+        Sum of min((residual / bound)^2, 1) at the rotation, rounded.
+    labels
+        Of each pair: "inlier", "outlier" (within, or beyond its bound at every optimum), or
+        "undecided".
+    rows
+        Of the pairs within their bounds at the rotation.
+    fit
+        The least squares over the pairs within their bounds, weighed by 1 / bound^2: a registration
+        with its own proof, whose rotation is that of the least cost.
+    certificate
+        Of kind "truncated-rotation"; None where the checker accepted none.
+    verdict
+        The checker's.
+    timings
+        Seconds per phase.
+    """
+
+    problem: TruncatedProblem
+    cost: float
+    labels: tuple[str, ...]
+    rows: NDArray[np.intp]
+    fit: Registration
+    certificate: Certificate[TruncatedRotationBody] | None
+    verdict: CertificateVerdict
+    timings: dict[str, float]
+
+    def __repr__(self) -> str:
+        within = self.labels.count("inlier")
+        return (
+            f"<TruncatedRegistration: cost {self.cost:.6g}; {within} of {self.problem.n} inliers>"
+        )
+
+    @property
+    def pose(self) -> Pose:
+        """The rotation; its translation is 0."""
+        pose = self.fit.pose
+        assert isinstance(pose, Pose)  # noqa: S101 - the fit has no scale
+        return pose
+
+    @property
+    def labels_unique(self) -> bool:
+        """Whether it is proved of every pair on which side of its bound it is at every optimum."""
+        return "undecided" not in self.labels
+
+    @property
+    def unique(self) -> bool:
+        """Whether the optimum is proved to be one single rotation."""
+        return self.certificate is not None and self.certificate.body.claims.unique
+
+    @property
+    def gap(self) -> float | None:
+        """The cost exceeds the least one by less, proved; None where nothing is."""
+        return None if self.certificate is None else double_above(self.certificate.body.gap)
+
+    @property
+    def residuals(self) -> NDArray[np.float64]:
+        """(N,), how far each pair is off at `pose`, in the unit of length."""
+        moved = self.problem.source @ self.pose.rotation.T
+        return np.linalg.norm(self.problem.target - moved, axis=1)
+
+    @property
+    def names(self) -> RowNames:
+        """Of the rows."""
+        about = {} if self.certificate is None else self.certificate.about
+        return RowNames.of(about, self.problem.n)
+
+    @property
+    def certified(self) -> bool:
+        """Whether all labels are proved, and a gap and, if it is unique, an angle in the limits."""
+        worth, limits = self.verdict.worth, self.fit.limits
+        if self.certificate is None or worth is None or not self.labels_unique:
+            return False
+        near = not self.unique or (worth.angle is not None and worth.angle <= limits.max_angle)
+        return worth.share <= limits.max_gap and near
+
+    @property
+    def headline(self) -> str:
+        """What is proved, in words."""
+        n, out = self.problem.n, self.labels.count("outlier")
+        within = self.labels.count("inlier")
+        if self.certificate is None:
+            return f"NOT PROVED: a rotation of truncated cost {self.cost:.6g} was found."
+        if not self.certified:
+            rows = [row for row, word in enumerate(self.labels) if word == "undecided"]
+            told = f" ({self.names.words(rows[:NAMED_ROWS], len(rows))})" if rows else ""
+            return (
+                f"PARTLY PROVED: the truncated cost {self.cost:.6g} is less than {self.gap:.2g} "
+                f"above the least. Of the {n} pairs {within} are within their bounds at every "
+                f"optimum, {out} at none; {len(rows)} undecided{told}."
+            )
+        others = f"The other {out} are outliers at EVERY optimum." if out else "No outliers."
+        if self.unique:
+            return (
+                f"CERTIFIED: no rotation has a smaller truncated cost than {self.cost:.6g}, and "
+                f"{within} of the {n} pairs are within their bounds there. {others}"
+            )
+        return (
+            f"CERTIFIED, NOT UNIQUE: the least truncated cost is {self.cost:.6g}; one single "
+            f"rotation is not proved. {within} of the {n} pairs are within their bounds at every "
+            f"optimum. {others}"
+        )
+
+    @property
+    def exit_code(self) -> int:
+        """0: labels and one rotation proved; 3: the labels alone; 4: less."""
+        return (DONE if self.unique else NOT_UNIQUE) if self.certified else NOT_CERTIFIED
+
+    def save(self, folder: str | os.PathLike[str]) -> Path | None:
+        """Write what `certify --out` writes.
+
+        Parameters
+        ----------
+        folder
+            Made if it is missing.
+
+        Returns
+        -------
+        Path | None
+            Of the certificate.
+
+        Raises
+        ------
+        InvalidFileError
+            Where the files cannot be written.
+        """
+        return presenter().save(self, folder)
+
+
+def checked_objective(objective: Any, max_residual: Any) -> str | None:
+    """Its name, None where none was given; raises InvalidProblemError for others."""
+    if objective not in {None, CONSENSUS, TRUNCATED}:
+        message = f"objective is {objective!r}: give '{CONSENSUS}' or '{TRUNCATED}'"
+        raise InvalidProblemError(message, array="objective", value=objective)
+    if objective is not None and max_residual is None:
+        message = f"objective is {objective!r}: it goes with max_residual, give that, too"
+        raise InvalidProblemError(message, array="max_residual", value=None)
+    return objective
+
+
+def certified_truncated(
+    problem: TruncatedProblem,
+    *,
+    effort: float = 1.0,
+    limits: Limits | None = None,
+    about: dict[str, Any] | None = None,
+    done: Callable[[str], None],
+) -> TruncatedRegistration:
+    """Search, prove, fit; done: called with the name of each part.
+
+    Raises UndecidedError where no rotation was found that brings a pair within its bound.
+    """
+    timings: dict[str, float] = {}
+    start = time.perf_counter()
+    found = search_boxes(
+        problem.source, problem.target, problem.bounds, effort=checked_effort(effort)
+    )
+    timings["search"] = time.perf_counter() - start
+    done("search")
+    start = time.perf_counter()
+    certificate, verdict = truncated_certificate(
+        problem, found.quaternion, found.labels, found.gap, about=about
+    )
+    timings["certificate"] = time.perf_counter() - start
+    done("certificate")
+    start = time.perf_counter()
+    fit = certified(_of_rows(problem, found.within), relaxation=False, integrator=None)
+    timings["fit"] = time.perf_counter() - start
+    done("fit")
+    labels = found.labels.tolist() if certificate else [-1] * problem.n
+    return TruncatedRegistration(
+        problem=problem,
+        cost=found.cost,
+        labels=tuple(WORDS[label] for label in labels),
+        rows=np.flatnonzero(found.within),
+        fit=fit if limits is None else replace(fit, limits=limits),
+        certificate=certificate,
+        verdict=verdict,
+        timings=timings,
+    )
+
+
+def _of_rows(problem: TruncatedProblem, rows: NDArray[np.bool_]) -> RegistrationProblem:
+    """The least squares over some pairs; equal bounds weigh 1."""
+    if not rows.any():
+        message = "no rotation was found that brings a pair within its bound: give wider bounds"
+        raise UndecidedError(message)
+    bounds = problem.bounds[rows]
+    return RegistrationProblem(
+        problem.source[rows],
+        problem.target[rows],
+        weights=(bounds.min() / bounds) ** 2,
+        rotation_only=True,
+    )

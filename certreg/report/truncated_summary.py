@@ -1,0 +1,41 @@
+"""A registration by truncated squares as a person reads it, in a terminal and in a notebook."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from certreg.report.cards import Card
+from certreg.report.remedies import ADVICE
+from certreg.report.summary import number
+
+if TYPE_CHECKING:
+    from certreg.registration import TruncatedRegistration
+
+HARDER = "give more --effort to search further, or other bounds if pairs are near to theirs"
+
+
+def truncated_summary(result: TruncatedRegistration) -> str:
+    """The result of `certify` with truncated squares, readable."""
+    facts = [f"  {name:<17} {value}" for name, value in _facts(result)]
+    advice = [] if result.labels_unique else [f"{ADVICE}{HARDER}."]
+    return "\n".join([result.headline, *advice, "", *facts])
+
+
+def truncated_card(result: TruncatedRegistration) -> str:
+    """The same as a card."""
+    good = result.labels_unique and result.unique
+    return Card(headline=result.headline, notes=(), good=good, facts=tuple(_facts(result))).html()
+
+
+def _facts(result: TruncatedRegistration) -> list[tuple[str, str]]:
+    labels, rmse = result.labels, result.fit.rmse
+    counts = (f"{labels.count(word)} {word}" for word in ("inlier", "outlier", "undecided"))
+    gap = "no bound is proved" if result.gap is None else f"less than {result.gap:.2g} (proved)"
+    return [
+        ("correspondences", str(result.problem.n)),
+        ("truncated cost", f"{result.cost:.9g}"),
+        ("above the least", gap),
+        ("labels", ", ".join(counts)),
+        ("rotation (wxyz)", " ".join(map(repr, result.pose.quaternion_wxyz.tolist()))),
+        ("RMSE within", "beyond doubles" if rmse is None else number(rmse)),
+    ]

@@ -1,0 +1,179 @@
+"""Registration by truncated squares: what is found, what is proved, and how it is said."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from importlib.resources import files
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from commands import certreg as run
+from commands import write_csv
+from jsonschema import Draft202012Validator
+from rotated_pairs import BOUND, rotated_pairs
+
+import certreg
+from certreg.errors import InvalidProblemError, UndecidedError
+from certreg.registration import TruncatedRegistration
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+MODEL: dict[str, Any] = {"rotation_only": True, "objective": "truncated"}
+
+
+def certified(source, target, bound: Any = BOUND, **options) -> TruncatedRegistration:
+    result = certreg.certify(source, target, max_residual=bound, **MODEL, **options)
+    assert isinstance(result, TruncatedRegistration)
+    return result
+
+
+@pytest.fixture(scope="module")
+def given():
+    return rotated_pairs(np.random.default_rng(3), 12, 0.5)
+
+
+@pytest.fixture(scope="module")
+def result(given) -> TruncatedRegistration:
+    return certified(given.source, given.target)
+
+
+@pytest.mark.slow
+def test_labels_and_rotation_are_proved_and_said(result: TruncatedRegistration, given):
+    words = np.where(given.true, "inlier", "outlier")
+
+    assert result.labels == tuple(words.tolist())
+    assert result.headline == (
+        "CERTIFIED: no rotation has a smaller truncated cost than 6.75231, and 6 of the 12 pairs "
+        "are within their bounds there. The other 6 are outliers at EVERY optimum."
+    )
+    assert (result.exit_code, result.unique, result.labels_unique) == (0, True, True)
+    assert repr(result) == "<TruncatedRegistration: cost 6.75231; 6 of 12 inliers>"
+    assert ((result.residuals <= BOUND) == given.true).all()
+    squares = np.minimum((result.residuals / BOUND) ** 2, 1.0)
+    assert result.cost == pytest.approx(squares.sum(), rel=1e-12)
+    assert result.gap is not None
+    assert 0.0 < result.gap < 1e-8
+
+
+@pytest.mark.slow
+def test_the_document_is_that_of_a_result_with_what_is_proved_of_pairs(result, given):
+    document = result.to_dict()
+    schema = files("certreg.report") / "schemas" / "certreg-result-1.json"
+    validator = Draft202012Validator(json.loads(schema.read_text("utf-8")))
+
+    assert [error.message for error in validator.iter_errors(document)] == []
+    assert document["truncated"]["labels"] == list(result.labels)
+    assert document["truncated"]["unique"]
+    assert document["n"] == 12
+    assert {one["row"] for one in document["fit"]["worst"]} <= set(np.flatnonzero(given.true))
+    assert "6 inlier, 6 outlier, 0 undecided" in str(result)
+    assert "truncated cost    6.75231045" in str(result)
+    assert "less than 7e-10 (proved)" in result._repr_html_()
+
+
+@pytest.mark.slow
+def test_no_outliers_are_said(given):
+    source = given.source
+    result = certified(source, source @ TURN.T)
+
+    assert result.headline.endswith(
+        "12 of the 12 pairs are within their bounds there. No outliers."
+    )
+
+
+@pytest.mark.slow
+def test_a_circle_of_optima_is_certified_but_not_unique():
+    line = np.outer([1.0, 2.0, -3.0], [0.0, 0.0, 1.0])
+    result = certified(line, line)
+
+    assert result.exit_code == 3
+    assert result.headline == (
+        "CERTIFIED, NOT UNIQUE: the least truncated cost is 0; one single rotation is not proved. "
+        "3 of the 3 pairs are within their bounds at every optimum. No outliers."
+    )
+
+
+@pytest.mark.slow
+def test_two_optima_leave_labels_undecided():
+    x = np.eye(3)
+    result = certified(np.vstack([x, x]), np.vstack([x @ TURN.T, x @ TURN]), 0.25)
+
+    assert result.exit_code == 4
+    assert result.headline.startswith("PARTLY PROVED: the truncated cost 2 is less than ")
+    assert result.headline.endswith(
+        " above the least. Of the 6 pairs 2 are within their bounds at every optimum, 0 at none; "
+        "4 undecided (rows 0, 1, 3, 4)."
+    )
+    assert (
+        "give more --effort to search further, or other bounds if pairs are near to theirs"
+        in str(result)
+    )
+
+
+@pytest.mark.slow
+def test_what_the_checker_does_not_accept_is_not_proved(result: TruncatedRegistration):
+    refused = replace(result, certificate=None, labels=("undecided",) * 12)
+
+    assert refused.headline == "NOT PROVED: a rotation of truncated cost 6.75231 was found."
+    assert refused.exit_code == 4
+    assert "no bound is proved" in str(refused)
+    assert refused.to_dict()["reasons"]["truncated.gap"] == result.verdict.words
+
+
+@pytest.mark.slow
+def test_a_limit_that_is_not_proved_is_not_called_certified(given):
+    result = certified(given.source, given.target, max_angle=1e-12)
+
+    assert result.exit_code == 4
+    assert result.headline.endswith("at every optimum, 6 at none; 0 undecided.")
+
+
+def test_no_pair_within_is_undecided():
+    x = np.eye(3)
+
+    with pytest.raises(
+        UndecidedError,
+        match="no rotation was found that brings a pair within its bound: give wider bounds",
+    ):
+        certified(x, 3.0 * x, 0.01)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (
+            {"max_residual": None},
+            "objective is 'truncated': it goes with max_residual, give that, too",
+        ),
+        ({"objective": "least"}, "objective is 'least': give 'consensus' or 'truncated'"),
+        ({"rotation_only": False}, "truncated squares go without a translation for now: give --"),
+    ],
+)
+def test_what_is_no_such_problem_is_refused_in_one_line(options, words: str):
+    stated: dict[str, Any] = MODEL | {"max_residual": 0.1} | options
+
+    with pytest.raises(InvalidProblemError, match=words):
+        certreg.certify(np.eye(3), np.eye(3), **stated)
+
+
+@pytest.mark.slow
+def test_the_command_writes_what_it_proves(given, tmp_path: Path):
+    source = write_csv(tmp_path / "a.csv", given.source)
+    target = write_csv(tmp_path / "b.csv", given.target)
+    options = ("--max-residual", str(BOUND), "--objective", "truncated")
+
+    told = run("certify", source, target, *options, "--rotation-only", "--out", tmp_path / "out")
+    verified = run("verify", tmp_path / "out" / "certificate.json")
+    refused = run("certify", source, target, *options)
+    table = (tmp_path / "out" / "fit.csv").read_text("utf-8").splitlines()
+
+    assert (told.code, verified.code, refused.code) == (0, 0, 2)
+    assert told.out.startswith("CERTIFIED: no rotation has a smaller truncated cost")
+    assert verified.out.rstrip().endswith("VERIFIED")
+    assert "give --rotation-only" in refused.err
+    assert table[0] == "row,label,residual,bound,proved"
+    assert len(table) == 13
