@@ -28,6 +28,7 @@ NOT_RECORDED = {
     "degrees away; please report this problem": "certreg contradicts itself",
     "damping %g": "a line of the log",
     "relaxation %s by %s": "a line of the log",
+    "%d of %d pairs within their bounds": "a line of the log",
     "fewer than three points with weight leave no degree": "two points have infinitely many optima",
     "the two best eigenvalues are not told apart": "a unique optimum has them told apart",
     ": one turn is hardly determined, beside the others": "of matrices, in tests of covariances",
