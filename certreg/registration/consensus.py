@@ -26,7 +26,7 @@ from certreg.errors import InvalidProblemError, UndecidedError
 from certreg.geometry import Pose
 from certreg.problem import LEAST_PAIRS, checked_effort
 from certreg.registration.certification import certified
-from certreg.registration.consensus_words import Labels, headline
+from certreg.registration.consensus_words import PairLabels, headline
 from certreg.registration.exit_codes import (
     DONE,
     NOT_CERTIFIED,
@@ -124,8 +124,8 @@ class ConsensusRegistration(Presented):
         return self._counted.words
 
     @property
-    def _counted(self) -> Labels:
-        return Labels(self.found.labels)
+    def _counted(self) -> PairLabels:
+        return PairLabels(self.found.labels)
 
     @property
     def inliers(self) -> NDArray[np.intp]:

@@ -17,7 +17,7 @@ NAMED_ROWS = 5  # of the undecided ones, in a sentence
 
 
 @dataclass(frozen=True, slots=True)
-class Labels:
+class PairLabels:
     """A letter for each pair, as a certificate holds them."""
 
     letters: str
@@ -39,7 +39,7 @@ class Labels:
 
 def headline(problem: ConsensusProblem, found: Consensus, names: RowNames) -> str:
     """The first line: CERTIFIED only where every label is proved."""
-    n, met, labels = problem.n, len(found.met), Labels(found.labels)
+    n, met, labels = problem.n, len(found.met), PairLabels(found.labels)
     within = _within(problem)
     if found.decided and met == n:
         return f"CERTIFIED: one rigid motion brings all {n} pairs {within}: no outliers."

@@ -85,7 +85,7 @@ def triangles(graph: Graph, rng: np.random.Generator) -> NDArray[np.float32]:
 
 
 @dataclass(slots=True, eq=False)
-class Enumeration:
+class CliqueSearch:
     """All cliques of some size, as far as the steps last.
 
     steps: left; below 0 the last enumeration is not complete.

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from certreg.relaxation.cliques import Enumeration, consistency, core, greedy_clique, triangles
+from certreg.relaxation.cliques import CliqueSearch, consistency, core, greedy_clique, triangles
 from certreg.relaxation.edge_rows import best_that_fits, exchanged, grown, held, widened
 from certreg.relaxation.paired_rows import fitted, paired_rows, poses_of_triples, squared_ratios
 from certreg.relaxation.truncated_squares import Candidate, candidate_of, truncated_fit
@@ -83,7 +83,7 @@ class _Search:
         graph = consistency(self.pairs) if consistent is None else consistent[np.ix_(rows, rows)]
         np.fill_diagonal(graph, val=False)
         yield from self.of_greedy_cliques(graph)
-        enumeration = Enumeration(math.ceil(STEPS * self.effort))
+        enumeration = CliqueSearch(math.ceil(STEPS * self.effort))
         yield from self.of_all_cliques(graph, enumeration)
         if enumeration.steps < 0:
             yield from self.of_triples(graph)
@@ -123,7 +123,7 @@ class _Search:
             covered[clique] = True
             yield from self.followed(self.fit_of(rows[clique]))
 
-    def of_all_cliques(self, graph: Graph, enumeration: Enumeration) -> Iterator[Held]:
+    def of_all_cliques(self, graph: Graph, enumeration: CliqueSearch) -> Iterator[Held]:
         """From every clique of one row more than the best set, until none fits."""
         gained = True
         while gained:

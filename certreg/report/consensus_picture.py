@@ -47,7 +47,7 @@ class PairsPicture(Brief):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Mark(Brief):
+class ChartMark(Brief):
     """A line across the chart and what stands beside it."""
 
     place: str
@@ -61,7 +61,7 @@ class ResidualChart(Brief):
 
     words: str
     groups: tuple[LabelledPairs, ...]
-    marks: tuple[Mark, ...]
+    marks: tuple[ChartMark, ...]
     width: int = WIDTH
     height: int = HEIGHT
     left: int = LEFT
@@ -122,7 +122,7 @@ def residual_chart(result: ConsensusRegistration) -> ResidualChart:
             for word, colour in COLOURS.items()
         ),
         marks=tuple(
-            Mark(
+            ChartMark(
                 place=f"{float(_down(np.array([10.0**k]), low, high)[0]):.1f}",
                 words="bound" if k == 0 else f"{10.0**k:g} ×",
                 strong=k == 0,

@@ -9,7 +9,7 @@ import pytest
 from wrong_pairs import wrong_pairs
 
 from certreg.relaxation import cliques
-from certreg.relaxation.cliques import Enumeration, consistency, core, greedy_clique, triangles
+from certreg.relaxation.cliques import CliqueSearch, consistency, core, greedy_clique, triangles
 from certreg.relaxation.paired_rows import paired_rows
 
 
@@ -74,7 +74,7 @@ def test_a_greedy_clique_that_begins_at_a_true_row_holds_most_true_rows(pairs, g
 @pytest.mark.parametrize("size", [1, 2, 3, 5, 9, 12, 40])
 def test_every_clique_of_a_size_is_enumerated_once(graph, size):
     small = graph[:14, :14]
-    found = [tuple(sorted(one)) for one in Enumeration(10**6).of_size(small, size)]
+    found = [tuple(sorted(one)) for one in CliqueSearch(10**6).of_size(small, size)]
     cliques_there = [
         rows
         for rows in combinations(range(14), size)
@@ -85,7 +85,7 @@ def test_every_clique_of_a_size_is_enumerated_once(graph, size):
 
 
 def test_an_enumeration_ends_with_its_steps_and_says_so(graph):
-    short, long = Enumeration(100), Enumeration(10**6)
+    short, long = CliqueSearch(100), CliqueSearch(10**6)
 
     assert len(list(short.of_size(graph, 3))) < len(list(long.of_size(graph, 3)))
     assert short.steps < 0 <= long.steps
@@ -93,7 +93,7 @@ def test_an_enumeration_ends_with_its_steps_and_says_so(graph):
 
 def test_a_clique_of_many_rows_is_enumerated():
     """No function calls itself once a row."""
-    (found,) = Enumeration(10**6).of_size(~np.eye(1500, dtype=bool), 1500)
+    (found,) = CliqueSearch(10**6).of_size(~np.eye(1500, dtype=bool), 1500)
 
     assert sorted(found) == list(range(1500))
 
