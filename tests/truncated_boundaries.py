@@ -76,7 +76,7 @@ def _near(name: str, parts: Callable[[Fraction], Document], refusal: str) -> Ite
 @cache
 def truncated_cases() -> list[Case]:
     """All cases; a copy for each who asks would not cost much, but nobody changes it."""
-    return [*_forms(), *_positive(), *_claims(), *_labels(), *_data(), *_worth()]
+    return [*_forms(), *_positive(), *_survey(), *_claims(), *_labels(), *_data(), *_worth()]
 
 
 def _line(x: Sequence[int], y: Sequence[int]) -> list[list[int]]:
@@ -155,9 +155,51 @@ def _positive() -> Iterator[Case]:
     yield Case("two entries of the centre", ask(two, [8, 8, 0, 0], 0, 1, 0, 0), "True$")
     yield Case("a wider box", ask(two, [8, 8, 0, 0], 0, 8, 0, 1), "False$")
     yield Case("spare below 0", ask(_form(q00=1), [8, 0, 0, 0], 0, 8, -1, 0), "True$")
+    mixed = _form(q01=1, q11=-2)
+    yield Case("no curvature below 0", ask(mixed, [8, 0, 0, 0], 0, 8, -1, 0), "False$")
     slack = _form(q00=4)
     yield Case("slack counts", ask(slack, [8, 0, 0, 0], 0, 8, 0, 2), "False$")
     yield Case("no slack", ask(slack, [8, 0, 0, 0], 0, 8, 0, 1), "True$")
+
+
+def _survey() -> Iterator[Case]:
+    """Pairs of one residual everywhere, that reach half a bound further, in the four boxes."""
+    bound, many = 2**64, 2**67
+    names = ("in", "out")
+
+    def ask(squares: list[int], labels: str, cost: int, gap: int) -> Any:
+        form = [[s * (i == j) for i, j in PRODUCTS] for s in squares]
+
+        def question(checker: Any) -> str:
+            kept = checker.TESTS_MAX
+            checker.TESTS_MAX = 4 * (16 + len(squares))
+            try:
+                checker.survey([(each, 2**31) for each in form], labels, cost, gap)
+            except checker.RefusalError:
+                return "refused"
+            finally:
+                checker.TESTS_MAX = kept
+            return "proved"
+
+        return question
+
+    # In: r + 1/2 <= 1, with 6 units for rounding; out: r - 1/2 > 1.
+    edges = {"in": bound // 4 - 6, "out": 9 * bound // 4}
+    for name, label in zip(names, "10", strict=True):
+        for up in (0, 1):
+            right = (up == 0) == (name == "in")
+            asked = ask([edges[name] + up], label, 2 * bound, many)
+            yield Case(f"{name}, {up} more", asked, "proved$" if right else "refused$")
+            other = ask([edges[name] + up], "01"[label == "0"], 2 * bound, many)
+            yield Case(f"{name}, {up} more, not so labelled", other, "refused$")
+    yield Case("out at the cost", ask([3 * bound], "1", bound, many), "refused$")
+    yield Case("out above the cost", ask([3 * bound], "1", bound - 1, many), "proved$")
+    # Open ones: r = 1 counts as 1 / (3/2)^2.
+    for count in (1, 2):
+        least = count * 4 * bound // 9
+        for name, spare in (("inside", least - 2**44), ("outside", least + 2**44)):
+            asked = ask([bound] * count, "?" * count, many + spare, many)
+            yield Case(f"{count} open, {name}", asked, "pro" if name == "inside" else "ref")
 
 
 def _claims() -> Iterator[Case]:
