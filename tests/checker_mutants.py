@@ -16,6 +16,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 from checker_boundaries import Case, quick_cases
+from consensus_boundaries import consensus_cases
 from list_boundaries import early_list_cases, list_cases
 from similarity_boundaries import similarity_cases
 from springs_boundaries import springs_cases
@@ -963,13 +964,286 @@ TRUNCATED = mutants(
     ),
     ('(2, bounded_pairs, "bounds', '(1, bounded_pairs, "bounds'),
 )
-MUTANTS = (
-    tuple(mutant for group, _ in GROUPS for mutant in group)
-    + SPRINGS
-    + SIMILARITY
-    + TRUNCATED
-    + LISTS
+CONSENSUS = mutants(
+    ("return p > 0 and", "return p >= 0 and"),
+    ("alive, last = self._linked(self.alive), len", "alive, last = self.alive, len"),
+    ("e = whole(row, last)", "e = whole(row, last + 9)", "e = row"),
+    ('require(alive >> e & 1, "a step', 'require(True, "a step'),
+    ("beside, sets, union = self.near[e] & alive,", "beside, sets, union = self.near[e],"),
+    ("[whole(i, last) for i in", "[whole(i, 1 << 256) for i in", "[i for i in"),
+    ("[whole(k, 1 << BITS) for k", "[whole(k, 1 << 400) for k", "[k for k"),
+    ("listed(listed(group, 2)[0])", "listed(group[0])", "listed(group, 2)[0]"),
+    (
+        "good = T and mask.bit_count() == len(T) and mask & ~beside == 0",
+        "good = mask.bit_count() == len(T) and mask & ~beside == 0",
+        "good = T and mask & ~beside == 0",
+        "good = T and mask.bit_count() == len(T)",
+    ),
+    ("len(L) == len(T) + 1 and any(L)", "len(L) == len(T) + 1", "any(L)"),
+    ("weighed([self.rows[i] for i in (e, *T)], L)", "weighed([self.rows[i] for i in (*T, e)], L)"),
+    ("(e, *T)], L)", "(e, *T)], [1] * len(L))", "T], L[1:])"),
+    ("A = [[-2 * k for k", "A = [[-k for k", "A = [[2 * k for k"),
+    ('raised(A, squares - bound)), "a group', 'raised(A, squares)), "a group'),
+    ('raised(A, squares - bound)), "a group', 'raised(A, squares - bound + 1)), "a group'),
+    ("sets, union = [*sets, mask], union | mask", "sets, union = [*sets, mask], mask"),
+    ("sets, union = [*sets, mask], union | mask", "sets, union = [mask], union | mask"),
+    ("most = self.K - 2 + len(sets)", "most = self.K - 3 + len(sets)"),
+    ("self.K - 2 + len(sets) - union", "self.K - 2 - union"),
+    ("colours(beside & ~union, self", "colours(beside, self", "colours(alive & ~union, self"),
+    (
+        "others - self.K + 1",
+        "others - self.K",
+        "others - self.K + 2",
+    ),
+    ("left_out = union.bit_count() + others", "left_out = union.bit_count()", "left_out = others"),
+    (
+        "struck = others <= most and not self._hit(sets, left_out)",
+        "struck = others <= most",
+        "struck = others <= most and self._hit(sets, left_out)",
+    ),
+    ('struck, "row {} is not', 'True, "row {} is not'),
+    (
+        "alive = self._linked(alive & ~(1 << e))",
+        "alive = alive & ~(1 << e)",
+        "alive = self._linked(alive)",
+    ),
+    ("[(sets, most + 1, 1 << len", "[(sets, most, 1 << len", "[(sets, most + 2, 1 << len"),
+    ("self._look(1 + len(left))", "self._look(0)"),
+    ("* (tried != low)", "* 0"),
+    ("[T for T in left if not T & low], most - 1", "[T for T in left if not T & low], most"),
+    ("[T for T in left if not T & low], most - 1", "left, most - 1", "left[1:], most - 1"),
+    ("if not mask & taken:", "if True:"),
+    ("apart + 1, taken | mask", "apart + 1, taken", "apart + 2, taken | mask"),
+    (
+        "if apart <= most and not left:",
+        "if apart <= most:",
+        "if not left:",
+        "if apart < most and not left:",
+    ),
+    ("trail.append((left, most, left[0]))", "trail.append((left, most, left[0] & -left[0]))"),
+    ("self.looks[0] -= count", "self.looks[0] -= 1"),
+    ("self.looks[0] >= 0", "self.looks[0] > 0", "True"),
+    ("self._look(alive.bit_count())", "self._look(0)"),
+    (
+        "& alive).bit_count() < self.K - 1]",
+        "& alive).bit_count() < self.K]",
+        "& alive).bit_count() < self.K - 2]",
+        "& alive).bit_count() <= self.K - 1]",
+    ),
+    (
+        "[i for i in ones(alive) if (self.near[i] & alive)",
+        "[i for i in ones(alive) if (self.near[i])",
+    ),
+    ("if not few:\n                return alive\n", "if True:\n                return alive\n"),
+    ("value.__class__ is list and (count", "(count"),
+    ("(count is None or len(value) == count)", "True"),
+    ("value.__class__ is int and 0 <= value <= most", "0 <= value <= most"),
+    (
+        "is int and 0 <= value <= most",
+        "is int and value <= most",
+        "is int and 0 <= value",
+        "is int and 0 < value <= most",
+    ),
+    ("[k + by * (i == j) for", "[k + by for", "[k - by * (i == j) for"),
+    ("while mask and count <= most:", "while mask and count < most:", "while mask:"),
+    ("free, count = mask, count + 1", "free, count = mask, count"),
+    ("free &= ~(near[low.bit_length() - 1] | low)", "free &= ~low", "free = 0"),
+    (
+        "bound += w * row[7] ** 2",
+        "bound += w * row[7]",
+        "bound += row[7] ** 2",
+        "bound += w * w * row[7] ** 2",
+    ),
+    ("m[i][j] += w * left * a[j]", "m[i][j] += left * a[j]", "m[i][j] += w * w * left * a[j]"),
+    (
+        "sum(spreads(m)), m[0][0] * bound,",
+        "sum(spreads(m)), bound,",
+        "spreads(m)[0], m[0][0] * bound,",
+    ),
+    ("davenport(cross(m))\n\n\ndef consistent", "davenport([*zip(*cross(m))])\n\n\ndef consistent"),
+    ("A = (a - k) ** 2 + (b - l) ** 2", "A = (a - k) ** 2 + (b - m) ** 2"),
+    ("+ (b - l) ** 2 + (c - m) ** 2", "+ (b - l) ** 2", "+ (c - m) ** 2"),
+    ("B = (f - o) ** 2 + (g - p) ** 2", "B = (f - o) ** 2", "B = (g - p) ** 2"),
+    ("+ (h - q) ** 2", "", "+ (h - p) ** 2"),
+    (
+        "D = A + B - (u + v) ** 2",
+        "D = A + B - u ** 2",
+        "D = A + B - v ** 2",
+        "D = A + B - u**2 - v**2",
+        "D = A + B - 2 * (u + v) ** 2",
+    ),
+    (
+        "if D <= 0 or D * D <= 4 * A * B:",
+        "if D * D <= 4 * A * B:",
+        "if D <= 0 or D * D < 4 * A * B:",
+        "if D <= 0 or D * D <= 2 * A * B:",
+        "if D <= 0 or D * D <= 8 * A * B:",
+        "if D <= 0:",
+        "if True:",
+    ),
+    ("near[j] |= bit", "near[j] |= 1"),
+    ("own |= 1 << j\n", "own |= 0\n"),
+    ('require(K >= LEAST, "the', 'require(K > LEAST, "the', 'require(True, "the'),
+    ("first = alive = (1 << n) - 1", "first = alive = within"),
+    (
+        "last, upper, sure, looks = K, n, 0,",
+        "last, upper, sure, looks = K, K, 0,",
+        "last, upper, sure, looks = K, n, within,",
+    ),
+    ("whole(least, n + 1)", "whole(least, n)", "whole(least, n + 2)", "least"),
+    ("whole(without, n)", "without", "whole(without, n + 1)", "whole(without, n - 1)"),
+    (
+        "k == K if number == 0 or i < n else k >= last",
+        "k >= last",
+        "k == K if number == 0 else k >= last",
+        "k == K if i < n else k >= last",
+        "k == K if number == 0 or i < n else True",
+        "k == K if number == 0 or i < n else k > last",
+        "k >= K if number == 0 or i < n else k >= last",
+    ),
+    ('require(number or i == n, "the', 'require(True, "the'),
+    ("others = first & ~(1 << i) if i < n else alive", "others = alive & ~(1 << i)"),
+    ("others = first & ~(1 << i) if i", "others = within & ~(1 << i) if i", "others = first if i"),
+    ("if i < n else alive\n", "if i < n else first\n", "if i < n else (1 << n) - 1\n"),
+    (
+        "(left.bit_count() < K) << i",
+        "(left.bit_count() <= K) << i",
+        "1 << i",
+    ),
+    (
+        "min(upper, max(k - 1, left.bit_count()))",
+        "min(upper, left.bit_count())",
+        "min(upper, k - 1)",
+        "min(upper, max(k, left.bit_count()))",
+        "min(upper, max(k - 2, left.bit_count()))",
+    ),
+    ("alive, last, upper = left, k, min(upper,", "alive, last, upper = left, k, min(n,"),
+    (
+        "alive, last, upper = left, k,",
+        "last, upper = k,",
+    ),
+    ("alive, last, upper = left, k,", "alive, last, upper = left, K,"),
+    ("first = first if number else left", "first = left"),
+    (
+        "within if first == within else sure",
+        "sure",
+        "within",
+        "within if first & ~within == 0 or True else sure",
+    ),
+    ('require(len(self.labels) == n, "claims', 'require(True, "claims'),
+    ('"o": ~first, "?": -1', '"o": ~within, "?": -1', '"o": ~alive, "?": -1', '"o": -1, "?": -1'),
+    ('{"i": sure,', '{"i": within,', '{"i": first,'),
+    ("proved.get(label, 0) >> i", "proved.get(label, -1) >> i"),
+    (
+        'require(self.upper >= upper, "claims',
+        'require(self.upper > upper, "claims',
+        'require(self.upper >= upper - 1, "claims',
+        'require(True, "claims',
+    ),
+    (
+        "norm and abs(exponent) <= EXPONENT_MAX",
+        "norm",
+        "abs(exponent) <= EXPONENT_MAX",
+        "norm and exponent <= EXPONENT_MAX",
+    ),
+    ("[w * w + x * x - y * y - z * z, 2", "[w * w - x * x - y * y - z * z, 2"),
+    (
+        "2 * (x * y - w * z), 2 * (x * z + w * y)]",
+        "2 * (x * y + w * z), 2 * (x * z + w * y)]",
+        "2 * (x * y - w * z), 2 * (x * z - w * y)]",
+    ),
+    (
+        "[2 * (x * y + w * z), w * w - x * x + y * y - z * z",
+        "[2 * (x * y + w * z), w * w + x * x + y * y - z * z",
+        "[2 * (x * y - w * z), w * w - x * x + y * y - z * z",
+    ),
+    ("2 * (y * z - w * x)],\n            [2", "2 * (y * z + w * x)],\n            [2"),
+    (
+        "[2 * (x * z - w * y), 2 * (y * z + w * x)",
+        "[2 * (x * z + w * y), 2 * (y * z + w * x)",
+        "[2 * (x * z - w * y), 2 * (y * z - w * x)",
+    ),
+    ("w * w - x * x - y * y + z * z]", "w * w - x * x - y * y - z * z]"),
+    (
+        "[norm * k << exponent - low for k in t]",
+        "[k << exponent - low for k in t]",
+        "[norm * k for k in t]",
+    ),
+    ("e - low, list[int]()", "0, list[int]()"),
+    (
+        "((norm * b - a) << unit) - k for",
+        "((norm * b - a) << unit) + k for",
+        "((b - a) << unit) - k for",
+        "((norm * b + a) << unit) - k for",
+    ),
+    (
+        "row[7] > 0 <= row[6]",
+        "row[7] >= 0 <= row[6]",
+        "row[7] > 0",
+        "0 <= row[6]",
+        "row[7] > 0 < row[6]",
+    ),
+    (
+        "<= (norm * row[7] << unit) ** 2",
+        "< (norm * row[7] << unit) ** 2",
+        "<= (row[7] << unit) ** 2",
+        "<= (norm * row[7]) ** 2",
+        "<= norm * (row[7] << unit) ** 2",
+    ),
+    ('self.fit.get("kind") == "isotropic"', "True"),
+    ("(0, 1, 2), (3, 4, 5), (6,)", "(0, 1, 2), (3, 4, 5), (7,)", "(3, 4, 5), (0, 1, 2), (6,)"),
+    ("for i in met for k in span", "for i, _ in enumerate(m) for k in span"),
+    ("[ldexp(m[i][k], e)", "[ldexp(m[i][k], 0)"),
+    ('require(fit.verified, "fit is', 'require(True, "fit is'),
+    ("if s is None and tau is None:", "if s is None or tau is None:"),
+    ("if not (s and tau and q):", "if not (tau and q):", "if not (s and q):"),
+    ("[row[6] for row in rows])\n", "[1 for row in rows])\n", "[row[7] for row in rows])\n"),
+    ("level = ((squares - bound) * b * d", "level = (squares * b * d"),
+    (
+        "a * squares * (d - s.numerator)) * norm",
+        "a * squares * d) * norm",
+        "a * squares * s.numerator) * norm",
+        "a * squares * (d - s.numerator))",
+        "a * (d - s.numerator)) * norm",
+    ),
+    (
+        "[a * d * squares * i * j - 2",
+        "[a * squares * i * j - 2",
+        "[a * d * i * j - 2",
+        "[2 * a * d * squares * i * j - 2",
+    ),
+    (
+        "- 2 * b * d * norm * k for",
+        "- b * d * norm * k for",
+        "- 2 * b * norm * k for",
+        "- 2 * d * norm * k for",
+    ),
+    (
+        "a > 0 < s.numerator < d and definite(raised(A, level))",
+        "0 < s.numerator < d and definite(raised(A, level))",
+        "a > 0 < s.numerator and definite(raised(A, level))",
+        "a > 0 < s.numerator < d",
+    ),
+    (
+        "Fraction(2) * root_up(s.numerator, d - s.numerator)",
+        "root_up(s.numerator, d - s.numerator)",
+        "Fraction(2) * root_up(s.numerator, d)",
+    ),
+    ("if sure + out == n:", "if True:", "if sure:"),
+    ("if sure + out < n:", "if True:", "if False:"),
+    ('[f"Of the least squares over these {K} pairs:"] * bool(fit.theorems)', "[]"),
+    ("if w != last_words]", "]"),
+    ("if w != last_words], last_words)", "if w != last_words],)"),
+    ('reason="", worth=fit.worth)', 'reason="")'),
+    ('n <= ROWS_MAX, "more', 'n < ROWS_MAX, "more', 'True, "more'),
+    ("k[6 * n : 7 * n], k[7 * n :])], e", "k[7 * n :], k[6 * n : 7 * n])], e"),
+    ("for c in (0, 1) for i in (0, 1, 2)]", "for c in (1, 0) for i in (0, 1, 2)]"),
+    ("SUMS[ConsensusStatement.prefix] = (\n    2,", "SUMS[ConsensusStatement.prefix] = (\n    1,"),
+    ('model: ClassVar = "--max-residual"', 'model: ClassVar = ""'),
+    ("MemoryError, RecursionError) as", "MemoryError) as"),
 )
+MUTANTS = tuple(mutant for group, _ in GROUPS for mutant in group)
+MUTANTS += SPRINGS + SIMILARITY + TRUNCATED + LISTS + CONSENSUS
 
 
 def noticed(text: str, mutant: Mutant, cases: list[Case], early: Sequence[Case] = ()) -> str | None:
@@ -1017,6 +1291,8 @@ def answers(every: int = 1) -> dict[str, str | None]:
     found |= {mutant.says: noticed(text, mutant, cases) for mutant in SIMILARITY[::every]}
     cases = [*truncated_cases()]
     found |= {mutant.says: noticed(text, mutant, cases) for mutant in TRUNCATED[::every]}
+    cases = consensus_cases()
+    found |= {mutant.says: noticed(text, mutant, cases) for mutant in CONSENSUS[::every]}
     early = early_list_cases()
     cases = list_cases()[len(early) :]  # each takes 50 ms
     lists = LISTS[every - 1 :: every**2]  # the first one takes two seconds

@@ -162,6 +162,23 @@ def witness_cases() -> Iterator[Case]:
             "iii", 3, witness={"quaternion": [1, 0, 0, 0], "shift": [0, 0, 0, e]}
         )
         yield Case(f"exponent {e}", outcome_of(found), answer if "V" in answer else "REFUSED: w")
+    still = {"quaternion": [0, 0, 0, 0], "shift": [0, 0, 0, 0]}
+    zero = plain.document("iii", 3, witness=still)
+    yield Case("no quaternion, no shift", outcome_of(zero), "REFUSED: witness is no motion$")
+    for q in ([1, 0, 0, 0], [3, 0, 0, 0]):
+        for bound, answer in ((1.0, "VERIFIED"), (1.0 - 2.0**-50, few)):
+            target = points + np.array([1.0, -2, 3])
+            target[1] += [0.6875, 0.5, 0.0]
+            target[2] -= [1.0, 0.0, 0.0]
+            fine = {"quaternion": q, "shift": [1 << 300, -1 << 301, 3 << 300, -300]}
+            stated = Stated(points, target, [1.0, 1.0, bound])
+            finer = stated.document("iii", 3, witness=fine)
+            yield Case(f"a finer shift {q} {bound}", outcome_of(finer), answer)
+    yield from data_cases(points)
+
+
+def data_cases(points: Any) -> Iterator[Case]:
+    """Bounds and weights of three pairs."""
     for place, value in (("bounds", 0.0), ("bounds", -1.0), ("weights", -1.0)):
         parts = {"bounds": [1.0] * 3, "weights": [1.0] * 3}
         parts[place][1] = value
@@ -234,6 +251,9 @@ def graph_cases() -> Iterator[Case]:
         yield Case(f"colours at most {most}", ask, f"{counted}$")
     none = value_of(lambda checker: (checker.colours(0, CROWN, 0), checker.colours(2, CROWN, 0)))
     yield Case("colours of none", none, r"\(0, 1\)$")
+    ninth = [near | 1 << 7 for near in OCTAHEDRON]
+    without = left([*ninth, 127], 5, [[0]], alive=127)
+    yield Case("a neighbour that is not left", without, "126$")
     twice = "REFUSED: a step strikes row 0 twice$"
     yield Case("twice", left(OCTAHEDRON, 5, [[0], [0]]), twice)
     gone = left(OCTAHEDRON, 5, [[0]], alive=126)
@@ -300,6 +320,8 @@ def group_cases() -> Iterator[Case]:
         ("a group twice, one less", [one, one], 4, STRUCK),
     ):
         yield Case(name, left(complete(5), K, [[0, *groups]], line), answer)
+    apart = graph(5, set(combinations(range(5), 2)) - {(1, 2)})
+    yield Case("rows of a group have no colour", left(apart, 3, [[0, one, two]], line), STRUCK)
     gone = [[0, one, two], [1, [[0], [1, 1]]]]
     yield Case(
         "a group of a struck row", left(complete(5), 4, gone, line), "REFUSED: a group of row 1"
@@ -309,31 +331,29 @@ def group_cases() -> Iterator[Case]:
 
 
 def hit_cases() -> Iterator[Case]:
-    """How many rows hold one of each set: against all subsets, of random sets of eight rows."""
+    """How many rows hold one of each set: against all subsets, of random sets of six rows."""
     rng = random.Random(5)
     families = [
-        [rng.randrange(1, 256) & rng.randrange(1, 256) or 1 for _ in range(rng.randrange(9))]
+        [rng.randrange(1, 64) & rng.randrange(1, 64) or 1 for _ in range(rng.randrange(7))]
         for _ in range(60)
     ]
 
     def hit(checker: Any) -> bool:
         for sets in families:
-            least = min(
-                rows.bit_count() for rows in range(256) if all(rows & mask for mask in sets)
-            )
-            thin = checker.Thinning([[0] * 8] * 8, complete(8), 255, 3, [MANY])
-            found = [thin._hit(sets, most) for most in range(-2, 9)]
-            if found != [most >= least for most in range(-2, 9)]:
+            least = min(rows.bit_count() for rows in range(64) if all(rows & mask for mask in sets))
+            thin = checker.Thinning([[0] * 8] * 6, complete(6), 63, 3, [10**4])
+            found = [thin._hit(sets, most) for most in range(-2, 7)]
+            if found != [most >= least for most in range(-2, 7)]:
                 return False
         return True
 
     yield Case("rows that hold one of each set", value_of(hit), "True$")
 
     def costly(checker: Any) -> str:
-        sets = [1 << i | 1 << j for i, j in combinations(range(40), 2)]  # 39 rows are needed
-        thin = checker.Thinning([], [], 0, 3, [10**5])
+        sets = [1 << i | 1 << j for i, j in combinations(range(14), 2)]  # 13 rows are needed
+        thin = checker.Thinning([[0] * 8] * 14, [], 0, 3, [10**3])
         try:
-            thin._hit(sets, 38)
+            thin._hit(sets, 12)
         except checker.RefusalError:
             return "REFUSED"
         return "found"
@@ -411,6 +431,19 @@ def stage_cases() -> Iterator[Case]:
     ):
         document = changed_document(name, stages=stages)
         yield Case(f"stages {said}", outcome_of(document), answer)
+    number = "REFUSED: a number of the stages is out of range$"
+    for stage, answer in (
+        ([6, 9, []], number),
+        ([6, -1, []], number),
+        ([6, False, []], number),
+        ([7, 8, []], misplaced),
+        ([5, 8, []], misplaced),
+    ):
+        alone = changed_document(name, stages=[stage], labels="????????", upper=8)
+        yield Case(f"the stage {stage} alone", outcome_of(alone), answer)
+    late = changed_document(name, stages=[one, two, *others, [6, 0, []]], labels="iiiiii?o")
+    undecided = "REFUSED: claims.labels: that of row 0 is not proved$"
+    yield Case("as many are left without row 0", outcome_of(late), undecided)
     for row_left in range(1, 6):
         kept = [stage for stage in others if stage[1] != row_left]
         document = changed_document(name, stages=[one, two, *kept])
@@ -442,6 +475,7 @@ def stage_cases() -> Iterator[Case]:
                 f"labels {labels}", outcome_of(changed_document(name, labels=labels)), answer
             )
     yield from later_cases()
+    yield from plate_cases()
 
 
 def later_cases() -> Iterator[Case]:
@@ -457,6 +491,27 @@ def later_cases() -> Iterator[Case]:
         yield Case(f"later strikes {labels}", outcome_of(document), answer)
     kept = pairs.document("?iii?", 4, [[4, 5, []], [5, 5, []], *[[4, i, []] for i in (1, 2, 3)]])
     yield Case("left out of the first stage's rows", outcome_of(kept), "VERIFIED")
+
+
+def plate_cases() -> Iterator[Case]:
+    """A plate with a point that is mirrored, and a row of it with two targets: K = 6."""
+    source = [[4.0, 0, 0], [-4, 3, 0], [-4, -3, 0], [-5, 0, 0], [5, 3, 0], [5, -4, 0]]
+    target = [*source, [0, 0, -2], [4, 0, -1.5]]
+    pairs = Stated([*source, [0, 0, 2], source[0]], target, [0.5] * 8)
+    loose = {(0, 4, 5), (1, 2, 3)}  # which are met with the mirrored point
+    threes = [T for T in combinations(range(6), 3) if T not in loose]
+    step = [6, *[[list(T), [1, 1, 1, 1]] for T in threes]]
+    for stages, upper, answer in (
+        ([[6, 8, [step]], [7, 8, []]], 6, "VERIFIED"),
+        ([[6, 8, []], [6, 8, [step]], [7, 8, []]], 6, "VERIFIED"),
+        ([[6, 8, [step]]], 7, "VERIFIED"),
+        ([[6, 8, [step]]], 6, "REFUSED: claims.upper is below the proved bound 7$"),
+        ([[6, 8, [step[:-1]]]], 7, "VERIFIED"),
+        ([[6, 8, [step[:3]]]], 7, "REFUSED: row 6 is not struck$"),
+        ([[6, 8, []], [7, 8, []]], 7, "REFUSED: claims.upper is below the proved bound 8$"),
+    ):
+        found = pairs.document("????????", upper, stages)
+        yield Case(f"plate {len(str(stages))} {upper}", outcome_of(found), answer)
 
 
 def size_cases() -> Iterator[Case]:
@@ -549,6 +604,13 @@ def reach_cases() -> Iterator[Case]:
             yield Case(f"{name} s = {s}", outcome_of(spoilt), "REFUSED: reach is not")
     good = document_of()
     reach, fit = good["reach"], good["fit"]
+    w, x, y, z = fit["pose"]
+    claims = fit["claims"] | {"gap": [1, 40], "sin2_half_angle": None, "sdp_gap": None}
+    loose = {"claims": claims | {"basin": None}, "optimality": {"delta": [1, 39], "mu": [0, 0]}}
+    turned = good | {"fit": fit | loose | {"pose": [-x, w, -z, y], "basin": None, "sdp": None}}
+    away = turned | {"reach": {"sin2_half_angle": [1, -30], "tau": [-1, 3]}}
+    yield Case("a loose fit", outcome_of(turned | {"reach": None}), "VERIFIED")
+    yield Case("all away from a loose fit", outcome_of(away), "REFUSED: reach is not proved$")
     for name, parts, answer in (
         ("null", {"reach": None}, "VERIFIED"),
         ("of nulls", {"reach": {"sin2_half_angle": None, "tau": None}}, "VERIFIED"),
