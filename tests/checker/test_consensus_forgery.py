@@ -1,0 +1,226 @@
+"""No forged certificate of consensus is accepted that a motion contradicts.
+
+Of small problems so many motions are known that no claim can escape them: for every set of pairs
+that which brings the largest residual, in bounds, as low as it can be. What each meets is certain
+to a billionth of a bound.
+"""
+
+from __future__ import annotations
+
+import copy
+import json
+import random
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from importlib import import_module
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+import pytest
+
+from certreg.certificate import ConsensusProver, consensus_certificate
+from certreg.problem import ConsensusProblem, RegistrationProblem
+
+checker = import_module("certreg.verify")
+Document = dict[str, Any]
+SURE = 1e-9  # of a bound
+ROUNDS = 60  # of reweighting, towards the least largest residual
+
+
+@dataclass(frozen=True)
+class Known:
+    """A certificate, the rows that each motion meets, and motions to take as another witness."""
+
+    document: Document
+    met: frozenset[frozenset[int]]
+    witnesses: tuple[Document, ...]
+    points: tuple[Any, Any, Any]
+
+
+def fitted(x: Any, y: Any, w: Any) -> tuple[Any, Any]:
+    """The least squares of each problem, by singular values [Kabsch1976]."""
+    share = (w / w.sum(axis=1, keepdims=True))[:, :, None]
+    a, b = (share * x).sum(axis=1, keepdims=True), (share * y).sum(axis=1, keepdims=True)
+    U, _, V = np.linalg.svd(np.swapaxes(share * (y - b), 1, 2) @ (x - a))
+    U[:, :, 2] *= np.linalg.det(U @ V)[:, None]
+    R = U @ V
+    return R, (b - a @ np.swapaxes(R, 1, 2))[:, 0]
+
+
+def motions(x: Any, y: Any, bounds: Any) -> tuple[Any, Any]:
+    """For every set of three pairs or more, that of its least largest residual, nearly."""
+    n = len(x)
+    sets = [s for k in range(3, n + 1) for s in combinations(range(n), k)]
+    inside = np.zeros((len(sets), n))
+    for row, s in zip(inside, sets, strict=True):
+        row[list(s)] = 1.0
+    w, x, y = inside / bounds**2, np.broadcast_to(x, (len(sets), n, 3)), y[None]
+    found = []
+    for _ in range(ROUNDS):
+        R, t = fitted(x, y, w)
+        found.append((R, t))
+        off = np.linalg.norm(y - x @ np.swapaxes(R, 1, 2) - t[:, None], axis=2) / bounds
+        w = w * np.maximum(off, 1e-6)
+        w /= w.max(axis=1, keepdims=True)
+    return tuple(np.concatenate([pair[k] for pair in found[::6]]) for k in (0, 1))
+
+
+@cache
+def known(seed: int) -> Known:
+    """Two motions that share pairs, noise near the bound, a mirror image and a pair at random."""
+    rng = np.random.default_rng(seed)
+    x = rng.integers(-8, 9, (8, 3)).astype(float)
+    if seed % 3 == 0:
+        x[:5, 2] = 0.0
+    q = rng.standard_normal(4)
+    first, second = np.eye(3), rotation(q / np.linalg.norm(q) + [6.0 * (seed % 2), 0, 0, 0])
+    y = x @ first.T + rng.uniform(-0.6, 0.6, (8, 3))
+    y[4:7] = x[4:7] @ second.T + [0.5, 0.25, -0.5] + rng.uniform(-0.5, 0.5, (3, 3))
+    y[6 + seed % 2] = x[6 + seed % 2] * [1, 1, -1]
+    bounds = rng.choice([0.5, 0.75, 1.0], 8)
+    Rs, ts = motions(x, y, bounds)
+    off = np.linalg.norm(y - x @ np.swapaxes(Rs, 1, 2) - ts[:, None], axis=2) / bounds
+    sure = off < 1.0 - SURE
+    best = np.argsort(-sure.sum(axis=1), kind="stable")
+    prover = ConsensusProver(ConsensusProblem.of(RegistrationProblem(x, y), bounds), effort=0.3)
+    made = [prover.prove(Rs[k], ts[k]) for k in (best[0], best[len(best) // 3])]
+    documents = [
+        json.loads(consensus_certificate(prover.problem, one, None).to_json())
+        for one in made
+        if one is not None
+    ]
+    # A row at its bound may be met or not: it counts neither way.
+    met = frozenset(
+        frozenset(np.flatnonzero(row).tolist())
+        for row, near in zip(sure, np.abs(off - 1.0) < SURE, strict=True)
+        if not near.any()
+    )
+    witnesses = tuple(document["witness"] for document in documents)
+    return Known(documents[seed % len(documents)], met, witnesses, (x, y, bounds))
+
+
+def rotation(q: Any) -> Any:
+    w, x, y, z = q / np.linalg.norm(q)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def met_by(witness: Document, points: tuple[Any, Any, Any]) -> int:
+    """How many pairs, in fractions: y - q x q* / |q|^2 - t."""
+    w, *v = (Fraction(k) for k in witness["quaternion"])
+    *t, e = witness["shift"]
+    norm, t = w * w + sum(k * k for k in v), [Fraction(k) * Fraction(2) ** e for k in t]
+    count = 0
+    for x, y, b in zip(*points, strict=True):
+        a = [Fraction(float(k)) for k in x]
+        u = [c + w * k for c, k in zip(cross(v, a), a, strict=True)]
+        turned = [k + 2 * c / norm for k, c in zip(a, cross(v, u), strict=True)]
+        off = [Fraction(float(k)) - p - s for k, p, s in zip(y, turned, t, strict=True)]
+        count += sum(k * k for k in off) <= Fraction(float(b)) ** 2
+    return count
+
+
+def cross(a: Any, b: Any) -> list[Fraction]:
+    return [a[k - 2] * b[k - 1] - a[k - 1] * b[k - 2] for k in range(3)]
+
+
+def contradicted(document: Document, case: Known) -> bool:
+    """Whether a known motion is against a claim."""
+    claims, K = document["claims"], met_by(document["witness"], case.points)
+    inside = {i for i, letter in enumerate(claims["labels"]) if letter == "i"}
+    outside = {i for i, letter in enumerate(claims["labels"]) if letter == "o"}
+    return any(
+        len(met) > claims["upper"] or (len(met) >= K and (not inside <= met or met & outside))
+        for met in case.met
+    )
+
+
+def forged(case: Known, rng: random.Random) -> Document:
+    """Other claims, another witness, other stages, steps, groups or weights."""
+    document = copy.deepcopy(case.document)
+    for _ in range(rng.choice((1, 1, 2, 3))):
+        rng.choice((claimed, claimed, staged, staged, stepped, witnessed))(document, case, rng)
+    return document
+
+
+def claimed(document: Document, case: Known, rng: random.Random) -> None:
+    claims, n = document["claims"], len(case.points[0])
+    if rng.random() < 0.3:
+        claims["upper"] += rng.choice((-1, -1, 1, 2))
+        return
+    labels = list(claims["labels"])
+    for k in rng.sample(range(n), rng.choice((1, 2, n))):
+        labels[k] = rng.choice("io?")
+    claims["labels"] = "".join(labels)
+
+
+def witnessed(document: Document, case: Known, rng: random.Random) -> None:
+    document["witness"] = copy.deepcopy(rng.choice(case.witnesses))
+    place = rng.randrange(4)
+    document["witness"]["quaternion"][place] += rng.choice((0, 0, 1 << 40, 1 << 56, -(1 << 58)))
+
+
+def staged(document: Document, case: Known, rng: random.Random) -> None:
+    stages, n = document["stages"], len(case.points[0])
+    K = stages[0][0] if stages else 3
+    stage = [K + rng.choice((0, 0, 1, -1)), rng.choice((n, rng.randrange(n))), []]
+    way = rng.randrange(5)
+    if way == 0 or not stages:
+        stages.insert(rng.randint(0, len(stages)), stage)
+    elif way == 1:
+        rng.shuffle(stages)
+    elif way == 2:
+        rng.choice(stages)[0] += rng.choice((-1, 1))
+    elif way == 3:
+        rng.choice(stages)[1] = rng.randrange(n + 1)
+    else:
+        for one in stages:
+            one[0] += 1
+
+
+def stepped(document: Document, case: Known, rng: random.Random) -> None:
+    if not document["stages"]:
+        return
+    n, steps = len(case.points[0]), rng.choice(document["stages"])[2]
+    groups = [group for step in steps for group in step[1:]]
+    way = rng.randrange(6)
+    if way == 0:
+        steps.insert(rng.randint(0, len(steps)), [rng.randrange(n)])
+    elif way == 1:
+        T = rng.sample(range(n), rng.randint(1, 4))
+        group = [T, [rng.choice((0, 1, 3, 255)) for _ in range(len(T) + 1)]]
+        rng.choice(steps or [[0]]).append(group)
+    elif way == 2 and steps:
+        steps.pop(rng.randrange(len(steps)))
+    elif way == 3 and steps:
+        rng.choice(steps)[0] = rng.randrange(n)
+    elif way == 4 and groups:
+        rng.choice(groups)[1][0] += rng.choice((-1, 1, 100))
+    elif groups:
+        T = rng.choice(groups)[0]
+        T[rng.randrange(len(T))] = rng.randrange(n)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [150, pytest.param(6000, marks=pytest.mark.long)])
+def test_a_forged_consensus_is_refused_unless_no_motion_contradicts_it(count: int):
+    rng, passed, false = random.Random(count), 0, 0
+    for k in range(count):
+        case = known(k % (6 if count < 1000 else 60))
+        assert not contradicted(case.document, case)
+        document = forged(case, rng)
+        false += contradicted(document, case)
+        outcome = checker.check(json.dumps(document).encode())
+        if outcome.verified:
+            passed += 1
+            assert not contradicted(document, case), (document, k)
+
+    assert false > count / 5
+    assert passed > count / 20
