@@ -30,7 +30,7 @@ NO_INDEX_SETTINGS := env -u UV_DEFAULT_INDEX -u UV_INDEX -u UV_INDEX_URL -u UV_E
 unexport PYTHONDONTWRITEBYTECODE
 
 .DELETE_ON_ERROR:
-.PHONY: help demo docs test test-all test-long test-lowest chromium coq test-browser open-pages test-huge test-oracles golden record proofs fuzz fit-rates acceptance consensus-peers radius spring-minima spring-stability breathing cone-rates list-rates list-certificates slips brackets scale-rates truncated-rates candidate-rates umeyama hard compare-checkers kills generate kernels report-asset check-report-asset lint bench peers lock clean
+.PHONY: help demo docs test test-all test-long test-lowest chromium coq test-browser open-pages test-huge test-oracles golden record proofs fuzz fit-rates acceptance consensus-peers radius spring-minima spring-stability breathing cone-rates list-rates list-certificates slips brackets scale-rates truncated-rates candidate-rates planted umeyama hard compare-checkers kills generate kernels report-asset check-report-asset lint bench peers lock clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' Makefile | expand -t 20
@@ -159,6 +159,9 @@ truncated-rates: kernels  ## truncated squares over rotations: random problems p
 
 candidate-rates: kernels  ## poses of clouds with wrong pairs: 1,800 instances, how many reach the true pairs, and how soon (two minutes)
 	@$(RUN) tests/candidate_rates.py
+
+planted: kernels  ## no pair of 100,000 planted consensus sets is struck, their residuals on the bounds (half an hour)
+	@$(RUN) tests/planted.py
 
 umeyama: kernels  ## certified similarities beside Umeyama's closed form in other libraries (`make peers`; six minutes)
 	@PYTHONPATH=.:tests $(BENCH) tests/umeyama.py

@@ -102,10 +102,10 @@ def length_cases() -> Iterator[Case]:
     for name, (x, y, apart) in lengths.items():
         for at, off in (((5, -1, 2), (-3, 4, 9)), ((0, 0, 0), (0, 0, 0))):
             first = [FINE * k for k in at], [FINE * k for k in off]
-            second = [
+            second = (
                 [FINE * (k + p) for k, p in zip(at, x, strict=True)],
                 [FINE * (k + p) for k, p in zip(off, y, strict=True)],
-            ]
+            )
             for more, near in ((0, True), (-1, False), (1, True), (FINE * 99, True)):
                 d = FINE * apart + more
                 if d >= 0:
@@ -182,7 +182,7 @@ def data_cases(points: Any) -> Iterator[Case]:
     for place, value in (("bounds", 0.0), ("bounds", -1.0), ("weights", -1.0)):
         parts = {"bounds": [1.0] * 3, "weights": [1.0] * 3}
         parts[place][1] = value
-        spoilt = Stated(points, points, **parts).document("iii", 3)
+        spoilt = Stated(points, points, parts["bounds"], parts["weights"]).document("iii", 3)
         yield Case(f"{place} {value}", outcome_of(spoilt), "REFUSED: row 1 has a bound <= 0 or")
     light = Stated(points, points, [5e-324] * 3, [0.0, 0.0, 0.0])
     yield Case("sizes", outcome_of(light.document("iii", 3)), "REFUSED: the data hold numbers of")

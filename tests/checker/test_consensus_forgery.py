@@ -64,7 +64,8 @@ def motions(x: Any, y: Any, bounds: Any) -> tuple[Any, Any]:
         off = np.linalg.norm(y - x @ np.swapaxes(R, 1, 2) - t[:, None], axis=2) / bounds
         w = w * np.maximum(off, 1e-6)
         w /= w.max(axis=1, keepdims=True)
-    return tuple(np.concatenate([pair[k] for pair in found[::6]]) for k in (0, 1))
+    R, t = (np.concatenate([pair[k] for pair in found[::6]]) for k in (0, 1))
+    return R, t
 
 
 @cache
@@ -206,14 +207,15 @@ def staged(document: Document, case: Known, rng: random.Random) -> None:
 def stepped(document: Document, case: Known, rng: random.Random) -> None:
     if not document["stages"]:
         return
-    n, steps = len(case.points[0]), rng.choice(document["stages"])[2]
+    n: int = len(case.points[0])
+    steps: list[Any] = rng.choice(document["stages"])[2]
     groups = [group for step in steps for group in step[1:]]
     way = rng.randrange(6)
     if way == 0:
         steps.insert(rng.randint(0, len(steps)), [rng.randrange(n)])
     elif way == 1:
         T = rng.sample(range(n), rng.randint(1, 4))
-        group = [T, [rng.choice((0, 1, 3, 255)) for _ in range(len(T) + 1)]]
+        group: Any = [T, [rng.choice((0, 1, 3, 255)) for _ in range(len(T) + 1)]]
         rng.choice(steps or [[0]]).append(group)
     elif way == 2 and steps:
         steps.pop(rng.randrange(len(steps)))
