@@ -173,9 +173,10 @@ def misses(cell: Cell, rate: Rate) -> list[str]:
     if (cell.sigma, cell.beta) != (SIGMA, BETA):
         return missed
     limits = [of for wrong, of in LEAST_SHARES[cell.n].items() if cell.wrong <= wrong]
-    if limits:
-        missed += ["labels"] * (rate.labels < limits[0][0])
-        missed += ["outliers"] * (rate.outliers < limits[0][1])
+    if not limits:  # told, whatever it is
+        return missed
+    missed += ["labels"] * (rate.labels < limits[0][0])
+    missed += ["outliers"] * (rate.outliers < limits[0][1])
     if cell.wrong:
         factor = 1.0 if cell.n <= SMALL else 5.0
         missed += ["proving"] * (rate.proving > factor * rate.gnc and cell.n != 500)

@@ -33,6 +33,7 @@ def test_what_is_not_as_it_must_be_is_named(rate):
     assert rates.misses(cell, replace(good, checking=101.0)) == ["checking"]
     assert rates.misses(cell, replace(good, size=100_001)) == ["size"]
     assert rates.misses(replace(cell, n=1000), replace(good, proving=10.0)) == ["outliers"]
+    assert rates.misses(replace(cell, wrong=95), replace(good, labels=0.0, proving=9.0)) == []
     assert rates.misses(replace(cell, beta=3.0), replace(good, labels=0.0)) == []
     assert "missed: labels" in rates.line(cell, replace(good, labels=0.94))
 

@@ -23,6 +23,7 @@ NAMES = (
     "embed-the-c-code",
     "simulate",
     "springs-that-break",
+    "wrong-pairs",
     "many-problems",
     "cluster",
     "coming-from",
