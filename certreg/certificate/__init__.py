@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from certreg.certificate.isotropic import Claims as Claims
     from certreg.certificate.isotropic import IsotropicBody as IsotropicBody
     from certreg.certificate.isotropic import RotationState as RotationState
+    from certreg.certificate.label_sets import disproves_labels as disproves_labels
     from certreg.certificate.listing import ListProposal as ListProposal
     from certreg.certificate.listing import list_body as list_body
     from certreg.certificate.many import Certificates as Certificates
@@ -97,6 +98,7 @@ __getattr__ = lazy_face(
             "IsotropicBody",
             "RotationState",
         ),
+        "label_sets": ("disproves_labels",),
         "listing": (
             "ListProposal",
             "list_body",
