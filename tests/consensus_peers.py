@@ -5,7 +5,7 @@
 COUNT problems of each cell, 30 unless told, of `consensus_rates`. Right: the pose brings the right
 pairs within their bounds, all but one of ten at most; the noise leaves a few outside. A peer that
 returns a score says "sure" where it is as its own documentation has it; certreg where all labels
-are proved. Peers are in build/peers (`make peers`); those that
+are proved. Peers are in build/peers (`make peers`, then pip install kiss-matcher there); those that
 are not installed are left out.
 """
 
