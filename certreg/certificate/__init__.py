@@ -51,6 +51,8 @@ if TYPE_CHECKING:
     )
     from certreg.certificate.radius import MOST_DEGREES as MOST_DEGREES
     from certreg.certificate.radius import Radius as Radius
+    from certreg.certificate.shared_motion import CommonMotion as CommonMotion
+    from certreg.certificate.shared_motion import common_motion as common_motion
     from certreg.certificate.similarity import SimilarityBody as SimilarityBody
     from certreg.certificate.similarity import SimilarityClaims as SimilarityClaims
     from certreg.certificate.spring_bounds import spring_pose_bounds as spring_pose_bounds
@@ -128,6 +130,7 @@ __getattr__ = lazy_face(
             "MOST_DEGREES",
             "Radius",
         ),
+        "shared_motion": ("CommonMotion", "common_motion"),
         "similarity": ("SimilarityBody", "SimilarityClaims"),
         "springs_cones": (
             "ConesCap",

@@ -9,21 +9,35 @@ import click
 
 from certreg.cli.options import CLOUD, bound_clouds, cloud_options
 from certreg.cli.progress import note
+from certreg.cli.wrong_pairs import consensus_options
 from certreg.errors import InvalidFileError
 from certreg.geometry import why_no_rotation
 from certreg.io import (
     read_cloud,
+    read_inliers,
     read_result_pose,
     write_atomically,
     write_cloud,
 )
-from certreg.registration import DONE, GOOD, NO_ROTATION, NOT_CERTIFIED, REFUSED, certify, judged
+from certreg.problem import ConsensusProblem
+from certreg.registration import (
+    DONE,
+    GOOD,
+    NO_ROTATION,
+    NOT_CERTIFIED,
+    REFUSED,
+    certify,
+    judged,
+    judged_labels,
+)
 from certreg.report import (
     REPORT,
     assessment_document,
     assessment_summary,
     dumps,
     html_page,
+    labels_document,
+    labels_summary,
     printable,
     report_of,
 )
@@ -31,6 +45,7 @@ from certreg.results import PoseVerdict
 from certreg.verify import shown
 
 if TYPE_CHECKING:
+    from certreg.cli.wrong_pairs import WrongPairs
     from certreg.io import Pair
     from certreg.problem import RegistrationProblem
     from certreg.verify import Clouds
@@ -49,17 +64,39 @@ line_option = click.option(
 @click.option(
     "--pose",
     "pose_file",
-    required=True,
     type=click.Path(path_type=Path),
     help="4x4 or 3x4 matrix (text, .npy), JSON, a line 'w x y z tx ty tz', TUM or KITTI, a "
     "certificate, or a folder that certify wrote.",
 )
 @line_option
+@click.option(
+    "--labels",
+    "labels_file",
+    type=CLOUD,
+    help="Instead of --pose: which pairs are right, one 0 or 1 (outlier or inlier) per row of "
+    "SOURCE. Can one motion bring these within --max-residual, and are they the most?",
+)
+@consensus_options
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def assess(
-    problem: RegistrationProblem, pair: Pair, *, pose_file: Path, line: int | None, as_json: bool
+    problem: RegistrationProblem,
+    pair: Pair,
+    *,
+    pose_file: Path | None,
+    line: int | None,
+    labels_file: Path | None,
+    wrong: WrongPairs | None,
+    as_json: bool,
 ) -> int:
-    """Judge a pose of any other tool. Exit code 0 if (near) optimal, 4 not decided, else 1."""
+    """Judge a pose, or labels, of any other tool.
+
+    Exit code 0 if the pose is (near) optimal or one motion meets the pairs, 4 not decided, else 1.
+    """
+    if labels_file is not None and wrong is not None and pose_file is None and line is None:
+        return _told_of_labels(problem, pair, labels_file, wrong, as_json=as_json)
+    if pose_file is None or labels_file is not None or wrong is not None:
+        message = "give --pose, or --labels and --max-residual: a pose or labels are judged"
+        raise click.UsageError(message)
     pose = read_result_pose(pose_file, line)
     registration = certify(problem, relaxation=False, simulation=False, about=pair.about)
     assessment = judged(registration, pose)
@@ -69,6 +106,16 @@ def assess(
     if assessment.verdict is PoseVerdict.BOUNDED:
         return NOT_CERTIFIED
     return DONE if assessment.verdict in GOOD else REFUSED
+
+
+def _told_of_labels(
+    problem: RegistrationProblem, pair: Pair, file: Path, wrong: WrongPairs, *, as_json: bool
+) -> int:
+    bounded = ConsensusProblem.of(problem, wrong.bounds(pair, problem.n))
+    labels = read_inliers(file, pair, problem.n)
+    kept = judged_labels(bounded, labels, effort=wrong.effort, about=pair.about)
+    click.echo(dumps(labels_document(kept)) if as_json else labels_summary(kept))
+    return kept.exit_code
 
 
 @click.command()

@@ -266,6 +266,13 @@ def read_numbers(path: str | Path) -> array[float]:
         return parse_numbers(stream, file)
 
 
+def read_words(path: str | Path) -> list[tuple[Place, str]]:
+    """Place and text of each row of a .csv or .txt file with one word a line, without a header."""
+    file = _one_of(TABLE_FORMATS, path)
+    with reading(file) as stream:
+        return [(place, ",".join(row).strip()) for place, row in parse_rows(stream, file)]
+
+
 def parse_numbers(stream: BinaryIO, file: Path) -> array[float]:
     """One number a line; `file` tells the format and the name."""
     return array("d", (number(place, ",".join(row)) for place, row in parse_rows(stream, file)))

@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from certreg.problem.floating_springs import floating_spring_moments as floating_spring_moments
     from certreg.problem.gicp import FrozenInformation as FrozenInformation
     from certreg.problem.gicp import gicp_information as gicp_information
+    from certreg.problem.inliers import INLIER_WORDS as INLIER_WORDS
+    from certreg.problem.inliers import checked_inliers as checked_inliers
     from certreg.problem.many import ManyPairs as ManyPairs
     from certreg.problem.many_springs import ManySpringMoments as ManySpringMoments
     from certreg.problem.many_springs import ManySprings as ManySprings
@@ -128,6 +130,7 @@ __getattr__ = lazy_face(
             "FrozenInformation",
             "gicp_information",
         ),
+        "inliers": ("INLIER_WORDS", "checked_inliers"),
         "many": ("ManyPairs",),
         "many_springs": (
             "ManySpringMoments",

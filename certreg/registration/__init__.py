@@ -91,6 +91,9 @@ if TYPE_CHECKING:
     from certreg.registration.headlines import is_loose as is_loose
     from certreg.registration.headlines import proved_degrees as proved_degrees
     from certreg.registration.headlines import share_words as share_words
+    from certreg.registration.kept_pairs import KeptPairs as KeptPairs
+    from certreg.registration.kept_pairs import LabelsVerdict as LabelsVerdict
+    from certreg.registration.kept_pairs import judged_labels as judged_labels
     from certreg.registration.many import certify_many as certify_many
     from certreg.registration.misfits import ChiSquared as ChiSquared
     from certreg.registration.misfits import FitCode as FitCode
@@ -253,6 +256,7 @@ __getattr__ = lazy_face(
             "proved_degrees",
             "share_words",
         ),
+        "kept_pairs": ("KeptPairs", "LabelsVerdict", "judged_labels"),
         "many": ("certify_many",),
         "misfits": (
             "ChiSquared",

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Any, Unpack, cast
 
 from certreg.errors import InvalidProblemError
 from certreg.exact import double_above, nearest_double, nearest_root
 from certreg.geometry import given_pose, why_no_rotation
-from certreg.problem import RegistrationProblem
+from certreg.problem import ConsensusProblem, RegistrationProblem
 from certreg.registration.any_certification import certify
 from certreg.registration.any_registration import AnyRegistration
 from certreg.registration.assessed import Assessment
@@ -23,17 +23,19 @@ from certreg.registration.findings import (
     verdict_of,
 )
 from certreg.registration.headlines import NO_ROTATION
+from certreg.registration.kept_pairs import judged_labels
 from certreg.registration.scaled_poses import NOT_SCALED, read_for, scale_note
 from certreg.registration.slips import slip_of
 from certreg.registration.spring_assessment import judged_on_springs
 from certreg.registration.spring_result import SpringRegistration
-from certreg.registration.stating import ProblemOptions, stated_in_clouds
+from certreg.registration.stating import ProblemOptions, stated_in_clouds, stated_problem_of
 from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict, present
 
 if TYPE_CHECKING:
     from certreg.certificate import PoseBounds
     from certreg.geometry import GivenPose
     from certreg.registration.findings import Findings
+    from certreg.registration.kept_pairs import KeptPairs
     from certreg.registration.result import Registration
     from certreg.registration.slips import Slip
 
@@ -60,10 +62,12 @@ NOTHING_TO_EXPLAIN = Absent("the pose is (nearly) optimal: there is no slip to n
 
 def assess(
     problem: Any,
-    pose: Any,
+    pose: Any = None,
     translation: Any = None,
     *,
     settings: AssessmentSettings | None = None,
+    labels: Any = None,
+    max_residual: Any = None,
     **statement: Unpack[ProblemOptions],
 ) -> Assessment:
     """The assessment of a pose y = R x + t, as any tool returned it.
@@ -87,13 +91,19 @@ def assess(
         translation for it, and `words` say so.
     settings
         Where the words change; None: as `AssessmentSettings()` has it.
+    labels
+        Instead of a pose: (N,), 0 and 1, booleans, or "outlier" and "inlier", as a method for wrong
+        pairs returned them: `assess(source, target, labels=..., max_residual=...)`.
+    max_residual
+        Beside labels: how far apart the two points of a right pair are at most, as for `certify`.
     **statement
         Beside source and target, as for `certify`: `sigma`, `weights`, `normals` and so on.
 
     Returns
     -------
     Assessment
-        The verdict, the proved bounds on what the pose costs, and the optimum beside it.
+        The verdict, the proved bounds on what the pose costs, and the optimum beside it. Of labels
+        `KeptPairs`: whether one motion meets all inliers, and how many the most are.
 
     Raises
     ------
@@ -111,6 +121,10 @@ def assess(
     >>> judged.verdict.value
     'optimal'
     """
+    if labels is not None or max_residual is not None:
+        given = {"labels": labels, "max_residual": max_residual}
+        judged_pairs = _judged_pairs(problem, pose, translation, given, statement)
+        return cast("Assessment", judged_pairs)
     if not isinstance(problem, RegistrationProblem | AnyRegistration):
         if translation is None or isinstance(pose, RegistrationProblem | AnyRegistration):
             raise InvalidProblemError(_unstated(problem, pose), array="problem")
@@ -127,6 +141,20 @@ def assess(
     if isinstance(problem, RegistrationProblem):
         known = certify(problem, relaxation=False, simulation=False)
     return judged(known, given, settings)
+
+
+def _judged_pairs(
+    problem: Any, target: Any, translation: Any, given: dict[str, Any], statement: ProblemOptions
+) -> KeptPairs:
+    """What is proved of labels, of a problem or of two clouds."""
+    missing = [name for name, value in given.items() if value is None]
+    if missing or translation is not None:
+        message = "labels and max_residual go together, without a pose: "
+        remedy = f"give {missing[0]}" if missing else "leave the pose out"
+        raise InvalidProblemError(message + remedy, array=missing[0] if missing else "pose")
+    stated, about = stated_problem_of(problem, target, statement)
+    bounded = ConsensusProblem.of(stated, given["max_residual"])
+    return judged_labels(bounded, given["labels"], about=about)
 
 
 def _unstated(problem: Any, pose: Any) -> str:

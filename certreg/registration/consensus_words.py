@@ -40,7 +40,7 @@ class PairLabels:
 def headline(problem: ConsensusProblem, found: Consensus, names: RowNames) -> str:
     """The first line: CERTIFIED only where every label is proved."""
     n, met, labels = problem.n, len(found.met), PairLabels(found.labels)
-    within = _within(problem)
+    within = within_words(problem)
     if found.decided and met == n:
         return f"CERTIFIED: one rigid motion brings all {n} pairs {within}: no outliers."
     out = labels.count("outlier")
@@ -72,7 +72,8 @@ def headline(problem: ConsensusProblem, found: Consensus, names: RowNames) -> st
     )
 
 
-def _within(problem: ConsensusProblem) -> str:
+def within_words(problem: ConsensusProblem) -> str:
+    """Within the bound, or the bounds."""
     bounds = problem.bounds
     return f"within {bounds[0]:g}" if (bounds == bounds[0]).all() else "within their bounds"
 

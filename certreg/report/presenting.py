@@ -18,6 +18,7 @@ from certreg.registration import (
     AnyRegistration,
     Assessment,
     ConsensusRegistration,
+    KeptPairs,
     ListedEquilibria,
     ListedSpringEquilibria,
     ProblemTrajectory,
@@ -60,6 +61,7 @@ from certreg.report.document import (
     simulation_document,
 )
 from certreg.report.folder import write_folder
+from certreg.report.judged_labels import labels_card, labels_document, labels_summary
 from certreg.report.judged_pose import assessment_summary
 from certreg.report.methods import enumeration_summary
 from certreg.report.pages import html_page, report_on
@@ -143,6 +145,7 @@ SHAPES: dict[type, Shape] = {
         words=truncated_summary, document=truncated_document, card=truncated_card
     ),
     Assessment: Shape(words=assessment_summary, document=assessment_document, card=assessment_card),
+    KeptPairs: Shape(words=labels_summary, document=labels_document, card=labels_card),
     ListedEquilibria: Shape(
         words=_enumeration_words, document=_enumeration_document, card=equilibria_card
     ),

@@ -1,0 +1,33 @@
+"""A file of labels: 0 or 1, outlier or inlier, for each row of the source."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from certreg.errors import InvalidFileError
+from certreg.io.text import read_words
+from certreg.problem import INLIER_WORDS
+from certreg.verify import shown
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from certreg.io.clouds import Pair
+
+
+def read_inliers(path: Path, pair: Pair, n: int) -> list[bool]:
+    """Whether each of n pairs is labelled as an inlier, from text with one label a line.
+
+    Raises InvalidFileError where the file cannot be read, holds other words or another number.
+    """
+    labels: list[bool] = []
+    for place, word in read_words(path):
+        if word not in INLIER_WORDS:
+            what = f"'{shown(word)}' is no label"
+            raise place.refusal(f"{what}: write 0 or 1, outlier or inlier", value=word)
+        labels.append(INLIER_WORDS[word])
+    rows = pair.source_rows
+    if len(labels) != n if rows is None else len(labels) <= int(rows.max()):
+        message = f"{shown(path)}: holds {len(labels)} labels: give one per row of the source"
+        raise InvalidFileError(message, path=path, value=len(labels), limit=n)
+    return labels if rows is None else [labels[row] for row in rows.tolist()]

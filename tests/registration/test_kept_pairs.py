@@ -1,0 +1,163 @@
+"""Labels of other methods: met by one motion, refuted in integers, and beside the most."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+import pytest
+from commands import certreg as command
+from commands import write_csv
+from test_consensus import BOUND, twins, wrong_pairs
+
+import certreg
+from certreg.certificate import CommonMotion
+from certreg.certificate.shared_motion import is_refuted
+from certreg.errors import InvalidProblemError
+
+if TYPE_CHECKING:
+    from certreg.registration import KeptPairs
+
+RIGHT = [1] * 14 + [0] * 6
+
+
+def judged(source, target, labels, bound: Any = BOUND) -> KeptPairs:
+    kept = certreg.assess(source, target, labels=labels, max_residual=bound)
+    return cast("KeptPairs", kept)
+
+
+def test_labels_that_are_the_most_are_said_to_be():
+    kept = judged(*wrong_pairs(1), RIGHT)
+    assert kept.headline == (
+        "CONSISTENT: one rigid motion brings all 14 labelled inliers within 0.05; no motion brings "
+        "more than 14, and only these 14: proved."
+    )
+    assert (kept.exit_code, kept.unique, kept.lower, kept.upper) == (0, True, 14, 14)
+    assert repr(kept) == "<KeptPairs: 14 of 20 pairs; consistent>"
+    assert "  a motion: wxyz    0.9193" in str(kept)
+    assert "  labelled inliers  14\n  the most          14 found, at most 14 (proved)" in str(kept)
+    assert "CONSISTENT" in kept._repr_html_()
+
+
+def test_fewer_labels_than_the_most():
+    kept = judged(*wrong_pairs(1), ["inlier"] * 12 + ["outlier"] * 8)
+    assert kept.headline.endswith("within 0.05; the most is 14, proved; these are 12.")
+    most = kept.most
+    assert most is not None
+    less = replace(kept, most=replace(most, upper=16))
+    assert less.headline.endswith("the most is 14 to 16, proved; these are 12.")
+
+
+def test_a_wrong_label_is_refuted_by_lengths():
+    kept = judged(*wrong_pairs(1), [True] * 14 + [False] * 5 + [True])
+    assert kept.headline == (
+        "REFUTED: no rigid motion brings all 15 labelled inliers within 0.05, not even rows 0, 19 "
+        "together. The most pairs that one motion brings within are 14, proved."
+    )
+    assert kept.exit_code == 1
+    assert kept.witness is None
+
+
+def test_mirrored_pairs_are_refuted_by_weights():
+    source = np.random.default_rng(0).uniform(size=(8, 3))
+    kept = judged(source, source * [1.0, 1.0, -1.0], [1] * 8, 0.02)
+    assert kept.verdict.value == "refuted"
+    assert len(kept.motion.refuted) > 2
+
+
+def test_the_exact_test_says_no_on_the_bound():
+    # Two points 2000 apart, two 4000 apart: each must be off by 1000, and by no more.
+    def rows(bound):
+        return [(-1000, 0, 0, -2000, 0, 0, bound), (1000, 0, 0, 2000, 0, 0, bound)]
+
+    assert not is_refuted(rows(1000), (1, 1))
+    assert is_refuted(rows(999), (1, 1))
+    assert not is_refuted(rows(1001), (1, 1))
+
+
+def test_another_set_as_large_is_not_ruled_out():
+    kept = judged(*twins(), [1] * 6 + [0] * 6, 1e-3)
+    assert kept.headline == (
+        "CONSISTENT: one rigid motion brings all 6 labelled inliers within 0.001; no motion brings "
+        "more than 6, proved; another 6 are not ruled out."
+    )
+
+
+def test_what_is_not_decided_is_said():
+    kept = replace(judged(*wrong_pairs(1), RIGHT), motion=CommonMotion())
+    assert kept.headline == (
+        "UNDECIDED: no rigid motion was found that brings all 14 labelled inliers within 0.05, and "
+        "no proof that there is none. The most pairs that one motion brings within are 14, proved."
+    )
+    assert kept.exit_code == 4
+    assert replace(kept, most=None).headline.endswith(
+        "No motion was found that brings three pairs within."
+    )
+    most = kept.most
+    assert most is not None
+    assert replace(kept, most=replace(most, upper=15)).headline.endswith(
+        "The most pairs that one motion brings within are 14 to 15, proved."
+    )
+    assert kept.to_dict()["reasons"] == {
+        "labels.witness": "no motion was found that meets all of them"
+    }
+
+
+@pytest.mark.parametrize(
+    ("labels", "options", "words"),
+    [
+        ([1] * 19, {}, r"labels has shape \(19,\): give \(20,\), one for each pair"),
+        ([2] * 20, {}, r"labels\[0\] is 2: give 0 or 1, outlier or inlier"),
+        ([1, 1] + [0] * 18, {}, "labels name 2 inliers: give at least 3, as two of equal lengths"),
+        (RIGHT, {"max_residual": None}, "labels and max_residual go together, without a pose: gi"),
+        (RIGHT, {"translation": [0, 0, 0]}, "without a pose: leave the pose out"),
+        (RIGHT, {"rotation_only": True}, "max_residual is of a rigid motion, not yet with --rot"),
+    ],
+)
+def test_what_is_refused_is_refused_in_one_line(labels, options, words):
+    stated: dict[str, Any] = {"labels": labels, "max_residual": BOUND, **options}
+    with pytest.raises(InvalidProblemError, match=words):
+        certreg.assess(*wrong_pairs(1), **stated)
+
+
+def test_the_command(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    source, target = wrong_pairs(1)
+    write_csv(tmp_path / "a.csv", source.tolist())
+    write_csv(tmp_path / "b.csv", target.tolist())
+    files = {
+        "right.txt": "1\n" * 14 + "0\n" * 6,
+        "wrong.csv": "inlier\n" * 15 + "outlier\n" * 5,
+        "few.txt": "1\n" * 3,
+        "letters.txt": "1\n" * 3 + "yes\n",
+    }
+    for name, text in files.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+
+    def asked(name, *options):
+        return command("assess", "a.csv", "b.csv", "--labels", name, *options)
+
+    found = asked("right.txt", "--max-residual", "0.05", "--json")
+    assert found.code == 0
+    assert json.loads(found.out)["labels"]["inliers"] == list(range(14))
+    refuted = asked("wrong.csv", "--max-residual", "0.05")
+    assert refuted.code == 1
+    assert refuted.out.startswith("REFUTED: ")
+    for name, options, words in (
+        ("few.txt", ("--max-residual", "0.05"), "few.txt: holds 3 labels: give one per"),
+        (
+            "letters.txt",
+            ("--max-residual", "0.05"),
+            "letters.txt, line 4: 'yes' is no label",
+        ),
+        (
+            "right.txt",
+            (),
+            "give --pose, or --labels and --max-residual: a pose or",
+        ),
+    ):
+        refused = asked(name, *options)
+        assert refused.code == 2
+        assert words in refused.err
