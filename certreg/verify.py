@@ -2234,7 +2234,7 @@ class ConsensusStatement(Statement):
         yield f"No rigid motion brings more than {self.upper} within."
         if sure + out == n:
             yield f"Every motion that brings {K} within brings these {K} within, and only these."
-        yield f"{out} pairs are outliers, {sure} inliers in EVERY motion that brings {K} within."
+        yield f"In EVERY motion that brings {K} within: outliers: {out}, inliers: {sure}."
         if sure + out < n:
             yield f"Not proved: which of the other {n - sure - out} pairs are."
 

@@ -650,20 +650,22 @@ def word_cases() -> Iterator[Case]:
             r"\nOne rigid motion brings 6 of the 12 pairs within their bounds\."
             r"\nNo rigid motion brings more than 6 within\."
             r"\nEvery motion that brings 6 within brings these 6 within, and only these\."
-            r"\n6 pairs are outliers, 6 inliers in EVERY motion that brings 6 within\."
+            r"\nIn EVERY motion that brings 6 within: outliers: 6, inliers: 6\."
             r"\nEvery motion .*\nOf the least squares over these 6 pairs:\nData: n = 6 pairs"
         ),
         "accept-consensus-undecided": (
             r"VERIFIED\n.*more than 6 within\."
-            r"\n1 pairs are outliers, 5 inliers in EVERY motion that brings 6 within\."
+            r"\nIn EVERY motion that brings 6 within: outliers: 1, inliers: 5\."
             r"\nNot proved: which of the other 2 pairs are\.\n"
         ),
         "accept-consensus-upper-alone": (
-            r"VERIFIED\n.*more than 6 within\.\n0 pairs are outliers, 0 inliers .*"
+            r"VERIFIED\n.*more than 6 within\.\nIn EVERY .*: outliers: 0, inliers: 0.*"
             r"\nNot proved: which of the other 8 pairs are\."
             r"\nNot proved: anything under `about`, and where the points come from\.$"
         ),
-        "accept-consensus-claims-less": r"VERIFIED\n.*brings more than 9 within\.\n1 .*, 1 inliers",
+        "accept-consensus-claims-less": (
+            r"VERIFIED\n.*more than 9 within\.\nIn .*: outliers: 1, inliers: 1\."
+        ),
     }
     for name, answer in told.items():
         yield Case(f"words of {name}", outcome_of(vector(name).encode()), answer)
