@@ -111,6 +111,9 @@ def assess(
 def _told_of_labels(
     problem: RegistrationProblem, pair: Pair, file: Path, wrong: WrongPairs, *, as_json: bool
 ) -> int:
+    if wrong.objective == "truncated":
+        message = "--labels are judged by the number of pairs: leave --objective truncated out"
+        raise click.UsageError(message)
     bounded = ConsensusProblem.of(problem, wrong.bounds(pair, problem.n))
     labels = read_inliers(file, pair, problem.n)
     kept = judged_labels(bounded, labels, effort=wrong.effort, about=pair.about)

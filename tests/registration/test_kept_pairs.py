@@ -145,7 +145,9 @@ def test_the_command(tmp_path, monkeypatch):
     refuted = asked("wrong.csv", "--max-residual", "0.05")
     assert refuted.code == 1
     assert refuted.out.startswith("REFUTED: ")
+    truncated = ("--max-residual", "0.05", "--objective", "truncated")
     for name, options, words in (
+        ("right.txt", truncated, "leave --objective truncated out"),
         ("few.txt", ("--max-residual", "0.05"), "few.txt: holds 3 labels: give one per"),
         (
             "letters.txt",
