@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from itertools import combinations
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -302,12 +302,12 @@ def test_labels_do_not_change_with_the_unit_and_the_origin():
     x, y = rng.integers(-8, 9, size=(2, 6, 3)).astype(float)
     y[:4] = x[:4] @ np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]]).T
 
-    def seen(factor: float, shift: float) -> list[tuple[object, ...]]:
+    def seen(factor: float, shift: float) -> list[tuple[Any, ...]]:
         problem = RegistrationProblem((x + shift) * factor, (y - shift) * factor)
         poses = all_rest_poses(BreakingProblem.of(problem, 3.0 * factor))
         return [(p.unbroken, p.index, p.labels, p.energy / Fraction(factor) ** 2) for p in poses]
 
-    def plain(poses: list[tuple[object, ...]]) -> list[tuple[object, ...]]:
+    def plain(poses: list[tuple[Any, ...]]) -> list[tuple[Any, ...]]:
         return [(a, b, c, round(float(e), 9)) for a, b, c, e in poses]
 
     assert len(seen(1.0, 0.0)) > 3
@@ -387,10 +387,9 @@ def test_a_search_without_an_end_is_given_up(monkeypatch):
     ],
 )
 def test_what_is_no_problem_of_springs_that_break_is_refused(options, bound, words):
-    problem = RegistrationProblem(
-        np.array(STAY) + 1.0,
-        STAY,
-        **{k: np.array(v) + 1.0 if k == "normals" else v for k, v in options.items()},
-    )
+    given: dict[str, Any] = dict(options)
+    if "normals" in given:
+        given["normals"] = np.array(given["normals"]) + 1.0
+    problem = RegistrationProblem(np.array(STAY) + 1.0, STAY, **given)
     with pytest.raises(InvalidProblemError, match=words):
         BreakingProblem.of(problem, bound)

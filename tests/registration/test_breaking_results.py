@@ -139,6 +139,7 @@ def test_the_body_ends_on_the_true_pairs_and_that_is_proved(integrator):
         "Ended at a self-consistent set of 18 springs, proved: the body rests on just these, the "
         "other 12 are broken."
     )
+    assert run.end is not None
     assert repr(run).startswith("<SimulatedBreaking: SETTLED on 18 of 30 springs after ")
     np.testing.assert_allclose(run.rotation, run.end.pose.rotation, atol=2e-3)
     np.testing.assert_allclose(run.translation, run.end.pose.translation, atol=4e-3)
@@ -197,6 +198,7 @@ def test_an_end_whose_labels_are_not_proved_is_not_called_self_consistent():
     target = [[2, 0, 0], [-2, 0, 0], [0, 0, 0], [0, 0, 0]]
     run = certreg.simulate_breaking(source, target, max_residual=1.2)
 
+    assert run.end is not None
     assert run.end.labels is Labels.CONTINUUM
     assert not run.self_consistent
     assert run.ending == (

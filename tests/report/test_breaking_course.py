@@ -15,7 +15,7 @@ import certreg
 from certreg.registration import TWIN_MOTIONS as TWINS
 from certreg.registration import SimulatedBreaking
 from certreg.report import breaking
-from certreg.report.breaking import breaking_course, breaking_fragment
+from certreg.report.breaking import CoursePicture, breaking_course, breaking_fragment
 
 
 @pytest.fixture(scope="module")
@@ -33,6 +33,12 @@ def corners(curve: str) -> list[tuple[float, float]]:
     return [(float(x), float(y)) for x, y in (point.split(",") for point in curve.split())]
 
 
+def picture_of(run: SimulatedBreaking) -> CoursePicture:
+    picture = breaking_course(run).picture
+    assert picture is not None
+    return picture
+
+
 def test_the_fragment_is_well_formed_and_neither_loads_nor_runs_anything(fragment, run):
     page = ET.fromstring(fragment)  # noqa: S314 - of our own making
 
@@ -43,7 +49,7 @@ def test_the_fragment_is_well_formed_and_neither_loads_nor_runs_anything(fragmen
 
 
 def test_the_curves_go_from_stage_to_stage(run):
-    picture = breaking_course(run).picture
+    picture = picture_of(run)
     held, bounds = picture.panels
     end, widest = run.stages[-1].time, run.stages[0].width
 
@@ -69,18 +75,18 @@ def test_the_curves_go_from_stage_to_stage(run):
 
 
 def test_the_marks_stand_where_their_numbers_are(run):
-    held, bounds = breaking_course(run).picture.panels
+    held, bounds = picture_of(run).panels
 
     marks = {tick.words: float(tick.place) for tick in held.ticks}
     assert marks == {"0": held.bottom, "15": (held.top + held.bottom) / 2, "30": held.top}
     assert [float(tick.place) for tick in bounds.ticks] == [bounds.bottom, bounds.top]
-    assert breaking_course(run).picture.times[0].words == "0"
+    assert picture_of(run).times[0].words == "0"
 
 
 def test_marks_that_would_touch_are_left_out():
     pairs = wrong_pairs(np.random.default_rng(3), 20, 0.05)
     run = certreg.simulate_breaking(pairs.source, pairs.target, max_residual=0.06)
-    held, _ = breaking_course(run).picture.panels
+    held, _ = picture_of(run).panels
 
     assert run.stages[-1].count == 19
     assert [tick.words for tick in held.ticks] == ["0", "20"]
