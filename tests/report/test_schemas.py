@@ -209,3 +209,10 @@ def test_what_is_wrong_is_not_valid(kind: str, path: tuple, value: Any, good):
 
     with changed(good[kind], path, value) as document:
         assert not validator(kind).is_valid(document)
+
+
+def test_every_schema_says_what_it_describes():
+    for file in (files("certreg.report") / "schemas").iterdir():
+        schema = json.loads(file.read_text("utf-8"))
+        assert schema["title"]
+        assert schema["description"].endswith("."), file.name
