@@ -205,7 +205,7 @@ HEAD = (
 def commit() -> str:
     """Of the checkout."""
     command = ["git", "rev-parse", "--short=12", "HEAD"]
-    told = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    told = subprocess.run(command, cwd=ROOT, capture_output=True, encoding="utf-8", check=False)
     return told.stdout.strip()
 
 

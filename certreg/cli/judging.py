@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -45,6 +46,8 @@ from certreg.results import PoseVerdict
 from certreg.verify import shown
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from certreg.cli.wrong_pairs import WrongPairs
     from certreg.io import Pair
     from certreg.problem import RegistrationProblem
@@ -59,7 +62,21 @@ line_option = click.option(
 )
 
 
+def _something_is_judged(command: Callable[..., Any]) -> Callable[..., Any]:
+    """That there is a pose or labels, said before the clouds are read."""
+
+    @functools.wraps(command)
+    def wrapped(*args: Any, pose_file: Path | None, labels_file: Path | None, **more: Any) -> Any:
+        if pose_file is None and labels_file is None:
+            message = "Missing option '--pose', or '--labels' with '--max-residual'."
+            raise click.UsageError(message)
+        return command(*args, pose_file=pose_file, labels_file=labels_file, **more)
+
+    return wrapped
+
+
 @click.command()
+@_something_is_judged
 @cloud_options
 @click.option(
     "--pose",

@@ -43,7 +43,7 @@ COMMANDS = {
     "demo": Entry(
         "registering", "The main job on packaged real data: survey, electrodes, protein."
     ),
-    "assess": Entry("judging", "Judge a pose of any other tool."),
+    "assess": Entry("judging", "Judge a pose, or labels, of any other tool."),
     "apply": Entry(
         "judging", "Move CLOUD by the pose in RESULT: a result file or folder, or any pose file."
     ),

@@ -50,5 +50,5 @@ def test_a_cell_that_is_there_is_not_measured_again(rate, tmp_path, monkeypatch,
     rates.main(2, "100", results)
 
     assert measured == [2, 3]
-    assert json.loads(results.read_text())[cell.name]["commit"] == rates.commit()
+    assert json.loads(results.read_text("utf-8"))[cell.name]["commit"] == rates.commit()
     assert capsys.readouterr().out.count(cell.name) == 3

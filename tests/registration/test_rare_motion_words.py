@@ -219,9 +219,3 @@ def test_no_report_is_made_of_a_list_of_equilibria(tmp_path):
     words = ", which `certreg verify` tells in words: give the certificate.json that certify wrote"
     with pytest.raises(InvalidFileError, match=words):
         report_of(tmp_path / "list.json")
-
-
-def test_no_report_is_made_of_wrong_pairs():
-    words = "kind consensus, which `certreg verify` tells in words: give the certificate.json that"
-    with pytest.raises(InvalidFileError, match=words):
-        report_of(VECTORS / "accept-consensus.json")
