@@ -78,7 +78,8 @@ def ransac(_problem: ConsensusProblem, x: Array, y: Array, bound: float) -> Answ
 def kiss_matcher(_problem: ConsensusProblem, x: Array, y: Array, bound: float) -> Answer:
     kiss: Any = import_module("kiss_matcher")
     matcher = kiss.KISSMatcher(kiss.KISSMatcherConfig(bound))
-    found = matcher.solve(x.T.copy(), y.T.copy())
+    # `solve` alone leaves out the pruning by lengths that is half of the method.
+    found = matcher.prune_and_solve(*([*p.astype(np.float32)] for p in (x, y)))
     sure = bool(found.valid) and matcher.get_num_final_inliers() >= TRUSTED
     return np.asarray(found.rotation), np.asarray(found.translation).ravel(), sure
 
