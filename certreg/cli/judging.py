@@ -20,16 +20,18 @@ from certreg.io import (
     write_atomically,
     write_cloud,
 )
-from certreg.problem import ConsensusProblem
+from certreg.problem import ConsensusProblem, TruncatedProblem
 from certreg.registration import (
     DONE,
     GOOD,
     NO_ROTATION,
     NOT_CERTIFIED,
     REFUSED,
+    TRUNCATED,
     certify,
     judged,
     judged_labels,
+    judged_truncated_labels,
 )
 from certreg.report import (
     REPORT,
@@ -37,8 +39,6 @@ from certreg.report import (
     assessment_summary,
     dumps,
     html_page,
-    labels_document,
-    labels_summary,
     printable,
     report_of,
 )
@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from certreg.cli.wrong_pairs import WrongPairs
     from certreg.io import Pair
     from certreg.problem import RegistrationProblem
+    from certreg.registration import KeptPairs, TruncatedLabels
     from certreg.verify import Clouds
 
 
@@ -91,7 +92,8 @@ def _something_is_judged(command: Callable[..., Any]) -> Callable[..., Any]:
     "labels_file",
     type=CLOUD,
     help="Instead of --pose: which pairs are right, one 0 or 1 (outlier or inlier) per row of "
-    "SOURCE. Can one motion bring these within --max-residual, and are they the most?",
+    "SOURCE. Can one motion bring these within --max-residual, and are they the most? With "
+    "--objective truncated: has an optimum just these within?",
 )
 @consensus_options
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
@@ -107,7 +109,8 @@ def assess(
 ) -> int:
     """Judge a pose, or labels, of any other tool.
 
-    Exit code 0 if the pose is (near) optimal or one motion meets the pairs, 4 not decided, else 1.
+    Exit code 0 if the pose is (near) optimal, one motion meets the pairs, or the optimum has just
+    these, 4 not decided, else 1.
     """
     if labels_file is not None and wrong is not None and pose_file is None and line is None:
         return _told_of_labels(problem, pair, labels_file, wrong, as_json=as_json)
@@ -128,13 +131,16 @@ def assess(
 def _told_of_labels(
     problem: RegistrationProblem, pair: Pair, file: Path, wrong: WrongPairs, *, as_json: bool
 ) -> int:
-    if wrong.objective == "truncated":
-        message = "--labels are judged by the number of pairs: leave --objective truncated out"
-        raise click.UsageError(message)
-    bounded = ConsensusProblem.of(problem, wrong.bounds(pair, problem.n))
+    bounds = wrong.bounds(pair, problem.n)
     labels = read_inliers(file, pair, problem.n)
-    kept = judged_labels(bounded, labels, effort=wrong.effort, about=pair.about)
-    click.echo(dumps(labels_document(kept)) if as_json else labels_summary(kept))
+    kept: KeptPairs | TruncatedLabels
+    if wrong.objective == TRUNCATED:
+        turned = TruncatedProblem(problem, bounds)
+        kept = judged_truncated_labels(turned, labels, effort=wrong.effort, about=pair.about)
+    else:
+        bounded = ConsensusProblem.of(problem, bounds)
+        kept = judged_labels(bounded, labels, effort=wrong.effort, about=pair.about)
+    click.echo(dumps(kept.to_dict()) if as_json else str(kept))
     return kept.exit_code
 
 

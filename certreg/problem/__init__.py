@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from certreg.problem.gicp import FrozenInformation as FrozenInformation
     from certreg.problem.gicp import gicp_information as gicp_information
     from certreg.problem.inliers import INLIER_WORDS as INLIER_WORDS
+    from certreg.problem.inliers import LEAST_DIRECTIONS as LEAST_DIRECTIONS
     from certreg.problem.inliers import checked_inliers as checked_inliers
     from certreg.problem.many import ManyPairs as ManyPairs
     from certreg.problem.many_springs import ManySpringMoments as ManySpringMoments
@@ -130,7 +131,7 @@ __getattr__ = lazy_face(
             "FrozenInformation",
             "gicp_information",
         ),
-        "inliers": ("INLIER_WORDS", "checked_inliers"),
+        "inliers": ("INLIER_WORDS", "LEAST_DIRECTIONS", "checked_inliers"),
         "many": ("ManyPairs",),
         "many_springs": (
             "ManySpringMoments",

@@ -10,14 +10,15 @@ from certreg.errors import InvalidProblemError
 from certreg.problem.consensus import LEAST_PAIRS
 
 NAME = "labels"  # of the argument, as users know it
+LEAST_DIRECTIONS = 2  # that one rotation may meet: a single one is met by infinitely many
 INLIER_WORDS = {"1": True, "0": False, "inlier": True, "outlier": False}
 
 
-def checked_inliers(labels: Any, n: int) -> tuple[int, ...]:
+def checked_inliers(labels: Any, n: int, least: int = LEAST_PAIRS) -> tuple[int, ...]:
     """The rows labelled as inliers, of n labels: booleans, 0 and 1, or the words.
 
-    Raises InvalidProblemError for another number of labels, for others, and where fewer than three
-    are inliers.
+    Raises InvalidProblemError for another number of labels, for others, and where fewer than the
+    least number are inliers.
     """
     texts = np.asarray(labels)
     if texts.shape != (n,):
@@ -31,10 +32,10 @@ def checked_inliers(labels: Any, n: int) -> tuple[int, ...]:
             raise InvalidProblemError(message, array=NAME, row=row, value=value)
         if INLIER_WORDS[word]:
             rows.append(row)
-    if len(rows) < LEAST_PAIRS:
-        message = (
-            f"{NAME} name {len(rows)} inliers: give at least {LEAST_PAIRS}, as two "
-            "of equal lengths always fit"
-        )
-        raise InvalidProblemError(message, array=NAME, value=len(rows), limit=LEAST_PAIRS)
+    if len(rows) < least:
+        two = least == LEAST_DIRECTIONS
+        always = "a single pair of equal lengths" if two else "two of equal lengths"
+        named = f"{len(rows)} inlier{'s' * (len(rows) != 1)}"
+        message = f"{NAME} name {named}: give at least {least}, as {always} always fit{'s' * two}"
+        raise InvalidProblemError(message, array=NAME, value=len(rows), limit=least)
     return tuple(rows)

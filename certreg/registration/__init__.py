@@ -139,7 +139,12 @@ if TYPE_CHECKING:
     from certreg.registration.spring_simulation import at_end_words as at_end_words
     from certreg.registration.spring_simulation import moving_words as moving_words
     from certreg.registration.spring_simulation import simulated_springs as simulated_springs
+    from certreg.registration.truncated import TRUNCATED as TRUNCATED
     from certreg.registration.truncated import TruncatedRegistration as TruncatedRegistration
+    from certreg.registration.truncated_labels import TruncatedLabels as TruncatedLabels
+    from certreg.registration.truncated_labels import (
+        judged_truncated_labels as judged_truncated_labels,
+    )
     from certreg.registration.weak_shifts import weak_shift_words as weak_shift_words
 
 __getattr__ = lazy_face(
@@ -310,7 +315,8 @@ __getattr__ = lazy_face(
             "SpringSolution",
         ),
         "spring_rows": ("SpringAxes",),
-        "truncated": ("TruncatedRegistration",),
+        "truncated": ("TRUNCATED", "TruncatedRegistration"),
+        "truncated_labels": ("TruncatedLabels", "judged_truncated_labels"),
         "weak_shifts": ("weak_shift_words",),
         "spring_simulation": (
             "NO_RATE",

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Unpack, cast
 from certreg.errors import InvalidProblemError
 from certreg.exact import double_above, nearest_double, nearest_root
 from certreg.geometry import given_pose, why_no_rotation
-from certreg.problem import ConsensusProblem, RegistrationProblem
+from certreg.problem import ConsensusProblem, RegistrationProblem, TruncatedProblem
 from certreg.registration.any_certification import certify
 from certreg.registration.any_registration import AnyRegistration
 from certreg.registration.assessed import Assessment
@@ -29,6 +29,8 @@ from certreg.registration.slips import slip_of
 from certreg.registration.spring_assessment import judged_on_springs
 from certreg.registration.spring_result import SpringRegistration
 from certreg.registration.stating import ProblemOptions, stated_in_clouds, stated_problem_of
+from certreg.registration.truncated import TRUNCATED, checked_objective
+from certreg.registration.truncated_labels import judged_truncated_labels
 from certreg.results import OUT_OF_RANGE, Absent, PoseVerdict, present
 
 if TYPE_CHECKING:
@@ -38,6 +40,7 @@ if TYPE_CHECKING:
     from certreg.registration.kept_pairs import KeptPairs
     from certreg.registration.result import Registration
     from certreg.registration.slips import Slip
+    from certreg.registration.truncated_labels import TruncatedLabels
 
 NUMBERS = (
     *("objective", "rmse", "gap_lower", "gap_upper", "gap_share", "rounding_cost", "angle_upper"),
@@ -60,7 +63,7 @@ OF_OPTIMUM = dict.fromkeys(("optimum_objective", "optimum_rmse"), OUT_OF_RANGE)
 NOTHING_TO_EXPLAIN = Absent("the pose is (nearly) optimal: there is no slip to name")
 
 
-def assess(
+def assess(  # noqa: PLR0913 - each is one question, and has its usual answer
     problem: Any,
     pose: Any = None,
     translation: Any = None,
@@ -68,6 +71,8 @@ def assess(
     settings: AssessmentSettings | None = None,
     labels: Any = None,
     max_residual: Any = None,
+    objective: str | None = None,
+    effort: float = 1.0,
     **statement: Unpack[ProblemOptions],
 ) -> Assessment:
     """The assessment of a pose y = R x + t, as any tool returned it.
@@ -96,6 +101,10 @@ def assess(
         pairs returned them: `assess(source, target, labels=..., max_residual=...)`.
     max_residual
         Beside labels: how far apart the two points of a right pair are at most, as for `certify`.
+    objective
+        Beside labels: "consensus", or "truncated", with `rotation_only=True`, as for `certify`.
+    effort
+        Beside labels: a factor on the budgets of the search and the proof.
     **statement
         Beside source and target, as for `certify`: `sigma`, `weights`, `normals` and so on.
 
@@ -103,7 +112,8 @@ def assess(
     -------
     Assessment
         The verdict, the proved bounds on what the pose costs, and the optimum beside it. Of labels
-        `KeptPairs`: whether one motion meets all inliers, and how many the most are.
+        `KeptPairs`: whether one motion meets all inliers, and how many the most are; with the
+        objective "truncated" `TruncatedLabels`: whether an optimum has just these within.
 
     Raises
     ------
@@ -121,9 +131,10 @@ def assess(
     >>> judged.verdict.value
     'optimal'
     """
-    if labels is not None or max_residual is not None:
+    if labels is not None or max_residual is not None or objective is not None:
         given = {"labels": labels, "max_residual": max_residual}
-        judged_pairs = _judged_pairs(problem, pose, translation, given, statement)
+        sought = {"objective": objective, "effort": effort}
+        judged_pairs = _judged_pairs(problem, pose, translation, given, sought, statement)
         return cast("Assessment", judged_pairs)
     if not isinstance(problem, RegistrationProblem | AnyRegistration):
         if translation is None or isinstance(pose, RegistrationProblem | AnyRegistration):
@@ -144,17 +155,27 @@ def assess(
 
 
 def _judged_pairs(
-    problem: Any, target: Any, translation: Any, given: dict[str, Any], statement: ProblemOptions
-) -> KeptPairs:
+    problem: Any,
+    target: Any,
+    translation: Any,
+    given: dict[str, Any],
+    sought: dict[str, Any],
+    statement: ProblemOptions,
+) -> KeptPairs | TruncatedLabels:
     """What is proved of labels, of a problem or of two clouds."""
     missing = [name for name, value in given.items() if value is None]
     if missing or translation is not None:
         message = "labels and max_residual go together, without a pose: "
         remedy = f"give {missing[0]}" if missing else "leave the pose out"
         raise InvalidProblemError(message + remedy, array=missing[0] if missing else "pose")
+    objective = checked_objective(sought["objective"], given["max_residual"])
     stated, about = stated_problem_of(problem, target, statement)
+    asked: dict[str, Any] = {"effort": sought["effort"], "about": about}
+    if objective == TRUNCATED:
+        turned = TruncatedProblem(stated, given["max_residual"])
+        return judged_truncated_labels(turned, given["labels"], **asked)
     bounded = ConsensusProblem.of(stated, given["max_residual"])
-    return judged_labels(bounded, given["labels"], about=about)
+    return judged_labels(bounded, given["labels"], **asked)
 
 
 def _unstated(problem: Any, pose: Any) -> str:

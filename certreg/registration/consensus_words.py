@@ -9,7 +9,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from certreg.certificate import Consensus
-    from certreg.problem import ConsensusProblem
+    from certreg.problem import ConsensusProblem, TruncatedProblem
     from certreg.registration.row_names import RowNames
 
 WORDS = {"i": "inlier", "o": "outlier", "?": "undecided"}
@@ -72,7 +72,7 @@ def headline(problem: ConsensusProblem, found: Consensus, names: RowNames) -> st
     )
 
 
-def within_words(problem: ConsensusProblem) -> str:
+def within_words(problem: ConsensusProblem | TruncatedProblem) -> str:
     """Within the bound, or the bounds."""
     bounds = problem.bounds
     return f"within {bounds[0]:g}" if (bounds == bounds[0]).all() else "within their bounds"

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from certreg.report.document import simulation_document as simulation_document
     from certreg.report.folder import REPORT as REPORT
     from certreg.report.folder import write_folder as write_folder
-    from certreg.report.judged_labels import labels_document as labels_document
-    from certreg.report.judged_labels import labels_summary as labels_summary
     from certreg.report.judged_pose import assessment_summary as assessment_summary
     from certreg.report.markup import printable as printable
     from certreg.report.markup import rendered as rendered
@@ -62,7 +60,6 @@ __getattr__ = lazy_face(
             "breathing_summary",
             "scaled_enumeration_summary",
         ),
-        "judged_labels": ("labels_document", "labels_summary"),
         "judged_pose": ("assessment_summary",),
         "consensus_fields": ("consensus_document",),
         "consensus_folder": ("write_wrong_pairs", "wrong_pairs_document"),

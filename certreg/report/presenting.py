@@ -29,6 +29,7 @@ from certreg.registration import (
     SimulatedSprings,
     SpringEquilibria,
     SpringRegistration,
+    TruncatedLabels,
     TruncatedRegistration,
     proved_end,
 )
@@ -85,6 +86,11 @@ from certreg.report.summary import (
     simulation_summary,
 )
 from certreg.report.truncated_fields import truncated_document
+from certreg.report.truncated_labels import (
+    truncated_labels_card,
+    truncated_labels_document,
+    truncated_labels_summary,
+)
 from certreg.report.truncated_summary import truncated_card, truncated_summary
 from certreg.verify import shown
 
@@ -146,6 +152,11 @@ SHAPES: dict[type, Shape] = {
     ),
     Assessment: Shape(words=assessment_summary, document=assessment_document, card=assessment_card),
     KeptPairs: Shape(words=labels_summary, document=labels_document, card=labels_card),
+    TruncatedLabels: Shape(
+        words=truncated_labels_summary,
+        document=truncated_labels_document,
+        card=truncated_labels_card,
+    ),
     ListedEquilibria: Shape(
         words=_enumeration_words, document=_enumeration_document, card=equilibria_card
     ),

@@ -16,7 +16,7 @@ HARDER = "give more --effort to search further, or other bounds if pairs are nea
 
 def truncated_summary(result: TruncatedRegistration) -> str:
     """The result of `certify` with truncated squares, readable."""
-    facts = [f"  {name:<17} {value}" for name, value in _facts(result)]
+    facts = [f"  {name:<17} {value}" for name, value in truncated_facts(result)]
     advice = [] if result.labels_unique else [f"{ADVICE}{HARDER}."]
     return "\n".join([result.headline, *advice, "", *facts])
 
@@ -24,10 +24,13 @@ def truncated_summary(result: TruncatedRegistration) -> str:
 def truncated_card(result: TruncatedRegistration) -> str:
     """The same as a card."""
     good = result.labels_unique and result.unique
-    return Card(headline=result.headline, notes=(), good=good, facts=tuple(_facts(result))).html()
+    return Card(
+        headline=result.headline, notes=(), good=good, facts=tuple(truncated_facts(result))
+    ).html()
 
 
-def _facts(result: TruncatedRegistration) -> list[tuple[str, str]]:
+def truncated_facts(result: TruncatedRegistration) -> list[tuple[str, str]]:
+    """The numbers beside the headline, by name, that of pairs first."""
     labels, rmse = result.labels, result.fit.rmse
     counts = (f"{labels.count(word)} {word}" for word in ("inlier", "outlier", "undecided"))
     gap = "no bound is proved" if result.gap is None else f"less than {result.gap:.2g} (proved)"

@@ -43,6 +43,17 @@ CASES = (
         ),
     ),
     NetCase(
+        "assess-labels",
+        (
+            "assess cloud.csv noisy.csv --labels some.txt --max-residual 0.08",
+            *(
+                f"assess short.csv narrow.csv --labels {labels} --max-residual 0.5 --rotation-only "
+                "--objective truncated"
+                for labels in ("kept.txt", "swapped.txt")
+            ),
+        ),
+    ),
+    NetCase(
         "certify-all",
         (
             "certify axes.csv turned.csv --damping 3",

@@ -132,6 +132,8 @@ def _labelled() -> Files:
         "weights.txt": "".join(f"{1 + k % 3}\n" for k in range(12)).encode(),
         "zero.txt": b"0\n" * 12,
         "some.txt": b"1\n1\n0\n1\n" * 3,
+        "kept.txt": b"1\n1\n1\n1\n0\n0\n",
+        "swapped.txt": b"1\n1\n0\n0\n1\n1\n",
         "pairs.txt": "".join(f"{k} {k}\n" for k in range(1, 12)).encode(),
         "outside.txt": b"0 0\n1 12\n",
         "three.txt": b"0 0 0\n",

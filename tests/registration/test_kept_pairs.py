@@ -147,7 +147,7 @@ def test_the_command(tmp_path, monkeypatch):
     assert refuted.out.startswith("REFUTED: ")
     truncated = ("--max-residual", "0.05", "--objective", "truncated")
     for name, options, words in (
-        ("right.txt", truncated, "leave --objective truncated out"),
+        ("right.txt", truncated, "give --rotation-only"),
         ("few.txt", ("--max-residual", "0.05"), "few.txt: holds 3 labels: give one per"),
         (
             "letters.txt",
