@@ -1924,7 +1924,6 @@ def positive(form: list[int], q: list[int], f: int, h: int, spare: int, slack: i
 SUMS[TRUNCATED] = (2, bounded_pairs, "bounds are other ones: give --max-residual")
 
 # --- end of kind: truncated-rotation ------------------------------------------------------------
-
 # --- part: thinning -----------------------------------------------------------------------------
 # Pairs i, each with a bound b_i > 0, that one motion may meet together: |y_i - R x_i - t| <= b_i.
 
@@ -1967,9 +1966,8 @@ class Thinning:
                 good = T and mask.bit_count() == len(T) and mask & ~beside == 0
                 require(good, "a group of row {} is not of its neighbours, each once", e)
                 require(len(L) == len(T) + 1 and any(L), "a group of row {} is not weighed", e)
-                squares, bound, K = weighed([self.rows[i] for i in (e, *T)], L)
-                A = [[-2 * k for k in row] for row in K]
-                require(definite(raised(A, squares - bound)), "a group of row {} is not refuted", e)
+                refuted = self.refuted([self.rows[i] for i in (e, *T)], L)
+                require(refuted, "a group of row {} is not refuted", e)
                 sets, union = [*sets, mask], union | mask
             most = self.K - 2 + len(sets) - union.bit_count()
             others = colours(beside & ~union, self.near, most)
@@ -1978,6 +1976,11 @@ class Thinning:
             require(struck, "row {} is not struck", e)
             alive = self._linked(alive & ~(1 << e))
         return alive
+
+    def refuted(self, rows: Matrix, weights: Sequence[int]) -> bool:
+        """Whether no motion meets them all: then sum w r^2 <= sum w b^2, see `weighed`."""
+        squares, bound, K = weighed(rows, weights)
+        return definite(raised([[-2 * k for k in row] for row in K], squares - bound))
 
     def _hit(self, sets: list[int], most: int) -> bool:
         """Whether so many rows, or fewer, are enough for one of each set.
@@ -2088,10 +2091,8 @@ def consistent(rows: Matrix) -> list[int]:
 
 
 # --- end of part: thinning ----------------------------------------------------------------------
-# --- kind: consensus ----------------------------------------------------------------------------
-# Pair i has a bound b_i > 0; a motion (R, t) meets it if |y_i - R x_i - t| <= b_i. Claimed: no one
-# meets more than so many pairs; which pairs all motions that meet K or more of them meet, K as many
-# as the witness does, and which pairs none.
+# --- part: labels -------------------------------------------------------------------------------
+# For kinds that claim of pairs with bounds which of them the motions meet that meet most.
 
 ROWS_MAX = 4096  # bounds the time: half a minute for all pairs of pairs
 LEAST = 3  # pairs to meet: any two are met by some motion, or refuted at once
@@ -2100,22 +2101,11 @@ TYPES.update(Steps=list, Document=dict)
 
 
 @dataclass(frozen=True)
-class ConsensusStatement(Statement):
-    """witness, stages, tau make the proof; labels: of each pair "i", "o" or "?", where not proved.
+class LabelledStatement(Statement):
+    """A witness that meets K pairs; labels: of each pair "i", "o" or "?", where not proved.
 
     fit: a certificate of the least squares over the pairs that the witness meets, without data.
     """
-
-    kind: ClassVar = "consensus"
-    keys: ClassVar = {
-        "": "about claims fit format kind problem reach? stages witness",
-        "claims": "labels upper",
-        "problem": "data digest n",
-        "reach?": "sin2_half_angle tau",
-        "witness": "quaternion shift",
-    }
-    prefix: ClassVar = b"certreg-consensus/1\0"
-    model: ClassVar = "--max-residual"
 
     n: int
     data: str | None
@@ -2124,54 +2114,10 @@ class ConsensusStatement(Statement):
     shift: tuple[int, int, int, int]  # three integers, the exponent of their unit
     labels: str
     upper: int
-    stages: Steps
     fit: Document | None
-    sin2_half_angle: Fraction | None
-    tau: Fraction | None
 
-    def prove(self, m: Matrix, e: int, *, equal: bool) -> Outcome:
-        """All claims, of rows (x, y, w, b) over 2^e.
-
-        With K = |I| of the set I that the witness meets, every motion that meets K pairs or more
-        meets none outside of the first stage's set C: those are outliers. Where C = I, every such
-        motion meets just I. Where so few pairs but i are left that fewer than K of them can be met,
-        every such motion meets i: an inlier.
-        """
-        del equal  # weights are of the fit alone
-        met = self._met(m, e)
-        K, n = len(met), len(m)
-        require(K >= LEAST, "the witness meets {} pairs: {} needed", K, LEAST)
-        within, near = sum(1 << i for i in met), consistent(m)
-        first = alive = (1 << n) - 1
-        last, upper, sure, looks = K, n, 0, [LOOKS_MAX]
-        for number, stage in enumerate(self.stages):
-            least, without, steps = listed(stage, 3)
-            k, i = whole(least, n + 1), whole(without, n)
-            require(k == K if number == 0 or i < n else k >= last, "a stage is misplaced")
-            require(number or i == n, "the first stage leaves a pair out")
-            others = first & ~(1 << i) if i < n else alive
-            left = Thinning(m, near, others, k, looks).after(steps)
-            if i < n:
-                sure |= (left.bit_count() < K) << i
-                continue
-            alive, last, upper = left, k, min(upper, max(k - 1, left.bit_count()))
-            first = first if number else left
-        sure = within if first == within else sure
-        require(len(self.labels) == n, "claims.labels is not of n pairs")
-        proved = {"i": sure, "o": ~first, "?": -1}
-        for i, label in enumerate(self.labels):
-            require(proved.get(label, 0) >> i & 1, "claims.labels: that of row {} is not proved", i)
-        require(self.upper >= upper, "claims.upper is below the proved bound {}", upper)
-        fit = self._fitted(m, e, met)
-        words = [*self._words(K), *self._reach([m[i] for i in met])]
-        words += [f"Of the least squares over these {K} pairs:"] * bool(fit.theorems)
-        words += fit.theorems
-        last_words = "Not proved: anything under `about`, and where the points come from."
-        theorems = (*[w for w in words if w != last_words], last_words)
-        return Outcome(verified=True, theorems=theorems, reason="", worth=fit.worth)
-
-    def _met(self, m: Matrix, e: int) -> list[int]:
-        """The rows that the witness meets, exactly."""
+    def met(self, m: Matrix, e: int) -> list[int]:
+        """The rows that the witness meets, exactly: so many as are needed, or more."""
         w, x, y, z = q = self.quaternion
         *t, exponent = self.shift
         norm, low = sum(c * c for c in q), min(e, exponent)
@@ -2188,18 +2134,116 @@ class ConsensusStatement(Statement):
             require(row[7] > 0 <= row[6], "row {} has a bound <= 0 or a weight < 0", i)
             if sum(c * c for c in off) <= (norm * row[7] << unit) ** 2:
                 met.append(i)
+        require(len(met) >= LEAST, "the witness meets {} pairs: {} needed", len(met), LEAST)
         return met
 
-    def _fitted(self, m: Matrix, e: int, met: list[int]) -> Outcome:
+    def require_claims(self, sure: int, first: int, upper: int) -> None:
+        """RefusalError where inliers are not of `sure`, outliers of `first`, the bound is lower."""
+        require(len(self.labels) == self.n, "claims.labels is not of n pairs")
+        proved = {"i": sure, "o": ~first, "?": -1}
+        for i, label in enumerate(self.labels):
+            require(proved.get(label, 0) >> i & 1, "claims.labels: that of row {} is not proved", i)
+        require(self.upper >= upper, "claims.upper is below the proved bound {}", upper)
+
+    def fitted(self, m: Matrix, e: int, met: list[int], kind: str, model: str = "") -> Outcome:
         """What `fit` proves of the pairs that the witness meets."""
         if self.fit is None:
             return Outcome(verified=True, theorems=(), reason="")
-        require(self.fit.get("kind") == "isotropic", "fit is of another kind")
+        require(self.fit.get("kind") == kind, "fit is of another kind")
         spans = (0, 1, 2), (3, 4, 5), (6,)
         x, y, w = (array("d", [ldexp(m[i][k], e) for i in met for k in span]) for span in spans)
-        fit = check(json.dumps(self.fit).encode(), Clouds(x, y, w))
+        fit = check(json.dumps(self.fit).encode(), Clouds(x, y, w, model))
         require(fit.verified, "fit is refused: {}", fit.reason)
         return fit
+
+    def outcome(self, words: Sequence[str], K: int, fit: Outcome) -> Outcome:
+        """The theorems, those of the fit after the others."""
+        words = [*words, *[f"Of the least squares over these {K} pairs:"] * bool(fit.theorems)]
+        last = "Not proved: anything under `about`, and where the points come from."
+        theorems = (*[w for w in (*words, *fit.theorems) if w != last], last)
+        return Outcome(verified=True, theorems=theorems, reason="", worth=fit.worth)
+
+
+def staged(
+    stages: Steps, n: int, K: int, thin: Callable[[int, int], Thinning]
+) -> tuple[int, int, int]:
+    """What is left of n pairs after the first stage; no motion meets more; which pairs are met.
+
+    The latter by every motion that meets K: so few pairs but one of them are left that fewer than K
+    can be met. thin: of a set of pairs and a number of them.
+    """
+    first = alive = (1 << n) - 1
+    last, upper, sure = K, n, 0
+    for number, stage in enumerate(stages):
+        least, without, steps = listed(stage, 3)
+        k, i = whole(least, n + 1), whole(without, n)
+        require(k == K if number == 0 or i < n else k >= last, "a stage is misplaced")
+        require(number or i == n, "the first stage leaves a pair out")
+        left = thin(first & ~(1 << i) if i < n else alive, k).after(steps)
+        if i < n:
+            sure |= (left.bit_count() < K) << i
+            continue
+        alive, last, upper = left, k, min(upper, max(k - 1, left.bit_count()))
+        first = first if number else left
+    return first, upper, sure
+
+
+def bounded_rows(doubles: bytes | memoryview, n: int) -> tuple[Matrix, int]:
+    """A row x1, x2, x3, y1, y2, y3, w, b of integers for each pair, and e: all times 2^e."""
+    require(n <= ROWS_MAX, "more than {} pairs", ROWS_MAX)
+    (k,), e = _integers(doubles, [0], 8 * n, EXPONENT_MAX)
+    columns = [k[3 * n * c + i : 3 * n * (c + 1) : 3] for c in (0, 1) for i in (0, 1, 2)]
+    return [list(row) for row in zip(*columns, k[6 * n : 7 * n], k[7 * n :])], e
+
+
+BOUNDED = (
+    2,
+    bounded_rows,
+    "bounds or weights are others, or not given: as for certify give --max-residual",
+)
+# --- end of part: labels ------------------------------------------------------------------------
+# --- kind: consensus ----------------------------------------------------------------------------
+# Pair i has a bound b_i > 0; a motion (R, t) meets it if |y_i - R x_i - t| <= b_i. Claimed: no one
+# meets more than so many pairs; which pairs all motions that meet K or more of them meet, K as many
+# as the witness does, and which pairs none.
+
+
+@dataclass(frozen=True)
+class ConsensusStatement(LabelledStatement):
+    """witness, stages, tau make the proof."""
+
+    kind: ClassVar = "consensus"
+    keys: ClassVar = {
+        "": "about claims fit format kind problem reach? stages witness",
+        "claims": "labels upper",
+        "problem": "data digest n",
+        "reach?": "sin2_half_angle tau",
+        "witness": "quaternion shift",
+    }
+    prefix: ClassVar[bytes] = b"certreg-consensus/1\0"
+    model: ClassVar[str] = "--max-residual"
+
+    stages: Steps
+    sin2_half_angle: Fraction | None
+    tau: Fraction | None
+
+    def prove(self, m: Matrix, e: int, *, equal: bool) -> Outcome:
+        """All claims, of rows (x, y, w, b) over 2^e.
+
+        With K = |I| of the set I that the witness meets, every motion that meets K pairs or more
+        meets none outside of the first stage's set C: those are outliers. Where C = I, every such
+        motion meets just I. Where so few pairs but i are left that fewer than K of them can be met,
+        every such motion meets i: an inlier.
+        """
+        del equal  # weights are of the fit alone
+        met = self.met(m, e)
+        K, near, looks, within = len(met), consistent(m), [LOOKS_MAX], sum(1 << i for i in met)
+        first, upper, sure = staged(
+            self.stages, len(m), K, lambda alive, k: Thinning(m, near, alive, k, looks)
+        )
+        self.require_claims(within if first == within else sure, first, upper)
+        fit = self.fitted(m, e, met, "isotropic")
+        return self.outcome([*self._words(K), *self._reach([m[i] for i in met])], K, fit)
 
     def _reach(self, rows: Matrix) -> Iterator[str]:
         """A motion that meets all of these rows has c = S - B <= 2 p^T K p, see `weighed`.
@@ -2239,19 +2283,7 @@ class ConsensusStatement(Statement):
             yield f"Not proved: which of the other {n - sure - out} pairs are."
 
 
-def bounded_rows(doubles: bytes | memoryview, n: int) -> tuple[Matrix, int]:
-    """A row x1, x2, x3, y1, y2, y3, w, b of integers for each pair, and e: all times 2^e."""
-    require(n <= ROWS_MAX, "more than {} pairs", ROWS_MAX)
-    (k,), e = _integers(doubles, [0], 8 * n, EXPONENT_MAX)
-    columns = [k[3 * n * c + i : 3 * n * (c + 1) : 3] for c in (0, 1) for i in (0, 1, 2)]
-    return [list(row) for row in zip(*columns, k[6 * n : 7 * n], k[7 * n :])], e
-
-
-SUMS[ConsensusStatement.prefix] = (
-    2,
-    bounded_rows,
-    "bounds or weights are others, or not given: as for certify give --max-residual",
-)
+SUMS[ConsensusStatement.prefix] = BOUNDED
 # --- end of kind: consensus ---------------------------------------------------------------------
 
 FORMS = IsotropicStatement, SimilarityStatement, CountStatement, SpringsSosStatement
