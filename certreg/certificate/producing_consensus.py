@@ -34,7 +34,8 @@ from certreg.certificate.consistency import (
 )
 from certreg.certificate.envelope import Certificate
 from certreg.certificate.refuting import PointRows, davenport_stack
-from certreg.certificate.thinning import Graph, Thinning
+from certreg.certificate.staging import Stager
+from certreg.certificate.thinning import Graph
 from certreg.exact import dyadic_above
 from certreg.geometry import Pose, quaternion_from_matrix, rotation_matrix
 from certreg.problem import LEAST_PAIRS
@@ -45,7 +46,6 @@ if TYPE_CHECKING:
     from certreg.certificate.isotropic import IsotropicBody
     from certreg.problem import ConsensusProblem
 
-MOST_LEFT_OUT = 64  # pairs tried as inliers one by one, at effort 1: each is a stage of its own
 ANGLE_BITS = 24  # of the bound on an angle
 
 
@@ -79,7 +79,6 @@ class ConsensusProver:
     def __init__(self, problem: ConsensusProblem, *, effort: float = 1.0) -> None:
         self.problem = problem
         self._exact = ExactRows(problem)
-        self._effort = effort
         self.graph = Graph(consistent_pairs(problem), PointRows.of(problem), effort)
 
     @property
@@ -105,57 +104,16 @@ class ConsensusProver:
         if len(met) < LEAST_PAIRS:
             return None
         n, K, within = self.problem.n, len(met), mask_of(met)
-        stages: list[Stage] = []
-        first = self._stage(stages, (1 << n) - 1, K, within)
+        stages, stager = list[Stage](), Stager(self.graph, met)
+        first = stager.stage(stages, (1 << n) - 1, K, within)
         upper, sure = first.bit_count(), within if first == within else 0
         if not sure:
-            upper = self._upper(stages, first, K, within, whole=whole)
-            sure = self._inliers(stages, first, met) if whole else 0
+            upper = stager.upper(stages, first, whole=whole)
+            sure = stager.inliers(stages, first) if whole else 0
         labels = "".join(
             INLIER if sure >> i & 1 else UNDECIDED if first >> i & 1 else OUTLIER for i in range(n)
         )
         return Consensus(witness, tuple(met), tuple(stages), labels, upper)
-
-    def _stage(
-        self, stages: list[Stage], alive: int, least: int, clique: int, without: int | None = None
-    ) -> int:
-        """The rows left; the stage is kept where it is the first, or they are too few."""
-        thinning = Thinning(self.graph, alive, least, clique)
-        thinning.run()
-        left = thinning.alive
-        if not stages or left.bit_count() < least:
-            stages.append(Stage(least=least, without=without, strikes=tuple(thinning.strikes)))
-        return left
-
-    def _upper(self, stages: list[Stage], alive: int, K: int, within: int, *, whole: bool) -> int:
-        """No motion meets more: the least number found of which too few rows are left.
-
-        K itself is tried, and only if whole others are, by halving.
-        """
-        low, high = K, alive.bit_count()
-        middle, last = low, list[Stage]()
-        while low < high:
-            tried = [*stages]
-            if self._stage(tried, alive, middle + 1, within).bit_count() <= middle:
-                high, last = middle, tried[len(stages) :]
-            else:
-                low = middle + 1
-            if not whole:
-                break
-            middle = (low + high) // 2
-        stages += last
-        return high
-
-    def _inliers(self, stages: list[Stage], first: int, met: list[int]) -> int:
-        """The met rows without which the others are not enough."""
-        sure, within = 0, mask_of(met)
-        if first.bit_count() - len(met) > len(met):
-            return 0  # far from decided: no single row will be
-        for row in met[: round(MOST_LEFT_OUT * self._effort)]:
-            others = ~(1 << row)
-            left = self._stage(stages, first & others, len(met), within & others, row)
-            sure |= (left.bit_count() < len(met)) << row
-        return sure
 
 
 def witness_of(rotation: NDArray[np.float64], translation: NDArray[np.float64]) -> Witness:

@@ -1,0 +1,76 @@
+"""Stages of a proof of consensus: with so many pairs to be met, what is left, and what follows.
+
+The first is of K pairs, as many as the witness meets. Where more than these are left, K + 1 is
+tried, and whether the others are enough without each met pair.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from certreg.certificate.consensus import Stage
+from certreg.certificate.consistency import mask_of
+from certreg.certificate.thinning import Thinning
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from certreg.certificate.thinning import Graph
+
+MOST_LEFT_OUT = 64  # pairs tried as inliers one by one, at effort 1: each is a stage of its own
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stager:
+    """Makes the stages of one graph, for a witness that meets these rows."""
+
+    graph: Graph
+    met: Sequence[int]
+
+    def stage(
+        self,
+        stages: list[Stage],
+        alive: int,
+        least: int,
+        clique: int,
+        without: int | None = None,
+    ) -> int:
+        """The rows left; the stage is kept where it is the first, or they are too few."""
+        thinning = Thinning(self.graph, alive, least, clique)
+        thinning.run()
+        left = thinning.alive
+        if not stages or left.bit_count() < least:
+            stages.append(Stage(least=least, without=without, strikes=tuple(thinning.strikes)))
+        return left
+
+    def upper(self, stages: list[Stage], alive: int, *, whole: bool) -> int:
+        """No motion meets more: the least number found of which too few rows are left.
+
+        K itself is tried, and only if whole others are, by halving.
+        """
+        K, within = len(self.met), mask_of(self.met)
+        low, high = K, alive.bit_count()
+        middle, last = low, list[Stage]()
+        while low < high:
+            tried = [*stages]
+            if self.stage(tried, alive, middle + 1, within).bit_count() <= middle:
+                high, last = middle, tried[len(stages) :]
+            else:
+                low = middle + 1
+            if not whole:
+                break
+            middle = (low + high) // 2
+        stages += last
+        return high
+
+    def inliers(self, stages: list[Stage], first: int) -> int:
+        """The met rows without which the others are not enough."""
+        met, sure, within = self.met, 0, mask_of(self.met)
+        if first.bit_count() - len(met) > len(met):
+            return 0  # far from decided: no single row will be
+        for row in met[: round(MOST_LEFT_OUT * self.graph.effort)]:
+            others = ~(1 << row)
+            left = self.stage(stages, first & others, len(met), within & others, row)
+            sure |= (left.bit_count() < len(met)) << row
+        return sure
