@@ -2145,12 +2145,12 @@ class LabelledStatement(Statement):
             require(proved.get(label, 0) >> i & 1, "claims.labels: that of row {} is not proved", i)
         require(self.upper >= upper, "claims.upper is below the proved bound {}", upper)
 
-    def fitted(self, m: Matrix, e: int, met: list[int], kind: str, model: str = "") -> Outcome:
-        """What `fit` proves of the pairs that the witness meets."""
+    def fitted(self, m: Matrix, e: int, met: list[int], kinds: str, model: str = "") -> Outcome:
+        """What `fit`, of one of the kinds, proves of the pairs that the witness meets."""
         if self.fit is None:
             return Outcome(verified=True, theorems=(), reason="")
-        require(self.fit.get("kind") == kind, "fit is of another kind")
-        spans = (0, 1, 2), (3, 4, 5), (6,)
+        require(self.fit.get("kind") in kinds.split(), "fit is of another kind")
+        spans = (0, 1, 2), (3, 4, 5), (range(8, 14) if len(m[0]) > 8 else (6,))
         x, y, w = (array("d", [ldexp(m[i][k], e) for i in met for k in span]) for span in spans)
         fit = check(json.dumps(self.fit).encode(), Clouds(x, y, w, model))
         require(fit.verified, "fit is refused: {}", fit.reason)
@@ -2188,12 +2188,19 @@ def staged(
     return first, upper, sure
 
 
-def bounded_rows(doubles: bytes | memoryview, n: int) -> tuple[Matrix, int]:
+def bounded_rows(doubles: bytes | memoryview, n: int, width: int = 8) -> tuple[Matrix, int]:
     """A row x1, x2, x3, y1, y2, y3, w, b of integers for each pair, and e: all times 2^e."""
     require(n <= ROWS_MAX, "more than {} pairs", ROWS_MAX)
-    (k,), e = _integers(doubles, [0], 8 * n, EXPONENT_MAX)
+    (k,), e = _integers(doubles, [0], width * n, EXPONENT_MAX)
     columns = [k[3 * n * c + i : 3 * n * (c + 1) : 3] for c in (0, 1) for i in (0, 1, 2)]
-    return [list(row) for row in zip(*columns, k[6 * n : 7 * n], k[7 * n :])], e
+    others = [k[7 * n + i :: width - 7] for i in range(width - 7)]
+    return [list(row) for row in zip(*columns, k[6 * n : 7 * n], *others)], e
+
+
+def sprung_rows(doubles: bytes | memoryview, n: int) -> tuple[Matrix, int]:
+    """The same with 1 for a weight, and after the bound the six entries of L."""
+    rows, e = bounded_rows(doubles, n, 13)
+    return [[*row[:6], 1, *row[6:]] for row in rows], e
 
 
 BOUNDED = (
@@ -2207,28 +2214,39 @@ BOUNDED = (
 # meets more than so many pairs; which pairs all motions that meet K or more of them meet, K as many
 # as the witness does, and which pairs none.
 
+CONSENSUS = b"certreg-consensus/1\0"
+SPRUNG = b"certreg-consensus-springs/1\0"
+
 
 @dataclass(frozen=True)
 class ConsensusStatement(LabelledStatement):
-    """witness, stages, tau make the proof."""
+    """witness, stages, tau make the proof.
+
+    springs: true where the least squares are of general springs, which change no bound.
+    """
 
     kind: ClassVar = "consensus"
     keys: ClassVar = {
-        "": "about claims fit format kind problem reach? stages witness",
+        "": "about claims fit format kind problem reach? springs? stages witness",
         "claims": "labels upper",
         "problem": "data digest n",
         "reach?": "sin2_half_angle tau",
         "witness": "quaternion shift",
     }
-    prefix: ClassVar[bytes] = b"certreg-consensus/1\0"
     model: ClassVar[str] = "--max-residual"
 
     stages: Steps
     sin2_half_angle: Fraction | None
     tau: Fraction | None
+    springs: bool | None
+
+    @property
+    def prefix(self) -> bytes:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Of one's own where a pair has a spring, and no weight."""
+        return SPRUNG if self.springs else CONSENSUS
 
     def prove(self, m: Matrix, e: int, *, equal: bool) -> Outcome:
-        """All claims, of rows (x, y, w, b) over 2^e.
+        """All claims, of rows (x, y, w, b) over 2^e; L follows where there are springs.
 
         With K = |I| of the set I that the witness meets, every motion that meets K pairs or more
         meets none outside of the first stage's set C: those are outliers. Where C = I, every such
@@ -2237,12 +2255,13 @@ class ConsensusStatement(LabelledStatement):
         """
         del equal  # weights are of the fit alone
         met = self.met(m, e)
-        K, near, looks, within = len(met), consistent(m), [LOOKS_MAX], sum(1 << i for i in met)
+        K, looks, within = len(met), [LOOKS_MAX], sum(1 << i for i in met)
+        near = consistent([row[:8] for row in m])
         first, upper, sure = staged(
             self.stages, len(m), K, lambda alive, k: Thinning(m, near, alive, k, looks)
         )
         self.require_claims(within if first == within else sure, first, upper)
-        fit = self.fitted(m, e, met, "isotropic")
+        fit = self.fitted(m, e, met, "springs-sos springs-cones" if self.springs else "isotropic")
         return self.outcome([*self._words(K), *self._reach([m[i] for i in met])], K, fit)
 
     def _reach(self, rows: Matrix) -> Iterator[str]:
@@ -2251,7 +2270,8 @@ class ConsensusStatement(LabelledStatement):
         If c I - 2 K + t (u u^T - (1 - s) I) > 0, t = tau S > 0, u = q/|q| of the fit, then
         0 < t ((u.p)^2 - (1 - s)), that is sin^2(a/2) < s.
         """
-        s, tau, q = self.sin2_half_angle, self.tau, (self.fit or {}).get("pose")
+        s, tau, fit = self.sin2_half_angle, self.tau, self.fit or {}
+        q = fit.get("proof", fit).get("pose")
         if s is None and tau is None:
             return
         if not (s and tau and q):
@@ -2273,7 +2293,10 @@ class ConsensusStatement(LabelledStatement):
 
     def _words(self, K: int) -> Iterator[str]:
         n, out, sure = self.n, self.labels.count("o"), self.labels.count("i")
-        yield f"Data: n = {n} pairs, each with a bound. SHA-256 of their doubles is {self.digest}."
+        held = "a bound and a spring" if self.springs else "a bound"
+        yield f"Data: n = {n} pairs, each with {held}. SHA-256 of their doubles is {self.digest}."
+        if self.springs:
+            yield "A bound is on the distance of the two points of a pair, whatever its spring."
         yield f"One rigid motion brings {K} of the {n} pairs within their bounds."
         yield f"No rigid motion brings more than {self.upper} within."
         if sure + out == n:
@@ -2283,7 +2306,12 @@ class ConsensusStatement(LabelledStatement):
             yield f"Not proved: which of the other {n - sure - out} pairs are."
 
 
-SUMS[ConsensusStatement.prefix] = BOUNDED
+SUMS[CONSENSUS] = BOUNDED
+SUMS[SPRUNG] = (
+    7,
+    sprung_rows,
+    "bounds or springs are others, or not given: as for certify give --max-residual and springs",
+)
 # --- end of kind: consensus ---------------------------------------------------------------------
 
 FORMS = IsotropicStatement, SimilarityStatement, CountStatement, SpringsSosStatement

@@ -20,6 +20,7 @@ from consensus_boundaries import consensus_cases
 from list_boundaries import early_list_cases, list_cases
 from similarity_boundaries import similarity_cases
 from springs_boundaries import springs_cases
+from sprung_boundaries import sprung_cases
 from truncated_boundaries import truncated_cases
 
 if TYPE_CHECKING:
@@ -1192,8 +1193,31 @@ CONSENSUS = mutants(
         "<= (norm * row[7]) ** 2",
         "<= norm * (row[7] << unit) ** 2",
     ),
-    ('self.fit.get("kind") == kind', "True"),
-    ("(0, 1, 2), (3, 4, 5), (6,)", "(0, 1, 2), (3, 4, 5), (7,)", "(3, 4, 5), (0, 1, 2), (6,)"),
+    ('self.fit.get("kind") in kinds.split()', "True"),
+    ("spans = (0, 1, 2), (3, 4, 5), (r", "spans = (3, 4, 5), (0, 1, 2), (r"),
+    ("if len(m[0]) > 8 else (6,))", "if len(m[0]) > 8 else (7,))"),
+    (
+        "(range(8, 14) if len(m[0]) > 8 else",
+        "(range(8, 13) if len(m[0]) > 8 else",
+        "(range(7, 13) if len(m[0]) > 8 else",
+        "((8, 10, 9, 11, 12, 13) if len(m[0]) > 8 else",
+        "((6,) if len(m[0]) > 8 else",
+    ),
+    ('"springs-sos springs-cones" if self.springs else "isotropic"', '"isotropic"'),
+    ('"springs-sos springs-cones" if self', '"springs-sos" if self', '"springs-cones" if self'),
+    ('springs-cones" if self', 'springs-cones springs-list" if self'),
+    ("SPRUNG if self.springs else CONSENSUS", "SPRUNG", "CONSENSUS"),
+    ('fit.get("proof", fit).get("pose")', 'fit.get("pose")', 'fit.get("proof", {}).get("pose")'),
+    ("SUMS[SPRUNG] = (\n    7,", "SUMS[SPRUNG] = (\n    6,", "SUMS[SPRUNG] = (\n    8,"),
+    ("7,\n    sprung_rows", "7,\n    bounded_rows"),
+    ('"a bound and a spring" if self.springs else "a bound"', '"a bound"'),
+    (
+        "        if self.springs:\n            yield",
+        "        if not self.springs:\n            yield",
+    ),
+    ("bounded_rows(doubles, n, 13)", "bounded_rows(doubles, n, 12)", "bounded_rows(doubles, n)"),
+    ("[*row[:6], 1, *row[6:]]", "[*row[:6], 0, *row[6:]]", "[*row[:6], *row[6:], 1]"),
+    ("[row[:8] for row in m]", "m"),
     ("for i in met for k in span", "for i, _ in enumerate(m) for k in span"),
     ("[ldexp(m[i][k], e)", "[ldexp(m[i][k], 0)"),
     ('require(fit.verified, "fit is', 'require(True, "fit is'),
@@ -1238,7 +1262,8 @@ CONSENSUS = mutants(
     ("if w != last], last)", "if w != last],)"),
     ('reason="", worth=fit.worth)', 'reason="")'),
     ('n <= ROWS_MAX, "more', 'n < ROWS_MAX, "more', 'True, "more'),
-    ("k[6 * n : 7 * n], k[7 * n :])], e", "k[7 * n :], k[6 * n : 7 * n])], e"),
+    ("k[6 * n : 7 * n], *others)], e", "*others, k[6 * n : 7 * n])], e"),
+    ("others = [k[7 * n + i :: width - 7]", "others = [k[7 * n + i :: 1]", "others = [k[7 * n ::]"),
     ("for c in (0, 1) for i in (0, 1, 2)]", "for c in (1, 0) for i in (0, 1, 2)]"),
     ("BOUNDED = (\n    2,", "BOUNDED = (\n    1,"),
     ('model: ClassVar[str] = "--max-residual"', 'model: ClassVar[str] = ""'),
@@ -1293,7 +1318,7 @@ def answers(every: int = 1) -> dict[str, str | None]:
     found |= {mutant.says: noticed(text, mutant, cases) for mutant in SIMILARITY[::every]}
     cases = [*truncated_cases()]
     found |= {mutant.says: noticed(text, mutant, cases) for mutant in TRUNCATED[::every]}
-    cases = consensus_cases()
+    cases = [*consensus_cases(), *sprung_cases()]
     found |= {mutant.says: noticed(text, mutant, cases) for mutant in CONSENSUS[::every]}
     early = early_list_cases()
     cases = list_cases()[len(early) :]  # each takes 50 ms

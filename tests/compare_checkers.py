@@ -72,7 +72,7 @@ BYTES = (
 def originals() -> list[Certificate]:
     """Certificates of both kinds, true and forged: the vectors, and random ones with all claims."""
     found = [json.loads(path.read_bytes()) for path in sorted(VECTORS.glob("*-*.json"))]
-    for seed in range(40):  # of so many other kinds are the vectors
+    for seed in range(60):  # of so many other kinds are the vectors
         made = oracle.produce(*oracle.random_problem(seed, n=4 + seed % 6, noise=0.2))
         made["basin"] = {"quaternion": made["pose"], "angular_velocity": [1, -2, 1, -30]}
         made["claims"]["basin"] = True

@@ -171,7 +171,7 @@ def faults(seed: int) -> Iterator[str]:
 def checked(seed: int, case: Planted, near: list[int], thinning: Thinning, K: int) -> Iterator[str]:
     """What the checker says of it."""
     problem, n = case.problem, case.problem.n
-    content = problem.data_bytes()[len(checker.ConsensusStatement.prefix) + 8 :]
+    content = problem.data_bytes()[len(checker.CONSENSUS) + 8 :]
     rows, _ = checker.bounded_rows(content, n)
     if checker.consistent(rows) != near:
         yield f"{seed}: the graphs differ"

@@ -12,9 +12,9 @@ from typing import Any
 import isotropic
 from envelope import ABOUT, FORMAT, Certificate, Points, Vectors, lower, of_another_digest, stated
 
-from certreg.verify import ConsensusStatement, bounded_rows, definite, weighed
+from certreg.verify import CONSENSUS, ConsensusStatement, bounded_rows, definite, weighed
 
-PREFIX = ConsensusStatement.prefix
+PREFIX = CONSENSUS
 TURN = [1, 1, 1, 1]  # takes (x, y, z) to (z, x, y)
 SHIFT = [5, -3, 2, 0]
 ONE = 1 << 60  # of the number that proves a reach
@@ -109,16 +109,20 @@ def produced(
         "format": FORMAT,
         "kind": ConsensusStatement.kind,
         "problem": stated(pairs.content, len(pairs.source)),
-        "reach": reach(pairs, fit["pose"]),
+        "reach": reach(rows_of(pairs), fit["pose"]),
         "stages": stages,
         "witness": {"quaternion": TURN, "shift": SHIFT} | witness,
     }
 
 
-def reach(pairs: Pairs, q: list[int]) -> dict[str, list[int]]:
-    """The least power of two that is proved, and the number that proves it."""
+def rows_of(pairs: Pairs) -> list[list[int]]:
+    """Those that are met, as the checker reads them."""
     table, _ = bounded_rows(pairs.content[len(PREFIX) + 8 :], len(pairs.source))
-    rows = table[: pairs.met]
+    return table[: pairs.met]
+
+
+def reach(rows: list[list[int]], q: list[int]) -> dict[str, list[int]]:
+    """The least power of two that is proved, and the number that proves it."""
     squares, bound, K = weighed(rows, [row[6] for row in rows])
     norm = sum(c * c for c in q)
     found = {"sin2_half_angle": [1, 0], "tau": [1, 0]}

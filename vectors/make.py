@@ -19,6 +19,7 @@ import count
 import isotropic
 import lists
 import similarity
+import sprung
 import squares
 import truncated
 from envelope import dumped
@@ -26,7 +27,7 @@ from envelope import dumped
 
 def vectors() -> dict[str, tuple[bytes, str]]:
     """Content and class by file name; the class of an accepted one is empty."""
-    kinds = (isotropic, count, squares, cones, lists, similarity, truncated, consensus)
+    kinds = (isotropic, count, squares, cones, lists, similarity, truncated, consensus, sprung)
     made = {
         name: (dumped(certificate), reason)
         for kind in kinds

@@ -91,6 +91,7 @@ class ConsensusBody(Brief):
         outlier in all of them, or "?", not proved.
     upper: no motion meets more pairs.
     fit: the certificate of the least-squares pose, as a file holds it; None where none was found.
+    springs: whether that is of general springs, which are in the data.
     """
 
     KIND: ClassVar[str] = "consensus"
@@ -102,6 +103,7 @@ class ConsensusBody(Brief):
     stages: tuple[Stage, ...]
     fit: dict[str, Any] | None
     reach: Reach | None = None
+    springs: bool = False
 
     def to_fields(self) -> dict[str, Any]:
         """The part of the file that is of this kind alone."""
@@ -115,6 +117,7 @@ class ConsensusBody(Brief):
                 "shift": list(self.witness.shift),
             },
             **({} if self.reach is None else {"reach": self.reach.to_fields()}),
+            **({"springs": True} if self.springs else {}),
         }
 
     @classmethod
@@ -136,4 +139,5 @@ class ConsensusBody(Brief):
                 sin2_half_angle=Dyadic.of_pair(reach["sin2_half_angle"]),
                 tau=Dyadic.of_pair(reach["tau"]),
             ),
+            springs=bool(fields.get("springs")),
         )

@@ -67,7 +67,7 @@ def test_the_folder_holds_what_the_manifest_lists_and_is_small():
 
     assert held == {vector["file"] for vector in MANIFEST}
     assert {vector["reason"] for vector in MANIFEST} == {None, *REASONS}
-    assert sum(file.stat().st_size for file in VECTORS.glob("*.json")) < 500_000
+    assert sum(file.stat().st_size for file in VECTORS.glob("*.json")) < 600_000
 
 
 @pytest.mark.slow

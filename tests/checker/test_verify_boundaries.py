@@ -11,6 +11,7 @@ from consensus_boundaries import consensus_cases
 from list_boundaries import early_list_cases, list_cases
 from similarity_boundaries import similarity_cases
 from springs_boundaries import springs_cases
+from sprung_boundaries import sprung_cases
 from truncated_boundaries import truncated_cases
 
 checker = import_module("certreg.verify")
@@ -44,6 +45,13 @@ def test_the_checker_answers_rightly_of_wrong_pairs():
     cases = consensus_cases()
 
     assert len(cases) >= 400
+    assert [case.name for case in cases if not case.passes(checker)] == []
+
+
+def test_the_checker_answers_rightly_of_wrong_pairs_on_general_springs():
+    cases = sprung_cases()
+
+    assert len(cases) >= 30
     assert [case.name for case in cases if not case.passes(checker)] == []
 
 
