@@ -176,13 +176,26 @@ static inline number counted(double value, int64_t least, range *seen)
     return found;
 }
 
+/* A long number over 2^shift, of which that is a factor. */
+static void divide(uint64_t *words, int count, int64_t shift)
+{
+    const int64_t whole = shift >> 6;
+    const int bits = shift & 63;
+    const uint64_t sign = words[count - 1] >> 63 ? UINT64_MAX : 0;
+    for (int64_t k = 0; k < count; k++) {
+        const uint64_t low = k + whole < count ? words[k + whole] : sign;
+        const uint64_t high = k + whole + 1 < count ? words[k + whole + 1] : sign;
+        words[k] = bits ? low >> bits | high << (64 - bits) : low;
+    }
+}
+
 int certreg_few_sums(
-    int64_t n, const double *source, const double *target, const double *weights, uint64_t *sums, int64_t places[6])
+    int64_t n, const double *source, const double *target, const double *weights, uint64_t *sums, int64_t lowest[3])
 {
     static const range none = {INT64_MAX, 2046, 0};
     range seen[3] = {none, none, none};
     pair sum[CERTREG_EXACT_SUMS][FEW_POWERS];
-    int64_t least[3], width[3];
+    int64_t least[3], width[3], spare[3]; /* bits below the lowest one that is set */
     if (n > PORTION)
         return CERTREG_NO_MEMORY;
     for (int64_t i = 0; i < 3 * n; i++)
@@ -194,7 +207,8 @@ int certreg_few_sums(
             return CERTREG_NOT_FINITE;
         width[k] = width_of(seen[k]);
         least[k] = seen[k].most < seen[k].least ? 0 : seen[k].least / 4;
-        places[k] = 4 * least[k], places[3 + k] = seen[k].lowest;
+        lowest[k] = seen[k].lowest;
+        spare[k] = lowest[k] == INT64_MAX ? 0 : lowest[k] - 4 * least[k];
     }
     if (width[2] + 2 * (width[0] > width[1] ? width[0] : width[1]) >= FEW_POWERS)
         return CERTREG_NO_MEMORY;
@@ -210,9 +224,11 @@ int certreg_few_sums(
         add_point(*sum, FEW_POWERS, w, x, y);
     }
     for (int k = 0; k < CERTREG_EXACT_SUMS; k++) {
+        uint64_t *words = sums + k * CERTREG_FEW_WORDS;
         int x, y;
         factors_of(k, &x, &y);
-        gather(sums + k * CERTREG_FEW_WORDS, CERTREG_FEW_WORDS, sum[k], 0, width[2] + x * width[0] + y * width[1], 0);
+        gather(words, CERTREG_FEW_WORDS, sum[k], 0, width[2] + x * width[0] + y * width[1], 0);
+        divide(words, CERTREG_FEW_WORDS, spare[2] + x * spare[0] + y * spare[1]);
     }
     return CERTREG_SUMMED;
 }
@@ -227,9 +243,9 @@ int certreg_exact_sums(
 }
 
 int certreg_few_sums(
-    int64_t n, const double *source, const double *target, const double *weights, uint64_t *sums, int64_t places[6])
+    int64_t n, const double *source, const double *target, const double *weights, uint64_t *sums, int64_t lowest[3])
 {
-    (void)n, (void)source, (void)target, (void)weights, (void)sums, (void)places;
+    (void)n, (void)source, (void)target, (void)weights, (void)sums, (void)lowest;
     return CERTREG_NO_WIDE_INTEGERS;
 }
 

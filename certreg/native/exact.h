@@ -12,9 +12,8 @@ int certreg_exact_sums(
     int64_t n, const double *source, const double *target, const double *weights, uint64_t *sums, int64_t lowest[3]);
 
 /* The same of few points whose exponents are near to each other, in less memory and time: sums of
- * CERTREG_FEW_WORDS words, over 2^-1074 and 2^places of their factors; places: of source, target,
- * weights, then where their lowest bits are set, as above. CERTREG_NO_MEMORY where they are not near. */
+ * CERTREG_FEW_WORDS words, over the lowest bits of their factors. CERTREG_NO_MEMORY where they are not near. */
 #define CERTREG_FEW_WORDS 6
 
 int certreg_few_sums(
-    int64_t n, const double *source, const double *target, const double *weights, uint64_t *sums, int64_t places[6]);
+    int64_t n, const double *source, const double *target, const double *weights, uint64_t *sums, int64_t lowest[3]);

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ctypes
 import json
+import struct
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
 from functools import cache
@@ -51,7 +53,7 @@ SCRATCH = 56  # doubles per point: CERTREG_SCRATCH of native/stationary.h
 PORTION = 512  # bodies that one call takes: Ctrl-C is answered within milliseconds
 _POINTER = ctypes.c_void_p
 _LongSums, _Lowest = ctypes.c_uint64 * (width(EXACT_SUMS) * EXACT_WORDS), ctypes.c_int64 * 3
-_FewSums, _Places = ctypes.c_uint64 * (width(EXACT_SUMS) * FEW_WORDS), ctypes.c_int64 * 6
+_FewSums = ctypes.c_uint64 * (width(EXACT_SUMS) * FEW_WORDS)
 
 
 class _Settings(ctypes.Structure):
@@ -139,26 +141,30 @@ class Library:
         Raises ValueError for other arrays and for numbers that are not finite, MissingLibraryError
         where the compiled code cannot do it.
         """
-        arrays = [np.ascontiguousarray(array, dtype=float) for array in (source, target, weights)]
-        shapes, k = [array.shape for array in arrays], len(weights)
-        if shapes != [(k, 3), (k, 3), (k,)]:
+        k = len(weights)
+        shapes = source.shape, target.shape, weights.shape
+        if shapes != ((k, 3), (k, 3), (k,)):
             raise ValueError(f"points of shapes {shapes}: expected (k, 3), (k, 3), (k,)")
-        points = [
-            ctypes.c_int64(k),
-            *[_POINTER(array.__array_interface__["data"][0]) for array in arrays],
-        ]
+        arrays = [np.asarray(array, dtype=float) for array in (source, target, weights)]
+        count = ctypes.c_int64(k)
         if k <= FEW_POINTS:
-            words, places = _FewSums(), _Places()
-            if self.handle.certreg_few_sums(*points, words, places) == SUMMED:
-                numbers = list(places)
-                return ExactSums.of(words, numbers[3:], [LEAST_PLACE + k for k in numbers[:3]])
+            few, lowest = _FewSums(), _Lowest()
+            points = [array.tobytes() for array in arrays]  # sooner done than asking for addresses
+            if self.handle.certreg_few_sums(count, *points, few, lowest) == SUMMED:
+                exponents = _exponents(lowest)
+                places = tuple([0 if bit is None else bit for bit in exponents])
+                return ExactSums(integers=_long_numbers(few), places=places, lowest=exponents)
+        arrays = [np.ascontiguousarray(array) for array in arrays]
+        points = [_POINTER(array.ctypes.data) for array in arrays]
         words, lowest = _LongSums(), _Lowest()
-        refused = self.handle.certreg_exact_sums(*points, words, lowest)
+        refused = self.handle.certreg_exact_sums(count, *points, words, lowest)
         if refused == NOT_FINITE:
             raise ValueError("a number is not finite")
         if refused:
             raise MissingLibraryError("no memory for exact sums, or no integers of 128 bits")
-        return ExactSums.of(words, list(lowest), [LEAST_PLACE] * 3)
+        return ExactSums(
+            integers=_long_numbers(words), places=(LEAST_PLACE,) * 3, lowest=_exponents(lowest)
+        )
 
     @property
     def multiplies_digits(self) -> bool:
@@ -284,25 +290,12 @@ class ExactSums:
     """Sums by native/exact.c.
 
     integers: the 28 sums, each over 2^places of its factors. places: of source, target, weights.
-    lowest: exponents over 2^-1074 of the lowest bit set in source, target, weights; None: all zero.
+    lowest: exponents of the lowest bits set in source, target, weights; None: all are zero.
     """
 
     integers: tuple[int, ...]
     places: tuple[int, ...]
     lowest: tuple[int | None, ...]
-
-    @classmethod
-    def of(cls, words: ctypes.Array[Any], lowest: list[int], places: list[int]) -> ExactSums:
-        """The sums that stand in an array of words."""
-        memory: Any = words
-        content: bytes = np.frombuffer(memory, dtype="=u8").astype("<u8", copy=False).tobytes()
-        size = ctypes.sizeof(words) // width(EXACT_SUMS)
-        parts = [content[k : k + size] for k in range(0, len(content), size)]
-        return cls(
-            integers=tuple([int.from_bytes(part, "little", signed=True) for part in parts]),
-            places=tuple(places),
-            lowest=tuple([None if bit == NOWHERE else bit for bit in lowest]),
-        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -348,6 +341,20 @@ def _points(
         raise ValueError(f"points of shapes {shapes}: expected (k, 3), (k, 3), (k,)")
     pointers = [_POINTER(array.ctypes.data) for array in arrays]
     return ctypes.c_int64(k), [*pointers, *[_POINTER()] * (3 - len(arrays))], arrays
+
+
+def _long_numbers(words: ctypes.Array[Any]) -> tuple[int, ...]:
+    """The integers of the sums, each of as many words, low first."""
+    if sys.byteorder == "big":
+        words = type(words)(*[int.from_bytes(word.to_bytes(8, "big"), "little") for word in words])
+    count, number = width(EXACT_SUMS), int.from_bytes
+    parts = struct.unpack(f"{ctypes.sizeof(words) // count}s" * count, bytes(words))
+    return tuple([number(part, "little", signed=True) for part in parts])
+
+
+def _exponents(lowest: Iterable[int]) -> tuple[int | None, ...]:
+    """Of lowest bits that are told over 2^-1074."""
+    return tuple([None if bit == NOWHERE else bit + LEAST_PLACE for bit in lowest])
 
 
 def _joined(words: list[int]) -> int:

@@ -116,7 +116,8 @@ def with_pattern(moments: ExactMoments, pattern: Pattern) -> Classification:
     """The classification of a problem whose pattern is known, by whichever method."""
     return Classification(
         pattern=pattern,
-        inertia_definite=is_positive_definite(moments.inertia),
+        # Four eigenvalues: of C at most one singular value is 0, so the points are on no line.
+        inertia_definite=len(pattern) == 4 or is_positive_definite(moments.inertia),
         ambiguity=None if pattern[0] == 1 else _ambiguity(moments),
     )
 

@@ -44,7 +44,6 @@ LIMB_BITS = 20  # products of two limbs are below 2^40, and 2^13 of them add up 
 LIMB_POINTS = 1 << 12  # half of that: so many fit into the cache, and take half the time
 PRODUCT_POINTS = 512  # of one product of matrices: for more, BLAS would start threads
 MOST_LIMBS = 12  # of a coordinate: beyond a range of 2^187, Python's integers are faster
-LEAST_EXPONENT = -1074  # every double is an integer times 2^-1074
 # Of each sum, how many factors are coordinates of the source and of the target; w is always one.
 FACTORS = ((0, 0), *[(1, 0)] * 3, *[(0, 1)] * 3, *[(1, 1)] * 9, *[(2, 0)] * 6, *[(0, 2)] * 6)
 UPPER = tuple((i, j) for i in range(3) for j in range(i, 3))
@@ -114,17 +113,17 @@ class Sums:
         x, y, w = (
             0 if low is None else unit - low for unit, low in zip(units, lowest, strict=True)
         )
-        shifts = [w + of_source * x + of_target * y for of_source, of_target in cls.coordinates]
+        if x or y or w:
+            shifts = [w + of_source * x + of_target * y for of_source, of_target in cls.coordinates]
+            integers = [
+                k << shift if shift >= 0 else k >> -shift
+                for k, shift in zip(integers, shifts, strict=True)
+            ]
         return cls(
             source_exponent=lowest[0],
             target_exponent=lowest[1],
             weight_exponent=lowest[2],
-            integers=tuple(
-                [
-                    k << shift if shift >= 0 else k >> -shift
-                    for k, shift in zip(integers, shifts, strict=True)
-                ]
-            ),
+            integers=tuple(integers),
         )
 
 
@@ -163,13 +162,7 @@ def sums_by(method: SumMethod, problem: RegistrationProblem, *, threads: int = T
     many, by Python's integers: never by exponents.
     threads: how many may work at once; Python's integers are added by one.
     """
-    one_of: dict[SumMethod, Callable[[Block], Sums]] = {
-        SumMethod.INTEGERS: _by_integers,
-        SumMethod.LIMBS: _by_limbs,
-        SumMethod.BY_EXPONENT: lambda block: _by_exponent(loaded_library(), block),
-        SumMethod.FIXED_POINT: lambda block: _by_fixed_point(loaded_library(), block),
-    }
-    summed = one_of[method]
+    summed = _METHODS[method]
     return over_blocks(
         lambda rows: summed(problem.block(rows)),
         problem.n,
@@ -230,8 +223,7 @@ def _unequal(weights: NDArray[np.float64]) -> NDArray[np.float64] | None:
 
 def _by_exponent(compiled: Library, block: Block) -> Sums:
     raw = compiled.exact_sums(block.source, block.target, block.weights)
-    a, b, c = (None if bit is None else bit + LEAST_EXPONENT for bit in raw.lowest)
-    return Sums.stated(raw.integers, raw.places, (a, b, c))
+    return Sums.stated(raw.integers, raw.places, raw.lowest)
 
 
 def _by_fixed_point(compiled: Library, block: Block) -> Sums:
@@ -426,3 +418,11 @@ def _difference(exponent: int | None, least: int | None) -> int:
 
 def _dot(a: list[int], b: list[int]) -> int:
     return sum(map(mul, a, b))
+
+
+_METHODS: dict[SumMethod, Callable[[Block], Sums]] = {
+    SumMethod.INTEGERS: _by_integers,
+    SumMethod.LIMBS: _by_limbs,
+    SumMethod.BY_EXPONENT: lambda block: _by_exponent(loaded_library(), block),
+    SumMethod.FIXED_POINT: lambda block: _by_fixed_point(loaded_library(), block),
+}

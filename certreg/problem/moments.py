@@ -20,7 +20,7 @@ import numpy as np
 
 from certreg.errors import InvalidProblemError
 from certreg.exact import power_of_two
-from certreg.native import EXACT_SUMS, MEANS, named, parts_of
+from certreg.native import MEANS, named
 from certreg.problem.exact_sums import sums as exact_sums
 from certreg.problem.floating_sums import CloudPair, chunks, floating_sums
 from certreg.results import Brief
@@ -147,9 +147,8 @@ def moments_of(sums: Sums, n: int, *, about_origin: bool = False) -> ExactMoment
 
     about_origin: with the sums of first order taken for 0, as where there is no translation.
     """
-    parts = parts_of(sums.integers, EXACT_SUMS)
-    (mass,) = parts["mass"]
-    source_sum, target_sum = _vector(parts["source"]), _vector(parts["target"])
+    mass, x, y, z, u, v, w, *products = sums.integers
+    source_sum, target_sum = (x, y, z), (u, v, w)
     if about_origin:
         source_sum = target_sum = (0, 0, 0)
     return ExactMoments(
@@ -160,9 +159,9 @@ def moments_of(sums: Sums, n: int, *, about_origin: bool = False) -> ExactMoment
         mass=mass,
         source_sum=source_sum,
         target_sum=target_sum,
-        cross=_centred(mass, parts["cross"], target_sum, source_sum),
-        source_scatter=_scatter(mass, parts["source_scatter"], source_sum),
-        target_scatter=_scatter(mass, parts["target_scatter"], target_sum),
+        cross=_centred(mass, products[:9], target_sum, source_sum),
+        source_scatter=_scatter(mass, products[9:15], source_sum),
+        target_scatter=_scatter(mass, products[15:], target_sum),
     )
 
 
@@ -232,16 +231,16 @@ def _centroid(total: Vector3[int], mass: int, exponent: int) -> Vector3[Fraction
     return (total[0] * unit, total[1] * unit, total[2] * unit)
 
 
-def _vector(entries: Sequence[int]) -> Vector3[int]:
-    x, y, z = entries
-    return (x, y, z)
-
-
 def _centred(
     mass: int, products: Sequence[int], left: Vector3[int], right: Vector3[int]
 ) -> Matrix3[int]:
-    entries = [mass * product - left[k // 3] * right[k % 3] for k, product in enumerate(products)]
-    return (_vector(entries[:3]), _vector(entries[3:6]), _vector(entries[6:]))
+    a, b, c, d, e, f, g, h, i = products
+    (u, v, w), (x, y, z) = left, right
+    return (
+        (mass * a - u * x, mass * b - u * y, mass * c - u * z),
+        (mass * d - v * x, mass * e - v * y, mass * f - v * z),
+        (mass * g - w * x, mass * h - w * y, mass * i - w * z),
+    )
 
 
 def _scatter(mass: int, products: Sequence[int], total: Vector3[int]) -> Matrix3[int]:

@@ -281,7 +281,7 @@ class RegistrationProblem(Brief):
             Where a file holds no proper points any more.
         """
         weights = contiguous(self.weights, rows, "weights")
-        if not (weights >= 0).all():
+        if mapped_file(self.weights) is not None and not (weights >= 0).all():
             row = rows.start + int(np.argmin(weights >= 0))
             raise InvalidProblemError(CHANGED, array="weights", row=row, limit=0.0)
         return Block(
