@@ -4,6 +4,7 @@
  * l_i its Rayleigh quotient, and its length is made 1. What is left of the errors is of the order of
  * their squares: 2^-50, 2^-100, 2^-190. A proposal: whoever relies on it proves it by itself. */
 #include "eigenbasis.h"
+#include "jacobi.h"
 
 #include <math.h>
 #include <string.h>
@@ -15,6 +16,7 @@
 #define NEAR 0x1p-16   /* of all corrections: doubles of such values leave 2^-40 */
 #define ENOUGH 0x1p-94 /* of the last ones: their squares are a few units of the last places */
 #define STEPS 6        /* two are usual */
+#define SWEEPS 12      /* of Jacobi's method in doubles; five are usual */
 
 typedef struct {
     uint64_t word[WORDS];
@@ -47,32 +49,40 @@ static inline fixed sum(fixed a, fixed b)
 
 static inline fixed difference(fixed a, fixed b) { return sum(a, signed_by(b, UINT64_MAX)); }
 
-/* Rounded to zero. */
-static inline fixed product(fixed a, fixed b)
+/* The sum of `count` products, rounded down: by columns of words from the third on, as what the lower ones carry is
+ * less than 2^-60 of the last place. A number is that of its bits less 2^256 where it is negative: so the other
+ * factor is taken off above. */
+static inline __attribute__((always_inline)) fixed summed(const fixed *a, const fixed *b, const int count)
 {
-    const uint64_t sign = sign_of(a) ^ sign_of(b);
-    uint64_t words[2 * WORDS] = {0};
-    a = signed_by(a, sign_of(a)), b = signed_by(b, sign_of(b));
-    for (int i = 0; i < WORDS; i++) {
-        unsigned __int128 carry = 0;
-        for (int j = 0; j < WORDS; j++) {
-            carry += (unsigned __int128)a.word[i] * b.word[j] + words[i + j];
-            words[i + j] = (uint64_t)carry;
-            carry >>= 64;
+    unsigned __int128 column = 0, next = 0, off = 0;
+    fixed total;
+    for (int c = 2; c < 2 * WORDS - 1; c++) {
+        const int k = c - WORDS + 1; /* of the result */
+        for (int n = 0; n < count; n++) {
+            for (int i = c < WORDS ? 0 : k; i < WORDS && i <= c; i++) {
+                const unsigned __int128 part = (unsigned __int128)a[n].word[i] * b[n].word[c - i];
+                column += (uint64_t)part;
+                next += (uint64_t)(part >> 64);
+            }
+            if (k > 0) {
+                off += b[n].word[k - 1] & sign_of(a[n]);
+                off += a[n].word[k - 1] & sign_of(b[n]);
+            }
         }
-        words[i + WORDS] = (uint64_t)carry;
+        if (k >= 0) {
+            const uint64_t more = (uint64_t)column, less = (uint64_t)off;
+            total.word[k] = more - less;
+            off = (off >> 64) + (more < less);
+        }
+        column = next + (column >> 64);
+        next = 0;
     }
-    memcpy(a.word, words + WORDS - 1, sizeof a.word);
-    return signed_by(a, sign);
-}
-
-static inline fixed dot(const fixed *a, const fixed *b)
-{
-    fixed total = product(a[0], b[0]);
-    for (int k = 1; k < 4; k++)
-        total = sum(total, product(a[k], b[k]));
     return total;
 }
+
+static __attribute__((noinline)) fixed product(fixed a, fixed b) { return summed(&a, &b, 1); }
+
+static __attribute__((noinline)) fixed dot(const fixed *a, const fixed *b) { return summed(a, b, 4); }
 
 static inline double to_double(fixed a)
 {
@@ -142,13 +152,35 @@ static double corrected(fixed matrix[4][4], fixed basis[4][4], fixed values[4])
     return largest;
 }
 
-int certreg_eigenbasis(const uint64_t *matrix, const double *start, uint64_t *values, uint64_t *vectors)
+/* Unit eigenvectors, row by row, by descending value, of a matrix in doubles. */
+static void proposed(double matrix[16], fixed basis[4][4])
+{
+    double columns[16];
+    int order[4] = {0, 1, 2, 3};
+    certreg_jacobi(matrix, columns, 4, SWEEPS);
+    for (int i = 1; i < 4; i++)
+        for (int k = i; k > 0 && matrix[5 * order[k]] > matrix[5 * order[k - 1]]; k--) {
+            const int lower = order[k];
+            order[k] = order[k - 1], order[k - 1] = lower;
+        }
+    for (int i = 0; i < 4; i++) {
+        double *const v = columns + order[i], flip = v[0] < 0 ? -1 : 1; /* of v and -v always the same */
+        for (int k = 0; k < 4; k++)
+            basis[i][k] = of_double(flip * v[4 * k]);
+    }
+}
+
+int certreg_eigenbasis(const uint64_t *upper, uint64_t *values, uint64_t *vectors)
 {
     fixed given[4][4], basis[4][4], found[4];
-    double largest = NEAR;
-    memcpy(given, matrix, sizeof given);
-    for (int k = 0; k < 16; k++)
-        basis[k / 4][k % 4] = of_double(start[k]);
+    double largest = NEAR, doubles[16];
+    for (int i = 0; i < 4; i++)
+        for (int j = i; j < 4; j++, upper += WORDS) {
+            memcpy(given[i] + j, upper, sizeof(fixed));
+            given[j][i] = given[i][j];
+            doubles[4 * i + j] = doubles[4 * j + i] = to_double(given[i][j]);
+        }
+    proposed(doubles, basis);
     for (int step = 0; step < STEPS && largest > ENOUGH; step++) {
         largest = corrected(given, basis, found);
         if (!(largest < NEAR))
@@ -161,9 +193,9 @@ int certreg_eigenbasis(const uint64_t *matrix, const double *start, uint64_t *va
 
 #else
 
-int certreg_eigenbasis(const uint64_t *matrix, const double *start, uint64_t *values, uint64_t *vectors)
+int certreg_eigenbasis(const uint64_t *upper, uint64_t *values, uint64_t *vectors)
 {
-    (void)matrix, (void)start, (void)values, (void)vectors;
+    (void)upper, (void)values, (void)vectors;
     return 0;
 }
 

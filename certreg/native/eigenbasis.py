@@ -11,8 +11,6 @@ import sys
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from certreg.native.library import library_if_any
 
 if TYPE_CHECKING:
@@ -21,7 +19,6 @@ if TYPE_CHECKING:
 FIXED_BITS = 192  # behind the point
 WORD_BYTES, FIXED_WORDS = 8, 4  # CERTREG_FIXED_WORDS, as in native/eigenbasis.h
 _SIZE = WORD_BYTES * FIXED_WORDS
-_ONE = 1 << FIXED_BITS
 _VALUES, _VECTORS = ctypes.c_char * (4 * _SIZE), ctypes.c_char * (16 * _SIZE)
 
 
@@ -37,20 +34,18 @@ def fixed_eigenbasis(
     compiled = _compiled()
     if compiled is None:
         return None
-    entries = [entry for row in matrix for entry in row]
-    given = b"".join([entry.to_bytes(_SIZE, "little", signed=True) for entry in entries])
-    doubles = np.array([entry / _ONE for entry in entries]).reshape(4, 4)
-    start = np.linalg.eigh(doubles)[1].T[::-1].tobytes()
+    upper = [entry for k, row in enumerate(matrix) for entry in row[k:]]
+    given = b"".join([entry.to_bytes(_SIZE, "little", signed=True) for entry in upper])
     values, vectors = _VALUES(), _VECTORS()
-    if not compiled(given, start, values, vectors):
+    if not compiled(given, values, vectors):
         return None
     entries = _integers(vectors.raw)
     return _integers(values.raw), (entries[:4], entries[4:8], entries[8:12], entries[12:])
 
 
 def _integers(content: bytes) -> tuple[int, ...]:
-    parts = struct.unpack(f"{_SIZE}s" * (len(content) // _SIZE), content)
-    return tuple([int.from_bytes(part, "little", signed=True) for part in parts])
+    parts, number = struct.unpack(f"{_SIZE}s" * (len(content) // _SIZE), content), int.from_bytes
+    return tuple([number(part, "little", signed=True) for part in parts])
 
 
 @cache
