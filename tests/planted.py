@@ -23,15 +23,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from certreg.certificate import ConsensusProver, consensus_certificate
-from certreg.certificate.consistency import consistent_pairs, mask_of
+from certreg.certificate.consistency import consistent_pairs
 from certreg.certificate.refuting import PointRows
 from certreg.certificate.thinning import Graph, Thinning
+from certreg.native import mask_of
 from certreg.problem import ConsensusProblem, RegistrationProblem
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from numpy.typing import NDArray
+
+    from certreg.native import BitRows
 
 INSTANCES = 100_000
 TOLD = 2_000  # instances between two lines
@@ -168,15 +171,15 @@ def faults(seed: int) -> Iterator[str]:
         yield from checked(seed, case, near, thinning, K)
 
 
-def checked(seed: int, case: Planted, near: list[int], thinning: Thinning, K: int) -> Iterator[str]:
+def checked(seed: int, case: Planted, near: BitRows, thinning: Thinning, K: int) -> Iterator[str]:
     """What the checker says of it."""
     problem, n = case.problem, case.problem.n
     content = problem.data_bytes()[len(checker.CONSENSUS) + 8 :]
     rows, _ = checker.bounded_rows(content, n)
-    if checker.consistent(rows) != near:
+    if checker.consistent(rows) != near.integers:
         yield f"{seed}: the graphs differ"
     steps = [[s.row, *[[[*g.rows], [*g.weights]] for g in s.groups]] for s in thinning.strikes]
-    left = checker.Thinning(rows, near, (1 << n) - 1, K, [checker.LOOKS_MAX]).after(steps)
+    left = checker.Thinning(rows, near.integers, (1 << n) - 1, K, [checker.LOOKS_MAX]).after(steps)
     if left != thinning.alive:
         yield f"{seed}: the checker leaves other rows"
     if seed % PROVED == 0:

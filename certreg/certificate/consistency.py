@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from certreg.geometry import rotation_matrix, squared_norm
+from certreg.native import BitRows, agreeing
 from certreg.problem import lift
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
@@ -31,14 +32,25 @@ BLOCK_ROWS = 32  # rows against all others at a time: of 1,000 they stay in the 
 QUATERNION_BITS, SHIFT_BITS = 60, 64  # of a witness: its rounding is far below that of its points
 
 
-def consistent_pairs(problem: ConsensusProblem) -> list[int]:
-    """For each pair those that one motion may meet with it, as bits of an integer."""
+def consistent_pairs(problem: ConsensusProblem) -> BitRows:
+    """For each pair those that one motion may meet with it."""
     block = problem.problem.block(slice(None))
     one = 2.0 ** -_exponent(problem)  # exact, but for what is too small to matter beside errors
-    x, y, bounds = block.source * one, block.target * one, problem.bounds * one
-    exact = ExactRows(problem)
-    allowed = np.empty((problem.n, problem.n), dtype=bool)
-    for start in range(0, problem.n, BLOCK_ROWS):
+    points = np.hstack([block.source, block.target]) * one
+    exact, found = ExactRows(problem), agreeing(points, problem.bounds * one)
+    if found is None:
+        return _agreeing(exact, points, problem.bounds * one)
+    more = [(i, j) for i, j in found.open_pairs if exact.agree(i, j)]
+    return found.near.with_edges(more) if more else found.near
+
+
+def _agreeing(
+    exact: ExactRows, points: NDArray[np.float64], bounds: NDArray[np.float64]
+) -> BitRows:
+    """Where there is no compiled code."""
+    x, y, n = points[:, :3], points[:, 3:], len(bounds)
+    allowed = np.empty((n, n), dtype=bool)
+    for start in range(0, n, BLOCK_ROWS):
         rows, later = slice(start, start + BLOCK_ROWS), slice(start, None)
         a, b = _lengths(x[rows], x[later]), _lengths(y[rows], y[later])
         error = LENGTH_ERROR * float(a.max() + b.max() + 2.0 * bounds.max()) + 1e-300
@@ -51,8 +63,7 @@ def consistent_pairs(problem: ConsensusProblem) -> list[int]:
         allowed[rows, later] = block
         allowed[later, rows] = block.T
     np.fill_diagonal(allowed, val=False)
-    packed = np.packbits(allowed, axis=1, bitorder="little")
-    return [int.from_bytes(row.tobytes(), "little") for row in packed]
+    return BitRows.of_table(allowed)
 
 
 def _exponent(problem: ConsensusProblem) -> int:
@@ -144,19 +155,3 @@ class ExactRows:
 def _turn(q: Sequence[int]) -> list[list[int]]:
     """|q|^2 R(q), in integers."""
     return [list(row) for row in rotation_matrix(list(q))]
-
-
-def rows_of(mask: int) -> Iterator[int]:
-    """The places of the ones."""
-    while mask:
-        low = mask & -mask
-        yield low.bit_length() - 1
-        mask ^= low
-
-
-def mask_of(rows: Sequence[int]) -> int:
-    """The inverse of `rows_of`."""
-    mask = 0
-    for row in rows:
-        mask |= 1 << row
-    return mask

@@ -30,7 +30,6 @@ from certreg.certificate.consistency import (
     SHIFT_BITS,
     ExactRows,
     consistent_pairs,
-    mask_of,
 )
 from certreg.certificate.envelope import Certificate
 from certreg.certificate.refuting import PointRows, davenport_stack
@@ -38,6 +37,7 @@ from certreg.certificate.staging import Stager
 from certreg.certificate.thinning import Graph
 from certreg.exact import dyadic_above
 from certreg.geometry import Pose, quaternion_from_matrix, rotation_matrix
+from certreg.native import mask_of
 from certreg.problem import LEAST_PAIRS
 
 if TYPE_CHECKING:
@@ -79,15 +79,13 @@ class ConsensusProver:
     def __init__(self, problem: ConsensusProblem, *, effort: float = 1.0) -> None:
         self.problem = problem
         self._exact = ExactRows(problem)
-        self.graph = Graph(consistent_pairs(problem), PointRows.of(problem), effort)
+        self._near = consistent_pairs(problem)
+        self.graph = Graph(self._near, PointRows.of(problem), effort)
 
     @property
     def consistent(self) -> NDArray[np.bool_]:
         """(N, N), which two pairs one motion may meet."""
-        n = self.problem.n
-        packed = b"".join(mask.to_bytes(-(-n // 8), "little") for mask in self.graph.near)
-        rows = np.frombuffer(packed, dtype=np.uint8).reshape(n, -1)
-        return np.unpackbits(rows, axis=1, bitorder="little", count=n).astype(bool)
+        return self._near.table
 
     def prove(
         self, rotation: NDArray[np.float64], translation: NDArray[np.float64], *, whole: bool = True

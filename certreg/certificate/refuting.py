@@ -9,12 +9,14 @@ r_i / b_i; Lawson's method finds them: each weight times the residual that it le
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from certreg.certificate.consensus import Group
 from certreg.geometry import rotation_matrices
+from certreg.native import LawsonColumns, lawson_columns
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
 
     from certreg.problem import ConsensusProblem
 
+# What follows stands in native/lawson.c, too.
 ROUNDS = 100  # of reweighting: five are usual, more where the least largest residual is near 1
 WEIGHT_MAX = 65535  # integers, so that a group takes few bytes; 255 miss refutations of one percent
 SIZES = (3, 4, 5, 6, 8, 12, 20, 40)  # of the heaviest rows of a group, which may do without others
@@ -30,7 +33,7 @@ SIZES = (3, 4, 5, 6, 8, 12, 20, 40)  # of the heaviest rows of a group, which ma
 MARGIN = 1e-9
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class PointRows:
     """Points (N, 3) and bounds (N,) of a problem in doubles."""
 
@@ -51,6 +54,19 @@ class PointRows:
 
         None where none were found: mostly because a motion meets them all.
         """
+        if (columns := self._columns) is None:
+            return self._refutation(row, rows)
+        refuted = columns.refuted([row, *rows])
+        if refuted is None:
+            return None
+        return Group(rows=tuple(refuted.rows[1:]), weights=tuple(refuted.weights))
+
+    @cached_property
+    def _columns(self) -> LawsonColumns | None:
+        return lawson_columns(self.source.T, self.target.T, self.bounds)
+
+    def _refutation(self, row: int, rows: Sequence[int]) -> Group | None:
+        """The same in NumPy."""
         picked, best = np.array([row, *rows]), None
         while (weights := self._weights(picked)) is not None:
             kept = self._heaviest(picked, weights)

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from certreg.certificate.consensus import Stage
-from certreg.certificate.consistency import mask_of
 from certreg.certificate.thinning import Thinning
+from certreg.native import mask_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

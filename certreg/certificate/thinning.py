@@ -11,12 +11,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from certreg.certificate.consensus import Group, Strike
-from certreg.certificate.consistency import mask_of, rows_of
+from certreg.native import mask_of, rows_of, thinned
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from certreg.certificate.refuting import PointRows
+    from certreg.native import Neighbours
 
 MOST_GROUPS = 64  # of one row, at effort 1
 MOST_LEFT_OUT = 4  # rows, where groups share some: the sets to be tried grow as its power
@@ -26,7 +25,7 @@ MOST_LEFT_OUT = 4  # rows, where groups share some: the sets to be tried grow as
 class Graph:
     """Pairs that one motion may meet together, as bits; their points; how hard to try."""
 
-    near: list[int]
+    near: Neighbours
     points: PointRows
     effort: float = 1.0
 
@@ -40,40 +39,37 @@ class Thinning:
 
     def __init__(self, graph: Graph, alive: int, least: int, clique: int) -> None:
         self._graph, self._least, self._clique = graph, least, clique
-        self._coloured: dict[int, int] = {}
         self._failed: dict[int, tuple[int, int]] = {}
+        self._left = thinned(graph.near, alive, least, clique)
         self.strikes: list[Strike] = []
-        self.alive = linked(graph.near, alive, least, alive)
+
+    @property
+    def alive(self) -> int:
+        """The rows left, as bits."""
+        return self._left.alive
 
     def run(self) -> None:
         """Strikes rows until none falls."""
-        while self._strike(self._no_groups) or self._strike(self._groups):
+        while self._strike_by_colours() or self._strike_by_groups():
             pass
 
-    def _strike(self, proof: Callable[[int], tuple[Group, ...] | None]) -> bool:
-        """Tries all rows once, those with few neighbours first; whether one fell."""
-        near, struck = self._graph.near, False
-        rows = sorted(
-            rows_of(self.alive & ~self._clique),
-            key=lambda e: (near[e] & self.alive).bit_count(),
-        )
-        for e in rows:
-            if self.alive.bit_count() < self._least:
-                return False
-            if self.alive >> e & 1 and (groups := proof(e)) is not None:
-                self.strikes.append(Strike(row=e, groups=groups))
-                self.alive = linked(near, self.alive & ~(1 << e), self._least, near[e])
-                struck = True
-        return struck
+    def _strike_by_colours(self) -> bool:
+        struck = self._left.strike_by_colours()
+        self.strikes += [Strike(row=row) for row in struck]
+        return bool(struck)
 
-    def _no_groups(self, e: int) -> tuple[Group, ...] | None:
-        beside, most = self._graph.near[e] & self.alive, self._least - 2
-        if self._coloured.get(e) == beside or (beside & self._clique).bit_count() > most:
-            return None
-        if colours(beside, self._graph.near, most) <= most:
-            return ()
-        self._coloured[e] = beside
-        return None
+    def _strike_by_groups(self) -> bool:
+        """Tries all rows once, those with few neighbours first; whether one fell."""
+        left, alive, struck = self._left, self.alive, False
+        rows = sorted(rows_of(alive & ~self._clique), key=lambda e: left.beside(e).bit_count())
+        for e in rows:
+            if alive.bit_count() < self._least:
+                return False
+            if alive >> e & 1 and (groups := self._groups(e)) is not None:
+                self.strikes.append(Strike(row=e, groups=groups))
+                left.strike(e)
+                alive, struck = self.alive, True
+        return struck
 
     def _groups(self, e: int) -> tuple[Group, ...] | None:
         """Groups of the clique, each refuted with e, so many that e falls; None if not found.
@@ -81,9 +77,9 @@ class Thinning:
         A motion that meets e and enough others leaves out so many rows of the clique at most, and
         one of each group.
         """
-        beside = self._graph.near[e] & self.alive
+        beside = self._left.beside(e)
         rows = beside & self._clique
-        others = colours(beside & ~self._clique, self._graph.near, self._least)
+        others = self._left.colours(beside & ~rows, self._least)
         most = rows.bit_count() + others - (self._least - 1)
         failed = self._failed.get(e)
         if not 0 <= most < rows.bit_count() or (failed == (rows, most)):
@@ -141,34 +137,3 @@ def transversal(sets: list[int], most: int) -> int | None:
         if found is not None:
             return found | 1 << row
     return None
-
-
-def linked(near: list[int], alive: int, least: int, touched: int) -> int:
-    """Less those with fewer than `least` - 1 neighbours, until none is left that has so few.
-
-    touched: rows that may have so few; those that lose a neighbour follow.
-    """
-    while touched:
-        few = [i for i in rows_of(touched & alive) if (near[i] & alive).bit_count() < least - 1]
-        alive &= ~mask_of(few)
-        touched = 0
-        for i in few:
-            touched |= near[i]
-    return alive
-
-
-def colours(rows: int, near: list[int], most: int) -> int:
-    """How many colours the rows take, the lowest first; or one more than `most`.
-
-    A colour is given to the lowest row without one, then to every later row that is no neighbour
-    of those that have it. The checker colours alike, so that it finds no more.
-    """
-    count = 0
-    while rows and count <= most:
-        count += 1
-        free = rows
-        while free:
-            low = free & -free
-            rows ^= low
-            free &= ~(near[low.bit_length() - 1] | low)
-    return count

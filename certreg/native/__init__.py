@@ -11,6 +11,12 @@ from typing import TYPE_CHECKING
 from certreg._loading import lazy_face
 
 if TYPE_CHECKING:
+    from certreg.native.bit_rows import BitRows as BitRows
+    from certreg.native.bit_rows import Neighbours as Neighbours
+    from certreg.native.bit_rows import agreeing as agreeing
+    from certreg.native.bit_rows import mask_of as mask_of
+    from certreg.native.bit_rows import rows_of as rows_of
+    from certreg.native.bit_rows import thinned as thinned
     from certreg.native.codegen.emit import C_FILE as C_FILE
     from certreg.native.codegen.emit import HEADER_FILE as HEADER_FILE
     from certreg.native.codegen.emit import generated_files as generated_files
@@ -23,6 +29,8 @@ if TYPE_CHECKING:
     from certreg.native.kernels import GENERATED as GENERATED
     from certreg.native.kernels import HERE as HERE
     from certreg.native.kernels import MissingLibraryError as MissingLibraryError
+    from certreg.native.lawson import LawsonColumns as LawsonColumns
+    from certreg.native.lawson import lawson_columns as lawson_columns
     from certreg.native.layout import BASIN as BASIN
     from certreg.native.layout import BODY as BODY
     from certreg.native.layout import BREATHING_ENERGIES as BREATHING_ENERGIES
@@ -74,6 +82,14 @@ if TYPE_CHECKING:
 __getattr__ = lazy_face(
     __name__,
     {
+        "bit_rows": (
+            "BitRows",
+            "Neighbours",
+            "agreeing",
+            "mask_of",
+            "rows_of",
+            "thinned",
+        ),
         "codegen.emit": (
             "C_FILE",
             "HEADER_FILE",
@@ -93,6 +109,10 @@ __getattr__ = lazy_face(
             "GENERATED",
             "HERE",
             "MissingLibraryError",
+        ),
+        "lawson": (
+            "LawsonColumns",
+            "lawson_columns",
         ),
         "layout": (
             "BASIN",

@@ -28,6 +28,7 @@ INCLUDED = (GENERATED / "dynamics.c", GENERATED / "spring_dynamics.c")  # by loo
 UNITS = (
     *INCLUDED,
     GENERATED / "breathing_dynamics.c",
+    HERE / "agreement.c",
     HERE / "escape.c",
     HERE / "midpoint.c",
     HERE / "single.c",
@@ -39,6 +40,7 @@ UNITS = (
     HERE / "cones.c",
     HERE / "eigenbasis.c",
     HERE / "fixed.c",
+    HERE / "lawson.c",
     HERE / "paths.c",
     HERE / "pose.c",
     HERE / "spring_escape.c",
@@ -48,6 +50,7 @@ UNITS = (
     HERE / "springs.c",
     HERE / "stationary.c",
     HERE / "sums.c",
+    HERE / "thinning.c",
 )
 HEADERS = (
     GENERATED / "breathing_dynamics.h",
@@ -62,7 +65,9 @@ HEADERS = (
             *("certifying.h", "loops.h", "lanes.h", "loop.h", "exact.h", "fixed.h"),
             *("cones.h", "exact_springs.h", "exponents.h", "eigen.h", "eigenbasis.h"),
             *(
+                "agreement.h",
                 "jacobi.h",
+                "lawson.h",
                 "midpoint.h",
                 "paths.h",
                 "pose.h",
@@ -70,6 +75,7 @@ HEADERS = (
                 "springs.h",
                 "stationary.h",
                 "sums.h",
+                "thinning.h",
                 "unpacked.h",
             ),
         )
@@ -85,7 +91,10 @@ WRITTEN = (  # by hand, not generated
     "certreg_splitting_single",
     "certreg_splitting_lanes",
     "certreg_midpoint_single",
+    "certreg_agreeing",
+    "certreg_colours",
     "certreg_cones",
+    "certreg_cut",
     "certreg_eigenbasis",
     "certreg_exact_springs",
     "certreg_exact_sums",
@@ -94,18 +103,23 @@ WRITTEN = (  # by hand, not generated
     "certreg_fixed_fits",
     "certreg_fixed_vectors",
     "certreg_limb_springs",
+    "certreg_lawson_fits",
     "certreg_many_quartic_paths",
     "certreg_many_springs",
     "certreg_pose",
     "certreg_prove_optima",
     "certreg_quartic_newton",
     "certreg_quartic_paths",
+    "certreg_refutation",
     "certreg_spring_midpoint_single",
     "certreg_spring_splitting_lanes",
     "certreg_spring_splitting_single",
     "certreg_springs",
     "certreg_stationary_poses",
+    "certreg_strike",
+    "certreg_strike_by_colours",
     "certreg_sums",
+    "certreg_thin",
 )
 VARIANT = "CERTREG_VARIANT"  # names a narrower one, or PYTHON
 PYTHON = "python"  # none: the generated Python

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from certreg.native import lawson_columns
 from certreg.relaxation.paired_rows import Poses, fitted, squared_ratios
 
 if TYPE_CHECKING:
@@ -26,7 +27,8 @@ if TYPE_CHECKING:
     Sets = NDArray[np.bool_]
 
 MOST_REFITS = 20  # three are usual
-LAWSON_STEPS = 80  # 5 to 20 decide most sets; what is left is within 2 percent of its bounds
+# 5 to 20 decide most sets; what is left is within 2 percent of its bounds. In native/lawson.c, too.
+LAWSON_STEPS = 80
 REACH = 16.0  # squared ratio of rows that may still come within their bounds
 MOST_NEAR = 12  # rows that are tried, the nearest ones
 MOST_JOINED = 6  # of them in twos
@@ -137,14 +139,28 @@ def lawson_fits(pairs: PairedRows, sets: Sets) -> LawsonFits:
     """Lawson's iteration on sets (B, N), each until it fits, cannot fit, or steps are used up."""
     used = np.flatnonzero(sets.any(axis=0))
     some, inside = pairs.of(used), sets[:, used]
+    columns = lawson_columns(some.source, some.target, some.bounds)
+    if columns is None:
+        poses, weights = _lawson_fits(some, inside)
+    else:
+        fits = columns.fits(inside)
+        poses, weights = Poses(fits.rotations, fits.translations), fits.weights
+    largest = np.where(inside, squared_ratios(some, poses), 0.0).max(axis=1)
+    full = np.zeros(sets.shape)
+    full[:, used] = weights
+    return LawsonFits(poses, largest, full)
+
+
+def _lawson_fits(pairs: PairedRows, inside: Sets) -> tuple[Poses, Reals]:
+    """The poses of least largest ratio that were met, and the last weights: in NumPy."""
     weights = inside / inside.sum(axis=1, keepdims=True)
-    largest = np.full(len(sets), np.inf)
-    rotations, translations = np.zeros((len(sets), 3, 3)), np.zeros((len(sets), 3))
-    open_sets = np.arange(len(sets))
+    largest = np.full(len(inside), np.inf)
+    rotations, translations = np.zeros((len(inside), 3, 3)), np.zeros((len(inside), 3))
+    open_sets = np.arange(len(inside))
     for _ in range(LAWSON_STEPS):
         now = weights[open_sets]
-        poses = fitted(some, now * some.precisions)
-        ratios = squared_ratios(some, poses)
+        poses = fitted(pairs, now * pairs.precisions)
+        ratios = squared_ratios(pairs, poses)
         tops = np.where(inside[open_sets], ratios, 0.0).max(axis=1)
         better = tops < largest[open_sets]
         place = open_sets[better]
@@ -158,6 +174,4 @@ def lawson_fits(pairs: PairedRows, sets: Sets) -> LawsonFits:
         if not len(open_sets):
             break
         weights[open_sets] = now[go_on] / totals[go_on, np.newaxis]
-    full = np.zeros(sets.shape)
-    full[:, used] = weights
-    return LawsonFits(Poses(rotations, translations), largest, full)
+    return Poses(rotations, translations), weights

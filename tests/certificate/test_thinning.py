@@ -11,8 +11,10 @@ import pytest
 from consensus_rates import Cell
 
 from certreg.certificate import ConsensusProver, consensus_certificate
-from certreg.certificate.consistency import ExactRows, consistent_pairs, mask_of, rows_of
-from certreg.certificate.thinning import colours, linked, transversal
+from certreg.certificate.consistency import ExactRows, consistent_pairs
+from certreg.certificate.thinning import transversal
+from certreg.native import mask_of, rows_of
+from certreg.native.bit_rows import colours, linked
 from certreg.problem import ConsensusProblem, RegistrationProblem
 from certreg.registration.consensus import proved_consensus
 
@@ -152,5 +154,26 @@ def test_what_is_asked_for_first_is_less_and_agrees_with_all(shared):
     assert brief.labels == found.labels
     assert np.array_equal(prover.consistent, prover.consistent.T)
     assert [mask_of(np.flatnonzero(row).tolist()) for row in prover.consistent] == (
-        prover.graph.near
+        [*prover.graph.near]
     )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("cell", [Cell(n=60, wrong=80), Cell(n=100, wrong=90), Cell(n=90, wrong=0)])
+def test_labels_are_the_same_without_compiled_code(cell, monkeypatch):
+    """Undecided ones, too; rows that colours strike in the same order."""
+    problems = [cell.problem(cell.instance(seed)) for seed in range(6)]
+    compiled = [proved_consensus(problem, ConsensusProver(problem), 1.0) for problem in problems]
+    for module in ("bit_rows", "lawson"):
+        monkeypatch.setattr(f"certreg.native.{module}.library_if_any", lambda: None)
+    for problem, found in zip(problems, compiled, strict=True):
+        plain = proved_consensus(problem, ConsensusProver(problem), 1.0)
+
+        assert found is not None
+        assert plain is not None
+        assert (plain.labels, plain.upper) == (found.labels, found.upper)
+        strikes = [
+            [(stage.least, strike.row) for stage in one.stages[:1] for strike in stage.strikes]
+            for one in (plain, found)
+        ]
+        assert strikes[0] == strikes[1]

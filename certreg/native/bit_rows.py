@@ -1,0 +1,335 @@
+"""Graphs whose rows are bits, and rows struck from them, by native/agreement.c and thinning.c.
+
+Where there is no compiled code rows are struck alike in Python's integers, a hundred times slower.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from certreg.native.library import library_if_any
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from numpy.typing import NDArray
+
+    Words = NDArray[np.uint64]
+
+WORD_BITS = 64
+
+
+@dataclass(frozen=True, eq=False)
+class BitRows:
+    """A symmetric graph: of each row its neighbours, as bits.
+
+    words: (n, words of a row), low first. A row is no neighbour of itself.
+    """
+
+    words: Words
+
+    @classmethod
+    def of(cls, near: Neighbours) -> BitRows:
+        """Of the neighbours of each row as bits of an integer."""
+        if isinstance(near, BitRows):
+            return near
+        size = 8 * max(1, -(-len(near) // WORD_BITS))
+        packed = b"".join([mask.to_bytes(size, "little") for mask in near])
+        return cls(np.frombuffer(packed, dtype="<u8").reshape(len(near), size // 8))
+
+    @classmethod
+    def of_table(cls, table: NDArray[np.bool_]) -> BitRows:
+        """Of which rows are neighbours, (n, n)."""
+        n = len(table)
+        packed = np.zeros((n, 8 * max(1, -(-n // WORD_BITS))), dtype=np.uint8)
+        bits = np.packbits(table, axis=1, bitorder="little")
+        packed[:, : bits.shape[1]] = bits
+        return cls(packed.view("<u8"))
+
+    def with_edges(self, pairs: Sequence[tuple[int, int]]) -> BitRows:
+        """The same with more edges."""
+        words = self.words.copy()
+        for pair in pairs:
+            for row, other in (pair, pair[::-1]):
+                words[row, other // WORD_BITS] |= np.uint64(1) << np.uint64(other % WORD_BITS)
+        return BitRows(words)
+
+    def __len__(self) -> int:
+        return len(self.words)
+
+    def __getitem__(self, row: int) -> int:
+        return self.integers[row]
+
+    def __iter__(self) -> Iterator[int]:
+        return iter(self.integers)
+
+    @cached_property
+    def integers(self) -> list[int]:
+        """The neighbours of each row as bits of an integer."""
+        content, size = self.words.tobytes(), 8 * self.words.shape[1]
+        ends = range(0, len(content), size)
+        return [int.from_bytes(content[k : k + size], "little") for k in ends]
+
+    @cached_property
+    def table(self) -> NDArray[np.bool_]:
+        """(n, n), which rows are neighbours."""
+        n, given = len(self), self.words.view(np.uint8)
+        return np.unpackbits(given, axis=1, bitorder="little", count=n).view(bool)
+
+
+Neighbours = BitRows | list[int]  # of each row, as bits
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Agreeing:
+    """Rows that agree in the lengths between them, as far as doubles tell.
+
+    open_pairs: those that they do not, each once; not in `near`.
+    """
+
+    near: BitRows
+    open_pairs: list[tuple[int, int]]
+
+
+def agreeing(points: NDArray[np.float64], bounds: NDArray[np.float64]) -> Agreeing | None:
+    """Of rows x, y (n, 6) and their bounds (n,), all of about one in size at most.
+
+    None where there is no compiled code.
+    """
+    library = library_if_any() if sys.byteorder == "little" else None
+    if library is None:
+        return None
+    n = len(bounds)
+    count = max(1, -(-n // WORD_BITS))
+    columns = np.zeros((7, count * WORD_BITS))
+    columns[:6, :n], columns[6, :n] = points.T, bounds
+    words, doubtful = np.empty((2, n, count), dtype=np.uint64)
+    places = [ctypes.c_void_p(array.ctypes.data) for array in (columns, words, doubtful)]
+    found: int = library.handle.certreg_agreeing(ctypes.c_int64(n), ctypes.c_int64(count), *places)
+    pairs = np.argwhere(np.triu(BitRows(doubtful).table)).tolist() if found else []
+    return Agreeing(BitRows(words), [(i, j) for i, j in pairs])
+
+
+class Thinned(Protocol):
+    """Rows left of a graph of which each has `least` - 1 neighbours."""
+
+    @property
+    def near(self) -> BitRows:
+        """The graph, without the pairs that were cut."""
+        ...
+
+    @property
+    def alive(self) -> int:
+        """The rows left, as bits."""
+        ...
+
+    def beside(self, row: int) -> int:
+        """The neighbours of a row that are left, as bits."""
+        ...
+
+    def strike(self, row: int) -> None:
+        """Strikes a row, and then those with too few neighbours."""
+        ...
+
+    def cut(self, row: int, other: int) -> None:
+        """Two neighbours are none any more; then rows with too few neighbours are struck."""
+        ...
+
+    def strike_by_colours(self) -> list[int]:
+        """Strikes rows whose neighbours take fewer than `least` - 1 colours, until none falls.
+
+        Those with few neighbours first; not those of the clique, nor where too few are left.
+        """
+        ...
+
+    def colours(self, rows: int, most: int) -> int:
+        """How many colours rows take, as bits, as neighbours have different ones; or most + 1."""
+        ...
+
+
+def thinned(near: Neighbours, alive: int, least: int, clique: int) -> Thinned:
+    """The rows left of `alive`, as bits. clique: rows that colours do not strike."""
+    library = library_if_any() if sys.byteorder == "little" else None
+    if library is None:
+        return PlainThinned(BitRows.of(near), alive, least, clique)
+    return CompiledThinned(library.handle, BitRows.of(near), alive, least, clique)
+
+
+class _State(ctypes.Structure):
+    _fields_ = (
+        *((name, ctypes.c_int64) for name in ("rows", "words", "least", "count")),
+        *((name, ctypes.c_void_p) for name in ("near", "clique", "alive", "masks")),
+        *((name, ctypes.c_void_p) for name in ("degrees", "failed", "order", "queue")),
+    )
+
+
+class CompiledThinned:
+    """By native/thinning.c."""
+
+    def __init__(self, handle: Any, near: BitRows, alive: int, least: int, clique: int) -> None:
+        n, words = near.words.shape
+        size = 8 * words
+        masks = [clique.to_bytes(size, "little"), alive.to_bytes(size, "little"), bytes(2 * size)]
+        self._handle, self._words = handle, near.words
+        self._masks = np.frombuffer(bytearray(b"".join(masks)), dtype=np.uint64)
+        self._numbers = np.empty((5, n), dtype=np.int64)
+        start, places = self._masks.ctypes.data, self._numbers.ctypes.data
+        self._state = _State(
+            *(n, words, least, 0, self._words.ctypes.data),
+            *(start + k * size for k in range(3)),
+            *(places + 8 * k * n for k in range(4)),
+        )
+        self._pointer, self._given = ctypes.byref(self._state), near
+        handle.certreg_thin(self._pointer)
+
+    @property
+    def near(self) -> BitRows:
+        """The graph, without the pairs that were cut."""
+        given = self._given
+        return given if self._words is given.words else BitRows(self._words.copy())
+
+    @property
+    def alive(self) -> int:
+        """The rows left, as bits."""
+        words = self._state.words
+        return int.from_bytes(self._masks[words : 2 * words].tobytes(), "little")
+
+    def beside(self, row: int) -> int:
+        """The neighbours of a row that are left, as bits."""
+        words = self._state.words
+        mask = self._words[row] & self._masks[words : 2 * words]
+        return int.from_bytes(mask.tobytes(), "little")
+
+    def strike(self, row: int) -> None:
+        """Strikes a row, and then those with too few neighbours."""
+        self._handle.certreg_strike(self._pointer, ctypes.c_int64(row))
+
+    def cut(self, row: int, other: int) -> None:
+        """Two neighbours are none any more."""
+        if self._words is self._given.words:  # it is not this one's to be changed
+            self._words = self._words.copy()
+            self._state.near = self._words.ctypes.data
+        self._handle.certreg_cut(self._pointer, ctypes.c_int64(row), ctypes.c_int64(other))
+
+    def strike_by_colours(self) -> list[int]:
+        """Strikes rows whose neighbours take few colours."""
+        struck = self._numbers[4]
+        place = ctypes.c_void_p(struck.ctypes.data)
+        count: int = self._handle.certreg_strike_by_colours(self._pointer, place)
+        return struck[:count].tolist()
+
+    def colours(self, rows: int, most: int) -> int:
+        """How many colours rows take; or most + 1."""
+        words = self._state.words
+        given = np.frombuffer(rows.to_bytes(8 * words, "little"), "<u8")
+        self._masks[2 * words : 3 * words] = given
+        return self._handle.certreg_colours(self._pointer, ctypes.c_int64(most))
+
+
+class PlainThinned:
+    """The same in Python's integers."""
+
+    def __init__(self, near: BitRows, alive: int, least: int, clique: int) -> None:
+        self._near, self._least, self._clique = [*near.integers], least, clique
+        self._failed: dict[int, int] = {}
+        self.alive = linked(self._near, alive, least, alive)
+
+    @property
+    def near(self) -> BitRows:
+        """The graph, without the pairs that were cut."""
+        return BitRows.of(self._near)
+
+    def beside(self, row: int) -> int:
+        """The neighbours of a row that are left, as bits."""
+        return self._near[row] & self.alive
+
+    def strike(self, row: int) -> None:
+        """Strikes a row, and then those with too few neighbours."""
+        self.alive = linked(self._near, self.alive & ~(1 << row), self._least, self._near[row])
+
+    def cut(self, row: int, other: int) -> None:
+        """Two neighbours are none any more."""
+        self._near[row] &= ~(1 << other)
+        self._near[other] &= ~(1 << row)
+        self._failed.clear()
+        self.alive = linked(self._near, self.alive, self._least, 1 << row | 1 << other)
+
+    def strike_by_colours(self) -> list[int]:
+        """Strikes rows whose neighbours take few colours."""
+        struck, before = list[int](), -1
+        while before < len(struck):
+            before = len(struck)
+            tried = rows_of(self.alive & ~self._clique)
+            for row in sorted(tried, key=lambda e: self.beside(e).bit_count()):
+                if self.alive.bit_count() < self._least:
+                    return struck
+                if self.alive >> row & 1 and self._few_colours(row):
+                    struck.append(row)
+                    self.strike(row)
+        return struck
+
+    def colours(self, rows: int, most: int) -> int:
+        """How many colours rows take; or most + 1."""
+        return colours(rows, self._near, most)
+
+    def _few_colours(self, row: int) -> bool:
+        beside, most = self.beside(row), self._least - 2
+        if self._failed.get(row) == beside or (beside & self._clique).bit_count() > most:
+            return False
+        if colours(beside, self._near, most) <= most:
+            return True
+        self._failed[row] = beside
+        return False
+
+
+def rows_of(mask: int) -> Iterator[int]:
+    """The places of the ones."""
+    while mask:
+        low = mask & -mask
+        yield low.bit_length() - 1
+        mask ^= low
+
+
+def mask_of(rows: Sequence[int]) -> int:
+    """The inverse of `rows_of`."""
+    mask = 0
+    for row in rows:
+        mask |= 1 << row
+    return mask
+
+
+def linked(near: Sequence[int], alive: int, least: int, touched: int) -> int:
+    """Less those with fewer than `least` - 1 neighbours, until none is left that has so few.
+
+    touched: rows that may have so few; those that lose a neighbour follow.
+    """
+    while touched:
+        few = [i for i in rows_of(touched & alive) if (near[i] & alive).bit_count() < least - 1]
+        alive &= ~mask_of(few)
+        touched = 0
+        for i in few:
+            touched |= near[i]
+    return alive
+
+
+def colours(rows: int, near: Sequence[int], most: int) -> int:
+    """How many colours the rows take, the lowest first; or one more than `most`.
+
+    A colour is given to the lowest row without one, then to every later row that is no neighbour
+    of those that have it. The checker colours alike, so that it finds no more.
+    """
+    count = 0
+    while rows and count <= most:
+        count += 1
+        free = rows
+        while free:
+            low = free & -free
+            rows ^= low
+            free &= ~(near[low.bit_length() - 1] | low)
+    return count
